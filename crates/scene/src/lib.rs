@@ -1,1 +1,258 @@
-//! Placeholder.
+//! Scene files: what is in the box, as data.
+//!
+//! A scene is one JSON file that both units carry in their `resources/`. It names the parts that exist; an absent
+//! part costs no memory, no time and no variable. The JSON Schema (`modelDescription/scene.schema.json`) is made
+//! from these very types, and [`Scene::from_json`] refuses what the solvers could not run, naming the key, the value
+//! and what is allowed.
+//!
+//! Everything is in SI units; a two-dimensional scene is one metre deep.
+
+mod beam;
+mod check;
+mod fluid;
+mod law;
+mod rod;
+
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+pub use beam::{Beam, Root};
+pub use fluid::{Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, Motion, TimeStepping};
+pub use law::TimeLaw;
+pub use rod::{Material, Rod, RodScheme, Section};
+
+use check::{Check, above, require};
+
+/// A whole scene: at least a fluid or a rod.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Where the JSON Schema of this file is; read by editors only.
+    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    pub schema: Option<String>,
+    /// Short name: letters, digits, `.`, `_` and `-`; names the units and the result folder.
+    pub name: String,
+    /// One sentence for people.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub description: String,
+    /// Clock of the co-simulation.
+    pub time: Time,
+    /// The fluid; absent in a rod-only scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<Fluid>,
+    /// Geometry of the beam that the fluid sees and the rod moves; absent in a scene without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beam: Option<Beam>,
+    /// Elastic model of the beam; absent where the beam is rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rod: Option<Rod>,
+    /// How fluid and rod exchange; needed when both are there, refused otherwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<Coupling>,
+}
+
+/// Clock of the co-simulation.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Time {
+    /// End of the run, s.
+    pub end: f64,
+    /// Communication step of the master, s. Each unit takes as many equal steps of its own inside as it needs.
+    pub communication_step: f64,
+}
+
+/// How fluid and rod exchange.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Coupling {
+    /// What the fluid does to the rod.
+    pub load: Load,
+    /// How often the two sides are asked within one communication step.
+    #[serde(default)]
+    pub scheme: CouplingScheme,
+}
+
+/// What the fluid does to the rod.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Load {
+    /// Momentum that the penalization takes from the fluid, with its impedance; the rod then carries only the
+    /// difference between its own mass and that of the fluid it displaces.
+    Momentum,
+    /// Jump of the static pressure across the beam (thesis eq. 4.2); the rod carries its whole mass.
+    PressureJump,
+}
+
+/// How often the two sides are asked within one communication step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum CouplingScheme {
+    /// Once: first the rod, then the fluid with the rod's new state.
+    #[default]
+    Explicit,
+    /// Until the interface agrees, with Aitken relaxation and rollback of both units.
+    Iterated {
+        /// Residual of the interface displacement at which the step is accepted, relative to its change over the step.
+        tolerance: f64,
+        /// Largest number of iterations in a step; more is an error.
+        max_iterations: u32,
+    },
+}
+
+/// Why a scene was refused.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file could not be read.
+    #[error("cannot read the scene file {path}: {source}")]
+    Read {
+        /// Path that was asked for.
+        path: String,
+        /// Answer of the system.
+        source: std::io::Error,
+    },
+    /// Not JSON, an unknown or missing key, or a value of the wrong type.
+    #[error("scene key `{key}`: {source}")]
+    Parse {
+        /// Path of the key inside the file.
+        key: String,
+        /// What the parser expected and where.
+        source: serde_json::Error,
+    },
+    /// A value that no solver could run.
+    #[error("scene key `{key}` is {value}, but {allowed}")]
+    Value {
+        /// Path of the key inside the file.
+        key: String,
+        /// The value that was found.
+        value: String,
+        /// What would be allowed, as the end of the sentence "but …".
+        allowed: String,
+    },
+}
+
+impl Scene {
+    /// Read and check a scene file.
+    pub fn from_file(path: &Path) -> Result<Self, SceneError> {
+        let text = std::fs::read_to_string(path)
+            .map_err(|source| SceneError::Read { path: path.display().to_string(), source })?;
+        Self::from_json(&text)
+    }
+
+    /// Read and check a scene from JSON text.
+    pub fn from_json(text: &str) -> Result<Self, SceneError> {
+        let mut deserializer = serde_json::Deserializer::from_str(text);
+        let scene: Self = serde_path_to_error::deserialize(&mut deserializer)
+            .map_err(|e| SceneError::Parse { key: e.path().to_string(), source: e.into_inner() })?;
+        deserializer.end().map_err(|source| SceneError::Parse { key: ".".into(), source })?;
+        scene.check()?;
+        Ok(scene)
+    }
+
+    /// JSON Schema of scene files, made from these types.
+    pub fn json_schema() -> String {
+        let schema = schemars::schema_for!(Self);
+        serde_json::to_string_pretty(&schema).expect("a schema is plain JSON") + "\n"
+    }
+
+    /// Check every value; the first that cannot be run is the error.
+    pub fn check(&self) -> Result<(), SceneError> {
+        let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+        require(!self.name.is_empty() && self.name.chars().all(plain), "name", &self.name, || {
+            "it must be one or more of the letters a-z, A-Z, the digits and . _ -".into()
+        })?;
+        above("time.end", self.time.end, 0.0)?;
+        above("time.communication_step", self.time.communication_step, 0.0)?;
+        require(self.fluid.is_some() || self.rod.is_some(), "fluid", "absent", || {
+            "a scene needs a fluid, a rod with a beam, or both".into()
+        })?;
+        self.fluid.check_at("fluid")?;
+        self.beam.check_at("beam")?;
+        self.rod.check_at("rod")?;
+
+        if let Some(rod) = &self.rod {
+            let Some(beam) = &self.beam else {
+                return require(false, "beam", "absent", || "a rod needs a beam: its geometry".into());
+            };
+            let dimension = self.dimension(beam);
+            require(
+                rod.gravity.is_empty() || rod.gravity.len() == dimension,
+                "rod.gravity",
+                format!("{:?}", rod.gravity),
+                || format!("it must have {dimension} components like the beam's root"),
+            )?;
+        }
+        if let (Some(fluid), Some(beam)) = (&self.fluid, &self.beam) {
+            require(self.dimension(beam) == 2, "beam.root", "three-dimensional", || {
+                "a beam in the two-dimensional fluid needs a root with 2 components".into()
+            })?;
+            for [x, y, _] in self.beam_stations(beam) {
+                let inside = |p: f64, [low, high]: [f64; 2]| (low..=high).contains(&p);
+                require(
+                    inside(x, fluid.domain.x) && inside(y, fluid.domain.y),
+                    "beam.root",
+                    format!("a station at ({x}, {y})"),
+                    || format!("the beam must lie inside the box x {:?}, y {:?}", fluid.domain.x, fluid.domain.y),
+                )?;
+            }
+        }
+        if let Some(Beam { root: Root::OnCylinder { cylinder, .. }, .. }) = &self.beam {
+            let count = self.fluid.as_ref().map_or(0, |f| f.cylinders.len());
+            require(*cylinder < count, "beam.root.on_cylinder.cylinder", cylinder, || {
+                format!("the scene has {count} cylinders, counted from 0")
+            })?;
+        }
+        let coupled = self.fluid.is_some() && self.rod.is_some();
+        require(coupled == self.coupling.is_some(), "coupling", if coupled { "absent" } else { "present" }, || {
+            "it must be there exactly when the scene has both a fluid and a rod".into()
+        })?;
+        if let Some(Coupling { scheme: CouplingScheme::Iterated { tolerance, max_iterations }, .. }) = self.coupling {
+            above("coupling.scheme.iterated.tolerance", tolerance, 0.0)?;
+            require(max_iterations >= 2, "coupling.scheme.iterated.max_iterations", max_iterations, || {
+                "it must be at least 2".into()
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Number of space dimensions in which `beam` moves, 2 or 3.
+    pub fn dimension(&self, beam: &Beam) -> usize {
+        match &beam.root {
+            Root::OnCylinder { .. } => 2,
+            Root::At { position, .. } => position.len(),
+        }
+    }
+
+    /// Rest positions of the stations of `beam` from root to tip, m: `[segments + 1][3]`, z = 0 in two dimensions.
+    pub fn beam_stations(&self, beam: &Beam) -> Vec<[f64; 3]> {
+        let (root, direction) = match &beam.root {
+            Root::OnCylinder { cylinder, angle } => {
+                let cylinder = &self.fluid.as_ref().expect("checked: the cylinder exists").cylinders[*cylinder];
+                let direction = [angle.cos(), angle.sin(), 0.0];
+                let [x, y] = cylinder.center;
+                ([x + cylinder.radius * direction[0], y + cylinder.radius * direction[1], 0.0], direction)
+            }
+            Root::At { position, direction } => {
+                let norm = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+                let vector = |v: &[f64], scale: f64| [v[0] / scale, v[1] / scale, v.get(2).map_or(0.0, |z| z / scale)];
+                (vector(position, 1.0), vector(direction, norm))
+            }
+        };
+        let station = |k: usize| {
+            let s = beam.length * k as f64 / beam.segments as f64;
+            std::array::from_fn(|d| root[d] + s * direction[d])
+        };
+        (0..=beam.segments).map(station).collect()
+    }
+
+    /// Mass of the fluid that the beam displaces, per length and metre of depth, kg/m²: what a rod under the
+    /// momentum load must leave out of its own mass, because the fluid inside the mask carries it. 0 where the load
+    /// is not that one.
+    pub fn displaced_line_density(&self) -> f64 {
+        match (&self.fluid, &self.beam, &self.coupling) {
+            (Some(fluid), Some(beam), Some(Coupling { load: Load::Momentum, .. })) => fluid.density * beam.thickness,
+            _ => 0.0,
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Writes or checks `crates/fmi2/src/sys.rs`, the C types of FMI 2.0 as Rust types.
+//!
+//! `fmi2-bindgen HEADER_DIR SYS_RS` writes the file, `fmi2-bindgen --check HEADER_DIR SYS_RS` compares it and
+//! fails if it differs. libclang is found through the environment variable `LIBCLANG_PATH`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// The C library headers that the FMI headers include. Only `size_t` is used from them, and a libclang installed
+/// on its own comes without them.
+const C_HEADERS: [(&str, &str); 2] = [
+    ("stddef.h", "typedef __SIZE_TYPE__ size_t;\n"),
+    ("stdlib.h", "#include <stddef.h>\n"),
+];
+
+const PREAMBLE: &str = "The C types of FMI 2.0, generated from the official headers by `crates/fmi2/bindgen`: do not edit.";
+
+fn generate(header_dir: &Path) -> Result<String, Box<dyn std::error::Error>> {
+    let shims = std::env::temp_dir().join(format!("fmi2-bindgen-{}", std::process::id()));
+    std::fs::create_dir_all(&shims)?;
+    for (name, text) in C_HEADERS {
+        std::fs::write(shims.join(name), text)?;
+    }
+    let bindings = bindgen::Builder::default()
+        .header(header_dir.join("fmi2FunctionTypes.h").to_string_lossy())
+        .clang_args(["-nostdinc", "-isystem", &shims.to_string_lossy()])
+        .allowlist_type("fmi2.*")
+        // A newtype accepts every integer: a master's invalid number must not become an invalid Rust enum.
+        .default_enum_style(bindgen::EnumVariation::NewType {
+            is_bitfield: false,
+            is_global: false,
+        })
+        .generate_comments(false)
+        .layout_tests(false)
+        .disable_header_comment()
+        .raw_line(format!("//! {PREAMBLE}"))
+        .raw_line("#![allow(missing_docs, non_camel_case_types, non_snake_case, non_upper_case_globals)]")
+        .generate();
+    std::fs::remove_dir_all(&shims)?;
+    Ok(bindings?.to_string())
+}
+
+fn run() -> Result<(), Box<dyn std::error::Error>> {
+    let (flags, paths): (Vec<_>, Vec<_>) = std::env::args().skip(1).partition(|argument| argument == "--check");
+    let [header_dir, sys_rs] = &paths[..] else {
+        return Err("usage: fmi2-bindgen [--check] HEADER_DIR SYS_RS".into());
+    };
+    let (header_dir, sys_rs) = (PathBuf::from(header_dir), PathBuf::from(sys_rs));
+    let generated = generate(&header_dir)?;
+    if flags.is_empty() {
+        std::fs::write(&sys_rs, generated)?;
+    } else if std::fs::read_to_string(&sys_rs)? != generated {
+        return Err(format!("{} differs from what the headers generate", sys_rs.display()).into());
+    }
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("fmi2-bindgen: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! The fluid and the bodies in it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::check::{Check, above, finite, interval, require};
+use crate::{SceneError, TimeLaw};
+
+/// A two-dimensional incompressible fluid in a periodic box.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Fluid {
+    /// Density, kg/m³.
+    pub density: f64,
+    /// Kinematic viscosity, m²/s.
+    pub kinematic_viscosity: f64,
+    /// The periodic box and its grid.
+    #[serde(rename = "box")]
+    pub domain: FluidBox,
+    /// Velocity of the fluid at rest everywhere at t = 0, m/s.
+    #[serde(default)]
+    pub initial_velocity: [f64; 2],
+    /// Solid walls above and below; absent in an open (periodic) scene.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub channel: Option<Channel>,
+    /// Zone across the box in which the velocity is imposed; absent where nothing drives the flow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inflow: Option<Inflow>,
+    /// Circular cylinders, still or in prescribed motion.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cylinders: Vec<Cylinder>,
+    /// How solids are smeared over the grid and how hard they hold the fluid.
+    pub mask: Mask,
+    /// What removes aliasing errors.
+    #[serde(default)]
+    pub filter: Filter,
+    /// The fluid's own step inside a communication step.
+    pub time_stepping: TimeStepping,
+}
+
+/// The periodic box and its grid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FluidBox {
+    /// From where to where along x, m.
+    pub x: [f64; 2],
+    /// From where to where along y, m.
+    pub y: [f64; 2],
+    /// Number of grid points along x and y; at least 8 each, fast for products of small primes.
+    pub cells: [usize; 2],
+}
+
+/// Solid walls above and below.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Channel {
+    /// Lower and upper wall, m; the fluid is between them.
+    pub y: [f64; 2],
+}
+
+/// Zone across the box in which the velocity is imposed: `(profile(y) · law(t), 0)`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Inflow {
+    /// From where to where along x, m.
+    pub x: [f64; 2],
+    /// Shape of the velocity across the zone; the law gives its size.
+    pub profile: InflowProfile,
+    /// Mean velocity of the profile over time, m/s.
+    pub mean_velocity: TimeLaw,
+    /// Relaxation time of the zone, s.
+    pub c_eta: f64,
+}
+
+/// Shape of an inflow, of mean 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum InflowProfile {
+    /// The same velocity at every y.
+    Uniform,
+    /// Poiseuille's parabola between the walls of the channel.
+    Parabolic,
+}
+
+/// A circular cylinder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Cylinder {
+    /// Centre, m; where it moves, the point that its motion is added to.
+    pub center: [f64; 2],
+    /// Radius, m.
+    pub radius: f64,
+    /// Prescribed motion; absent for a still cylinder.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion: Option<Motion>,
+}
+
+/// Prescribed displacement of a cylinder, m.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Motion {
+    /// Displacement along x, m.
+    #[serde(default = "at_rest")]
+    pub x: TimeLaw,
+    /// Displacement along y, m.
+    #[serde(default = "at_rest")]
+    pub y: TimeLaw,
+}
+
+fn at_rest() -> TimeLaw {
+    TimeLaw::Steady(0.0)
+}
+
+/// How a solid holds the fluid: the drag rate as a function of the signed distance to its surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Mask {
+    /// chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it should.
+    Sharp {
+        /// Relaxation time C_eta, s.
+        c_eta: f64,
+    },
+    /// Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds where it should (Hester, Vasil &
+    /// Burns 2021).
+    Cosine {
+        /// Relaxation time C_eta, s.
+        c_eta: f64,
+        /// Half the width of the layer in grid cells.
+        half_width: f64,
+    },
+    /// Drag rate that grows exponentially with depth, so that no-slip holds at the surface whatever the grid's position.
+    LogLinear {
+        /// Smallest relaxation time, s, reached inside the solid.
+        c_eta: f64,
+        /// Length of e-fold growth in grid cells.
+        e_fold: f64,
+    },
+}
+
+/// What removes aliasing errors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Filter {
+    /// exp(−36 (k/k_max)³⁶) (Hou & Li 2007).
+    #[default]
+    Smooth,
+    /// Truncation outside the ellipse of two thirds (thesis eq. 3.14).
+    TwoThirds,
+    /// None.
+    None,
+}
+
+/// The fluid's own step inside a communication step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TimeStepping {
+    /// Largest step, s.
+    pub max_step: f64,
+    /// Largest CFL number max(|u|/dx + |v|/dy) dt; smaller steps are taken where it would be exceeded.
+    pub max_cfl: f64,
+}
+
+impl Mask {
+    /// Relaxation time C_eta deep inside the solid, s.
+    pub fn c_eta(&self) -> f64 {
+        match *self {
+            Self::Sharp { c_eta } | Self::Cosine { c_eta, .. } | Self::LogLinear { c_eta, .. } => c_eta,
+        }
+    }
+}
+
+impl Check for Fluid {
+    fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        above(&format!("{key}.density"), self.density, 0.0)?;
+        above(&format!("{key}.kinematic_viscosity"), self.kinematic_viscosity, 0.0)?;
+        interval(&format!("{key}.box.x"), self.domain.x)?;
+        interval(&format!("{key}.box.y"), self.domain.y)?;
+        for (axis, cells) in self.domain.cells.into_iter().enumerate() {
+            require((8..=65536).contains(&cells), &format!("{key}.box.cells[{axis}]"), cells, || {
+                "it must be between 8 and 65536".into()
+            })?;
+            finite(&format!("{key}.initial_velocity[{axis}]"), self.initial_velocity[axis])?;
+        }
+        let within = |key: &str, [low, high]: [f64; 2], outer: [f64; 2]| {
+            interval(key, [low, high])?;
+            require(outer[0] <= low && high <= outer[1], key, format!("[{low}, {high}]"), || {
+                format!("it must lie inside the box, {outer:?}")
+            })
+        };
+        if let Some(channel) = &self.channel {
+            within(&format!("{key}.channel.y"), channel.y, self.domain.y)?;
+        }
+        if let Some(inflow) = &self.inflow {
+            within(&format!("{key}.inflow.x"), inflow.x, self.domain.x)?;
+            inflow.mean_velocity.check_at(&format!("{key}.inflow.mean_velocity"))?;
+            above(&format!("{key}.inflow.c_eta"), inflow.c_eta, 0.0)?;
+            let possible = inflow.profile != InflowProfile::Parabolic || self.channel.is_some();
+            require(possible, &format!("{key}.inflow.profile"), "parabolic", || "a parabola needs a channel".into())?;
+        }
+        self.cylinders.check_at(&format!("{key}.cylinders"))?;
+        self.mask.check_at(&format!("{key}.mask"))?;
+        above(&format!("{key}.time_stepping.max_step"), self.time_stepping.max_step, 0.0)?;
+        above(&format!("{key}.time_stepping.max_cfl"), self.time_stepping.max_cfl, 0.0)
+    }
+}
+
+impl Check for Cylinder {
+    fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        above(&format!("{key}.radius"), self.radius, 0.0)?;
+        for (axis, c) in self.center.into_iter().enumerate() {
+            finite(&format!("{key}.center[{axis}]"), c)?;
+        }
+        let Some(motion) = &self.motion else { return Ok(()) };
+        motion.x.check_at(&format!("{key}.motion.x"))?;
+        motion.y.check_at(&format!("{key}.motion.y"))
+    }
+}
+
+impl Check for Mask {
+    fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        match *self {
+            Self::Sharp { c_eta } => above(&format!("{key}.sharp.c_eta"), c_eta, 0.0),
+            Self::Cosine { c_eta, half_width } => {
+                above(&format!("{key}.cosine.c_eta"), c_eta, 0.0)?;
+                above(&format!("{key}.cosine.half_width"), half_width, 0.0)
+            }
+            Self::LogLinear { c_eta, e_fold } => {
+                above(&format!("{key}.log_linear.c_eta"), c_eta, 0.0)?;
+                above(&format!("{key}.log_linear.e_fold"), e_fold, 0.0)
+            }
+        }
+    }
+}

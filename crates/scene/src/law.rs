@@ -1,0 +1,117 @@
+//! Laws of time: how a quantity of the scene follows the clock.
+
+use std::f64::consts::PI;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::SceneError;
+use crate::check::{Check, above, at_least, finite, require};
+
+/// A quantity as a function of time; its unit is that of the key it stands at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum TimeLaw {
+    /// The same value at all times.
+    Steady(f64),
+    /// `value · (1 − cos(π t / duration)) / 2` up to `duration`, then `value`.
+    CosineRamp {
+        /// Value after the ramp.
+        value: f64,
+        /// Length of the ramp, s.
+        duration: f64,
+    },
+    /// `mean + amplitude · sin(2 π frequency t + phase)`.
+    Sine {
+        /// Mean value.
+        #[serde(default)]
+        mean: f64,
+        /// Amplitude.
+        amplitude: f64,
+        /// Frequency, Hz.
+        frequency: f64,
+        /// Phase at t = 0, rad.
+        #[serde(default)]
+        phase: f64,
+    },
+    /// Cubic Hermite interpolation (slopes by central differences) between points; constant before and after.
+    Table {
+        /// Times of the points, s, increasing; at least two.
+        times: Vec<f64>,
+        /// Values at the points.
+        values: Vec<f64>,
+    },
+}
+
+impl TimeLaw {
+    /// Value at time `t` (s).
+    pub fn value(&self, t: f64) -> f64 {
+        self.value_and_rate(t).0
+    }
+
+    /// Value and its rate (per second) at time `t` (s).
+    pub fn value_and_rate(&self, t: f64) -> (f64, f64) {
+        match self {
+            Self::Steady(value) => (*value, 0.0),
+            Self::CosineRamp { value, duration } => {
+                let phase = PI * (t / duration).clamp(0.0, 1.0);
+                (value * 0.5 * (1.0 - phase.cos()), value * 0.5 * PI / duration * phase.sin())
+            }
+            Self::Sine { mean, amplitude, frequency, phase } => {
+                let omega = 2.0 * PI * frequency;
+                let (sin, cos) = (omega * t + phase).sin_cos();
+                (mean + amplitude * sin, amplitude * omega * cos)
+            }
+            Self::Table { times, values } => hermite(times, values, t),
+        }
+    }
+}
+
+/// Piecewise cubic Hermite interpolation; the slope at an inner point is that of its two neighbours' secant, 0 at the ends.
+fn hermite(times: &[f64], values: &[f64], t: f64) -> (f64, f64) {
+    let last = times.len() - 1;
+    if t <= times[0] {
+        return (values[0], 0.0);
+    }
+    if t >= times[last] {
+        return (values[last], 0.0);
+    }
+    let slope = |i: usize| {
+        if i == 0 || i == last { 0.0 } else { (values[i + 1] - values[i - 1]) / (times[i + 1] - times[i - 1]) }
+    };
+    let i = times.partition_point(|&time| time <= t) - 1;
+    let width = times[i + 1] - times[i];
+    let s = (t - times[i]) / width;
+    let (p0, p1, m0, m1) = (values[i], values[i + 1], width * slope(i), width * slope(i + 1));
+    let value = p0 + s * (m0 + s * (3.0 * (p1 - p0) - 2.0 * m0 - m1 + s * (2.0 * (p0 - p1) + m0 + m1)));
+    let rate = m0 + s * (2.0 * (3.0 * (p1 - p0) - 2.0 * m0 - m1) + s * 3.0 * (2.0 * (p0 - p1) + m0 + m1));
+    (value, rate / width)
+}
+
+impl Check for TimeLaw {
+    fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        match self {
+            Self::Steady(value) => finite(&format!("{key}.steady"), *value),
+            Self::CosineRamp { value, duration } => {
+                finite(&format!("{key}.cosine_ramp.value"), *value)?;
+                above(&format!("{key}.cosine_ramp.duration"), *duration, 0.0)
+            }
+            Self::Sine { mean, amplitude, frequency, phase } => {
+                finite(&format!("{key}.sine.mean"), *mean)?;
+                finite(&format!("{key}.sine.amplitude"), *amplitude)?;
+                at_least(&format!("{key}.sine.frequency"), *frequency, 0.0)?;
+                finite(&format!("{key}.sine.phase"), *phase)
+            }
+            Self::Table { times, values } => {
+                let increasing = times.windows(2).all(|w| w[0] < w[1]);
+                require(times.len() >= 2 && increasing, &format!("{key}.table.times"), format!("{times:?}"), || {
+                    "it must be at least two increasing numbers".into()
+                })?;
+                let fits = values.len() == times.len() && values.iter().chain(times).all(|v| v.is_finite());
+                require(fits, &format!("{key}.table.values"), format!("{values:?}"), || {
+                    format!("it must be {} finite numbers, one for each time", times.len())
+                })
+            }
+        }
+    }
+}
