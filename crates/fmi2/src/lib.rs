@@ -1,1 +1,80 @@
-//! Placeholder.
+//! FMI 2.0 co-simulation export: a struct, one trait and one list of variables make an FMU.
+//!
+//! Implement [`Model`], list the variables with [`Real`], [`Integer`], [`Boolean`] and [`Text`], and call
+//! [`export_fmu!`] in a crate of type `cdylib`. The list makes the model description with its units, start values and
+//! GUID, the value references, and get and set. The glue keeps time and call order, checks every argument, catches
+//! panics, and stores, restores and serializes the FMU state. See also `examples/damped_oscillator.rs`.
+//!
+//! ```
+//! use std::path::Path;
+//! use std::slice::{from_mut, from_ref};
+//!
+//! use fmi2::{Description, Log, Model, Variable};
+//!
+//! struct Tank {
+//!     inflow: f64,
+//!     volume: f64,
+//! }
+//!
+//! impl Model for Tank {
+//!     const IDENTIFIER: &'static str = "tank";
+//!     type State = (f64, f64);
+//!
+//!     fn load(_resources: Option<&Path>) -> Result<Self, String> {
+//!         Ok(Tank { inflow: 0.0, volume: 0.0 })
+//!     }
+//!
+//!     fn description(&self) -> Description {
+//!         let (model_name, text) = ("Tank".into(), "A tank that fills".into());
+//!         Description { model_name, text, start: 0.0, stop: 1.0, step: 0.1, tolerance: 1e-6 }
+//!     }
+//!
+//!     fn variables(&self) -> Vec<Variable<Self>> {
+//!         type Real = fmi2::Real<Tank>;
+//!         vec![
+//!             Real::input("inflow", "m3/s", "Flow into the tank", |tank| from_mut(&mut tank.inflow)).at_least(0.0),
+//!             Real::output("volume", "m3", "What is in it", |tank| from_ref(&tank.volume)).depends_on(&[]),
+//!         ]
+//!     }
+//!
+//!     fn initialise(&mut self, _start: f64, _log: &Log) -> Result<(), String> {
+//!         Ok(())
+//!     }
+//!
+//!     fn step(&mut self, _t: f64, h: f64, _log: &Log) -> Result<(), String> {
+//!         self.volume += h * self.inflow;
+//!         Ok(())
+//!     }
+//!
+//!     fn save(&self) -> Self::State {
+//!         (self.inflow, self.volume)
+//!     }
+//!
+//!     fn restore(&mut self, state: &Self::State) {
+//!         (self.inflow, self.volume) = *state;
+//!     }
+//! }
+//!
+//! fmi2::export_fmu!(Tank);
+//! ```
+
+mod description;
+#[doc(hidden)]
+pub mod export;
+mod guard;
+mod instance;
+mod log;
+mod model;
+mod resource;
+mod snapshot;
+mod state_machine;
+#[rustfmt::skip]
+pub mod sys;
+mod table;
+mod units;
+mod variable;
+
+pub use description::Description;
+pub use log::Log;
+pub use model::{Model, Span};
+pub use variable::{Boolean, Integer, Real, Text, Variable};

@@ -51,10 +51,14 @@ pub type fmi2CallbackLogger = ::std::option::Option<
 pub type fmi2CallbackAllocateMemory = ::std::option::Option<
     unsafe extern "C" fn(nobj: usize, size: usize) -> *mut ::std::os::raw::c_void,
 >;
-pub type fmi2CallbackFreeMemory =
-    ::std::option::Option<unsafe extern "C" fn(obj: *mut ::std::os::raw::c_void)>;
+pub type fmi2CallbackFreeMemory = ::std::option::Option<
+    unsafe extern "C" fn(obj: *mut ::std::os::raw::c_void),
+>;
 pub type fmi2StepFinished = ::std::option::Option<
-    unsafe extern "C" fn(componentEnvironment: fmi2ComponentEnvironment, status: fmi2Status),
+    unsafe extern "C" fn(
+        componentEnvironment: fmi2ComponentEnvironment,
+        status: fmi2Status,
+    ),
 >;
 #[repr(C)]
 #[derive(Debug, Copy, Clone)]
@@ -75,10 +79,12 @@ pub struct fmi2EventInfo {
     pub nextEventTimeDefined: fmi2Boolean,
     pub nextEventTime: fmi2Real,
 }
-pub type fmi2GetTypesPlatformTYPE =
-    ::std::option::Option<unsafe extern "C" fn() -> *const ::std::os::raw::c_char>;
-pub type fmi2GetVersionTYPE =
-    ::std::option::Option<unsafe extern "C" fn() -> *const ::std::os::raw::c_char>;
+pub type fmi2GetTypesPlatformTYPE = ::std::option::Option<
+    unsafe extern "C" fn() -> *const ::std::os::raw::c_char,
+>;
+pub type fmi2GetVersionTYPE = ::std::option::Option<
+    unsafe extern "C" fn() -> *const ::std::os::raw::c_char,
+>;
 pub type fmi2SetDebugLoggingTYPE = ::std::option::Option<
     unsafe extern "C" fn(
         c: fmi2Component,
@@ -98,7 +104,9 @@ pub type fmi2InstantiateTYPE = ::std::option::Option<
         loggingOn: fmi2Boolean,
     ) -> fmi2Component,
 >;
-pub type fmi2FreeInstanceTYPE = ::std::option::Option<unsafe extern "C" fn(c: fmi2Component)>;
+pub type fmi2FreeInstanceTYPE = ::std::option::Option<
+    unsafe extern "C" fn(c: fmi2Component),
+>;
 pub type fmi2SetupExperimentTYPE = ::std::option::Option<
     unsafe extern "C" fn(
         c: fmi2Component,
@@ -109,14 +117,18 @@ pub type fmi2SetupExperimentTYPE = ::std::option::Option<
         stopTime: fmi2Real,
     ) -> fmi2Status,
 >;
-pub type fmi2EnterInitializationModeTYPE =
-    ::std::option::Option<unsafe extern "C" fn(c: fmi2Component) -> fmi2Status>;
-pub type fmi2ExitInitializationModeTYPE =
-    ::std::option::Option<unsafe extern "C" fn(c: fmi2Component) -> fmi2Status>;
-pub type fmi2TerminateTYPE =
-    ::std::option::Option<unsafe extern "C" fn(c: fmi2Component) -> fmi2Status>;
-pub type fmi2ResetTYPE =
-    ::std::option::Option<unsafe extern "C" fn(c: fmi2Component) -> fmi2Status>;
+pub type fmi2EnterInitializationModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
+>;
+pub type fmi2ExitInitializationModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
+>;
+pub type fmi2TerminateTYPE = ::std::option::Option<
+    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
+>;
+pub type fmi2ResetTYPE = ::std::option::Option<
+    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
+>;
 pub type fmi2GetRealTYPE = ::std::option::Option<
     unsafe extern "C" fn(
         c: fmi2Component,
@@ -191,7 +203,11 @@ pub type fmi2FreeFMUstateTYPE = ::std::option::Option<
     unsafe extern "C" fn(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status,
 >;
 pub type fmi2SerializedFMUstateSizeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, FMUstate: fmi2FMUstate, size: *mut usize) -> fmi2Status,
+    unsafe extern "C" fn(
+        c: fmi2Component,
+        FMUstate: fmi2FMUstate,
+        size: *mut usize,
+    ) -> fmi2Status,
 >;
 pub type fmi2SerializeFMUstateTYPE = ::std::option::Option<
     unsafe extern "C" fn(
@@ -220,13 +236,18 @@ pub type fmi2GetDirectionalDerivativeTYPE = ::std::option::Option<
         dvUnknown: *mut fmi2Real,
     ) -> fmi2Status,
 >;
-pub type fmi2EnterEventModeTYPE =
-    ::std::option::Option<unsafe extern "C" fn(c: fmi2Component) -> fmi2Status>;
-pub type fmi2NewDiscreteStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, fmi2eventInfo: *mut fmi2EventInfo) -> fmi2Status,
+pub type fmi2EnterEventModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
 >;
-pub type fmi2EnterContinuousTimeModeTYPE =
-    ::std::option::Option<unsafe extern "C" fn(c: fmi2Component) -> fmi2Status>;
+pub type fmi2NewDiscreteStatesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        c: fmi2Component,
+        fmi2eventInfo: *mut fmi2EventInfo,
+    ) -> fmi2Status,
+>;
+pub type fmi2EnterContinuousTimeModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
+>;
 pub type fmi2CompletedIntegratorStepTYPE = ::std::option::Option<
     unsafe extern "C" fn(
         c: fmi2Component,
@@ -235,22 +256,35 @@ pub type fmi2CompletedIntegratorStepTYPE = ::std::option::Option<
         terminateSimulation: *mut fmi2Boolean,
     ) -> fmi2Status,
 >;
-pub type fmi2SetTimeTYPE =
-    ::std::option::Option<unsafe extern "C" fn(c: fmi2Component, time: fmi2Real) -> fmi2Status>;
+pub type fmi2SetTimeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(c: fmi2Component, time: fmi2Real) -> fmi2Status,
+>;
 pub type fmi2SetContinuousStatesTYPE = ::std::option::Option<
     unsafe extern "C" fn(c: fmi2Component, x: *const fmi2Real, nx: usize) -> fmi2Status,
 >;
 pub type fmi2GetDerivativesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, derivatives: *mut fmi2Real, nx: usize) -> fmi2Status,
+    unsafe extern "C" fn(
+        c: fmi2Component,
+        derivatives: *mut fmi2Real,
+        nx: usize,
+    ) -> fmi2Status,
 >;
 pub type fmi2GetEventIndicatorsTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, eventIndicators: *mut fmi2Real, ni: usize) -> fmi2Status,
+    unsafe extern "C" fn(
+        c: fmi2Component,
+        eventIndicators: *mut fmi2Real,
+        ni: usize,
+    ) -> fmi2Status,
 >;
 pub type fmi2GetContinuousStatesTYPE = ::std::option::Option<
     unsafe extern "C" fn(c: fmi2Component, x: *mut fmi2Real, nx: usize) -> fmi2Status,
 >;
 pub type fmi2GetNominalsOfContinuousStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, x_nominal: *mut fmi2Real, nx: usize) -> fmi2Status,
+    unsafe extern "C" fn(
+        c: fmi2Component,
+        x_nominal: *mut fmi2Real,
+        nx: usize,
+    ) -> fmi2Status,
 >;
 pub type fmi2SetRealInputDerivativesTYPE = ::std::option::Option<
     unsafe extern "C" fn(
@@ -278,13 +312,22 @@ pub type fmi2DoStepTYPE = ::std::option::Option<
         noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
     ) -> fmi2Status,
 >;
-pub type fmi2CancelStepTYPE =
-    ::std::option::Option<unsafe extern "C" fn(c: fmi2Component) -> fmi2Status>;
+pub type fmi2CancelStepTYPE = ::std::option::Option<
+    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
+>;
 pub type fmi2GetStatusTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2Status) -> fmi2Status,
+    unsafe extern "C" fn(
+        c: fmi2Component,
+        s: fmi2StatusKind,
+        value: *mut fmi2Status,
+    ) -> fmi2Status,
 >;
 pub type fmi2GetRealStatusTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2Real) -> fmi2Status,
+    unsafe extern "C" fn(
+        c: fmi2Component,
+        s: fmi2StatusKind,
+        value: *mut fmi2Real,
+    ) -> fmi2Status,
 >;
 pub type fmi2GetIntegerStatusTYPE = ::std::option::Option<
     unsafe extern "C" fn(
@@ -301,5 +344,9 @@ pub type fmi2GetBooleanStatusTYPE = ::std::option::Option<
     ) -> fmi2Status,
 >;
 pub type fmi2GetStringStatusTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2String) -> fmi2Status,
+    unsafe extern "C" fn(
+        c: fmi2Component,
+        s: fmi2StatusKind,
+        value: *mut fmi2String,
+    ) -> fmi2Status,
 >;

@@ -8,12 +8,11 @@ use std::process::ExitCode;
 
 /// The C library headers that the FMI headers include. Only `size_t` is used from them, and a libclang installed
 /// on its own comes without them.
-const C_HEADERS: [(&str, &str); 2] = [
-    ("stddef.h", "typedef __SIZE_TYPE__ size_t;\n"),
-    ("stdlib.h", "#include <stddef.h>\n"),
-];
+const C_HEADERS: [(&str, &str); 2] =
+    [("stddef.h", "typedef __SIZE_TYPE__ size_t;\n"), ("stdlib.h", "#include <stddef.h>\n")];
 
-const PREAMBLE: &str = "The C types of FMI 2.0, generated from the official headers by `crates/fmi2/bindgen`: do not edit.";
+const PREAMBLE: &str =
+    "The C types of FMI 2.0, generated from the official headers by `crates/fmi2/bindgen`: do not edit.";
 
 fn generate(header_dir: &Path) -> Result<String, Box<dyn std::error::Error>> {
     let shims = std::env::temp_dir().join(format!("fmi2-bindgen-{}", std::process::id()));
@@ -26,12 +25,11 @@ fn generate(header_dir: &Path) -> Result<String, Box<dyn std::error::Error>> {
         .clang_args(["-nostdinc", "-isystem", &shims.to_string_lossy()])
         .allowlist_type("fmi2.*")
         // A newtype accepts every integer: a master's invalid number must not become an invalid Rust enum.
-        .default_enum_style(bindgen::EnumVariation::NewType {
-            is_bitfield: false,
-            is_global: false,
-        })
+        .default_enum_style(bindgen::EnumVariation::NewType { is_bitfield: false, is_global: false })
         .generate_comments(false)
         .layout_tests(false)
+        .rust_target(bindgen::RustTarget::stable(89, 0).expect("Rust 1.89 is known to bindgen"))
+        .formatter(bindgen::Formatter::Prettyplease)
         .disable_header_comment()
         .raw_line(format!("//! {PREAMBLE}"))
         .raw_line("#![allow(missing_docs, non_camel_case_types, non_snake_case, non_upper_case_globals)]")

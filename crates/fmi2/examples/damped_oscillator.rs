@@ -1,0 +1,96 @@
+//! m x'' + c x' + k x = F, as an FMU. The force is held over a step, and the step is the exact solution.
+
+use std::path::Path;
+use std::slice::{from_mut, from_ref};
+
+use fmi2::{Description, Log, Model};
+use serde::{Deserialize, Serialize};
+
+type Real = fmi2::Real<Oscillator>;
+type Variable = fmi2::Variable<Oscillator>;
+
+/// A mass on a spring and a damper. All of it is state, so it saves itself.
+#[derive(Clone, Serialize, Deserialize)]
+struct Oscillator {
+    /// Mass, kg
+    m: f64,
+    /// Damping, N.s/m
+    c: f64,
+    /// Stiffness, N/m
+    k: f64,
+    /// Force, N
+    f: f64,
+    /// Position, m
+    x: f64,
+    /// Velocity, m/s
+    v: f64,
+    /// Where the simulation starts, m
+    x0: f64,
+}
+
+impl Model for Oscillator {
+    const IDENTIFIER: &'static str = "damped_oscillator";
+    type State = Self;
+
+    fn load(_resources: Option<&Path>) -> Result<Self, String> {
+        Ok(Oscillator { m: 1.0, c: 0.5, k: 10.0, f: 0.0, x: 0.0, v: 0.0, x0: 1.0 })
+    }
+
+    fn description(&self) -> Description {
+        Description {
+            model_name: "DampedOscillator".into(),
+            text: "A mass on a spring and a damper, pushed by a force".into(),
+            start: 0.0,
+            stop: 10.0,
+            step: 0.1,
+            tolerance: 1e-6,
+        }
+    }
+
+    fn variables(&self) -> Vec<Variable> {
+        vec![
+            Real::time(),
+            Real::parameter("m", "kg", "Mass", |o| from_mut(&mut o.m)).above(0.0),
+            Real::parameter("c", "N.s/m", "Damping", |o| from_mut(&mut o.c)).at_least(0.0),
+            Real::parameter("k", "N/m", "Stiffness", |o| from_mut(&mut o.k)).above(0.0),
+            Real::parameter("x0", "m", "Initial position", |o| from_mut(&mut o.x0)),
+            Real::input("f", "N", "Force, held over a step", |o| from_mut(&mut o.f)),
+            Real::output("x", "m", "Position", |o| from_ref(&o.x)).depends_on(&[]),
+            Real::output("v", "m/s", "Velocity", |o| from_ref(&o.v)).depends_on(&[]),
+        ]
+    }
+
+    fn initialise(&mut self, _start: f64, _log: &Log) -> Result<(), String> {
+        (self.x, self.v) = (self.x0, 0.0);
+        Ok(())
+    }
+
+    /// With y = x - F/k, a = c/(2m) and w² = k/m - a²: y(h) = e^(-ah) [(cos wh + a sin(wh)/w) y + sin(wh)/w v],
+    /// and hyperbolic functions where w² < 0.
+    fn step(&mut self, _t: f64, h: f64, _log: &Log) -> Result<(), String> {
+        let a = self.c / (2.0 * self.m);
+        let w2 = self.k / self.m - a * a;
+        let w = w2.abs().sqrt();
+        let (cos, sin_by_w) = match w {
+            0.0 => (1.0, h),
+            _ if w2 > 0.0 => ((w * h).cos(), (w * h).sin() / w),
+            _ => ((w * h).cosh(), (w * h).sinh() / w),
+        };
+        let rest = self.f / self.k;
+        let y = self.x - rest;
+        let decay = (-a * h).exp();
+        self.x = rest + decay * ((cos + a * sin_by_w) * y + sin_by_w * self.v);
+        self.v = decay * (-self.k / self.m * sin_by_w * y + (cos - a * sin_by_w) * self.v);
+        Ok(())
+    }
+
+    fn save(&self) -> Self::State {
+        self.clone()
+    }
+
+    fn restore(&mut self, state: &Self::State) {
+        self.clone_from(state);
+    }
+}
+
+fmi2::export_fmu!(Oscillator);

@@ -1,0 +1,449 @@
+//! `modelDescription.xml` and its GUID, made from the list of variables.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io;
+use std::ops::{Bound, Range};
+
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, Event};
+use quick_xml::writer::ElementWriter;
+use uuid::Uuid;
+
+use crate::log;
+use crate::model::Model;
+use crate::table::Table;
+use crate::units::Exponents;
+use crate::variable::{Access, Bounds, Causality, Value, Variability, Variable};
+
+/// What a master shows of a model before it runs it.
+#[derive(Clone, Debug)]
+pub struct Description {
+    /// Name of the model.
+    pub model_name: String,
+    /// One sentence on what it is.
+    pub text: String,
+    /// Default start time, s.
+    pub start: f64,
+    /// Default stop time, s.
+    pub stop: f64,
+    /// Default communication step, s.
+    pub step: f64,
+    /// Default relative tolerance.
+    pub tolerance: f64,
+}
+
+/// A model description and its GUID.
+pub(crate) struct Document {
+    /// `{8-4-4-4-12}`
+    pub guid: String,
+    pub xml: String,
+}
+
+/// Writes the model description. The GUID is a hash of the whole text, so that it tells an FMU whose library,
+/// resources and XML do not belong together.
+pub(crate) fn document<M: Model>(table: &Table<M>, model: &mut M) -> Result<Document, String> {
+    let starts = start_values(table, model)?;
+    let description = model.description();
+    let write = |guid: &str| {
+        let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
+        write_document(&mut writer, &description, table, &starts, guid).expect("writing to memory does not fail");
+        String::from_utf8(writer.into_inner()).expect("the writer was given UTF-8")
+    };
+    let guid = Uuid::new_v5(&Uuid::NAMESPACE_OID, write("").as_bytes()).braced().to_string();
+    let xml = write(&guid);
+    Ok(Document { guid, xml })
+}
+
+/// Start values as text, one per value reference; `None` where the standard wants none.
+fn start_values<M: Model>(table: &Table<M>, model: &mut M) -> Result<Vec<Option<String>>, String> {
+    let mut starts = Vec::new();
+    for (index, variable) in table.variables.iter().enumerate() {
+        match &variable.access {
+            Access::Time => starts.push(None),
+            Access::Real(_) => append::<M, f64>(&mut starts, table, model, index, |value| real(*value))?,
+            Access::Integer(_) => append::<M, i32>(&mut starts, table, model, index, i32::to_string)?,
+            Access::Boolean(_) => append::<M, bool>(&mut starts, table, model, index, bool::to_string)?,
+            Access::Text(_) => append::<M, String>(&mut starts, table, model, index, String::clone)?,
+        }
+    }
+    Ok(starts)
+}
+
+fn append<M: Model, T: Value>(
+    starts: &mut Vec<Option<String>>,
+    table: &Table<M>,
+    model: &mut M,
+    index: usize,
+    text: fn(&T) -> String,
+) -> Result<(), String> {
+    let variable = &table.variables[index];
+    let values = table.read::<T>(index, model, &[0.0])?.unwrap_or_default();
+    if !variable.has_start() {
+        starts.resize(starts.len() + values.len(), None);
+        return Ok(());
+    }
+    variable.check(values, 0).map_err(|error| format!("start value {error}"))?;
+    starts.extend(values.iter().map(|value| Some(text(value))));
+    Ok(())
+}
+
+fn write_document<M: Model>(
+    writer: &mut Writer<Vec<u8>>,
+    description: &Description,
+    table: &Table<M>,
+    starts: &[Option<String>],
+    guid: &str,
+) -> io::Result<()> {
+    writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    writer
+        .create_element("fmiModelDescription")
+        .with_attributes([
+            ("fmiVersion", "2.0"),
+            ("modelName", &description.model_name),
+            ("guid", guid),
+            ("description", &description.text),
+            ("generationTool", concat!("fmi2 ", env!("CARGO_PKG_VERSION"))),
+            ("variableNamingConvention", "structured"),
+        ])
+        .write_inner_content(|writer| {
+            write_co_simulation::<M>(writer)?;
+            write_units(writer, table)?;
+            write_log_categories(writer)?;
+            writer
+                .create_element("DefaultExperiment")
+                .with_attribute(("startTime", real(description.start).as_str()))
+                .with_attribute(("stopTime", real(description.stop).as_str()))
+                .with_attribute(("tolerance", real(description.tolerance).as_str()))
+                .with_attribute(("stepSize", real(description.step).as_str()))
+                .write_empty()?;
+            writer.create_element("ModelVariables").write_inner_content(|writer| {
+                table
+                    .variables
+                    .iter()
+                    .enumerate()
+                    .try_for_each(|(index, variable)| write_variable(writer, variable, table.references(index), starts))
+            })?;
+            write_structure(writer, table)
+        })?;
+    Ok(())
+}
+
+fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
+    writer
+        .create_element("CoSimulation")
+        .with_attribute(("modelIdentifier", M::IDENTIFIER))
+        .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
+        .with_attribute(("canInterpolateInputs", boolean(M::INPUT_DERIVATIVE)))
+        .with_attribute(("maxOutputDerivativeOrder", if M::OUTPUT_DERIVATIVE { "1" } else { "0" }))
+        .with_attribute(("canBeInstantiatedOnlyOncePerProcess", "false"))
+        .with_attribute(("canNotUseMemoryManagementFunctions", "true"))
+        .with_attribute(("canGetAndSetFMUstate", "true"))
+        .with_attribute(("canSerializeFMUstate", "true"))
+        .with_attribute(("providesDirectionalDerivative", boolean(M::DIRECTIONAL_DERIVATIVE)))
+        .write_empty()?;
+    Ok(())
+}
+
+fn write_units<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
+    let units: BTreeMap<&str, Exponents> = table
+        .variables
+        .iter()
+        .filter_map(|variable| variable.unit.as_deref())
+        .map(|unit| (unit, Exponents::parse(unit).expect("the table's units are known")))
+        .collect();
+    if units.is_empty() {
+        return Ok(());
+    }
+    writer.create_element("UnitDefinitions").write_inner_content(|writer| {
+        units.iter().try_for_each(|(name, exponents)| {
+            writer.create_element("Unit").with_attribute(("name", *name)).write_inner_content(|writer| {
+                let base = [("kg", exponents.kg), ("m", exponents.m), ("s", exponents.s), ("rad", exponents.rad)];
+                base.into_iter()
+                    .filter(|(_, power)| *power != 0)
+                    .fold(writer.create_element("BaseUnit"), |element, (symbol, power)| {
+                        element.with_attribute((symbol, power.to_string().as_str()))
+                    })
+                    .write_empty()
+                    .map(|_| ())
+            })?;
+            Ok(())
+        })
+    })?;
+    Ok(())
+}
+
+fn write_log_categories(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
+    writer.create_element("LogCategories").write_inner_content(|writer| {
+        log::CATEGORIES.iter().try_for_each(|(name, description)| {
+            writer
+                .create_element("Category")
+                .with_attribute(("name", name.to_str().expect("the categories are ASCII")))
+                .with_attribute(("description", *description))
+                .write_empty()?;
+            Ok(())
+        })
+    })?;
+    Ok(())
+}
+
+fn write_variable<M>(
+    writer: &mut Writer<Vec<u8>>,
+    variable: &Variable<M>,
+    references: Range<u32>,
+    starts: &[Option<String>],
+) -> io::Result<()> {
+    for (element, reference) in references.enumerate() {
+        let mut scalar = writer
+            .create_element("ScalarVariable")
+            .with_attribute(("name", variable.element_name(element).as_str()))
+            .with_attribute(("valueReference", reference.to_string().as_str()))
+            .with_attribute(("description", variable.description.as_str()))
+            .with_attribute(("causality", variable.causality.name()))
+            .with_attribute(("variability", variable.variability.name()));
+        if let Some(initial) = variable.initial() {
+            scalar = scalar.with_attribute(("initial", initial));
+        }
+        scalar.write_inner_content(|writer| {
+            let mut value = writer.create_element(variable.access.type_name());
+            if let Some(unit) = &variable.unit {
+                value = value.with_attribute(("unit", unit.as_str()));
+            }
+            value = with_bounds(value, variable);
+            if let Some(start) = &starts[reference as usize] {
+                value = value.with_attribute(("start", start.as_str()));
+            }
+            value.write_empty()?;
+            Ok(())
+        })?;
+    }
+    Ok(())
+}
+
+/// `min` and `max` where a limit is inclusive; FMI 2.0 has no words for an exclusive one.
+fn with_bounds<'a, M>(mut value: ElementWriter<'a, Vec<u8>>, variable: &Variable<M>) -> ElementWriter<'a, Vec<u8>> {
+    let text = |limit: f64| match variable.access {
+        Access::Integer(_) => limit.to_string(),
+        _ => real(limit),
+    };
+    let (lower, upper): Bounds = variable.bounds;
+    for (name, bound) in [("min", lower), ("max", upper)] {
+        if let Bound::Included(limit) = bound {
+            value = value.with_attribute((name, text(limit).as_str()));
+        }
+    }
+    value
+}
+
+/// The standard counts `ScalarVariable` elements from one; value references count the same elements from zero.
+fn write_structure<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
+    let outputs = |variability: fn(Variability) -> bool| -> Vec<(&Variable<M>, Range<u32>)> {
+        let of_kind =
+            |variable: &Variable<M>| variable.causality == Causality::Output && variability(variable.variability);
+        let variables = table.variables.iter().enumerate();
+        variables
+            .filter(|(_, variable)| of_kind(variable))
+            .map(|(index, variable)| (variable, table.references(index)))
+            .filter(|(_, references)| !references.is_empty())
+            .collect()
+    };
+    let dependencies = |variable: &Variable<M>| {
+        let mut text = String::new();
+        let names = variable.dependencies.as_ref()?;
+        for reference in names.iter().filter_map(|name| table.references_of(name)).flatten() {
+            let separator = if text.is_empty() { "" } else { " " };
+            write!(text, "{separator}{}", reference + 1).expect("writing to memory does not fail");
+        }
+        Some(text)
+    };
+    writer.create_element("ModelStructure").write_inner_content(|writer| {
+        let all = outputs(|_| true);
+        if !all.is_empty() {
+            writer.create_element("Outputs").write_inner_content(|writer| {
+                all.iter().try_for_each(|(variable, references)| {
+                    write_unknowns(writer, references.clone(), dependencies(variable).as_deref())
+                })
+            })?;
+        }
+        let calculated = outputs(|variability| variability != Variability::Constant);
+        if !calculated.is_empty() {
+            writer.create_element("InitialUnknowns").write_inner_content(|writer| {
+                calculated.iter().try_for_each(|(_, references)| write_unknowns(writer, references.clone(), None))
+            })?;
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
+fn write_unknowns(writer: &mut Writer<Vec<u8>>, references: Range<u32>, dependencies: Option<&str>) -> io::Result<()> {
+    for reference in references {
+        let mut unknown =
+            writer.create_element("Unknown").with_attribute(("index", (reference + 1).to_string().as_str()));
+        if let Some(dependencies) = dependencies {
+            unknown = unknown.with_attribute(("dependencies", dependencies));
+        }
+        unknown.write_empty()?;
+    }
+    Ok(())
+}
+
+/// The shortest text that reads back to the same number.
+fn real(value: f64) -> String {
+    format!("{value:?}")
+}
+
+fn boolean(value: bool) -> &'static str {
+    if value { "true" } else { "false" }
+}
+
+impl<M> Variable<M> {
+    /// Whether the standard wants a start value.
+    fn has_start(&self) -> bool {
+        self.initial() == Some("exact") || self.causality == Causality::Input
+    }
+
+    fn initial(&self) -> Option<&'static str> {
+        match (self.causality, self.variability) {
+            (Causality::Parameter, _) | (_, Variability::Constant) => Some("exact"),
+            (Causality::Output | Causality::Local, _) => Some("calculated"),
+            (Causality::Input | Causality::Independent, _) => None,
+        }
+    }
+}
+
+impl Causality {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Causality::Parameter => "parameter",
+            Causality::Input => "input",
+            Causality::Output => "output",
+            Causality::Local => "local",
+            Causality::Independent => "independent",
+        }
+    }
+}
+
+impl Variability {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Variability::Constant => "constant",
+            Variability::Fixed => "fixed",
+            Variability::Tunable => "tunable",
+            Variability::Discrete => "discrete",
+            Variability::Continuous => "continuous",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::slice::from_mut;
+
+    use super::*;
+    use crate::log::Log;
+
+    /// A model whose only parameter starts at `start`, in `unit`, and whose output is one value short if `short`.
+    struct Probe {
+        unit: &'static str,
+        start: f64,
+        short: bool,
+        u: [f64; 2],
+    }
+
+    impl Model for Probe {
+        const IDENTIFIER: &'static str = "probe";
+        type State = ();
+
+        fn load(_: Option<&Path>) -> Result<Self, String> {
+            Ok(PROBE)
+        }
+
+        fn description(&self) -> Description {
+            Description {
+                model_name: "A & B".into(),
+                text: "<\"probe\">".into(),
+                start: 0.0,
+                stop: 1.0,
+                step: 1e-7,
+                tolerance: 1e-6,
+            }
+        }
+
+        fn variables(&self) -> Vec<Variable<Self>> {
+            type Real = crate::Real<Probe>;
+            vec![
+                Real::input("u", "m", "", |probe| &mut probe.u).array(2),
+                Real::parameter("p", self.unit, "", |probe| from_mut(&mut probe.start)).at_least(0.0).below(9.0),
+                Real::output("y", "m", "", |probe| if probe.short { &[0.0] } else { &[0.0; 2] })
+                    .array(2)
+                    .depends_on(&["u"]),
+            ]
+        }
+
+        fn initialise(&mut self, _: f64, _: &Log) -> Result<(), String> {
+            Ok(())
+        }
+
+        fn step(&mut self, _: f64, _: f64, _: &Log) -> Result<(), String> {
+            Ok(())
+        }
+
+        fn save(&self) {}
+
+        fn restore(&mut self, (): &()) {}
+    }
+
+    const PROBE: Probe = Probe { unit: "N/m", start: 1e-7, short: false, u: [0.0; 2] };
+
+    fn describe(mut probe: Probe) -> Result<Document, String> {
+        document(&Table::new(probe.variables())?, &mut probe)
+    }
+
+    #[test]
+    fn the_guid_changes_with_units_and_start_values_only() {
+        let guid = |probe| describe(probe).unwrap().guid;
+        assert_eq!(guid(PROBE), guid(PROBE));
+        assert_ne!(guid(PROBE), guid(Probe { unit: "Pa", ..PROBE }));
+        assert_ne!(guid(PROBE), guid(Probe { start: 2e-7, ..PROBE }));
+    }
+
+    #[test]
+    fn the_guid_is_in_the_text_and_in_braces() {
+        let document = describe(PROBE).unwrap();
+        assert_eq!(document.guid.len(), 38, "{}", document.guid);
+        assert!(document.xml.contains(&format!("guid=\"{}\"", document.guid)), "{}", document.xml);
+    }
+
+    #[test]
+    fn the_text_holds_what_the_list_says() {
+        let xml = describe(PROBE).unwrap().xml;
+        for part in [
+            "modelName=\"A &amp; B\" ",
+            "name=\"u[1]\" valueReference=\"0\"",
+            "name=\"y[2]\" valueReference=\"4\"",
+            "<Real unit=\"N/m\" min=\"0.0\" start=\"1e-7\"/>",
+            "<BaseUnit kg=\"1\" s=\"-2\"/>",
+            "<Unknown index=\"4\" dependencies=\"1 2\"/>",
+            "stepSize=\"1e-7\"",
+        ] {
+            assert!(xml.contains(part), "no {part} in\n{xml}");
+        }
+        assert!(!xml.contains("max="), "an exclusive limit has no place in\n{xml}");
+    }
+
+    #[test]
+    fn a_wrong_length_is_refused_with_both_numbers() {
+        let message = describe(Probe { short: true, ..PROBE }).err().unwrap();
+        assert!(message.contains("y: the model gives 1 values, the list declares 2"), "{message}");
+    }
+
+    #[test]
+    fn a_start_value_outside_its_limits_is_refused() {
+        for start in [-1.0, 9.0, f64::NAN] {
+            let message = describe(Probe { start, ..PROBE }).err().unwrap();
+            assert!(message.contains("start value p = "), "{message}");
+        }
+    }
+}

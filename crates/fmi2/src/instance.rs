@@ -1,0 +1,298 @@
+//! One instance of an FMU: everything behind the C functions that touches no raw pointer.
+//!
+//! A method that refuses its arguments leaves the instance as it was; one whose model fails puts it into the error
+//! state.
+
+use std::collections::BTreeMap;
+use std::ffi::CString;
+use std::path::{Path, PathBuf};
+
+use crate::description::{self, Document};
+use crate::log::Log;
+use crate::model::Model;
+use crate::snapshot::{Clock, Snapshot};
+use crate::state_machine::{self, Function, Mode};
+use crate::table::{Run, Table};
+use crate::variable::{Causality, Value, Variability, Variable};
+
+pub(crate) struct Instance<M: Model> {
+    pub log: Log,
+    resources: Option<PathBuf>,
+    guid: String,
+    model: M,
+    table: Table<M>,
+    clock: Clock,
+    /// The FMU states given out, by the number that a master holds as a pointer: the address of the snapshot, so that
+    /// the states of two instances never share a number.
+    snapshots: BTreeMap<usize, Box<Snapshot<M::State>>>,
+    /// What `fmi2GetString` returned last, kept alive until its next call.
+    pub strings: Vec<CString>,
+}
+
+/// Masters add up their steps: times within this share of the larger of time and step are the same.
+const TIME_TOLERANCE: f64 = 1e-9;
+
+const START: Clock = Clock { mode: Mode::Instantiated, time: 0.0, stop: None };
+
+/// A model with its table and description.
+pub(crate) fn load<M: Model>(resources: Option<&Path>) -> Result<(M, Table<M>, Document), String> {
+    let mut model = M::load(resources)?;
+    let table = Table::new(model.variables())?;
+    let document = description::document(&table, &mut model)?;
+    Ok((model, table, document))
+}
+
+/// A model with its table, which must be the one that the master read the description of.
+pub(crate) fn load_described<M: Model>(resources: Option<&Path>, guid: &str) -> Result<(M, Table<M>), String> {
+    let (model, table, document) = load::<M>(resources)?;
+    if document.guid != guid {
+        return Err(format!("the GUID is {guid:?}, but library and resources make {:?}", document.guid));
+    }
+    Ok((model, table))
+}
+
+impl<M: Model> Instance<M> {
+    pub fn new(log: Log, resources: Option<PathBuf>, guid: String, (model, table): (M, Table<M>)) -> Self {
+        Instance { log, resources, guid, model, table, clock: START, snapshots: BTreeMap::new(), strings: Vec::new() }
+    }
+
+    pub fn check_order(&self, function: Function) -> Result<(), String> {
+        state_machine::check(function, self.clock.mode)
+    }
+
+    /// The model is no longer to be trusted.
+    pub fn panicked(&mut self) {
+        self.clock.mode = Mode::Panicked;
+    }
+
+    /// Last communication point reached, s.
+    pub fn time(&self) -> f64 {
+        self.clock.time
+    }
+
+    pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), String> {
+        if !start.is_finite() {
+            return Err(format!("startTime = {start} must be finite"));
+        }
+        if let Some(stop) = stop
+            && !(stop.is_finite() && stop > start)
+        {
+            return Err(format!("stopTime = {stop} must be finite and greater than startTime = {start}"));
+        }
+        self.clock.time = start;
+        self.clock.stop = stop;
+        Ok(())
+    }
+
+    pub fn enter_initialization(&mut self) {
+        self.clock.mode = Mode::Initialization;
+    }
+
+    pub fn exit_initialization(&mut self) -> Result<(), String> {
+        let result = self.model.initialise(self.clock.time, &self.log);
+        self.clock.mode = if result.is_ok() { Mode::StepComplete } else { Mode::Error };
+        result
+    }
+
+    pub fn terminate(&mut self) {
+        self.clock.mode = Mode::Terminated;
+    }
+
+    pub fn reset(&mut self) -> Result<(), String> {
+        self.reload()?;
+        self.clock = START;
+        Ok(())
+    }
+
+    fn reload(&mut self) -> Result<(), String> {
+        (self.model, self.table) = load_described(self.resources.as_deref(), &self.guid)?;
+        Ok(())
+    }
+
+    pub fn step(&mut self, time: f64, step: f64) -> Result<(), String> {
+        let now = self.clock.time;
+        if !(step.is_finite() && step > 0.0) {
+            return Err(format!("communicationStepSize = {step} must be finite and > 0"));
+        }
+        let tolerance = TIME_TOLERANCE * now.abs().max(step);
+        if !time.is_finite() || (time - now).abs() > tolerance {
+            return Err(format!("currentCommunicationPoint = {time} must be the instance's time {now}"));
+        }
+        let end = time + step;
+        if let Some(stop) = self.clock.stop
+            && end > stop + tolerance
+        {
+            return Err(format!("the step from {time} to {end} must not pass stopTime = {stop}"));
+        }
+        let result = self.model.step(time, step, &self.log);
+        match result {
+            Ok(()) => self.clock.time = end,
+            Err(_) => self.clock.mode = Mode::Error,
+        }
+        result
+    }
+
+    /// Reads values: `sink` receives them in pieces, each with its position in `references`.
+    pub fn get<T: Value>(&mut self, references: &[u32], mut sink: impl FnMut(usize, &[T])) -> Result<(), String> {
+        let clock = [self.clock.time];
+        for run in self.table.runs(references) {
+            let run = run?;
+            let values = self
+                .table
+                .read::<T>(run.variable, &mut self.model, &clock)?
+                .ok_or_else(|| self.table.wrong_type::<T>(&run))?;
+            sink(run.position, &values[run.elements]);
+        }
+        Ok(())
+    }
+
+    /// Writes values: all or, if one is refused, none.
+    pub fn set<T: Value + Clone>(&mut self, references: &[u32], values: &[T]) -> Result<(), String> {
+        for run in self.table.runs(references) {
+            let run = run?;
+            self.check_settable::<T>(&run)?;
+            let piece = &values[run.position..][..run.elements.len()];
+            self.table.variables[run.variable].check(piece, run.elements.start)?;
+        }
+        for run in self.table.runs(references) {
+            let run = run?;
+            let variable = &self.table.variables[run.variable];
+            let target = T::field(&variable.access)
+                .and_then(|field| field.write(&mut self.model))
+                .ok_or_else(|| format!("{} cannot be set", variable.name))?;
+            variable.checked_length(target.len())?;
+            let length = run.elements.len();
+            target[run.elements].clone_from_slice(&values[run.position..][..length]);
+        }
+        Ok(())
+    }
+
+    fn check_settable<T: Value>(&self, run: &Run) -> Result<(), String> {
+        let variable = &self.table.variables[run.variable];
+        if T::TYPE != variable.access.type_name() {
+            return Err(self.table.wrong_type::<T>(run));
+        }
+        let Variable { causality, variability, .. } = variable;
+        match causality {
+            Causality::Input => Ok(()),
+            Causality::Parameter if *variability == Variability::Tunable || !self.initialised() => Ok(()),
+            Causality::Parameter => {
+                Err(format!("parameter {} is fixed once initialisation has ended", self.table.name(run)))
+            }
+            Causality::Output | Causality::Local | Causality::Independent => {
+                Err(format!("{} {} cannot be set", causality.name(), self.table.name(run)))
+            }
+        }
+    }
+
+    fn initialised(&self) -> bool {
+        !matches!(self.clock.mode, Mode::Instantiated | Mode::Initialization)
+    }
+
+    pub fn directional_derivative(
+        &mut self,
+        unknown: &[u32],
+        known: &[u32],
+        seed: &[f64],
+        derivative: &mut [f64],
+    ) -> Result<(), String> {
+        if !M::DIRECTIONAL_DERIVATIVE {
+            return Err("directional derivatives are not provided".into());
+        }
+        let unknown = self.table.spans(unknown, Causality::Output)?;
+        let known = self.table.spans(known, Causality::Input)?;
+        self.model.directional_derivative(&unknown, &known, seed, derivative)
+    }
+
+    pub fn output_derivatives(
+        &mut self,
+        outputs: &[u32],
+        orders: &[i32],
+        derivative: &mut [f64],
+    ) -> Result<(), String> {
+        if !M::OUTPUT_DERIVATIVE {
+            return Err("output derivatives are not provided".into());
+        }
+        check_first_order(orders)?;
+        let mut rest = derivative;
+        for span in self.table.spans(outputs, Causality::Output)? {
+            let piece = rest.split_off_mut(..span.elements.len()).expect("one value per reference");
+            self.model.output_derivative(&span, piece)?;
+        }
+        Ok(())
+    }
+
+    pub fn set_input_derivatives(&mut self, inputs: &[u32], orders: &[i32], derivative: &[f64]) -> Result<(), String> {
+        if !M::INPUT_DERIVATIVE {
+            return Err("input derivatives are not used".into());
+        }
+        check_first_order(orders)?;
+        if let Some(value) = derivative.iter().find(|value| !value.is_finite()) {
+            return Err(format!("the input derivative {value} must be finite"));
+        }
+        let mut rest = derivative;
+        for span in self.table.spans(inputs, Causality::Input)? {
+            let piece = rest.split_off(..span.elements.len()).expect("one value per reference");
+            self.model.set_input_derivative(&span, piece)?;
+        }
+        Ok(())
+    }
+
+    /// Keeps the present state, in the place of `handle` if it is not zero. Returns its handle.
+    pub fn save(&mut self, handle: usize) -> Result<usize, String> {
+        let snapshot = Snapshot { clock: self.clock, model: self.model.save() };
+        self.keep(handle, snapshot)
+    }
+
+    pub fn restore(&mut self, handle: usize) -> Result<(), String> {
+        if self.clock.mode == Mode::Panicked {
+            self.reload()?;
+        }
+        let snapshot = find(&self.snapshots, handle)?;
+        self.model.restore(&snapshot.model);
+        self.clock = snapshot.clock;
+        Ok(())
+    }
+
+    pub fn free(&mut self, handle: usize) -> Result<(), String> {
+        find(&self.snapshots, handle)?;
+        self.snapshots.remove(&handle);
+        Ok(())
+    }
+
+    pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, String> {
+        find(&self.snapshots, handle)?.to_bytes(&self.guid)
+    }
+
+    /// Keeps a serialized state, in the place of `handle` if it is not zero. Returns its handle.
+    pub fn deserialize(&mut self, bytes: &[u8], handle: usize) -> Result<usize, String> {
+        self.keep(handle, Snapshot::from_bytes(bytes, &self.guid)?)
+    }
+
+    fn keep(&mut self, handle: usize, snapshot: Snapshot<M::State>) -> Result<usize, String> {
+        if handle == 0 {
+            let snapshot = Box::new(snapshot);
+            let handle = (&raw const *snapshot).addr();
+            self.snapshots.insert(handle, snapshot);
+            return Ok(handle);
+        }
+        let place = self.snapshots.get_mut(&handle).ok_or_else(|| unknown_state(handle))?;
+        **place = snapshot;
+        Ok(handle)
+    }
+}
+
+fn find<S>(snapshots: &BTreeMap<usize, Box<Snapshot<S>>>, handle: usize) -> Result<&Snapshot<S>, String> {
+    snapshots.get(&handle).map(Box::as_ref).ok_or_else(|| unknown_state(handle))
+}
+
+fn unknown_state(handle: usize) -> String {
+    format!("FMU state {handle:#x} is not one of this instance")
+}
+
+fn check_first_order(orders: &[i32]) -> Result<(), String> {
+    match orders.iter().find(|order| **order != 1) {
+        None => Ok(()),
+        Some(order) => Err(format!("the derivative's order {order} must be 1")),
+    }
+}

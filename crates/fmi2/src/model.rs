@@ -1,0 +1,91 @@
+//! The trait that a model implements.
+
+use std::ops::Range;
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::description::Description;
+use crate::log::Log;
+use crate::variable::Variable;
+
+/// A co-simulation unit: what [`export_fmu!`](crate::export_fmu) makes an FMU of.
+///
+/// The glue owns time, call order, argument checks, logging and the FMU state; the model owns its numbers.
+/// Every error is a sentence naming the variable, the value and the limit; it reaches the master's logger.
+pub trait Model: Sized + 'static {
+    /// Name of the shared library in the FMU's `binaries` folder, without its ending.
+    const IDENTIFIER: &'static str;
+
+    /// [`directional_derivative`](Model::directional_derivative) is implemented.
+    const DIRECTIONAL_DERIVATIVE: bool = false;
+
+    /// [`output_derivative`](Model::output_derivative) is implemented.
+    const OUTPUT_DERIVATIVE: bool = false;
+
+    /// [`set_input_derivative`](Model::set_input_derivative) is implemented.
+    const INPUT_DERIVATIVE: bool = false;
+
+    /// Everything that decides the model's future: inputs, parameters and memory, but no scratch.
+    type State: Clone + Serialize + DeserializeOwned;
+
+    /// Makes the model as it is before a master sets anything. `resources` is the FMU's folder of that name, `None`
+    /// if the master named none. Called at instantiation and again by `fmi2Reset`; an error refuses the instance.
+    fn load(resources: Option<&Path>) -> Result<Self, String>;
+
+    /// Name, text and default experiment.
+    fn description(&self) -> Description;
+
+    /// The variables, in the order of their value references. The list may depend on what was loaded (array lengths,
+    /// parts that are present), and on nothing that changes later. Start values are read through it.
+    fn variables(&self) -> Vec<Variable<Self>>;
+
+    /// Called when initialisation ends, with all parameters and first inputs set. Outputs must be valid after it.
+    fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String>;
+
+    /// Advances from `t` to exactly `t + h`, in s. On an error the model must be as it was before the call, so that
+    /// a master may restore a state and try a smaller step. No glue can check that.
+    fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String>;
+
+    /// Copies out the state.
+    fn save(&self) -> Self::State;
+
+    /// Puts a state back. It may come from another instance or process and meet a model that was only loaded: what
+    /// [`initialise`](Model::initialise) computes must be in the state, or be recomputed here.
+    fn restore(&mut self, state: &Self::State);
+
+    /// Directional derivative of outputs with respect to inputs: `derivative = (d unknown / d known) seed`. `seed` and
+    /// `derivative` hold the spans' elements one after the other.
+    #[expect(unused_variables, reason = "the default supports nothing")]
+    fn directional_derivative(
+        &mut self,
+        unknown: &[Span],
+        known: &[Span],
+        seed: &[f64],
+        derivative: &mut [f64],
+    ) -> Result<(), String> {
+        Err("directional derivatives are not provided".into())
+    }
+
+    /// Time derivative of outputs at the current time, in the output's unit per second.
+    #[expect(unused_variables, reason = "the default supports nothing")]
+    fn output_derivative(&mut self, outputs: &Span, derivative: &mut [f64]) -> Result<(), String> {
+        Err("output derivatives are not provided".into())
+    }
+
+    /// Time derivative of inputs at the current time, in the input's unit per second, to be used in the next step only.
+    #[expect(unused_variables, reason = "the default supports nothing")]
+    fn set_input_derivative(&mut self, inputs: &Span, derivative: &[f64]) -> Result<(), String> {
+        Err("input derivatives are not used".into())
+    }
+}
+
+/// Neighbouring elements of one variable: `x[3]` to `x[5]` are `name = "x"`, `elements = 2..5`. A scalar is `0..1`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Span<'a> {
+    /// Name in the list of variables.
+    pub name: &'a str,
+    /// Elements, counted from zero.
+    pub elements: Range<usize>,
+}

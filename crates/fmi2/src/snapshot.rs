@@ -1,0 +1,137 @@
+//! The FMU state: the model's state with the glue's own clock and mode, in memory and as bytes.
+//!
+//! | bytes | content |
+//! |---|---|
+//! | 0 – 7 | `FMI2STAT` |
+//! | 8 – 11 | format version |
+//! | 12 – 49 | GUID of the model description |
+//! | 50 – 57 | length of the payload |
+//! | 58 – 61 | CRC-32 of the payload |
+//! | 62 – | payload, postcard |
+//!
+//! Integers are little-endian. Each byte is checked, so that damage is refused wherever it strikes.
+
+use serde::{Deserialize, Serialize};
+
+use crate::state_machine::Mode;
+
+/// What `fmi2GetFMUstate` keeps and `fmi2SetFMUstate` puts back.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Snapshot<S> {
+    pub clock: Clock,
+    pub model: S,
+}
+
+/// What the glue itself knows of an instance's progress.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Clock {
+    pub mode: Mode,
+    /// Current communication point, s.
+    pub time: f64,
+    /// Where the simulation ends, if the master told, s.
+    pub stop: Option<f64>,
+}
+
+const MAGIC: &[u8; 8] = b"FMI2STAT";
+const VERSION: u32 = 1;
+const GUID_LENGTH: usize = 38;
+
+impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
+    pub fn to_bytes(&self, guid: &str) -> Result<Vec<u8>, String> {
+        let payload = postcard::to_stdvec(self).map_err(|error| format!("the state cannot be serialized: {error}"))?;
+        Ok([
+            MAGIC,
+            &VERSION.to_le_bytes()[..],
+            guid.as_bytes(),
+            &(payload.len() as u64).to_le_bytes(),
+            &crc32fast::hash(&payload).to_le_bytes(),
+            &payload,
+        ]
+        .concat())
+    }
+
+    pub fn from_bytes(bytes: &[u8], guid: &str) -> Result<Self, String> {
+        let mut rest = bytes;
+        if take::<8>(&mut rest)? != *MAGIC {
+            return Err("the bytes are not a serialized FMU state".into());
+        }
+        let version = u32::from_le_bytes(take(&mut rest)?);
+        if version != VERSION {
+            return Err(format!("the serialized state has format version {version}, not {VERSION}"));
+        }
+        let theirs = take::<GUID_LENGTH>(&mut rest)?;
+        if theirs != guid.as_bytes() {
+            let theirs = String::from_utf8_lossy(&theirs);
+            return Err(format!("the serialized state belongs to an FMU of GUID {theirs}, not {guid}"));
+        }
+        let length = u64::from_le_bytes(take(&mut rest)?);
+        let checksum = u32::from_le_bytes(take(&mut rest)?);
+        if length != rest.len() as u64 {
+            return Err(format!("the serialized state holds {} bytes, not {length}", rest.len()));
+        }
+        if checksum != crc32fast::hash(rest) {
+            return Err("the serialized state is damaged: its checksum is wrong".into());
+        }
+        match postcard::take_from_bytes(rest) {
+            Ok((snapshot, [])) => Ok(snapshot),
+            Ok((_, left)) => Err(format!("the serialized state has {} bytes too many", left.len())),
+            Err(error) => Err(format!("the serialized state cannot be read: {error}")),
+        }
+    }
+}
+
+fn take<const N: usize>(rest: &mut &[u8]) -> Result<[u8; N], String> {
+    let (head, tail) =
+        rest.split_first_chunk().ok_or_else(|| format!("the serialized state ends {} bytes early", N - rest.len()))?;
+    *rest = tail;
+    Ok(*head)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GUID: &str = "{01234567-89ab-cdef-0123-456789abcdef}";
+
+    fn snapshot() -> Snapshot<Vec<f64>> {
+        let clock = Clock { mode: Mode::StepComplete, time: 0.1, stop: Some(2.0) };
+        Snapshot { clock, model: vec![-0.0, 1e-300, std::f64::consts::PI] }
+    }
+
+    fn read(bytes: &[u8]) -> Result<Snapshot<Vec<f64>>, String> {
+        Snapshot::from_bytes(bytes, GUID)
+    }
+
+    #[test]
+    fn bytes_read_back_to_the_same_state() {
+        assert_eq!(read(&snapshot().to_bytes(GUID).unwrap()), Ok(snapshot()));
+    }
+
+    #[test]
+    fn a_change_of_any_byte_is_refused() {
+        let bytes = snapshot().to_bytes(GUID).unwrap();
+        for at in 0..bytes.len() {
+            for mask in [0x01, 0x80, 0xff] {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= mask;
+                assert!(read(&damaged).is_err(), "byte {at} changed by {mask:#x} was accepted");
+            }
+        }
+    }
+
+    #[test]
+    fn a_cut_or_an_addition_of_any_length_is_refused() {
+        let bytes = snapshot().to_bytes(GUID).unwrap();
+        for length in 0..bytes.len() {
+            assert!(read(&bytes[..length]).is_err(), "{length} of {} bytes were accepted", bytes.len());
+        }
+        assert!(read(&[&bytes[..], &[0]].concat()).is_err());
+    }
+
+    #[test]
+    fn a_state_of_another_fmu_is_refused_with_both_names() {
+        let other = GUID.replace('0', "f");
+        let message = read(&snapshot().to_bytes(&other).unwrap()).unwrap_err();
+        assert!(message.contains(GUID) && message.contains(&other), "{message}");
+    }
+}

@@ -1,0 +1,783 @@
+//! A master in Rust against the C functions of one exported model.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::{Cell, RefCell};
+use std::ffi::{CStr, CString, c_void};
+use std::path::Path;
+use std::ptr::{null, null_mut};
+use std::slice::{from_mut, from_ref};
+
+use fmi2::sys::*;
+use fmi2::{Boolean, Description, Log, Model, Span, Text, Variable};
+use serde::{Deserialize, Serialize};
+
+// ---------------------------------------------------------------- the model
+
+/// Inputs of this value make a step fail or panic.
+const FAILING: f64 = 13.0;
+const PANICKING: f64 = 666.0;
+
+/// dy/dt = gain u + bias, with one variable of each kind and type around it.
+#[derive(Clone, Serialize, Deserialize)]
+struct Integrator {
+    gain: f64,
+    bias: f64,
+    u: [f64; 3],
+    slope: [f64; 3],
+    y: [f64; 3],
+    order: i32,
+    length: i32,
+    hold: bool,
+    held: bool,
+    label: String,
+    echo: String,
+}
+
+impl Model for Integrator {
+    const IDENTIFIER: &'static str = "integrator";
+    const DIRECTIONAL_DERIVATIVE: bool = true;
+    const OUTPUT_DERIVATIVE: bool = true;
+    const INPUT_DERIVATIVE: bool = true;
+    type State = Self;
+
+    fn load(resources: Option<&Path>) -> Result<Self, String> {
+        if let Some(folder) = resources.filter(|folder| !folder.is_dir()) {
+            return Err(format!("resources {} are no folder, 100 %", folder.display()));
+        }
+        Ok(Integrator {
+            gain: 1.0,
+            bias: 0.0,
+            u: [0.0; 3],
+            slope: [0.0; 3],
+            y: [0.0; 3],
+            order: 1,
+            length: 3,
+            hold: false,
+            held: false,
+            label: "début".into(),
+            echo: String::new(),
+        })
+    }
+
+    fn description(&self) -> Description {
+        Description {
+            model_name: "Integrator".into(),
+            text: "Three integrators".into(),
+            start: 0.0,
+            stop: 1.0,
+            step: 0.1,
+            tolerance: 1e-6,
+        }
+    }
+
+    fn variables(&self) -> Vec<Variable<Self>> {
+        type Real = fmi2::Real<Integrator>;
+        type Integer = fmi2::Integer<Integrator>;
+        vec![
+            Real::time(),
+            Real::parameter("gain", "1", "Gain", |m| from_mut(&mut m.gain)).above(0.0),
+            Real::parameter("bias", "1/s", "Bias", |m| from_mut(&mut m.bias)).at_least(-1.0).at_most(1.0).tunable(),
+            Real::input("u", "1/s", "Rate", |m| &mut m.u).array(3),
+            Real::output("y", "1", "Integral", |m| &m.y).array(3).depends_on(&[]),
+            Integer::parameter("order", "Order", |m| from_mut(&mut m.order)).at_least(1),
+            Integer::local("length", "Length", |m| from_ref(&m.length)).constant(),
+            Boolean::input("hold", "Hold the integral", |m| from_mut(&mut m.hold)),
+            Boolean::output("held", "It was held", |m| from_ref(&m.held)),
+            Text::parameter("label", "Label", |m| from_mut(&mut m.label)),
+            Text::output("echo", "Label, once initialised", |m| from_ref(&m.echo)),
+        ]
+    }
+
+    fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
+        self.echo = format!("{} at {start}", self.label);
+        log.info(format_args!("initialised {}", self.label));
+        Ok(())
+    }
+
+    fn step(&mut self, _t: f64, h: f64, _log: &Log) -> Result<(), String> {
+        if self.u[0] == FAILING {
+            return Err(format!("u[1] = {FAILING} must not be {FAILING}"));
+        }
+        let [u, slope] = [self.u, std::mem::take(&mut self.slope)];
+        for i in 0..3 {
+            self.y[i] += if self.hold { 0.0 } else { h * (self.gain * (u[i] + 0.5 * h * slope[i]) + self.bias) };
+            assert!(u[i] != PANICKING, "u[{}] = {PANICKING}", i + 1);
+        }
+        self.held = self.hold;
+        Ok(())
+    }
+
+    fn save(&self) -> Self {
+        self.clone()
+    }
+
+    fn restore(&mut self, state: &Self) {
+        self.clone_from(state);
+    }
+
+    /// d(dy/dt)/du = gain.
+    fn directional_derivative(
+        &mut self,
+        unknown: &[Span],
+        known: &[Span],
+        seed: &[f64],
+        derivative: &mut [f64],
+    ) -> Result<(), String> {
+        let [unknown, known] = [unknown, known].map(|spans| spans.iter().flat_map(|span| span.elements.clone()));
+        for (y, target) in unknown.zip(derivative) {
+            *target = known.clone().zip(seed).filter(|(u, _)| *u == y).map(|(_, seed)| self.gain * seed).sum();
+        }
+        Ok(())
+    }
+
+    fn output_derivative(&mut self, outputs: &Span, derivative: &mut [f64]) -> Result<(), String> {
+        assert_eq!(outputs.name, "y");
+        for (i, target) in outputs.elements.clone().zip(derivative) {
+            *target = self.gain * self.u[i] + self.bias;
+        }
+        Ok(())
+    }
+
+    fn set_input_derivative(&mut self, inputs: &Span, derivative: &[f64]) -> Result<(), String> {
+        self.slope[inputs.elements.clone()].copy_from_slice(derivative);
+        Ok(())
+    }
+}
+
+fmi2::export_fmu!(Integrator);
+
+const TIME: u32 = 0;
+const GAIN: u32 = 1;
+const BIAS: u32 = 2;
+const U: [u32; 3] = [3, 4, 5];
+const Y: [u32; 3] = [6, 7, 8];
+const ORDER: u32 = 9;
+const LENGTH: u32 = 10;
+const HOLD: u32 = 11;
+const HELD: u32 = 12;
+const LABEL: u32 = 13;
+const ECHO: u32 = 14;
+
+// ---------------------------------------------------------------- the master
+
+macro_rules! import {
+    ($($name:ident($($type:ty),*) -> $result:ty;)*) => {
+        // SAFETY: the signatures are those of the header. Declared safe because every call in this file passes pointers
+        // that are null or valid for the length it states; refusing them is what the tests are about.
+        unsafe extern "C" {
+            $(safe fn $name($(_: $type),*) -> $result;)*
+        }
+    };
+}
+
+type References = *const fmi2ValueReference;
+
+import! {
+    fmi2GetTypesPlatform() -> fmi2String;
+    fmi2GetVersion() -> fmi2String;
+    fmi2SetDebugLogging(fmi2Component, fmi2Boolean, usize, *const fmi2String) -> fmi2Status;
+    fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, *const fmi2CallbackFunctions, fmi2Boolean,
+                    fmi2Boolean) -> fmi2Component;
+    fmi2FreeInstance(fmi2Component) -> ();
+    fmi2SetupExperiment(fmi2Component, fmi2Boolean, f64, f64, fmi2Boolean, f64) -> fmi2Status;
+    fmi2EnterInitializationMode(fmi2Component) -> fmi2Status;
+    fmi2ExitInitializationMode(fmi2Component) -> fmi2Status;
+    fmi2Terminate(fmi2Component) -> fmi2Status;
+    fmi2Reset(fmi2Component) -> fmi2Status;
+    fmi2GetReal(fmi2Component, References, usize, *mut f64) -> fmi2Status;
+    fmi2GetInteger(fmi2Component, References, usize, *mut i32) -> fmi2Status;
+    fmi2GetBoolean(fmi2Component, References, usize, *mut fmi2Boolean) -> fmi2Status;
+    fmi2GetString(fmi2Component, References, usize, *mut fmi2String) -> fmi2Status;
+    fmi2SetReal(fmi2Component, References, usize, *const f64) -> fmi2Status;
+    fmi2SetInteger(fmi2Component, References, usize, *const i32) -> fmi2Status;
+    fmi2SetBoolean(fmi2Component, References, usize, *const fmi2Boolean) -> fmi2Status;
+    fmi2SetString(fmi2Component, References, usize, *const fmi2String) -> fmi2Status;
+    fmi2GetFMUstate(fmi2Component, *mut fmi2FMUstate) -> fmi2Status;
+    fmi2SetFMUstate(fmi2Component, fmi2FMUstate) -> fmi2Status;
+    fmi2FreeFMUstate(fmi2Component, *mut fmi2FMUstate) -> fmi2Status;
+    fmi2SerializedFMUstateSize(fmi2Component, fmi2FMUstate, *mut usize) -> fmi2Status;
+    fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, *mut fmi2Byte, usize) -> fmi2Status;
+    fmi2DeSerializeFMUstate(fmi2Component, *const fmi2Byte, usize, *mut fmi2FMUstate) -> fmi2Status;
+    fmi2GetDirectionalDerivative(fmi2Component, References, usize, References, usize, *const f64, *mut f64)
+        -> fmi2Status;
+    fmi2SetRealInputDerivatives(fmi2Component, References, usize, *const i32, *const f64) -> fmi2Status;
+    fmi2GetRealOutputDerivatives(fmi2Component, References, usize, *const i32, *mut f64) -> fmi2Status;
+    fmi2DoStep(fmi2Component, f64, f64, fmi2Boolean) -> fmi2Status;
+    fmi2CancelStep(fmi2Component) -> fmi2Status;
+    fmi2GetStatus(fmi2Component, fmi2StatusKind, *mut fmi2Status) -> fmi2Status;
+    fmi2GetRealStatus(fmi2Component, fmi2StatusKind, *mut f64) -> fmi2Status;
+    fmi2GetIntegerStatus(fmi2Component, fmi2StatusKind, *mut i32) -> fmi2Status;
+    fmi2GetBooleanStatus(fmi2Component, fmi2StatusKind, *mut fmi2Boolean) -> fmi2Status;
+    fmi2GetStringStatus(fmi2Component, fmi2StatusKind, *mut fmi2String) -> fmi2Status;
+    fmu_model_description(fmi2String, *mut fmi2Char, usize, *mut usize) -> i32;
+}
+
+const OK: fmi2Status = fmi2Status::fmi2OK;
+const DISCARD: fmi2Status = fmi2Status::fmi2Discard;
+const ERROR: fmi2Status = fmi2Status::fmi2Error;
+
+/// A string that the glue has returned and keeps.
+fn text<'a>(string: fmi2String) -> &'a CStr {
+    // SAFETY: the standard's functions return null-terminated strings, and no test keeps one beyond its instance.
+    unsafe { CStr::from_ptr(string) }
+}
+
+/// What the logger received.
+type Messages = RefCell<Vec<String>>;
+
+unsafe extern "C" fn log(
+    environment: fmi2ComponentEnvironment,
+    _instance_name: fmi2String,
+    _status: fmi2Status,
+    _category: fmi2String,
+    message: fmi2String,
+) {
+    // SAFETY: the environment is the one handed over in `callbacks`, the message a string by the standard.
+    let (messages, message) = unsafe { (&*environment.cast::<Messages>(), CStr::from_ptr(message)) };
+    messages.borrow_mut().push(message.to_str().unwrap().into());
+}
+
+fn callbacks(messages: &Messages) -> fmi2CallbackFunctions {
+    type Fixed = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String);
+    type Variadic = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
+    fmi2CallbackFunctions {
+        // SAFETY: stable Rust cannot define a variadic function. The glue passes no variadic arguments, and fixed
+        // ones go where those of a function without variadic arguments go.
+        logger: Some(unsafe { std::mem::transmute::<Fixed, Variadic>(log) }),
+        allocateMemory: None,
+        freeMemory: None,
+        stepFinished: None,
+        componentEnvironment: (&raw const *messages).cast_mut().cast(),
+    }
+}
+
+fn description(resources: Option<&CStr>) -> (i32, String) {
+    let resources = resources.map_or(null(), CStr::as_ptr);
+    let mut needed = 0;
+    fmu_model_description(resources, null_mut(), 0, &mut needed);
+    let mut buffer = vec![0u8; needed];
+    let code = fmu_model_description(resources, buffer.as_mut_ptr().cast(), buffer.len(), &mut needed);
+    (code, CString::from_vec_with_nul(buffer).unwrap().into_string().unwrap())
+}
+
+fn guid() -> String {
+    let (code, xml) = description(None);
+    assert_eq!(code, 0, "{xml}");
+    let (_, rest) = xml.split_once("guid=\"").unwrap();
+    rest.split_once('"').unwrap().0.into()
+}
+
+fn instantiate(
+    name: Option<&CStr>,
+    kind: fmi2Type,
+    guid: &str,
+    resources: Option<&CStr>,
+    messages: &Messages,
+) -> fmi2Component {
+    let guid = CString::new(guid).unwrap();
+    let pointer = |string: Option<&CStr>| string.map_or(null(), CStr::as_ptr);
+    fmi2Instantiate(pointer(name), kind, guid.as_ptr(), pointer(resources), &callbacks(messages), 0, 0)
+}
+
+/// An instance, freed at the end. The methods' pointers are all valid.
+struct Fmu {
+    c: fmi2Component,
+    messages: Box<Messages>,
+}
+
+impl Fmu {
+    fn new() -> Self {
+        let messages = Box::<Messages>::default();
+        let c = instantiate(Some(c"one"), fmi2Type::fmi2CoSimulation, &guid(), None, &messages);
+        assert!(!c.is_null(), "{messages:?}");
+        Fmu { c, messages }
+    }
+
+    /// Initialised, from time 0 without a stop time.
+    fn initialised() -> Self {
+        let fmu = Self::new();
+        assert_eq!([fmu.setup(0.0, None), fmu.enter(), fmu.exit()], [OK; 3], "{:?}", fmu.messages);
+        fmu
+    }
+
+    fn setup(&self, start: f64, stop: Option<f64>) -> fmi2Status {
+        fmi2SetupExperiment(self.c, 0, 0.0, start, stop.is_some().into(), stop.unwrap_or(0.0))
+    }
+
+    fn enter(&self) -> fmi2Status {
+        fmi2EnterInitializationMode(self.c)
+    }
+
+    fn exit(&self) -> fmi2Status {
+        fmi2ExitInitializationMode(self.c)
+    }
+
+    fn step(&self, time: f64, step: f64) -> fmi2Status {
+        fmi2DoStep(self.c, time, step, 1)
+    }
+
+    fn set(&self, references: &[u32], values: &[f64]) -> fmi2Status {
+        assert_eq!(references.len(), values.len());
+        fmi2SetReal(self.c, references.as_ptr(), references.len(), values.as_ptr())
+    }
+
+    fn try_get<const N: usize>(&self, references: [u32; N]) -> (fmi2Status, [f64; N]) {
+        let mut values = [f64::NAN; N];
+        let status = fmi2GetReal(self.c, references.as_ptr(), N, values.as_mut_ptr());
+        (status, values)
+    }
+
+    fn get<const N: usize>(&self, references: [u32; N]) -> [f64; N] {
+        let (status, values) = self.try_get(references);
+        assert_eq!(status, OK, "{:?}", self.messages);
+        values
+    }
+
+    fn set_integer(&self, reference: u32, value: i32) -> fmi2Status {
+        fmi2SetInteger(self.c, &reference, 1, &value)
+    }
+
+    fn set_boolean(&self, reference: u32, value: bool) -> fmi2Status {
+        fmi2SetBoolean(self.c, &reference, 1, &value.into())
+    }
+
+    fn set_string(&self, reference: u32, value: &CStr) -> fmi2Status {
+        fmi2SetString(self.c, &reference, 1, &value.as_ptr())
+    }
+
+    fn string(&self, reference: u32) -> &CStr {
+        let mut value = null();
+        let status = fmi2GetString(self.c, &reference, 1, &mut value);
+        assert_eq!(status, OK, "{:?}", self.messages);
+        text(value)
+    }
+
+    /// Keeps the state at `state`, a new one if that is null.
+    fn save(&self, state: &mut fmi2FMUstate) -> fmi2Status {
+        fmi2GetFMUstate(self.c, state)
+    }
+
+    fn restore(&self, state: fmi2FMUstate) -> fmi2Status {
+        fmi2SetFMUstate(self.c, state)
+    }
+
+    fn free(&self, state: &mut fmi2FMUstate) -> fmi2Status {
+        fmi2FreeFMUstate(self.c, state)
+    }
+
+    fn serialize(&self, state: fmi2FMUstate) -> Vec<u8> {
+        let mut size = 0;
+        assert_eq!(fmi2SerializedFMUstateSize(self.c, state, &mut size), OK, "{:?}", self.messages);
+        let mut bytes = vec![0u8; size];
+        let status = fmi2SerializeFMUstate(self.c, state, bytes.as_mut_ptr().cast(), size);
+        assert_eq!(status, OK, "{:?}", self.messages);
+        bytes
+    }
+
+    fn deserialize(&self, bytes: &[u8], state: &mut fmi2FMUstate) -> fmi2Status {
+        fmi2DeSerializeFMUstate(self.c, bytes.as_ptr().cast(), bytes.len(), state)
+    }
+
+    /// The call was refused and the last message has all the parts.
+    #[track_caller]
+    fn assert_refused(&self, status: fmi2Status, parts: &[&str]) {
+        assert_eq!(status, ERROR);
+        let messages = self.messages.borrow();
+        let last = messages.last().expect("a refusal is logged");
+        assert!(parts.iter().all(|part| last.contains(part)), "{parts:?} are not all in: {last}");
+    }
+}
+
+impl Drop for Fmu {
+    fn drop(&mut self) {
+        fmi2FreeInstance(self.c)
+    }
+}
+
+// ---------------------------------------------------------------- claims
+
+#[test]
+fn the_platform_is_default_and_the_version_two() {
+    let [platform, version] = [fmi2GetTypesPlatform(), fmi2GetVersion()].map(text);
+    assert_eq!([platform, version], [c"default", c"2.0"]);
+}
+
+#[test]
+fn a_step_integrates_and_keeps_the_time() {
+    let fmu = Fmu::new();
+    assert_eq!(fmu.set(&[GAIN], &[2.0]), OK);
+    assert_eq!([fmu.setup(5.0, Some(6.0)), fmu.enter(), fmu.exit()], [OK; 3]);
+    assert_eq!(fmu.set(&[U[0], U[1], U[2], BIAS], &[1.0, 2.0, 3.0, 0.5]), OK);
+    assert_eq!(fmu.step(5.0, 0.5), OK);
+    assert_eq!(fmu.get([Y[2], Y[0], TIME]), [3.25, 1.25, 5.5]);
+    assert_eq!(fmu.step(5.5, 0.5), OK);
+    assert_eq!(fmu.get(Y), [2.5, 4.5, 6.5]);
+    assert!(fmu.messages.borrow().is_empty(), "{:?}", fmu.messages);
+}
+
+#[test]
+fn all_types_pass() {
+    let fmu = Fmu::new();
+    assert_eq!([fmu.set_integer(ORDER, 4), fmu.set_boolean(HOLD, true), fmu.set_string(LABEL, c"fin")], [OK; 3]);
+    assert_eq!([fmu.enter(), fmu.exit(), fmu.step(0.0, 1.0)], [OK; 3]);
+    let (mut integers, mut booleans) = ([0; 2], [-1; 2]);
+    let status = fmi2GetInteger(fmu.c, [ORDER, LENGTH].as_ptr(), 2, integers.as_mut_ptr());
+    assert_eq!((status, integers), (OK, [4, 3]));
+    let status = fmi2GetBoolean(fmu.c, [HELD, HOLD].as_ptr(), 2, booleans.as_mut_ptr());
+    assert_eq!((status, booleans), (OK, [1, 1]));
+    assert_eq!(fmu.string(ECHO), c"fin at 0");
+    let mut strings = [null(); 2];
+    assert_eq!(fmi2GetString(fmu.c, [ECHO, LABEL].as_ptr(), 2, strings.as_mut_ptr()), OK);
+    assert_eq!(strings.map(text), [c"fin at 0", c"fin"]);
+}
+
+#[test]
+fn a_call_out_of_order_is_refused_and_changes_nothing() {
+    let fmu = Fmu::new();
+    fmu.assert_refused(fmu.step(0.0, 0.1), &["fmi2DoStep", "instantiated"]);
+    fmu.assert_refused(fmu.exit(), &["fmi2ExitInitializationMode", "instantiated"]);
+    fmu.assert_refused(fmu.try_get(Y).0, &["fmi2GetReal", "instantiated"]);
+    assert_eq!(fmu.enter(), OK);
+    fmu.assert_refused(fmu.enter(), &["fmi2EnterInitializationMode", "initialization mode"]);
+    fmu.assert_refused(fmu.setup(0.0, None), &["fmi2SetupExperiment", "initialization mode"]);
+    assert_eq!([fmu.exit(), fmu.step(0.0, 0.1)], [OK; 2]);
+    fmu.assert_refused(fmi2CancelStep(fmu.c), &["fmi2CancelStep", "step complete"]);
+    assert_eq!(fmi2Terminate(fmu.c), OK);
+    fmu.assert_refused(fmu.step(0.1, 0.1), &["fmi2DoStep", "terminated"]);
+    fmu.assert_refused(fmu.set(&U, &[1.0; 3]), &["fmi2SetReal", "terminated"]);
+    assert_eq!(fmu.get([TIME]), [0.1]);
+}
+
+#[test]
+fn a_set_with_one_wrong_value_sets_nothing() {
+    let fmu = Fmu::initialised();
+    for (wrong, name) in [(f64::NAN, "NaN"), (f64::INFINITY, "inf"), (f64::NEG_INFINITY, "-inf")] {
+        fmu.assert_refused(fmu.set(&U, &[1.0, 2.0, wrong]), &["u[3] = ", name, "must be finite"]);
+        fmu.assert_refused(fmu.set(&[U[0], Y[0]], &[1.0, 2.0]), &["y[1]", "cannot be set"]);
+        assert_eq!(fmu.get(U), [0.0; 3]);
+    }
+    assert_eq!(fmu.step(0.0, 0.1), OK, "a refused value does not end the simulation");
+}
+
+#[test]
+fn limits_are_enforced_with_variable_value_and_limit() {
+    let fmu = Fmu::new();
+    fmu.assert_refused(fmu.set(&[GAIN], &[0.0]), &["gain", "0.0 must be finite and > 0"]);
+    fmu.assert_refused(fmu.set(&[BIAS], &[1.5]), &["bias", "1.5 must be finite and >= -1 and <= 1"]);
+    assert_eq!(fmu.set(&[BIAS], &[1.0]), OK);
+    fmu.assert_refused(fmu.set_integer(ORDER, 0), &["order", "0 must be >= 1"]);
+}
+
+#[test]
+fn only_inputs_and_tunable_parameters_are_set_between_steps() {
+    let fmu = Fmu::initialised();
+    fmu.assert_refused(fmu.set(&[GAIN], &[2.0]), &["gain", "fixed"]);
+    fmu.assert_refused(fmu.set_string(LABEL, c"x"), &["label", "fixed"]);
+    fmu.assert_refused(fmu.set(&[TIME], &[2.0]), &["independent time"]);
+    fmu.assert_refused(fmu.set_integer(LENGTH, 2), &["local length"]);
+    assert_eq!(fmu.set(&[BIAS], &[0.5]), OK);
+}
+
+#[test]
+fn references_of_nothing_or_of_another_type_are_named() {
+    let fmu = Fmu::initialised();
+    fmu.assert_refused(fmu.try_get([Y[0], 99]).0, &["value reference 99"]);
+    fmu.assert_refused(fmu.try_get([u32::MAX]).0, &["value reference 4294967295"]);
+    fmu.assert_refused(fmu.try_get([HOLD]).0, &["value reference 11", "Boolean hold", "not of type Real"]);
+    fmu.assert_refused(fmu.set_integer(U[1], 1), &["value reference 4", "Real u[2]", "not of type Integer"]);
+}
+
+#[test]
+fn null_pointers_are_refused() {
+    let fmu = Fmu::initialised();
+    assert_eq!(fmi2DoStep(null_mut(), 0.0, 1.0, 0), ERROR);
+    fmi2FreeInstance(null_mut());
+    fmu.assert_refused(fmi2GetReal(fmu.c, null(), 1, &mut 0.0), &["vr is NULL"]);
+    fmu.assert_refused(fmi2GetReal(fmu.c, &0, 1, null_mut()), &["value is NULL"]);
+    fmu.assert_refused(fmi2SetReal(fmu.c, &U[0], 1, null()), &["value is NULL"]);
+    fmu.assert_refused(fmi2SetString(fmu.c, &LABEL, 1, &null()), &["a value is NULL"]);
+    fmu.assert_refused(fmi2GetFMUstate(fmu.c, null_mut()), &["FMUstate is NULL"]);
+    fmu.assert_refused(fmi2GetRealStatus(fmu.c, fmi2StatusKind::fmi2LastSuccessfulTime, null_mut()), &["NULL"]);
+    assert_eq!(fmi2GetReal(fmu.c, null(), 0, null_mut()), OK);
+    assert_eq!(fmi2SetReal(fmu.c, null(), 0, null()), OK);
+}
+
+#[test]
+fn a_step_of_wrong_size_or_time_is_refused_and_changes_nothing() {
+    let fmu = Fmu::new();
+    assert_eq!([fmu.setup(0.0, Some(1.0)), fmu.enter(), fmu.exit()], [OK; 3]);
+    for step in [0.0, -0.1, f64::NAN, f64::INFINITY] {
+        fmu.assert_refused(fmu.step(0.0, step), &["communicationStepSize", &step.to_string(), "> 0"]);
+    }
+    for time in [0.1, -0.1, f64::NAN] {
+        fmu.assert_refused(fmu.step(time, 0.1), &["currentCommunicationPoint", &time.to_string(), "time 0"]);
+    }
+    fmu.assert_refused(fmu.step(0.0, 1.1), &["1.1", "stopTime = 1"]);
+    assert_eq!(fmu.get([TIME]), [0.0]);
+    assert_eq!(fmu.step(0.0, 1.0 + 1e-12), OK, "rounding is not an error");
+}
+
+#[test]
+fn a_stop_time_before_the_start_is_refused() {
+    let fmu = Fmu::new();
+    fmu.assert_refused(fmu.setup(1.0, Some(1.0)), &["stopTime = 1", "startTime = 1"]);
+    fmu.assert_refused(fmu.setup(f64::NAN, None), &["startTime = NaN"]);
+}
+
+#[test]
+fn after_a_failed_step_a_stored_state_leads_on() {
+    let fmu = Fmu::initialised();
+    let mut state = null_mut();
+    assert_eq!([fmu.save(&mut state), fmu.set(&U[..1], &[FAILING])], [OK; 2]);
+    fmu.assert_refused(fmu.step(0.0, 0.1), &["fmi2DoStep", "u[1] = 13"]);
+    fmu.assert_refused(fmu.step(0.0, 0.1), &["state \"error\""]);
+    assert_eq!(fmu.get([TIME, U[0]]), [0.0, FAILING], "values can be looked at");
+    assert_eq!([fmu.restore(state), fmu.step(0.0, 0.1)], [OK; 2]);
+}
+
+#[test]
+fn after_a_panic_a_stored_state_or_a_reset_leads_on() {
+    let fmu = Fmu::initialised();
+    let mut state = null_mut();
+    assert_eq!([fmu.set(&U, &[1.0; 3]), fmu.step(0.0, 1.0), fmu.save(&mut state)], [OK; 3]);
+    assert_eq!(fmu.set(&U[1..2], &[PANICKING]), OK);
+    fmu.assert_refused(fmu.step(1.0, 1.0), &["panic at", "c_interface.rs", "u[2] = 666"]);
+    fmu.assert_refused(fmu.try_get(Y).0, &["error after a panic"]);
+    fmu.assert_refused(fmu.save(&mut state), &["error after a panic"]);
+    assert_eq!([fmu.restore(state), fmu.step(1.0, 1.0)], [OK; 2]);
+    assert_eq!(fmu.get(Y), [2.0; 3], "what the panicking step had done is gone");
+
+    assert_eq!(fmu.set(&U[1..2], &[PANICKING]), OK);
+    assert_eq!([fmu.step(2.0, 1.0), fmi2Reset(fmu.c), fmu.enter(), fmu.exit()], [ERROR, OK, OK, OK]);
+    assert_eq!(fmu.get(Y), [0.0; 3]);
+}
+
+#[test]
+fn a_reset_is_a_new_beginning() {
+    let fmu = Fmu::new();
+    assert_eq!([fmu.set(&[GAIN], &[2.0]), fmu.setup(1.0, Some(2.0)), fmu.enter(), fmu.exit()], [OK; 4]);
+    assert_eq!([fmu.set(&U, &[1.0; 3]), fmu.step(1.0, 0.5), fmi2Reset(fmu.c)], [OK; 3]);
+    assert_eq!([fmu.enter(), fmu.exit()], [OK; 2]);
+    assert_eq!(fmu.get([TIME, GAIN, U[0], Y[0]]), [0.0, 1.0, 0.0, 0.0]);
+    assert_eq!(fmu.step(0.0, 10.0), OK, "the stop time is forgotten");
+}
+
+#[test]
+fn a_state_brings_back_time_inputs_and_outputs() {
+    let fmu = Fmu::initialised();
+    let mut state = null_mut();
+    assert_eq!([fmu.set(&U, &[1.0, 2.0, 3.0]), fmu.step(0.0, 0.1), fmu.save(&mut state)], [OK; 3]);
+    let all = [TIME, U[0], U[1], U[2], Y[0], Y[1], Y[2]];
+    let before = fmu.get(all);
+    assert_eq!([fmu.set(&U, &[9.0; 3]), fmu.step(0.1, 0.1)], [OK; 2]);
+    assert_ne!(fmu.get(all), before);
+    assert_eq!(fmu.restore(state), OK);
+    assert_eq!(fmu.get(all), before);
+
+    let first = state;
+    assert_eq!([fmu.step(0.1, 0.1), fmu.save(&mut state)], [OK; 2]);
+    assert_eq!(state, first, "a state that exists is overwritten");
+    assert_eq!([fmu.step(0.2, 0.1), fmu.restore(state)], [OK; 2]);
+    assert_eq!(fmu.get([TIME]), [0.2]);
+}
+
+#[test]
+fn a_state_that_is_freed_or_foreign_is_refused() {
+    let (fmu, other) = (Fmu::initialised(), Fmu::initialised());
+    let mut state = null_mut();
+    assert_eq!([fmu.free(&mut state), fmi2FreeFMUstate(fmu.c, null_mut())], [OK; 2]);
+    assert_eq!(fmu.save(&mut state), OK);
+    other.assert_refused(other.restore(state), &["not one of this instance"]);
+    other.assert_refused(other.free(&mut { state }), &["not one of this instance"]);
+    let mut freed = state;
+    assert_eq!(fmu.free(&mut freed), OK);
+    assert!(freed.is_null());
+    fmu.assert_refused(fmu.restore(state), &["not one of this instance"]);
+    fmu.assert_refused(fmu.free(&mut state), &["not one of this instance"]);
+    let mut stack = 0.0;
+    fmu.assert_refused(fmu.restore((&raw mut stack).cast::<c_void>()), &["not one of this instance"]);
+    fmu.assert_refused(fmu.restore(null_mut()), &["0x0"]);
+}
+
+#[test]
+fn bytes_carry_a_state_into_an_instance_that_was_only_loaded() {
+    let (fmu, other) = (Fmu::new(), Fmu::new());
+    assert_eq!([fmu.set(&[GAIN], &[0.1]), fmu.enter(), fmu.exit(), fmu.set(&U, &[0.1, 0.2, 0.3])], [OK; 4]);
+    let mut state = null_mut();
+    assert_eq!([fmu.step(0.0, 0.1), fmu.save(&mut state)], [OK; 2]);
+    let bytes = fmu.serialize(state);
+    let mut copy = null_mut();
+    assert_eq!([other.deserialize(&bytes, &mut copy), other.restore(copy)], [OK; 2], "{:?}", other.messages);
+    assert_eq!([fmu.step(0.1, 0.1), other.step(0.1, 0.1)], [OK; 2]);
+    assert_eq!(other.get(Y).map(f64::to_bits), fmu.get(Y).map(f64::to_bits));
+    assert_eq!(other.serialize(copy), bytes);
+}
+
+#[test]
+fn damaged_bytes_are_refused_and_harm_nothing() {
+    let fmu = Fmu::initialised();
+    let mut state = null_mut();
+    assert_eq!(fmu.save(&mut state), OK);
+    let bytes = fmu.serialize(state);
+    let mut copy = null_mut();
+    for at in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x55;
+        assert_eq!(fmu.deserialize(&damaged, &mut copy), ERROR, "byte {at}");
+        assert_eq!(fmu.deserialize(&bytes[..at], &mut copy), ERROR, "{at} bytes");
+        assert!(copy.is_null());
+    }
+    let status = fmi2SerializeFMUstate(fmu.c, state, [0].as_mut_ptr(), 1);
+    fmu.assert_refused(status, &["size = 1", &bytes.len().to_string()]);
+    assert_eq!(fmu.step(0.0, 0.1), OK);
+}
+
+#[test]
+fn derivatives_reach_the_model() {
+    let fmu = Fmu::new();
+    assert_eq!([fmu.set(&[GAIN], &[2.0]), fmu.enter(), fmu.exit(), fmu.set(&U, &[1.0, 2.0, 3.0])], [OK; 4]);
+    let (known, seed, mut derivative) = ([U[2], U[0]], [10.0, 100.0], [0.0; 3]);
+    let (y, u) = (Y.as_ptr(), U.as_ptr());
+    let directional = fmi2GetDirectionalDerivative;
+    assert_eq!(directional(fmu.c, y, 3, known.as_ptr(), 2, seed.as_ptr(), derivative.as_mut_ptr()), OK);
+    assert_eq!(derivative, [200.0, 0.0, 20.0]);
+    let status = directional(fmu.c, u, 3, known.as_ptr(), 2, seed.as_ptr(), derivative.as_mut_ptr());
+    fmu.assert_refused(status, &["u[1] is not an output"]);
+
+    let reordered = [Y[1], Y[2], Y[0]];
+    assert_eq!(
+        fmi2GetRealOutputDerivatives(fmu.c, reordered.as_ptr(), 3, [1; 3].as_ptr(), derivative.as_mut_ptr()),
+        OK
+    );
+    assert_eq!(derivative, [4.0, 6.0, 2.0]);
+    let status = fmi2GetRealOutputDerivatives(fmu.c, y, 3, [1, 1, 2].as_ptr(), derivative.as_mut_ptr());
+    fmu.assert_refused(status, &["order 2 must be 1"]);
+
+    assert_eq!(fmi2SetRealInputDerivatives(fmu.c, u, 3, [1; 3].as_ptr(), [1.0, 0.0, -1.0].as_ptr()), OK);
+    assert_eq!(fmu.step(0.0, 1.0), OK);
+    assert_eq!(fmu.get(Y), [3.0, 4.0, 5.0]);
+    let status = fmi2SetRealInputDerivatives(fmu.c, u, 3, [1; 3].as_ptr(), [f64::NAN; 3].as_ptr());
+    fmu.assert_refused(status, &["NaN"]);
+}
+
+#[test]
+fn the_status_of_a_synchronous_slave_is_its_time() {
+    let fmu = Fmu::initialised();
+    assert_eq!(fmu.step(0.0, 0.25), OK);
+    let (mut real, mut boolean) = (0.0, 7);
+    assert_eq!(fmi2GetRealStatus(fmu.c, fmi2StatusKind::fmi2LastSuccessfulTime, &mut real), OK);
+    assert_eq!(fmi2GetBooleanStatus(fmu.c, fmi2StatusKind::fmi2Terminated, &mut boolean), OK);
+    assert_eq!((real, boolean), (0.25, 0));
+    assert_eq!(fmi2GetStatus(fmu.c, fmi2StatusKind::fmi2DoStepStatus, &mut { OK }), DISCARD);
+    assert_eq!(fmi2GetIntegerStatus(fmu.c, fmi2StatusKind(77), &mut 0), DISCARD);
+    assert_eq!(fmi2GetStringStatus(fmu.c, fmi2StatusKind::fmi2PendingStatus, &mut null()), DISCARD);
+    assert_eq!(fmi2GetRealStatus(fmu.c, fmi2StatusKind::fmi2Terminated, &mut real), DISCARD);
+}
+
+#[test]
+fn a_wrong_instantiation_returns_null_and_tells_why() {
+    const CS: fmi2Type = fmi2Type::fmi2CoSimulation;
+    let guid = guid();
+    for (name, kind, their_guid, resources, parts) in [
+        (None, CS, &*guid, None, ["instanceName", "NULL"]),
+        (Some(c""), CS, &guid, None, ["instanceName", "empty"]),
+        (Some(c"a"), fmi2Type::fmi2ModelExchange, &guid, None, ["fmuType", "fmi2CoSimulation"]),
+        (Some(c"a"), fmi2Type(9), &guid, None, ["fmuType", "9"]),
+        (Some(c"a"), CS, "{another}", None, ["{another}", &guid]),
+        (Some(c"a"), CS, &guid, Some(c"http://a/b"), ["http", "no folder"]),
+        (Some(c"a"), CS, &guid, Some(c"file:///no%20where"), ["/no where", "100 %%"]),
+    ] {
+        let messages = Messages::default();
+        assert!(instantiate(name, kind, their_guid, resources, &messages).is_null(), "{parts:?}");
+        let messages = messages.borrow();
+        assert_eq!(messages.len(), 1, "{messages:?}");
+        assert!(parts.iter().all(|part| messages[0].contains(part)), "{parts:?} are not all in {messages:?}");
+    }
+    // SAFETY: NULL callbacks are to be refused.
+    assert!(fmi2Instantiate(c"a".as_ptr(), CS, null(), null(), null(), 0, 0).is_null());
+}
+
+#[test]
+fn resources_are_found_by_uri_or_path() {
+    for location in [c"file:///", c"file:/", c"file://localhost/", c"/", c""] {
+        let messages = Messages::default();
+        let c = instantiate(Some(c"a"), fmi2Type::fmi2CoSimulation, &guid(), Some(location), &messages);
+        assert!(!c.is_null(), "{location:?}: {messages:?}");
+        fmi2FreeInstance(c);
+    }
+}
+
+#[test]
+fn a_missing_logger_is_no_obstacle() {
+    let functions = fmi2CallbackFunctions { logger: None, ..callbacks(&Messages::default()) };
+    let guid = CString::new(guid()).unwrap();
+    let c = fmi2Instantiate(c"a".as_ptr(), fmi2Type::fmi2CoSimulation, guid.as_ptr(), null(), &functions, 0, 1);
+    assert_eq!(fmi2DoStep(c, 0.0, 1.0, 0), ERROR);
+    fmi2FreeInstance(c);
+}
+
+#[test]
+fn information_is_logged_on_request_only() {
+    for (on, categories) in
+        [(0, vec![]), (1, vec![]), (1, vec![c"logEvents".as_ptr()]), (1, vec![c"logStatusError".as_ptr()])]
+    {
+        let fmu = Fmu::new();
+        let status = fmi2SetDebugLogging(fmu.c, on, categories.len(), categories.as_ptr());
+        assert_eq!([status, fmu.set_string(LABEL, c"50 % #2"), fmu.enter(), fmu.exit()], [OK; 4]);
+        let wanted = on == 1 && categories.first().is_none_or(|name| text(*name) == c"logEvents");
+        let expected: &[&str] = if wanted { &["initialised 50 %% ##2"] } else { &[] };
+        assert_eq!(*fmu.messages.borrow(), expected);
+    }
+}
+
+#[test]
+fn instances_do_not_know_each_other() {
+    let (one, two) = (Fmu::initialised(), Fmu::initialised());
+    assert_eq!([one.set(&U, &[1.0; 3]), two.set(&U, &[2.0; 3]), one.step(0.0, 1.0), two.step(0.0, 0.5)], [OK; 4]);
+    assert_eq!((one.get(Y), two.get(Y)), ([1.0; 3], [1.0; 3]));
+    assert_eq!([one.get([TIME]), two.get([TIME])], [[1.0], [0.5]]);
+}
+
+#[test]
+fn a_failing_description_returns_its_message() {
+    let (code, message) = description(Some(c"/no/where"));
+    assert_eq!(code, 1);
+    assert!(message.contains("/no/where"), "{message}");
+}
+
+// ---------------------------------------------------------------- allocations
+
+/// The system's allocator, counting.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: both functions are the system's own.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller keeps the precondition.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the precondition.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn a_step_and_its_exchange_allocate_nothing() {
+    let fmu = Fmu::initialised();
+    let before = ALLOCATIONS.get();
+    for i in 0..10 {
+        assert_eq!([fmu.set(&U, &[1.0; 3]), fmu.step(f64::from(i), 1.0)], [OK; 2]);
+        assert_eq!(fmu.get(Y), [f64::from(i + 1); 3]);
+    }
+    assert_eq!(ALLOCATIONS.get() - before, 0);
+}
