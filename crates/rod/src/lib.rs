@@ -1,1 +1,23 @@
-//! Placeholder.
+//! Mass-spring elastic rod, clamped at its root, in two or three dimensions.
+//!
+//! ```text
+//! m_k x_k'' = f_k − c l_k x_k' − ∂U/∂x_k,      k = 1 … n
+//! ```
+//!
+//! Nodes run from the clamped root, 0, to the tip, n. Each carries the mass of the half segments beside it and half
+//! of their length l_k, so the tip has half of an inner node's. U is the energy of extension and bending of
+//! `elastic`, f the gravity and the [`Loads`]; `scheme` has the time schemes and `newton` the solver. All quantities
+//! are in SI units; in two dimensions mass, force and energy are per metre of depth.
+
+mod banded;
+mod elastic;
+mod error;
+mod newton;
+mod rod;
+mod scheme;
+mod state;
+
+pub use crate::error::Error;
+pub use crate::newton::Statistics;
+pub use crate::rod::{Energy, Loads, Parameters, Rod};
+pub use crate::state::State;

@@ -1,0 +1,73 @@
+//! Errors of the rod.
+
+/// Why a rod could not be built, loaded, restored or stepped.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A value that no rod can work with.
+    #[error("{name} is {value}, but it must be {allowed}")]
+    Value {
+        /// Name of the variable.
+        name: String,
+        /// The value that was found.
+        value: String,
+        /// What would be allowed, as the end of the sentence "but it must be …".
+        allowed: &'static str,
+    },
+    /// An array that does not fit the nodes.
+    #[error("{name} has {length} entries, but {expected} are needed")]
+    Length {
+        /// Name of the array.
+        name: String,
+        /// Its length.
+        length: usize,
+        /// The length it must have.
+        expected: usize,
+    },
+    /// More fluid is displaced than the section weighs.
+    #[error(
+        "the section weighs {line_density} kg/m and displaces {displaced} kg/m of fluid, but the mass left to the rod \
+         under this load, {} kg/m, must not be negative", line_density - displaced
+    )]
+    NegativeMass {
+        /// Mass per length of the section, kg/m.
+        line_density: f64,
+        /// Mass per length of the displaced fluid, kg/m.
+        displaced: f64,
+    },
+    /// The scene has no rod of this dimension.
+    #[error("the scene {scene:?} has no {dimension}-dimensional beam with a rod")]
+    NoRod {
+        /// Name of the scene.
+        scene: String,
+        /// The dimension asked for.
+        dimension: usize,
+    },
+    /// Newton's method gave up, also with smaller sub-steps.
+    #[error(
+        "Newton's method stopped at a residual of {residual:.3e} N, above {tolerance:.3e} N, after {iterations} iterations"
+    )]
+    NotConverged {
+        /// Largest component of the residual, N.
+        residual: f64,
+        /// Its tolerance, N.
+        tolerance: f64,
+        /// Iterations of all attempts.
+        iterations: usize,
+    },
+    /// The rod folds back on itself.
+    #[error(
+        "the rod folds back at node {node}: |e1||e2| + e1·e2 of the edges that meet there must be above {limit:.3e} m²"
+    )]
+    FoldBack {
+        /// Node between the two edges.
+        node: usize,
+        /// Limit of |e1||e2| + e1·e2, m².
+        limit: f64,
+    },
+}
+
+impl Error {
+    pub(crate) fn value(name: impl Into<String>, value: impl ToString, allowed: &'static str) -> Self {
+        Self::Value { name: name.into(), value: value.to_string(), allowed }
+    }
+}

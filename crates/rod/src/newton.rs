@@ -1,0 +1,312 @@
+//! Newton's method for one step or for equilibrium.
+//!
+//! With velocities eliminated both are the minimum of an incremental potential over the displacement u = x − x_0,
+//!
+//! ```text
+//! Π(u) = Σ_k (½ w_k |u_k|² − b_k · u_k) + s U(x_0 + u),      w u − b + s ∇U = 0,
+//! ```
+//!
+//! whose Hessian couples each node to two on either side. Plain Newton comes first; where it does not converge, the
+//! diagonal is shifted until all pivots are positive and Armijo's rule on Π decides how far to go (Nocedal & Wright
+//! 2006, *Numerical Optimization*, 2nd ed., sections 3.1 and 3.4).
+
+use crate::banded::{Banded, Singular};
+use crate::elastic::{EdgeDerivatives, Elastic, FoldBack, Matrix, Vector};
+
+/// Plain Newton takes 1 … 4 iterations, about ten for a very stiff rod after a long step; more is divergence.
+const PLAIN_ITERATIONS: usize = 15;
+/// Each guarded iteration lowers Π; more than this many is not worth it, smaller steps are.
+const GUARDED_ITERATIONS: usize = 100;
+/// Tolerance of the residual relative to the largest force in the rod.
+const RELATIVE_RESIDUAL: f64 = 1e-10;
+/// Tolerance of the last update relative to the rod's length.
+const RELATIVE_UPDATE: f64 = 1e-13;
+/// Rounding errors of a position that the residual cannot fall below.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Part of the predicted decrease of Π that Armijo's rule asks for.
+const ARMIJO: f64 = 1e-4;
+/// Rounding of Π relative to its terms.
+const POTENTIAL_ROUNDING: f64 = 1e-14;
+/// First shift that is tried, relative to the largest diagonal entry.
+const SMALLEST_SHIFT: f64 = 1e-8;
+/// Largest shift that is tried, relative to the largest diagonal entry: more than Gershgorin's bound of a row.
+const LARGEST_SHIFT: f64 = 1e2;
+/// Halvings of an update before the line search gives up.
+const BACKTRACKS: usize = 40;
+
+/// w, b and s of the incremental potential, for the nodes 0 … n; the clamped node 0 takes no part.
+pub(crate) struct Balance<const D: usize> {
+    /// w_k, N/m: `[n + 1]`.
+    pub(crate) weight: Vec<f64>,
+    /// b_k, N: `[n + 1]`.
+    pub(crate) load: Vec<Vector<D>>,
+    /// s.
+    pub(crate) elastic_weight: f64,
+}
+
+/// What the last step (or search for equilibrium) took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Newton iterations, failed attempts included.
+    pub iterations: usize,
+    /// Sub-steps.
+    pub substeps: usize,
+    /// Largest number of negative pivots in a Newton matrix: above 0 it warns that the step is too long.
+    pub negative_pivots: usize,
+}
+
+/// How updates are taken.
+#[derive(Clone, Copy)]
+enum Update {
+    /// In full.
+    Plain,
+    /// With a shifted diagonal and a line search.
+    Guarded,
+}
+
+/// Why a solve failed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Failure {
+    NotConverged { residual: f64, tolerance: f64 },
+    FoldBack(FoldBack),
+}
+
+impl From<FoldBack> for Failure {
+    fn from(fold: FoldBack) -> Self {
+        Self::FoldBack(fold)
+    }
+}
+
+/// Scratch of the method and what it needs to know of the rod.
+pub(crate) struct Newton<const D: usize> {
+    /// Elastic forces and stiffnesses of the shape assembled last.
+    pub(crate) by_edge: EdgeDerivatives<D>,
+    matrix: Banded,
+    /// −∇Π node by node without the root, N: `[n D]`.
+    descent: Vec<f64>,
+    /// Newton's update of the positions, m: `[n D]`.
+    update: Vec<f64>,
+    /// First guess, then the positions before a line search, m: `[n + 1]`.
+    before: Vec<Vector<D>>,
+    /// Length of the rod, m.
+    length: f64,
+    /// Largest coordinate to expect, m.
+    extent: f64,
+}
+
+impl<const D: usize> Newton<D> {
+    /// For a rod of `segments`, `length` (m) and coordinates up to `extent` (m).
+    pub(crate) fn new(segments: usize, length: f64, extent: f64) -> Self {
+        Self {
+            by_edge: EdgeDerivatives::zeros(segments),
+            matrix: Banded::zeros(segments * D, 3 * D - 1),
+            descent: vec![0.0; segments * D],
+            update: vec![0.0; segments * D],
+            before: vec![Vector::zeros(); segments + 1],
+            length,
+            extent,
+        }
+    }
+
+    /// Move `x` from its first guess to the minimum of Π about `origin`; on failure `x` is undefined.
+    pub(crate) fn solve(
+        &mut self,
+        elastic: &Elastic<D>,
+        balance: &Balance<D>,
+        origin: &[Vector<D>],
+        x: &mut [Vector<D>],
+        statistics: &mut Statistics,
+    ) -> Result<(), Failure> {
+        self.before.copy_from_slice(x);
+        if self.iterate(elastic, balance, origin, x, statistics, Update::Plain).is_ok() {
+            return Ok(());
+        }
+        x.copy_from_slice(&self.before);
+        if elastic.energy(x).is_err() {
+            x.copy_from_slice(origin);
+        }
+        self.iterate(elastic, balance, origin, x, statistics, Update::Guarded)
+    }
+
+    fn iterate(
+        &mut self,
+        elastic: &Elastic<D>,
+        balance: &Balance<D>,
+        origin: &[Vector<D>],
+        x: &mut [Vector<D>],
+        statistics: &mut Statistics,
+        kind: Update,
+    ) -> Result<(), Failure> {
+        let limit = match kind {
+            Update::Plain => PLAIN_ITERATIONS,
+            Update::Guarded => GUARDED_ITERATIONS,
+        };
+        let mut shift = 0.0;
+        for iteration in 0.. {
+            let (residual, tolerance) = self.assemble(elastic, balance, origin, x)?;
+            // The first guess always gets one update: a small load must not drown in the tolerance.
+            if iteration > 0 && residual <= tolerance {
+                break;
+            }
+            let failure = Failure::NotConverged { residual, tolerance };
+            if iteration == limit {
+                return Err(failure);
+            }
+            statistics.iterations += 1;
+            match (self.matrix.factorise(), kind) {
+                (Ok(0), _) => shift = 0.0,
+                (Ok(negative_pivots), Update::Plain) => {
+                    statistics.negative_pivots = statistics.negative_pivots.max(negative_pivots);
+                }
+                (Err(Singular), Update::Plain) => return Err(failure),
+                (_, Update::Guarded) => {
+                    shift = self.factorise_shifted(elastic, balance, origin, x, 0.1 * shift).ok_or(failure)?;
+                }
+            }
+            self.update.copy_from_slice(&self.descent);
+            self.matrix.solve(&mut self.update);
+
+            // How much of the update may be taken before an edge changes by more than its own length.
+            let allowed = elastic.segment_length / self.edge_change();
+            match kind {
+                Update::Plain if allowed > 1.0 => self.add_update(x, 1.0),
+                Update::Plain => return Err(failure),
+                Update::Guarded => self.search(elastic, balance, origin, x, allowed.min(1.0)).ok_or(failure)?,
+            }
+            // A shift shortens updates, so a short one says nothing there.
+            if shift == 0.0 && largest(&self.update) <= RELATIVE_UPDATE * self.length {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// ∇∇Π into `matrix` and −∇Π into `descent`; returns the residual and its tolerance, N.
+    fn assemble(
+        &mut self,
+        elastic: &Elastic<D>,
+        balance: &Balance<D>,
+        origin: &[Vector<D>],
+        x: &[Vector<D>],
+    ) -> Result<(f64, f64), FoldBack> {
+        elastic.derivatives(x, &mut self.by_edge)?;
+        self.matrix.clear();
+        let EdgeDerivatives { gradient, diagonal, coupling } = &self.by_edge;
+        let s = balance.elastic_weight;
+        let segments = gradient.len();
+        let mut largest_force = 0.0_f64;
+        for k in 1..=segments {
+            // x_k ends edge k − 1 and begins edge k; at the tip there is no edge k.
+            let (node, edge) = (k - 1, k - 1);
+            let mut descent = balance.load[k] - (x[k] - origin[k]) * balance.weight[k] - gradient[edge] * s;
+            let mut own = diagonal[edge] * s + Matrix::from_diagonal_element(balance.weight[k]);
+            if k < segments {
+                descent += gradient[edge + 1] * s;
+                own += (diagonal[edge + 1] - coupling[edge] - coupling[edge].transpose()) * s;
+                let next = (coupling[edge] - diagonal[edge + 1] + coupling[edge + 1]) * s;
+                add_block(&mut self.matrix, node + 1, node, next.transpose());
+            }
+            if k + 1 < segments {
+                add_block(&mut self.matrix, node + 2, node, coupling[edge + 1].transpose() * -s);
+            }
+            add_block(&mut self.matrix, node, node, own);
+            largest_force = largest_force.max(s * gradient[edge].amax()).max(balance.load[k].amax());
+            self.descent[node * D..][..D].copy_from_slice(descent.as_slice());
+        }
+        let rounding = ROUNDING * self.extent * self.matrix.largest_diagonal();
+        Ok((largest(&self.descent), RELATIVE_RESIDUAL * largest_force + rounding))
+    }
+
+    /// Raise the diagonal until all pivots are positive, from `shift` on; returns the shift, N/m.
+    fn factorise_shifted(
+        &mut self,
+        elastic: &Elastic<D>,
+        balance: &Balance<D>,
+        origin: &[Vector<D>],
+        x: &[Vector<D>],
+        shift: f64,
+    ) -> Option<f64> {
+        let mut factor = 1.0;
+        loop {
+            self.assemble(elastic, balance, origin, x).ok()?;
+            let stiffness = self.matrix.largest_diagonal();
+            let tried = shift.max(SMALLEST_SHIFT * stiffness) * factor;
+            if tried > LARGEST_SHIFT * stiffness || !stiffness.is_finite() {
+                return None;
+            }
+            self.matrix.shift(tried);
+            if let Ok(0) = self.matrix.factorise() {
+                return Some(tried);
+            }
+            factor *= 10.0;
+        }
+    }
+
+    /// Add the largest of `part`, `part`/2, `part`/4 … of the update that lowers Π enough; `None` if none does.
+    fn search(
+        &mut self,
+        elastic: &Elastic<D>,
+        balance: &Balance<D>,
+        origin: &[Vector<D>],
+        x: &mut [Vector<D>],
+        mut part: f64,
+    ) -> Option<()> {
+        let slope: f64 = -self.descent.iter().zip(&self.update).map(|(r, u)| r * u).sum::<f64>();
+        let (start, rounding) = balance.potential(elastic, origin, x)?;
+        self.before.copy_from_slice(x);
+        for _ in 0..BACKTRACKS {
+            self.add_update(x, part);
+            if let Some((potential, _)) = balance.potential(elastic, origin, x)
+                && potential <= start + ARMIJO * part * slope + rounding
+            {
+                return Some(());
+            }
+            x.copy_from_slice(&self.before);
+            part *= 0.5;
+        }
+        None
+    }
+
+    /// x + part · update.
+    fn add_update(&self, x: &mut [Vector<D>], part: f64) {
+        for (x, update) in x[1..].iter_mut().zip(self.update.chunks_exact(D)) {
+            *x += Vector::from_column_slice(update) * part;
+        }
+    }
+
+    /// Length of the largest change of an edge in the update, m.
+    fn edge_change(&self) -> f64 {
+        let node = |k: usize| Vector::<D>::from_column_slice(&self.update[k * D..][..D]);
+        (1..self.update.len() / D).fold(node(0).norm(), |largest, k| largest.max((node(k) - node(k - 1)).norm()))
+    }
+}
+
+impl<const D: usize> Balance<D> {
+    /// Π and the rounding error to expect in it, J; `None` where the shape folds back.
+    fn potential(&self, elastic: &Elastic<D>, origin: &[Vector<D>], x: &[Vector<D>]) -> Option<(f64, f64)> {
+        let energy = elastic.energy(x).ok()?;
+        let (mut potential, mut size) = (self.elastic_weight * (energy.stretching + energy.bending), 0.0);
+        for (k, (x, origin)) in x.iter().zip(origin).enumerate().skip(1) {
+            let u = x - origin;
+            let inertia = 0.5 * self.weight[k] * u.norm_squared();
+            let work = self.load[k].dot(&u);
+            potential += inertia - work;
+            size += inertia + work.abs();
+        }
+        Some((potential, POTENTIAL_ROUNDING * (size + potential.abs())))
+    }
+}
+
+/// Largest magnitude; infinite where an entry is not a number.
+fn largest(entries: &[f64]) -> f64 {
+    entries.iter().fold(0.0, |largest, entry| if entry.is_nan() { f64::INFINITY } else { entry.abs().max(largest) })
+}
+
+/// Add to the block of two nodes; of a diagonal block only the lower triangle.
+fn add_block<const D: usize>(matrix: &mut Banded, row: usize, column: usize, block: Matrix<D>) {
+    for j in 0..D {
+        for i in if row == column { j } else { 0 }..D {
+            matrix.add(row * D + i, column * D + j, block[(i, j)]);
+        }
+    }
+}

@@ -1,0 +1,77 @@
+//! State of a rod between two steps.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::elastic::Vector;
+
+/// All that a rod remembers from one step to the next; each array has one entry per node, root to tip, `[n + 1]`.
+///
+/// Loads are inputs and not part of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State<const D: usize> {
+    /// Positions, m.
+    pub positions: Vec<Vector<D>>,
+    /// Velocities, m/s.
+    pub velocities: Vec<Vector<D>>,
+    /// Accelerations, m/s².
+    pub accelerations: Vec<Vector<D>>,
+    /// Net forces on the nodes at the end of the last step, N (generalised-α blends with them).
+    pub net_forces: Vec<Vector<D>>,
+    /// Positions one step earlier, m (BDF2).
+    pub previous_positions: Vec<Vector<D>>,
+    /// Velocities one step earlier, m/s (BDF2).
+    pub previous_velocities: Vec<Vector<D>>,
+    /// Length of the last step, s; 0 where there was none, so that the next step is a first step.
+    pub last_step: f64,
+}
+
+impl<const D: usize> State<D> {
+    /// At rest in the shape `positions`, before the first step.
+    pub fn at_rest(positions: Vec<Vector<D>>) -> Self {
+        let zeros = vec![Vector::zeros(); positions.len()];
+        Self {
+            velocities: zeros.clone(),
+            accelerations: zeros.clone(),
+            net_forces: zeros.clone(),
+            previous_positions: positions.clone(),
+            previous_velocities: zeros,
+            positions,
+            last_step: 0.0,
+        }
+    }
+
+    /// Overwrite with `other` of the same number of nodes; unlike `clone_from` this allocates nothing.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        self.positions.copy_from_slice(&other.positions);
+        self.velocities.copy_from_slice(&other.velocities);
+        self.accelerations.copy_from_slice(&other.accelerations);
+        self.net_forces.copy_from_slice(&other.net_forces);
+        self.previous_positions.copy_from_slice(&other.previous_positions);
+        self.previous_velocities.copy_from_slice(&other.previous_velocities);
+        self.last_step = other.last_step;
+    }
+
+    /// Each array must have `nodes` entries, all finite, and the last step must not be negative.
+    pub(crate) fn check(&self, nodes: usize) -> Result<(), Error> {
+        for (name, array) in [
+            ("positions", &self.positions),
+            ("velocities", &self.velocities),
+            ("accelerations", &self.accelerations),
+            ("net_forces", &self.net_forces),
+            ("previous_positions", &self.previous_positions),
+            ("previous_velocities", &self.previous_velocities),
+        ] {
+            if array.len() != nodes {
+                return Err(Error::Length { name: format!("state.{name}"), length: array.len(), expected: nodes });
+            }
+            if let Some(k) = array.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
+                return Err(Error::value(format!("state.{name}[{k}]"), format!("{:?}", array[k].as_slice()), "finite"));
+            }
+        }
+        if !(self.last_step.is_finite() && self.last_step >= 0.0) {
+            return Err(Error::value("state.last_step", self.last_step, "a finite number of at least 0 s"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,30 @@
+//! A step allocates nothing.
+
+mod common;
+
+use common::{SCHEMES, turek_hron_bar};
+use rod::{Parameters, Rod};
+
+#[test]
+fn step_allocates_nothing() {
+    for scheme in SCHEMES {
+        let mut rod = Rod::new(Parameters { scheme, max_step: Some(1e-3), ..turek_hron_bar(5.6e6, 2.0, 42) }).unwrap();
+        rod.loads.force = vec![0.0; 2 * 43];
+        rod.loads.pressure_jump = vec![100.0; 43];
+        rod.loads.impedance = vec![5.0; 43];
+        let counted = allocation_counter::measure(|| {
+            for _ in 0..3 {
+                rod.step(2e-3).unwrap();
+            }
+        });
+        assert_eq!(counted.count_total, 0, "{scheme:?}");
+    }
+}
+
+#[test]
+fn halved_and_failed_steps_allocate_nothing() {
+    let mut rod = Rod::new(turek_hron_bar(5.6e6, 2.0, 42)).unwrap();
+    rod.loads.force = vec![1e300; 2 * 43];
+    let counted = allocation_counter::measure(|| assert!(rod.step(1e-3).is_err()));
+    assert_eq!(counted.count_total, 0);
+}

@@ -1,0 +1,320 @@
+//! Motion in vacuo and under loads.
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use common::{GENERALISED_ALPHA, SCHEMES, total_energy, turek_hron_bar, unit_rod};
+use rod::{Parameters, Rod};
+use scene::{RodScheme, Section};
+
+/// Roots of 1 + cos b cosh b = 0: natural frequencies of a cantilever are b² sqrt(EI/µ)/L².
+const CANTILEVER: [f64; 2] = [1.875104068711961, 4.694091132974175];
+
+/// Bend a rod along x into `amplitude` times a mode of the Euler–Bernoulli cantilever, at rest.
+fn bend_into_mode(rod: &mut Rod<2>, b: f64, amplitude: f64) {
+    let mut state = rod.state().clone();
+    let length = rod.parameters().length;
+    let sigma = (b.sinh() - b.sin()) / (b.cosh() + b.cos());
+    for x in &mut state.positions {
+        let z = b * x[0] / length;
+        x[1] += 0.5 * amplitude * (z.cosh() - z.cos() - sigma * (z.sinh() - z.sin()));
+    }
+    state.previous_positions.clone_from(&state.positions);
+    rod.restore(&state).unwrap();
+}
+
+/// Frequency of the tip's y: from the first to the last crossing of its mean, interpolated.
+fn frequency(dt: f64, y: &[f64]) -> f64 {
+    let mean = 0.5 * (y.iter().copied().fold(f64::MIN, f64::max) + y.iter().copied().fold(f64::MAX, f64::min));
+    let crossings: Vec<f64> = y
+        .windows(2)
+        .enumerate()
+        .filter(|(_, w)| w[0] < mean && w[1] >= mean)
+        .map(|(k, w)| dt * (k as f64 + (mean - w[0]) / (w[1] - w[0])))
+        .collect();
+    (crossings.len() - 1) as f64 / (crossings[crossings.len() - 1] - crossings[0])
+}
+
+/// Vertical tip displacements of `steps` steps of `dt`.
+fn tip_history(rod: &mut Rod<2>, dt: f64, steps: usize) -> Vec<[f64; 2]> {
+    (0..steps)
+        .map(|_| {
+            rod.step(dt).unwrap();
+            rod.tip_displacement()
+        })
+        .collect()
+}
+
+#[test]
+fn small_vibrations_have_the_frequencies_of_the_cantilever() {
+    for b in CANTILEVER {
+        let exact = b * b / TAU;
+        let mut rod = Rod::new(unit_rod::<2>(128, 1e4, RodScheme::Trapezoid)).unwrap();
+        bend_into_mode(&mut rod, b, 1e-5);
+        let dt = 1.0 / (exact * 400.0);
+        let y: Vec<f64> = tip_history(&mut rod, dt, 4 * 400).iter().map(|tip| tip[1]).collect();
+        let found = frequency(dt, &y);
+        assert!((found / exact - 1.0).abs() < 5e-4, "{found} Hz against {exact} Hz");
+    }
+}
+
+/// CSM3 of Turek & Hron (2006): from rest under 2 m/s²; a rod has no shear and no curved root, hence the tolerance.
+#[test]
+fn csm3_agrees_with_the_published_bar() {
+    const TOLERANCE: f64 = 0.012;
+    let dt = 1e-3;
+    for scheme in SCHEMES {
+        let mut rod = Rod::new(Parameters { scheme, ..turek_hron_bar(1.4e6, 2.0, 42) }).unwrap();
+        let tips = tip_history(&mut rod, dt, 5000);
+        let range = |d: usize| {
+            let values = || tips.iter().map(|tip| tip[d]);
+            let (low, high) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
+            (0.5 * (low + high) * 1e3, 0.5 * (high - low) * 1e3)
+        };
+        let ((x, x_amplitude), (y, y_amplitude)) = (range(0), range(1));
+        let y_history: Vec<f64> = tips.iter().map(|tip| tip[1]).collect();
+        let hertz = frequency(dt, &y_history);
+        for (found, published) in
+            [(x, -14.305), (x_amplitude, 14.305), (y, -63.607), (y_amplitude, 65.160), (hertz, 1.0995)]
+        {
+            assert!((found / published - 1.0).abs() < TOLERANCE, "{scheme:?}: {found} against {published}");
+        }
+    }
+}
+
+/// A tip force A sin²(πt/2) on a rod with four soft segments, up to t = 1.
+fn tip_after_ramp(scheme: RodScheme, steps: usize, unequal: bool) -> [f64; 2] {
+    let mut rod = Rod::new(unit_rod::<2>(4, 100.0, scheme)).unwrap();
+    rod.loads.force = vec![0.0; 2 * 5];
+    let mut time = 0.0;
+    for step in 0..steps {
+        let dt = if unequal { 1.0 + 0.4 * (-1.0_f64).powi(step as i32) } else { 1.0 } / steps as f64;
+        time += dt;
+        rod.loads.force[9] = 5.0 * (0.25 * TAU * time).sin().powi(2);
+        rod.step(dt).unwrap();
+    }
+    rod.tip_displacement()
+}
+
+fn assert_second_order(scheme: RodScheme, unequal: bool) {
+    let exact = tip_after_ramp(RodScheme::Trapezoid, 51200, false);
+    let errors = [400, 800, 1600].map(|steps| {
+        let tip = tip_after_ramp(scheme, steps, unequal);
+        (tip[0] - exact[0]).hypot(tip[1] - exact[1])
+    });
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((order - 2.0).abs() < 0.15, "{scheme:?}: order {order}, errors {errors:?}");
+    }
+}
+
+#[test]
+fn trapezoid_is_second_order() {
+    assert_second_order(RodScheme::Trapezoid, false);
+}
+
+#[test]
+fn generalised_alpha_is_second_order() {
+    assert_second_order(GENERALISED_ALPHA, false);
+}
+
+#[test]
+fn bdf2_is_second_order() {
+    assert_second_order(RodScheme::Bdf2, false);
+}
+
+#[test]
+fn bdf2_is_second_order_with_unequal_steps() {
+    assert_second_order(RodScheme::Bdf2, true);
+}
+
+#[test]
+fn trapezoid_conserves_the_energy_of_small_motion() {
+    let mut rod = Rod::new(unit_rod::<2>(32, 1e4, RodScheme::Trapezoid)).unwrap();
+    bend_into_mode(&mut rod, CANTILEVER[0], 1e-4);
+    let start = total_energy(&rod);
+    for step in 0..2000 {
+        rod.step(5e-3).unwrap();
+        let energy = total_energy(&rod);
+        assert!((energy / start - 1.0).abs() < 1e-5, "step {step}: {energy} J after {start} J");
+    }
+}
+
+/// The bar of CSM3 in units of its length, segments of 1e9 N/m, a step of 1e-2: the trapezoid fails here.
+#[test]
+fn dissipative_schemes_never_gain_energy_on_a_stiff_rod() {
+    let segments = 32;
+    for scheme in [GENERALISED_ALPHA, RodScheme::Bdf2] {
+        let section = Section {
+            line_density: 0.0571428571,
+            bending_stiffness: 0.0259151,
+            axial_stiffness: 1e9 / segments as f64,
+        };
+        let gravity = [0.0, -0.7];
+        let mut rod = Rod::new(Parameters { section, gravity, ..unit_rod::<2>(segments, 1.0, scheme) }).unwrap();
+        let mut largest = f64::MIN;
+        let mut statistics = rod.statistics();
+        for _ in 0..3000 {
+            rod.step(1e-2).unwrap();
+            largest = largest.max(total_energy(&rod));
+            statistics.iterations = statistics.iterations.max(rod.statistics().iterations);
+            statistics.substeps = statistics.substeps.max(rod.statistics().substeps);
+        }
+        assert!(largest <= 1e-12, "{scheme:?}: {largest} J above a start at 0 J");
+    }
+}
+
+/// A blow of 10 kN against the tip in one long step: the bar ends up turned over, in equilibrium.
+#[test]
+fn blow_too_hard_for_one_step_is_taken_in_substeps() {
+    let mut rod = Rod::new(turek_hron_bar(5.6e6, 2.0, 42)).unwrap();
+    rod.loads.force = vec![0.0; 2 * 43];
+    rod.loads.force[42] = -1e4;
+    rod.loads.force[85] = 100.0;
+    let mut substeps = 0;
+    for _ in 0..100 {
+        rod.step(0.1).unwrap();
+        substeps = substeps.max(rod.statistics().substeps);
+    }
+    assert!(substeps > 1, "{substeps} sub-steps");
+    let moved = rod.tip_displacement();
+    rod.solve_static().unwrap();
+    let settled = rod.tip_displacement();
+    let distance = (moved[0] - settled[0]).hypot(moved[1] - settled[1]);
+    assert!(distance < 1e-5 && settled[0] < -0.5, "{moved:?} after steps, {settled:?} in equilibrium");
+}
+
+/// The bar of FSI3 in a gusty load that swings its tip by 4 cm.
+#[test]
+fn newton_takes_two_iterations_at_the_step_of_fsi3() {
+    let (dt, nodes) = (2e-4, 43);
+    for scheme in SCHEMES {
+        let mut rod = Rod::new(Parameters { scheme, ..turek_hron_bar(5.6e6, 0.0, nodes - 1) }).unwrap();
+        rod.loads.force = vec![0.0; 2 * nodes];
+        let mut largest = 0.0_f64;
+        for step in 1..=10_000 {
+            for (k, force) in rod.loads.force[nodes..].iter_mut().enumerate() {
+                let swing = 150.0 * (34.0 * dt * f64::from(step)).sin();
+                let gust = 200.0 * (1.7 * f64::from(step) * k as f64).sin();
+                *force = (swing + gust) * 0.35 / (nodes - 1) as f64;
+            }
+            rod.step(dt).unwrap();
+            let statistics = rod.statistics();
+            let within = statistics.iterations <= 2 && statistics.substeps == 1 && statistics.negative_pivots == 0;
+            assert!(within, "{scheme:?}, step {step}: {statistics:?}");
+            largest = largest.max(rod.tip_displacement()[1].abs());
+        }
+        assert!(largest > 0.03, "{scheme:?}: the tip only reached {largest} m");
+    }
+}
+
+/// With no mass of its own but a load −M dv/dt, differenced like BDF2, the rod moves as one of mass M.
+#[test]
+fn added_mass_through_the_impedance_is_mass() {
+    let dt = 2e-2;
+    let weight = |nodes: usize| {
+        let mut force = vec![0.0; 2 * nodes];
+        force[nodes..].fill(-1.0 / nodes as f64);
+        force
+    };
+    let heavy = unit_rod::<2>(16, 1e3, RodScheme::Bdf2);
+    let mut light = Rod::new(Parameters { displaced: 1.0, ..heavy.clone() }).unwrap();
+    let mut heavy = Rod::new(heavy).unwrap();
+    heavy.loads.force = weight(17);
+    light.loads.impedance = vec![0.0; 17];
+    for step in 0..200 {
+        let (new, old) = if step == 0 { (1.0, 0.0) } else { (1.5, 0.5) };
+        let state = light.state().clone();
+        light.loads.force = weight(17);
+        for k in 0..17 {
+            let mass = if k == 16 { 0.5 / 16.0 } else { 1.0 / 16.0 };
+            light.loads.impedance[k] = new * mass / dt;
+            for d in 0..2 {
+                let old_difference = old * (state.velocities[k][d] - state.previous_velocities[k][d]) / dt;
+                light.loads.force[d * 17 + k] += mass * old_difference;
+            }
+        }
+        heavy.step(dt).unwrap();
+        light.step(dt).unwrap();
+        for d in 0..2 {
+            let (found, expected) = (light.tip_displacement()[d], heavy.tip_displacement()[d]);
+            assert!((found - expected).abs() < 1e-11, "step {step}: {found} against {expected}");
+        }
+    }
+    assert!(heavy.tip_displacement()[1].abs() > 0.01, "it hardly moved: {:?}", heavy.tip_displacement());
+}
+
+#[test]
+fn rod_without_mass_works_in_every_scheme() {
+    for scheme in SCHEMES {
+        let parameters = unit_rod::<2>(16, 1e3, scheme);
+        let mut settled = Rod::new(parameters.clone()).unwrap();
+        let mut rod = Rod::new(Parameters { displaced: 1.0, ..parameters }).unwrap();
+        let mut force = vec![0.0; 2 * 17];
+        force[33] = 0.5;
+        settled.loads.force.clone_from(&force);
+        settled.solve_static().unwrap();
+        rod.loads.force = force;
+        rod.loads.impedance = vec![0.1; 17];
+        // D (v − v_ref) only slows the motion down, so it ends where the forces balance.
+        for _ in 0..20000 {
+            rod.step(1e-2).unwrap();
+        }
+        let (found, expected) = (rod.tip_displacement()[1], settled.tip_displacement()[1]);
+        assert!((found / expected - 1.0).abs() < 1e-3, "{scheme:?}: {found} against {expected}");
+    }
+}
+
+#[test]
+fn restored_state_continues_bit_by_bit() {
+    for scheme in SCHEMES {
+        let mut rod = Rod::new(Parameters { scheme, ..turek_hron_bar(5.6e6, 2.0, 42) }).unwrap();
+        rod.loads.pressure_jump = vec![300.0; 43];
+        for _ in 0..20 {
+            rod.step(1e-3).unwrap();
+        }
+        let text = serde_json::to_string(rod.state()).unwrap();
+        for dt in [1e-3, 5e-4, 1e-3] {
+            rod.step(dt).unwrap();
+        }
+        let mut other = Rod::new(rod.parameters().clone()).unwrap();
+        other.loads = rod.loads.clone();
+        other.restore(&serde_json::from_str(&text).unwrap()).unwrap();
+        for dt in [1e-3, 5e-4, 1e-3] {
+            other.step(dt).unwrap();
+        }
+        let (found, expected) = (other.tip_displacement(), rod.tip_displacement());
+        assert!(other.state() == rod.state(), "{scheme:?}: {found:?} against {expected:?}");
+    }
+}
+
+#[test]
+fn largest_step_divides_the_step_evenly() {
+    let parameters = turek_hron_bar(5.6e6, 2.0, 8);
+    let mut whole = Rod::new(Parameters { max_step: Some(2.5e-4), ..parameters.clone() }).unwrap();
+    let mut parts = Rod::new(parameters).unwrap();
+    for _ in 0..5 {
+        whole.step(1e-3 * (1.0 + 1e-15)).unwrap();
+        assert_eq!(whole.statistics().substeps, 4);
+        (0..4).for_each(|_| parts.step(2.5e-4).unwrap());
+    }
+    let (found, expected) = (whole.tip_displacement()[1], parts.tip_displacement()[1]);
+    assert!((found / expected - 1.0).abs() < 1e-9, "{found} against {expected}");
+}
+
+/// Damping c per length slows every mode alike: the amplitude falls as exp(−c t/2µ).
+#[test]
+fn damping_takes_its_share() {
+    let damping = 0.4;
+    let mut rod = Rod::new(Parameters { damping, ..unit_rod::<2>(32, 1e4, RodScheme::Trapezoid) }).unwrap();
+    bend_into_mode(&mut rod, CANTILEVER[0], 1e-4);
+    let start = total_energy(&rod);
+    // A whole number of half periods, where kinetic energy and damping power vanish.
+    let omega = (CANTILEVER[0].powi(4) - 0.25 * damping * damping).sqrt();
+    let (periods, steps) = (3.0, 3000);
+    let end = periods * TAU / omega;
+    (0..steps).for_each(|_| rod.step(end / steps as f64).unwrap());
+    let (found, expected) = (total_energy(&rod) / start, (-damping * end).exp());
+    assert!((found / expected - 1.0).abs() < 5e-3, "{found} against {expected}");
+}

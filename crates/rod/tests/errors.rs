@@ -1,0 +1,125 @@
+//! Each bad input is refused with its name and value.
+
+mod common;
+
+use common::{turek_hron_bar, unit_rod};
+use rod::{Error, Loads, Parameters, Rod, State};
+use scene::{RodScheme, Section};
+
+fn bar() -> Parameters<2> {
+    turek_hron_bar(5.6e6, 2.0, 4)
+}
+
+fn assert_names(error: &Error, parts: &[&str]) {
+    let message = error.to_string();
+    for part in parts {
+        assert!(message.contains(part), "no {part:?} in {message:?}");
+    }
+}
+
+#[test]
+fn bad_parameters_are_named() {
+    let section = bar().section;
+    for (parameters, parts) in [
+        (Parameters { segments: 1, ..bar() }, ["segments is 1", "at least 2"]),
+        (Parameters { length: 0.0, ..bar() }, ["length is 0", "above 0"]),
+        (Parameters { length: f64::NAN, ..bar() }, ["length is NaN", "finite"]),
+        (Parameters { root: [f64::INFINITY, 0.0], ..bar() }, ["root is [inf, 0.0]", "finite"]),
+        (Parameters { direction: [0.0, 0.0], ..bar() }, ["direction is [0.0, 0.0]", "but 0"]),
+        (Parameters { gravity: [0.0, f64::NAN], ..bar() }, ["gravity is [0.0, NaN]", "finite"]),
+        (Parameters { damping: -1.0, ..bar() }, ["damping is -1", "at least 0"]),
+        (Parameters { displaced: -1.0, ..bar() }, ["displaced is -1", "at least 0"]),
+        (Parameters { displaced: 21.0, ..bar() }, ["weighs 20 kg/m and displaces 21 kg/m", "-1 kg/m"]),
+        (Parameters { max_step: Some(0.0), ..bar() }, ["max_step is 0", "above 0"]),
+        (
+            Parameters { section: Section { line_density: 0.0, ..section }, ..bar() },
+            ["section.line_density is 0", "above 0"],
+        ),
+        (
+            Parameters { section: Section { bending_stiffness: -2.0, ..section }, ..bar() },
+            ["section.bending_stiffness is -2", "above 0"],
+        ),
+        (
+            Parameters { section: Section { axial_stiffness: f64::NAN, ..section }, ..bar() },
+            ["section.axial_stiffness is NaN", "above 0"],
+        ),
+        (
+            Parameters { scheme: RodScheme::GeneralisedAlpha { rho_inf: 1.5 }, ..bar() },
+            ["rho_inf is 1.5", "between 0 and 1"],
+        ),
+    ] {
+        match Rod::new(parameters) {
+            Ok(_) => panic!("accepted where {parts:?} was expected"),
+            Err(error) => assert_names(&error, &parts),
+        }
+    }
+}
+
+#[test]
+fn bad_loads_are_named_and_change_nothing() {
+    let mut rod = Rod::new(bar()).unwrap();
+    let before = rod.state().clone();
+    let with = |at: usize, value: f64, count: usize| {
+        let mut array = vec![0.0; count];
+        array[at] = value;
+        array
+    };
+    for (loads, parts) in [
+        (Loads { force: vec![0.0; 9], ..Loads::default() }, ["loads.force has 9 entries", "10 are needed"]),
+        (Loads { impedance: vec![0.0; 6], ..Loads::default() }, ["loads.impedance has 6", "5 are needed"]),
+        (Loads { pressure_jump: vec![0.0; 1], ..Loads::default() }, ["loads.pressure_jump has 1", "5 are"]),
+        (Loads { force: with(7, f64::NAN, 10), ..Loads::default() }, ["loads.force[7] is NaN", "finite"]),
+        (Loads { impedance: with(2, -3.0, 5), ..Loads::default() }, ["loads.impedance[2] is -3", "at least 0"]),
+        (Loads { pressure_jump: with(4, f64::INFINITY, 5), ..Loads::default() }, ["[4] is inf", "finite"]),
+    ] {
+        rod.loads = loads;
+        assert_names(&rod.step(1e-3).unwrap_err(), &parts);
+        assert_names(&rod.solve_static().unwrap_err(), &parts);
+        assert_eq!(rod.state(), &before);
+    }
+    let mut rod = Rod::new(unit_rod::<3>(4, 1.0, RodScheme::Bdf2)).unwrap();
+    rod.loads.pressure_jump = vec![0.0; 5];
+    assert_names(&rod.step(1e-3).unwrap_err(), &["loads.pressure_jump has 5 entries", "0 are needed"]);
+}
+
+#[test]
+fn bad_durations_are_named() {
+    let mut rod = Rod::new(bar()).unwrap();
+    for duration in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
+        assert_names(&rod.step(duration).unwrap_err(), &[&format!("duration is {duration}"), "above 0"]);
+    }
+}
+
+#[test]
+fn bad_states_are_named() {
+    let mut rod = Rod::new(bar()).unwrap();
+    let good = rod.state().clone();
+    let edit = |change: fn(&mut State<2>)| {
+        let mut state = good.clone();
+        change(&mut state);
+        state
+    };
+    for (state, parts) in [
+        (edit(|s| s.velocities.truncate(4)), ["state.velocities has 4 entries", "5 are needed"]),
+        (edit(|s| s.positions[2][1] = f64::NAN), ["state.positions[2]", "finite"]),
+        (edit(|s| s.positions[0][1] = 0.1), ["state.positions[0] is [0.25, 0.1]", "the root's position"]),
+        (edit(|s| s.velocities[0][1] = 0.1), ["state.velocities[0] is [0.0, 0.1]", "0 at the clamp"]),
+        (edit(|s| s.last_step = -1.0), ["state.last_step is -1", "at least 0"]),
+        (edit(|s| s.positions[2] = s.positions[0]), ["folds back at node 1", "must be above"]),
+    ] {
+        assert_names(&rod.restore(&state).unwrap_err(), &parts);
+        assert_eq!(rod.state(), &good);
+    }
+}
+
+#[test]
+fn hopeless_step_ends_with_an_error_and_the_state_as_it_was() {
+    let mut rod = Rod::new(bar()).unwrap();
+    rod.step(1e-3).unwrap();
+    let before = rod.state().clone();
+    rod.loads.force = vec![1e300; 10];
+    assert_names(&rod.step(1e-3).unwrap_err(), &["residual of", "N, above", "iterations"]);
+    assert_eq!(rod.state(), &before);
+    rod.loads.force.fill(0.0);
+    rod.step(1e-3).unwrap();
+}
