@@ -1,1 +1,229 @@
-//! Placeholder.
+//! The fluid as an FMI 2.0 co-simulation unit: the list of its variables and its step.
+
+use std::path::Path;
+use std::slice::{from_mut, from_ref};
+
+use fluid::{Fluid, Stations};
+use fmi2::{Description, Log, Model};
+use scene::{Mask, Scene};
+use serde::{Deserialize, Serialize};
+
+type Real = fmi2::Real<FluidUnit>;
+type Variable = fmi2::Variable<FluidUnit>;
+
+/// The fluid of a scene.
+struct FluidUnit {
+    scene: Scene,
+    parameters: Parameters,
+    fluid: Fluid,
+    force: [f64; 2],
+    cfl: f64,
+    flow_rate: f64,
+    kinetic_energy: f64,
+}
+
+/// What a master may change before the start without another scene file.
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct Parameters {
+    density: f64,
+    kinematic_viscosity: f64,
+    c_eta: f64,
+    max_step: f64,
+    max_cfl: f64,
+}
+
+#[derive(Clone, Serialize, Deserialize)]
+struct State {
+    parameters: Parameters,
+    stations: Option<Stations>,
+    fluid: fluid::State,
+}
+
+impl Parameters {
+    fn of(fluid: &scene::Fluid) -> Self {
+        Self {
+            density: fluid.density,
+            kinematic_viscosity: fluid.kinematic_viscosity,
+            c_eta: fluid.mask.c_eta(),
+            max_step: fluid.time_stepping.max_step,
+            max_cfl: fluid.time_stepping.max_cfl,
+        }
+    }
+
+    fn apply(&self, fluid: &mut scene::Fluid) {
+        fluid.density = self.density;
+        fluid.kinematic_viscosity = self.kinematic_viscosity;
+        let (Mask::Sharp { c_eta } | Mask::Cosine { c_eta, .. } | Mask::LogLinear { c_eta, .. }) = &mut fluid.mask;
+        *c_eta = self.c_eta;
+        fluid.time_stepping.max_step = self.max_step;
+        fluid.time_stepping.max_cfl = self.max_cfl;
+    }
+}
+
+impl FluidUnit {
+    fn stations(&mut self) -> &mut Stations {
+        self.fluid.stations_mut().expect("a scene without a beam has no variable of its stations")
+    }
+
+    fn loads(&self) -> &fluid::Loads {
+        self.fluid.loads().expect("a scene without the momentum load has no variable of it")
+    }
+
+    /// Make the solver anew if a parameter is not the one that it was made with.
+    fn set_parameters(&mut self, parameters: Parameters) -> Result<(), String> {
+        self.parameters = parameters;
+        let part = self.scene.fluid.as_mut().expect("loading refuses a scene without a fluid");
+        if Parameters::of(part) != parameters {
+            parameters.apply(part);
+            self.fluid = Fluid::new(&self.scene).map_err(|e| e.to_string())?;
+        }
+        Ok(())
+    }
+
+    fn publish(&mut self) {
+        self.force = self.fluid.force();
+        let diagnostics = self.fluid.diagnostics();
+        self.cfl = diagnostics.cfl;
+        self.flow_rate = diagnostics.flow_rate;
+    }
+}
+
+impl Model for FluidUnit {
+    const IDENTIFIER: &'static str = "fmu_fluid";
+    type State = State;
+
+    fn load(resources: Option<&Path>) -> Result<Self, String> {
+        let resources = resources.ok_or("the fluid needs its resources folder with scene.json in it")?;
+        let scene = Scene::from_file(&resources.join("scene.json")).map_err(|e| e.to_string())?;
+        let fluid = Fluid::new(&scene).map_err(|e| e.to_string())?;
+        let part = scene.fluid.as_ref().expect("Fluid::new refuses a scene without a fluid");
+        let parameters = Parameters::of(part);
+        Ok(Self { parameters, scene, fluid, force: [0.0; 2], cfl: 0.0, flow_rate: 0.0, kinetic_energy: 0.0 })
+    }
+
+    fn description(&self) -> Description {
+        Description {
+            model_name: format!("{}.fluid", self.scene.name),
+            text: "Incompressible flow by a Fourier pseudo-spectral method with volume penalization".into(),
+            start: 0.0,
+            stop: self.scene.time.end,
+            step: self.scene.time.communication_step,
+            tolerance: 1e-6,
+        }
+    }
+
+    fn variables(&self) -> Vec<Variable> {
+        let mut list = vec![
+            Real::time(),
+            Real::parameter("density", "kg/m3", "Density", |m| from_mut(&mut m.parameters.density)).above(0.0),
+            Real::parameter("kinematic_viscosity", "m2/s", "Kinematic viscosity", |m| {
+                from_mut(&mut m.parameters.kinematic_viscosity)
+            })
+            .above(0.0),
+            Real::parameter("c_eta", "s", "Relaxation time of the fluid inside solids", |m| {
+                from_mut(&mut m.parameters.c_eta)
+            })
+            .above(0.0),
+            Real::parameter("max_step", "s", "Largest step of the fluid's own", |m| {
+                from_mut(&mut m.parameters.max_step)
+            })
+            .above(0.0),
+            Real::parameter("max_cfl", "1", "Largest CFL number max(|u|/dx + |v|/dy) dt", |m| {
+                from_mut(&mut m.parameters.max_cfl)
+            })
+            .above(0.0),
+            Real::output("cfl", "1", "CFL number of the last step", |m| from_ref(&m.cfl)).depends_on(&[]),
+            Real::output("flow_rate", "m2/s", "Flow rate through the middle of the box per metre of depth", |m| {
+                from_ref(&m.flow_rate)
+            })
+            .depends_on(&[]),
+            Real::local("kinetic_energy", "J/m", "Kinetic energy of the whole box per metre of depth", |m| {
+                m.kinetic_energy = m.fluid.diagnostics().kinetic_energy;
+                from_ref(&m.kinetic_energy)
+            }),
+        ];
+        let part = self.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
+        if !part.cylinders.is_empty() || self.scene.beam.is_some() {
+            let text =
+                |axis| format!("Force of the fluid on all cylinders and the beam along {axis}, per metre of depth");
+            list.push(Real::output("drag", "N/m", text("x"), |m| from_ref(&m.force[0])).depends_on(&[]));
+            list.push(Real::output("lift", "N/m", text("y"), |m| from_ref(&m.force[1])).depends_on(&[]));
+        }
+        if let Some(stations) = self.fluid.stations() {
+            let n = stations.len();
+            list.extend([
+                Real::input("x", "m", "Position of the stations at the end of the step", |m| {
+                    &mut m.stations().position[0]
+                })
+                .array(n),
+                Real::input("y", "m", "Position of the stations at the end of the step", |m| {
+                    &mut m.stations().position[1]
+                })
+                .array(n),
+                Real::input("vx", "m/s", "Velocity of the stations at the end of the step", |m| {
+                    &mut m.stations().velocity[0]
+                })
+                .array(n),
+                Real::input("vy", "m/s", "Velocity of the stations at the end of the step", |m| {
+                    &mut m.stations().velocity[1]
+                })
+                .array(n),
+                Real::output("pressure_jump", "Pa", "Pressure above minus below the beam", |m| {
+                    m.fluid.pressure_jump().unwrap_or_default()
+                })
+                .array(n)
+                .depends_on(&[]),
+            ]);
+            if self.fluid.loads().is_some() {
+                list.extend([
+                    Real::output("force_x", "N/m", "Load on the stations for the coming step", |m| &m.loads().force[0])
+                        .array(n)
+                        .depends_on(&[]),
+                    Real::output("force_y", "N/m", "Load on the stations for the coming step", |m| &m.loads().force[1])
+                        .array(n)
+                        .depends_on(&[]),
+                    Real::output(
+                        "impedance",
+                        "kg/(m.s)",
+                        "Rate at which the load falls with the station's velocity",
+                        |m| &m.loads().impedance,
+                    )
+                    .array(n)
+                    .depends_on(&[]),
+                ]);
+            }
+        }
+        list
+    }
+
+    fn initialise(&mut self, _start: f64, _log: &Log) -> Result<(), String> {
+        self.set_parameters(self.parameters)?;
+        self.publish();
+        Ok(())
+    }
+
+    fn step(&mut self, t: f64, h: f64, _log: &Log) -> Result<(), String> {
+        self.fluid.advance(t, h).map_err(|e| e.to_string())?;
+        self.publish();
+        Ok(())
+    }
+
+    fn save(&self) -> State {
+        State {
+            parameters: self.parameters,
+            stations: self.fluid.stations().cloned(),
+            fluid: self.fluid.state().clone(),
+        }
+    }
+
+    fn restore(&mut self, state: &State) {
+        self.set_parameters(state.parameters).expect("a state holds parameters that were accepted");
+        self.fluid.restore(&state.fluid);
+        if let (Some(stations), Some(known)) = (self.fluid.stations_mut(), &state.stations) {
+            stations.clone_from(known);
+        }
+        self.publish();
+    }
+}
+
+fmi2::export_fmu!(FluidUnit);

@@ -1,0 +1,275 @@
+//! The moving beam: its mask from the stations, and its loads back to them.
+//!
+//! The beam is the rectangle of thickness h around the polyline of the stations, with a flat tip. A point of segment k
+//! at the fraction t and the height n above the centre line moves with the section (shear-free):
+//!
+//! `u_s = (1 - t) v_k + t v_{k+1} - omega n e`, `omega = (v_{k+1} - v_k)·m / |segment|`,
+//!
+//! with e along and m normal to the segment. Loads go back through the transpose of this map, so that the power of the
+//! station loads is that of the drag on the section.
+
+use scene::Scene;
+use serde::{Deserialize, Serialize};
+
+use crate::body::Cell;
+use crate::drag::DragProfile;
+use crate::grid::Grid;
+
+/// Positions and velocities of the stations, root to tip.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stations {
+    /// Positions, m, per axis.
+    pub position: [Vec<f64>; 2],
+    /// Velocities, m/s, per axis.
+    pub velocity: [Vec<f64>; 2],
+}
+
+/// Loads on the stations, root to tip.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Loads {
+    /// Force on each station, N per metre of depth, per axis.
+    pub force: [Vec<f64>; 2],
+    /// Rate at which the force falls with the station's velocity, kg/(m s).
+    pub impedance: Vec<f64>,
+}
+
+/// Where in the beam a cell lies.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    segment: u32,
+    /// Fraction along the segment.
+    fraction: f64,
+    /// Height above the centre line, m.
+    height: f64,
+    /// Squared distance to the segment, m²: the nearest segment owns the cell.
+    distance_squared: f64,
+}
+
+/// The beam and the cells in which it drags the fluid.
+pub struct Beam {
+    thickness: f64,
+    /// How far the mask goes on behind the root, into the cylinder that the beam is clamped to, m.
+    anchor: f64,
+    /// Cells of the present position.
+    pub cells: Vec<Cell>,
+    places: Vec<Place>,
+    frames: Vec<Frame>,
+    /// For each grid point, 1 + its number among the candidates of the present painting; 0 where it is none.
+    slot: Vec<u32>,
+    candidates: Vec<(usize, Place)>,
+}
+
+/// Direction and length of a segment, and the rate at which it turns.
+#[derive(Clone, Copy, Debug)]
+struct Frame {
+    along: [f64; 2],
+    length: f64,
+    omega: f64,
+}
+
+impl Frame {
+    /// Left-hand normal of somebody who walks from root to tip.
+    fn normal(&self) -> [f64; 2] {
+        [-self.along[1], self.along[0]]
+    }
+}
+
+impl Stations {
+    /// Stations of a scene's beam at rest.
+    pub fn at_rest(scene: &Scene, beam: &scene::Beam) -> Self {
+        let rest = scene.beam_stations(beam);
+        let component = |axis: usize| rest.iter().map(|p| p[axis]).collect::<Vec<_>>();
+        let zero = vec![0.0; rest.len()];
+        Self { position: [component(0), component(1)], velocity: [zero.clone(), zero] }
+    }
+
+    /// Number of stations.
+    pub fn len(&self) -> usize {
+        self.position[0].len()
+    }
+
+    /// Whether there is no station.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Become what lies the fraction `s` of the way from `a` to `b`, which are `h` seconds apart: velocity linear,
+    /// position the cubic that has the positions and velocities of both ends.
+    pub fn interpolate(&mut self, a: &Self, b: &Self, s: f64, h: f64) {
+        for axis in 0..2 {
+            for k in 0..self.len() {
+                let (p0, p1) = (a.position[axis][k], b.position[axis][k]);
+                let (v0, v1) = (a.velocity[axis][k], b.velocity[axis][k]);
+                self.velocity[axis][k] = v0 + s * (v1 - v0);
+                let (m0, m1) = (h * v0, h * v1);
+                self.position[axis][k] =
+                    p0 + s * (m0 + s * (3.0 * (p1 - p0) - 2.0 * m0 - m1 + s * (2.0 * (p0 - p1) + m0 + m1)));
+            }
+        }
+    }
+
+    /// The integral of the velocity over the length of the beam, m²/s, per axis.
+    pub fn velocity_integral(&self) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for k in 0..self.len() - 1 {
+            let length =
+                (self.position[0][k + 1] - self.position[0][k]).hypot(self.position[1][k + 1] - self.position[1][k]);
+            for (axis, sum) in sum.iter_mut().enumerate() {
+                *sum += 0.5 * length * (self.velocity[axis][k] + self.velocity[axis][k + 1]);
+            }
+        }
+        sum
+    }
+}
+
+impl Loads {
+    /// No load on `n` stations.
+    pub fn none(n: usize) -> Self {
+        Self { force: [vec![0.0; n], vec![0.0; n]], impedance: vec![0.0; n] }
+    }
+}
+
+impl Beam {
+    /// The beam of a scene, not yet anywhere.
+    pub fn new(beam: &scene::Beam, grid: &Grid) -> Self {
+        let anchor = match beam.root {
+            scene::Root::OnCylinder { .. } => 0.5 * beam.thickness,
+            scene::Root::At { .. } => 0.0,
+        };
+        let still = Frame { along: [1.0, 0.0], length: 1.0, omega: 0.0 };
+        Self {
+            thickness: beam.thickness,
+            anchor,
+            cells: Vec::new(),
+            places: Vec::new(),
+            frames: vec![still; beam.segments],
+            slot: vec![0; grid.len()],
+            candidates: Vec::new(),
+        }
+    }
+
+    /// Thickness, m.
+    pub fn thickness(&self) -> f64 {
+        self.thickness
+    }
+
+    /// Move to `stations` and list the cells there.
+    pub fn place(&mut self, stations: &Stations, grid: &Grid, profile: &DragProfile) {
+        self.orient(stations);
+        self.find_candidates(stations, grid, profile);
+        let last = self.frames.len() as u32 - 1;
+        self.cells.clear();
+        self.places.clear();
+        for (index, place) in self.candidates.drain(..) {
+            self.slot[index] = 0;
+            let frame = &self.frames[place.segment as usize];
+            let beyond = if place.segment == 0 && place.fraction < 0.0 {
+                -place.fraction * frame.length - self.anchor
+            } else if place.segment == last {
+                (place.fraction - 1.0) * frame.length
+            } else {
+                f64::NEG_INFINITY
+            };
+            // Signed distance to a rectangle: its corners are rounded by the Euclidean distance outside.
+            let above = place.height.abs() - 0.5 * self.thickness;
+            let distance = above.max(0.0).hypot(beyond.max(0.0)) + above.max(beyond).min(0.0);
+            let rate = profile.rate(distance);
+            if rate > 0.0 {
+                let fraction = place.fraction.clamp(0.0, 1.0);
+                let k = place.segment as usize;
+                let velocity = std::array::from_fn(|axis| {
+                    let v = &stations.velocity[axis];
+                    (1.0 - fraction) * v[k] + fraction * v[k + 1] - frame.omega * place.height * frame.along[axis]
+                });
+                self.cells.push(Cell { index, rate, velocity });
+                self.places.push(Place { fraction, ..place });
+            }
+        }
+    }
+
+    /// Directions and turning rates of the segments.
+    fn orient(&mut self, stations: &Stations) {
+        for (k, frame) in self.frames.iter_mut().enumerate() {
+            let difference = |field: &[Vec<f64>; 2]| [field[0][k + 1] - field[0][k], field[1][k + 1] - field[1][k]];
+            let [ex, ey] = difference(&stations.position);
+            frame.length = ex.hypot(ey);
+            frame.along = [ex / frame.length, ey / frame.length];
+            let [dvx, dvy] = difference(&stations.velocity);
+            let [mx, my] = frame.normal();
+            frame.omega = (dvx * mx + dvy * my) / frame.length;
+        }
+    }
+
+    /// List the grid points that the mask may reach, each with the nearest segment.
+    fn find_candidates(&mut self, stations: &Stations, grid: &Grid, profile: &DragProfile) {
+        let reach = 0.5 * self.thickness + profile.reach();
+        let last = self.frames.len() - 1;
+        let (slot, candidates) = (&mut self.slot, &mut self.candidates);
+        for (k, frame) in self.frames.iter().enumerate() {
+            let [x0, y0] = [stations.position[0][k], stations.position[1][k]];
+            let [x1, y1] = [stations.position[0][k + 1], stations.position[1][k + 1]];
+            let margin = if k == 0 { reach + self.anchor } else { reach };
+            let [ex, ey] = frame.along;
+            let around = |a: f64, b: f64| [a.min(b) - margin, a.max(b) + margin];
+            // The end segments own what lies beyond them; the others end at their stations.
+            let low = if k == 0 { f64::NEG_INFINITY } else { 0.0 };
+            let high = if k == last { f64::INFINITY } else { 1.0 };
+            grid.for_each_in(around(x0, x1), around(y0, y1), |index, x, y| {
+                let (rx, ry) = (x - x0, y - y0);
+                let projection = (rx * ex + ry * ey) / frame.length;
+                let side = ex * ry - ey * rx;
+                let clamped = projection.clamp(0.0, 1.0);
+                let miss = (projection - clamped) * frame.length;
+                let distance_squared = side * side + miss * miss;
+                // Past an inner station the height is the distance to that station.
+                let fraction = projection.clamp(low, high);
+                let off = (projection - fraction) * frame.length;
+                let height = side.hypot(off).copysign(side);
+                let place = Place { segment: k as u32, fraction, height, distance_squared };
+                match slot[index] {
+                    0 => {
+                        candidates.push((index, place));
+                        slot[index] = candidates.len() as u32;
+                    }
+                    number => {
+                        let known = &mut candidates[number as usize - 1].1;
+                        if distance_squared < known.distance_squared {
+                            *known = place;
+                        }
+                    }
+                }
+            });
+        }
+    }
+
+    /// Bring the drag on each cell to the stations.
+    ///
+    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it falls with the cell's
+    /// velocity (kg/(m s)).
+    pub fn collect(&self, mut drag: impl FnMut(&Cell) -> ([f64; 2], f64), loads: &mut Loads) {
+        loads.force.iter_mut().for_each(|f| f.fill(0.0));
+        loads.impedance.fill(0.0);
+        for (cell, place) in self.cells.iter().zip(&self.places) {
+            let ([fx, fy], impedance) = drag(cell);
+            let (k, t) = (place.segment as usize, place.fraction);
+            let frame = &self.frames[k];
+            let couple = -place.height * (fx * frame.along[0] + fy * frame.along[1]) / frame.length;
+            let normal = frame.normal();
+            for (axis, f) in [fx, fy].into_iter().enumerate() {
+                loads.force[axis][k] += (1.0 - t) * f - couple * normal[axis];
+                loads.force[axis][k + 1] += t * f + couple * normal[axis];
+            }
+            loads.impedance[k] += (1.0 - t) * impedance;
+            loads.impedance[k + 1] += t * impedance;
+        }
+    }
+
+    /// Points on the upper (`side` = 1) or lower (−1) surface at the stations, m.
+    pub fn surface_point(&self, stations: &Stations, k: usize, side: f64) -> [f64; 2] {
+        let before = self.frames[k.saturating_sub(1)].normal();
+        let after = self.frames[k.min(self.frames.len() - 1)].normal();
+        let sum = [before[0] + after[0], before[1] + after[1]];
+        let scale = side * 0.5 * self.thickness / sum[0].hypot(sum[1]);
+        [stations.position[0][k] + scale * sum[0], stations.position[1][k] + scale * sum[1]]
+    }
+}

@@ -1,0 +1,106 @@
+//! The periodic grid.
+
+use scene::FluidBox;
+
+/// A periodic grid of `[nx, ny]` points, y contiguous; point (i, j) is at `origin + (i dx, j dy)`.
+#[derive(Clone, Copy, Debug)]
+pub struct Grid {
+    /// Number of points along x.
+    pub nx: usize,
+    /// Number of points along y.
+    pub ny: usize,
+    /// Spacing along x, m.
+    pub dx: f64,
+    /// Spacing along y, m.
+    pub dy: f64,
+    /// Length of the box along x, m.
+    pub length: f64,
+    /// Length of the box along y, m.
+    pub height: f64,
+    origin: [f64; 2],
+}
+
+impl Grid {
+    /// Grid of a scene's box.
+    pub fn new(domain: &FluidBox) -> Self {
+        let [nx, ny] = domain.cells;
+        let (length, height) = (domain.x[1] - domain.x[0], domain.y[1] - domain.y[0]);
+        let origin = [domain.x[0], domain.y[0]];
+        Self { nx, ny, dx: length / nx as f64, dy: height / ny as f64, length, height, origin }
+    }
+
+    /// Number of points.
+    pub fn len(&self) -> usize {
+        self.nx * self.ny
+    }
+
+    /// Whether there is no point; there always is.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Area of a cell, m².
+    pub fn cell_area(&self) -> f64 {
+        self.dx * self.dy
+    }
+
+    /// The coarser of the two spacings, m: the cell size that masks are measured in.
+    pub fn cell_size(&self) -> f64 {
+        self.dx.max(self.dy)
+    }
+
+    /// x of column `i`, m.
+    pub fn x(&self, i: usize) -> f64 {
+        self.origin[0] + i as f64 * self.dx
+    }
+
+    /// y of row `j`, m.
+    pub fn y(&self, j: usize) -> f64 {
+        self.origin[1] + j as f64 * self.dy
+    }
+
+    /// Visit the points of the periodic grid inside a rectangle: `visit(index, x, y)` with the coordinates of the image
+    /// that lies in the rectangle. A rectangle larger than the box is cut to one period.
+    pub fn for_each_in(&self, x: [f64; 2], y: [f64; 2], mut visit: impl FnMut(usize, f64, f64)) {
+        let range = |[low, high]: [f64; 2], origin: f64, step: f64, count: usize| {
+            let first = ((low - origin) / step).ceil() as i64;
+            let last = ((high - origin) / step).floor() as i64;
+            first..(last + 1).min(first + count as i64)
+        };
+        for i in range(x, self.origin[0], self.dx, self.nx) {
+            let row = i.rem_euclid(self.nx as i64) as usize * self.ny;
+            for j in range(y, self.origin[1], self.dy, self.ny) {
+                let index = row + j.rem_euclid(self.ny as i64) as usize;
+                visit(index, self.origin[0] + i as f64 * self.dx, self.origin[1] + j as f64 * self.dy);
+            }
+        }
+    }
+
+    /// Bilinear interpolation at a point (m): the indices of the four points around it and their weights.
+    pub fn interpolation(&self, [x, y]: [f64; 2]) -> [(usize, f64); 4] {
+        let split = |p: f64, origin: f64, step: f64, count: usize| {
+            let q = (p - origin) / step;
+            let low = q.floor();
+            let wrap = |c: f64| (c as i64).rem_euclid(count as i64) as usize;
+            (wrap(low), wrap(low + 1.0), q - low)
+        };
+        let (i0, i1, s) = split(x, self.origin[0], self.dx, self.nx);
+        let (j0, j1, t) = split(y, self.origin[1], self.dy, self.ny);
+        [
+            (i0 * self.ny + j0, (1.0 - s) * (1.0 - t)),
+            (i0 * self.ny + j1, (1.0 - s) * t),
+            (i1 * self.ny + j0, s * (1.0 - t)),
+            (i1 * self.ny + j1, s * t),
+        ]
+    }
+
+    /// Distance along x between two points of the periodic box, m.
+    pub fn periodic_x(&self, delta: f64) -> f64 {
+        delta - self.length * (delta / self.length).round()
+    }
+
+    /// Distance along y between two points of the periodic box, m.
+    pub fn periodic_y(&self, delta: f64) -> f64 {
+        delta - self.height * (delta / self.height).round()
+    }
+}

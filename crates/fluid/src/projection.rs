@@ -1,0 +1,122 @@
+//! The spectral half of a step: viscosity, filter and projection onto divergence-free fields.
+
+use std::f64::consts::TAU;
+
+use multiversion::multiversion;
+use scene::Filter;
+
+use crate::fft::Complex64;
+use crate::grid::Grid;
+
+/// Strength and order of the smooth filter exp(−α (k/k_max)^p) (Hou & Li 2007).
+const FILTER_STRENGTH: f64 = 36.0;
+const FILTER_ORDER: i32 = 36;
+
+/// Spectra that the projection works on, `[ny/2 + 1, nx]` each.
+pub struct Spectra {
+    /// Velocity components; on entry those of the field to be projected, unnormalised.
+    pub velocity: [Vec<Complex64>; 2],
+    /// Vorticity; on entry anything.
+    pub vorticity: Vec<Complex64>,
+}
+
+/// Wavenumbers and filter of one grid.
+pub struct Projection {
+    kx: Vec<f64>,
+    ky: Vec<f64>,
+    /// Filter over the number of points (the transforms are unnormalised), `[ny/2 + 1, nx]`.
+    filter: Vec<f64>,
+    /// `1/k²`, 0 for the mean, `[ny/2 + 1, nx]`.
+    inverse_k2: Vec<f64>,
+    /// `filter / (1 + tau nu k²)` for the `tau nu` it was last made for.
+    gain: Vec<f64>,
+    tau_nu: f64,
+}
+
+impl Projection {
+    /// Wavenumbers and filter of `grid`.
+    pub fn new(grid: &Grid, filter: Filter) -> Self {
+        let Grid { nx, ny, length, height, .. } = *grid;
+        let signed = |i: usize, n: usize| if 2 * i > n { i as f64 - n as f64 } else { i as f64 };
+        let kx: Vec<f64> = (0..nx).map(|i| TAU / length * signed(i, nx)).collect();
+        let ky: Vec<f64> = (0..=ny / 2).map(|j| TAU / height * j as f64).collect();
+        let factor = |i: usize, j: usize| {
+            let (p, q) = (2.0 * signed(i, nx).abs() / nx as f64, 2.0 * j as f64 / ny as f64);
+            let fraction_squared = p * p + q * q;
+            // The highest wave of an even grid has no odd derivative: it is always left out.
+            if p == 1.0 || q == 1.0 {
+                return 0.0;
+            }
+            match filter {
+                Filter::None => 1.0,
+                Filter::Smooth => (-FILTER_STRENGTH * fraction_squared.powi(FILTER_ORDER / 2)).exp(),
+                Filter::TwoThirds => f64::from(2.25 * fraction_squared < 1.0),
+            }
+        };
+        let modes = || (0..(ny / 2 + 1) * nx).map(|m| (m % nx, m / nx));
+        let filter: Vec<f64> = modes().map(|(i, j)| factor(i, j) / grid.len() as f64).collect();
+        let inverse_k2 = modes().map(|(i, j)| if i + j == 0 { 0.0 } else { 1.0 / (kx[i] * kx[i] + ky[j] * ky[j]) });
+        Self { inverse_k2: inverse_k2.collect(), gain: filter.clone(), tau_nu: 0.0, kx, ky, filter }
+    }
+
+    /// Solve `(1 − tau nu ∇²) u + tau ∇Pi = F w, ∇·u = 0` for u and Pi, given w; also the vorticity of u. The results
+    /// are normalised; Pi comes as interleaved real and imaginary parts.
+    pub fn project(&mut self, spectra: &mut Spectra, pressure: &mut [f64], tau: f64, nu: f64) {
+        if tau * nu != self.tau_nu {
+            self.set_viscosity(tau * nu);
+        }
+        let nx = self.kx.len();
+        let [wx, wy] = &mut spectra.velocity;
+        for (j, &ky) in self.ky.iter().enumerate() {
+            let row = j * nx..(j + 1) * nx;
+            let coefficients =
+                Row { kx: &self.kx, ky, inverse_k2: &self.inverse_k2[row.clone()], gain: &self.gain[row.clone()] };
+            let pressure = &mut pressure[2 * row.start..2 * row.end];
+            let omega = &mut spectra.vorticity[row.clone()];
+            project_row(&coefficients, &mut wx[row.clone()], &mut wy[row], omega, pressure, (tau * nu, 1.0 / tau));
+        }
+    }
+
+    fn set_viscosity(&mut self, tau_nu: f64) {
+        self.tau_nu = tau_nu;
+        let nx = self.kx.len();
+        for (m, (gain, filter)) in self.gain.iter_mut().zip(&self.filter).enumerate() {
+            let k2 = self.kx[m % nx].powi(2) + self.ky[m / nx].powi(2);
+            *gain = filter / (1.0 + tau_nu * k2);
+        }
+    }
+}
+
+/// Coefficients of the modes of one ky.
+struct Row<'a> {
+    kx: &'a [f64],
+    ky: f64,
+    inverse_k2: &'a [f64],
+    gain: &'a [f64],
+}
+
+/// One row of [`Projection::project`]; the last argument is (tau nu, 1/tau).
+#[multiversion(targets("x86_64+avx2+fma"))]
+fn project_row(
+    &Row { kx, ky, inverse_k2, gain }: &Row,
+    wx: &mut [Complex64],
+    wy: &mut [Complex64],
+    omega: &mut [Complex64],
+    pressure: &mut [f64],
+    (tau_nu, per_tau): (f64, f64),
+) {
+    let n = kx.len();
+    let (inverse_k2, gain) = (&inverse_k2[..n], &gain[..n]);
+    let (wx, wy, omega) = (&mut wx[..n], &mut wy[..n], &mut omega[..n]);
+    let pressure = &mut pressure.as_chunks_mut::<2>().0[..n];
+    for i in 0..n {
+        let (kx, g) = (kx[i], gain[i]);
+        let along = (wx[i] * kx + wy[i] * ky) * (inverse_k2[i] * g);
+        let curl = (wy[i] * kx - wx[i] * ky) * g;
+        wx[i] = wx[i] * g - along * kx;
+        wy[i] = wy[i] * g - along * ky;
+        omega[i] = Complex64::new(-curl.im, curl.re);
+        let pi = along * (per_tau * (1.0 + tau_nu * (kx * kx + ky * ky)));
+        pressure[i] = [pi.im, -pi.re];
+    }
+}

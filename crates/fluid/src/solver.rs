@@ -1,0 +1,614 @@
+//! Time stepping.
+//!
+//! Two-step backward differences with extrapolated advection, split so that what is local in space and what is local
+//! in wavenumber are each solved exactly (Douglas–Rachford in incremental form). With `c_0 … c_2` the difference
+//! coefficients, `e_1, e_2` the extrapolation, `tau = 1/c_0`, `N = omega × u` and `G = ∇Pi − nu ∇²u` (plus what the
+//! filter removes),
+//!
+//! ```text
+//! (c_0 + Σ a_b) u*  = c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n + Σ a_b u_b      point by point
+//! (1 − tau nu ∇²) u^{n+1} + tau ∇Pi^{n+1} = F (u* + tau G^n),   ∇·u^{n+1} = 0             wave by wave
+//! G^{n+1} = c_0 (u* + tau G^n − u^{n+1})                                                  point by point
+//! ```
+//!
+//! The sum of the two is the scheme with both parts implicit but for `a tau (G^{n+1} − G^n)`, of second order. Both
+//! parts are monotone, so neither stiff drag nor viscosity bounds the step; advection does. A step takes five real
+//! transforms: two forward (u* + tau G) and three inverse (u, v, omega).
+//!
+//! The drag on the bodies in the step is `rho a_b (u* − u_b)`. It is linear in u_b with the slope
+//! `−rho a_b (1 − a_b/(c_0 + Σ a))`, which is what the impedance of the loads is.
+
+use scene::{InflowProfile, Load, Scene};
+use serde::{Deserialize, Serialize};
+
+use crate::beam::{Beam, Loads, Stations};
+use crate::body::{Cell, Painted};
+use crate::cylinder::Cylinder;
+use crate::drag::DragProfile;
+use crate::fft::{Complex64, Fft2};
+use crate::grid::Grid;
+use crate::kernel::{self, Differences};
+use crate::projection::{Projection, Spectra};
+
+/// Points that the local solve takes at a time, so that what both components read stays in the first cache.
+const BLOCK: usize = 256;
+
+/// More of the fluid's own steps than this in one communication step are taken for divergence.
+const MAX_SUBSTEPS: f64 = 1e5;
+
+/// Why the fluid refused or could not go on.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The scene has no fluid.
+    #[error("the scene `{0}` has no fluid")]
+    NoFluid(String),
+    /// A step that is no positive number.
+    #[error("the step from t = {time} s is {step} s, but it must be a finite number above 0")]
+    Step {
+        /// Beginning of the step, s.
+        time: f64,
+        /// Length of the step, s.
+        step: f64,
+    },
+    /// A station of the beam that is no number or far outside the box.
+    #[error(
+        "station {station} of the beam is at ({x}, {y}) m with velocity ({vx}, {vy}) m/s, but it must be finite and within one box length of the box"
+    )]
+    Station {
+        /// Number of the station, from 1.
+        station: usize,
+        /// Position, m.
+        x: f64,
+        /// Position, m.
+        y: f64,
+        /// Velocity, m/s.
+        vx: f64,
+        /// Velocity, m/s.
+        vy: f64,
+    },
+    /// The flow became too fast for any reasonable step, or not a number.
+    #[error("the flow diverged at t = {time} s: CFL number {cfl} at a step of {step} s; try a smaller step or max_cfl")]
+    Diverged {
+        /// Time reached, s.
+        time: f64,
+        /// CFL number there.
+        cfl: f64,
+        /// Step, s.
+        step: f64,
+    },
+}
+
+/// Everything the next step depends on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Time, s.
+    pub time: f64,
+    /// Velocity at this time, m/s, `[nx, ny]` per component.
+    velocity: [Vec<f64>; 2],
+    /// Velocity one step earlier.
+    velocity_before: [Vec<f64>; 2],
+    /// Vorticity, 1/s.
+    vorticity: Vec<f64>,
+    /// `omega × u` one step earlier, m/s².
+    advection_before: [Vec<f64>; 2],
+    /// `G = ∇Pi − nu ∇²u`, m/s².
+    stress: [Vec<f64>; 2],
+    /// Spectrum of Pi, interleaved real and imaginary parts, m²/s².
+    pressure: Vec<f64>,
+    /// The last step, s; 0 before the first.
+    step: f64,
+    /// Largest `|u|/dx + |v|/dy`, 1/s.
+    advection_rate: f64,
+    /// What the fluid does to the bodies, N/m.
+    force: [f64; 2],
+    /// The beam, where there is one.
+    beam: Option<BeamState>,
+}
+
+/// The beam as the fluid last saw it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct BeamState {
+    stations: Stations,
+    /// Loads for the coming step; absent where the scene uses the pressure jump.
+    loads: Option<Loads>,
+}
+
+/// Numbers that tell how the flow is doing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Diagnostics {
+    /// CFL number max(|u|/dx + |v|/dy) dt of the last step.
+    pub cfl: f64,
+    /// Flow rate through the column in the middle of the box, m²/s.
+    pub flow_rate: f64,
+    /// Kinetic energy of the whole box, J/m.
+    pub kinetic_energy: f64,
+}
+
+/// A fluid with the bodies of a scene in it.
+pub struct Fluid {
+    grid: Grid,
+    density: f64,
+    nu: f64,
+    max_step: f64,
+    max_cfl: f64,
+    profile: DragProfile,
+    fft: Fft2,
+    projection: Projection,
+    inflow: Option<Inflow>,
+    cylinders: Vec<Cylinder>,
+    beam: Option<MovingBeam>,
+    /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
+    rate: Option<Vec<f64>>,
+    painted: Painted,
+    /// u*, then u* + tau G, m/s.
+    w: [Vec<f64>; 2],
+    spectra: Spectra,
+    state: State,
+}
+
+/// A beam, and where it is told to go.
+struct MovingBeam {
+    body: Beam,
+    /// Stations at the end of the coming communication step, set from outside.
+    target: Stations,
+    /// Stations at the beginning of the communication step.
+    from: Stations,
+    /// Pressure jump at the stations, Pa, and the pressure field it came from; made when asked for.
+    pressure_jump: Vec<f64>,
+    pressure_jump_is_current: bool,
+}
+
+/// The zone that drives the flow.
+struct Inflow {
+    law: scene::TimeLaw,
+    /// Drag rate of the zone by column, 1/s, for the columns where it is above 0.
+    columns: Vec<(usize, f64)>,
+    /// Velocity over its mean, by row.
+    shape: Vec<f64>,
+}
+
+impl Inflow {
+    fn new(inflow: &scene::Inflow, fluid: &scene::Fluid, grid: &Grid) -> Self {
+        let profile = DragProfile::new(&fluid.mask, inflow.c_eta, fluid.kinematic_viscosity, grid.cell_size());
+        let [from, to] = inflow.x;
+        let (center, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let columns = (0..grid.nx)
+            .map(|i| (i, profile.rate(grid.periodic_x(grid.x(i) - center).abs() - half)))
+            .filter(|(_, rate)| *rate > 0.0)
+            .collect();
+        let shape = match (inflow.profile, &fluid.channel) {
+            (InflowProfile::Parabolic, Some(channel)) => {
+                let [low, high] = channel.y;
+                let parabola = |y: f64| 6.0 * (y - low) * (high - y) / (high - low).powi(2);
+                (0..grid.ny).map(|j| parabola(grid.y(j)).max(0.0)).collect()
+            }
+            _ => vec![1.0; grid.ny],
+        };
+        Self { law: inflow.mean_velocity.clone(), columns, shape }
+    }
+}
+
+impl Fluid {
+    /// The fluid of a scene at t = 0.
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
+        let loads_are_wanted = scene.coupling.as_ref().is_none_or(|c| c.load == Load::Momentum);
+        let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
+        let grid = Grid::new(&fluid.domain);
+        let nu = fluid.kinematic_viscosity;
+        let profile = DragProfile::new(&fluid.mask, fluid.mask.c_eta(), nu, grid.cell_size());
+        let inflow = fluid.inflow.as_ref().map(|inflow| Inflow::new(inflow, fluid, &grid));
+        let cylinders: Vec<_> = fluid.cylinders.iter().map(|c| Cylinder::new(c, &grid, &profile)).collect();
+        let beam = scene.beam.as_ref().map(|beam| {
+            let stations = Stations::at_rest(scene, beam);
+            MovingBeam {
+                body: Beam::new(beam, &grid),
+                pressure_jump: vec![0.0; stations.len()],
+                pressure_jump_is_current: false,
+                target: stations.clone(),
+                from: stations,
+            }
+        });
+        let fft = Fft2::new(grid.nx, grid.ny);
+        let field = || vec![0.0; grid.len()];
+        let spectrum = || vec![Complex64::default(); fft.spectrum_len()];
+        let [u, v] = fluid.initial_velocity;
+        let velocity = [vec![u; grid.len()], vec![v; grid.len()]];
+        let state = State {
+            time: 0.0,
+            velocity_before: velocity.clone(),
+            velocity,
+            vorticity: field(),
+            advection_before: [field(), field()],
+            stress: [field(), field()],
+            pressure: vec![0.0; 2 * fft.spectrum_len()],
+            step: 0.0,
+            advection_rate: u.abs() / grid.dx + v.abs() / grid.dy,
+            force: [0.0; 2],
+            beam: beam.as_ref().map(|b| BeamState {
+                stations: b.target.clone(),
+                loads: loads_are_wanted.then(|| Loads::none(b.target.len())),
+            }),
+        };
+        let spectra = Spectra { velocity: [spectrum(), spectrum()], vorticity: spectrum() };
+        let has_bodies = inflow.is_some() || fluid.channel.is_some() || !cylinders.is_empty() || beam.is_some();
+        let mut solver = Self {
+            rate: has_bodies.then(field),
+            w: [field(), field()],
+            projection: Projection::new(&grid, fluid.filter),
+            density: fluid.density,
+            max_step: fluid.time_stepping.max_step,
+            max_cfl: fluid.time_stepping.max_cfl,
+            painted: Painted::default(),
+            grid,
+            nu,
+            profile,
+            fft,
+            inflow,
+            cylinders,
+            beam,
+            spectra,
+            state,
+        };
+        solver.paint_still_bodies(fluid);
+        solver.paint_moving_bodies();
+        Ok(solver)
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.state.time
+    }
+
+    /// Velocity component (0: x, 1: y), m/s, `[nx, ny]`.
+    pub fn velocity(&self, axis: usize) -> &[f64] {
+        &self.state.velocity[axis]
+    }
+
+    /// Start anew from a velocity field (m/s at a point in m), of which the divergence-free part is taken.
+    pub fn set_velocity(&mut self, velocity: impl Fn(f64, f64) -> [f64; 2]) {
+        for i in 0..self.grid.nx {
+            for j in 0..self.grid.ny {
+                let [u, v] = velocity(self.grid.x(i), self.grid.y(j));
+                self.w[0][i * self.grid.ny + j] = u;
+                self.w[1][i * self.grid.ny + j] = v;
+            }
+        }
+        self.state.step = 0.0;
+        // A step of no length projects, and leaves velocity and viscosity alone.
+        self.solve_wave_by_wave(&Differences { c: [0.0; 3], e: [0.0; 2], tau: f64::MIN_POSITIVE });
+        self.state.pressure.fill(0.0);
+    }
+
+    /// Vorticity, 1/s, `[nx, ny]`.
+    pub fn vorticity(&self) -> &[f64] {
+        &self.state.vorticity
+    }
+
+    /// Static pressure p = rho (Pi − u²/2), Pa, `[nx, ny]`; Pi has zero mean over the box.
+    pub fn pressure(&mut self) -> Vec<f64> {
+        let mut pressure = vec![0.0; self.grid.len()];
+        self.total_pressure(&mut pressure);
+        let [u, v] = &self.state.velocity;
+        for ((p, u), v) in pressure.iter_mut().zip(u).zip(v) {
+            *p = self.density * (*p - 0.5 * (u * u + v * v));
+        }
+        pressure
+    }
+
+    /// Force of the fluid on all cylinders and the beam in the last step, N per metre of depth.
+    pub fn force(&self) -> [f64; 2] {
+        self.state.force
+    }
+
+    /// Stations at the end of the coming step.
+    pub fn stations(&self) -> Option<&Stations> {
+        self.beam.as_ref().map(|beam| &beam.target)
+    }
+
+    /// Stations at the end of the coming step, to be set before [`Self::advance`].
+    pub fn stations_mut(&mut self) -> Option<&mut Stations> {
+        self.beam.as_mut().map(|beam| &mut beam.target)
+    }
+
+    /// Loads on the stations for the coming step; none without a beam or where the scene uses the pressure jump.
+    pub fn loads(&self) -> Option<&Loads> {
+        self.state.beam.as_ref()?.loads.as_ref()
+    }
+
+    /// How the flow is doing.
+    pub fn diagnostics(&self) -> Diagnostics {
+        let [u, v] = &self.state.velocity;
+        let ny = self.grid.ny;
+        let middle = self.grid.nx / 2;
+        let squares: f64 = u.iter().zip(v).map(|(u, v)| u * u + v * v).sum();
+        Diagnostics {
+            cfl: self.state.advection_rate * self.state.step,
+            flow_rate: u[middle * ny..(middle + 1) * ny].iter().sum::<f64>() * self.grid.dy,
+            kinetic_energy: 0.5 * self.density * squares * self.grid.cell_area(),
+        }
+    }
+
+    /// Everything the next step depends on.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Go back (or on) to a state of this scene.
+    pub fn restore(&mut self, state: &State) {
+        self.state.clone_from(state);
+        if let (Some(beam), Some(known)) = (&mut self.beam, &state.beam) {
+            beam.target.clone_from(&known.stations);
+            beam.pressure_jump_is_current = false;
+        }
+        self.paint_moving_bodies();
+    }
+
+    /// Advance from `t` to `t + h` (s) in equal steps; the stations go from where they are to where they were set.
+    ///
+    /// What is refused leaves the state as it was; after [`Error::Diverged`] only [`Self::restore`] helps.
+    pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
+        if !(t.is_finite() && h.is_finite() && h > 0.0) {
+            return Err(Error::Step { time: t, step: h });
+        }
+        self.check_stations()?;
+        let largest = self.max_step.min(self.max_cfl / self.state.advection_rate.max(f64::MIN_POSITIVE));
+        let substeps = (h / largest - 1e-9).ceil().max(1.0);
+        if substeps > MAX_SUBSTEPS {
+            let cfl = self.state.advection_rate * h;
+            return Err(Error::Diverged { time: t, cfl, step: h });
+        }
+        if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
+            beam.from.clone_from(&known.stations);
+        }
+        let substeps = substeps as u32;
+        let dt = h / f64::from(substeps);
+        for substep in 1..=substeps {
+            let fraction = f64::from(substep) / f64::from(substeps);
+            if let (Some(beam), Some(known)) = (&self.beam, &mut self.state.beam) {
+                if substep == substeps {
+                    known.stations.clone_from(&beam.target);
+                } else {
+                    known.stations.interpolate(&beam.from, &beam.target, fraction, h);
+                }
+            }
+            self.step(dt, t + fraction * h)?;
+        }
+        self.predict_loads();
+        Ok(())
+    }
+
+    /// Pressure jump p_above − p_below at the stations, Pa; made when first asked for after a step.
+    pub fn pressure_jump(&mut self) -> Option<&[f64]> {
+        self.beam.as_ref()?;
+        if self.beam.as_ref().is_some_and(|beam| !beam.pressure_jump_is_current) {
+            // u* is not needed any more: its array holds the pressure.
+            let mut total = std::mem::take(&mut self.w[0]);
+            self.total_pressure(&mut total);
+            let (grid, [u, v]) = (&self.grid, &self.state.velocity);
+            if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
+                for k in 0..known.stations.len() {
+                    let at = |side: f64| -> f64 {
+                        let point = beam.body.surface_point(&known.stations, k, side);
+                        let value = |c: usize| total[c] - 0.5 * (u[c] * u[c] + v[c] * v[c]);
+                        grid.interpolation(point).iter().map(|&(c, weight)| weight * value(c)).sum()
+                    };
+                    beam.pressure_jump[k] = self.density * (at(1.0) - at(-1.0));
+                }
+                beam.pressure_jump_is_current = true;
+            }
+            self.w[0] = total;
+        }
+        self.beam.as_ref().map(|beam| beam.pressure_jump.as_slice())
+    }
+
+    /// Pi as a field.
+    fn total_pressure(&mut self, field: &mut [f64]) {
+        let scratch = &mut self.spectra.vorticity;
+        for (value, pair) in scratch.iter_mut().zip(self.state.pressure.chunks_exact(2)) {
+            *value = Complex64::new(pair[0], pair[1]);
+        }
+        self.fft.inverse(scratch, field);
+    }
+
+    fn check_stations(&self) -> Result<(), Error> {
+        let Some(beam) = &self.beam else { return Ok(()) };
+        let Stations { position: [x, y], velocity: [vx, vy] } = &beam.target;
+        let far = |p: f64, middle: f64, size: f64| (p - middle).abs() > 1.5 * size;
+        let middle = [self.grid.x(self.grid.nx / 2), self.grid.y(self.grid.ny / 2)];
+        for k in 0..x.len() {
+            let finite = [x[k], y[k], vx[k], vy[k]].iter().all(|c| c.is_finite());
+            if !finite || far(x[k], middle[0], self.grid.length) || far(y[k], middle[1], self.grid.height) {
+                return Err(Error::Station { station: k + 1, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
+            }
+        }
+        Ok(())
+    }
+
+    fn paint_still_bodies(&mut self, fluid: &scene::Fluid) {
+        let Some(rate) = &mut self.rate else { return };
+        let grid = &self.grid;
+        if let Some(channel) = &fluid.channel {
+            let [low, high] = channel.y;
+            for j in 0..grid.ny {
+                let distance = 0.5 * (high - low) - grid.periodic_y(grid.y(j) - 0.5 * (low + high)).abs();
+                let wall = self.profile.rate(distance);
+                (0..grid.nx).for_each(|i| rate[i * grid.ny + j] += wall);
+            }
+        }
+        if let Some(inflow) = &self.inflow {
+            for &(i, zone) in &inflow.columns {
+                rate[i * grid.ny..(i + 1) * grid.ny].iter_mut().for_each(|r| *r += zone);
+            }
+        }
+        for cylinder in self.cylinders.iter().filter(|c| !c.moves()) {
+            cylinder.cells.iter().for_each(|cell| rate[cell.index] += cell.rate);
+        }
+    }
+
+    /// Put the moving bodies where they are at the state's time.
+    fn paint_moving_bodies(&mut self) {
+        let Some(rate) = &mut self.rate else { return };
+        self.painted.erase(rate);
+        for cylinder in self.cylinders.iter_mut().filter(|c| c.moves()) {
+            cylinder.place(self.state.time, &self.grid, &self.profile);
+            self.painted.add(&cylinder.cells, rate);
+        }
+        if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
+            beam.body.place(&known.stations, &self.grid, &self.profile);
+            self.painted.add(&beam.body.cells, rate);
+        }
+    }
+
+    /// One step of size `dt` to the time `end`; the stations are already there.
+    fn step(&mut self, dt: f64, end: f64) -> Result<(), Error> {
+        let scheme = Differences::new(dt, self.state.step);
+        let momentum_before = self.displaced_momentum();
+        self.state.time = end;
+        self.paint_moving_bodies();
+        self.solve_locally(&scheme);
+        self.add_body_velocities(&scheme);
+        let (drag, momentum) = (self.drag_on_bodies(&scheme), self.displaced_momentum());
+        for axis in 0..2 {
+            self.state.force[axis] = drag[axis] + (momentum[axis] - momentum_before[axis]) / dt;
+        }
+        self.solve_wave_by_wave(&scheme);
+        self.state.step = dt;
+        if let Some(beam) = &mut self.beam {
+            beam.pressure_jump_is_current = false;
+        }
+        let cfl = self.state.advection_rate * dt;
+        if cfl.is_finite() { Ok(()) } else { Err(Error::Diverged { time: end, cfl, step: dt }) }
+    }
+
+    /// u* + tau G without the velocities of the bodies, into `w`; the histories move on by one step.
+    fn solve_locally(&mut self, scheme: &Differences) {
+        let State { velocity, velocity_before, vorticity, advection_before, stress, .. } = &mut self.state;
+        let [w_x, w_y] = &mut self.w;
+        let [u_before, v_before] = velocity_before;
+        let [nu_before, nv_before] = advection_before;
+        let no_rate = [0.0; BLOCK];
+        for start in (0..self.grid.len()).step_by(BLOCK) {
+            let end = (start + BLOCK).min(self.grid.len());
+            let [u, v] = velocity.each_ref().map(|f| &f[start..end]);
+            let [gx, gy] = stress.each_ref().map(|f| &f[start..end]);
+            let omega = &vorticity[start..end];
+            let rate = self.rate.as_ref().map_or(&no_rate[..end - start], |rate| &rate[start..end]);
+            let (u_before, v_before) = (&mut u_before[start..end], &mut v_before[start..end]);
+            let (nu_before, nv_before) = (&mut nu_before[start..end], &mut nv_before[start..end]);
+            // omega × u = (−omega v, omega u)
+            kernel::solve_component(scheme, rate, u, (omega, v, -1.0), gx, u_before, nu_before, &mut w_x[start..end]);
+            kernel::solve_component(scheme, rate, v, (omega, u, 1.0), gy, v_before, nv_before, &mut w_y[start..end]);
+        }
+    }
+
+    /// The bodies' part of u*: `Σ a_b u_b / (c_0 + Σ a_b)`.
+    fn add_body_velocities(&mut self, scheme: &Differences) {
+        let Some(rate) = &self.rate else { return };
+        let ny = self.grid.ny;
+        if let Some(Inflow { law, columns, shape }) = &self.inflow {
+            let mean = law.value(self.state.time);
+            for &(i, zone) in columns {
+                for (j, shape) in shape.iter().enumerate() {
+                    let index = i * ny + j;
+                    self.w[0][index] += zone * mean * shape / (scheme.c[0] + rate[index]);
+                }
+            }
+        }
+        let moving = self.cylinders.iter().filter(|c| c.moves()).map(|c| &c.cells);
+        for cell in moving.chain(self.beam.iter().map(|b| &b.body.cells)).flatten() {
+            let weight = cell.rate / (scheme.c[0] + rate[cell.index]);
+            self.w[0][cell.index] += weight * cell.velocity[0];
+            self.w[1][cell.index] += weight * cell.velocity[1];
+        }
+    }
+
+    /// Drag of the fluid on the cylinders and the beam in this step, `rho ∫ Σ a_b (u* − u_b) dV`, N/m.
+    fn drag_on_bodies(&self, scheme: &Differences) -> [f64; 2] {
+        let weight = self.density * self.grid.cell_area();
+        let cells = self.cylinders.iter().map(|c| &c.cells).chain(self.beam.iter().map(|b| &b.body.cells)).flatten();
+        let mut sum = [0.0; 2];
+        for cell in cells {
+            for (axis, sum) in sum.iter_mut().enumerate() {
+                let u_star = self.w[axis][cell.index] - scheme.tau * self.state.stress[axis][cell.index];
+                *sum += weight * cell.rate * (u_star - cell.velocity[axis]);
+            }
+        }
+        sum
+    }
+
+    /// Momentum that the fluid displaced by the moving bodies would have, kg/s per metre of depth.
+    ///
+    /// The penalization force lacks its rate of change (thesis eq. 3.20). It is taken over the true section, so that
+    /// neither the mask's width nor its way through the grid enters.
+    fn displaced_momentum(&self) -> [f64; 2] {
+        let mut momentum = [0.0; 2];
+        let mut add = |mass: f64, velocity: [f64; 2]| {
+            momentum[0] += mass * velocity[0];
+            momentum[1] += mass * velocity[1];
+        };
+        for cylinder in self.cylinders.iter().filter(|c| c.moves()) {
+            add(cylinder.displaced_mass(self.density), cylinder.velocity);
+        }
+        if let (Some(beam), Some(known)) = (&self.beam, &self.state.beam) {
+            add(self.density * beam.body.thickness(), known.stations.velocity_integral());
+        }
+        momentum
+    }
+
+    /// From w to velocity, vorticity, pressure and G at the new time.
+    fn solve_wave_by_wave(&mut self, scheme: &Differences) {
+        let State { velocity, vorticity, stress, pressure, advection_rate, .. } = &mut self.state;
+        for (w, spectrum) in self.w.iter().zip(&mut self.spectra.velocity) {
+            self.fft.forward(w, spectrum);
+        }
+        self.projection.project(&mut self.spectra, pressure, scheme.tau, self.nu);
+        for (spectrum, field) in self.spectra.velocity.iter_mut().zip(velocity.iter_mut()) {
+            self.fft.inverse(spectrum, field);
+        }
+        self.fft.inverse(&mut self.spectra.vorticity, vorticity);
+        for ((g, w), u) in stress.iter_mut().zip(&self.w).zip(velocity.iter()) {
+            kernel::difference(scheme.c[0], w, u, g);
+        }
+        // A transform spreads what is not a number to every point: the first tells of all.
+        let [u, v] = velocity;
+        *advection_rate = if (u[0] + v[0]).is_finite() {
+            kernel::advection_rate(1.0 / self.grid.dx, 1.0 / self.grid.dy, u, v)
+        } else {
+            f64::NAN
+        };
+    }
+
+    /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
+    fn predict_loads(&mut self) {
+        let (Some(beam), Some(rate)) = (&self.beam, &self.rate) else { return };
+        let State { velocity, velocity_before, vorticity, advection_before, stress, step, beam: known, .. } =
+            &mut self.state;
+        let Some(loads) = known.as_mut().and_then(|known| known.loads.as_mut()) else { return };
+        let Differences { c, e, .. } = Differences::new(*step, *step);
+        let weight = self.density * self.grid.cell_area();
+        let [u, v] = &*velocity;
+        // u* but for the part of the beam, which is what it moves with.
+        let free = |axis: usize, i: usize, advection: f64| {
+            c[1] * velocity[axis][i] + c[2] * velocity_before[axis][i]
+                - e[0] * advection
+                - e[1] * advection_before[axis][i]
+                - stress[axis][i]
+        };
+        let drag = |cell: &Cell| {
+            let i = cell.index;
+            let share = cell.rate / (c[0] + rate[i]);
+            let r = [free(0, i, -vorticity[i] * v[i]), free(1, i, vorticity[i] * u[i])];
+            // a_b (u* − u_b) with u* = (r + a_b u_b)/(c_0 + Σ a).
+            let force = std::array::from_fn(|axis| {
+                weight * (share * (r[axis] + cell.rate * cell.velocity[axis]) - cell.rate * cell.velocity[axis])
+            });
+            (force, weight * cell.rate * (1.0 - share))
+        };
+        beam.body.collect(drag, loads);
+    }
+}
