@@ -224,6 +224,19 @@ impl Model for FluidUnit {
         }
         self.publish();
     }
+
+    /// `vorticity`, `u`, `v` and `p`, in SI units, x the slow axis.
+    fn field(&mut self, name: &str) -> Option<([usize; 2], Vec<f64>)> {
+        let values = match name {
+            "vorticity" => self.fluid.vorticity().to_vec(),
+            "u" => self.fluid.velocity(0).to_vec(),
+            "v" => self.fluid.velocity(1).to_vec(),
+            "p" => self.fluid.pressure(),
+            _ => return None,
+        };
+        let grid = self.fluid.grid();
+        Some(([grid.nx, grid.ny], values))
+    }
 }
 
 fmi2::export_fmu!(FluidUnit);

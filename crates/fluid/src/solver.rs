@@ -101,6 +101,8 @@ pub struct State {
     advection_rate: f64,
     /// What the fluid does to the bodies, N/m.
     force: [f64; 2],
+    /// Momentum of the fluid that the moving bodies displace, kg/s.
+    displaced_momentum: [f64; 2],
     /// The beam, where there is one.
     beam: Option<BeamState>,
 }
@@ -224,6 +226,7 @@ impl Fluid {
             step: 0.0,
             advection_rate: u.abs() / grid.dx + v.abs() / grid.dy,
             force: [0.0; 2],
+            displaced_momentum: [0.0; 2],
             beam: beam.as_ref().map(|b| BeamState {
                 stations: b.target.clone(),
                 loads: loads_are_wanted.then(|| Loads::none(b.target.len())),
@@ -251,6 +254,7 @@ impl Fluid {
         };
         solver.paint_still_bodies(fluid);
         solver.paint_moving_bodies();
+        solver.state.displaced_momentum = solver.displaced_momentum();
         Ok(solver)
     }
 
@@ -467,15 +471,15 @@ impl Fluid {
     /// One step of size `dt` to the time `end`; the stations are already there.
     fn step(&mut self, dt: f64, end: f64) -> Result<(), Error> {
         let scheme = Differences::new(dt, self.state.step);
-        let momentum_before = self.displaced_momentum();
         self.state.time = end;
         self.paint_moving_bodies();
         self.solve_locally(&scheme);
         self.add_body_velocities(&scheme);
         let (drag, momentum) = (self.drag_on_bodies(&scheme), self.displaced_momentum());
         for axis in 0..2 {
-            self.state.force[axis] = drag[axis] + (momentum[axis] - momentum_before[axis]) / dt;
+            self.state.force[axis] = drag[axis] + (momentum[axis] - self.state.displaced_momentum[axis]) / dt;
         }
+        self.state.displaced_momentum = momentum;
         self.solve_wave_by_wave(&scheme);
         self.state.step = dt;
         if let Some(beam) = &mut self.beam {

@@ -28,6 +28,10 @@ use crate::variable::Value;
 /// `modelDescription.xml` for the resources in a folder (a plain path, or NULL). It returns 0 if the text is the
 /// model description and 1 if it is an error message. `*needed` is its size with the final NUL; the text is written
 /// only if the capacity suffices.
+///
+/// `int fmu_field(fmi2Component c, const char *name, double *buffer, size_t capacity, size_t *shape)` copies a field of
+/// [`Model::field`](crate::Model::field). It returns 0, or 1 where there is none of that name or no instance in a state
+/// that can be read; `shape` gets both lengths, and the values are written only if the capacity suffices.
 #[macro_export]
 macro_rules! export_fmu {
     ($model:ty) => {
@@ -97,6 +101,9 @@ macro_rules! export_fmu {
                 (c: fmi2Component, kind: fmi2StatusKind, value: *mut fmi2String) -> fmi2Status;
             fmu_model_description: ModelDescriptionTYPE =
                 (resources: fmi2String, buffer: *mut fmi2Char, capacity: usize, needed: *mut usize) -> fmi2Integer;
+            fmu_field: FieldTYPE =
+                (c: fmi2Component, name: fmi2String, buffer: *mut fmi2Real, capacity: usize, shape: *mut usize)
+                -> fmi2Integer;
         }
     };
 }
@@ -107,7 +114,7 @@ macro_rules! export_fmu {
 macro_rules! __export_functions {
     ($model:ty => $($name:ident: $header_type:ident = ($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
         const _: () = {
-            use $crate::export::ModelDescriptionTYPE;
+            use $crate::export::{FieldTYPE, ModelDescriptionTYPE};
             use $crate::sys::*;
             $(
                 // SAFETY: the names are the standard's own; a library exports one model.
@@ -125,6 +132,10 @@ macro_rules! __export_functions {
 /// Type of `fmu_model_description`, see [`export_fmu!`](crate::export_fmu).
 pub type ModelDescriptionTYPE =
     Option<unsafe extern "C" fn(fmi2String, *mut fmi2Char, usize, *mut usize) -> fmi2Integer>;
+
+/// Type of `fmu_field`, see [`export_fmu!`](crate::export_fmu).
+pub type FieldTYPE =
+    Option<unsafe extern "C" fn(fmi2Component, fmi2String, *mut fmi2Real, usize, *mut usize) -> fmi2Integer>;
 
 const OK: fmi2Status = fmi2Status::fmi2OK;
 const ERROR: fmi2Status = fmi2Status::fmi2Error;
@@ -723,4 +734,38 @@ pub unsafe extern "C" fn fmu_model_description<M: Model>(
         }
     }
     code
+}
+
+/// See [`export_fmu!`](crate::export_fmu).
+///
+/// # Safety
+/// The module's precondition on `c`; `name` is null or a null-terminated string, `buffer` has room for `capacity`
+/// values, `shape` is null or has room for two.
+pub unsafe extern "C" fn fmu_field<M: Model>(
+    c: fmi2Component,
+    name: fmi2String,
+    buffer: *mut fmi2Real,
+    capacity: usize,
+    shape: *mut usize,
+) -> fmi2Integer {
+    let mut found = false;
+    let look = |instance: &mut Instance<M>| {
+        // SAFETY: the function's precondition on the name.
+        let name = unsafe { text("name", name) }?;
+        let Some((lengths, values)) = instance.field(name) else { return Ok(()) };
+        // SAFETY: pointers that are null are left alone, and no more is written than there is room for.
+        unsafe {
+            if !shape.is_null() {
+                ptr::copy_nonoverlapping(lengths.as_ptr(), shape, lengths.len());
+            }
+            if !buffer.is_null() && values.len() <= capacity {
+                ptr::copy_nonoverlapping(values.as_ptr(), buffer, values.len());
+            }
+        }
+        found = true;
+        Ok(())
+    };
+    // SAFETY: the module's precondition.
+    let status = unsafe { call::<M>(c, Function::GetReal, look) };
+    fmi2Integer::from(!(found && status == OK))
 }

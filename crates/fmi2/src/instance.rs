@@ -244,6 +244,11 @@ impl<M: Model> Instance<M> {
         self.keep(handle, snapshot)
     }
 
+    /// A field to look at.
+    pub fn field(&mut self, name: &str) -> Option<([usize; 2], Vec<f64>)> {
+        self.model.field(name)
+    }
+
     pub fn restore(&mut self, handle: usize) -> Result<(), String> {
         if self.clock.mode == Mode::Panicked {
             self.reload()?;

@@ -79,6 +79,14 @@ pub trait Model: Sized + 'static {
     fn set_input_derivative(&mut self, inputs: &Span, derivative: &[f64]) -> Result<(), String> {
         Err("input derivatives are not used".into())
     }
+
+    /// A two-dimensional field to look at, such as a flow's vorticity: its shape, slow axis first, and its values. FMI 2.0
+    /// has no arrays of that size; hosts that know the library get it from `fmu_field`, see
+    /// [`export_fmu!`](crate::export_fmu).
+    #[expect(unused_variables, reason = "the default shows nothing")]
+    fn field(&mut self, name: &str) -> Option<([usize; 2], Vec<f64>)> {
+        None
+    }
 }
 
 /// Neighbouring elements of one variable: `x[3]` to `x[5]` are `name = "x"`, `elements = 2..5`. A scalar is `0..1`.
