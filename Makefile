@@ -1,0 +1,65 @@
+# Everything that a fresh machine needs to run and test the project: Rust, Python 3.11, make and a C compiler.
+
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+GRID ?= 325x72
+SCENE ?= scenes/fsi3-$(GRID).json
+ARGS ?=
+
+VENV := .venv
+RUN := $(VENV)/bin/python
+READY := $(VENV)/.ready
+
+.PHONY: help fsi3 run units build test rust-test python-test bindings-check schema descriptions record lock clean
+
+help: ## show this list
+	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
+
+fsi3: SCENE := scenes/fsi3-$(GRID).json
+fsi3: run ## run the FSI3 benchmark, GRID=325x72 (default) or 650x144; results in results/fsi3-GRID
+
+run: build $(READY) ## run SCENE=scenes/NAME.json; more options by ARGS="--end-time 1 --set key=value"
+	$(RUN) scripts/run.py $(SCENE) $(ARGS)
+
+units: build $(READY) ## only pack the FMUs of SCENE=scenes/NAME.json, into results/NAME
+	$(RUN) scripts/pack.py $(SCENE)
+
+build: ## build the libraries of both units
+	cargo build --release --locked
+
+test: rust-test bindings-check python-test ## everything that has to pass
+
+rust-test:
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	cargo test --workspace --locked
+
+python-test: build $(READY)
+	$(RUN) -m pytest tests
+
+bindings-check: $(READY) ## compare crates/fmi2/src/sys.rs with what the official headers give
+	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \
+	cargo run --quiet --locked --target-dir target/bindgen --manifest-path crates/fmi2/bindgen/Cargo.toml -- --check \
+	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi2/src/sys.rs
+
+schema: ## write modelDescription/scene.schema.json anew
+	cargo run --quiet --locked -p scene --example schema > modelDescription/scene.schema.json.new
+	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
+
+descriptions: build $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
+	$(RUN) scripts/pack.py scenes/fsi3-325x72.json --descriptions modelDescription
+
+record: build $(READY) ## write tests/recorded.json anew: only after a change of the physics that is meant
+	PYTHONPATH=scripts $(RUN) tests/record.py
+
+lock: ## pin requirements.in anew; needs pip-tools
+	pip-compile --generate-hashes --strip-extras --no-header --no-emit-index-url --no-emit-trusted-host \
+	--no-emit-find-links --output-file requirements.lock requirements.in
+
+clean: ## remove everything that was built; results stay
+	cargo clean
+	rm -rf $(VENV)
+
+$(READY): requirements.lock
+	$(PYTHON) -m venv --clear $(VENV)
+	$(RUN) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	touch $@

@@ -1,0 +1,115 @@
+"""Pictures of a run: tip, drag and lift over time, and the vorticity around the solids at its end."""
+
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.patches import Circle, Polygon
+
+from .recorder import Recorder
+from .report import DISPLAY, write_whole
+from .scene import reference
+from .unit import Unit
+
+BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
+"""Colours that colour-blind readers tell apart (Okabe & Ito 2008)."""
+
+VORTICITY_PERCENTILE = 99.0
+"""Part of the picture's points, in percent, whose vorticity lies inside the colour scale."""
+
+SOLID = "0.55"
+
+
+def time_series(folder: Path, recorder: Recorder, name: str) -> None:
+    """Write tip.png, drag.png and lift.png, as far as there is such an output, with the published bands of the scene
+    called `name`."""
+    published = (reference(name) or {}).get("primary", {"quantities": {}})
+    for file, columns in (
+        ("tip", ("tip_ux", "tip_uy", "tip_uz")),
+        ("drag", ("drag",)),
+        ("lift", ("lift",)),
+    ):
+        columns = [column for column in columns if column in recorder.columns]
+        if columns:
+            figure = _figure_of(recorder, columns, published)
+            _save(figure, folder / f"{file}.png")
+
+
+def _figure_of(recorder: Recorder, columns: list[str], published: dict):
+    time = recorder.column("time")
+    figure, axes = plt.subplots(
+        len(columns), sharex=True, squeeze=False, figsize=(9, 1.5 + 2 * len(columns)), layout="constrained"
+    )
+    for axis, column, colour in zip(axes[:, 0], columns, (BLUE, ORANGE, GREEN)):
+        unit, scale = DISPLAY.get(recorder.unit_of[column], (recorder.unit_of[column], 1.0))
+        axis.plot(time, recorder.column(column) * scale, color=colour, linewidth=0.8)
+        band = published["quantities"].get(column)
+        if band:
+            low, high = ((band["mean"] + sign * band["amplitude"]) * scale for sign in (-1, 1))
+            axis.axhspan(low, high, color="0.85", zorder=0)
+            axes[0, 0].set_title(f"grey: mean ± amplitude of {published['source']}", fontsize="small")
+        axis.set_ylabel(f"{column.replace('_', ' ')} [{unit}]")
+        axis.margins(x=0)
+    axes[-1, 0].set_xlabel("time [s]")
+    return figure
+
+
+def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) -> None:
+    """Write vorticity.png of the fluid at `time` (s), with the cylinders that stand still and the beam where it is
+    now; nothing if the fluid shows no field."""
+    field = units["fluid"].field("vorticity") if "fluid" in units else None
+    if field is None:
+        return
+    (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
+    left = (scene["fluid"].get("inflow") or {"x": [x0, x0]})["x"][1]
+    bottom, top = (scene["fluid"].get("channel") or {"y": [y0, y1]})["y"]
+    left = left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0
+
+    columns = np.linspace(x0, x1, field.shape[0], endpoint=False)
+    rows = np.linspace(y0, y1, field.shape[1], endpoint=False)
+    inside = field[np.ix_(columns >= left, (rows >= bottom) & (rows <= top))]
+    limit = np.percentile(np.abs(inside), VORTICITY_PERCENTILE) or 1.0
+
+    width, height = x1 - left, top - bottom
+    figure, axis = plt.subplots(figsize=(12, max(2.5, 10.5 * height / width + 0.8)), layout="constrained")
+    half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
+    picture = axis.imshow(
+        field.T,
+        origin="lower",
+        extent=(x0 - half_x, x1 - half_x, y0 - half_y, y1 - half_y),
+        cmap="RdBu_r",
+        vmin=-limit,
+        vmax=limit,
+        interpolation="bilinear",
+    )
+    for cylinder in scene["fluid"].get("cylinders", []):
+        if not cylinder.get("motion"):
+            axis.add_patch(Circle(cylinder["center"], cylinder["radius"], color=SOLID))
+    if scene.get("beam"):
+        axis.add_patch(Polygon(_beam_outline(units, scene["beam"]["thickness"]), color=SOLID))
+    axis.set(xlim=(left, x1), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]")
+    axis.set_title(f"vorticity at t = {time:.3f} s")
+    figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
+    _save(figure, folder / "vorticity.png")
+
+
+def _beam_outline(units: dict[str, Unit], thickness: float) -> np.ndarray:
+    """Corners of the beam, `[2 n, 2]`, from its stations; a rigid beam's are the start values of the fluid."""
+    if "rod" in units:
+        stations = np.column_stack([units["rod"].output("x"), units["rod"].output("y")])
+    else:
+        variables = units["fluid"].variables
+        stations = np.column_stack([np.array(variables[name].start, dtype=float) for name in ("x", "y")])
+    tangent = np.gradient(stations, axis=0)
+    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.linalg.norm(tangent, axis=1, keepdims=True)
+    side = thickness / 2 * normal
+    return np.concatenate([stations + side, (stations - side)[::-1]])
+
+
+def _save(figure, path: Path) -> None:
+    write_whole(path, lambda unfinished: figure.savefig(unfinished, dpi=150))
+    plt.close(figure)

@@ -1,0 +1,192 @@
+"""Results of a run: series.csv, summary.json, scene.json, and the table in the terminal."""
+
+import json
+import math
+import os
+import platform
+import subprocess
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+from . import statistics
+from .master import Outcome
+from .package import scene_text
+from .recorder import Recorder
+from .scene import ROOT, reference
+from .unit import Unit
+
+QUANTITIES = ("tip_ux", "tip_uy", "tip_uz", "drag", "lift")
+"""The outputs that are evaluated, as far as the units have them."""
+
+MAIN_SIGNALS = ("tip_uy", "lift")
+"""The first of these that there is decides on the periods."""
+
+FORCES = ("drag", "lift")
+"""The outputs that a box filter goes over before their extremes are taken."""
+
+FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
+"""The files that a run may leave in its folder, besides the FMUs."""
+
+DISPLAY = {"m": ("mm", 1e3)}
+"""Units that people read in another scale."""
+
+
+def evaluate(recorder: Recorder, name: str) -> tuple[dict, statistics.Window | None, float]:
+    """`quantities` of the summary for the scene called `name`, their window (None without a signal to take it from)
+    and the width of the filter over forces (s)."""
+    time = recorder.column("time")
+    main = next((signal for signal in MAIN_SIGNALS if signal in recorder.columns), None)
+    if main is None or time.size < 3:
+        return {}, None, 0.0
+    window = statistics.find_window(time, recorder.column(main))
+    width = statistics.force_filter_width(window)
+    published = (reference(name) or {}).get("primary")
+
+    quantities = {}
+    for quantity in QUANTITIES:
+        if quantity not in recorder.columns:
+            continue
+        values = recorder.column(quantity)
+        if quantity in FORCES:
+            values = statistics.box_filter(time, values, width)
+        extremes = statistics.evaluate(time, values, window)
+        oscillates = extremes.frequency_hz is not None
+        quantities[quantity] = asdict(extremes) | {
+            "unit": recorder.unit_of[quantity],
+            "fit": asdict(statistics.fit(time, values, window)) if oscillates else None,
+        }
+        if published and quantity in published["quantities"]:
+            quantities[quantity]["reference"] = published["quantities"][quantity] | {"source": published["source"]}
+    return quantities, window, width
+
+
+def summarize(scene: dict, units: dict[str, Unit], recorder: Recorder, outcome: Outcome) -> dict:
+    """Everything that summary.json holds."""
+    quantities, window, width = evaluate(recorder, scene["name"])
+    time = recorder.column("time")
+    iterations = recorder.column("iterations")[1:]
+    main = next((signal for signal in MAIN_SIGNALS if signal in quantities), None)
+    inside = {kind: unit.seconds for kind, unit in units.items()}
+    return {
+        "scene": scene["name"],
+        "completed": outcome.completed,
+        "error": outcome.error,
+        "quantities": quantities,
+        "window_s": [window.begin, window.end] if window else None,
+        "periods": window.periods if window else 0,
+        "amplitude_drift": statistics.drift(time, recorder.column(main), window) if main else None,
+        "method": {
+            "coupling": scene.get("coupling"),
+            "communication_step_s": scene["time"]["communication_step"],
+            "statistics": "mean = (max + min) / 2 and amplitude = (max - min) / 2 over the window, frequency by upward "
+            f"crossings of the mean; forces under a box filter of {width * 1e3:.3g} ms; `fit`: the same of the "
+            f"least-squares fit of {statistics.HARMONICS} harmonics",
+            "amplitude_drift": f"change of the amplitude of {main} from the first to the second half of the window, "
+            "relative",
+        },
+        "simulated_s": outcome.simulated,
+        "wall_s": outcome.wall,
+        "wall_s_per_simulated_s": outcome.wall / outcome.simulated if outcome.simulated else None,
+        "steps": outcome.steps,
+        "iterations_mean": float(iterations.mean()) if iterations.size else None,
+        "phases_s": inside | {"exchange_and_python": outcome.wall - sum(inside.values())},
+        "units": {
+            kind: {
+                "model": unit.description.modelName,
+                "version": unit.description.version,
+                "generation_tool": unit.description.generationTool,
+                "guid": unit.description.guid,
+            }
+            for kind, unit in units.items()
+        },
+        "versions": {"python": platform.python_version()} | {name: version(name) for name in ("fmpy", "numpy")},
+        "git": _git_revision(),
+        "machine": {"cpu": _cpu_model(), "cores": os.cpu_count(), "system": platform.platform()},
+    }
+
+
+def clear(folder: Path) -> None:
+    """Remove the results of an earlier run from `folder`, so that all that is found there belongs together."""
+    for name in FILES:
+        (folder / name).unlink(missing_ok=True)
+
+
+def write(folder: Path, scene: dict, recorder: Recorder, summary: dict) -> None:
+    """Write scene.json, series.csv and summary.json into `folder`; each appears only when it is complete."""
+    folder.mkdir(parents=True, exist_ok=True)
+
+    def series(path: Path):
+        header = ",".join(recorder.columns)
+        np.savetxt(path, recorder.table[: recorder.rows], "%.10g", ",", header=header, comments="")
+
+    write_whole(folder / "scene.json", lambda path: path.write_text(scene_text(scene), encoding="utf-8"))
+    write_whole(folder / "series.csv", series)
+    text = json.dumps(_json_numbers(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    write_whole(folder / "summary.json", lambda path: path.write_text(text, encoding="utf-8"))
+
+
+def write_whole(path: Path, writer) -> None:
+    """Let `writer` write a file beside `path`, then move it there."""
+    unfinished = path.with_name(f"unfinished-{path.name}")
+    writer(unfinished)
+    unfinished.replace(path)
+
+
+def print_table(console: Console, summary: dict) -> None:
+    """Show quantities against the reference, window and cost."""
+    table = Table("quantity", title=summary["scene"])
+    for heading in ("computed", "reference", "difference"):
+        table.add_column(heading, justify="right")
+    for name, quantity in summary["quantities"].items():
+        unit, scale = DISPLAY.get(quantity["unit"], (quantity["unit"], 1.0))
+        published = quantity.get("reference", {})
+        for what, shown, factor in (("mean", unit, scale), ("amplitude", unit, scale), ("frequency_hz", "Hz", 1.0)):
+            value, expected = quantity[what], published.get(what)
+            label = what.removesuffix("_hz")
+            cells = [f"{v * factor:.4g}" if v is not None else "–" for v in (value, expected)]
+            known = value is not None and expected is not None
+            difference = f"{(value / expected - 1) * 100:+.1f} %" if known else ""
+            table.add_row(f"{name} {label} [{shown}]".replace("[", r"\["), *cells, difference)
+    console.print(table)
+    if summary["window_s"]:
+        begin, end = summary["window_s"]
+        drift = summary["amplitude_drift"]
+        steady = "" if drift is None else f", amplitude drift {drift * 100:+.1f} %"
+        console.print(f"window {begin:.3f} – {end:.3f} s, {summary['periods']} periods{steady}")
+    phases = ", ".join(f"{phase.replace('_', ' ')} {seconds:.1f} s" for phase, seconds in summary["phases_s"].items())
+    reached = f"{summary['steps']} steps to t = {summary['simulated_s']:g} s"
+    console.print(f"{reached} in {summary['wall_s']:.1f} s of wall time ({phases})", soft_wrap=True)
+
+
+def _json_numbers(value):
+    """`value` with null for the numbers that JSON does not have: a run that failed can leave infinities."""
+    if isinstance(value, dict):
+        return {key: _json_numbers(part) for key, part in value.items()}
+    if isinstance(value, list):
+        return [_json_numbers(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _git_revision() -> dict | None:
+    """Revision of the working tree and whether it has changes; None outside of git."""
+
+    def git(*arguments):
+        return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+
+    try:
+        return {"revision": git("rev-parse", "HEAD"), "dirty": bool(git("status", "--porcelain"))}
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
+def _cpu_model() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor()

@@ -1,0 +1,60 @@
+"""Scene files: reading, overriding single keys, and the published values that belong to a scene.
+
+What a scene may hold is decided by the units when they are packed (`package.describe`), not here.
+"""
+
+import json
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+REFERENCES = ROOT / "scenes" / "references.json"
+
+
+class SceneError(Exception):
+    """A scene or an override that cannot be used; the message names file or key."""
+
+
+def load(path: Path) -> dict:
+    """Read a scene file; raises `SceneError` if it is not a JSON object."""
+    try:
+        scene = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise SceneError(f"cannot read the scene file {path}: {error.strerror}") from error
+    except ValueError as error:
+        raise SceneError(f"the scene file {path} is not JSON: {error}") from error
+    if not isinstance(scene, dict):
+        raise SceneError(f"the scene file {path} holds a JSON {type(scene).__name__}, but it must be an object")
+    return scene
+
+
+def override(scene: dict, assignment: str) -> None:
+    """Set one value of `scene` from `key=value`, e.g. `fluid.box.cells.0=650`.
+
+    The key is a dotted path, in which a number is an index into a list; the value is JSON, or else a string. A last
+    key that does not exist is added: whether it is allowed is for the units to say.
+    """
+    path, equals, text = assignment.partition("=")
+    if not (path and equals):
+        raise SceneError(f"the override `{assignment}` must be of the form key=value")
+    try:
+        value = json.loads(text)
+    except ValueError:
+        value = text
+    *parents, last = [int(key) if key.isdecimal() else key for key in path.split(".")]
+    target = scene
+    try:
+        for key in parents:
+            target = target[key]
+        if isinstance(target, list):
+            target[last]  # an index beyond the end is an error, not an addition
+        target[last] = value
+    except (KeyError, IndexError, TypeError) as error:
+        raise SceneError(f"the override `{assignment}` names a key that the scene does not have") from error
+
+
+def reference(name: str) -> dict | None:
+    """Published values for the scene called `name`, from the longest family of `scenes/references.json` that its
+    name begins with: `{"primary": {source, quantities}, "spread": {source, quantities}}`; None if there are none."""
+    families = json.loads(REFERENCES.read_text(encoding="utf-8"))
+    matching = [family for family in families if name == family or name.startswith(f"{family}-")]
+    return families[max(matching, key=len)] if matching else None

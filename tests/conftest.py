@@ -1,0 +1,113 @@
+"""Scenes and units that several tests use."""
+
+import copy
+import subprocess
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from cosim import master, package
+from cosim.scene import ROOT, load
+from cosim.unit import Unit
+
+FSI3 = ROOT / "scenes" / "fsi3-325x72.json"
+SCENES = sorted(set((ROOT / "scenes").glob("*.json")) - {ROOT / "scenes" / "references.json"})
+
+ROD_ONLY = {
+    "name": "falling-rod",
+    "time": {"end": 0.01, "communication_step": 1e-4},
+    "beam": {
+        "root": {"at": {"position": [0.0, 0.0], "direction": [1.0, 0.0]}},
+        "length": 0.35,
+        "thickness": 0.02,
+        "segments": 16,
+    },
+    "rod": {
+        "material": {"plane_strain": {"density": 1000.0, "youngs_modulus": 1.4e6, "poisson_ratio": 0.4}},
+        "gravity": [0.0, -2.0],
+    },
+}
+"""The bar of CSM3 (Turek & Hron 2006), let go at t = 0."""
+
+FLUID_ONLY = {
+    "name": "cylinder-in-a-stream",
+    "time": {"end": 0.02, "communication_step": 1e-3},
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 1e-2,
+        "box": {"x": [-1.0, 1.0], "y": [-0.5, 0.5], "cells": [64, 32]},
+        "initial_velocity": [1.0, 0.0],
+        "inflow": {"x": [-1.0, -0.8], "profile": "uniform", "mean_velocity": {"steady": 1.0}, "c_eta": 1e-2},
+        "cylinders": [{"center": [0.0, 0.0], "radius": 0.15}],
+        "mask": {"cosine": {"c_eta": 1e-2, "half_width": 1.0}},
+        "time_stepping": {"max_step": 1e-3, "max_cfl": 0.5},
+    },
+}
+"""A cylinder in the middle of a uniform stream that starts at once."""
+
+
+@pytest.fixture(scope="session")
+def libraries():
+    """Both libraries, built from the sources as they are."""
+    subprocess.run(["cargo", "build", "--quiet", "--release", "--locked"], cwd=ROOT, check=True)
+
+
+@pytest.fixture
+def fsi3():
+    """The shipped FSI3 scene."""
+    return load(FSI3)
+
+
+@pytest.fixture
+def small_fsi3(fsi3):
+    """FSI3 on a grid that is good enough for questions about the interface; the channel runs from the start."""
+    fsi3["name"] = "small-fsi3"
+    fsi3["fluid"]["box"]["cells"] = [160, 36]
+    fsi3["fluid"]["inflow"]["mean_velocity"] = {"steady": 1.0}
+    fsi3["beam"]["segments"] = 20
+    return fsi3
+
+
+@pytest.fixture
+def rod_only():
+    return copy.deepcopy(ROD_ONLY)
+
+
+@pytest.fixture
+def fluid_only():
+    return copy.deepcopy(FLUID_ONLY)
+
+
+@pytest.fixture
+def instantiate(tmp_path, libraries):
+    """Function that packs a scene and returns its units by kind, which are closed after the test."""
+    with ExitStack() as stack:
+
+        def make(scene: dict) -> dict[str, Unit]:
+            units = {}
+            for kind in package.kinds(scene):
+                units[kind] = Unit(package.pack(kind, scene, tmp_path), kind, scene["time"]["end"])
+                stack.callback(units[kind].close)
+            return units
+
+        yield make
+
+
+@pytest.fixture
+def start(instantiate):
+    """Function that makes the coupling of a scene, with both units ready for their first step."""
+
+    def make(scene: dict):
+        scheme = master.couple(instantiate(scene), scene.get("coupling", {}).get("scheme", "explicit"))
+        scheme.start()
+        return scheme
+
+    return make
+
+
+def run_scene(scene: Path, *arguments, **keywords) -> subprocess.CompletedProcess:
+    """Run `scripts/run.py` as its users do."""
+    command = [sys.executable, ROOT / "scripts" / "run.py", scene, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, **keywords)

@@ -1,0 +1,192 @@
+"""The loop itself, with units written in Python whose coupled motion is known."""
+
+import copy
+
+import numpy as np
+import pytest
+from cosim import master
+from cosim.recorder import Recorder
+from cosim.unit import UnitError, Variable
+
+
+class Fake:
+    """A unit with the interface of `cosim.unit.Unit`; `advance` makes its step."""
+
+    can_roll_back = True
+
+    def __init__(self, name, inputs, outputs):
+        sized = [(n, "input", 2) for n in inputs] + [(n, "output", 2) for n in outputs]
+        self.name, self.seconds = name, 0.0
+        self.variables = {n: Variable(n, "Real", c, "m", list(range(k)), [None] * k) for n, c, k in sized}
+        self.state = {"q": 0.0, "v": 0.0}
+        self.reals, self.integers = np.empty(0), np.empty(0, int)
+
+    def connect(self, inputs, outputs):
+        self.names, self.inputs, self.outputs = inputs, np.zeros(2 * len(inputs)), np.zeros(2 * len(outputs))
+        self.slices = {name: slice(2 * i, 2 * i + 2) for i, name in enumerate(outputs)}
+        self.exchanged = self.outputs
+
+    def input(self, name):
+        return self.inputs[2 * self.names.index(name)]
+
+    def scalars(self, _kind):
+        return []
+
+    def set(self):
+        pass
+
+    get = start = set
+
+    def step(self, t, h):
+        self.advance(t, h)
+
+    def save(self):
+        self.saved = copy.deepcopy(self.state)
+
+    def restore(self):
+        self.state = copy.deepcopy(self.saved)
+
+
+class Spring(Fake):
+    """Unit mass on a spring, implicit Euler."""
+
+    def __init__(self):
+        super().__init__("rod", ["pressure_jump"], ["x", "y", "vx", "vy"])
+
+    def advance(self, _t, h):
+        q, v = self.state["q"], self.state["v"]
+        v = (v + h * (self.input("pressure_jump") - STIFFNESS * q)) / (1 + STIFFNESS * h * h)
+        self.state = {"q": q + h * v, "v": v}
+        self.outputs[self.slices["y"]] = q + h * v
+        self.outputs[self.slices["vy"]] = v
+
+
+class AddedMass(Fake):
+    """A constant push, less the inertia of the fluid around the mass."""
+
+    def __init__(self):
+        super().__init__("fluid", ["x", "y", "vx", "vy"], ["pressure_jump"])
+
+    def advance(self, _t, h):
+        v = self.input("vy")
+        self.outputs[:] = PUSH - ADDED_MASS * (v - self.state["v"]) / h
+        self.state = {"q": 0.0, "v": v}
+
+
+STIFFNESS, ADDED_MASS, PUSH = 400.0, 10.0, 1.0
+CLOCK = master.Clock(0.5, 1e-2)
+
+
+def monolithic():
+    """Position at the end of the clock, mass and added mass in one implicit Euler step."""
+    q = v = 0.0
+    h = CLOCK.communication_step
+    for _ in range(CLOCK.steps):
+        v = ((1 + ADDED_MASS) * v + h * (PUSH - STIFFNESS * q)) / (1 + ADDED_MASS + STIFFNESS * h * h)
+        q += h * v
+    return q
+
+
+def run(scheme, clock=CLOCK, stopping=lambda: False):
+    recorder = Recorder({"rod": scheme.rod, "fluid": scheme.fluid}, clock.steps)
+    return master.run(scheme, clock, recorder, lambda *_: None, stopping), recorder
+
+
+def test_iterated_scheme_gives_the_monolithic_solution_at_ten_times_the_mass():
+    scheme = master.Iterated(Spring(), AddedMass(), tolerance=1e-8, max_iterations=20)
+    outcome, recorder = run(scheme)
+    assert outcome.error is None
+    assert scheme.rod.state["q"] == pytest.approx(monolithic(), rel=1e-6)
+    assert recorder.column("iterations")[1:].max() <= 5, "Aitken's relaxation is exact for one unknown"
+
+
+def test_explicit_scheme_blows_up_at_ten_times_the_mass():
+    scheme = master.Explicit(Spring(), AddedMass())
+    run(scheme)
+    assert abs(scheme.rod.state["q"]) > 1e6 * monolithic()
+
+
+def test_iteration_that_does_not_converge_names_time_residual_and_limit():
+    outcome, recorder = run(master.Iterated(Spring(), AddedMass(), tolerance=1e-8, max_iterations=2))
+    assert not outcome.completed
+    assert "from t = 0 s to 0.01 s did not converge in 2 iterations" in outcome.error, outcome.error
+    assert "residual" in outcome.error and "limit" in outcome.error, outcome.error
+    assert recorder.rows == 1
+
+
+def test_iterated_scheme_refuses_the_momentum_load():
+    rod, fluid = Spring(), AddedMass()
+    for unit, causality in ((rod, "input"), (fluid, "output")):
+        unit.variables["impedance"] = Variable("impedance", "Real", causality, "m", [0, 1], [None] * 2)
+    with pytest.raises(master.CouplingError, match="needs the load pressure_jump"):
+        master.Iterated(rod, fluid, tolerance=1e-4, max_iterations=10)
+
+
+def test_iterated_scheme_refuses_a_unit_without_rollback():
+    rod = Spring()
+    rod.can_roll_back = False
+    with pytest.raises(master.CouplingError, match="the rod cannot restore its state"):
+        master.Iterated(rod, AddedMass(), tolerance=1e-4, max_iterations=10)
+
+
+def test_missing_output_is_named():
+    rod = Spring()
+    del rod.variables["vy"]
+    with pytest.raises(master.CouplingError, match="fluid has the input `vy`, but the rod has no such output"):
+        master.Explicit(rod, AddedMass())
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"references": [0, 1, 2]}, "size of `y` is 2 at the fluid, but 3 at the rod"),
+        ({"unit": "mm"}, "unit of `y` is m at the fluid, but mm at the rod"),
+        ({"kind": "Integer"}, "kind of `y` is Real at the fluid, but Integer at the rod"),
+    ],
+)
+def test_quantities_that_do_not_fit_are_named(change, message):
+    rod = Spring()
+    for field, value in change.items():
+        setattr(rod.variables["y"], field, value)
+    with pytest.raises(master.CouplingError, match=message):
+        master.Explicit(rod, AddedMass())
+
+
+def test_a_failing_unit_leaves_what_was_computed_before():
+    scheme = master.Explicit(Spring(), AddedMass())
+
+    def fail(t, _h):
+        if t >= 0.1:
+            raise UnitError("fluid: no solution")
+
+    scheme.fluid.advance = fail
+    outcome, recorder = run(scheme)
+    assert (outcome.error, outcome.completed, outcome.steps) == ("fluid: no solution", False, 10)
+    assert recorder.rows == 11
+
+
+def test_a_stopped_run_is_not_completed():
+    asked = iter([False] * 7 + [True])
+    outcome, recorder = run(master.Explicit(Spring(), AddedMass()), stopping=lambda: next(asked))
+    assert (outcome.error, outcome.completed, outcome.steps) == (None, False, 7)
+    assert recorder.rows == 8
+
+
+@pytest.mark.parametrize(
+    ("end", "step", "steps", "last"),
+    [(8.0, 2e-4, 40000, 2e-4), (1.0, 0.3, 4, 0.1), (0.1, 0.3, 1, 0.1), (0.3, 0.1, 3, 0.1)],
+)
+def test_clock_lands_on_the_end(end, step, steps, last):
+    clock = master.Clock(end, step)
+    assert clock.steps == steps
+    t, h = clock.step(steps - 1)
+    assert t + h == pytest.approx(end, rel=1e-15)
+    assert h == pytest.approx(last, rel=1e-9)
+
+
+def test_long_runs_are_recorded_in_a_table_of_bounded_size():
+    recorder = Recorder({"rod": Spring()}, 1_000_000)
+    for step in range(1_000_001):
+        recorder.record(step, float(step), 1)
+    assert recorder.rows == 200_001
+    assert recorder.column("time")[-1] == 1_000_000.0

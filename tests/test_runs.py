@@ -1,0 +1,136 @@
+"""Runs through the command line: one unit alone, foreign units, interruption."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from conftest import FSI3, run_scene
+from cosim import package
+from cosim.scene import ROOT
+
+TABLES = ("scene.json", "series.csv", "summary.json")
+
+pytestmark = pytest.mark.usefixtures("libraries")
+
+
+def run(tmp_path, scene, *arguments):
+    """Run a scene given as a dict; returns its series by column name and its summary."""
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(scene))
+    done = run_scene(path, "--output", tmp_path / "results", *arguments)
+    assert done.returncode == 0, done.stderr
+    return results(tmp_path / "results")
+
+
+def results(folder):
+    series = np.genfromtxt(folder / "series.csv", delimiter=",", names=True)
+    return series, json.loads((folder / "summary.json").read_text())
+
+
+def files(folder):
+    return {path.name for path in folder.iterdir()}
+
+
+def test_a_rod_alone_falls_freely_until_it_feels_its_clamp(rod_only, tmp_path):
+    series, summary = run(tmp_path, rod_only)
+    assert summary["completed"] and summary["steps"] == 100
+    fallen = -0.5 * 2.0 * series["time"][-1] ** 2
+    assert series["tip_uy"][-1] == pytest.approx(fallen, rel=0.01)
+    assert files(tmp_path / "results") == {"falling-rod-rod.fmu", "tip.png", *TABLES}
+
+
+def test_a_symmetric_flow_has_drag_and_no_lift(fluid_only, tmp_path):
+    series, summary = run(tmp_path, fluid_only)
+    assert summary["completed"] and summary["steps"] == 20
+    drag, lift = series["drag"][-1], series["lift"][-1]
+    assert drag > 0
+    assert abs(lift) < 1e-9 * drag
+    pictures = {"drag.png", "lift.png", "vorticity.png"}
+    assert files(tmp_path / "results") == {"cylinder-in-a-stream-fluid.fmu", *pictures, *TABLES}
+
+
+def test_a_rigid_beam_in_the_fluid_needs_no_rod(small_fsi3, tmp_path):
+    del small_fsi3["rod"], small_fsi3["coupling"]
+    series, summary = run(tmp_path, small_fsi3, "--end-time", "0.01")
+    assert summary["steps"] == 50
+    assert series["drag"][-1] > 0
+    assert "tip_uy" not in series.dtype.names
+
+
+def test_iterated_and_explicit_coupling_agree_where_both_hold(small_fsi3, tmp_path):
+    small_fsi3["fluid"]["mask"] = {"cosine": {"c_eta": 1e-3, "half_width": 1.0}}
+    tips = {}
+    for scheme in ("explicit", {"iterated": {"tolerance": 1e-4, "max_iterations": 50}}):
+        small_fsi3["coupling"] = {"load": "pressure_jump", "scheme": scheme}
+        series, summary = run(tmp_path, small_fsi3, "--end-time", "0.05")
+        tips[str(scheme)] = series["tip_ux"][-1]
+    assert 1 < summary["iterations_mean"] < 20
+    explicit, iterated = tips.values()
+    assert iterated == pytest.approx(explicit, rel=0.05)
+
+
+def test_the_end_time_is_reached_by_a_shorter_last_step(rod_only, tmp_path):
+    series, summary = run(tmp_path, rod_only, "--end-time", "0.00025")
+    assert summary["steps"] == 3
+    assert series["time"][-1] == pytest.approx(0.00025, rel=1e-12)
+
+
+def test_an_override_is_in_the_scene_that_is_kept(rod_only, tmp_path):
+    run(tmp_path, rod_only, "--set", "beam.segments=8", "--set", "rod.gravity=[0, 0]")
+    kept = json.loads((tmp_path / "results" / "scene.json").read_text())
+    assert kept["beam"]["segments"] == 8 and kept["rod"]["gravity"] == [0, 0]
+
+
+def test_units_given_as_files_take_the_place_of_ours(small_fsi3, tmp_path):
+    heavier = json.loads(json.dumps(small_fsi3))
+    heavier["rod"]["material"]["plane_strain"]["density"] = 4000.0
+    foreign = package.pack("rod", heavier, tmp_path / "foreign")
+    ours, _ = run(tmp_path, small_fsi3, "--end-time", "0.01")
+    theirs, _ = run(tmp_path, small_fsi3, "--end-time", "0.01", "--rod-fmu", foreign)
+    direct, _ = run(tmp_path, heavier, "--end-time", "0.01")
+    assert theirs["tip_vx"][-1] == direct["tip_vx"][-1]
+    assert theirs["tip_vx"][-1] != ours["tip_vx"][-1]
+
+
+def test_a_unit_that_does_not_fit_is_refused_with_exit_code_2(small_fsi3, rod_only, tmp_path):
+    alone = package.pack("rod", rod_only, tmp_path / "foreign")
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(small_fsi3))
+    done = run_scene(path, "--output", tmp_path / "results", "--rod-fmu", alone)
+    assert done.returncode == 2
+    assert "at the rod" in done.stderr or "the rod has no such output" in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_keeps_what_it_has(number, tmp_path):
+    command = [sys.executable, ROOT / "scripts" / "run.py", FSI3, "--output", tmp_path, "--end-time", "20"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 60
+    while not list(tmp_path.glob("*-fluid.fmu")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    time.sleep(3)
+    process.send_signal(number)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 130, errors
+    series, summary = results(tmp_path)
+    assert not summary["completed"] and summary["error"] is None
+    assert summary["steps"] > 0
+    assert series.size == summary["steps"] + 1
+    assert not [name for name in files(tmp_path) if "unfinished" in name]
+
+
+def test_a_run_that_fails_keeps_what_it_has_and_exits_with_1(small_fsi3, tmp_path):
+    impossible = {"iterated": {"tolerance": 1e-15, "max_iterations": 2}}
+    small_fsi3["coupling"] = {"load": "pressure_jump", "scheme": impossible}
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(small_fsi3))
+    done = run_scene(path, "--output", tmp_path / "results", "--quiet")
+    assert done.returncode == 1
+    assert "did not converge in 2 iterations" in done.stderr, done.stderr
+    assert done.stdout == ""
+    _, summary = results(tmp_path / "results")
+    assert not summary["completed"] and "did not converge" in summary["error"]

@@ -1,0 +1,107 @@
+"""Saved states and repeated runs: everything is bit-identical."""
+
+import ctypes
+
+import numpy as np
+import pytest
+
+STEPS = 20
+
+
+def advance(scheme, begin, count, h=2e-4):
+    """Step `scheme` from step `begin` and return what it shows: all outputs after each step, and the fields."""
+    shown = []
+    for i in range(begin, begin + count):
+        scheme.step(i * h, h)
+        shown += [scheme.rod.outputs.copy(), scheme.fluid.outputs.copy()]
+    fields = [scheme.fluid.field(name).ravel() for name in ("u", "v", "p", "vorticity")]
+    return np.concatenate(shown + fields)
+
+
+def assert_same_bits(first, second):
+    different = np.flatnonzero(first.view(np.uint64) != second.view(np.uint64))
+    pairs = [(first[i], second[i]) for i in different[:3]]
+    assert different.size == 0, f"{different.size} of {first.size} values differ, the first {pairs}"
+
+
+def test_the_flow_reaches_the_rod(small_fsi3, start):
+    scheme = start(small_fsi3)
+    advance(scheme, 0, STEPS)
+    assert np.abs(scheme.rod.output("vx")).max() > 0
+    assert np.abs(scheme.fluid.output("force_x")).max() > 0
+
+
+def test_a_repeated_run_is_the_same(small_fsi3, start):
+    assert_same_bits(advance(start(small_fsi3), 0, STEPS), advance(start(small_fsi3), 0, STEPS))
+
+
+def test_a_restored_state_continues_the_same_way(small_fsi3, start):
+    scheme = start(small_fsi3)
+    advance(scheme, 0, STEPS)
+    before = scheme.rod.outputs.copy(), scheme.fluid.outputs.copy()
+    scheme.rod.save()
+    scheme.fluid.save()
+    first = advance(scheme, STEPS, STEPS)
+    scheme.rod.restore()
+    scheme.fluid.restore()
+    scheme.rod.outputs[:], scheme.fluid.outputs[:] = before
+    assert_same_bits(first, advance(scheme, STEPS, STEPS))
+
+
+def test_a_restored_unit_shows_what_it_showed_when_saved(small_fsi3, start):
+    scheme = start(small_fsi3)
+    advance(scheme, 0, STEPS)
+    for unit in (scheme.rod, scheme.fluid):
+        before = unit.outputs.copy()
+        unit.save()
+        unit.step(STEPS * 2e-4, 2e-4)
+        assert (unit.outputs != before).any()
+        unit.restore()
+        unit.get()
+        assert_same_bits(before, unit.outputs)
+
+
+def test_a_serialized_state_continues_the_same_way_in_another_instance(small_fsi3, start):
+    one, other = start(small_fsi3), start(small_fsi3)
+    advance(one, 0, STEPS)
+    for source, target in ((one.rod, other.rod), (one.fluid, other.fluid)):
+        source.save()
+        text = source.fmu.serializeFMUstate(source.state)
+        target.fmu.deSerializeFMUstate(text, target.state)
+        target.restore()
+        target.outputs[:] = source.outputs
+    assert_same_bits(advance(one, STEPS, STEPS), advance(other, STEPS, STEPS))
+
+
+def test_a_corrupted_state_is_refused(small_fsi3, start):
+    rod = start(small_fsi3).rod
+    rod.save()
+    text = bytearray(rod.fmu.serializeFMUstate(rod.state))
+    text[len(text) // 2] ^= 1
+    buffer = ctypes.create_string_buffer(bytes(text), len(text))
+    state = ctypes.c_void_p()
+    function = rod.fmu.dll["fmi2DeSerializeFMUstate"]
+    function.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]
+    assert function(rod.fmu.component, buffer, len(text), ctypes.byref(state)) == 3
+
+
+def test_interleaved_instances_do_not_disturb_each_other(small_fsi3, start):
+    alone = advance(start(small_fsi3), 0, STEPS)
+    one, other = start(small_fsi3), start(small_fsi3)
+    advance(other, 0, 3)
+    for i in range(STEPS - 1):
+        advance(one, i, 1)
+        advance(other, 3 + i, 1)
+    last = advance(one, STEPS - 1, 1)
+    assert_same_bits(alone[-last.size :], last)
+
+
+@pytest.mark.parametrize("scheme", ["explicit", {"iterated": {"tolerance": 1e-4, "max_iterations": 50}}])
+def test_two_half_runs_are_one_run(small_fsi3, start, scheme):
+    small_fsi3["coupling"] = {"load": "pressure_jump", "scheme": scheme}
+    small_fsi3["fluid"]["mask"] = {"cosine": {"c_eta": 1e-3, "half_width": 1.0}}
+    whole, halves = start(small_fsi3), start(small_fsi3)
+    first = advance(whole, 0, STEPS)
+    advance(halves, 0, STEPS // 2)
+    second = advance(halves, STEPS // 2, STEPS // 2)
+    assert_same_bits(first[-second.size :], second)

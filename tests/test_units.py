@@ -1,0 +1,85 @@
+"""The FMUs of the shipped FSI3 scene as files: standard, contract, and what is committed of them."""
+
+import subprocess
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+from cosim import master, package
+from cosim.scene import ROOT
+from cosim.unit import ELEMENT
+from fmpy.validation import validate_fmu
+from lxml import etree
+
+pytestmark = pytest.mark.usefixtures("libraries")
+both = pytest.mark.parametrize("kind", package.KINDS)
+
+
+@both
+def test_fmpy_finds_no_fault(kind, fsi3, tmp_path):
+    assert validate_fmu(str(package.pack(kind, fsi3, tmp_path))) == []
+
+
+@both
+def test_model_description_follows_the_schema_of_fmi(kind, fsi3):
+    schema = etree.XMLSchema(file=str(Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"))
+    schema.assertValid(etree.fromstring(package.describe(kind, fsi3).encode()))
+
+
+@both
+def test_fmu_holds_library_scene_and_description(kind, fsi3, tmp_path):
+    with zipfile.ZipFile(package.pack(kind, fsi3, tmp_path)) as archive:
+        names = set(archive.namelist())
+        description = etree.fromstring(archive.read("modelDescription.xml"))
+    identifier = description.find("CoSimulation").get("modelIdentifier")
+    binary = f"binaries/{fmpy.platform}/{identifier}{fmpy.sharedLibraryExtension}"
+    assert {"modelDescription.xml", "resources/scene.json", binary} <= names
+
+
+@both
+def test_packing_twice_gives_the_same_bytes(kind, fsi3, tmp_path):
+    first, second = (package.pack(kind, fsi3, tmp_path / folder).read_bytes() for folder in "ab")
+    assert first == second
+
+
+@both
+def test_committed_model_description_is_what_the_library_writes(kind, fsi3):
+    committed = (ROOT / "modelDescription" / f"fmu_{kind}.xml").read_text(encoding="utf-8")
+    assert committed == package.describe(kind, fsi3), "`make descriptions` writes it anew"
+
+
+def test_committed_schema_is_what_the_scene_types_give():
+    command = ["cargo", "run", "--quiet", "--locked", "-p", "scene", "--example", "schema"]
+    generated = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    committed = (ROOT / "modelDescription" / "scene.schema.json").read_text(encoding="utf-8")
+    assert committed == generated, "`make schema` writes it anew"
+
+
+def test_rod_and_fluid_fit_each_other(fsi3, instantiate):
+    units = instantiate(fsi3)
+    rod, fluid = units["rod"], units["fluid"]
+    assert set(master.connections(fluid, rod)) == {"force_x", "force_y", "impedance"}
+    assert set(master.connections(rod, fluid)) == {"x", "y", "vx", "vy"}
+    assert {rod.variables[name].size for name in ("x", "y", "vx", "vy", "force_x", "force_y", "impedance")} == {43}
+
+
+def test_pressure_jump_takes_the_place_of_the_momentum_load(fsi3, instantiate):
+    fsi3["coupling"]["load"] = "pressure_jump"
+    units = instantiate(fsi3)
+    assert master.connections(units["fluid"], units["rod"]) == ["pressure_jump"]
+
+
+def test_a_part_that_the_scene_lacks_has_no_variables(fluid_only):
+    names = etree.fromstring(package.describe("fluid", fluid_only).encode()).xpath("//ScalarVariable/@name")
+    assert [name for name in names if ELEMENT.fullmatch(name)] == []
+    assert {"drag", "lift"} <= set(names)
+
+
+def test_stations_start_on_the_undeformed_bar(fsi3, instantiate):
+    rod = instantiate(fsi3)["rod"]
+    rod.connect([], ["x", "y"])
+    rod.get()
+    assert rod.output("x") == pytest.approx(np.linspace(0.25, 0.6, 43), abs=1e-12)
+    assert rod.output("y") == pytest.approx(np.full(43, 0.2), abs=1e-12)
