@@ -3,6 +3,7 @@
 //! Physical fields are `[nx, ny]` with y contiguous. Spectra are `[ny/2 + 1, nx]`: transposed, so that the complex
 //! transforms along x run over contiguous rows and no second transpose is needed. Forward transforms are unnormalised.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -10,7 +11,10 @@ use rustfft::{Fft, FftPlanner};
 
 pub use rustfft::num_complex::Complex64;
 
-/// Rows that go through the transposition together: two cache lines of complex numbers.
+/// Why a transform cannot fail.
+const LENGTHS: &str = "the lengths are those of the plan";
+
+/// Columns that go through the transposition together: two cache lines of complex numbers.
 const BLOCK: usize = 8;
 
 /// Plans and scratch space for transforms of one grid.
@@ -60,58 +64,70 @@ impl Fft2 {
         (self.ny / 2 + 1) * self.nx
     }
 
+    /// Blocks of columns `first..end` that are worth transforming together.
+    pub fn blocks(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+        let nx = self.nx;
+        (0..nx).step_by(BLOCK).map(move |first| first..(first + BLOCK).min(nx))
+    }
+
     /// Spectrum of a field, unnormalised.
     pub fn forward(&mut self, field: &[f64], spectrum: &mut [Complex64]) {
-        let (nx, ny, nk) = (self.nx, self.ny, self.ny / 2 + 1);
-        for start in (0..nx).step_by(BLOCK) {
-            let rows = BLOCK.min(nx - start);
-            self.block_real[..rows * ny].copy_from_slice(&field[start * ny..(start + rows) * ny]);
-            for row in 0..rows {
-                self.real_forward
-                    .process_with_scratch(
-                        &mut self.block_real[row * ny..(row + 1) * ny],
-                        &mut self.block_complex[row * nk..(row + 1) * nk],
-                        &mut self.scratch,
-                    )
-                    .expect("the lengths are those of the plan");
-            }
-            for k in 0..nk {
-                let target = &mut spectrum[k * nx + start..][..rows];
-                for (row, value) in target.iter_mut().enumerate() {
-                    *value = self.block_complex[row * nk + k];
-                }
-            }
-        }
-        self.forward.process_with_scratch(spectrum, &mut self.scratch);
+        self.forward_along_y(field, spectrum);
+        self.forward_along_x(spectrum);
     }
 
     /// Field of a spectrum, times `nx ny`; the spectrum is used up.
     pub fn inverse(&mut self, spectrum: &mut [Complex64], field: &mut [f64]) {
+        self.inverse_along_x(spectrum);
+        for columns in self.blocks() {
+            let points = columns.start * self.ny..columns.end * self.ny;
+            self.inverse_along_y(spectrum, columns, &mut field[points]);
+        }
+    }
+
+    /// Half a forward transform: modes in y of every column.
+    pub fn forward_along_y(&mut self, field: &[f64], spectrum: &mut [Complex64]) {
         let (nx, ny, nk) = (self.nx, self.ny, self.ny / 2 + 1);
-        self.inverse.process_with_scratch(spectrum, &mut self.scratch);
-        for start in (0..nx).step_by(BLOCK) {
-            let rows = BLOCK.min(nx - start);
+        for columns in self.blocks() {
+            let count = columns.len();
+            self.block_real[..count * ny].copy_from_slice(&field[columns.start * ny..columns.end * ny]);
+            let lines = self.block_real.chunks_exact_mut(ny).zip(self.block_complex.chunks_exact_mut(nk));
+            for (line, modes) in lines.take(count) {
+                self.real_forward.process_with_scratch(line, modes, &mut self.scratch).expect(LENGTHS);
+            }
             for k in 0..nk {
-                let source = &spectrum[k * nx + start..][..rows];
-                for (row, value) in source.iter().enumerate() {
-                    self.block_complex[row * nk + k] = *value;
+                for (column, target) in spectrum[k * nx..(k + 1) * nx][columns.clone()].iter_mut().enumerate() {
+                    *target = self.block_complex[column * nk + k];
                 }
             }
-            for row in 0..rows {
-                let line = &mut self.block_complex[row * nk..(row + 1) * nk];
-                // Rounding leaves imaginary parts in the two real modes, which the plan refuses.
-                line[0].im = 0.0;
-                if ny % 2 == 0 {
-                    line[nk - 1].im = 0.0;
-                }
-                self.real_inverse
-                    .process_with_scratch(
-                        line,
-                        &mut field[(start + row) * ny..(start + row + 1) * ny],
-                        &mut self.scratch,
-                    )
-                    .expect("the lengths are those of the plan");
+        }
+    }
+
+    /// The other half of forward transforms: whole rows of modes in y, `nx` values each.
+    pub fn forward_along_x(&mut self, rows: &mut [Complex64]) {
+        self.forward.process_with_scratch(rows, &mut self.scratch);
+    }
+
+    /// Half an inverse transform: whole rows of modes in y, `nx` values each.
+    pub fn inverse_along_x(&mut self, rows: &mut [Complex64]) {
+        self.inverse.process_with_scratch(rows, &mut self.scratch);
+    }
+
+    /// The other half of an inverse transform, for a block of columns: their points from the spectrum.
+    pub fn inverse_along_y(&mut self, spectrum: &[Complex64], columns: Range<usize>, points: &mut [f64]) {
+        let (nx, ny, nk) = (self.nx, self.ny, self.ny / 2 + 1);
+        for k in 0..nk {
+            for (column, value) in spectrum[k * nx..(k + 1) * nx][columns.clone()].iter().enumerate() {
+                self.block_complex[column * nk + k] = *value;
             }
+        }
+        for (modes, line) in self.block_complex.chunks_exact_mut(nk).zip(points.chunks_exact_mut(ny)) {
+            // Rounding leaves imaginary parts in the real modes, which the plan refuses.
+            modes[0].im = 0.0;
+            if ny % 2 == 0 {
+                modes[nk - 1].im = 0.0;
+            }
+            self.real_inverse.process_with_scratch(modes, line, &mut self.scratch).expect(LENGTHS);
         }
     }
 }

@@ -12,14 +12,6 @@ use crate::grid::Grid;
 const FILTER_STRENGTH: f64 = 36.0;
 const FILTER_ORDER: i32 = 36;
 
-/// Spectra that the projection works on, `[ny/2 + 1, nx]` each.
-pub struct Spectra {
-    /// Velocity components; on entry those of the field to be projected, unnormalised.
-    pub velocity: [Vec<Complex64>; 2],
-    /// Vorticity; on entry anything.
-    pub vorticity: Vec<Complex64>,
-}
-
 /// Wavenumbers and filter of one grid.
 pub struct Projection {
     kx: Vec<f64>,
@@ -31,6 +23,7 @@ pub struct Projection {
     /// `filter / (1 + tau nu k²)` for the `tau nu` it was last made for.
     gain: Vec<f64>,
     tau_nu: f64,
+    per_tau: f64,
 }
 
 impl Projection {
@@ -56,25 +49,39 @@ impl Projection {
         let modes = || (0..(ny / 2 + 1) * nx).map(|m| (m % nx, m / nx));
         let filter: Vec<f64> = modes().map(|(i, j)| factor(i, j) / grid.len() as f64).collect();
         let inverse_k2 = modes().map(|(i, j)| if i + j == 0 { 0.0 } else { 1.0 / (kx[i] * kx[i] + ky[j] * ky[j]) });
-        Self { inverse_k2: inverse_k2.collect(), gain: filter.clone(), tau_nu: 0.0, kx, ky, filter }
+        Self { inverse_k2: inverse_k2.collect(), gain: filter.clone(), tau_nu: 0.0, per_tau: 0.0, kx, ky, filter }
     }
 
-    /// Solve `(1 − tau nu ∇²) u + tau ∇Pi = F w, ∇·u = 0` for u and Pi, given w; also the vorticity of u. The results
-    /// are normalised; Pi comes as interleaved real and imaginary parts.
-    pub fn project(&mut self, spectra: &mut Spectra, pressure: &mut [f64], tau: f64, nu: f64) {
+    /// Make ready for steps of `1/c_0 = tau` (s) with viscosity `nu` (m²/s).
+    pub fn prepare(&mut self, tau: f64, nu: f64) {
+        self.per_tau = 1.0 / tau;
         if tau * nu != self.tau_nu {
             self.set_viscosity(tau * nu);
         }
-        let nx = self.kx.len();
-        let [wx, wy] = &mut spectra.velocity;
-        for (j, &ky) in self.ky.iter().enumerate() {
-            let row = j * nx..(j + 1) * nx;
-            let coefficients =
-                Row { kx: &self.kx, ky, inverse_k2: &self.inverse_k2[row.clone()], gain: &self.gain[row.clone()] };
-            let pressure = &mut pressure[2 * row.start..2 * row.end];
-            let omega = &mut spectra.vorticity[row.clone()];
-            project_row(&coefficients, &mut wx[row.clone()], &mut wy[row], omega, pressure, (tau * nu, 1.0 / tau));
-        }
+    }
+
+    /// Solve `(1 − tau nu ∇²) u + tau ∇Pi = F w, ∇·u = 0` for the modes of row `j` of ky.
+    ///
+    /// `wx` and `wy` hold w, unnormalised, and get u; `omega` gets the vorticity of u, `pressure` Pi as interleaved real
+    /// and imaginary parts.
+    pub fn project(
+        &self,
+        j: usize,
+        wx: &mut [Complex64],
+        wy: &mut [Complex64],
+        omega: &mut [Complex64],
+        pressure: &mut [f64],
+    ) {
+        let modes = j * self.kx.len()..(j + 1) * self.kx.len();
+        let row = Row {
+            kx: &self.kx,
+            ky: self.ky[j],
+            inverse_k2: &self.inverse_k2[modes.clone()],
+            gain: &self.gain[modes],
+            tau_nu: self.tau_nu,
+            per_tau: self.per_tau,
+        };
+        project_row(&row, wx, wy, omega, pressure);
     }
 
     fn set_viscosity(&mut self, tau_nu: f64) {
@@ -93,17 +100,18 @@ struct Row<'a> {
     ky: f64,
     inverse_k2: &'a [f64],
     gain: &'a [f64],
+    tau_nu: f64,
+    per_tau: f64,
 }
 
-/// One row of [`Projection::project`]; the last argument is (tau nu, 1/tau).
+/// [`Projection::project`] for the processor at hand.
 #[multiversion(targets("x86_64+avx2+fma"))]
 fn project_row(
-    &Row { kx, ky, inverse_k2, gain }: &Row,
+    &Row { kx, ky, inverse_k2, gain, tau_nu, per_tau }: &Row,
     wx: &mut [Complex64],
     wy: &mut [Complex64],
     omega: &mut [Complex64],
     pressure: &mut [f64],
-    (tau_nu, per_tau): (f64, f64),
 ) {
     let n = kx.len();
     let (inverse_k2, gain) = (&inverse_k2[..n], &gain[..n]);

@@ -28,7 +28,7 @@ use crate::drag::DragProfile;
 use crate::fft::{Complex64, Fft2};
 use crate::grid::Grid;
 use crate::kernel::{self, Differences};
-use crate::projection::{Projection, Spectra};
+use crate::projection::Projection;
 
 /// Points that the local solve takes at a time, so that what both components read stays in the first cache.
 const BLOCK: usize = 256;
@@ -144,7 +144,8 @@ pub struct Fluid {
     painted: Painted,
     /// u*, then u* + tau G, m/s.
     w: [Vec<f64>; 2],
-    spectra: Spectra,
+    /// Spectra of both components and of the vorticity, `[ny/2 + 1, nx]`.
+    spectra: [Vec<Complex64>; 3],
     state: State,
 }
 
@@ -232,7 +233,7 @@ impl Fluid {
                 loads: loads_are_wanted.then(|| Loads::none(b.target.len())),
             }),
         };
-        let spectra = Spectra { velocity: [spectrum(), spectrum()], vorticity: spectrum() };
+        let spectra = [spectrum(), spectrum(), spectrum()];
         let has_bodies = inflow.is_some() || fluid.channel.is_some() || !cylinders.is_empty() || beam.is_some();
         let mut solver = Self {
             rate: has_bodies.then(field),
@@ -412,7 +413,7 @@ impl Fluid {
 
     /// Pi as a field.
     fn total_pressure(&mut self, field: &mut [f64]) {
-        let scratch = &mut self.spectra.vorticity;
+        let scratch = &mut self.spectra[0];
         for (value, pair) in scratch.iter_mut().zip(self.state.pressure.chunks_exact(2)) {
             *value = Complex64::new(pair[0], pair[1]);
         }
@@ -565,26 +566,41 @@ impl Fluid {
     }
 
     /// From w to velocity, vorticity, pressure and G at the new time.
+    ///
+    /// Between the two passes along y, each row of modes goes through both transforms along x and the projection while
+    /// it is in the cache.
     fn solve_wave_by_wave(&mut self, scheme: &Differences) {
-        let State { velocity, vorticity, stress, pressure, advection_rate, .. } = &mut self.state;
-        for (w, spectrum) in self.w.iter().zip(&mut self.spectra.velocity) {
-            self.fft.forward(w, spectrum);
+        let State { velocity: [u, v], vorticity, stress: [gx, gy], pressure, advection_rate, .. } = &mut self.state;
+        let ([wx, wy], [u_hat, v_hat, omega_hat]) = (&self.w, &mut self.spectra);
+        let (nx, ny) = (self.grid.nx, self.grid.ny);
+        self.fft.forward_along_y(wx, u_hat);
+        self.fft.forward_along_y(wy, v_hat);
+        self.projection.prepare(scheme.tau, self.nu);
+        for j in 0..=ny / 2 {
+            let modes = j * nx..(j + 1) * nx;
+            let [u_hat, v_hat, omega_hat] =
+                [&mut *u_hat, v_hat, omega_hat].map(|spectrum| &mut spectrum[modes.clone()]);
+            self.fft.forward_along_x(u_hat);
+            self.fft.forward_along_x(v_hat);
+            self.projection.project(j, u_hat, v_hat, omega_hat, &mut pressure[2 * modes.start..2 * modes.end]);
+            for row in [u_hat, v_hat, omega_hat] {
+                self.fft.inverse_along_x(row);
+            }
         }
-        self.projection.project(&mut self.spectra, pressure, scheme.tau, self.nu);
-        for (spectrum, field) in self.spectra.velocity.iter_mut().zip(velocity.iter_mut()) {
-            self.fft.inverse(spectrum, field);
-        }
-        self.fft.inverse(&mut self.spectra.vorticity, vorticity);
-        for ((g, w), u) in stress.iter_mut().zip(&self.w).zip(velocity.iter()) {
-            kernel::difference(scheme.c[0], w, u, g);
+        let (per_dx, per_dy) = (1.0 / self.grid.dx, 1.0 / self.grid.dy);
+        let mut largest = 0.0;
+        for columns in self.fft.blocks() {
+            let points = columns.start * ny..columns.end * ny;
+            let [u, v, omega] = [&mut *u, v, vorticity].map(|field| &mut field[points.clone()]);
+            self.fft.inverse_along_y(u_hat, columns.clone(), u);
+            self.fft.inverse_along_y(v_hat, columns.clone(), v);
+            self.fft.inverse_along_y(omega_hat, columns, omega);
+            kernel::difference(scheme.c[0], &wx[points.clone()], u, &mut gx[points.clone()]);
+            kernel::difference(scheme.c[0], &wy[points.clone()], v, &mut gy[points]);
+            largest = f64::max(largest, kernel::advection_rate(per_dx, per_dy, u, v));
         }
         // A transform spreads what is not a number to every point: the first tells of all.
-        let [u, v] = velocity;
-        *advection_rate = if (u[0] + v[0]).is_finite() {
-            kernel::advection_rate(1.0 / self.grid.dx, 1.0 / self.grid.dy, u, v)
-        } else {
-            f64::NAN
-        };
+        *advection_rate = if (u[0] + v[0]).is_finite() { largest } else { f64::NAN };
     }
 
     /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
