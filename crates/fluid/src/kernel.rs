@@ -1,5 +1,7 @@
 //! Loops over the grid, compiled for the processor at hand.
 
+use std::ops::Range;
+
 use multiversion::multiversion;
 
 /// Coefficients of the two-step backward differences with a step that may change.
@@ -26,38 +28,63 @@ impl Differences {
     }
 }
 
-/// One component of u* + tau G on a block of points; its histories move on by one step.
-///
-/// `(omega, other, sign)` make this component of `omega × u` as `sign · omega · other`.
-#[multiversion(targets("x86_64+avx2+fma"))]
-#[expect(clippy::too_many_arguments, reason = "separate slices are known not to overlap")]
-pub fn solve_component(
-    &Differences { c, e, tau }: &Differences,
-    rate: &[f64],
-    u: &[f64],
-    (omega, other, sign): (&[f64], &[f64], f64),
-    g: &[f64],
-    u_before: &mut [f64],
-    n_before: &mut [f64],
-    w: &mut [f64],
-) {
-    let len = w.len();
-    let (rate, u, omega, other, g) = (&rate[..len], &u[..len], &omega[..len], &other[..len], &g[..len]);
-    let (u_before, n_before) = (&mut u_before[..len], &mut n_before[..len]);
-    for i in 0..len {
-        let n = sign * omega[i] * other[i];
-        let r = c[1] * u[i] + c[2] * u_before[i] - e[0] * n - e[1] * n_before[i] - g[i];
-        w[i] = r / (c[0] + rate[i]) + tau * g[i];
-        u_before[i] = u[i];
-        n_before[i] = n;
+/// What one component of the local solve reads at each point.
+#[derive(Clone)]
+pub struct Component<'a> {
+    /// This component of the velocity.
+    pub u: &'a [f64],
+    /// The same one step earlier.
+    pub u_before: &'a [f64],
+    /// `w = u + tau G` of the last step.
+    pub w: &'a [f64],
+    /// `1/tau` of the last step.
+    pub per_tau: f64,
+    /// Vorticity.
+    pub omega: &'a [f64],
+    /// The same one step earlier.
+    pub omega_before: &'a [f64],
+    /// The other component of the velocity: this one of `omega × u` is `sign · omega · other`.
+    pub other: &'a [f64],
+    /// The same one step earlier.
+    pub other_before: &'a [f64],
+    /// −1 for x, 1 for y.
+    pub sign: f64,
+}
+
+impl<'a> Component<'a> {
+    /// The same for some of the points.
+    pub fn points(&self, points: Range<usize>) -> Self {
+        let part = |field: &'a [f64]| &field[points.clone()];
+        Self {
+            u: part(self.u),
+            u_before: part(self.u_before),
+            w: part(self.w),
+            omega: part(self.omega),
+            omega_before: part(self.omega_before),
+            other: part(self.other),
+            other_before: part(self.other_before),
+            ..*self
+        }
+    }
+
+    /// At point `i`: the right-hand side without the bodies, `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, and
+    /// G^n.
+    #[inline(always)]
+    pub fn right_side(&self, &Differences { c, e, .. }: &Differences, i: usize) -> (f64, f64) {
+        let n = self.sign * self.omega[i] * self.other[i];
+        let n_before = self.sign * self.omega_before[i] * self.other_before[i];
+        let g = self.per_tau * (self.w[i] - self.u[i]);
+        (c[1] * self.u[i] + c[2] * self.u_before[i] - e[0] * n - e[1] * n_before - g, g)
     }
 }
 
-/// `result = factor (a − b)`.
+/// u* + tau G without the velocities of the bodies, at points with the total drag rate `rate`.
 #[multiversion(targets("x86_64+avx2+fma"))]
-pub fn difference(factor: f64, a: &[f64], b: &[f64], result: &mut [f64]) {
-    for ((result, a), b) in result.iter_mut().zip(a).zip(b) {
-        *result = factor * (a - b);
+pub fn solve(component: &Component, scheme: &Differences, rate: &[f64], w: &mut [f64]) {
+    let component = component.points(0..w.len());
+    for (i, (w, rate)) in w.iter_mut().zip(rate).enumerate() {
+        let (r, g) = component.right_side(scheme, i);
+        *w = r / (scheme.c[0] + rate) + scheme.tau * g;
     }
 }
 

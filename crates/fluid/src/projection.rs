@@ -23,7 +23,6 @@ pub struct Projection {
     /// `filter / (1 + tau nu k²)` for the `tau nu` it was last made for.
     gain: Vec<f64>,
     tau_nu: f64,
-    per_tau: f64,
 }
 
 impl Projection {
@@ -49,47 +48,37 @@ impl Projection {
         let modes = || (0..(ny / 2 + 1) * nx).map(|m| (m % nx, m / nx));
         let filter: Vec<f64> = modes().map(|(i, j)| factor(i, j) / grid.len() as f64).collect();
         let inverse_k2 = modes().map(|(i, j)| if i + j == 0 { 0.0 } else { 1.0 / (kx[i] * kx[i] + ky[j] * ky[j]) });
-        Self { inverse_k2: inverse_k2.collect(), gain: filter.clone(), tau_nu: 0.0, per_tau: 0.0, kx, ky, filter }
+        Self { inverse_k2: inverse_k2.collect(), gain: filter.clone(), tau_nu: 0.0, kx, ky, filter }
     }
 
-    /// Make ready for steps of `1/c_0 = tau` (s) with viscosity `nu` (m²/s).
-    pub fn prepare(&mut self, tau: f64, nu: f64) {
-        self.per_tau = 1.0 / tau;
-        if tau * nu != self.tau_nu {
-            self.set_viscosity(tau * nu);
+    /// Make ready for steps with `tau nu` (m²).
+    pub fn set_viscosity(&mut self, tau_nu: f64) {
+        if tau_nu == self.tau_nu {
+            return;
         }
-    }
-
-    /// Solve `(1 − tau nu ∇²) u + tau ∇Pi = F w, ∇·u = 0` for the modes of row `j` of ky.
-    ///
-    /// `wx` and `wy` hold w, unnormalised, and get u; `omega` gets the vorticity of u, `pressure` Pi as interleaved real
-    /// and imaginary parts.
-    pub fn project(
-        &self,
-        j: usize,
-        wx: &mut [Complex64],
-        wy: &mut [Complex64],
-        omega: &mut [Complex64],
-        pressure: &mut [f64],
-    ) {
-        let modes = j * self.kx.len()..(j + 1) * self.kx.len();
-        let row = Row {
-            kx: &self.kx,
-            ky: self.ky[j],
-            inverse_k2: &self.inverse_k2[modes.clone()],
-            gain: &self.gain[modes],
-            tau_nu: self.tau_nu,
-            per_tau: self.per_tau,
-        };
-        project_row(&row, wx, wy, omega, pressure);
-    }
-
-    fn set_viscosity(&mut self, tau_nu: f64) {
         self.tau_nu = tau_nu;
         let nx = self.kx.len();
         for (m, (gain, filter)) in self.gain.iter_mut().zip(&self.filter).enumerate() {
             let k2 = self.kx[m % nx].powi(2) + self.ky[m / nx].powi(2);
             *gain = filter / (1.0 + tau_nu * k2);
+        }
+    }
+
+    /// Solve `(1 − tau nu ∇²) u + tau ∇Pi = F w, ∇·u = 0` for the modes of row `j` of ky.
+    ///
+    /// `wx` and `wy` hold w, unnormalised, and get u; `omega` gets the vorticity of u.
+    pub fn project(&self, j: usize, wx: &mut [Complex64], wy: &mut [Complex64], omega: &mut [Complex64]) {
+        let modes = j * self.kx.len()..(j + 1) * self.kx.len();
+        let (inverse_k2, gain) = (&self.inverse_k2[modes.clone()], &self.gain[modes]);
+        project_row(&Row { kx: &self.kx, ky: self.ky[j], inverse_k2, gain }, wx, wy, omega);
+    }
+
+    /// The Pi that belongs to it, from the whole spectra of w: `−i k·w F / (tau k²)`.
+    pub fn pressure(&self, wx: &[Complex64], wy: &[Complex64], per_tau: f64, pressure: &mut [Complex64]) {
+        let nx = self.kx.len();
+        for (m, pressure) in pressure.iter_mut().enumerate() {
+            let along = (wx[m] * self.kx[m % nx] + wy[m] * self.ky[m / nx]) * (self.inverse_k2[m] * self.filter[m]);
+            *pressure = Complex64::new(along.im, -along.re) * per_tau;
         }
     }
 }
@@ -100,23 +89,19 @@ struct Row<'a> {
     ky: f64,
     inverse_k2: &'a [f64],
     gain: &'a [f64],
-    tau_nu: f64,
-    per_tau: f64,
 }
 
 /// [`Projection::project`] for the processor at hand.
 #[multiversion(targets("x86_64+avx2+fma"))]
 fn project_row(
-    &Row { kx, ky, inverse_k2, gain, tau_nu, per_tau }: &Row,
+    &Row { kx, ky, inverse_k2, gain }: &Row,
     wx: &mut [Complex64],
     wy: &mut [Complex64],
     omega: &mut [Complex64],
-    pressure: &mut [f64],
 ) {
     let n = kx.len();
     let (inverse_k2, gain) = (&inverse_k2[..n], &gain[..n]);
     let (wx, wy, omega) = (&mut wx[..n], &mut wy[..n], &mut omega[..n]);
-    let pressure = &mut pressure.as_chunks_mut::<2>().0[..n];
     for i in 0..n {
         let (kx, g) = (kx[i], gain[i]);
         let along = (wx[i] * kx + wy[i] * ky) * (inverse_k2[i] * g);
@@ -124,7 +109,5 @@ fn project_row(
         wx[i] = wx[i] * g - along * kx;
         wy[i] = wy[i] * g - along * ky;
         omega[i] = Complex64::new(-curl.im, curl.re);
-        let pi = along * (per_tau * (1.0 + tau_nu * (kx * kx + ky * ky)));
-        pressure[i] = [pi.im, -pi.re];
     }
 }

@@ -27,7 +27,7 @@ use crate::cylinder::Cylinder;
 use crate::drag::DragProfile;
 use crate::fft::{Complex64, Fft2};
 use crate::grid::Grid;
-use crate::kernel::{self, Differences};
+use crate::kernel::{self, Component, Differences};
 use crate::projection::Projection;
 
 /// Points that the local solve takes at a time, so that what both components read stays in the first cache.
@@ -83,18 +83,14 @@ pub enum Error {
 pub struct State {
     /// Time, s.
     pub time: f64,
-    /// Velocity at this time, m/s, `[nx, ny]` per component.
-    velocity: [Vec<f64>; 2],
-    /// Velocity one step earlier.
-    velocity_before: [Vec<f64>; 2],
-    /// Vorticity, 1/s.
-    vorticity: Vec<f64>,
-    /// `omega × u` one step earlier, m/s².
-    advection_before: [Vec<f64>; 2],
-    /// `G = ∇Pi − nu ∇²u`, m/s².
-    stress: [Vec<f64>; 2],
-    /// Spectrum of Pi, interleaved real and imaginary parts, m²/s².
-    pressure: Vec<f64>,
+    /// The flow at this time.
+    flow: Flow,
+    /// The flow one step earlier.
+    flow_before: Flow,
+    /// `w = u* + tau G` of the last step, m/s, `[nx, ny]` per component.
+    w: [Vec<f64>; 2],
+    /// `1/tau` of the last step, 1/s, so that `G = (w − u)/tau`; 0 before the first, where G is 0.
+    per_tau: f64,
     /// The last step, s; 0 before the first.
     step: f64,
     /// Largest `|u|/dx + |v|/dy`, 1/s.
@@ -105,6 +101,15 @@ pub struct State {
     displaced_momentum: [f64; 2],
     /// The beam, where there is one.
     beam: Option<BeamState>,
+}
+
+/// Fields of one time, `[nx, ny]` each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Flow {
+    /// Velocity, m/s, per component.
+    velocity: [Vec<f64>; 2],
+    /// Vorticity, 1/s.
+    vorticity: Vec<f64>,
 }
 
 /// The beam as the fluid last saw it.
@@ -142,9 +147,9 @@ pub struct Fluid {
     /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
     rate: Option<Vec<f64>>,
     painted: Painted,
-    /// u*, then u* + tau G, m/s.
+    /// `w` of the step that is being made, m/s.
     w: [Vec<f64>; 2],
-    /// Spectra of both components and of the vorticity, `[ny/2 + 1, nx]`.
+    /// Spectra of both components and of the vorticity or pressure, `[ny/2 + 1, nx]`.
     spectra: [Vec<Complex64>; 3],
     state: State,
 }
@@ -191,6 +196,25 @@ impl Inflow {
     }
 }
 
+impl State {
+    /// What one component of the local solve reads.
+    fn component(&self, axis: usize) -> Component<'_> {
+        let other = 1 - axis;
+        Component {
+            u: &self.flow.velocity[axis],
+            u_before: &self.flow_before.velocity[axis],
+            w: &self.w[axis],
+            per_tau: self.per_tau,
+            omega: &self.flow.vorticity,
+            omega_before: &self.flow_before.vorticity,
+            other: &self.flow.velocity[other],
+            other_before: &self.flow_before.velocity[other],
+            // omega × u = (−omega v, omega u)
+            sign: if axis == 0 { -1.0 } else { 1.0 },
+        }
+    }
+}
+
 impl Fluid {
     /// The fluid of a scene at t = 0.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
@@ -215,15 +239,12 @@ impl Fluid {
         let field = || vec![0.0; grid.len()];
         let spectrum = || vec![Complex64::default(); fft.spectrum_len()];
         let [u, v] = fluid.initial_velocity;
-        let velocity = [vec![u; grid.len()], vec![v; grid.len()]];
         let state = State {
             time: 0.0,
-            velocity_before: velocity.clone(),
-            velocity,
-            vorticity: field(),
-            advection_before: [field(), field()],
-            stress: [field(), field()],
-            pressure: vec![0.0; 2 * fft.spectrum_len()],
+            flow_before: Flow { velocity: [field(), field()], vorticity: field() },
+            flow: Flow { velocity: [vec![u; grid.len()], vec![v; grid.len()]], vorticity: field() },
+            w: [field(), field()],
+            per_tau: 0.0,
             step: 0.0,
             advection_rate: u.abs() / grid.dx + v.abs() / grid.dy,
             force: [0.0; 2],
@@ -271,7 +292,7 @@ impl Fluid {
 
     /// Velocity component (0: x, 1: y), m/s, `[nx, ny]`.
     pub fn velocity(&self, axis: usize) -> &[f64] {
-        &self.state.velocity[axis]
+        &self.state.flow.velocity[axis]
     }
 
     /// Start anew from a velocity field (m/s at a point in m), of which the divergence-free part is taken.
@@ -283,22 +304,21 @@ impl Fluid {
                 self.w[1][i * self.grid.ny + j] = v;
             }
         }
-        self.state.step = 0.0;
-        // A step of no length projects, and leaves velocity and viscosity alone.
-        self.solve_wave_by_wave(&Differences { c: [0.0; 3], e: [0.0; 2], tau: f64::MIN_POSITIVE });
-        self.state.pressure.fill(0.0);
+        (self.state.step, self.state.per_tau) = (0.0, 0.0);
+        // In no time viscosity does nothing: what is left of the solve is the projection.
+        self.solve_wave_by_wave(f64::MIN_POSITIVE);
     }
 
     /// Vorticity, 1/s, `[nx, ny]`.
     pub fn vorticity(&self) -> &[f64] {
-        &self.state.vorticity
+        &self.state.flow.vorticity
     }
 
     /// Static pressure p = rho (Pi − u²/2), Pa, `[nx, ny]`; Pi has zero mean over the box.
     pub fn pressure(&mut self) -> Vec<f64> {
         let mut pressure = vec![0.0; self.grid.len()];
         self.total_pressure(&mut pressure);
-        let [u, v] = &self.state.velocity;
+        let [u, v] = &self.state.flow.velocity;
         for ((p, u), v) in pressure.iter_mut().zip(u).zip(v) {
             *p = self.density * (*p - 0.5 * (u * u + v * v));
         }
@@ -327,7 +347,7 @@ impl Fluid {
 
     /// How the flow is doing.
     pub fn diagnostics(&self) -> Diagnostics {
-        let [u, v] = &self.state.velocity;
+        let [u, v] = &self.state.flow.velocity;
         let ny = self.grid.ny;
         let middle = self.grid.nx / 2;
         let squares: f64 = u.iter().zip(v).map(|(u, v)| u * u + v * v).sum();
@@ -391,10 +411,10 @@ impl Fluid {
     pub fn pressure_jump(&mut self) -> Option<&[f64]> {
         self.beam.as_ref()?;
         if self.beam.as_ref().is_some_and(|beam| !beam.pressure_jump_is_current) {
-            // u* is not needed any more: its array holds the pressure.
+            // Between steps the array of the coming w is free.
             let mut total = std::mem::take(&mut self.w[0]);
             self.total_pressure(&mut total);
-            let (grid, [u, v]) = (&self.grid, &self.state.velocity);
+            let (grid, [u, v]) = (&self.grid, &self.state.flow.velocity);
             if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
                 for k in 0..known.stations.len() {
                     let at = |side: f64| -> f64 {
@@ -411,13 +431,13 @@ impl Fluid {
         self.beam.as_ref().map(|beam| beam.pressure_jump.as_slice())
     }
 
-    /// Pi as a field.
+    /// Pi as a field: what made w free of divergence in the last step.
     fn total_pressure(&mut self, field: &mut [f64]) {
-        let scratch = &mut self.spectra[0];
-        for (value, pair) in scratch.iter_mut().zip(self.state.pressure.chunks_exact(2)) {
-            *value = Complex64::new(pair[0], pair[1]);
-        }
-        self.fft.inverse(scratch, field);
+        let [wx_hat, wy_hat, pressure] = &mut self.spectra;
+        self.fft.forward(&self.state.w[0], wx_hat);
+        self.fft.forward(&self.state.w[1], wy_hat);
+        self.projection.pressure(wx_hat, wy_hat, self.state.per_tau, pressure);
+        self.fft.inverse(pressure, field);
     }
 
     fn check_stations(&self) -> Result<(), Error> {
@@ -481,8 +501,9 @@ impl Fluid {
             self.state.force[axis] = drag[axis] + (momentum[axis] - self.state.displaced_momentum[axis]) / dt;
         }
         self.state.displaced_momentum = momentum;
-        self.solve_wave_by_wave(&scheme);
-        self.state.step = dt;
+        self.solve_wave_by_wave(scheme.tau);
+        std::mem::swap(&mut self.state.w, &mut self.w);
+        (self.state.step, self.state.per_tau) = (dt, scheme.c[0]);
         if let Some(beam) = &mut self.beam {
             beam.pressure_jump_is_current = false;
         }
@@ -490,24 +511,16 @@ impl Fluid {
         if cfl.is_finite() { Ok(()) } else { Err(Error::Diverged { time: end, cfl, step: dt }) }
     }
 
-    /// u* + tau G without the velocities of the bodies, into `w`; the histories move on by one step.
+    /// u* + tau G without the velocities of the bodies, into `w`.
     fn solve_locally(&mut self, scheme: &Differences) {
-        let State { velocity, velocity_before, vorticity, advection_before, stress, .. } = &mut self.state;
-        let [w_x, w_y] = &mut self.w;
-        let [u_before, v_before] = velocity_before;
-        let [nu_before, nv_before] = advection_before;
         let no_rate = [0.0; BLOCK];
+        let components = [0, 1].map(|axis| self.state.component(axis));
         for start in (0..self.grid.len()).step_by(BLOCK) {
-            let end = (start + BLOCK).min(self.grid.len());
-            let [u, v] = velocity.each_ref().map(|f| &f[start..end]);
-            let [gx, gy] = stress.each_ref().map(|f| &f[start..end]);
-            let omega = &vorticity[start..end];
-            let rate = self.rate.as_ref().map_or(&no_rate[..end - start], |rate| &rate[start..end]);
-            let (u_before, v_before) = (&mut u_before[start..end], &mut v_before[start..end]);
-            let (nu_before, nv_before) = (&mut nu_before[start..end], &mut nv_before[start..end]);
-            // omega × u = (−omega v, omega u)
-            kernel::solve_component(scheme, rate, u, (omega, v, -1.0), gx, u_before, nu_before, &mut w_x[start..end]);
-            kernel::solve_component(scheme, rate, v, (omega, u, 1.0), gy, v_before, nv_before, &mut w_y[start..end]);
+            let points = start..(start + BLOCK).min(self.grid.len());
+            let rate = self.rate.as_ref().map_or(&no_rate[..points.len()], |rate| &rate[points.clone()]);
+            for (component, w) in components.iter().zip(&mut self.w) {
+                kernel::solve(&component.points(points.clone()), scheme, rate, &mut w[points.clone()]);
+            }
         }
     }
 
@@ -539,7 +552,8 @@ impl Fluid {
         let mut sum = [0.0; 2];
         for cell in cells {
             for (axis, sum) in sum.iter_mut().enumerate() {
-                let u_star = self.w[axis][cell.index] - scheme.tau * self.state.stress[axis][cell.index];
+                let (_, g) = self.state.component(axis).right_side(scheme, cell.index);
+                let u_star = self.w[axis][cell.index] - scheme.tau * g;
                 *sum += weight * cell.rate * (u_star - cell.velocity[axis]);
             }
         }
@@ -565,24 +579,26 @@ impl Fluid {
         momentum
     }
 
-    /// From w to velocity, vorticity, pressure and G at the new time.
+    /// From w to the flow at the new time.
     ///
     /// Between the two passes along y, each row of modes goes through both transforms along x and the projection while
     /// it is in the cache.
-    fn solve_wave_by_wave(&mut self, scheme: &Differences) {
-        let State { velocity: [u, v], vorticity, stress: [gx, gy], pressure, advection_rate, .. } = &mut self.state;
-        let ([wx, wy], [u_hat, v_hat, omega_hat]) = (&self.w, &mut self.spectra);
+    fn solve_wave_by_wave(&mut self, tau: f64) {
+        let State { flow, flow_before, advection_rate, .. } = &mut self.state;
+        std::mem::swap(flow, flow_before);
+        let Flow { velocity: [u, v], vorticity } = flow;
+        let [u_hat, v_hat, omega_hat] = &mut self.spectra;
         let (nx, ny) = (self.grid.nx, self.grid.ny);
-        self.fft.forward_along_y(wx, u_hat);
-        self.fft.forward_along_y(wy, v_hat);
-        self.projection.prepare(scheme.tau, self.nu);
+        self.fft.forward_along_y(&self.w[0], u_hat);
+        self.fft.forward_along_y(&self.w[1], v_hat);
+        self.projection.set_viscosity(tau * self.nu);
         for j in 0..=ny / 2 {
             let modes = j * nx..(j + 1) * nx;
             let [u_hat, v_hat, omega_hat] =
                 [&mut *u_hat, v_hat, omega_hat].map(|spectrum| &mut spectrum[modes.clone()]);
             self.fft.forward_along_x(u_hat);
             self.fft.forward_along_x(v_hat);
-            self.projection.project(j, u_hat, v_hat, omega_hat, &mut pressure[2 * modes.start..2 * modes.end]);
+            self.projection.project(j, u_hat, v_hat, omega_hat);
             for row in [u_hat, v_hat, omega_hat] {
                 self.fft.inverse_along_x(row);
             }
@@ -595,8 +611,6 @@ impl Fluid {
             self.fft.inverse_along_y(u_hat, columns.clone(), u);
             self.fft.inverse_along_y(v_hat, columns.clone(), v);
             self.fft.inverse_along_y(omega_hat, columns, omega);
-            kernel::difference(scheme.c[0], &wx[points.clone()], u, &mut gx[points.clone()]);
-            kernel::difference(scheme.c[0], &wy[points.clone()], v, &mut gy[points]);
             largest = f64::max(largest, kernel::advection_rate(per_dx, per_dy, u, v));
         }
         // A transform spreads what is not a number to every point: the first tells of all.
@@ -606,29 +620,23 @@ impl Fluid {
     /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
     fn predict_loads(&mut self) {
         let (Some(beam), Some(rate)) = (&self.beam, &self.rate) else { return };
-        let State { velocity, velocity_before, vorticity, advection_before, stress, step, beam: known, .. } =
-            &mut self.state;
-        let Some(loads) = known.as_mut().and_then(|known| known.loads.as_mut()) else { return };
-        let Differences { c, e, .. } = Differences::new(*step, *step);
+        let Some(mut loads) = self.state.beam.as_mut().and_then(|known| known.loads.take()) else { return };
+        let scheme = Differences::new(self.state.step, self.state.step);
+        let components = [0, 1].map(|axis| self.state.component(axis));
         let weight = self.density * self.grid.cell_area();
-        let [u, v] = &*velocity;
-        // u* but for the part of the beam, which is what it moves with.
-        let free = |axis: usize, i: usize, advection: f64| {
-            c[1] * velocity[axis][i] + c[2] * velocity_before[axis][i]
-                - e[0] * advection
-                - e[1] * advection_before[axis][i]
-                - stress[axis][i]
-        };
         let drag = |cell: &Cell| {
-            let i = cell.index;
-            let share = cell.rate / (c[0] + rate[i]);
-            let r = [free(0, i, -vorticity[i] * v[i]), free(1, i, vorticity[i] * u[i])];
+            let share = cell.rate / (scheme.c[0] + rate[cell.index]);
             // a_b (u* − u_b) with u* = (r + a_b u_b)/(c_0 + Σ a).
-            let force = std::array::from_fn(|axis| {
-                weight * (share * (r[axis] + cell.rate * cell.velocity[axis]) - cell.rate * cell.velocity[axis])
+            let force = [0, 1].map(|axis| {
+                let (r, _) = components[axis].right_side(&scheme, cell.index);
+                let momentum = cell.rate * cell.velocity[axis];
+                weight * (share * (r + momentum) - momentum)
             });
             (force, weight * cell.rate * (1.0 - share))
         };
-        beam.body.collect(drag, loads);
+        beam.body.collect(drag, &mut loads);
+        if let Some(known) = &mut self.state.beam {
+            known.loads = Some(loads);
+        }
     }
 }
