@@ -17,9 +17,9 @@ SETTLED_TOLERANCE = 0.01
 it starts to sway, and with it the window, does not."""
 
 COARSE_GRID = {
-    "tip_uy": {"amplitude": 0.15, "frequency_hz": 0.08},
-    "drag": {"mean": 0.30},
-    "lift": {"amplitude": 0.30},
+    "tip_uy": {"amplitude": 0.15, "frequency_hz": 0.06},
+    "drag": {"mean": 0.25},
+    "lift": {"amplitude": 0.25},
 }
 """Largest relative distance from the published values on this grid, whose cells are 8 mm against a bar of 20 mm."""
 
@@ -42,7 +42,7 @@ def test_summary_tells_what_was_run_and_what_it_cost(fsi3_run):
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["completed"] and summary["error"] is None
     assert summary["simulated_s"] == pytest.approx(8.0, rel=1e-12)
-    assert summary["steps"] == 40000
+    assert summary["steps"] == round(8.0 / load(FSI3)["time"]["communication_step"])
     assert summary["periods"] >= 5
     assert summary["wall_s"] == pytest.approx(sum(summary["phases_s"].values()))
     for quantity in summary["quantities"].values():
