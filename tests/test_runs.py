@@ -56,7 +56,7 @@ def test_a_symmetric_flow_has_drag_and_no_lift(fluid_only, tmp_path):
 def test_a_rigid_beam_in_the_fluid_needs_no_rod(small_fsi3, tmp_path):
     del small_fsi3["rod"], small_fsi3["coupling"]
     series, summary = run(tmp_path, small_fsi3, "--end-time", "0.01")
-    assert summary["steps"] == 50
+    assert summary["steps"] == round(0.01 / small_fsi3["time"]["communication_step"])
     assert series["drag"][-1] > 0
     assert "tip_uy" not in series.dtype.names
 
