@@ -11,7 +11,7 @@
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::body::Cell;
+use crate::body::{Cell, Cells};
 use crate::drag::DragProfile;
 use crate::grid::Grid;
 
@@ -51,7 +51,7 @@ pub struct Beam {
     /// How far the mask goes on behind the root, into the cylinder that the beam is clamped to, m.
     anchor: f64,
     /// Cells of the present position.
-    pub cells: Vec<Cell>,
+    pub cells: Cells,
     places: Vec<Place>,
     frames: Vec<Frame>,
     /// For each grid point, 1 + its number among the candidates of the present painting; 0 where it is none.
@@ -140,7 +140,7 @@ impl Beam {
         Self {
             thickness: beam.thickness,
             anchor,
-            cells: Vec::new(),
+            cells: Cells::default(),
             places: Vec::new(),
             frames: vec![still; beam.segments],
             slot: vec![0; grid.len()],
@@ -158,6 +158,7 @@ impl Beam {
         self.orient(stations);
         self.find_candidates(stations, grid, profile);
         let last = self.frames.len() as u32 - 1;
+        let reflection = profile.reflection(self.thickness);
         self.cells.clear();
         self.places.clear();
         for (index, place) in self.candidates.drain(..) {
@@ -181,7 +182,18 @@ impl Beam {
                     let v = &stations.velocity[axis];
                     (1.0 - fraction) * v[k] + fraction * v[k + 1] - frame.omega * place.height * frame.along[axis]
                 });
-                self.cells.push(Cell { index, rate, velocity });
+                self.cells.push(index, rate, velocity);
+                if let Some(reflection) = reflection {
+                    // The nearest surface is the tip's or that above or below.
+                    let out = if beyond > above {
+                        frame.along
+                    } else {
+                        frame.normal().map(|component| component.copysign(component * place.height))
+                    };
+                    let point = grid.point(index);
+                    let image = [0, 1].map(|axis| point[axis] - 2.0 * distance * out[axis]);
+                    self.cells.reflect_last(reflection.weight(distance), image, grid);
+                }
                 self.places.push(Place { fraction, ..place });
             }
         }

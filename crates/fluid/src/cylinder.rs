@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::body::Cell;
+use crate::body::Cells;
 use crate::drag::DragProfile;
 use crate::grid::Grid;
 
@@ -12,13 +12,13 @@ pub struct Cylinder {
     /// Velocity of the centre, m/s.
     pub velocity: [f64; 2],
     /// Cells of the present position.
-    pub cells: Vec<Cell>,
+    pub cells: Cells,
 }
 
 impl Cylinder {
     /// A cylinder at its place at t = 0.
     pub fn new(shape: &scene::Cylinder, grid: &Grid, profile: &DragProfile) -> Self {
-        let mut cylinder = Self { shape: shape.clone(), velocity: [0.0; 2], cells: Vec::new() };
+        let mut cylinder = Self { shape: shape.clone(), velocity: [0.0; 2], cells: Cells::default() };
         cylinder.place(0.0, grid, profile);
         cylinder
     }
@@ -46,16 +46,21 @@ impl Cylinder {
         let radius = self.shape.radius;
         let outer = radius + profile.reach();
         let (cells, velocity) = (&mut self.cells, self.velocity);
+        let reflection = profile.reflection(2.0 * radius);
         cells.clear();
-        grid.for_each_in(
-            [center[0] - outer, center[0] + outer],
-            [center[1] - outer, center[1] + outer],
-            |index, x, y| {
-                let rate = profile.rate((x - center[0]).hypot(y - center[1]) - radius);
-                if rate > 0.0 {
-                    cells.push(Cell { index, rate, velocity });
+        let (low, high) = (center.map(|c| c - outer), center.map(|c| c + outer));
+        grid.for_each_in([low[0], high[0]], [low[1], high[1]], |index, x, y| {
+            let (rx, ry) = (x - center[0], y - center[1]);
+            let distance = rx.hypot(ry) - radius;
+            let rate = profile.rate(distance);
+            if rate > 0.0 {
+                cells.push(index, rate, velocity);
+                if let Some(reflection) = reflection {
+                    let out = 1.0 - 2.0 * distance / rx.hypot(ry).max(f64::MIN_POSITIVE);
+                    let image = [center[0] + out * rx, center[1] + out * ry];
+                    cells.reflect_last(reflection.weight(distance), image, grid);
                 }
-            },
-        );
+            }
+        });
     }
 }

@@ -32,15 +32,36 @@ pub enum DragProfile {
         /// How far the layer is moved into the solid, m.
         shift: f64,
     },
-    /// `min((ν/λ²) exp(−2γ) exp(−d/λ), 1/C_eta)`.
+    /// `min((ν/λ²) exp(−2γ) exp(−(d + shrink)/λ), 1/C_eta)`.
     LogLinear {
         /// Largest rate, 1/s.
         rate: f64,
-        /// Rate at the surface, 1/s.
+        /// Rate at d = −shrink, 1/s.
         surface_rate: f64,
         /// Length of e-fold growth λ, m.
         e_fold: f64,
+        /// How far the profile is moved into the solid, m; 0 without reflection.
+        shrink: f64,
+        /// What the solid pulls the fluid towards; absent: its own velocity.
+        reflection: Option<Reflection>,
     },
+}
+
+/// A weak pull towards the mirror image of the flow outside: at the depth 0 < D < `depth` the fluid is drawn to
+/// `u_b − weight(D) (u(mirror) − u_b)`, `weight = strength (1 + cos(π D/depth))/2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reflection {
+    /// Weight at the surface.
+    pub strength: f64,
+    /// Depth at which it ends, m.
+    pub depth: f64,
+}
+
+impl Reflection {
+    /// Weight of the mirror image at signed distance `d` (m); 0 outside the layer.
+    pub fn weight(&self, d: f64) -> f64 {
+        if -self.depth < d && d < 0.0 { 0.5 * self.strength * (1.0 + (PI * d / self.depth).cos()) } else { 0.0 }
+    }
 }
 
 impl DragProfile {
@@ -54,10 +75,16 @@ impl DragProfile {
                 let half_width = half_width * dx;
                 Self::Cosine { rate, half_width, shift: eps * cosine_wall_displacement(half_width / eps) }
             }
-            Mask::LogLinear { e_fold, .. } => {
-                let e_fold = e_fold * dx;
-                let surface_rate = nu / (e_fold * e_fold) * (-2.0 * EULER_GAMMA).exp();
-                Self::LogLinear { rate, surface_rate, e_fold }
+            Mask::LogLinear { e_fold, reflect, .. } => {
+                let length = e_fold * dx;
+                let surface_rate = nu / (length * length) * (-2.0 * EULER_GAMMA).exp();
+                let plain = Self::LogLinear { rate, surface_rate, e_fold: length, shrink: 0.0, reflection: None };
+                if !reflect {
+                    return plain;
+                }
+                let (strength, shrink) = calibrate_reflection(e_fold);
+                let reflection = Some(Reflection { strength, depth: REFLECTION_DEPTH * dx });
+                Self::LogLinear { rate, surface_rate, e_fold: length, shrink: shrink * dx, reflection }
             }
         }
     }
@@ -76,7 +103,20 @@ impl DragProfile {
                 let depth = ((d + shift + half_width) / (2.0 * half_width)).clamp(0.0, 1.0);
                 rate * 0.5 * (1.0 + (PI * depth).cos())
             }
-            Self::LogLinear { rate, surface_rate, e_fold } => (surface_rate * (-d / e_fold).exp()).min(rate),
+            Self::LogLinear { rate, surface_rate, e_fold, shrink, .. } => {
+                (surface_rate * (-(d + shrink) / e_fold).exp()).min(rate)
+            }
+        }
+    }
+
+    /// The pull towards a mirror image, where the profile has one and the body is thick enough for it: at least twice
+    /// the layer's depth.
+    pub fn reflection(&self, thickness: f64) -> Option<Reflection> {
+        match self {
+            Self::LogLinear { reflection: Some(reflection), .. } if thickness >= 2.0 * reflection.depth => {
+                Some(*reflection)
+            }
+            _ => None,
         }
     }
 
@@ -85,11 +125,63 @@ impl DragProfile {
         match *self {
             Self::Sharp { offset, .. } => offset,
             Self::Cosine { half_width, shift, .. } => (half_width - shift).max(0.0),
-            Self::LogLinear { rate, surface_rate, e_fold } => {
+            Self::LogLinear { rate, surface_rate, e_fold, .. } => {
                 (e_fold * (surface_rate / (NEGLIGIBLE * rate)).ln()).max(0.0)
             }
         }
     }
+}
+
+/// Depth of the reflecting layer in grid cells.
+const REFLECTION_DEPTH: f64 = 2.0;
+
+/// Strength of the reflection and shift of the profile into the solid (in cells) for an e-fold length in cells, such that
+/// in linear shear both the displacement of the wall and the excess flux along it vanish.
+fn calibrate_reflection(e_fold: f64) -> (f64, f64) {
+    let excess = |strength: f64| shear_flow(e_fold, strength).1;
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if excess(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    let strength = 0.5 * (low + high);
+    (strength, shear_flow(e_fold, strength).0)
+}
+
+/// Linear shear of slope 1 along a wall at d = 0 with the log-linear profile and a reflection: where the far field
+/// vanishes, and the flux beyond that of the far field (lengths in cells).
+///
+/// Solves u″ = a (u + weight u(mirror)) by finite differences, the mirror image by iteration, which converges because
+/// it is weak.
+fn shear_flow(e_fold: f64, strength: f64) -> (f64, f64) {
+    const POINTS_PER_CELL: usize = 100;
+    const REACH: usize = 6;
+    let h = 1.0 / POINTS_PER_CELL as f64;
+    let n = 2 * REACH * POINTS_PER_CELL + 1;
+    let distance = |i: usize| h * i as f64 - REACH as f64;
+    let reflection = Reflection { strength, depth: REFLECTION_DEPTH };
+    // Deep inside the rate is so large that any larger one makes no difference.
+    let rate = |d: f64| ((-2.0 * EULER_GAMMA - d / e_fold).exp() / (e_fold * e_fold)).min(1e6);
+    let rates: Vec<_> = (0..n).map(|i| rate(distance(i))).collect();
+    let weights: Vec<_> = (0..n).map(|i| reflection.weight(distance(i))).collect();
+    let (mut u, mut c, mut r) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    for _ in 0..30 {
+        // u_0 = 0 deep inside, u' = 1 far outside; tridiagonal elimination.
+        (c[0], r[0]) = (0.0, 0.0);
+        for i in 1..n - 1 {
+            let source = h * h * rates[i] * weights[i] * u[n - 1 - i];
+            let pivot = -2.0 - h * h * rates[i] - c[i - 1];
+            (c[i], r[i]) = (1.0 / pivot, (source - r[i - 1]) / pivot);
+        }
+        u[n - 1] = (h + r[n - 2]) / (1.0 + c[n - 2]);
+        for i in (0..n - 1).rev() {
+            u[i] = r[i] - c[i] * u[i + 1];
+        }
+    }
+    let end = distance(n - 1);
+    let wall = end - u[n - 1];
+    let flux = h * (u.iter().sum::<f64>() - 0.5 * u[n - 1]);
+    (wall, flux - 0.5 * (end - wall).powi(2))
 }
 
 /// Displacement of the no-slip wall by the cosine mask of half-width `h` (in units of eps = √(ν C_eta)), in the same
@@ -132,7 +224,7 @@ mod tests {
     #[test]
     fn the_log_linear_profile_holds_the_wall_at_zero() {
         let (nu, dx) = (1e-3, 4e-3);
-        let profile = DragProfile::new(&Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3 }, 1e-7, nu, dx);
+        let profile = DragProfile::new(&Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3, reflect: false }, 1e-7, nu, dx);
         let (from, to, steps) = (-8.0 * dx, 8.0 * dx, 400_000);
         let h = (to - from) / steps as f64;
         let slope = |d: f64, r: f64| profile.rate(d) / nu - r * r;
@@ -145,5 +237,21 @@ mod tests {
         }
         let wall = to - 1.0 / r;
         assert!(wall.abs() < 1e-3 * dx, "no-slip at {wall} m, cells of {dx} m");
+    }
+
+    /// Without reflection the excess flux of the profile is (π²/6) λ²; with it, nothing is left.
+    #[test]
+    fn the_reflection_takes_out_displacement_and_excess_flux() {
+        for e_fold in [0.15, 0.2, 0.3] {
+            let (wall, flux) = shear_flow(e_fold, 0.0);
+            let expected = PI * PI / 6.0 * e_fold * e_fold;
+            assert!(wall.abs() < 2e-3, "e-fold {e_fold}: wall at {wall} cells");
+            assert!((flux / expected - 1.0).abs() < 0.02, "e-fold {e_fold}: excess flux {flux} against {expected}");
+            let (strength, shrink) = calibrate_reflection(e_fold);
+            let (wall, flux) = shear_flow(e_fold, strength);
+            assert!((wall - shrink).abs() < 1e-12 && flux.abs() < 1e-9, "e-fold {e_fold}: {wall}, {flux}");
+            assert!((0.0..0.3).contains(&strength) && (0.0..0.06).contains(&shrink), "{strength}, {shrink}");
+            println!("e-fold {e_fold}: strength {strength:.4}, shrink {shrink:.4} cells");
+        }
     }
 }

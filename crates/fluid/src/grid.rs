@@ -59,6 +59,11 @@ impl Grid {
         self.origin[1] + j as f64 * self.dy
     }
 
+    /// Position of the point with an index, m.
+    pub fn point(&self, index: usize) -> [f64; 2] {
+        [self.x(index / self.ny), self.y(index % self.ny)]
+    }
+
     /// Visit the points of the periodic grid inside a rectangle: `visit(index, x, y)` with the coordinates of the image
     /// that lies in the rectangle. A rectangle larger than the box is cut to one period.
     pub fn for_each_in(&self, x: [f64; 2], y: [f64; 2], mut visit: impl FnMut(usize, f64, f64)) {

@@ -22,7 +22,7 @@ use scene::{InflowProfile, Load, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::beam::{Beam, Loads, Stations};
-use crate::body::{Cell, Painted};
+use crate::body::{Cell, Cells, Painted};
 use crate::cylinder::Cylinder;
 use crate::drag::DragProfile;
 use crate::fft::{Complex64, Fft2};
@@ -142,6 +142,8 @@ pub struct Fluid {
     fft: Fft2,
     projection: Projection,
     inflow: Option<Inflow>,
+    /// The reflecting layer of the walls; empty where they do not reflect.
+    walls: Cells,
     cylinders: Vec<Cylinder>,
     beam: Option<MovingBeam>,
     /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
@@ -269,6 +271,7 @@ impl Fluid {
             profile,
             fft,
             inflow,
+            walls: Cells::default(),
             cylinders,
             beam,
             spectra,
@@ -403,6 +406,7 @@ impl Fluid {
             }
             self.step(dt, t + fraction * h)?;
         }
+        self.reflect();
         self.predict_loads();
         Ok(())
     }
@@ -463,6 +467,16 @@ impl Fluid {
                 let distance = 0.5 * (high - low) - grid.periodic_y(grid.y(j) - 0.5 * (low + high)).abs();
                 let wall = self.profile.rate(distance);
                 (0..grid.nx).for_each(|i| rate[i * grid.ny + j] += wall);
+                let thickness = grid.height - (high - low);
+                let weight = self.profile.reflection(thickness).map_or(0.0, |reflection| reflection.weight(distance));
+                if weight > 0.0 {
+                    let inwards = -grid.periodic_y(grid.y(j) - 0.5 * (low + high)).signum();
+                    for i in 0..grid.nx {
+                        self.walls.push(i * grid.ny + j, wall, [0.0; 2]);
+                        let image = [grid.x(i), grid.y(j) - 2.0 * distance * inwards];
+                        self.walls.reflect_last(weight, image, grid);
+                    }
+                }
             }
         }
         if let Some(inflow) = &self.inflow {
@@ -494,6 +508,7 @@ impl Fluid {
         let scheme = Differences::new(dt, self.state.step);
         self.state.time = end;
         self.paint_moving_bodies();
+        self.reflect();
         self.solve_locally(&scheme);
         self.add_body_velocities(&scheme);
         let (drag, momentum) = (self.drag_on_bodies(&scheme), self.displaced_momentum());
@@ -509,6 +524,16 @@ impl Fluid {
         }
         let cfl = self.state.advection_rate * dt;
         if cfl.is_finite() { Ok(()) } else { Err(Error::Diverged { time: end, cfl, step: dt }) }
+    }
+
+    /// Let the bodies that reflect look at the present flow.
+    fn reflect(&mut self) {
+        let flow = &self.state.flow.velocity;
+        self.walls.reflect(flow);
+        self.cylinders.iter_mut().for_each(|cylinder| cylinder.cells.reflect(flow));
+        if let Some(beam) = &mut self.beam {
+            beam.body.cells.reflect(flow);
+        }
     }
 
     /// u* + tau G without the velocities of the bodies, into `w`.
@@ -537,8 +562,9 @@ impl Fluid {
                 }
             }
         }
-        let moving = self.cylinders.iter().filter(|c| c.moves()).map(|c| &c.cells);
-        for cell in moving.chain(self.beam.iter().map(|b| &b.body.cells)).flatten() {
+        let cylinders = self.cylinders.iter().filter(|c| c.moves() || c.cells.reflects()).map(|c| &c.cells);
+        let beam = self.beam.iter().map(|b| &b.body.cells);
+        for cell in cylinders.chain(beam).chain([&self.walls]).flat_map(Cells::iter) {
             let weight = cell.rate / (scheme.c[0] + rate[cell.index]);
             self.w[0][cell.index] += weight * cell.velocity[0];
             self.w[1][cell.index] += weight * cell.velocity[1];
@@ -548,9 +574,9 @@ impl Fluid {
     /// Drag of the fluid on the cylinders and the beam in this step, `rho ∫ Σ a_b (u* − u_b) dV`, N/m.
     fn drag_on_bodies(&self, scheme: &Differences) -> [f64; 2] {
         let weight = self.density * self.grid.cell_area();
-        let cells = self.cylinders.iter().map(|c| &c.cells).chain(self.beam.iter().map(|b| &b.body.cells)).flatten();
+        let bodies = self.cylinders.iter().map(|c| &c.cells).chain(self.beam.iter().map(|b| &b.body.cells));
         let mut sum = [0.0; 2];
-        for cell in cells {
+        for cell in bodies.flat_map(Cells::iter) {
             for (axis, sum) in sum.iter_mut().enumerate() {
                 let (_, g) = self.state.component(axis).right_side(scheme, cell.index);
                 let u_star = self.w[axis][cell.index] - scheme.tau * g;
@@ -632,7 +658,7 @@ impl Fluid {
                 let momentum = cell.rate * cell.velocity[axis];
                 weight * (share * (r + momentum) - momentum)
             });
-            (force, weight * cell.rate * (1.0 - share))
+            (force, weight * cell.rate * cell.gain * (1.0 - share))
         };
         beam.body.collect(drag, &mut loads);
         if let Some(known) = &mut self.state.beam {

@@ -134,6 +134,10 @@ pub enum Mask {
         c_eta: f64,
         /// Length of e-fold growth in grid cells.
         e_fold: f64,
+        /// Whether the solid pulls the fluid just inside its surface weakly towards the mirror image of the flow outside,
+        /// which takes out the flux that the smooth profile lets through.
+        #[serde(default)]
+        reflect: bool,
     },
 }
 
@@ -224,7 +228,7 @@ impl Check for Mask {
                 above(&format!("{key}.cosine.c_eta"), c_eta, 0.0)?;
                 above(&format!("{key}.cosine.half_width"), half_width, 0.0)
             }
-            Self::LogLinear { c_eta, e_fold } => {
+            Self::LogLinear { c_eta, e_fold, .. } => {
                 above(&format!("{key}.log_linear.c_eta"), c_eta, 0.0)?;
                 above(&format!("{key}.log_linear.e_fold"), e_fold, 0.0)
             }
