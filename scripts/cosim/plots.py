@@ -48,7 +48,7 @@ def _figure_of(recorder: Recorder, columns: list[str], published: dict):
         unit, scale = DISPLAY.get(recorder.unit_of[column], (recorder.unit_of[column], 1.0))
         axis.plot(time, recorder.column(column) * scale, color=colour, linewidth=0.8)
         band = published["quantities"].get(column)
-        if band:
+        if band and "mean" in band:
             low, high = ((band["mean"] + sign * band["amplitude"]) * scale for sign in (-1, 1))
             axis.axhspan(low, high, color="0.85", zorder=0)
             axes[0, 0].set_title(f"grey: mean ± amplitude of {published['source']}", fontsize="small")
