@@ -76,9 +76,12 @@ impl Projection {
     /// The Pi that belongs to it, from the whole spectra of w: `−i k·w F / (tau k²)`.
     pub fn pressure(&self, wx: &[Complex64], wy: &[Complex64], per_tau: f64, pressure: &mut [Complex64]) {
         let nx = self.kx.len();
-        for (m, pressure) in pressure.iter_mut().enumerate() {
-            let along = (wx[m] * self.kx[m % nx] + wy[m] * self.ky[m / nx]) * (self.inverse_k2[m] * self.filter[m]);
-            *pressure = Complex64::new(along.im, -along.re) * per_tau;
+        for (j, row) in pressure.chunks_exact_mut(nx).enumerate() {
+            for (i, (pressure, kx)) in row.iter_mut().zip(&self.kx).enumerate() {
+                let m = j * nx + i;
+                let along = (wx[m] * kx + wy[m] * self.ky[j]) * (self.inverse_k2[m] * self.filter[m]);
+                *pressure = Complex64::new(along.im, -along.re) * per_tau;
+            }
         }
     }
 }
