@@ -1,12 +1,14 @@
 //! Geometry of the beam: what fluid and rod have in common.
 
+use std::f64::consts::PI;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
 use crate::check::{Check, above, finite, require};
 
-/// A straight beam of constant thickness with a flat tip; its stations are the rod's nodes.
+/// A beam of constant thickness with a flat tip; its stations are the rod's nodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Beam {
@@ -18,6 +20,10 @@ pub struct Beam {
     pub thickness: f64,
     /// Number of segments; there are `segments + 1` stations, the first at the root.
     pub segments: usize,
+    /// Direction of each segment at rest against that at the root, rad, positive to the left: `[segments]`; absent for
+    /// a straight beam. In two dimensions only: a curved rod in space needs a material frame and its twist.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rest_angles: Vec<f64>,
 }
 
 /// Where a beam is clamped.
@@ -46,6 +52,23 @@ impl Check for Beam {
         above(&format!("{key}.length"), self.length, 0.0)?;
         above(&format!("{key}.thickness"), self.thickness, 0.0)?;
         require(self.segments >= 2, &format!("{key}.segments"), self.segments, || "it must be at least 2".into())?;
+        let angles = &self.rest_angles;
+        if !angles.is_empty() {
+            let key = format!("{key}.rest_angles");
+            require(angles.len() == self.segments, &key, format!("{} numbers long", angles.len()), || {
+                format!("it must have one angle for each of the {} segments", self.segments)
+            })?;
+            let planar = !matches!(&self.root, Root::At { position, .. } if position.len() == 3);
+            require(planar, &key, "present", || {
+                "a curved rest shape in three dimensions needs a material frame and twist, which this rod has not"
+                    .into()
+            })?;
+            for (segment, (before, angle)) in std::iter::once(&0.0).chain(angles).zip(angles).enumerate() {
+                require((angle - before).abs() < PI, &format!("{key}[{segment}]"), angle, || {
+                    format!("it must differ by less than π from that of the segment before, {before}")
+                })?;
+            }
+        }
         match &self.root {
             Root::OnCylinder { angle, .. } => finite(&format!("{key}.root.on_cylinder.angle"), *angle),
             Root::At { position, direction } => {

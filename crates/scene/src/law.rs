@@ -21,7 +21,7 @@ pub enum TimeLaw {
         /// Length of the ramp, s.
         duration: f64,
     },
-    /// `mean + amplitude · sin(2 π frequency t + phase)`.
+    /// `mean + amplitude · g(t) · sin(2 π frequency t + phase)`; g is 1, or grows like a cosine ramp from 0 at t = 0.
     Sine {
         /// Mean value.
         #[serde(default)]
@@ -33,6 +33,9 @@ pub enum TimeLaw {
         /// Phase at t = 0, rad.
         #[serde(default)]
         phase: f64,
+        /// Length of the growth of g, s; 0: none.
+        #[serde(default)]
+        ramp: f64,
     },
     /// Cubic Hermite interpolation (slopes by central differences) between points; constant before and after.
     Table {
@@ -41,6 +44,13 @@ pub enum TimeLaw {
         /// Values at the points.
         values: Vec<f64>,
     },
+}
+
+impl Default for TimeLaw {
+    /// 0 at all times.
+    fn default() -> Self {
+        Self::Steady(0.0)
+    }
 }
 
 impl TimeLaw {
@@ -54,17 +64,24 @@ impl TimeLaw {
         match self {
             Self::Steady(value) => (*value, 0.0),
             Self::CosineRamp { value, duration } => {
-                let phase = PI * (t / duration).clamp(0.0, 1.0);
-                (value * 0.5 * (1.0 - phase.cos()), value * 0.5 * PI / duration * phase.sin())
+                let (share, rate) = cosine_ramp(t, *duration);
+                (value * share, value * rate)
             }
-            Self::Sine { mean, amplitude, frequency, phase } => {
+            Self::Sine { mean, amplitude, frequency, phase, ramp } => {
                 let omega = 2.0 * PI * frequency;
                 let (sin, cos) = (omega * t + phase).sin_cos();
-                (mean + amplitude * sin, amplitude * omega * cos)
+                let (share, rate) = if *ramp > 0.0 { cosine_ramp(t, *ramp) } else { (1.0, 0.0) };
+                (mean + amplitude * share * sin, amplitude * (share * omega * cos + rate * sin))
             }
             Self::Table { times, values } => hermite(times, values, t),
         }
     }
+}
+
+/// `(1 − cos(π t / duration)) / 2`, 0 before and 1 after, with its rate.
+fn cosine_ramp(t: f64, duration: f64) -> (f64, f64) {
+    let phase = PI * (t / duration).clamp(0.0, 1.0);
+    (0.5 * (1.0 - phase.cos()), 0.5 * PI / duration * phase.sin())
 }
 
 /// Piecewise cubic Hermite interpolation; the slope at an inner point is that of its two neighbours' secant, 0 at the ends.
@@ -96,11 +113,12 @@ impl Check for TimeLaw {
                 finite(&format!("{key}.cosine_ramp.value"), *value)?;
                 above(&format!("{key}.cosine_ramp.duration"), *duration, 0.0)
             }
-            Self::Sine { mean, amplitude, frequency, phase } => {
+            Self::Sine { mean, amplitude, frequency, phase, ramp } => {
                 finite(&format!("{key}.sine.mean"), *mean)?;
                 finite(&format!("{key}.sine.amplitude"), *amplitude)?;
                 at_least(&format!("{key}.sine.frequency"), *frequency, 0.0)?;
-                finite(&format!("{key}.sine.phase"), *phase)
+                finite(&format!("{key}.sine.phase"), *phase)?;
+                at_least(&format!("{key}.sine.ramp"), *ramp, 0.0)
             }
             Self::Table { times, values } => {
                 let increasing = times.windows(2).all(|w| w[0] < w[1]);
@@ -113,5 +131,35 @@ impl Check for TimeLaw {
                 })
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rate_is_the_derivative_of_the_value() {
+        let sine = |ramp| TimeLaw::Sine { mean: 0.3, amplitude: 2.0, frequency: 1.5, phase: 0.4, ramp };
+        let laws = [
+            TimeLaw::CosineRamp { value: 3.0, duration: 0.7 },
+            sine(0.0),
+            sine(0.8),
+            TimeLaw::Table { times: vec![0.0, 0.3, 0.5, 1.0], values: vec![1.0, 2.0, -1.0, 0.0] },
+        ];
+        let step = 1e-5;
+        for law in laws {
+            for t in [0.05, 0.2, 0.45, 0.77, 1.3] {
+                let (_, rate) = law.value_and_rate(t);
+                let difference = (law.value(t + step) - law.value(t - step)) / (2.0 * step);
+                assert!((rate - difference).abs() < 1e-7 * (1.0 + rate.abs()), "{law:?} at {t}: {rate}, {difference}");
+            }
+        }
+    }
+
+    #[test]
+    fn ramped_sine_starts_smoothly() {
+        let law = TimeLaw::Sine { mean: 0.0, amplitude: 2.0, frequency: 1.5, phase: 0.4, ramp: 0.5 };
+        assert_eq!(law.value_and_rate(0.0), (0.0, 0.0));
     }
 }

@@ -21,9 +21,10 @@ use serde::{Deserialize, Serialize};
 pub use beam::{Beam, Root};
 pub use fluid::{Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, Motion, TimeStepping};
 pub use law::TimeLaw;
-pub use rod::{Material, Rod, RodScheme, Section};
+pub use rod::{Bending, Calibration, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section};
 
 use check::{Check, above, require};
+use rod::Z_AXIS;
 
 /// A whole scene: at least a fluid or a rod.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -182,6 +183,17 @@ impl Scene {
                 format!("{:?}", rod.gravity),
                 || format!("it must have {dimension} components like the beam's root"),
             )?;
+            if let (2, Some(RootMotion::Laws(laws))) = (dimension, &rod.root_motion) {
+                let key = "rod.root_motion.laws";
+                require(laws.z == TimeLaw::default(), &format!("{key}.z"), "present", || {
+                    "a beam in two dimensions has no z".into()
+                })?;
+                for (i, Rotation { axis, .. }) in laws.rotations.iter().enumerate() {
+                    require(*axis == Z_AXIS, &format!("{key}.rotations[{i}].axis"), format!("{axis:?}"), || {
+                        format!("a beam in two dimensions turns about {Z_AXIS:?}")
+                    })?;
+                }
+            }
         }
         if let (Some(fluid), Some(beam)) = (&self.fluid, &self.beam) {
             require(self.dimension(beam) == 2, "beam.root", "three-dimensional", || {
@@ -224,9 +236,9 @@ impl Scene {
         }
     }
 
-    /// Rest positions of the stations of `beam` from root to tip, m: `[segments + 1][3]`, z = 0 in two dimensions.
-    pub fn beam_stations(&self, beam: &Beam) -> Vec<[f64; 3]> {
-        let (root, direction) = match &beam.root {
+    /// Position of the root of `beam` at rest, m, and its unit direction there; z = 0 in two dimensions.
+    pub fn beam_root(&self, beam: &Beam) -> ([f64; 3], [f64; 3]) {
+        match &beam.root {
             Root::OnCylinder { cylinder, angle } => {
                 let cylinder = &self.fluid.as_ref().expect("checked: the cylinder exists").cylinders[*cylinder];
                 let direction = [angle.cos(), angle.sin(), 0.0];
@@ -238,12 +250,27 @@ impl Scene {
                 let vector = |v: &[f64], scale: f64| [v[0] / scale, v[1] / scale, v.get(2).map_or(0.0, |z| z / scale)];
                 (vector(position, 1.0), vector(direction, norm))
             }
-        };
-        let station = |k: usize| {
-            let s = beam.length * k as f64 / beam.segments as f64;
-            std::array::from_fn(|d| root[d] + s * direction[d])
-        };
-        (0..=beam.segments).map(station).collect()
+        }
+    }
+
+    /// Rest positions of the stations of `beam` from root to tip, m: `[segments + 1][3]`, z = 0 in two dimensions.
+    pub fn beam_stations(&self, beam: &Beam) -> Vec<[f64; 3]> {
+        let (root, direction) = self.beam_root(beam);
+        let mut stations = Vec::with_capacity(beam.segments + 1);
+        if beam.rest_angles.is_empty() {
+            let at = |s: f64| std::array::from_fn(|d| root[d] + s * direction[d]);
+            stations.extend((0..=beam.segments).map(|k| at(beam.length * k as f64 / beam.segments as f64)));
+            return stations;
+        }
+        let l0 = beam.length / beam.segments as f64;
+        let [mut x, mut y, z] = root;
+        stations.push(root);
+        for (sin, cos) in beam.rest_angles.iter().map(|angle| angle.sin_cos()) {
+            x += l0 * (cos * direction[0] - sin * direction[1]);
+            y += l0 * (sin * direction[0] + cos * direction[1]);
+            stations.push([x, y, z]);
+        }
+        stations
     }
 
     /// Mass of the fluid that the beam displaces, per length and metre of depth, kg/m²: what a rod under the

@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::SceneError;
 use crate::check::{Check, above, at_least, finite, require};
+use crate::{SceneError, TimeLaw};
 
 /// Elastic model of the beam.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,6 +18,18 @@ pub struct Rod {
     /// Damping force per length and velocity, kg/(m s) per metre of depth.
     #[serde(default)]
     pub damping: f64,
+    /// Bending model.
+    #[serde(default)]
+    pub bending: Bending,
+    /// How the section's numbers become springs and masses.
+    #[serde(default)]
+    pub calibration: Calibration,
+    /// Length by which the clamp lies behind the root, m: the elastic part of the foundation. It only softens the clamp.
+    #[serde(default)]
+    pub clamp_setback: f64,
+    /// Prescribed motion of the root; absent where it is still.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub root_motion: Option<RootMotion>,
     /// Time scheme.
     #[serde(default)]
     pub scheme: RodScheme,
@@ -55,6 +67,112 @@ pub struct Section {
     pub axial_stiffness: f64,
 }
 
+/// What bending energy depends on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Bending {
+    /// The true turning angle ψ between neighbouring segments, by 2 tan(ψ/2) (Bergou et al. 2008): the same in every
+    /// frame.
+    #[default]
+    Invariant,
+    /// Angles of the segments' projections into the planes xy and xz (thesis eqs. 2.1 and 2.4): depends on the frame and
+    /// is singular where a projection vanishes, which is an error.
+    Projected,
+}
+
+/// How the section's numbers become springs and masses.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Calibration {
+    /// k_e = EA/l0, clamp spring EI/(l0/2), half a segment's mass at the tip: of second order in the segments' length l0.
+    #[default]
+    SecondOrder,
+    /// That of the thesis, section 2.4.1: the same k_e for every segment whatever its length, clamp spring EI/l0, a whole
+    /// segment's mass at every node. Of first order.
+    Thesis {
+        /// Axial stiffness of a segment, N/m; takes the place of EA.
+        k_e: f64,
+    },
+}
+
+/// Prescribed motion of the root.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum RootMotion {
+    /// The master sets the root's position, direction and their rates at the end of each of its steps.
+    Master,
+    /// Laws of time.
+    Laws(RootLaws),
+}
+
+/// Motion of the root from its place at rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RootLaws {
+    /// Displacement along x, m.
+    #[serde(default)]
+    pub x: TimeLaw,
+    /// Displacement along y, m.
+    #[serde(default)]
+    pub y: TimeLaw,
+    /// Displacement along z, m; in three dimensions only.
+    #[serde(default)]
+    pub z: TimeLaw,
+    /// Rotations of the beam's direction, the first one applied first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rotations: Vec<Rotation>,
+}
+
+/// Rotation about a fixed axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rotation {
+    /// Angle, rad.
+    pub angle: TimeLaw,
+    /// Axis, of any length but 0; in two dimensions there is only z.
+    #[serde(default = "z_axis")]
+    pub axis: [f64; 3],
+}
+
+/// Axis of rotations in two dimensions.
+pub(crate) const Z_AXIS: [f64; 3] = [0.0, 0.0, 1.0];
+
+fn z_axis() -> [f64; 3] {
+    Z_AXIS
+}
+
+impl RootLaws {
+    /// Displacement, m, and velocity, m/s, at time `t` (s).
+    pub fn displacement(&self, t: f64) -> ([f64; 3], [f64; 3]) {
+        let [x, y, z] = [&self.x, &self.y, &self.z].map(|law| law.value_and_rate(t));
+        ([x.0, y.0, z.0], [x.1, y.1, z.1])
+    }
+
+    /// What `direction` at rest is at time `t` (s), and its rate, 1/s.
+    pub fn direction(&self, t: f64, direction: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        self.rotations.iter().fold((direction, [0.0; 3]), |(direction, rate), rotation| {
+            let norm = rotation.axis.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let axis = rotation.axis.map(|c| c / norm);
+            let (angle, omega) = rotation.angle.value_and_rate(t);
+            let turned = rotate(axis, angle, direction);
+            let (carried, turning) = (rotate(axis, angle, rate), cross(axis, turned));
+            (turned, std::array::from_fn(|d| carried[d] + omega * turning[d]))
+        })
+    }
+}
+
+/// `v` turned by `angle` about the unit vector `axis` (Rodrigues).
+fn rotate(axis: [f64; 3], angle: f64, v: [f64; 3]) -> [f64; 3] {
+    let (sin, cos) = angle.sin_cos();
+    let across = cross(axis, v);
+    let along: f64 = axis.iter().zip(v).map(|(a, v)| a * v).sum();
+    std::array::from_fn(|d| cos * v[d] + sin * across[d] + (1.0 - cos) * along * axis[d])
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 /// Time scheme of the rod; all are of second order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -66,8 +184,11 @@ pub enum RodScheme {
         /// Spectral radius at infinite frequency, 0 … 1.
         rho_inf: f64,
     },
-    /// Two-step backward differences: dissipative, and the same formula as the fluid's, so that a coupled step is consistent.
+    /// Trapezoid to 2 − √2 of the step, then two-step backward differences over the rest (Bank et al. 1985; Hosea &
+    /// Shampine 1996): as dissipative where it must be, least where it need not, two solves a step.
     #[default]
+    TrBdf2,
+    /// Two-step backward differences: dissipative, and the same formula as the fluid's, so that a coupled step is consistent.
     Bdf2,
 }
 
@@ -95,6 +216,13 @@ impl Check for Rod {
             finite(&format!("{key}.gravity[{d}]"), *g)?;
         }
         at_least(&format!("{key}.damping"), self.damping, 0.0)?;
+        at_least(&format!("{key}.clamp_setback"), self.clamp_setback, 0.0)?;
+        if let Calibration::Thesis { k_e } = self.calibration {
+            above(&format!("{key}.calibration.thesis.k_e"), k_e, 0.0)?;
+        }
+        if let Some(RootMotion::Laws(laws)) = &self.root_motion {
+            laws.check_at(&format!("{key}.root_motion.laws"))?;
+        }
         if let RodScheme::GeneralisedAlpha { rho_inf } = self.scheme {
             require(
                 (0.0..=1.0).contains(&rho_inf),
@@ -104,6 +232,25 @@ impl Check for Rod {
             )?;
         }
         self.max_step.map_or(Ok(()), |step| above(&format!("{key}.max_step"), step, 0.0))
+    }
+}
+
+impl Check for RootLaws {
+    fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        for (name, law) in [("x", &self.x), ("y", &self.y), ("z", &self.z)] {
+            law.check_at(&format!("{key}.{name}"))?;
+        }
+        self.rotations.check_at(&format!("{key}.rotations"))
+    }
+}
+
+impl Check for Rotation {
+    fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        self.angle.check_at(&format!("{key}.angle"))?;
+        let points = self.axis.iter().all(|c| c.is_finite()) && self.axis.iter().any(|&c| c != 0.0);
+        require(points, &format!("{key}.axis"), format!("{:?}", self.axis), || {
+            "it must be 3 finite numbers, not all 0".into()
+        })
     }
 }
 
@@ -124,6 +271,34 @@ impl Check for Material {
                 above(&format!("{key}.section.line_density"), section.line_density, 0.0)?;
                 above(&format!("{key}.section.bending_stiffness"), section.bending_stiffness, 0.0)?;
                 above(&format!("{key}.section.axial_stiffness"), section.axial_stiffness, 0.0)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rate_of_the_direction_is_its_derivative() {
+        let sine = |frequency| TimeLaw::Sine { mean: 0.2, amplitude: 0.9, frequency, phase: 0.3, ramp: 0.4 };
+        let laws = RootLaws {
+            rotations: vec![
+                Rotation { angle: sine(1.0), axis: [0.0, 0.0, 2.0] },
+                Rotation { angle: sine(1.7), axis: [1.0, 1.0, -0.5] },
+            ],
+            ..RootLaws::default()
+        };
+        let (rest, step) = ([0.6, 0.0, 0.8], 1e-5);
+        for t in [0.1, 0.3, 1.2] {
+            let (direction, rate) = laws.direction(t, rest);
+            let norm = direction.iter().map(|c| c * c).sum::<f64>();
+            assert!((norm - 1.0).abs() < 1e-14, "t = {t}: squared length {norm}");
+            let (after, before) = (laws.direction(t + step, rest).0, laws.direction(t - step, rest).0);
+            for d in 0..3 {
+                let difference = (after[d] - before[d]) / (2.0 * step);
+                assert!((rate[d] - difference).abs() < 1e-7, "t = {t}, {d}: {} against {difference}", rate[d]);
             }
         }
     }
