@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
-use fmi2::{Description, Log, Model};
-use rod::{Error, Loads, Rod};
-use scene::{Scene, Section};
+use fmi2::{Description, Log, Model, Span};
+use rod::{Error, Loads, Rod, Root, Sensitivity, Statistics};
+use scene::{RootMotion, Scene, Section};
 use serde::{Deserialize, Serialize};
 
 type Real = fmi2::Real<RodUnit>;
@@ -19,12 +19,28 @@ struct RodUnit {
     scene: Scene,
     parameters: Parameters,
     body: Body,
+    /// Where the master wants the root at the end of the next step.
+    root: RootInputs,
     tip_displacement: [f64; 3],
     tip_velocity: [f64; 3],
     elastic_energy: f64,
     kinetic_energy: f64,
-    /// Newton iterations, sub-steps and negative pivots of the last step.
-    newton: [i32; 3],
+    gravity_energy: f64,
+    /// Newton iterations, sub-steps, rescued solves and negative pivots of the last step.
+    newton: [i32; 4],
+}
+
+/// The root as inputs of a master that drives it.
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+struct RootInputs {
+    position: [f64; 3],
+    velocity: [f64; 3],
+    /// Angle of the direction from the x axis and its rate, in the plane.
+    angle: f64,
+    omega: f64,
+    /// Direction and its rate, in space.
+    direction: [f64; 3],
+    direction_rate: [f64; 3],
 }
 
 /// A rod in the plane or in space; neither carries what the other needs.
@@ -49,6 +65,7 @@ struct Parameters {
     section: Section,
     displaced_line_density: f64,
     damping: f64,
+    clamp_setback: f64,
     gravity: [f64; 3],
 }
 
@@ -56,6 +73,7 @@ struct Parameters {
 struct State {
     parameters: Parameters,
     loads: Loads,
+    root: RootInputs,
     rod: BodyState,
 }
 
@@ -94,6 +112,34 @@ impl Body {
     fn step(&mut self, h: f64) -> Result<(), Error> {
         either!(self, rod => rod.step(h))
     }
+
+    fn sensitivity(&mut self, change: &Loads) -> Result<Sensitivity, Error> {
+        either!(self, rod => rod.sensitivity(change))
+    }
+
+    fn statistics(&self) -> Statistics {
+        either!(self, rod => rod.statistics())
+    }
+}
+
+/// What an output array holds.
+#[derive(Clone, Copy)]
+enum Quantity {
+    Position,
+    Velocity,
+}
+
+/// Quantity and axis of an output along the rod or of its tip, and the node of its first element.
+fn station_output(name: &str, nodes: usize) -> Option<(Quantity, usize, usize)> {
+    let (name, first) = match name.strip_prefix("tip.") {
+        Some(name) => (name.strip_prefix('u').unwrap_or(name), nodes - 1),
+        None => (name, 0),
+    };
+    let (quantity, axis) = match name.strip_prefix('v') {
+        Some(axis) => (Quantity::Velocity, axis),
+        None => (Quantity::Position, name),
+    };
+    AXES.iter().position(|known| *known == axis).map(|axis| (quantity, axis, first))
 }
 
 impl Parameters {
@@ -103,6 +149,7 @@ impl Parameters {
             section: own.section,
             displaced_line_density: own.displaced,
             damping: own.damping,
+            clamp_setback: own.clamp_setback,
             gravity: std::array::from_fn(|axis| own.gravity.get(axis).copied().unwrap_or(0.0)),
         }
     }
@@ -116,13 +163,21 @@ impl Parameters {
             section: self.section,
             displaced: self.displaced_line_density,
             damping: self.damping,
+            clamp_setback: self.clamp_setback,
             gravity: std::array::from_fn(|axis| self.gravity[axis]),
             ..rod.parameters().clone()
         })?;
         renewed.loads.clone_from(&rod.loads);
+        renewed.root = rod.root;
         *rod = renewed;
         Ok(())
     }
+}
+
+/// The first `D` components of position, velocity, direction and its rate.
+fn root_of<const D: usize>(root: [[f64; 3]; 4]) -> Root<D> {
+    let [position, velocity, direction, direction_rate] = root.map(|vector| std::array::from_fn(|d| vector[d]));
+    Root { position, velocity, direction, direction_rate }
 }
 
 impl RodUnit {
@@ -137,17 +192,94 @@ impl RodUnit {
             let energy = rod.energy()?;
             self.elastic_energy = energy.stretching + energy.bending;
             self.kinetic_energy = energy.kinetic;
-            let statistics = rod.statistics();
-            let count = |count: usize| i32::try_from(count).unwrap_or(i32::MAX);
-            self.newton =
-                [count(statistics.iterations), count(statistics.substeps), count(statistics.negative_pivots)];
+            self.gravity_energy = energy.gravity;
+            let Statistics { iterations, substeps, rescues, negative_pivots } = rod.statistics();
+            self.newton = [iterations, substeps, rescues, negative_pivots]
+                .map(|count| i32::try_from(count).unwrap_or(i32::MAX));
         });
         Ok(())
+    }
+
+    /// The inputs of a master that drives the root.
+    fn root_inputs(&self) -> Vec<Variable> {
+        type Place = fn(&mut RodUnit) -> &mut [f64];
+        let position: [Place; 3] = [
+            |m| from_mut(&mut m.root.position[0]),
+            |m| from_mut(&mut m.root.position[1]),
+            |m| from_mut(&mut m.root.position[2]),
+        ];
+        let velocity: [Place; 3] = [
+            |m| from_mut(&mut m.root.velocity[0]),
+            |m| from_mut(&mut m.root.velocity[1]),
+            |m| from_mut(&mut m.root.velocity[2]),
+        ];
+        let direction: [Place; 3] = [
+            |m| from_mut(&mut m.root.direction[0]),
+            |m| from_mut(&mut m.root.direction[1]),
+            |m| from_mut(&mut m.root.direction[2]),
+        ];
+        let direction_rate: [Place; 3] = [
+            |m| from_mut(&mut m.root.direction_rate[0]),
+            |m| from_mut(&mut m.root.direction_rate[1]),
+            |m| from_mut(&mut m.root.direction_rate[2]),
+        ];
+        let planar = matches!(self.body, Body::Planar(_));
+        let along = |name: &str, unit: &str, text: &str, places: [Place; 3]| {
+            let axes = AXES.iter().zip(places).take(if planar { 2 } else { 3 });
+            axes.map(|(axis, place)| Real::input(format!("{name}{axis}"), unit, text, place)).collect::<Vec<_>>()
+        };
+        let mut list = along("root.", "m", "Position of the root at the end of the step", position);
+        list.extend(along("root.v", "m/s", "Velocity of the root at the end of the step", velocity));
+        if planar {
+            list.push(Real::input("root.angle", "rad", "Direction of the beam at the root, from the x axis", |m| {
+                from_mut(&mut m.root.angle)
+            }));
+            list.push(Real::input("root.omega", "rad/s", "Rate of the direction at the root", |m| {
+                from_mut(&mut m.root.omega)
+            }));
+        } else {
+            list.extend(along("root.direction.", "1", "Direction of the beam at the root, of any length", direction));
+            list.extend(along("root.direction_rate.", "1/s", "Rate of the direction at the root", direction_rate));
+        }
+        list
+    }
+
+    /// Where the root is at time `t`: position, velocity, direction and its rate; `None` where it is still.
+    fn root_at(&self, t: f64) -> Option<[[f64; 3]; 4]> {
+        let motion = self.scene.rod.as_ref()?.root_motion.as_ref()?;
+        Some(match motion {
+            RootMotion::Laws(laws) => {
+                let (rest, direction) = self.scene.beam_root(self.scene.beam.as_ref()?);
+                let (displacement, velocity) = laws.displacement(t);
+                let (direction, rate) = laws.direction(t, direction);
+                [std::array::from_fn(|d| rest[d] + displacement[d]), velocity, direction, rate]
+            }
+            RootMotion::Master => {
+                let RootInputs { position, velocity, angle, omega, direction, direction_rate } = self.root;
+                match self.body {
+                    Body::Planar(_) => {
+                        let (sin, cos) = angle.sin_cos();
+                        [position, velocity, [cos, sin, 0.0], [-omega * sin, omega * cos, 0.0]]
+                    }
+                    Body::Spatial(_) => [position, velocity, direction, direction_rate],
+                }
+            }
+        })
+    }
+
+    /// Put the rod, at rest, to where its root is at time `t`, if it moves at all.
+    fn place(&mut self, t: f64) -> Result<(), Error> {
+        match self.root_at(t) {
+            Some(root) => either!(&mut self.body, rod => rod.place(root_of(root))),
+            None => Ok(()),
+        }
     }
 }
 
 impl Model for RodUnit {
     const IDENTIFIER: &'static str = "fmu_rod";
+    const DIRECTIONAL_DERIVATIVE: bool = true;
+    const OUTPUT_DERIVATIVE: bool = true;
     type State = State;
 
     fn load(resources: Option<&Path>) -> Result<Self, String> {
@@ -155,16 +287,23 @@ impl Model for RodUnit {
         let scene = Scene::from_file(&resources.join("scene.json")).map_err(|e| e.to_string())?;
         let dimension = scene.beam.as_ref().map_or(2, |beam| scene.dimension(beam));
         let body = Body::new(&scene, dimension).map_err(|e| e.to_string())?;
-        Ok(Self {
+        let (position, direction) = scene.beam.as_ref().map_or_else(Default::default, |beam| scene.beam_root(beam));
+        let still = [0.0; 3];
+        let angle = direction[1].atan2(direction[0]);
+        let mut unit = Self {
             parameters: either!(&body, rod => Parameters::of(rod)),
             scene,
             body,
+            root: RootInputs { position, velocity: still, angle, omega: 0.0, direction, direction_rate: still },
             tip_displacement: [0.0; 3],
             tip_velocity: [0.0; 3],
             elastic_energy: 0.0,
             kinetic_energy: 0.0,
-            newton: [0; 3],
-        })
+            gravity_energy: 0.0,
+            newton: [0; 4],
+        };
+        unit.place(0.0).map_err(|e| e.to_string())?;
+        Ok(unit)
     }
 
     fn description(&self) -> Description {
@@ -199,6 +338,10 @@ impl Model for RodUnit {
             .above(0.0),
             Real::parameter("damping", &per("kg/(m.s)", "kg/(m2.s)"), "Damping force per length and velocity", |m| {
                 from_mut(&mut m.parameters.damping)
+            })
+            .at_least(0.0),
+            Real::parameter("clamp_setback", "m", "Length by which the clamp lies behind the root", |m| {
+                from_mut(&mut m.parameters.clamp_setback)
             })
             .at_least(0.0),
         ];
@@ -253,6 +396,9 @@ impl Model for RodUnit {
             })
             .array(loads.pressure_jump.len()),
         );
+        if matches!(self.scene.rod.as_ref().and_then(|rod| rod.root_motion.as_ref()), Some(RootMotion::Master)) {
+            list.extend(self.root_inputs());
+        }
         list.extend(axes().map(|(d, axis)| {
             Real::output(*axis, "m", "Position of the stations", position[d]).array(nodes).depends_on(&[])
         }));
@@ -276,29 +422,105 @@ impl Model for RodUnit {
                 from_ref(&m.kinetic_energy)
             })
             .depends_on(&[]),
+            Real::output("energy.gravity", &per("J", "J/m"), "Energy in gravity, 0 at the root at rest", |m| {
+                from_ref(&m.gravity_energy)
+            })
+            .depends_on(&[]),
             Integer::output("newton.iterations", "Newton iterations of the last step", |m| from_ref(&m.newton[0]))
                 .depends_on(&[]),
             Integer::output("newton.substeps", "Sub-steps of the last step", |m| from_ref(&m.newton[1]))
                 .depends_on(&[]),
-            Integer::output("newton.negative_pivots", "Negative pivots in the last step", |m| from_ref(&m.newton[2]))
+            Integer::output("newton.rescues", "Solves of the last step that needed shift and line search", |m| {
+                from_ref(&m.newton[2])
+            })
+            .depends_on(&[]),
+            Integer::output("newton.negative_pivots", "Negative pivots in the last step", |m| from_ref(&m.newton[3]))
                 .depends_on(&[]),
         ]);
         list
     }
 
-    fn initialise(&mut self, _start: f64, _log: &Log) -> Result<(), String> {
+    fn initialise(&mut self, start: f64, _log: &Log) -> Result<(), String> {
         either!(&mut self.body, rod => self.parameters.apply(rod)).map_err(|e| e.to_string())?;
-        self.publish().map_err(|e| e.to_string())
+        self.place(start).and_then(|()| self.publish()).map_err(|e| e.to_string())
     }
 
-    fn step(&mut self, _t: f64, h: f64, _log: &Log) -> Result<(), String> {
-        self.body.step(h).and_then(|()| self.publish()).map_err(|e| e.to_string())
+    fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
+        if let Some(root) = self.root_at(t + h) {
+            either!(&mut self.body, rod => rod.root = Some(root_of(root)));
+        }
+        let span = || format!("in the step from t = {t} s to {} s", t + h);
+        self.body.step(h).and_then(|()| self.publish()).map_err(|e| format!("{e}, {}", span()))?;
+        let Statistics { iterations, substeps, rescues, negative_pivots } = self.body.statistics();
+        if rescues > 0 || negative_pivots > 0 {
+            log.info(format_args!(
+                "{rescues} solves needed shift and line search, {substeps} sub-steps, {iterations} Newton iterations, \
+                 {negative_pivots} negative pivots, {}",
+                span()
+            ));
+        }
+        Ok(())
+    }
+
+    /// Of the stations and the tip with respect to the loads: what the end of the last step would have been under other
+    /// loads.
+    fn directional_derivative(
+        &mut self,
+        unknown: &[Span],
+        known: &[Span],
+        seed: &[f64],
+        derivative: &mut [f64],
+    ) -> Result<(), String> {
+        let nodes = self.body.positions(0).len();
+        let mut change = self.body.loads().clone();
+        let Loads { force, pressure_jump, impedance } = &mut change;
+        [&mut *force, &mut *pressure_jump, &mut *impedance].into_iter().for_each(|array| array.fill(0.0));
+        let mut rest = seed;
+        for Span { name, elements } in known {
+            let piece = rest.split_off(..elements.len()).expect("one seed per reference");
+            let axis = name.strip_prefix("force_").and_then(|axis| AXES.iter().position(|known| *known == axis));
+            let array = match (*name, axis) {
+                (_, Some(axis)) => &mut force[axis * nodes..],
+                ("pressure_jump", _) => &mut pressure_jump[..],
+                ("impedance", _) => &mut impedance[..],
+                _ => return Err(format!("no derivative by {name} is provided, only by the loads on the stations")),
+            };
+            array[elements.clone()].iter_mut().zip(piece).for_each(|(sum, seed)| *sum += seed);
+        }
+        let sensitivity = self.body.sensitivity(&change).map_err(|e| e.to_string())?;
+        let mut rest = derivative;
+        for Span { name, elements } in unknown {
+            let piece = rest.split_off_mut(..elements.len()).expect("one value per reference");
+            let (quantity, axis, first) = station_output(name, nodes)
+                .ok_or_else(|| format!("no directional derivative of {name} is provided, only of stations and tip"))?;
+            let array = match quantity {
+                Quantity::Position => &sensitivity.positions,
+                Quantity::Velocity => &sensitivity.velocities,
+            };
+            piece.copy_from_slice(&array[axis * nodes + first..][elements.clone()]);
+        }
+        Ok(())
+    }
+
+    fn output_derivative(&mut self, outputs: &Span, derivative: &mut [f64]) -> Result<(), String> {
+        let nodes = self.body.positions(0).len();
+        let (quantity, axis, first) = station_output(outputs.name, nodes)
+            .ok_or_else(|| format!("no derivative of {} is provided, only of stations and tip", outputs.name))?;
+        for (value, element) in derivative.iter_mut().zip(outputs.elements.clone()) {
+            let k = first + element;
+            *value = match quantity {
+                Quantity::Position => self.body.velocities(axis)[k],
+                Quantity::Velocity => either!(&self.body, rod => rod.acceleration(axis, k)),
+            };
+        }
+        Ok(())
     }
 
     fn save(&self) -> State {
         State {
             parameters: self.parameters,
             loads: either!(&self.body, rod => rod.loads.clone()),
+            root: self.root,
             rod: match &self.body {
                 Body::Planar(rod) => BodyState::Planar(rod.state().clone()),
                 Body::Spatial(rod) => BodyState::Spatial(rod.state().clone()),
@@ -308,6 +530,7 @@ impl Model for RodUnit {
 
     fn restore(&mut self, state: &State) {
         self.parameters = state.parameters;
+        self.root = state.root;
         let result = either!(&mut self.body, rod => state.parameters.apply(rod)).and_then(|()| {
             self.body.loads().clone_from(&state.loads);
             match (&mut self.body, &state.rod) {

@@ -1,48 +1,73 @@
-//! Elastic energy of the rod with its exact gradient and Hessian, in terms of the edges e_j = x_j − x_{j−1}.
+//! Elastic energy of the rod with its exact gradient and Hessian, found by the edges e_j = x_j − x_{j−1}.
 //!
 //! With l = |e|, t = e/l and c = t_1 · t_2 the cosine of the turning angle ψ between neighbouring edges,
 //!
 //! ```text
-//! U = Σ ½ (EA/l0) (l_j − l0)²  +  Σ ½ (EI/l0) κ_j²,      κ = 2 tan(ψ/2) = 2 |e_1 × e_2| / (|e_1| |e_2| + e_1 · e_2),
+//! U = Σ ½ k_e (l_j − l0)²  +  Σ ½ k_b κ_j²,      κ = 2 tan(ψ/2) = 2 |e_1 × e_2| / (|e_1| |e_2| + e_1 · e_2),
 //! κ² = 4 (1 − c)/(1 + c).
 //! ```
 //!
 //! κ is the discrete curvature of Bergou et al. (2008, *Discrete elastic rods*, ACM Trans. Graph. 27, 63): the energy
 //! does not depend on the frame, in two as in three dimensions. With a straight rest shape it is a function of c
-//! alone. At the clamp the fixed direction d0 takes the place of t_1, and the stiffness is 2 EI/l0 because only half
+//! alone. At the clamp the clamp's direction takes the place of t_1, and the stiffness is 2 EI/l0 because only half
 //! a segment belongs to that vertex; this and half a mass at the tip make the rod second order in l0. Folding back,
 //! ψ → π, is an infinite barrier.
+//!
+//! A rest shape that is curved in the plane needs the sign of the angle: U = Σ ½ k_b (κ(ψ_j) − κ(ψ0_j))².
+//!
+//! The projected model of the thesis (eqs. 2.1, 2.3, 2.4) is U = Σ ½ k_b (θ_j − θ_{j−1} − ψ0_j)², the same for φ in three
+//! dimensions, with θ and φ the angles of the edges' projections into the planes xy and xz. Where the rod passes the
+//! vertical, an angle jumps by π; a vertex that turns by more than a right angle in a projection is therefore refused.
 
-use nalgebra::{SMatrix, SVector};
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{SMatrix, SVector, Vector2};
 
 /// A point, velocity or force.
 pub(crate) type Vector<const D: usize> = SVector<f64, D>;
 /// Second derivatives by two points.
 pub(crate) type Matrix<const D: usize> = SMatrix<f64, D, D>;
 
-/// A vertex counts as folded where |e_1||e_2| + e_1·e_2 is below this part of l0².
+/// A vertex counts as folded where |e_1||e_2| + e_1·e_2 is below this part of l0²; a projection as vanished where its
+/// squared length is.
 pub(crate) const FOLD: f64 = 1e-12;
 
 /// Springs of the rod.
 pub(crate) struct Elastic<const D: usize> {
     /// Length of a segment at rest, l0, m.
     pub(crate) segment_length: f64,
-    /// EA/l0, N/m.
+    /// k_e, N/m.
     pub(crate) axial: f64,
-    /// EI/l0, N m.
+    /// k_b, N m.
     pub(crate) bending: f64,
-    /// Unit tangent at the clamp, d0.
+    /// k_b of the clamp, N m.
+    pub(crate) clamp: f64,
+    /// Unit tangent at the clamp.
     pub(crate) direction: Vector<D>,
+    /// What k_b goes with.
+    pub(crate) angles: Angles,
 }
 
-/// Derivatives of the energy by the edges; entry `j` belongs to the edge from node `j` to node `j + 1`.
-pub(crate) struct EdgeDerivatives<const D: usize> {
-    /// ∂U/∂e_j, N: `[n]`.
-    pub(crate) gradient: Vec<Vector<D>>,
-    /// ∂²U/∂e_j∂e_j, N/m: `[n]`.
-    pub(crate) diagonal: Vec<Matrix<D>>,
-    /// ∂²U/∂e_j∂e_{j+1}, N/m: `[n]`, the last one zero.
-    pub(crate) coupling: Vec<Matrix<D>>,
+/// What bending energy depends on.
+pub(crate) enum Angles {
+    /// κ of the true turning angle, 0 at rest.
+    Straight,
+    /// κ of the signed turning angle in the plane, at rest that of these angles, rad: `[n]`.
+    Curved(Vec<f64>),
+    /// Turning angles of the projections, at rest these, rad: `[n]`.
+    Projected(Vec<f64>),
+}
+
+/// Derivatives of the energy by the positions of a node, k, and those after it; 0 for nodes that do not exist.
+pub(crate) struct NodeDerivatives<const D: usize> {
+    /// ∂U/∂x_k, N.
+    pub(crate) gradient: Vector<D>,
+    /// ∂²U/∂x_k∂x_k, N/m.
+    pub(crate) own: Matrix<D>,
+    /// ∂²U/∂x_{k+1}∂x_k, N/m.
+    pub(crate) next: Matrix<D>,
+    /// ∂²U/∂x_{k+2}∂x_k, N/m.
+    pub(crate) next_but_one: Matrix<D>,
 }
 
 /// Elastic energies, J (per metre of depth in two dimensions).
@@ -51,95 +76,344 @@ pub(crate) struct ElasticEnergy {
     pub(crate) bending: f64,
 }
 
-/// The rod folds back on itself at this node.
+/// A shape that has no bending energy.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FoldBack {
-    pub(crate) node: usize,
+pub(crate) enum BadShape {
+    /// The rod folds back on itself at this node.
+    Fold { node: usize },
+    /// The projection into the plane of x and this axis vanishes, or turns by more than a right angle, at this node.
+    Projection { node: usize, axis: usize },
 }
 
-impl<const D: usize> EdgeDerivatives<D> {
-    /// Zeros for `segments` edges.
-    pub(crate) fn zeros(segments: usize) -> Self {
-        Self {
-            gradient: vec![Vector::zeros(); segments],
-            diagonal: vec![Matrix::zeros(); segments],
-            coupling: vec![Matrix::zeros(); segments],
-        }
-    }
+/// An edge by its unit tangent, length, m, and one over that.
+#[derive(Clone, Copy)]
+struct Edge<const D: usize> {
+    t: Vector<D>,
+    l: f64,
+    inverse_l: f64,
 }
+
+/// Derivatives of the energy of the vertex between two edges, `before` and `after`.
+struct VertexDerivatives<const D: usize> {
+    by_before: Vector<D>,
+    by_after: Vector<D>,
+    before_before: Matrix<D>,
+    before_after: Matrix<D>,
+    after_after: Matrix<D>,
+}
+
+/// The energy 2 k_b (1 − c)/(1 + c) of a vertex by c, and c by the two edges.
+struct CosineSlope<const D: usize> {
+    c: f64,
+    by_c: f64,
+    by_c_twice: f64,
+    c_by_before: Vector<D>,
+    c_by_after: Vector<D>,
+}
+
+/// Signed turning angle between the projections of two edges into a plane.
+struct Turn {
+    psi: f64,
+    /// ∂ψ/∂e in the plane, 1/m, of the edge before and after.
+    by_before: Vector2<f64>,
+    by_after: Vector2<f64>,
+}
+
+/// A function of a turning angle with its first two derivatives.
+struct Jet(f64, f64, f64);
 
 impl<const D: usize> Elastic<D> {
     /// Energy of the shape `x`, `[n + 1]`.
-    pub(crate) fn energy(&self, x: &[Vector<D>]) -> Result<ElasticEnergy, FoldBack> {
+    pub(crate) fn energy(&self, x: &[Vector<D>]) -> Result<ElasticEnergy, BadShape> {
         let mut energy = ElasticEnergy { stretching: 0.0, bending: 0.0 };
-        let (mut before, mut length_before, mut stiffness) = (self.direction, self.segment_length, 2.0 * self.bending);
+        let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
         for (node, ends) in x.windows(2).enumerate() {
-            let e = ends[1] - ends[0];
-            let l = e.norm();
-            let t = e / l;
-            let cosine_above_fold = self.cosine_above_fold(node, (before, length_before), (t, l))?;
-            energy.stretching += 0.5 * self.axial * (l - self.segment_length).powi(2);
-            energy.bending += stiffness * (t - before).norm_squared() / cosine_above_fold;
-            (before, length_before, stiffness) = (t, l, self.bending);
+            let after = Edge::between(ends[0], ends[1]);
+            energy.stretching += 0.5 * self.axial * (after.l - self.segment_length).powi(2);
+            energy.bending += match &self.angles {
+                Angles::Straight => {
+                    k_b * (after.t - before.t).norm_squared() / self.cosine_above_fold(node, before, after)?
+                }
+                Angles::Curved(rest) => {
+                    self.cosine_above_fold(node, before, after)?;
+                    k_b * half_square(kappa(before.turn(after, 1).psi), kappa(rest[node]).0).0
+                }
+                Angles::Projected(rest) => {
+                    let mut sum = 0.0;
+                    for axis in 1..D {
+                        let psi = self.projected_turn(node, before, after, axis)?.psi;
+                        sum += k_b * half_square(Jet(psi, 1.0, 0.0), rest[node]).0;
+                    }
+                    sum
+                }
+            };
+            (before, k_b) = (after, self.bending);
         }
         Ok(energy)
     }
 
-    /// Gradient and Hessian by the edges for the shape `x`, `[n + 1]`.
-    pub(crate) fn derivatives(&self, x: &[Vector<D>], by_edge: &mut EdgeDerivatives<D>) -> Result<(), FoldBack> {
-        let l0 = self.segment_length;
-        let (mut before, mut length_before, mut stiffness) = (self.direction, l0, 2.0 * self.bending);
+    /// ∂U/∂x_k of the shape `x`, `[n + 1]`, for the free nodes k = 1 … n, given to `emit` in this order.
+    pub(crate) fn gradient(&self, x: &[Vector<D>], mut emit: impl FnMut(usize, Vector<D>)) -> Result<(), BadShape> {
+        let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
+        // ∂U/∂e of the edge before and of the one before that: U goes by e_k = x_k − x_{k−1} and e_{k+1}.
+        let (mut by_before, mut by_earlier) = (Vector::zeros(), Vector::zeros());
         for (node, ends) in x.windows(2).enumerate() {
-            let e = ends[1] - ends[0];
-            let l = e.norm();
-            let t = e / l;
-            let across = Matrix::identity() - t * t.transpose();
-
-            by_edge.gradient[node] = t * (self.axial * (l - l0));
-            by_edge.diagonal[node] = (t * t.transpose() + across * (1.0 - l0 / l)) * self.axial;
-            by_edge.coupling[node].fill(0.0);
-
-            // Energy of the vertex 2 B (1 − c)/(1 + c), its derivatives by c, and those of c by the two edges.
-            let above_fold = self.cosine_above_fold(node, (before, length_before), (t, l))?;
-            let by_c = -4.0 * stiffness / above_fold.powi(2);
-            let by_c_twice = 8.0 * stiffness / above_fold.powi(3);
-            let c = above_fold - 1.0;
-            let c_by_before = (t - before * c) / length_before;
-            let c_by_e = (before - t * c) / l;
-            let own = |tangent: Vector<D>, length: f64, slope: Vector<D>| {
-                let mixed = slope * tangent.transpose();
-                (mixed + mixed.transpose()) / -length
-                    - (Matrix::identity() - tangent * tangent.transpose()) * (c / (length * length))
+            let after = Edge::between(ends[0], ends[1]);
+            let vertex = match &self.angles {
+                Angles::Straight => {
+                    let slope = CosineSlope::new(before, after, self.cosine_above_fold(node, before, after)?, k_b);
+                    (slope.c_by_before * slope.by_c, slope.c_by_after * slope.by_c)
+                }
+                _ => {
+                    let vertex = self.planar_vertex(node, before, after, k_b)?;
+                    (vertex.by_before, vertex.by_after)
+                }
             };
-            by_edge.gradient[node] += c_by_e * by_c;
-            by_edge.diagonal[node] += own(t, l, c_by_e) * by_c + c_by_e * c_by_e.transpose() * by_c_twice;
-            if node > 0 {
-                let mixed = (across - before * c_by_e.transpose() * l) / (length_before * l);
-                by_edge.gradient[node - 1] += c_by_before * by_c;
-                by_edge.diagonal[node - 1] +=
-                    own(before, length_before, c_by_before) * by_c + c_by_before * c_by_before.transpose() * by_c_twice;
-                by_edge.coupling[node - 1] = mixed * by_c + c_by_before * c_by_e.transpose() * by_c_twice;
+            by_before += vertex.0;
+            if node > 1 {
+                emit(node - 1, by_earlier - by_before);
             }
-            (before, length_before, stiffness) = (t, l, self.bending);
+            by_earlier = by_before;
+            by_before = after.t * (self.axial * (after.l - self.segment_length)) + vertex.1;
+            (before, k_b) = (after, self.bending);
         }
+        let last = x.len() - 1;
+        emit(last - 1, by_earlier - by_before);
+        emit(last, by_before);
         Ok(())
     }
 
-    /// 1 + c between two edges given by tangent and length, or the error that they fold back (or have no length).
-    fn cosine_above_fold(
+    /// Gradient and Hessian for the shape `x`, `[n + 1]`, for the free nodes k = 1 … n, given to `emit` in this order.
+    pub(crate) fn derivatives(
+        &self,
+        x: &[Vector<D>],
+        mut emit: impl FnMut(usize, &NodeDerivatives<D>),
+    ) -> Result<(), BadShape> {
+        let l0 = self.segment_length;
+        let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
+        // By the edges: gradient and own block of the edge before, and of the one before that with its coupling to it.
+        let (mut gradient, mut block) = (Vector::zeros(), Matrix::zeros());
+        let (mut earlier_gradient, mut earlier_block, mut earlier_coupling) =
+            (Vector::zeros(), Matrix::zeros(), Matrix::zeros());
+        for (node, ends) in x.windows(2).enumerate() {
+            let after @ Edge { t, l, inverse_l } = Edge::between(ends[0], ends[1]);
+            let vertex = match &self.angles {
+                Angles::Straight => {
+                    let above_fold = self.cosine_above_fold(node, before, after)?;
+                    VertexDerivatives::straight(before, after, &CosineSlope::new(before, after, above_fold, k_b))
+                }
+                _ => self.planar_vertex(node, before, after, k_b)?,
+            };
+            gradient += vertex.by_before;
+            block += vertex.before_before;
+            let coupling = vertex.before_after;
+            if node > 1 {
+                emit(
+                    node - 1,
+                    &NodeDerivatives {
+                        gradient: earlier_gradient - gradient,
+                        own: earlier_block + block - earlier_coupling - earlier_coupling.transpose(),
+                        next: (earlier_coupling - block + coupling).transpose(),
+                        next_but_one: -coupling.transpose(),
+                    },
+                );
+            }
+            (earlier_gradient, earlier_block) = (gradient, block);
+            earlier_coupling = if node > 0 { coupling } else { Matrix::zeros() };
+            gradient = t * (self.axial * (l - l0)) + vertex.by_after;
+            let stretched = self.axial * l0 * inverse_l;
+            let turned = self.axial - stretched;
+            block = t * (t * stretched).transpose() + Matrix::from_diagonal_element(turned) + vertex.after_after;
+            (before, k_b) = (after, self.bending);
+        }
+        let last = x.len() - 1;
+        let none = Matrix::zeros();
+        emit(
+            last - 1,
+            &NodeDerivatives {
+                gradient: earlier_gradient - gradient,
+                own: earlier_block + block - earlier_coupling - earlier_coupling.transpose(),
+                next: (earlier_coupling - block).transpose(),
+                next_but_one: none,
+            },
+        );
+        emit(last, &NodeDerivatives { gradient, own: block, next: none, next_but_one: none });
+        Ok(())
+    }
+
+    /// Derivatives of a vertex in the models that go by signed angles in a plane.
+    fn planar_vertex(
         &self,
         node: usize,
-        (before, length_before): (Vector<D>, f64),
-        (t, l): (Vector<D>, f64),
-    ) -> Result<f64, FoldBack> {
-        let above_fold = 0.5 * (before + t).norm_squared();
+        before: Edge<D>,
+        after: Edge<D>,
+        k_b: f64,
+    ) -> Result<VertexDerivatives<D>, BadShape> {
+        let mut vertex = VertexDerivatives::zeros();
+        match &self.angles {
+            Angles::Straight => unreachable!("a straight rod goes by the cosine"),
+            Angles::Curved(rest) => {
+                self.cosine_above_fold(node, before, after)?;
+                let turn = before.turn(after, 1);
+                let energy = half_square(kappa(turn.psi), kappa(rest[node]).0);
+                vertex = vertex.with_turn(&turn, 1, k_b, energy);
+            }
+            Angles::Projected(rest) => {
+                for axis in 1..D {
+                    let turn = self.projected_turn(node, before, after, axis)?;
+                    let energy = half_square(Jet(turn.psi, 1.0, 0.0), rest[node]);
+                    vertex = vertex.with_turn(&turn, axis, k_b, energy);
+                }
+            }
+        }
+        Ok(vertex)
+    }
+
+    /// What stands before the first edge.
+    fn clamped_edge(&self) -> Edge<D> {
+        Edge { t: self.direction, l: self.segment_length, inverse_l: 1.0 / self.segment_length }
+    }
+
+    /// 1 + c between two edges, or the error that they fold back (or have no length).
+    fn cosine_above_fold(&self, node: usize, before: Edge<D>, after: Edge<D>) -> Result<f64, BadShape> {
+        let above_fold = 0.5 * (before.t + after.t).norm_squared();
         // Not a number where an edge has no length: that is refused as well.
-        if length_before * l * above_fold > FOLD * self.segment_length.powi(2) {
+        if before.l * after.l * above_fold > FOLD * self.segment_length.powi(2) {
             Ok(above_fold)
         } else {
-            Err(FoldBack { node })
+            Err(BadShape::Fold { node })
         }
     }
+
+    /// Turn of the projections into the plane of x and `axis`, or the error that they are singular.
+    fn projected_turn(&self, node: usize, before: Edge<D>, after: Edge<D>, axis: usize) -> Result<Turn, BadShape> {
+        let turn = before.turn(after, axis);
+        let long = |edge: Edge<D>| edge.projection(axis).norm_squared() > FOLD * self.segment_length.powi(2);
+        if long(before) && long(after) && turn.psi.abs() < FRAC_PI_2 {
+            Ok(turn)
+        } else {
+            Err(BadShape::Projection { node, axis })
+        }
+    }
+}
+
+impl<const D: usize> Edge<D> {
+    fn between(start: Vector<D>, end: Vector<D>) -> Self {
+        let e = end - start;
+        let l = e.norm();
+        let inverse_l = 1.0 / l;
+        Self { t: e * inverse_l, l, inverse_l }
+    }
+
+    /// Components along x and `axis`, m.
+    fn projection(self, axis: usize) -> Vector2<f64> {
+        Vector2::new(self.t[0], self.t[axis]) * self.l
+    }
+
+    /// From the projection of `self` to that of `after` in the plane of x and `axis`.
+    fn turn(self, after: Self, axis: usize) -> Turn {
+        let (p, q) = (self.projection(axis), after.projection(axis));
+        Turn { psi: p.perp(&q).atan2(p.dot(&q)), by_before: -angle_gradient(p), by_after: angle_gradient(q) }
+    }
+}
+
+impl<const D: usize> CosineSlope<D> {
+    fn new(before: Edge<D>, after: Edge<D>, above_fold: f64, k_b: f64) -> Self {
+        let c = above_fold - 1.0;
+        let inverse = 1.0 / above_fold;
+        let by_c = -4.0 * k_b * inverse * inverse;
+        Self {
+            c,
+            by_c,
+            by_c_twice: -2.0 * by_c * inverse,
+            c_by_before: (after.t - before.t * c) * before.inverse_l,
+            c_by_after: (before.t - after.t * c) * after.inverse_l,
+        }
+    }
+}
+
+impl<const D: usize> VertexDerivatives<D> {
+    fn zeros() -> Self {
+        Self {
+            by_before: Vector::zeros(),
+            by_after: Vector::zeros(),
+            before_before: Matrix::zeros(),
+            before_after: Matrix::zeros(),
+            after_after: Matrix::zeros(),
+        }
+    }
+
+    /// Of 2 k_b (1 − c)/(1 + c), by the derivatives of c by the two edges.
+    fn straight(before: Edge<D>, after: Edge<D>, slope: &CosineSlope<D>) -> Self {
+        let CosineSlope { c, by_c, by_c_twice, c_by_before, c_by_after } = *slope;
+        // ∂²c/∂e∂e = [c (3 t tᵀ − 1) − t_1 t_2ᵀ − t_2 t_1ᵀ] / l².
+        let mixed = before.t * after.t.transpose();
+        let both = mixed + mixed.transpose();
+        let own = |edge: Edge<D>, slope: Vector<D>| {
+            let weight = by_c * edge.inverse_l * edge.inverse_l;
+            edge.t * (edge.t * (3.0 * c * weight)).transpose()
+                - Matrix::from_diagonal_element(c * weight)
+                - both * weight
+                + slope * (slope * by_c_twice).transpose()
+        };
+        // ∂²c/∂e_1∂e_2 = [1 − t_2 t_2ᵀ − t_1 (t_1 − c t_2)ᵀ] / (l_1 l_2).
+        let weight = by_c * before.inverse_l * after.inverse_l;
+        let before_after = Matrix::from_diagonal_element(weight)
+            - after.t * (after.t * weight).transpose()
+            - before.t * (c_by_after * (after.l * weight)).transpose()
+            + c_by_before * (c_by_after * by_c_twice).transpose();
+        Self {
+            by_before: c_by_before * by_c,
+            by_after: c_by_after * by_c,
+            before_before: own(before, c_by_before),
+            before_after,
+            after_after: own(after, c_by_after),
+        }
+    }
+
+    /// With the energy k_b g(ψ) of a turn in the plane of x and `axis` added.
+    fn with_turn(mut self, turn: &Turn, axis: usize, k_b: f64, Jet(_, slope, curvature): Jet) -> Self {
+        let (slope, curvature) = (k_b * slope, k_b * curvature);
+        let places = [0, axis];
+        let before_hessian = -angle_hessian(-turn.by_before);
+        let after_hessian = angle_hessian(turn.by_after);
+        for (i, &row) in places.iter().enumerate() {
+            self.by_before[row] += slope * turn.by_before[i];
+            self.by_after[row] += slope * turn.by_after[i];
+            for (j, &column) in places.iter().enumerate() {
+                let at = (row, column);
+                self.before_before[at] +=
+                    curvature * turn.by_before[i] * turn.by_before[j] + slope * before_hessian[(i, j)];
+                self.before_after[at] += curvature * turn.by_before[i] * turn.by_after[j];
+                self.after_after[at] += curvature * turn.by_after[i] * turn.by_after[j] + slope * after_hessian[(i, j)];
+            }
+        }
+        self
+    }
+}
+
+/// ∂θ/∂p of θ = atan2(p_y, p_x).
+fn angle_gradient(p: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-p.y, p.x) / p.norm_squared()
+}
+
+/// ∂²θ/∂p∂p from the gradient: g = (−p_y, p_x)/|p|² has p/|p|² = (g_y, −g_x).
+fn angle_hessian(g: Vector2<f64>) -> SMatrix<f64, 2, 2> {
+    let (xx, xy) = (-2.0 * g.x * g.y, g.x * g.x - g.y * g.y);
+    SMatrix::<f64, 2, 2>::new(xx, xy, xy, -xx)
+}
+
+/// κ = 2 tan(ψ/2).
+fn kappa(psi: f64) -> Jet {
+    let kappa = 2.0 * (0.5 * psi).tan();
+    let slope = 1.0 + 0.25 * kappa * kappa;
+    Jet(kappa, slope, 0.5 * kappa * slope)
+}
+
+/// ½ (f − rest)².
+fn half_square(Jet(f, slope, curvature): Jet, rest: f64) -> Jet {
+    let off = f - rest;
+    Jet(0.5 * off * off, off * slope, slope * slope + off * curvature)
 }
 
 #[cfg(test)]
@@ -153,7 +427,18 @@ mod tests {
     fn springs<const D: usize>() -> Elastic<D> {
         let mut direction = Vector::zeros();
         direction[0] = 1.0;
-        Elastic { segment_length: 0.25, axial: 40.0, bending: 3.0, direction }
+        Elastic { segment_length: 0.25, axial: 40.0, bending: 3.0, clamp: 6.0, direction, angles: Angles::Straight }
+    }
+
+    /// Every kind of angles that there is in `D` dimensions, curved ones in the plane.
+    fn springs_of_all_kinds<const D: usize>() -> Vec<Elastic<D>> {
+        let rest: Vec<f64> = (0..SEGMENTS).map(|k| if D == 2 { 0.1 + 0.05 * k as f64 } else { 0.0 }).collect();
+        let with = |angles| Elastic { angles, ..springs() };
+        let mut kinds = vec![with(Angles::Straight), with(Angles::Projected(rest.clone()))];
+        if D == 2 {
+            kinds.push(with(Angles::Curved(rest)));
+        }
+        kinds
     }
 
     /// A shape with turning angles of up to about a radian and edges 20 % longer or shorter than at rest.
@@ -172,58 +457,77 @@ mod tests {
         energy.stretching + energy.bending
     }
 
-    /// Move everything from node `edge + 1` on, which changes one edge only.
-    fn with_edge_moved<const D: usize>(shape: &[Vector<D>], edge: usize, d: usize, by: f64) -> Vec<Vector<D>> {
+    fn moved<const D: usize>(shape: &[Vector<D>], node: usize, d: usize, by: f64) -> Vec<Vector<D>> {
         let mut moved = shape.to_vec();
-        moved[edge + 1..].iter_mut().for_each(|x| x[d] += by);
+        moved[node][d] += by;
         moved
     }
 
+    fn gradients<const D: usize>(springs: &Elastic<D>, shape: &[Vector<D>]) -> Vec<Vector<D>> {
+        let mut gradients = vec![Vector::zeros()];
+        springs
+            .gradient(shape, |node, gradient| {
+                assert_eq!(node, gradients.len());
+                gradients.push(gradient);
+            })
+            .unwrap();
+        gradients
+    }
+
     fn gradient_is_that_of_the_energy<const D: usize>() {
-        let (springs, step) = (springs::<D>(), 1e-5);
-        for seed in 0..5 {
+        let step = 1e-5;
+        for (springs, seed) in springs_of_all_kinds::<D>().iter().flat_map(|s| (0..5).map(move |seed| (s, seed))) {
             let shape = bent(seed as f64);
-            let mut by_edge = EdgeDerivatives::zeros(SEGMENTS);
-            springs.derivatives(&shape, &mut by_edge).unwrap();
-            for edge in 0..SEGMENTS {
-                for d in 0..D {
-                    let difference = (total(&springs, &with_edge_moved(&shape, edge, d, step))
-                        - total(&springs, &with_edge_moved(&shape, edge, d, -step)))
+            let gradients = gradients(springs, &shape);
+            for (node, exact) in gradients.iter().enumerate().skip(1) {
+                for (d, exact) in exact.iter().enumerate() {
+                    let difference = (total(springs, &moved(&shape, node, d, step))
+                        - total(springs, &moved(&shape, node, d, -step)))
                         / (2.0 * step);
-                    let exact = by_edge.gradient[edge][d];
                     let error = (difference - exact).abs();
-                    assert!(error < 1e-7 * (1.0 + exact.abs()), "edge {edge}, {d}: {exact} against {difference}");
+                    assert!(error < 1e-6 * (1.0 + exact.abs()), "node {node}, {d}: {exact} against {difference}");
                 }
             }
         }
     }
 
     fn hessian_is_that_of_the_gradient<const D: usize>() {
-        let (springs, step) = (springs::<D>(), 1e-5);
-        for seed in 0..5 {
+        let step = 1e-5;
+        for (springs, seed) in springs_of_all_kinds::<D>().iter().flat_map(|s| (0..5).map(move |seed| (s, seed))) {
             let shape = bent(seed as f64);
-            let [mut by_edge, mut above, mut below] = [(); 3].map(|()| EdgeDerivatives::zeros(SEGMENTS));
-            springs.derivatives(&shape, &mut by_edge).unwrap();
-            for edge in 0..SEGMENTS {
-                for d in 0..D {
-                    springs.derivatives(&with_edge_moved(&shape, edge, d, step), &mut above).unwrap();
-                    springs.derivatives(&with_edge_moved(&shape, edge, d, -step), &mut below).unwrap();
-                    for other in 0..SEGMENTS {
-                        let difference = (above.gradient[other] - below.gradient[other]) / (2.0 * step);
-                        let exact = match other.abs_diff(edge) {
-                            0 => by_edge.diagonal[edge].column(d).into_owned(),
-                            1 if other < edge => by_edge.coupling[other].column(d).into_owned(),
-                            1 => by_edge.coupling[edge].row(d).transpose(),
-                            _ => Vector::zeros(),
-                        };
-                        let error = (difference - exact).amax();
-                        assert!(
-                            error < 1e-7 * (1.0 + exact.amax()),
-                            "edges {other}, {edge}, {d}: {exact} against {difference}"
-                        );
+            let expected = gradients(springs, &shape);
+            let slopes: Vec<_> = (0..D * SEGMENTS)
+                .map(|i| {
+                    let (node, d) = (1 + i / D, i % D);
+                    let [above, below] = [step, -step].map(|by| gradients(springs, &moved(&shape, node, d, by)));
+                    above.iter().zip(below).map(|(a, b)| (a - b) / (2.0 * step)).collect::<Vec<_>>()
+                })
+                .collect();
+            let mut nodes = 0;
+            springs
+                .derivatives(&shape, |node, by| {
+                    nodes += 1;
+                    assert_eq!(node, nodes);
+                    assert!((by.gradient - expected[node]).amax() < 1e-12 * (1.0 + by.gradient.amax()));
+                    for d in 0..D {
+                        let slope = &slopes[(node - 1) * D + d];
+                        for (other, slope) in slope.iter().enumerate().skip(node) {
+                            let exact = match other - node {
+                                0 => by.own.column(d).into_owned(),
+                                1 => by.next.column(d).into_owned(),
+                                2 => by.next_but_one.column(d).into_owned(),
+                                _ => Vector::zeros(),
+                            };
+                            let error = (slope - exact).amax();
+                            assert!(
+                                error < 1e-5 * (1.0 + exact.amax()),
+                                "nodes {other}, {node}, {d}: {exact} against {slope}"
+                            );
+                        }
                     }
-                }
-            }
+                })
+                .unwrap();
+            assert_eq!(nodes, SEGMENTS);
         }
     }
 
@@ -255,7 +559,7 @@ mod tests {
             let angles = [1.0, 2.0, 3.0].map(|k| 3.0 * (k * f64::from(seed) + k).sin());
             let rotation = Rotation3::from_euler_angles(angles[0], angles[1], angles[2]);
             let shift = Vector3::new(0.3, -0.7, 0.5);
-            let turned = Elastic { direction: rotation * springs.direction, ..springs };
+            let turned = Elastic { direction: rotation * springs.direction, ..self::springs() };
             let moved: Vec<_> = shape.iter().map(|x| rotation * x + shift).collect();
             let (before, after) = (total(&springs, &shape), total(&turned, &moved));
             assert!((before - after).abs() < 1e-12 * before, "seed {seed}: {before} against {after}");
@@ -277,16 +581,64 @@ mod tests {
         }
     }
 
+    /// With no rest angles the signed angle in the plane gives what its cosine gives.
+    #[test]
+    fn curved_model_of_a_straight_rod_is_the_straight_model() {
+        let [straight, curved] =
+            [Angles::Straight, Angles::Curved(vec![0.0; SEGMENTS])].map(|angles| Elastic { angles, ..springs::<2>() });
+        for seed in 0..5 {
+            let shape = bent(f64::from(seed));
+            let (energy, of_curved) = (total(&straight, &shape), total(&curved, &shape));
+            assert!((energy - of_curved).abs() < 1e-13 * energy, "{energy} against {of_curved}");
+            let mut expected = Vec::new();
+            straight
+                .derivatives(&shape, |_, by| expected.push((by.gradient, by.own, by.next, by.next_but_one)))
+                .unwrap();
+            curved
+                .derivatives(&shape, |node, by| {
+                    let (gradient, own, next, next_but_one) = expected[node - 1];
+                    let errors = [
+                        (by.gradient - gradient).amax(),
+                        (by.own - own).amax(),
+                        (by.next - next).amax(),
+                        (by.next_but_one - next_but_one).amax(),
+                    ];
+                    assert!(errors.iter().all(|&error| error < 1e-9), "seed {seed}, node {node}: {errors:?}");
+                })
+                .unwrap();
+        }
+    }
+
+    /// Straight up in the plane xy, the projection into xz vanishes.
+    #[test]
+    fn projected_model_refuses_the_vertical() {
+        let springs = Elastic { angles: Angles::Projected(vec![0.0; 3]), ..springs::<3>() };
+        let along = |angles: [f64; 3]| {
+            let mut x = vec![Vector::<3>::zeros()];
+            for (k, angle) in angles.into_iter().enumerate() {
+                x.push(x[k] + Vector::from([angle.cos(), angle.sin(), 0.0]) * 0.25);
+            }
+            x
+        };
+        springs.energy(&along([0.5, 1.0, 1.5])).map(|_| ()).unwrap();
+        for last in [FRAC_PI_2, 1.7] {
+            let shape = along([0.5, 1.0, last]);
+            let found = springs.energy(&shape).map(|_| ()).unwrap_err();
+            assert!(matches!(found, BadShape::Projection { node: 2, axis: 2 }), "{last}: {found:?}");
+            let found = springs.derivatives(&shape, |_, _| ()).unwrap_err();
+            assert!(matches!(found, BadShape::Projection { node: 2, axis: 2 }), "{last}: {found:?}");
+        }
+    }
+
     #[test]
     fn folding_back_is_refused() {
         let springs = springs::<2>();
         let points = |x: [f64; 3]| x.map(|x| Vector::from([x, 0.0]));
-        let mut by_edge = EdgeDerivatives::zeros(2);
         for (shape, node) in [([0.0, 0.25, 0.0], 1), ([0.0, -0.25, -0.5], 0), ([0.0, 0.25, 0.25], 1)] {
-            let found = springs.energy(&points(shape)).map(|_| ()).unwrap_err().node;
-            assert_eq!(found, node, "energy of {shape:?}");
-            let found = springs.derivatives(&points(shape), &mut by_edge).unwrap_err().node;
-            assert_eq!(found, node, "derivatives of {shape:?}");
+            let found = springs.energy(&points(shape)).map(|_| ()).unwrap_err();
+            assert!(matches!(found, BadShape::Fold { node: n } if n == node), "energy of {shape:?}: {found:?}");
+            let found = springs.derivatives(&points(shape), |_, _| ()).unwrap_err();
+            assert!(matches!(found, BadShape::Fold { node: n } if n == node), "derivatives of {shape:?}: {found:?}");
         }
     }
 }

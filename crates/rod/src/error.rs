@@ -64,6 +64,26 @@ pub enum Error {
         /// Limit of |e1||e2| + e1·e2, m².
         limit: f64,
     },
+    /// Nothing to differentiate.
+    #[error(
+        "sensitivities are those of a step taken in one piece with a regular tangent, but the last one took {substeps} \
+         sub-steps (0 where there was none since the start or since a state was put back)"
+    )]
+    NoSensitivity {
+        /// Sub-steps of the last step.
+        substeps: usize,
+    },
+    /// The projected bending model is singular in this shape.
+    #[error(
+        "the projected bending angle in the plane x{axis} is singular at node {node}: the projection of a segment there \
+         vanishes or turns by more than a right angle; the invariant bending model has no such limit"
+    )]
+    Projection {
+        /// Node between the two segments.
+        node: usize,
+        /// The plane's other axis.
+        axis: char,
+    },
 }
 
 impl Error {

@@ -11,7 +11,7 @@
 //! 2006, *Numerical Optimization*, 2nd ed., sections 3.1 and 3.4).
 
 use crate::banded::{Banded, Singular};
-use crate::elastic::{EdgeDerivatives, Elastic, FoldBack, Matrix, Vector};
+use crate::elastic::{BadShape, Elastic, Vector};
 
 /// Plain Newton takes 1 … 4 iterations, about ten for a very stiff rod after a long step; more is divergence.
 const PLAIN_ITERATIONS: usize = 15;
@@ -51,6 +51,8 @@ pub struct Statistics {
     pub iterations: usize,
     /// Sub-steps.
     pub substeps: usize,
+    /// Solves that plain Newton did not finish, so that shift and line search had to.
+    pub rescues: usize,
     /// Largest number of negative pivots in a Newton matrix: above 0 it warns that the step is too long.
     pub negative_pivots: usize,
 }
@@ -67,21 +69,36 @@ enum Update {
 /// Why a solve failed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Failure {
-    NotConverged { residual: f64, tolerance: f64 },
-    FoldBack(FoldBack),
+    NotConverged(Imbalance),
+    BadShape(BadShape),
 }
 
-impl From<FoldBack> for Failure {
-    fn from(fold: FoldBack) -> Self {
-        Self::FoldBack(fold)
+/// How far from balance a shape is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Imbalance {
+    /// Largest component of ∇Π, N.
+    pub(crate) residual: f64,
+    /// What is small enough, N.
+    pub(crate) tolerance: f64,
+}
+
+impl From<Imbalance> for Failure {
+    fn from(imbalance: Imbalance) -> Self {
+        Self::NotConverged(imbalance)
+    }
+}
+
+impl From<BadShape> for Failure {
+    fn from(shape: BadShape) -> Self {
+        Self::BadShape(shape)
     }
 }
 
 /// Scratch of the method and what it needs to know of the rod.
 pub(crate) struct Newton<const D: usize> {
-    /// Elastic forces and stiffnesses of the shape assembled last.
-    pub(crate) by_edge: EdgeDerivatives<D>,
-    matrix: Banded,
+    pub(crate) matrix: Banded,
+    /// Largest diagonal entry of the matrix assembled last, N/m.
+    stiffness: f64,
     /// −∇Π node by node without the root, N: `[n D]`.
     descent: Vec<f64>,
     /// Newton's update of the positions, m: `[n D]`.
@@ -98,8 +115,8 @@ impl<const D: usize> Newton<D> {
     /// For a rod of `segments`, `length` (m) and coordinates up to `extent` (m).
     pub(crate) fn new(segments: usize, length: f64, extent: f64) -> Self {
         Self {
-            by_edge: EdgeDerivatives::zeros(segments),
             matrix: Banded::zeros(segments * D, 3 * D - 1),
+            stiffness: 0.0,
             descent: vec![0.0; segments * D],
             update: vec![0.0; segments * D],
             before: vec![Vector::zeros(); segments + 1],
@@ -118,14 +135,27 @@ impl<const D: usize> Newton<D> {
         statistics: &mut Statistics,
     ) -> Result<(), Failure> {
         self.before.copy_from_slice(x);
-        if self.iterate(elastic, balance, origin, x, statistics, Update::Plain).is_ok() {
-            return Ok(());
-        }
+        let Err(plain) = self.iterate(elastic, balance, origin, x, statistics, Update::Plain) else { return Ok(()) };
+        statistics.rescues += 1;
         x.copy_from_slice(&self.before);
         if elastic.energy(x).is_err() {
-            x.copy_from_slice(origin);
+            x[1..].copy_from_slice(&origin[1..]);
         }
-        self.iterate(elastic, balance, origin, x, statistics, Update::Guarded)
+        // A line search does not enter a bad shape: it stops in front of what the plain method met.
+        self.iterate(elastic, balance, origin, x, statistics, Update::Guarded).map_err(|guarded| match plain {
+            Failure::BadShape(_) => plain,
+            Failure::NotConverged(_) => guarded,
+        })
+    }
+
+    /// ∇∇Π at `x` into `matrix`.
+    pub(crate) fn tangent(
+        &mut self,
+        elastic: &Elastic<D>,
+        balance: &Balance<D>,
+        x: &[Vector<D>],
+    ) -> Result<(), BadShape> {
+        self.assemble(elastic, balance, x, x).map(|_| ())
     }
 
     fn iterate(
@@ -143,16 +173,18 @@ impl<const D: usize> Newton<D> {
         };
         let mut shift = 0.0;
         for iteration in 0.. {
-            let (residual, tolerance) = self.assemble(elastic, balance, origin, x)?;
             // The first guess always gets one update: a small load must not drown in the tolerance.
-            if iteration > 0 && residual <= tolerance {
-                break;
-            }
-            let failure = Failure::NotConverged { residual, tolerance };
-            if iteration == limit {
-                return Err(failure);
+            if iteration > 0 {
+                let imbalance = self.find_descent(elastic, balance, origin, x)?;
+                if imbalance.residual <= imbalance.tolerance {
+                    break;
+                }
+                if iteration == limit {
+                    return Err(imbalance.into());
+                }
             }
             statistics.iterations += 1;
+            let failure = Failure::from(self.assemble(elastic, balance, origin, x)?);
             match (self.matrix.factorise(), kind) {
                 (Ok(0), _) => shift = 0.0,
                 (Ok(negative_pivots), Update::Plain) => {
@@ -174,47 +206,66 @@ impl<const D: usize> Newton<D> {
                 Update::Guarded => self.search(elastic, balance, origin, x, allowed.min(1.0)).ok_or(failure)?,
             }
             // A shift shortens updates, so a short one says nothing there.
-            if shift == 0.0 && largest(&self.update) <= RELATIVE_UPDATE * self.length {
+            let update = self.update.iter().fold(0.0_f64, |largest, entry| entry.abs().max(largest));
+            if shift == 0.0 && update <= RELATIVE_UPDATE * self.length {
                 break;
             }
         }
         Ok(())
     }
 
-    /// ∇∇Π into `matrix` and −∇Π into `descent`; returns the residual and its tolerance, N.
+    /// −∇Π into `descent`.
+    fn find_descent(
+        &mut self,
+        elastic: &Elastic<D>,
+        balance: &Balance<D>,
+        origin: &[Vector<D>],
+        x: &[Vector<D>],
+    ) -> Result<Imbalance, BadShape> {
+        let mut forces = LargestForces::default();
+        let descent = &mut self.descent;
+        elastic.gradient(x, |k, gradient| {
+            let sum = balance.descent(k, x[k] - origin[k], gradient, &mut forces);
+            descent[(k - 1) * D..][..D].copy_from_slice(sum.as_slice());
+        })?;
+        Ok(self.imbalance(&forces))
+    }
+
+    /// ∇∇Π into `matrix` and −∇Π into `descent`.
     fn assemble(
         &mut self,
         elastic: &Elastic<D>,
         balance: &Balance<D>,
         origin: &[Vector<D>],
         x: &[Vector<D>],
-    ) -> Result<(f64, f64), FoldBack> {
-        elastic.derivatives(x, &mut self.by_edge)?;
-        self.matrix.clear();
-        let EdgeDerivatives { gradient, diagonal, coupling } = &self.by_edge;
+    ) -> Result<Imbalance, BadShape> {
+        let Self { matrix, descent, stiffness, .. } = self;
         let s = balance.elastic_weight;
-        let segments = gradient.len();
-        let mut largest_force = 0.0_f64;
-        for k in 1..=segments {
-            // x_k ends edge k − 1 and begins edge k; at the tip there is no edge k.
-            let (node, edge) = (k - 1, k - 1);
-            let mut descent = balance.load[k] - (x[k] - origin[k]) * balance.weight[k] - gradient[edge] * s;
-            let mut own = diagonal[edge] * s + Matrix::from_diagonal_element(balance.weight[k]);
-            if k < segments {
-                descent += gradient[edge + 1] * s;
-                own += (diagonal[edge + 1] - coupling[edge] - coupling[edge].transpose()) * s;
-                let next = (coupling[edge] - diagonal[edge + 1] + coupling[edge + 1]) * s;
-                add_block(&mut self.matrix, node + 1, node, next.transpose());
+        let mut forces = LargestForces::default();
+        *stiffness = 0.0;
+        elastic.derivatives(x, |k, by| {
+            let sum = balance.descent(k, x[k] - origin[k], by.gradient, &mut forces);
+            descent[(k - 1) * D..][..D].copy_from_slice(sum.as_slice());
+            for j in 0..D {
+                let (own, others) = matrix.column_mut((k - 1) * D + j).split_at_mut(D - j);
+                for (i, entry) in own.iter_mut().enumerate() {
+                    *entry = s * by.own[(j + i, j)];
+                }
+                own[0] += balance.weight[k];
+                *stiffness = stiffness.max(own[0].abs());
+                for i in 0..D {
+                    others[i] = s * by.next[(i, j)];
+                    others[D + i] = s * by.next_but_one[(i, j)];
+                }
             }
-            if k + 1 < segments {
-                add_block(&mut self.matrix, node + 2, node, coupling[edge + 1].transpose() * -s);
-            }
-            add_block(&mut self.matrix, node, node, own);
-            largest_force = largest_force.max(s * gradient[edge].amax()).max(balance.load[k].amax());
-            self.descent[node * D..][..D].copy_from_slice(descent.as_slice());
-        }
-        let rounding = ROUNDING * self.extent * self.matrix.largest_diagonal();
-        Ok((largest(&self.descent), RELATIVE_RESIDUAL * largest_force + rounding))
+        })?;
+        Ok(self.imbalance(&forces))
+    }
+
+    fn imbalance(&self, forces: &LargestForces) -> Imbalance {
+        let rounding = ROUNDING * self.extent * self.stiffness;
+        let residual = if forces.sum.is_nan() { f64::INFINITY } else { forces.residual };
+        Imbalance { residual, tolerance: RELATIVE_RESIDUAL * forces.outer + rounding }
     }
 
     /// Raise the diagonal until all pivots are positive, from `shift` on; returns the shift, N/m.
@@ -229,7 +280,7 @@ impl<const D: usize> Newton<D> {
         let mut factor = 1.0;
         loop {
             self.assemble(elastic, balance, origin, x).ok()?;
-            let stiffness = self.matrix.largest_diagonal();
+            let stiffness = self.stiffness;
             let tried = shift.max(SMALLEST_SHIFT * stiffness) * factor;
             if tried > LARGEST_SHIFT * stiffness || !stiffness.is_finite() {
                 return None;
@@ -281,8 +332,30 @@ impl<const D: usize> Newton<D> {
     }
 }
 
+/// Largest components over the nodes, N.
+#[derive(Default)]
+struct LargestForces {
+    /// Of ∇Π.
+    residual: f64,
+    /// Of what balances the elastic forces.
+    outer: f64,
+    /// Not a number where a component of ∇Π is none: `max` passes over that.
+    sum: f64,
+}
+
 impl<const D: usize> Balance<D> {
-    /// Π and the rounding error to expect in it, J; `None` where the shape folds back.
+    /// −∂Π/∂x of node `k`, displaced by `u`, where ∂U/∂x is `gradient`.
+    #[inline(always)]
+    fn descent(&self, k: usize, u: Vector<D>, gradient: Vector<D>, forces: &mut LargestForces) -> Vector<D> {
+        let outer = self.load[k] - u * self.weight[k];
+        let descent = outer - gradient * self.elastic_weight;
+        forces.residual = forces.residual.max(descent.amax());
+        forces.outer = forces.outer.max(outer.amax()).max(self.load[k].amax());
+        forces.sum += descent.sum();
+        descent
+    }
+
+    /// Π and the rounding error to expect in it, J; `None` where the shape has no energy.
     fn potential(&self, elastic: &Elastic<D>, origin: &[Vector<D>], x: &[Vector<D>]) -> Option<(f64, f64)> {
         let energy = elastic.energy(x).ok()?;
         let (mut potential, mut size) = (self.elastic_weight * (energy.stretching + energy.bending), 0.0);
@@ -294,19 +367,5 @@ impl<const D: usize> Balance<D> {
             size += inertia + work.abs();
         }
         Some((potential, POTENTIAL_ROUNDING * (size + potential.abs())))
-    }
-}
-
-/// Largest magnitude; infinite where an entry is not a number.
-fn largest(entries: &[f64]) -> f64 {
-    entries.iter().fold(0.0, |largest, entry| if entry.is_nan() { f64::INFINITY } else { entry.abs().max(largest) })
-}
-
-/// Add to the block of two nodes; of a diagonal block only the lower triangle.
-fn add_block<const D: usize>(matrix: &mut Banded, row: usize, column: usize, block: Matrix<D>) {
-    for j in 0..D {
-        for i in if row == column { j } else { 0 }..D {
-            matrix.add(row * D + i, column * D + j, block[(i, j)]);
-        }
     }
 }

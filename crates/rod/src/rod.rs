@@ -1,60 +1,18 @@
-//! The rod: parameters, loads, stepping.
+//! The rod: state and stepping.
 
-use scene::{Coupling, Load, RodScheme, Scene, Section};
-use serde::{Deserialize, Serialize};
+use scene::{Coupling, Load, RodScheme, Scene};
 
-use crate::Error;
-use crate::elastic::{Elastic, FOLD, Vector};
-use crate::newton::{Balance, Failure, Newton, Statistics};
-use crate::scheme::StepRule;
+use crate::banded::Banded;
+use crate::elastic::{BadShape, Elastic, FOLD, Vector};
+use crate::newton::{Balance, Failure, Imbalance, Newton, Statistics};
+use crate::parameters::{Loads, Parameters};
+use crate::root::{Clamp, Root};
+use crate::scheme::{StepRule, TRAPEZOID_PART};
 use crate::state::State;
+use crate::{Error, sensitivity};
 
 /// A step that fails is halved at most this many times.
 const HALVINGS: u32 = 6;
-
-/// What a rod is made of and where it is clamped; straight at rest.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Parameters<const D: usize> {
-    /// Position of the root, m.
-    pub root: [f64; D],
-    /// Direction from root to tip at rest; any length but 0.
-    pub direction: [f64; D],
-    /// Length, m.
-    pub length: f64,
-    /// Number of segments n, at least 2; there are n + 1 nodes.
-    pub segments: usize,
-    /// Mass and stiffness of the section (per metre of depth in two dimensions).
-    pub section: Section,
-    /// Mass per length of the displaced fluid, kg/m, that the loads account for. The rod itself carries the
-    /// difference `section.line_density - displaced`, which may be 0 but not negative; gravity acts on it.
-    pub displaced: f64,
-    /// Gravity, m/s².
-    pub gravity: [f64; D],
-    /// Damping force per length and velocity, kg/(m s).
-    pub damping: f64,
-    /// Time scheme.
-    pub scheme: RodScheme,
-    /// Largest step taken inside [`Rod::step`], s; `None`: the whole step.
-    pub max_step: Option<f64>,
-}
-
-/// Loads on the nodes, root to tip, held over a step; an empty array is a load that does not exist. The components of
-/// `force` are `force.chunks_exact_mut(n + 1)`.
-///
-/// What is given for the clamped node 0 has no effect.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Loads {
-    /// Nodal forces, N, component after component: `[D, n + 1]`.
-    pub force: Vec<f64>,
-    /// Jump of the pressure across the rod, p_top − p_bottom, Pa: `[n + 1]`; in two dimensions only. Top is the side of
-    /// the left-hand normal n when walking from root to tip, and the load per length is −\[p\] n. It follows the
-    /// rod's shape at the beginning of the step, so its direction is a step late.
-    pub pressure_jump: Vec<f64>,
-    /// Impedance D of the nodal forces, kg/s, at least 0: `[n + 1]`. A node moving at v gets the force
-    /// f − D (v − v_ref), v_ref being its velocity at the beginning of the step, where f was found. With D = 0 a load
-    /// from a fluid as heavy as the rod makes the coupling unstable.
-    pub impedance: Vec<f64>,
-}
 
 /// Energies, J (per metre of depth in two dimensions).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +23,7 @@ pub struct Energy {
     pub stretching: f64,
     /// Of the turning angles.
     pub bending: f64,
-    /// Of the rod's own mass in gravity, 0 at the height of the root.
+    /// Of the rod's own mass in gravity, 0 at the height of the root at rest.
     pub gravity: f64,
 }
 
@@ -73,20 +31,26 @@ pub struct Energy {
 pub struct Rod<const D: usize> {
     /// Loads of the next step.
     pub loads: Loads,
-    parameters: Parameters<D>,
-    elastic: Elastic<D>,
+    /// Where the next step takes the clamp; `None`: it is still, in its place at rest.
+    pub root: Option<Root<D>>,
+    pub(crate) parameters: Parameters<D>,
+    pub(crate) elastic: Elastic<D>,
     rest: Vec<Vector<D>>,
     /// Length that belongs to each node, m: `[n + 1]`.
-    tributary: Vec<f64>,
-    state: State<D>,
+    pub(crate) tributary: Vec<f64>,
+    pub(crate) state: State<D>,
     statistics: Statistics,
     /// Positions and velocities component after component: `[D, n + 1]`.
     positions: Vec<f64>,
     velocities: Vec<f64>,
-    newton: Newton<D>,
-    balance: Balance<D>,
+    pub(crate) newton: Newton<D>,
+    pub(crate) balance: Balance<D>,
     /// State before the step.
-    before: State<D>,
+    pub(crate) before: State<D>,
+    /// State before the sub-step (TR-BDF2).
+    before_substep: State<D>,
+    /// What the last step, if it was taken in one piece, left for sensitivities.
+    pub(crate) last: Option<sensitivity::LastStep<D>>,
     /// Nodal forces without damping and impedance, N: `[n + 1]`.
     force: Vec<Vector<D>>,
     /// Positions that Newton's method works on, m: `[n + 1]`.
@@ -94,29 +58,25 @@ pub struct Rod<const D: usize> {
 }
 
 impl<const D: usize> Rod<D> {
-    /// A rod at rest, straight, without loads.
+    /// A rod at rest without loads.
     pub fn new(parameters: Parameters<D>) -> Result<Self, Error> {
         const { assert!(D == 2 || D == 3, "a rod lives in 2 or 3 dimensions") };
         parameters.check()?;
-        let &Parameters { length, segments, section, .. } = &parameters;
+        let &Parameters { length, segments, .. } = &parameters;
         let root = Vector::from(parameters.root);
         let direction = Vector::from(parameters.direction).normalize();
-        let segment_length = length / segments as f64;
-        let rest: Vec<_> = (0..=segments).map(|k| root + direction * (length * k as f64 / segments as f64)).collect();
+        let rest = parameters.rest_shape(root, direction);
         let nodes = segments + 1;
-        let mut tributary = vec![segment_length; nodes];
-        tributary[0] *= 0.5;
-        tributary[segments] *= 0.5;
+        let at_rest = State::at_rest(rest.clone(), direction);
         let mut rod = Self {
             loads: Loads::default(),
-            elastic: Elastic {
-                segment_length,
-                axial: section.axial_stiffness / segment_length,
-                bending: section.bending_stiffness / segment_length,
-                direction,
-            },
-            state: State::at_rest(rest.clone()),
-            before: State::at_rest(rest.clone()),
+            root: None,
+            elastic: parameters.elastic(direction),
+            tributary: parameters.tributary(),
+            state: at_rest.clone(),
+            before: at_rest.clone(),
+            before_substep: at_rest,
+            last: None,
             statistics: Statistics::default(),
             positions: vec![0.0; D * nodes],
             velocities: vec![0.0; D * nodes],
@@ -125,15 +85,16 @@ impl<const D: usize> Rod<D> {
             force: vec![Vector::zeros(); nodes],
             guess: rest.clone(),
             rest,
-            tributary,
             parameters,
         };
+        rod.elastic.energy(&rod.rest).map_err(|shape| rod.error(shape.into()))?;
         rod.publish();
         Ok(rod)
     }
 
-    /// The rod of a scene with the loads that the scene has: nodal forces where there is no fluid, nodal forces and
-    /// impedance under the momentum load, the pressure jump under that load.
+    /// The rod of a scene with the loads that the scene has: nodal forces and (in two dimensions) the pressure jump where
+    /// there is no fluid, nodal forces and impedance under the momentum load, the pressure jump under that load. Where
+    /// the root moves in time is up to the caller: see [`Rod::place`] and [`Rod::root`].
     pub fn from_scene(scene: &Scene) -> Result<Self, Error> {
         let (Some(beam), Some(rod)) = (&scene.beam, &scene.rod) else {
             return Err(Error::NoRod { scene: scene.name.clone(), dimension: D });
@@ -141,24 +102,30 @@ impl<const D: usize> Rod<D> {
         if scene.dimension(beam) != D {
             return Err(Error::NoRod { scene: scene.name.clone(), dimension: D });
         }
-        let stations = scene.beam_stations(beam);
-        let (root, tip) = (stations[0], stations[beam.segments]);
+        let (root, direction) = scene.beam_root(beam);
         let mut built = Self::new(Parameters {
             root: std::array::from_fn(|d| root[d]),
-            direction: std::array::from_fn(|d| tip[d] - root[d]),
+            direction: std::array::from_fn(|d| direction[d]),
             length: beam.length,
             segments: beam.segments,
+            rest_angles: beam.rest_angles.clone(),
             section: rod.material.section(beam.thickness),
             displaced: scene.displaced_line_density(),
             gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),
             damping: rod.damping,
+            bending: rod.bending,
+            calibration: rod.calibration,
+            clamp_setback: rod.clamp_setback,
             scheme: rod.scheme,
             max_step: rod.max_step,
         })?;
         let nodes = beam.segments + 1;
         let zeros = |count: usize| vec![0.0; count];
         built.loads = match scene.coupling {
-            None => Loads { force: zeros(D * nodes), ..Loads::default() },
+            None => {
+                let pressure_jump = zeros(if D == 2 { nodes } else { 0 });
+                Loads { force: zeros(D * nodes), pressure_jump, ..Loads::default() }
+            }
             Some(Coupling { load: Load::Momentum, .. }) => {
                 Loads { force: zeros(D * nodes), impedance: zeros(nodes), ..Loads::default() }
             }
@@ -184,6 +151,11 @@ impl<const D: usize> Rod<D> {
         &self.velocities[d * self.rest.len()..][..self.rest.len()]
     }
 
+    /// Component `d` of the acceleration of node `k`, m/s².
+    pub fn acceleration(&self, d: usize, k: usize) -> f64 {
+        self.state.accelerations[k][d]
+    }
+
     /// Displacement of the tip from its rest position, m.
     pub fn tip_displacement(&self) -> [f64; D] {
         let tip = self.parameters.segments;
@@ -192,13 +164,13 @@ impl<const D: usize> Rod<D> {
 
     /// Energies of the state.
     pub fn energy(&self) -> Result<Energy, Error> {
-        let elastic = self.elastic.energy(&self.state.positions).map_err(|fold| self.error(Failure::FoldBack(fold)))?;
+        let elastic = self.elastic.energy(&self.state.positions).map_err(|shape| self.error(shape.into()))?;
         let gravity = Vector::from(self.parameters.gravity);
         let (mut kinetic, mut potential) = (0.0, 0.0);
         for k in 1..self.rest.len() {
             let m = self.mass(k);
             kinetic += 0.5 * m * self.state.velocities[k].norm_squared();
-            potential -= m * gravity.dot(&(self.state.positions[k] - self.state.positions[0]));
+            potential -= m * gravity.dot(&(self.state.positions[k] - self.rest[0]));
         }
         Ok(Energy { kinetic, stretching: elastic.stretching, bending: elastic.bending, gravity: potential })
     }
@@ -215,23 +187,44 @@ impl<const D: usize> Rod<D> {
 
     /// Continue from `state`; with the same loads and steps the continuation repeats bit by bit.
     ///
-    /// Refuses a state of another number of nodes, with numbers that are not finite, with a root that is not the
-    /// rod's, or that folds back.
+    /// Refuses a state of another number of nodes, with numbers that are not finite, with a clamp that is not where it
+    /// is at rest (unless [`Rod::root`] moves it), or of a shape without energy.
     pub fn restore(&mut self, state: &State<D>) -> Result<(), Error> {
         state.check(self.rest.len())?;
-        let (position, velocity) = (state.positions[0], state.velocities[0]);
-        if position != self.rest[0] {
-            return Err(Error::value(
-                "state.positions[0]",
-                format!("{:?}", position.as_slice()),
-                "the root's position",
-            ));
+        let (direction, still) = (Vector::from(self.parameters.direction).normalize(), Vector::zeros());
+        for (name, found, expected, allowed) in [
+            ("positions[0]", state.positions[0], self.rest[0], "the root's position"),
+            ("velocities[0]", state.velocities[0], still, "0 at the clamp"),
+            ("direction", state.direction, direction, "the direction at the clamp"),
+            ("direction_rate", state.direction_rate, still, "0 at the clamp"),
+        ] {
+            if self.root.is_none() && found != expected {
+                return Err(Error::value(format!("state.{name}"), format!("{:?}", found.as_slice()), allowed));
+            }
         }
-        if velocity != Vector::<D>::zeros() {
-            return Err(Error::value("state.velocities[0]", format!("{:?}", velocity.as_slice()), "0 at the clamp"));
+        let own = std::mem::replace(&mut self.elastic.direction, state.direction);
+        if let Err(shape) = self.elastic.energy(&state.positions) {
+            self.elastic.direction = own;
+            return Err(self.error(shape.into()));
         }
-        self.elastic.energy(&state.positions).map_err(|fold| self.error(Failure::FoldBack(fold)))?;
         self.state.copy_from(state);
+        self.statistics = Statistics::default();
+        self.last = None;
+        self.publish();
+        Ok(())
+    }
+
+    /// Put the rod at rest, in its rest shape, to where `root` is, as before a first step; `root` stays prescribed.
+    pub fn place(&mut self, root: Root<D>) -> Result<(), Error> {
+        let clamp = root.clamp()?;
+        let shape = self.parameters.rest_shape(clamp.position, clamp.direction);
+        let elastic = self.parameters.elastic(clamp.direction);
+        elastic.energy(&shape).map_err(|shape| self.error(shape.into()))?;
+        self.elastic = elastic;
+        self.state = State::at_rest(shape, clamp.direction);
+        self.state.set_clamp(&clamp);
+        self.last = None;
+        self.root = Some(root);
         self.publish();
         Ok(())
     }
@@ -246,8 +239,10 @@ impl<const D: usize> Rod<D> {
             return Err(Error::value("duration", duration, "a finite number of seconds above 0"));
         }
         self.collect_loads()?;
+        let clamp = self.next_clamp()?;
         self.before.copy_from(&self.state);
         self.statistics = Statistics::default();
+        self.last = None;
         if self.state.last_step == 0.0 {
             self.start()?;
         }
@@ -258,7 +253,13 @@ impl<const D: usize> Rod<D> {
         let mut size = whole;
         let mut remaining = total;
         while remaining > 0 {
-            match self.substep(duration * (size as f64 / total as f64)) {
+            let span = Span {
+                from: (total - remaining) as f64 / total as f64,
+                to: (total - remaining + size) as f64 / total as f64,
+                dt: duration * (size as f64 / total as f64),
+                duration,
+            };
+            match self.substep(span, clamp.as_ref()) {
                 Ok(()) => {
                     remaining -= size;
                     if size < whole && remaining.is_multiple_of(2 * size) {
@@ -268,36 +269,106 @@ impl<const D: usize> Rod<D> {
                 Err(_) if size > 1 => size /= 2,
                 Err(failure) => {
                     self.state.copy_from(&self.before);
+                    self.elastic.direction = self.state.direction;
+                    self.last = None;
                     return Err(self.error(failure));
                 }
             }
+        }
+        if self.statistics.substeps > 1 {
+            self.last = None;
         }
         self.publish();
         Ok(())
     }
 
+    /// Where the next step takes the clamp; `None` where it is still.
+    fn next_clamp(&self) -> Result<Option<Clamp<D>>, Error> {
+        let Some(root) = &self.root else { return Ok(None) };
+        let clamp = root.clamp()?;
+        if clamp.direction.dot(&self.state.direction) <= 0.0 {
+            return Err(Error::value(
+                "root.direction",
+                format!("{:?}", root.direction),
+                "less than a right angle from the direction at the beginning of the step",
+            ));
+        }
+        Ok(Some(clamp))
+    }
+
     /// Move to equilibrium under the present loads, at rest, as before a first step; impedance plays no part.
     ///
-    /// A pressure jump keeps the direction that it has in the present shape. On an error the state is as before.
+    /// Where that is too far for Newton's method the loads grow in parts, halved up to six times, from those that the
+    /// present shape balances. A pressure jump keeps the direction that it has in the present shape. On an error the
+    /// state is as before.
     pub fn solve_static(&mut self) -> Result<(), Error> {
         self.collect_loads()?;
         self.statistics = Statistics::default();
         self.balance.weight.fill(0.0);
-        self.balance.load.copy_from_slice(&self.force);
         self.balance.elastic_weight = 1.0;
-        self.guess.copy_from_slice(&self.state.positions);
-        let Self { newton, elastic, balance, state, guess, statistics, .. } = self;
-        newton.solve(elastic, balance, &state.positions, guess, statistics).map_err(|failure| self.error(failure))?;
-        self.state = State::at_rest(self.guess.clone());
+        let mut missing = self.force.clone();
+        let balanced = self.elastic.gradient(&self.state.positions, |k, gradient| missing[k] -= gradient);
+        balanced.map_err(|shape| self.error(shape.into()))?;
+        let mut settled = self.state.positions.clone();
+        let whole = 1_u32 << HALVINGS;
+        let (mut done, mut size) = (0, whole);
+        while done < whole {
+            let Self { newton, elastic, balance, force, guess, statistics, .. } = self;
+            let left = f64::from(whole - done - size) / f64::from(whole);
+            for ((load, force), missing) in balance.load.iter_mut().zip(&*force).zip(&missing) {
+                *load = force - missing * left;
+            }
+            guess.copy_from_slice(&settled);
+            match newton.solve(elastic, balance, &settled, guess, statistics) {
+                Ok(()) => {
+                    settled.copy_from_slice(guess);
+                    statistics.substeps += 1;
+                    done += size;
+                    size = (2 * size).min(whole - done);
+                }
+                Err(_) if size > 1 => size = (size / 2).max(1),
+                Err(failure) => return Err(self.error(failure)),
+            }
+        }
+        let clamp = self.state.clamp();
+        self.state = State::at_rest(settled, clamp.direction);
+        self.state.set_clamp(&clamp);
+        self.last = None;
         self.publish();
         Ok(())
     }
 
-    /// One step of `dt` by the time scheme; on failure the state is as before.
-    fn substep(&mut self, dt: f64) -> Result<(), Failure> {
-        let rule = StepRule::new(self.parameters.scheme, dt, self.state.last_step);
-        let (new_mass, old_mass, new_force, old_force) =
-            (1.0 - rule.alpha_m, rule.alpha_m, 1.0 - rule.alpha_f, rule.alpha_f);
+    /// One step by the time scheme, the clamp on its way to `clamp`; on failure the state is as before.
+    fn substep(&mut self, span: Span, clamp: Option<&Clamp<D>>) -> Result<(), Failure> {
+        let last_step = self.state.last_step;
+        match self.parameters.scheme {
+            RodScheme::Trapezoid => self.stage(StepRule::trapezoid(span.dt), 1.0, span, clamp)?,
+            RodScheme::GeneralisedAlpha { rho_inf } => {
+                self.stage(StepRule::generalised_alpha(rho_inf, span.dt), 1.0, span, clamp)?;
+            }
+            RodScheme::Bdf2 => self.stage(StepRule::bdf2(span.dt, last_step), 1.0, span, clamp)?,
+            RodScheme::TrBdf2 => {
+                self.before_substep.copy_from(&self.state);
+                let (first, second) = span.split(TRAPEZOID_PART);
+                self.stage(StepRule::trapezoid(first.dt), TRAPEZOID_PART, first, clamp)?;
+                let second_stage = self.stage(StepRule::bdf2(second.dt, first.dt), 1.0, second, clamp);
+                if second_stage.is_err() {
+                    self.state.copy_from(&self.before_substep);
+                    self.elastic.direction = self.state.direction;
+                    return second_stage;
+                }
+            }
+        }
+        self.state.loads.copy_from_slice(&self.force);
+        self.statistics.substeps += 1;
+        Ok(())
+    }
+
+    /// One solve: from the state over `span.dt` by `rule`, under the loads that have gone `load_part` of the way from
+    /// those of the last step to the present ones. On failure the state is as before.
+    fn stage(&mut self, rule: StepRule, load_part: f64, span: Span, clamp: Option<&Clamp<D>>) -> Result<(), Failure> {
+        let dt = span.dt;
+        let StepRule { new_mass, old_mass, new_force, old_force, .. } = rule;
         self.balance.elastic_weight = new_force;
         for k in 1..self.rest.len() {
             let (v_star, a_star) = rule.at_no_displacement(&self.state, k);
@@ -306,15 +377,26 @@ impl<const D: usize> Rod<D> {
             let d = self.loads.impedance.get(k).copied().unwrap_or(0.0);
             let (v, a) = (self.state.velocities[k], self.state.accelerations[k]);
             let v_ref = self.before.velocities[k];
+            let force = self.force[k] * load_part + self.state.loads[k] * (1.0 - load_part);
 
             self.balance.weight[k] = new_mass * m * rule.c_a + new_force * (c + d) * rule.c_v;
-            self.balance.load[k] = (self.force[k] - v_star * c - (v_star - v_ref) * d) * new_force
+            self.balance.load[k] = (force - v_star * c - (v_star - v_ref) * d) * new_force
                 + self.state.net_forces[k] * old_force
                 - (a_star * new_mass + a * old_mass) * m;
             self.guess[k] = self.state.positions[k] + v * dt + a * (0.5 * dt * dt);
         }
+        let clamp = clamp.map(|end| self.before.clamp().towards(end, span.to, span.duration));
+        if let Some(clamp) = &clamp {
+            self.guess[0] = clamp.position;
+            self.elastic.direction = clamp.direction;
+        } else {
+            self.guess[0] = self.state.positions[0];
+        }
         let Self { newton, elastic, balance, state, guess, statistics, .. } = self;
-        newton.solve(elastic, balance, &state.positions, guess, statistics)?;
+        if let Err(failure) = newton.solve(elastic, balance, &state.positions, guess, statistics) {
+            self.elastic.direction = self.state.direction;
+            return Err(failure);
+        }
 
         for k in 1..self.rest.len() {
             let m = self.mass(k);
@@ -330,28 +412,29 @@ impl<const D: usize> Rod<D> {
             state.accelerations[k] = a;
             state.net_forces[k] = (blended - state.net_forces[k] * old_force) / new_force;
         }
+        let old_direction = self.state.direction;
+        if let Some(clamp) = &clamp {
+            self.state.move_clamp(clamp, dt);
+        }
+        self.last = Some(sensitivity::LastStep { rule, previous_direction: old_direction });
         self.state.last_step = dt;
-        self.statistics.substeps += 1;
         Ok(())
     }
 
     /// Accelerations and net forces at the beginning of the first step; 0 for nodes without mass, which only follow.
     fn start(&mut self) -> Result<(), Error> {
-        let Self { newton, elastic, state, .. } = self;
-        let by_edge = &mut newton.by_edge;
-        elastic.derivatives(&state.positions, by_edge).map_err(|fold| self.error(Failure::FoldBack(fold)))?;
-        for k in 1..self.rest.len() {
-            let m = self.mass(k);
+        let Self { elastic, state, force, tributary, parameters, .. } = self;
+        let State { positions, velocities, net_forces, accelerations, loads, .. } = state;
+        let line_density = parameters.section.line_density - parameters.displaced;
+        let result = elastic.gradient(positions, |k, gradient| {
+            let m = line_density * tributary[k];
             if m > 0.0 {
-                let beyond = self.newton.by_edge.gradient.get(k).copied().unwrap_or_else(Vector::zeros);
-                let elastic_force = beyond - self.newton.by_edge.gradient[k - 1];
-                let c = self.parameters.damping * self.tributary[k];
-                let net = self.force[k] + elastic_force - self.state.velocities[k] * c;
-                self.state.net_forces[k] = net;
-                self.state.accelerations[k] = net / m;
+                net_forces[k] = force[k] - gradient - velocities[k] * (parameters.damping * tributary[k]);
+                accelerations[k] = net_forces[k] / m;
             }
-        }
-        Ok(())
+        });
+        loads.copy_from_slice(force);
+        result.map_err(|shape| self.error(shape.into()))
     }
 
     /// Check the loads and sum up what they and gravity do in the present shape.
@@ -368,17 +451,13 @@ impl<const D: usize> Rod<D> {
             }
         }
         for (k, jump) in self.loads.pressure_jump.iter().enumerate() {
-            // Half of either edge belongs to the node; turned to the left it is the normal times the length.
-            let x = &self.state.positions;
-            let own = (x[(k + 1).min(nodes - 1)] - x[k.saturating_sub(1)]) * 0.5;
-            self.force[k][0] += jump * own[1];
-            self.force[k][1] -= jump * own[0];
+            self.force[k] += pressure_area(&self.state.positions, k) * *jump;
         }
         Ok(())
     }
 
     /// Mass of node `k`, kg.
-    fn mass(&self, k: usize) -> f64 {
+    pub(crate) fn mass(&self, k: usize) -> f64 {
         (self.parameters.section.line_density - self.parameters.displaced) * self.tributary[k]
     }
 
@@ -393,81 +472,56 @@ impl<const D: usize> Rod<D> {
         }
     }
 
-    fn error(&self, failure: Failure) -> Error {
+    /// ∂²U/∂x∂x of the present shape, N/m: the stiffness of the free nodes, x and y (and z) of node 1 first.
+    pub fn stiffness(&mut self) -> Result<Banded, Error> {
+        let nodes = self.rest.len();
+        let balance = Balance { weight: vec![0.0; nodes], load: vec![Vector::zeros(); nodes], elastic_weight: 1.0 };
+        let Self { newton, elastic, state, .. } = self;
+        newton.tangent(elastic, &balance, &state.positions).map_err(|shape| self.error(shape.into()))?;
+        Ok(self.newton.matrix.clone())
+    }
+
+    pub(crate) fn error(&self, failure: Failure) -> Error {
         match failure {
-            Failure::NotConverged { residual, tolerance } => {
+            Failure::NotConverged(Imbalance { residual, tolerance }) => {
                 Error::NotConverged { residual, tolerance, iterations: self.statistics.iterations }
             }
-            Failure::FoldBack(fold) => {
-                Error::FoldBack { node: fold.node, limit: FOLD * self.elastic.segment_length.powi(2) }
+            Failure::BadShape(BadShape::Fold { node }) => {
+                Error::FoldBack { node, limit: FOLD * self.elastic.segment_length.powi(2) }
+            }
+            Failure::BadShape(BadShape::Projection { node, axis }) => {
+                Error::Projection { node, axis: ['x', 'y', 'z'][axis] }
             }
         }
     }
 }
 
-impl<const D: usize> Parameters<D> {
-    fn check(&self) -> Result<(), Error> {
-        let Section { line_density, bending_stiffness, axial_stiffness } = self.section;
-        for (name, vector) in [("root", self.root), ("direction", self.direction), ("gravity", self.gravity)] {
-            if vector.iter().any(|c| !c.is_finite()) {
-                return Err(Error::value(name, format!("{vector:?}"), "finite"));
-            }
-        }
-        let direction = Vector::from(self.direction).norm();
-        if !(direction.is_normal()) {
-            return Err(Error::value("direction", format!("{:?}", self.direction), "a vector of any length but 0"));
-        }
-        for (name, value) in [
-            ("length", self.length),
-            ("section.line_density", line_density),
-            ("section.bending_stiffness", bending_stiffness),
-            ("section.axial_stiffness", axial_stiffness),
-        ]
-        .into_iter()
-        .chain(self.max_step.map(|longest| ("max_step", longest)))
-        {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::value(name, value, "a finite number above 0"));
-            }
-        }
-        for (name, value) in [("displaced", self.displaced), ("damping", self.damping)] {
-            if !(value.is_finite() && value >= 0.0) {
-                return Err(Error::value(name, value, "a finite number of at least 0"));
-            }
-        }
-        if self.displaced > line_density {
-            return Err(Error::NegativeMass { line_density, displaced: self.displaced });
-        }
-        if self.segments < 2 {
-            return Err(Error::value("segments", self.segments, "at least 2"));
-        }
-        match self.scheme {
-            RodScheme::GeneralisedAlpha { rho_inf } if !(0.0..=1.0).contains(&rho_inf) => {
-                Err(Error::value("scheme.generalised_alpha.rho_inf", rho_inf, "between 0 and 1"))
-            }
-            _ => Ok(()),
-        }
+/// A part of a step.
+#[derive(Clone, Copy)]
+struct Span {
+    /// Where it begins, as a fraction of the step.
+    from: f64,
+    /// Where it ends.
+    to: f64,
+    /// Its length, s.
+    dt: f64,
+    /// Length of the whole step, s.
+    duration: f64,
+}
+
+impl Span {
+    /// The first `part` and the rest.
+    fn split(self, part: f64) -> (Self, Self) {
+        let middle = self.from + part * (self.to - self.from);
+        (Self { to: middle, dt: part * self.dt, ..self }, Self { from: middle, dt: (1.0 - part) * self.dt, ..self })
     }
 }
 
-impl Loads {
-    /// Each array is empty or has its number of entries, all finite; the impedance is not negative.
-    fn check<const D: usize>(&self, nodes: usize) -> Result<(), Error> {
-        for (name, array, expected) in [
-            ("force", &self.force, D * nodes),
-            ("pressure_jump", &self.pressure_jump, if D == 2 { nodes } else { 0 }),
-            ("impedance", &self.impedance, nodes),
-        ] {
-            if !array.is_empty() && array.len() != expected {
-                return Err(Error::Length { name: format!("loads.{name}"), length: array.len(), expected });
-            }
-            if let Some(k) = array.iter().position(|value| !value.is_finite()) {
-                return Err(Error::value(format!("loads.{name}[{k}]"), array[k], "finite"));
-            }
-        }
-        match self.impedance.iter().position(|&d| d < 0.0) {
-            Some(k) => Err(Error::value(format!("loads.impedance[{k}]"), self.impedance[k], "at least 0 kg/s")),
-            None => Ok(()),
-        }
-    }
+/// Force on node `k` of the shape `x` per unit of pressure jump, m², in two dimensions: half of either edge belongs to
+/// the node; turned to the right it is minus the normal times the length.
+pub(crate) fn pressure_area<const D: usize>(x: &[Vector<D>], k: usize) -> Vector<D> {
+    let own = (x[(k + 1).min(x.len() - 1)] - x[k.saturating_sub(1)]) * 0.5;
+    let mut area = Vector::zeros();
+    (area[0], area[1]) = (own[1], -own[0]);
+    area
 }

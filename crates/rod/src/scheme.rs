@@ -14,6 +14,10 @@
 //! | trapezoid | Newmark, β = 1/4, γ = 1/2 | 0, 0 |
 //! | generalised-α | Newmark, γ = 1/2 − α_m + α_f, β = (1 − α_m + α_f)²/4 | (2ρ − 1)/(ρ + 1), ρ/(ρ + 1) |
 //! | BDF2 | v = 𝒟x, a = 𝒟v, 𝒟 the two-step difference for unequal steps | 0, 0 |
+//! | TR-BDF2 | trapezoid to γ = 2 − √2 of the step, BDF2 over the rest | 0, 0 |
+//!
+//! TR-BDF2 is that of Bank et al. (1985, IEEE Trans. Electron Devices 32, 1992); its γ gives both stages the same c_v
+//! (Hosea & Shampine 1996, Appl. Numer. Math. 20, 21).
 //!
 //! Generalised-α is that of Chung & Hulbert (1993, J. Appl. Mech. 60, 371); ρ is the spectral radius at infinite
 //! frequency. It blends the forces of the two ends, not their positions, so that the shape which the elastic energy
@@ -26,56 +30,62 @@
 //! BDF2 takes its first step by backward Euler, whose local error is of second order, and does so again after a step
 //! that is more than [`LARGEST_RATIO`] times as long as the one before.
 
-use scene::RodScheme;
-
 use crate::elastic::Vector;
 use crate::state::State;
 
 /// Two-step differences with variable steps are zero-stable up to a ratio of 1 + √2 between neighbouring steps.
 const LARGEST_RATIO: f64 = 2.4;
 
-/// The maps of one step.
+/// Part of a step that the trapezoidal stage of TR-BDF2 takes.
+pub(crate) const TRAPEZOID_PART: f64 = 2.0 - std::f64::consts::SQRT_2;
+
+/// The maps of one step or stage.
+#[derive(Clone, Copy)]
 pub(crate) struct StepRule {
     /// dv/du, 1/s.
     pub(crate) c_v: f64,
     /// da/du, 1/s².
     pub(crate) c_a: f64,
-    /// Weight of the old acceleration.
-    pub(crate) alpha_m: f64,
-    /// Weight of the old force.
-    pub(crate) alpha_f: f64,
-    dt: f64,
+    /// Weights of the new and old acceleration, 1 − α_m and α_m.
+    pub(crate) new_mass: f64,
+    pub(crate) old_mass: f64,
+    /// Weights of the new and old force, 1 − α_f and α_f.
+    pub(crate) new_force: f64,
+    pub(crate) old_force: f64,
     history: History,
 }
 
-/// How the levels before the step enter.
+/// How the levels before the step enter: factors of v* and a*.
+#[derive(Clone, Copy)]
 enum History {
-    /// v and a of the old level.
-    Newmark { beta: f64, gamma: f64 },
-    /// 𝒟y = [b_0 (y^{n+1} − y^n) − b_2 (y^n − y^{n−1})] / dt.
-    Differences { b_0: f64, b_2: f64 },
+    /// v* = v_by_v v + v_by_a a, a* = a_by_v v + a_by_a a.
+    Newmark { v_by_v: f64, v_by_a: f64, a_by_v: f64, a_by_a: f64 },
+    /// 𝒟y = new (y^{n+1} − y^n) − old (y^n − y^{n−1}).
+    Differences { new: f64, old: f64 },
 }
 
 impl StepRule {
-    /// Rule for a step of `dt` after one of `last_step`, s; 0 for the first.
-    pub(crate) fn new(scheme: RodScheme, dt: f64, last_step: f64) -> Self {
-        match scheme {
-            RodScheme::Trapezoid => Self::newmark(0.0, 0.0, dt),
-            RodScheme::GeneralisedAlpha { rho_inf } => {
-                Self::newmark((2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0), dt)
-            }
-            RodScheme::Bdf2 => {
-                let (b_0, b_2) = if dt <= LARGEST_RATIO * last_step {
-                    let ratio = dt / last_step;
-                    ((1.0 + 2.0 * ratio) / (1.0 + ratio), ratio * ratio / (1.0 + ratio))
-                } else {
-                    (1.0, 0.0)
-                };
-                let c_v = b_0 / dt;
-                let history = History::Differences { b_0, b_2 };
-                Self { c_v, c_a: c_v * c_v, alpha_m: 0.0, alpha_f: 0.0, dt, history }
-            }
-        }
+    /// The trapezoid over `dt`, s.
+    pub(crate) fn trapezoid(dt: f64) -> Self {
+        Self::newmark(0.0, 0.0, dt)
+    }
+
+    /// Generalised-α over `dt`, s.
+    pub(crate) fn generalised_alpha(rho_inf: f64, dt: f64) -> Self {
+        Self::newmark((2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0), dt)
+    }
+
+    /// BDF2 over `dt` after a step of `last_step`, s; 0 for the first.
+    pub(crate) fn bdf2(dt: f64, last_step: f64) -> Self {
+        let (b_0, b_2) = if dt <= LARGEST_RATIO * last_step {
+            let ratio = dt / last_step;
+            ((1.0 + 2.0 * ratio) / (1.0 + ratio), ratio * ratio / (1.0 + ratio))
+        } else {
+            (1.0, 0.0)
+        };
+        let c_v = b_0 / dt;
+        let history = History::Differences { new: c_v, old: b_2 / dt };
+        Self { c_v, c_a: c_v * c_v, new_mass: 1.0, old_mass: 0.0, new_force: 1.0, old_force: 0.0, history }
     }
 
     /// Newmark's maps with the β and γ that make the blend by `alpha_m`, `alpha_f` second order and dissipative.
@@ -83,21 +93,31 @@ impl StepRule {
         let gamma = 0.5 - alpha_m + alpha_f;
         let beta = 0.25 * (1.0 - alpha_m + alpha_f).powi(2);
         let (c_v, c_a) = (gamma / (beta * dt), 1.0 / (beta * dt * dt));
-        Self { c_v, c_a, alpha_m, alpha_f, dt, history: History::Newmark { beta, gamma } }
+        Self {
+            c_v,
+            c_a,
+            new_mass: 1.0 - alpha_m,
+            old_mass: alpha_m,
+            new_force: 1.0 - alpha_f,
+            old_force: alpha_f,
+            history: History::Newmark {
+                v_by_v: 1.0 - gamma / beta,
+                v_by_a: dt * (1.0 - 0.5 * gamma / beta),
+                a_by_v: -1.0 / (beta * dt),
+                a_by_a: 1.0 - 0.5 / beta,
+            },
+        }
     }
 
     /// Velocity v* and acceleration a* that node `k` ends the step with if it does not move, u = 0.
+    #[inline(always)]
     pub(crate) fn at_no_displacement<const D: usize>(&self, state: &State<D>, k: usize) -> (Vector<D>, Vector<D>) {
         let (v, a) = (state.velocities[k], state.accelerations[k]);
         match self.history {
-            History::Newmark { beta, gamma } => (
-                v * (1.0 - gamma / beta) + a * (self.dt * (1.0 - 0.5 * gamma / beta)),
-                v / (-beta * self.dt) + a * (1.0 - 0.5 / beta),
-            ),
-            History::Differences { b_0, b_2 } => {
-                let v_star = (state.positions[k] - state.previous_positions[k]) * (-b_2 / self.dt);
-                let old_difference = (v - state.previous_velocities[k]) * (b_2 / self.dt);
-                (v_star, (v_star - v) * (b_0 / self.dt) - old_difference)
+            History::Newmark { v_by_v, v_by_a, a_by_v, a_by_a } => (v * v_by_v + a * v_by_a, v * a_by_v + a * a_by_a),
+            History::Differences { new, old } => {
+                let v_star = (state.positions[k] - state.previous_positions[k]) * -old;
+                (v_star, (v_star - v) * new - (v - state.previous_velocities[k]) * old)
             }
         }
     }

@@ -4,6 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::elastic::Vector;
+use crate::root::Clamp;
+
+/// Rounding that a unit vector may have.
+const UNIT_TOLERANCE: f64 = 1e-9;
 
 /// All that a rod remembers from one step to the next; each array has one entry per node, root to tip, `[n + 1]`.
 ///
@@ -18,27 +22,55 @@ pub struct State<const D: usize> {
     pub accelerations: Vec<Vector<D>>,
     /// Net forces on the nodes at the end of the last step, N (generalised-α blends with them).
     pub net_forces: Vec<Vector<D>>,
+    /// Nodal forces of gravity and loads at the end of the last step, N (TR-BDF2).
+    pub loads: Vec<Vector<D>>,
     /// Positions one step earlier, m (BDF2).
     pub previous_positions: Vec<Vector<D>>,
     /// Velocities one step earlier, m/s (BDF2).
     pub previous_velocities: Vec<Vector<D>>,
+    /// Unit tangent at the clamp.
+    pub direction: Vector<D>,
+    /// Its rate, 1/s.
+    pub direction_rate: Vector<D>,
     /// Length of the last step, s; 0 where there was none, so that the next step is a first step.
     pub last_step: f64,
 }
 
 impl<const D: usize> State<D> {
-    /// At rest in the shape `positions`, before the first step.
-    pub fn at_rest(positions: Vec<Vector<D>>) -> Self {
+    /// At rest in the shape `positions`, clamped along the unit vector `direction`, before the first step.
+    pub fn at_rest(positions: Vec<Vector<D>>, direction: Vector<D>) -> Self {
         let zeros = vec![Vector::zeros(); positions.len()];
         Self {
             velocities: zeros.clone(),
             accelerations: zeros.clone(),
             net_forces: zeros.clone(),
+            loads: zeros.clone(),
             previous_positions: positions.clone(),
             previous_velocities: zeros,
+            direction,
+            direction_rate: Vector::zeros(),
             positions,
             last_step: 0.0,
         }
+    }
+
+    /// The clamp: node 0 and its direction.
+    pub(crate) fn clamp(&self) -> Clamp<D> {
+        let (position, velocity) = (self.positions[0], self.velocities[0]);
+        Clamp { position, velocity, direction: self.direction, direction_rate: self.direction_rate }
+    }
+
+    pub(crate) fn set_clamp(&mut self, clamp: &Clamp<D>) {
+        (self.positions[0], self.velocities[0]) = (clamp.position, clamp.velocity);
+        (self.direction, self.direction_rate) = (clamp.direction, clamp.direction_rate);
+    }
+
+    /// Take the clamp to where it is `dt` later, with the acceleration at the end of the cubic in between.
+    pub(crate) fn move_clamp(&mut self, clamp: &Clamp<D>, dt: f64) {
+        let (x, v) = (self.positions[0], self.velocities[0]);
+        (self.previous_positions[0], self.previous_velocities[0]) = (x, v);
+        self.accelerations[0] = (x - clamp.position) * (6.0 / (dt * dt)) + (v * 2.0 + clamp.velocity * 4.0) / dt;
+        self.set_clamp(clamp);
     }
 
     /// Overwrite with `other` of the same number of nodes; unlike `clone_from` this allocates nothing.
@@ -47,8 +79,11 @@ impl<const D: usize> State<D> {
         self.velocities.copy_from_slice(&other.velocities);
         self.accelerations.copy_from_slice(&other.accelerations);
         self.net_forces.copy_from_slice(&other.net_forces);
+        self.loads.copy_from_slice(&other.loads);
         self.previous_positions.copy_from_slice(&other.previous_positions);
         self.previous_velocities.copy_from_slice(&other.previous_velocities);
+        self.direction = other.direction;
+        self.direction_rate = other.direction_rate;
         self.last_step = other.last_step;
     }
 
@@ -59,6 +94,7 @@ impl<const D: usize> State<D> {
             ("velocities", &self.velocities),
             ("accelerations", &self.accelerations),
             ("net_forces", &self.net_forces),
+            ("loads", &self.loads),
             ("previous_positions", &self.previous_positions),
             ("previous_velocities", &self.previous_velocities),
         ] {
@@ -68,6 +104,15 @@ impl<const D: usize> State<D> {
             if let Some(k) = array.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
                 return Err(Error::value(format!("state.{name}[{k}]"), format!("{:?}", array[k].as_slice()), "finite"));
             }
+        }
+        for (name, vector) in [("direction", self.direction), ("direction_rate", self.direction_rate)] {
+            if vector.iter().any(|c| !c.is_finite()) {
+                return Err(Error::value(format!("state.{name}"), format!("{:?}", vector.as_slice()), "finite"));
+            }
+        }
+        if (self.direction.norm() - 1.0).abs() > UNIT_TOLERANCE {
+            let found = format!("{:?}", self.direction.as_slice());
+            return Err(Error::value("state.direction", found, "a vector of length 1"));
         }
         if !(self.last_step.is_finite() && self.last_step >= 0.0) {
             return Err(Error::value("state.last_step", self.last_step, "a finite number of at least 0 s"));

@@ -9,7 +9,7 @@ use rod::{Parameters, Rod};
 use scene::{RodScheme, Section};
 
 /// Roots of 1 + cos b cosh b = 0: natural frequencies of a cantilever are b² sqrt(EI/µ)/L².
-const CANTILEVER: [f64; 2] = [1.875104068711961, 4.694091132974175];
+const CANTILEVER: [f64; 3] = [1.875104068711961, 4.694091132974175, 7.854757438237613];
 
 /// Bend a rod along x into `amplitude` times a mode of the Euler–Bernoulli cantilever, at rest.
 fn bend_into_mode(rod: &mut Rod<2>, b: f64, amplitude: f64) {
@@ -47,7 +47,7 @@ fn tip_history(rod: &mut Rod<2>, dt: f64, steps: usize) -> Vec<[f64; 2]> {
 }
 
 #[test]
-fn small_vibrations_have_the_frequencies_of_the_cantilever() {
+fn first_three_frequencies_of_small_vibrations_are_those_of_the_cantilever_within_0_1_percent() {
     for b in CANTILEVER {
         let exact = b * b / TAU;
         let mut rod = Rod::new(unit_rod::<2>(128, 1e4, RodScheme::Trapezoid)).unwrap();
@@ -55,32 +55,62 @@ fn small_vibrations_have_the_frequencies_of_the_cantilever() {
         let dt = 1.0 / (exact * 400.0);
         let y: Vec<f64> = tip_history(&mut rod, dt, 4 * 400).iter().map(|tip| tip[1]).collect();
         let found = frequency(dt, &y);
-        assert!((found / exact - 1.0).abs() < 5e-4, "{found} Hz against {exact} Hz");
+        assert!((found / exact - 1.0).abs() < 1e-3, "{found} Hz against {exact} Hz");
     }
 }
 
-/// CSM3 of Turek & Hron (2006): from rest under 2 m/s²; a rod has no shear and no curved root, hence the tolerance.
+/// CSM3 of Turek & Hron (2006): from rest under 2 m/s². Nothing damps the second mode, which beats with the first, so mean
+/// and amplitude, (max ± min)/2 of a period, are averaged over ten periods.
 #[test]
-fn csm3_agrees_with_the_published_bar() {
-    const TOLERANCE: f64 = 0.012;
-    let dt = 1e-3;
+fn csm3_agrees_with_the_published_bar_within_a_percent() {
+    let published = [-14.305, 14.305, -63.607, 65.160, 1.0995];
+    let (dt, periods, steps) = (1e-3, 10, 910);
     for scheme in SCHEMES {
         let mut rod = Rod::new(Parameters { scheme, ..turek_hron_bar(1.4e6, 2.0, 42) }).unwrap();
-        let tips = tip_history(&mut rod, dt, 5000);
-        let range = |d: usize| {
-            let values = || tips.iter().map(|tip| tip[d]);
-            let (low, high) = (values().fold(0.0, f64::min), values().fold(0.0, f64::max));
-            (0.5 * (low + high) * 1e3, 0.5 * (high - low) * 1e3)
+        let tips = tip_history(&mut rod, dt, periods * steps);
+        let average = |d: usize, sign: f64| {
+            let of_period = |tips: &[[f64; 2]]| {
+                let values = || tips.iter().map(|tip| 1e3 * tip[d]);
+                0.5 * (values().fold(f64::MIN, f64::max) + sign * values().fold(f64::MAX, f64::min))
+            };
+            tips.chunks(steps).map(of_period).sum::<f64>() / periods as f64
         };
-        let ((x, x_amplitude), (y, y_amplitude)) = (range(0), range(1));
-        let y_history: Vec<f64> = tips.iter().map(|tip| tip[1]).collect();
-        let hertz = frequency(dt, &y_history);
-        for (found, published) in
-            [(x, -14.305), (x_amplitude, 14.305), (y, -63.607), (y_amplitude, 65.160), (hertz, 1.0995)]
-        {
-            assert!((found / published - 1.0).abs() < TOLERANCE, "{scheme:?}: {found} against {published}");
+        let y: Vec<f64> = tips.iter().map(|tip| tip[1]).collect();
+        let found = [average(0, 1.0), average(0, -1.0), average(1, 1.0), average(1, -1.0), frequency(dt, &y)];
+        for (found, published) in found.into_iter().zip(published) {
+            assert!((found / published - 1.0).abs() < 0.01, "{scheme:?}: {found} against {published}");
         }
     }
+}
+
+/// Change of the total energy in 60 s of CSM3 by its largest part, the energy in gravity; ends where a gain reaches 0.34.
+fn energy_drift(scheme: RodScheme, dt: f64) -> f64 {
+    let mut rod = Rod::new(Parameters { scheme, ..turek_hron_bar(1.4e6, 2.0, 32) }).unwrap();
+    let (mut scale, mut drift) = (0.0_f64, 0.0);
+    for _ in 0..(60.0 / dt).round() as usize {
+        rod.step(dt).unwrap();
+        scale = scale.max(rod.energy().unwrap().gravity.abs());
+        drift = total_energy(&rod) / scale;
+        if drift >= 0.34 {
+            break;
+        }
+    }
+    drift
+}
+
+#[test]
+fn default_scheme_loses_less_than_a_percent_of_energy_in_a_minute_of_csm3() {
+    let drift = energy_drift(RodScheme::default(), 1e-2);
+    assert!(-1e-2 < drift && drift <= 0.0, "{drift}");
+}
+
+/// Not for the thesis' rule: at twice that step it gains a third, and more if it is let go on.
+#[test]
+fn trapezoid_gains_a_third_of_energy_in_a_minute_of_csm3() {
+    let drift = energy_drift(RodScheme::Trapezoid, 2e-2);
+    assert!(drift >= 0.34, "{drift}");
+    let default = energy_drift(RodScheme::default(), 2e-2);
+    assert!(-1e-2 < default && default <= 0.0, "default scheme: {default}");
 }
 
 /// A tip force A sin²(πt/2) on a rod with four soft segments, up to t = 1.
@@ -120,6 +150,11 @@ fn generalised_alpha_is_second_order() {
 }
 
 #[test]
+fn tr_bdf2_is_second_order() {
+    assert_second_order(RodScheme::TrBdf2, false);
+}
+
+#[test]
 fn bdf2_is_second_order() {
     assert_second_order(RodScheme::Bdf2, false);
 }
@@ -145,7 +180,7 @@ fn trapezoid_conserves_the_energy_of_small_motion() {
 #[test]
 fn dissipative_schemes_never_gain_energy_on_a_stiff_rod() {
     let segments = 32;
-    for scheme in [GENERALISED_ALPHA, RodScheme::Bdf2] {
+    for scheme in [GENERALISED_ALPHA, RodScheme::TrBdf2, RodScheme::Bdf2] {
         let section = Section {
             line_density: 0.0571428571,
             bending_stiffness: 0.0259151,
@@ -187,7 +222,7 @@ fn blow_too_hard_for_one_step_is_taken_in_substeps() {
 
 /// The bar of FSI3 in a gusty load that swings its tip by 4 cm.
 #[test]
-fn newton_takes_two_iterations_at_the_step_of_fsi3() {
+fn newton_takes_two_iterations_a_solve_at_the_step_of_fsi3() {
     let (dt, nodes) = (2e-4, 43);
     for scheme in SCHEMES {
         let mut rod = Rod::new(Parameters { scheme, ..turek_hron_bar(5.6e6, 0.0, nodes - 1) }).unwrap();
@@ -201,7 +236,9 @@ fn newton_takes_two_iterations_at_the_step_of_fsi3() {
             }
             rod.step(dt).unwrap();
             let statistics = rod.statistics();
-            let within = statistics.iterations <= 2 && statistics.substeps == 1 && statistics.negative_pivots == 0;
+            let solves = if scheme == RodScheme::TrBdf2 { 2 } else { 1 };
+            let within =
+                statistics.iterations <= 2 * solves && statistics.substeps == 1 && statistics.negative_pivots == 0;
             assert!(within, "{scheme:?}, step {step}: {statistics:?}");
             largest = largest.max(rod.tip_displacement()[1].abs());
         }

@@ -4,7 +4,7 @@ mod common;
 
 use common::{turek_hron_bar, unit_rod};
 use rod::{Error, Loads, Parameters, Rod, State};
-use scene::{RodScheme, Section};
+use scene::{Bending, Calibration, RodScheme, Section};
 
 fn bar() -> Parameters<2> {
     turek_hron_bar(5.6e6, 2.0, 4)
@@ -30,6 +30,15 @@ fn bad_parameters_are_named() {
         (Parameters { damping: -1.0, ..bar() }, ["damping is -1", "at least 0"]),
         (Parameters { displaced: -1.0, ..bar() }, ["displaced is -1", "at least 0"]),
         (Parameters { displaced: 21.0, ..bar() }, ["weighs 20 kg/m and displaces 21 kg/m", "-1 kg/m"]),
+        (Parameters { segments: 0, ..bar() }, ["segments is 0", "at least 2"]),
+        (Parameters { clamp_setback: -1e-3, ..bar() }, ["clamp_setback is -0.001", "at least 0"]),
+        (Parameters { calibration: Calibration::Thesis { k_e: 0.0 }, ..bar() }, ["k_e is 0", "above 0"]),
+        (Parameters { rest_angles: vec![0.1; 3], ..bar() }, ["rest_angles has 3 entries", "4 are needed"]),
+        (
+            Parameters { rest_angles: vec![0.0, 0.0, 3.2, 0.0], ..bar() },
+            ["rest_angles[2] is 3.2", "less than π from that of the segment before"],
+        ),
+        (Parameters { rest_angles: vec![0.0, f64::NAN, 0.0, 0.0], ..bar() }, ["rest_angles[1] is NaN", "finite"]),
         (Parameters { max_step: Some(0.0), ..bar() }, ["max_step is 0", "above 0"]),
         (
             Parameters { section: Section { line_density: 0.0, ..section }, ..bar() },
@@ -53,6 +62,37 @@ fn bad_parameters_are_named() {
             Err(error) => assert_names(&error, &parts),
         }
     }
+}
+
+#[test]
+fn curved_rest_shape_in_space_is_refused() {
+    let curved = Parameters { rest_angles: vec![0.1; 4], ..unit_rod::<3>(4, 1.0, RodScheme::TrBdf2) };
+    let Err(error) = Rod::new(curved) else { panic!("accepted") };
+    assert_names(&error, &["rest_angles is given for 4 segments", "material frame"]);
+}
+
+/// Upright from the start, or bent there by a load: past the vertical the thesis' angle about the other axis jumps.
+#[test]
+fn projected_bending_stops_at_its_singularity() {
+    let projected = Parameters { bending: Bending::Projected, ..unit_rod::<3>(16, 1e3, RodScheme::TrBdf2) };
+    let Err(error) = Rod::new(Parameters { direction: [0.0, 1.0, 0.0], ..projected.clone() }) else {
+        panic!("an upright rod was accepted")
+    };
+    let parts = ["in the plane xz is singular", "invariant bending model"];
+    assert_names(&error, &parts);
+
+    let mut rod = Rod::new(projected).unwrap();
+    rod.loads.force = vec![0.0; 3 * 17];
+    rod.loads.force[2 * 17 - 1] = 20.0;
+    let mut before = rod.state().clone();
+    let error = loop {
+        match rod.step(1e-2) {
+            Ok(()) => before = rod.state().clone(),
+            Err(error) => break error,
+        }
+    };
+    assert_names(&error, &parts);
+    assert_eq!(rod.state(), &before);
 }
 
 #[test]

@@ -2,10 +2,10 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use rod::{Parameters, Rod};
-use scene::{Material, RodScheme, Section};
+use scene::{Bending, Calibration, Material, RodScheme, Section};
 
 pub const GENERALISED_ALPHA: RodScheme = RodScheme::GeneralisedAlpha { rho_inf: 0.5 };
-pub const SCHEMES: [RodScheme; 3] = [RodScheme::Trapezoid, GENERALISED_ALPHA, RodScheme::Bdf2];
+pub const SCHEMES: [RodScheme; 4] = [RodScheme::Trapezoid, GENERALISED_ALPHA, RodScheme::TrBdf2, RodScheme::Bdf2];
 
 /// The bar of Turek & Hron (2006): 0.35 m x 0.02 m, density 1000 kg/m³, Poisson's ratio 0.4.
 pub fn turek_hron_bar(youngs_modulus: f64, gravity: f64, segments: usize) -> Parameters<2> {
@@ -14,10 +14,14 @@ pub fn turek_hron_bar(youngs_modulus: f64, gravity: f64, segments: usize) -> Par
         direction: [1.0, 0.0],
         length: 0.35,
         segments,
+        rest_angles: Vec::new(),
         section: Material::PlaneStrain { density: 1000.0, youngs_modulus, poisson_ratio: 0.4 }.section(0.02),
         displaced: 0.0,
         gravity: [0.0, -gravity],
         damping: 0.0,
+        bending: Bending::Invariant,
+        calibration: Calibration::SecondOrder,
+        clamp_setback: 0.0,
         scheme: RodScheme::Bdf2,
         max_step: None,
     }
@@ -32,10 +36,14 @@ pub fn unit_rod<const D: usize>(segments: usize, axial_stiffness: f64, scheme: R
         direction,
         length: 1.0,
         segments,
+        rest_angles: Vec::new(),
         section: Section { line_density: 1.0, bending_stiffness: 1.0, axial_stiffness },
         displaced: 0.0,
         gravity: [0.0; D],
         damping: 0.0,
+        bending: Bending::Invariant,
+        calibration: Calibration::SecondOrder,
+        clamp_setback: 0.0,
         scheme,
         max_step: None,
     }

@@ -1,0 +1,231 @@
+//! What a rod is made of and what acts on it.
+
+use std::f64::consts::PI;
+
+use scene::{Bending, Calibration, RodScheme, Section};
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use crate::elastic::{Angles, Elastic, Vector};
+
+/// What a rod is made of and where it is clamped.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters<const D: usize> {
+    /// Position of the root at rest, m.
+    pub root: [f64; D],
+    /// Direction of the rod at the root at rest; any length but 0.
+    pub direction: [f64; D],
+    /// Length, m.
+    pub length: f64,
+    /// Number of segments n, at least 2; there are n + 1 nodes.
+    pub segments: usize,
+    /// Direction of each segment at rest against that at the root, rad, positive to the left: `[n]`; empty for a straight
+    /// rod. In two dimensions only: a curved rod in space needs a material frame and its twist.
+    pub rest_angles: Vec<f64>,
+    /// Mass and stiffness of the section (per metre of depth in two dimensions).
+    pub section: Section,
+    /// Mass per length of the displaced fluid, kg/m, that the loads account for. The rod itself carries the
+    /// difference `section.line_density - displaced`, which may be 0 but not negative; gravity acts on it.
+    pub displaced: f64,
+    /// Gravity, m/s².
+    pub gravity: [f64; D],
+    /// Damping force per length and velocity, kg/(m s).
+    pub damping: f64,
+    /// Bending model.
+    pub bending: Bending,
+    /// How the section's numbers become springs and masses.
+    pub calibration: Calibration,
+    /// Length by which the clamp lies behind the root, m: the clamp's spring is that of so much more of the rod.
+    pub clamp_setback: f64,
+    /// Time scheme.
+    pub scheme: RodScheme,
+    /// Largest step taken inside [`Rod::step`](crate::Rod::step), s; `None`: the whole step.
+    pub max_step: Option<f64>,
+}
+
+/// Loads on the nodes, root to tip, held over a step; an empty array is a load that does not exist. The components of
+/// `force` are `force.chunks_exact_mut(n + 1)`.
+///
+/// What is given for the clamped node 0 has no effect.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Loads {
+    /// Nodal forces, N, component after component: `[D, n + 1]`.
+    pub force: Vec<f64>,
+    /// Jump of the pressure across the rod, p_top − p_bottom, Pa: `[n + 1]`; in two dimensions only. Top is the side of
+    /// the left-hand normal n when walking from root to tip, and the load per length is −\[p\] n. It follows the
+    /// rod's shape at the beginning of the step, so its direction is a step late.
+    pub pressure_jump: Vec<f64>,
+    /// Impedance D of the nodal forces, kg/s, at least 0: `[n + 1]`. A node moving at v gets the force
+    /// f − D (v − v_ref), v_ref being its velocity at the beginning of the step, where f was found. With D = 0 a load
+    /// from a fluid as heavy as the rod makes the coupling unstable.
+    pub impedance: Vec<f64>,
+}
+
+impl<const D: usize> Parameters<D> {
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let Section { line_density, bending_stiffness, axial_stiffness } = self.section;
+        for (name, vector) in [("root", self.root), ("direction", self.direction), ("gravity", self.gravity)] {
+            if vector.iter().any(|c| !c.is_finite()) {
+                return Err(Error::value(name, format!("{vector:?}"), "finite"));
+            }
+        }
+        let direction = Vector::from(self.direction).norm();
+        if !(direction.is_normal()) {
+            return Err(Error::value("direction", format!("{:?}", self.direction), "a vector of any length but 0"));
+        }
+        let k_e = match self.calibration {
+            Calibration::SecondOrder => None,
+            Calibration::Thesis { k_e } => Some(("calibration.thesis.k_e", k_e)),
+        };
+        for (name, value) in [
+            ("length", self.length),
+            ("section.line_density", line_density),
+            ("section.bending_stiffness", bending_stiffness),
+            ("section.axial_stiffness", axial_stiffness),
+        ]
+        .into_iter()
+        .chain(k_e)
+        .chain(self.max_step.map(|longest| ("max_step", longest)))
+        {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Error::value(name, value, "a finite number above 0"));
+            }
+        }
+        for (name, value) in
+            [("displaced", self.displaced), ("damping", self.damping), ("clamp_setback", self.clamp_setback)]
+        {
+            if !(value.is_finite() && value >= 0.0) {
+                return Err(Error::value(name, value, "a finite number of at least 0"));
+            }
+        }
+        if self.displaced > line_density {
+            return Err(Error::NegativeMass { line_density, displaced: self.displaced });
+        }
+        if self.segments < 2 {
+            return Err(Error::value("segments", self.segments, "at least 2"));
+        }
+        self.check_rest_shape()?;
+        match self.scheme {
+            RodScheme::GeneralisedAlpha { rho_inf } if !(0.0..=1.0).contains(&rho_inf) => {
+                Err(Error::value("scheme.generalised_alpha.rho_inf", rho_inf, "between 0 and 1"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_rest_shape(&self) -> Result<(), Error> {
+        let angles = &self.rest_angles;
+        if angles.is_empty() {
+            return Ok(());
+        }
+        if D != 2 {
+            let found = format!("given for {} segments", angles.len());
+            return Err(Error::value(
+                "rest_angles",
+                found,
+                "empty in space: a curved rod needs a material frame there",
+            ));
+        }
+        if angles.len() != self.segments {
+            let name = "rest_angles".into();
+            return Err(Error::Length { name, length: angles.len(), expected: self.segments });
+        }
+        match self.rest_turns().iter().position(|turn| !turn.is_finite() || turn.abs() >= PI) {
+            Some(k) => Err(Error::value(
+                format!("rest_angles[{k}]"),
+                angles[k],
+                "finite and less than π from that of the segment before",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    /// Turning angle at rest at the beginning of each segment, rad: `[n]`.
+    fn rest_turns(&self) -> Vec<f64> {
+        let angle = |k: usize| self.rest_angles.get(k).copied().unwrap_or(0.0);
+        (0..self.segments).map(|k| if k == 0 { angle(0) } else { angle(k) - angle(k - 1) }).collect()
+    }
+
+    /// Length of a segment at rest, m.
+    pub(crate) fn segment_length(&self) -> f64 {
+        self.length / self.segments as f64
+    }
+
+    /// The rod at rest, clamped at `root` along the unit vector `direction`: `[n + 1]`.
+    pub(crate) fn rest_shape(&self, root: Vector<D>, direction: Vector<D>) -> Vec<Vector<D>> {
+        let mut shape = Vec::with_capacity(self.segments + 1);
+        if self.rest_angles.is_empty() {
+            let along = |k: usize| self.length * k as f64 / self.segments as f64;
+            shape.extend((0..=self.segments).map(|k| root + direction * along(k)));
+            return shape;
+        }
+        shape.push(root);
+        let mut left = Vector::zeros();
+        (left[0], left[1]) = (-direction[1], direction[0]);
+        for (k, (sin, cos)) in self.rest_angles.iter().map(|angle| angle.sin_cos()).enumerate() {
+            shape.push(shape[k] + (direction * cos + left * sin) * self.segment_length());
+        }
+        shape
+    }
+
+    /// The springs, clamped along the unit vector `direction`.
+    pub(crate) fn elastic(&self, direction: Vector<D>) -> Elastic<D> {
+        let l0 = self.segment_length();
+        let (axial, clamp_length) = match self.calibration {
+            Calibration::SecondOrder => (self.section.axial_stiffness / l0, 0.5 * l0),
+            Calibration::Thesis { k_e } => (k_e, l0),
+        };
+        let angles = match self.bending {
+            Bending::Projected => Angles::Projected(self.rest_turns()),
+            Bending::Invariant if self.rest_angles.is_empty() => Angles::Straight,
+            Bending::Invariant => Angles::Curved(self.rest_turns()),
+        };
+        Elastic {
+            segment_length: l0,
+            axial,
+            bending: self.section.bending_stiffness / l0,
+            clamp: self.section.bending_stiffness / (clamp_length + self.clamp_setback),
+            direction,
+            angles,
+        }
+    }
+
+    /// Length whose mass and damping belong to each node, m: `[n + 1]`.
+    pub(crate) fn tributary(&self) -> Vec<f64> {
+        let l0 = self.segment_length();
+        let mut tributary = vec![l0; self.segments + 1];
+        tributary[0] = 0.5 * l0;
+        if self.calibration == Calibration::SecondOrder {
+            tributary[self.segments] = 0.5 * l0;
+        }
+        tributary
+    }
+}
+
+impl Loads {
+    /// As `check_numbers`, and the impedance is not negative.
+    pub(crate) fn check<const D: usize>(&self, nodes: usize) -> Result<(), Error> {
+        self.check_numbers::<D>(nodes)?;
+        match self.impedance.iter().position(|&d| d < 0.0) {
+            Some(k) => Err(Error::value(format!("loads.impedance[{k}]"), self.impedance[k], "at least 0 kg/s")),
+            None => Ok(()),
+        }
+    }
+
+    /// Each array is empty or has its number of entries, all finite.
+    pub(crate) fn check_numbers<const D: usize>(&self, nodes: usize) -> Result<(), Error> {
+        for (name, array, expected) in [
+            ("force", &self.force, D * nodes),
+            ("pressure_jump", &self.pressure_jump, if D == 2 { nodes } else { 0 }),
+            ("impedance", &self.impedance, nodes),
+        ] {
+            if !array.is_empty() && array.len() != expected {
+                return Err(Error::Length { name: format!("loads.{name}"), length: array.len(), expected });
+            }
+            if let Some(k) = array.iter().position(|value| !value.is_finite()) {
+                return Err(Error::value(format!("loads.{name}[{k}]"), array[k], "finite"));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,167 @@
+//! Accuracy: deflection, orders of convergence, bending models, energy.
+
+use std::f64::consts::{FRAC_PI_4, PI};
+use std::time::Instant;
+
+use rod::{Parameters, Rod};
+use scene::{Bending, Calibration, RodScheme};
+
+use crate::Table;
+use crate::rods::{SCHEMES, csm3, elastica, thesis_beam, total_energy};
+
+fn calibrations() -> [(&'static str, Calibration); 3] {
+    [
+        ("second order", Calibration::SecondOrder),
+        ("thesis k_e=1e3", Calibration::Thesis { k_e: 1e3 }),
+        ("thesis k_e=1e6", Calibration::Thesis { k_e: 1e6 }),
+    ]
+}
+
+fn settled<const D: usize>(parameters: Parameters<D>) -> Rod<D> {
+    let mut rod = Rod::new(parameters).expect("these parameters are good");
+    rod.solve_static().expect("a beam under its weight has an equilibrium");
+    rod
+}
+
+/// Shape of the beam of section 2.4.1 under its weight against the exact inextensible elastica (thesis figure 2.7).
+pub fn deflection() -> Table {
+    let mut table = Table::new("model,n,x,y");
+    let exact = elastica(1.0, 0.0571 * 0.7, 0.0259, f64::INFINITY, 100);
+    exact.iter().for_each(|[x, y]| table.push(&[&"elastica", &0, x, y]));
+    for (name, calibration) in calibrations() {
+        for n in [8, 32, 128] {
+            let rod = settled(Parameters { calibration, ..thesis_beam::<2>(n) });
+            rod.positions(0).iter().zip(rod.positions(1)).for_each(|(x, y)| table.push(&[&name, &n, x, y]));
+        }
+    }
+    table
+}
+
+/// Error of the tip against the exact elastica of the same EA, relative to the deflection.
+pub fn order_in_n() -> Table {
+    let mut table = Table::new("calibration,plane,gravity,tip_angle,n,error");
+    for (name, calibration) in calibrations() {
+        for (plane, angle) in [("xz", 0.0_f64), ("diagonal", FRAC_PI_4)] {
+            for gravity in [0.7, 2.0, 8.0] {
+                for n in (3..10).map(|k| 1 << k) {
+                    let weight = [0.0, -gravity * angle.sin(), -gravity * angle.cos()];
+                    let parameters = Parameters { calibration, gravity: weight, ..thesis_beam::<3>(n) };
+                    let section = parameters.section;
+                    // A constant k_e has no EA of its own: its limit of many segments does not stretch.
+                    let axial = match calibration {
+                        Calibration::SecondOrder => section.axial_stiffness,
+                        Calibration::Thesis { .. } => f64::INFINITY,
+                    };
+                    let exact = elastica(1.0, gravity * section.line_density, section.bending_stiffness, axial, 1)[1];
+                    let rod = settled(parameters);
+                    let [x, y, z] = rod.tip_displacement();
+                    let error =
+                        (x + 1.0 - exact[0]).hypot(y - exact[1] * angle.sin()).hypot(z - exact[1] * angle.cos())
+                            / exact[1].abs();
+                    let last = |d: usize| rod.positions(d)[n] - rod.positions(d)[n - 1];
+                    let turned = last(1).hypot(last(2)).atan2(last(0)).to_degrees();
+                    table.push(&[&name, &plane, &gravity, &format!("{turned:.1}"), &n, &error]);
+                }
+            }
+        }
+    }
+    table
+}
+
+/// A tip force 5 sin²(πt/2) N on a soft rod of four segments (mu = EI = L = 1, EA = 100) until t = 1, and the beam of CSM3
+/// in 16 segments bending freely from rest until t = 1 s: error of the tip and run time for each scheme and step.
+pub fn order_in_dt() -> Table {
+    let mut table = Table::new("case,scheme,dt,error,seconds,iterations");
+    let pushed = |scheme: RodScheme| {
+        let mut parameters = thesis_beam::<2>(4);
+        parameters.section.line_density = 1.0;
+        parameters.section.bending_stiffness = 1.0;
+        parameters.section.axial_stiffness = 100.0;
+        Parameters { gravity: [0.0; 2], scheme, ..parameters }
+    };
+    let free = |scheme: RodScheme| csm3(16, scheme);
+    let run = |parameters: Parameters<2>, steps: usize, force: f64| {
+        let nodes = parameters.segments + 1;
+        let mut rod = Rod::new(parameters).expect("these parameters are good");
+        rod.loads.force = vec![0.0; 2 * nodes];
+        let dt = 1.0 / steps as f64;
+        let start = Instant::now();
+        let mut iterations = 0;
+        for step in 1..=steps {
+            rod.loads.force[2 * nodes - 1] = force * (0.5 * PI * step as f64 * dt).sin().powi(2);
+            rod.step(dt).ok()?;
+            iterations += rod.statistics().iterations;
+        }
+        Some((rod.tip_displacement(), start.elapsed().as_secs_f64(), iterations))
+    };
+    for (case, parameters, force) in
+        [("soft rod, pushed", &pushed as &dyn Fn(RodScheme) -> Parameters<2>, 5.0), ("CSM3, free", &free, 0.0)]
+    {
+        let (exact, ..) = run(parameters(RodScheme::Trapezoid), 409_600, force).expect("small steps");
+        for (name, scheme) in SCHEMES {
+            for steps in (0..9).map(|k| 50 << k) {
+                // The fastest of three: others use the machine as well.
+                let runs = (0..3).filter_map(|_| run(parameters(scheme), steps, force));
+                let Some((tip, seconds, iterations)) = runs.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+                let error = (tip[0] - exact[0]).hypot(tip[1] - exact[1]) / exact[0].hypot(exact[1]);
+                table.push(&[&case, &name, &(1.0 / steps as f64), &error, &seconds, &iterations]);
+            }
+        }
+    }
+    table
+}
+
+/// Tip deflection in the plane and in the diagonal plane by both bending models, n = 128.
+pub fn bending_models() -> Table {
+    let mut table = Table::new("gravity,tip_angle,invariant_diagonal,projected_plane,projected_diagonal");
+    for gravity in [0.7, 1.5, 3.0, 6.0] {
+        let bent = |bending, angle: f64| {
+            let gravity = [0.0, -gravity * angle.sin(), -gravity * angle.cos()];
+            let rod = settled(Parameters { gravity, bending, ..thesis_beam::<3>(128) });
+            let [_, y, z] = rod.tip_displacement();
+            let last = |d: usize| rod.positions(d)[128] - rod.positions(d)[127];
+            (y.hypot(z), last(1).hypot(last(2)).atan2(last(0)).to_degrees())
+        };
+        let (exact, angle) = bent(Bending::Invariant, 0.0);
+        let off = |bending, angle| format!("{:.2e}", bent(bending, angle).0 / exact - 1.0);
+        table.push(&[
+            &gravity,
+            &format!("{angle:.1}"),
+            &off(Bending::Invariant, FRAC_PI_4),
+            &off(Bending::Projected, 0.0),
+            &off(Bending::Projected, FRAC_PI_4),
+        ]);
+    }
+    table
+}
+
+/// Total energy in 60 s of CSM3 from rest, relative to the largest energy in gravity, every 0.2 s.
+pub fn csm3_energy() -> Table {
+    let mut table = Table::new("scheme,n,dt,time,energy");
+    for (name, scheme) in SCHEMES {
+        for (n, dt) in [(32, 0.02), (32, 0.01), (128, 0.01), (128, 0.005)] {
+            let mut rod = Rod::new(csm3(n, scheme)).expect("these parameters are good");
+            let every = (0.2 / dt) as usize;
+            let mut scale = 0.0_f64;
+            let mut energies = Vec::new();
+            for step in 1..=(60.0 / dt) as usize {
+                if rod.step(dt).is_err() {
+                    break;
+                }
+                scale = scale.max(rod.energy().map_or(0.0, |energy| energy.gravity.abs()));
+                // A gain of as much as there is says enough.
+                let gained = total_energy(&rod) > scale;
+                if gained || step % every == 0 {
+                    energies.push((step as f64 * dt, total_energy(&rod)));
+                }
+                if gained {
+                    break;
+                }
+            }
+            for (time, energy) in energies {
+                table.push(&[&name, &n, &dt, &format!("{time:.1}"), &format!("{:.3e}", energy / scale)]);
+            }
+        }
+    }
+    table
+}

@@ -1,0 +1,210 @@
+//! A clamp in prescribed motion.
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+
+use common::{SCHEMES, turek_hron_bar, unit_rod};
+use rod::{Error, Parameters, Rod, Root};
+use scene::{RodScheme, RootLaws, Rotation, TimeLaw};
+
+/// The root of a rod along x at the origin, moved by `laws`.
+fn root_at<const D: usize>(laws: &RootLaws, t: f64) -> Root<D> {
+    let ((position, velocity), (direction, rate)) = (laws.displacement(t), laws.direction(t, [1.0, 0.0, 0.0]));
+    let [position, velocity, direction, direction_rate] =
+        [position, velocity, direction, rate].map(|vector| std::array::from_fn(|d| vector[d]));
+    Root { position, velocity, direction, direction_rate }
+}
+
+/// Amplitude of the response at `omega` over whole periods of samples `dt` apart, against sin(omega t) from `start` on.
+fn amplitude(samples: &[f64], omega: f64, start: f64, dt: f64) -> f64 {
+    let weighted = samples.iter().enumerate().map(|(k, y)| y * (omega * (start + dt * (k + 1) as f64)).sin());
+    2.0 * weighted.sum::<f64>() / samples.len() as f64
+}
+
+/// Tip displacement across a unit rod by the amplitude of a base motion with b⁴ = mu omega² L⁴ / EI, along y or about z.
+fn transfer(b: f64, pitch: bool) -> f64 {
+    const AMPLITUDE: f64 = 1e-4;
+    let omega = b * b;
+    let (period, steps_per_period) = (TAU / omega, 200);
+    let dt = period / f64::from(steps_per_period);
+    let law =
+        TimeLaw::Sine { mean: 0.0, amplitude: AMPLITUDE, frequency: 1.0 / period, phase: 0.0, ramp: 20.0 * period };
+    let laws = if pitch {
+        RootLaws { rotations: vec![Rotation { angle: law, axis: [0.0, 0.0, 1.0] }], ..RootLaws::default() }
+    } else {
+        RootLaws { y: law, ..RootLaws::default() }
+    };
+    let mut rod = Rod::new(unit_rod::<2>(64, 1e4, RodScheme::TrBdf2)).unwrap();
+    let (ramp, measured) = (30 * steps_per_period, 20 * steps_per_period);
+    let mut samples = Vec::new();
+    for step in 1..=ramp + measured {
+        rod.root = Some(root_at(&laws, dt * f64::from(step)));
+        rod.step(dt).unwrap();
+        if step > ramp {
+            samples.push(rod.tip_displacement()[1]);
+        }
+    }
+    amplitude(&samples, omega, dt * f64::from(ramp), dt) / AMPLITUDE
+}
+
+/// w(L)/w0 = (cos b + cosh b)/(1 + cos b cosh b), and for a rotation w(L)/(theta0 L) = (sin b + sinh b)/(b (1 + cos b
+/// cosh b)), of the Euler–Bernoulli cantilever with a moving base; it resonates at b = 1.875 and 4.694.
+#[test]
+fn base_excitation_has_the_transfer_function_of_the_cantilever() {
+    for b in [1.2_f64, 2.6, 3.4, 4.0] {
+        let denominator = 1.0 + b.cos() * b.cosh();
+        for (pitch, exact) in
+            [(false, (b.cos() + b.cosh()) / denominator), (true, (b.sin() + b.sinh()) / (b * denominator))]
+        {
+            let found = transfer(b, pitch);
+            assert!((found / exact - 1.0).abs() < 5e-3, "b = {b}, pitch {pitch}: {found} against {exact}");
+        }
+    }
+}
+
+/// In the frame of a root that accelerates there is only its apparent weight. The trapezoid takes the parabola exactly.
+#[test]
+fn accelerated_root_is_gravity() {
+    let (acceleration, dt) = (2.0, 1e-3);
+    let mut weighed = Rod::new(Parameters { scheme: RodScheme::Trapezoid, ..turek_hron_bar(1.4e6, 2.0, 32) }).unwrap();
+    let mut moved = Rod::new(Parameters { gravity: [0.0; 2], ..weighed.parameters().clone() }).unwrap();
+    for step in 1..=500 {
+        let t = dt * f64::from(step);
+        let height = 0.5 * acceleration * t * t;
+        moved.root = Some(Root {
+            position: [0.25, 0.2 + height],
+            velocity: [0.0, acceleration * t],
+            direction: [1.0, 0.0],
+            direction_rate: [0.0; 2],
+        });
+        weighed.step(dt).unwrap();
+        moved.step(dt).unwrap();
+        let (found, expected) = (moved.tip_displacement(), weighed.tip_displacement());
+        for d in 0..2 {
+            let found = found[d] - if d == 1 { height } else { 0.0 };
+            assert!((found - expected[d]).abs() < 1e-9, "step {step}, {d}: {found} against {}", expected[d]);
+        }
+    }
+    assert!(weighed.tip_displacement()[1] < -0.1, "hardly moved: {:?}", weighed.tip_displacement());
+}
+
+/// Flapping about a slanted axis of space is flapping in the plane across it.
+#[test]
+fn flapping_is_the_same_in_the_plane_and_in_space() {
+    let sine = |amplitude| TimeLaw::Sine { mean: 0.0, amplitude, frequency: 0.25, phase: 0.0, ramp: 1.0 };
+    let about = |axis| RootLaws { rotations: vec![Rotation { angle: sine(0.6), axis }], ..RootLaws::default() };
+    let plane = RootLaws { y: sine(0.2), ..about([0.0, 0.0, 1.0]) };
+    let tilt = 0.7_f64;
+    let space =
+        RootLaws { y: sine(0.2 * tilt.cos()), z: sine(0.2 * tilt.sin()), ..about([0.0, -tilt.sin(), tilt.cos()]) };
+    for scheme in SCHEMES {
+        let mut planar = Rod::new(unit_rod::<2>(16, 1e3, scheme)).unwrap();
+        let mut spatial = Rod::new(unit_rod::<3>(16, 1e3, scheme)).unwrap();
+        let dt = 0.02;
+        for step in 1..=150 {
+            let t = dt * f64::from(step);
+            planar.root = Some(root_at(&plane, t));
+            spatial.root = Some(root_at(&space, t));
+            planar.step(dt).unwrap();
+            spatial.step(dt).unwrap();
+            let ([x, y], found) = (planar.tip_displacement(), spatial.tip_displacement());
+            for (found, expected) in found.into_iter().zip([x, y * tilt.cos(), y * tilt.sin()]) {
+                assert!((found - expected).abs() < 1e-7, "{scheme:?}, t = {t}: {found} against {expected}");
+            }
+        }
+        assert!(planar.tip_displacement()[1].abs() > 0.1, "{scheme:?} ended at {:?}", planar.tip_displacement());
+    }
+}
+
+/// A step of its own length inside the caller's finds the root on the cubic between the ends.
+#[test]
+fn substeps_follow_the_root_within_the_step() {
+    let laws = RootLaws {
+        y: TimeLaw::Sine { mean: 0.0, amplitude: 0.2, frequency: 0.8, phase: 0.0, ramp: 0.5 },
+        rotations: vec![Rotation {
+            angle: TimeLaw::Sine { mean: 0.0, amplitude: 0.6, frequency: 0.8, phase: 0.0, ramp: 0.5 },
+            axis: [0.0, 0.0, 1.0],
+        }],
+        ..RootLaws::default()
+    };
+    let (dt, parts) = (0.02, 8);
+    let fine = unit_rod::<2>(16, 1e3, RodScheme::TrBdf2);
+    let mut coarse = Rod::new(Parameters { max_step: Some(dt / f64::from(parts)), ..fine.clone() }).unwrap();
+    let mut fine = Rod::new(fine).unwrap();
+    for step in 1..=100 {
+        coarse.root = Some(root_at(&laws, dt * f64::from(step)));
+        coarse.step(dt).unwrap();
+        assert_eq!(coarse.statistics().substeps, parts as usize);
+        for part in 1..=parts {
+            fine.root = Some(root_at(&laws, dt * (f64::from(step - 1) + f64::from(part) / f64::from(parts))));
+            fine.step(dt / f64::from(parts)).unwrap();
+        }
+    }
+    for d in 0..2 {
+        let (found, expected) = (coarse.tip_displacement()[d], fine.tip_displacement()[d]);
+        assert!((found - expected).abs() < 1e-5, "{found} against {expected}");
+    }
+}
+
+/// A rod that is placed lies along its new direction and stays there.
+#[test]
+fn placed_rod_is_at_rest_where_it_was_put() {
+    let mut rod = Rod::new(unit_rod::<3>(8, 1e3, RodScheme::TrBdf2)).unwrap();
+    let root =
+        Root { position: [1.0, 2.0, 3.0], velocity: [0.0; 3], direction: [0.0, 3.0, 4.0], direction_rate: [0.0; 3] };
+    rod.place(root).unwrap();
+    for _ in 0..10 {
+        rod.step(0.1).unwrap();
+    }
+    let tip: [f64; 3] = std::array::from_fn(|d| rod.positions(d)[8]);
+    for (found, expected) in tip.into_iter().zip([1.0, 2.6, 3.8]) {
+        assert!((found - expected).abs() < 1e-12, "{tip:?}");
+    }
+}
+
+#[test]
+fn restored_state_of_a_moving_rod_continues_bit_by_bit() {
+    let laws = RootLaws {
+        rotations: vec![Rotation {
+            angle: TimeLaw::Sine { mean: 0.1, amplitude: 0.6, frequency: 0.8, phase: PI, ramp: 0.0 },
+            axis: [0.0, 0.0, 1.0],
+        }],
+        ..RootLaws::default()
+    };
+    for scheme in SCHEMES {
+        let parameters = unit_rod::<2>(16, 1e3, scheme);
+        let step = |rod: &mut Rod<2>, step: u32| {
+            rod.root = Some(root_at(&laws, 0.01 * f64::from(step)));
+            rod.step(0.01).unwrap();
+        };
+        let mut rod = Rod::new(parameters.clone()).unwrap();
+        (1..20).for_each(|k| step(&mut rod, k));
+        let state = rod.state().clone();
+        let mut other = Rod::new(parameters).unwrap();
+        assert!(other.restore(&state).is_err(), "a still rod took a moved clamp");
+        other.root = rod.root;
+        other.restore(&state).unwrap();
+        (20..30).for_each(|k| [&mut rod, &mut other].into_iter().for_each(|rod| step(rod, k)));
+        let (found, expected) = (other.tip_displacement(), rod.tip_displacement());
+        assert!(other.state() == rod.state(), "{scheme:?}: {found:?} against {expected:?}");
+    }
+}
+
+#[test]
+fn bad_roots_are_named_and_change_nothing() {
+    let mut rod = Rod::new(unit_rod::<2>(8, 1e3, RodScheme::TrBdf2)).unwrap();
+    let good = Root { position: [0.0; 2], velocity: [0.0; 2], direction: [1.0, 0.0], direction_rate: [0.0; 2] };
+    let before = rod.state().clone();
+    for (root, part) in [
+        (Root { position: [f64::NAN, 0.0], ..good }, "root.position is [NaN, 0.0]"),
+        (Root { velocity: [0.0, f64::INFINITY], ..good }, "root.velocity is [0.0, inf]"),
+        (Root { direction: [0.0; 2], ..good }, "root.direction is [0.0, 0.0], but it must be a vector of any length"),
+        (Root { direction: [-0.1, 1.0], ..good }, "root.direction is [-0.1, 1.0], but it must be less than a right"),
+    ] {
+        rod.root = Some(root);
+        let message = rod.step(0.1).map_err(|error: Error| error.to_string()).unwrap_err();
+        assert!(message.contains(part), "no {part:?} in {message:?}");
+        assert_eq!(rod.state(), &before);
+    }
+}

@@ -1,0 +1,249 @@
+"""The rod's FMU beyond its stations: derivatives, root motion, energies, what it logs and refuses."""
+
+import copy
+import ctypes
+
+import numpy as np
+import pytest
+from cosim import package
+from cosim.unit import UnitError
+from fmpy import extract, read_model_description
+from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+H = 1e-3
+STATIONS = 17
+
+
+@pytest.fixture
+def spatial(rod_only):
+    """The same rod in space, pulled down along z."""
+    rod_only = copy.deepcopy(rod_only)
+    rod_only["name"] = "spatial-rod"
+    rod_only["beam"]["root"]["at"] = {"position": [0.0, 0.0, 0.0], "direction": [1.0, 0.0, 0.0]}
+    rod_only["rod"]["gravity"] = [0.0, 0.0, -2.0]
+    return rod_only
+
+
+@pytest.fixture
+def rod(instantiate):
+    """Function that makes the rod of a scene, initialised, with these inputs and outputs connected."""
+
+    def make(scene, inputs=(), outputs=()):
+        scene["time"]["end"] = 10.0
+        unit = instantiate(scene)["rod"]
+        unit.connect(list(inputs), list(outputs))
+        unit.set()
+        unit.start()
+        unit.get()
+        return unit
+
+    return make
+
+
+def run(unit, steps, h=H, start=0.0):
+    for k in range(steps):
+        unit.step(start + k * h, h)
+    return start + steps * h
+
+
+def references(unit, names):
+    return [reference for name in names for reference in unit.variables[name].references]
+
+
+def output_derivatives(unit, names):
+    wanted = references(unit, names)
+    values, kinds = (ctypes.c_double * len(wanted))(), (ctypes.c_int * len(wanted))(*[1] * len(wanted))
+    unit.fmu.fmi2GetRealOutputDerivatives(
+        unit.fmu.component, (ctypes.c_uint * len(wanted))(*wanted), len(wanted), kinds, values
+    )
+    return np.array(values)
+
+
+def directional_derivative(unit, unknown, known, seed):
+    return np.array(unit.fmu.getDirectionalDerivative(references(unit, unknown), references(unit, known), list(seed)))
+
+
+def test_output_derivatives_are_velocities_and_accelerations(rod_only, rod):
+    unit = rod(rod_only, outputs=["x", "y", "vx", "vy"])
+    time = run(unit, 100)
+    names = ["x", "y", "tip.ux", "tip.uy"]
+    rates = output_derivatives(unit, names)
+    assert rates == pytest.approx(
+        np.concatenate([unit.output(name) for name in ("vx", "vy", "tip.vx", "tip.vy")]), abs=0.0
+    )
+    accelerations = output_derivatives(unit, ["vx", "vy", "tip.vx", "tip.vy"])
+    # A central difference of the velocities over two steps.
+    before = np.concatenate([unit.output(name) for name in ("vx", "vy", "tip.vx", "tip.vy")])
+    h = 1e-6
+    unit.step(time, h)
+    after = np.concatenate([unit.output(name) for name in ("vx", "vy", "tip.vx", "tip.vy")])
+    assert (after - before) / h == pytest.approx(accelerations, abs=2e-2 * np.abs(accelerations).max())
+    assert np.abs(accelerations).max() > 1.0
+
+
+@pytest.mark.parametrize("scheme", ["tr_bdf2", "bdf2", "trapezoid", {"generalised_alpha": {"rho_inf": 0.8}}])
+@pytest.mark.parametrize("load", ["force_y", "pressure_jump"])
+def test_directional_derivatives_are_those_of_a_step(rod_only, rod, scheme, load):
+    rod_only["rod"]["scheme"] = scheme
+    unit = rod(rod_only, [load], ["x", "y", "vx", "vy"])
+    unit.inputs[:] = 0.1 * np.sin(np.arange(STATIONS))
+    time = run(unit, 50)
+    unit.save()
+    seed = np.cos(np.arange(STATIONS))
+    loads = unit.inputs.copy()
+
+    def end(part):
+        unit.restore()
+        unit.inputs[:] = loads + part * seed
+        unit.step(time, H)
+        return unit.outputs.copy()
+
+    small = 0.1
+    difference = (end(small) - end(-small)) / (2 * small)
+    end(0.0)
+    names = ["x", "y", "vx", "vy", "tip.ux", "tip.uy", "tip.vx", "tip.vy"]
+    derivative = directional_derivative(unit, names, [load], seed)
+    expected = np.concatenate([difference[unit.slices[name]] for name in names])
+    for name, part in zip(names, np.split(np.arange(expected.size), np.cumsum([unit.variables[n].size for n in names]))):
+        scale = np.abs(expected[part]).max()
+        assert derivative[part] == pytest.approx(expected[part], abs=1e-4 * scale), name
+        assert scale > 0.0, name
+
+
+def test_directional_derivatives_need_a_step_and_loads(rod_only, rod):
+    unit = rod(rod_only)
+    with pytest.raises(Exception, match="fmi2GetDirectionalDerivative"):
+        directional_derivative(unit, ["tip.uy"], ["force_y"], np.ones(STATIONS))
+    run(unit, 1)
+    directional_derivative(unit, ["tip.uy"], ["force_y"], np.ones(STATIONS))
+    with pytest.raises(Exception, match="fmi2GetDirectionalDerivative"):
+        directional_derivative(unit, ["energy.elastic"], ["force_y"], np.ones(STATIONS))
+
+
+def test_energy_moves_between_its_forms(rod_only, rod):
+    unit = rod(rod_only)
+    names = ["energy.elastic", "energy.kinetic", "energy.gravity"]
+    sums, gravity = [], []
+    for k in range(500):
+        unit.step(k * H, H)
+        values = [unit.output(name)[0] for name in names]
+        sums.append(sum(values))
+        gravity.append(values[2])
+    assert max(map(abs, sums)) < 1e-3 * max(map(abs, gravity))
+    assert min(gravity) < -0.1
+
+
+def test_laws_of_the_scene_move_the_root(rod_only, rod):
+    heave = {"sine": {"amplitude": 0.01, "frequency": 2.0, "ramp": 0.1}}
+    pitch = {"sine": {"amplitude": 0.3, "frequency": 2.0, "ramp": 0.1}}
+    rod_only["rod"]["root_motion"] = {"laws": {"y": heave, "rotations": [{"angle": pitch}]}}
+    unit = rod(rod_only, outputs=["x", "y", "vx", "vy"])
+    time = run(unit, 300)
+    sin, cos = np.sin(4 * np.pi * time), np.cos(4 * np.pi * time)
+    assert unit.output("y")[0] == pytest.approx(0.01 * sin, abs=1e-9)
+    assert unit.output("vy")[0] == pytest.approx(0.04 * np.pi * cos, abs=1e-9)
+    assert unit.output("x")[0] == 0.0
+    assert "root.y" not in unit.variables
+    swing = unit.output("y")[-1] - unit.output("y")[0]
+    assert abs(swing) > 0.005
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_master_that_drives_the_root_gets_what_the_laws_give(rod_only, spatial, rod, dimension):
+    scene = rod_only if dimension == 2 else spatial
+    law = {"sine": {"amplitude": 0.3, "frequency": 2.0, "ramp": 0.1}}
+    scene["rod"]["root_motion"] = {"laws": {"y": law, "rotations": [{"angle": law}]}}
+    by_law = rod(scene, outputs=["x", "y"])
+    scene["rod"]["root_motion"] = "master"
+    scene["name"] += "-driven"
+    inputs = ["root.y", "root.vy"]
+    inputs += ["root.angle", "root.omega"] if dimension == 2 else [
+        f"root.{what}.{axis}" for what in ("direction", "direction_rate") for axis in "xy"
+    ]
+    driven = rod(scene, inputs, ["x", "y"])
+    for k in range(200):
+        t = (k + 1) * H
+        share = 0.5 * (1 - np.cos(np.pi * min(t / 0.1, 1.0)))
+        rate = 0.5 * np.pi / 0.1 * np.sin(np.pi * min(t / 0.1, 1.0))
+        omega = 4 * np.pi
+        value = 0.3 * share * np.sin(omega * t)
+        speed = 0.3 * (share * omega * np.cos(omega * t) + rate * np.sin(omega * t))
+        turn = [value, speed] if dimension == 2 else [
+            np.cos(value), np.sin(value), -speed * np.sin(value), speed * np.cos(value)
+        ]
+        driven.inputs[:] = [value, speed, *turn]
+        driven.step(k * H, H)
+        by_law.step(k * H, H)
+    assert driven.exchanged == pytest.approx(by_law.exchanged, abs=1e-9)
+    assert abs(by_law.output("y")[-1]) > 0.02
+
+
+def test_state_of_a_moving_rod_comes_back_bit_by_bit(rod_only, rod):
+    law = {"sine": {"amplitude": 0.3, "frequency": 2.0, "ramp": 0.1}}
+    rod_only["rod"]["root_motion"] = {"laws": {"rotations": [{"angle": law}]}}
+    unit = rod(rod_only, outputs=["x", "y"])
+    time = run(unit, 50)
+    unit.save()
+    run(unit, 50, start=time)
+    expected = unit.exchanged.copy()
+    unit.restore()
+    run(unit, 50, start=time)
+    assert np.array_equal(unit.exchanged, expected)
+
+
+def test_still_root_has_no_variables(rod_only, rod):
+    assert not [name for name in rod(rod_only).variables if name.startswith("root.")]
+
+
+def test_error_of_a_step_tells_the_time(rod_only, rod):
+    unit = rod(rod_only, ["force_x"])
+    time = run(unit, 3)
+    unit.inputs[:] = 1e300
+    with pytest.raises(UnitError, match=r"Newton's method stopped at a residual of .* in the step from t = 0\.003"):
+        unit.step(time, H)
+
+
+def test_thesis_bending_ends_with_its_singularity(spatial, rod):
+    spatial["rod"]["bending"] = "projected"
+    unit = rod(spatial, ["force_z"])
+    unit.inputs[-1] = 100.0
+    with pytest.raises(UnitError, match=r"plane xy is singular .* in the step from t = 0\.\d+ s"):
+        run(unit, 2000)
+
+
+def test_rescued_steps_are_counted_and_logged(rod_only, tmp_path, libraries):
+    """A blow that plain Newton cannot take in one step. The logger is the test's own, without fmpy's proxy, of which
+    there is one in the process: the unit's messages come formatted."""
+    told = []
+
+    def logger(_environment, _instance, _status, category, message):
+        told.append((category.decode(), message.decode()))
+
+    callbacks = fmi2CallbackFunctions(
+        logger=fmi2CallbackLoggerTYPE(logger),
+        allocateMemory=defaultCallbacks.allocateMemory,
+        freeMemory=defaultCallbacks.freeMemory,
+    )
+    path = str(package.pack("rod", rod_only, tmp_path))
+    description = read_model_description(path)
+    names = {variable.name: variable.valueReference for variable in description.modelVariables}
+    fmu = FMU2Slave(
+        guid=description.guid,
+        unzipDirectory=extract(path, str(tmp_path / "unpacked")),
+        modelIdentifier="fmu_rod",
+        instanceName="rod",
+    )
+    fmu.instantiate(callbacks=callbacks, loggingOn=True)
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    tip = names[f"force_x[{STATIONS}]"]
+    fmu.setReal([tip, names[f"force_y[{STATIONS}]"]], [-1e4, 100.0])
+    for k in range(20):
+        fmu.doStep(0.1 * k, 0.1)
+        iterations, rescues = fmu.getInteger([names["newton.iterations"], names["newton.rescues"]])
+        if rescues > 0:
+            break
+    fmu.freeInstance()
+    assert rescues > 0 and iterations > 15
+    assert [text for category, text in told if category == "logEvents" and "needed shift and line search" in text]
