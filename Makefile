@@ -63,3 +63,14 @@ $(READY): requirements.lock
 	$(PYTHON) -m venv --clear $(VENV)
 	$(RUN) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	touch $@
+
+ROD_STUDY := cargo run --release --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
+
+.PHONY: rod-study bench-rod
+
+rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
+	$(ROD_STUDY) -- docs/rod
+	$(RUN) scripts/studies/rod.py docs/rod
+
+bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
+	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
