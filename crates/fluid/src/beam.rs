@@ -93,6 +93,14 @@ impl Stations {
         self.len() == 0
     }
 
+    /// Become `other`, which has as many stations; unlike `clone_from` this allocates nothing.
+    pub fn copy_from(&mut self, other: &Self) {
+        for axis in 0..2 {
+            self.position[axis].copy_from_slice(&other.position[axis]);
+            self.velocity[axis].copy_from_slice(&other.velocity[axis]);
+        }
+    }
+
     /// Become what lies the fraction `s` of the way from `a` to `b`, which are `h` seconds apart: velocity linear,
     /// position the cubic that has the positions and velocities of both ends.
     pub fn interpolate(&mut self, a: &Self, b: &Self, s: f64, h: f64) {

@@ -370,7 +370,7 @@ impl Fluid {
     pub fn restore(&mut self, state: &State) {
         self.state.clone_from(state);
         if let (Some(beam), Some(known)) = (&mut self.beam, &state.beam) {
-            beam.target.clone_from(&known.stations);
+            beam.target.copy_from(&known.stations);
             beam.pressure_jump_is_current = false;
         }
         self.paint_moving_bodies();
@@ -391,7 +391,7 @@ impl Fluid {
             return Err(Error::Diverged { time: t, cfl, step: h });
         }
         if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
-            beam.from.clone_from(&known.stations);
+            beam.from.copy_from(&known.stations);
         }
         let substeps = substeps as u32;
         let dt = h / f64::from(substeps);
@@ -399,7 +399,7 @@ impl Fluid {
             let fraction = f64::from(substep) / f64::from(substeps);
             if let (Some(beam), Some(known)) = (&self.beam, &mut self.state.beam) {
                 if substep == substeps {
-                    known.stations.clone_from(&beam.target);
+                    known.stations.copy_from(&beam.target);
                 } else {
                     known.stations.interpolate(&beam.from, &beam.target, fraction, h);
                 }
