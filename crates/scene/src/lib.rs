@@ -219,7 +219,10 @@ impl Scene {
         require(coupled == self.coupling.is_some(), "coupling", if coupled { "absent" } else { "present" }, || {
             "it must be there exactly when the scene has both a fluid and a rod".into()
         })?;
-        if let Some(Coupling { scheme: CouplingScheme::Iterated { tolerance, max_iterations }, .. }) = self.coupling {
+        if let Some(Coupling { load, scheme: CouplingScheme::Iterated { tolerance, max_iterations } }) = self.coupling {
+            require(load == Load::PressureJump, "coupling.scheme", "iterated", || {
+                "with the load momentum it must be explicit: that load with its impedance is already implicit".into()
+            })?;
             above("coupling.scheme.iterated.tolerance", tolerance, 0.0)?;
             require(max_iterations >= 2, "coupling.scheme.iterated.max_iterations", max_iterations, || {
                 "it must be at least 2".into()
