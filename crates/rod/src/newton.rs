@@ -138,8 +138,12 @@ impl<const D: usize> Newton<D> {
         let Err(plain) = self.iterate(elastic, balance, origin, x, statistics, Update::Plain) else { return Ok(()) };
         statistics.rescues += 1;
         x.copy_from_slice(&self.before);
-        if elastic.energy(x).is_err() {
-            x[1..].copy_from_slice(&origin[1..]);
+        // After a long step the guess is bent sharply beside the clamp, which it does not know of: then rest is nearer.
+        let potential = |x: &[Vector<D>]| balance.potential(elastic, origin, x).map_or(f64::INFINITY, |(of_x, _)| of_x);
+        let of_guess = potential(x);
+        x[1..].copy_from_slice(&origin[1..]);
+        if of_guess <= potential(x) {
+            x.copy_from_slice(&self.before);
         }
         // A line search does not enter a bad shape: it stops in front of what the plain method met.
         self.iterate(elastic, balance, origin, x, statistics, Update::Guarded).map_err(|guarded| match plain {
