@@ -13,7 +13,8 @@
 //! a segment belongs to that vertex; this and half a mass at the tip make the rod second order in l0. Folding back,
 //! ψ → π, is an infinite barrier.
 //!
-//! A rest shape that is curved in the plane needs the sign of the angle: U = Σ ½ k_b (κ(ψ_j) − κ(ψ0_j))².
+//! In the plane κ has the sign of ψ, and sin ψ and c give it and its derivatives by ψ with one division; a rest shape that
+//! is curved there has U = Σ ½ k_b (κ(ψ_j) − κ(ψ0_j))².
 //!
 //! The projected model of the thesis (eqs. 2.1, 2.3, 2.4) is U = Σ ½ k_b (θ_j − θ_{j−1} − ψ0_j)², the same for φ in three
 //! dimensions, with θ and φ the angles of the edges' projections into the planes xy and xz. Where the rod passes the
@@ -52,7 +53,7 @@ pub(crate) struct Elastic<const D: usize> {
 pub(crate) enum Angles {
     /// κ of the true turning angle, 0 at rest.
     Straight,
-    /// κ of the signed turning angle in the plane, at rest that of these angles, rad: `[n]`.
+    /// κ of the signed turning angle in the plane, at rest these: `[n]`.
     Curved(Vec<f64>),
     /// Turning angles of the projections, at rest these, rad: `[n]`.
     Projected(Vec<f64>),
@@ -111,16 +112,21 @@ struct CosineSlope<const D: usize> {
     c_by_after: Vector<D>,
 }
 
-/// Signed turning angle between the projections of two edges into a plane.
+/// ∂ψ/∂e, 1/m, of the signed turning angle between the projections of two edges into a plane.
 struct Turn {
-    psi: f64,
-    /// ∂ψ/∂e in the plane, 1/m, of the edge before and after.
     by_before: Vector2<f64>,
     by_after: Vector2<f64>,
 }
 
 /// A function of a turning angle with its first two derivatives.
 struct Jet(f64, f64, f64);
+
+impl Angles {
+    /// Of a rest shape that turns by `psi`, rad, at the beginning of each segment: `[n]`.
+    pub(crate) fn curved(psi: Vec<f64>) -> Self {
+        Self::Curved(psi.into_iter().map(|psi| 2.0 * (0.5 * psi).tan()).collect())
+    }
+}
 
 impl<const D: usize> Elastic<D> {
     /// Energy of the shape `x`, `[n + 1]`.
@@ -135,13 +141,13 @@ impl<const D: usize> Elastic<D> {
                     k_b * (after.t - before.t).norm_squared() / self.cosine_above_fold(node, before, after)?
                 }
                 Angles::Curved(rest) => {
-                    self.cosine_above_fold(node, before, after)?;
-                    k_b * half_square(kappa(before.turn(after, 1).psi), kappa(rest[node]).0).0
+                    let above_fold = self.cosine_above_fold(node, before, after)?;
+                    k_b * half_square(before.kappa(after, above_fold), rest[node]).0
                 }
                 Angles::Projected(rest) => {
                     let mut sum = 0.0;
                     for axis in 1..D {
-                        let psi = self.projected_turn(node, before, after, axis)?.psi;
+                        let (psi, _) = self.projected_turn(node, before, after, axis)?;
                         sum += k_b * half_square(Jet(psi, 1.0, 0.0), rest[node]).0;
                     }
                     sum
@@ -157,29 +163,21 @@ impl<const D: usize> Elastic<D> {
         let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
         // ∂U/∂e of the edge before and of the one before that: U goes by e_k = x_k − x_{k−1} and e_{k+1}.
         let (mut by_before, mut by_earlier) = (Vector::zeros(), Vector::zeros());
-        for (node, ends) in x.windows(2).enumerate() {
-            let after = Edge::between(ends[0], ends[1]);
-            let vertex = match &self.angles {
-                Angles::Straight => {
-                    let slope = CosineSlope::new(before, after, self.cosine_above_fold(node, before, after)?, k_b);
-                    (slope.c_by_before * slope.by_c, slope.c_by_after * slope.by_c)
-                }
-                _ => {
-                    let vertex = self.planar_vertex(node, before, after, k_b)?;
-                    (vertex.by_before, vertex.by_after)
-                }
-            };
-            by_before += vertex.0;
+        // Two rounds more, without a vertex, give the last two nodes.
+        for node in 0..=x.len() {
+            let mut new_by_before = Vector::zeros();
+            if let Some([start, end]) = x[node..].first_chunk() {
+                let after = Edge::between(*start, *end);
+                let vertex = self.vertex_gradient(node, before, after, k_b)?;
+                by_before += vertex.0;
+                new_by_before = after.t * (self.axial * (after.l - self.segment_length)) + vertex.1;
+                (before, k_b) = (after, self.bending);
+            }
             if node > 1 {
                 emit(node - 1, by_earlier - by_before);
             }
-            by_earlier = by_before;
-            by_before = after.t * (self.axial * (after.l - self.segment_length)) + vertex.1;
-            (before, k_b) = (after, self.bending);
+            (by_earlier, by_before) = (by_before, new_by_before);
         }
-        let last = x.len() - 1;
-        emit(last - 1, by_earlier - by_before);
-        emit(last, by_before);
         Ok(())
     }
 
@@ -195,18 +193,22 @@ impl<const D: usize> Elastic<D> {
         let (mut gradient, mut block) = (Vector::zeros(), Matrix::zeros());
         let (mut earlier_gradient, mut earlier_block, mut earlier_coupling) =
             (Vector::zeros(), Matrix::zeros(), Matrix::zeros());
-        for (node, ends) in x.windows(2).enumerate() {
-            let after @ Edge { t, l, inverse_l } = Edge::between(ends[0], ends[1]);
-            let vertex = match &self.angles {
-                Angles::Straight => {
-                    let above_fold = self.cosine_above_fold(node, before, after)?;
-                    VertexDerivatives::straight(before, after, &CosineSlope::new(before, after, above_fold, k_b))
-                }
-                _ => self.planar_vertex(node, before, after, k_b)?,
-            };
-            gradient += vertex.by_before;
-            block += vertex.before_before;
-            let coupling = vertex.before_after;
+        // Two rounds more, without a vertex, give the last two nodes.
+        for node in 0..=x.len() {
+            let (mut new_gradient, mut new_block, mut coupling) = (Vector::zeros(), Matrix::zeros(), Matrix::zeros());
+            if let Some([start, end]) = x[node..].first_chunk() {
+                let after @ Edge { t, l, inverse_l } = Edge::between(*start, *end);
+                let vertex = self.vertex(node, before, after, k_b)?;
+                gradient += vertex.by_before;
+                block += vertex.before_before;
+                coupling = vertex.before_after;
+                new_gradient = t * (self.axial * (l - l0)) + vertex.by_after;
+                let stretched = self.axial * l0 * inverse_l;
+                let turned = self.axial - stretched;
+                new_block =
+                    t * (t * stretched).transpose() + Matrix::from_diagonal_element(turned) + vertex.after_after;
+                (before, k_b) = (after, self.bending);
+            }
             if node > 1 {
                 emit(
                     node - 1,
@@ -220,51 +222,61 @@ impl<const D: usize> Elastic<D> {
             }
             (earlier_gradient, earlier_block) = (gradient, block);
             earlier_coupling = if node > 0 { coupling } else { Matrix::zeros() };
-            gradient = t * (self.axial * (l - l0)) + vertex.by_after;
-            let stretched = self.axial * l0 * inverse_l;
-            let turned = self.axial - stretched;
-            block = t * (t * stretched).transpose() + Matrix::from_diagonal_element(turned) + vertex.after_after;
-            (before, k_b) = (after, self.bending);
+            (gradient, block) = (new_gradient, new_block);
         }
-        let last = x.len() - 1;
-        let none = Matrix::zeros();
-        emit(
-            last - 1,
-            &NodeDerivatives {
-                gradient: earlier_gradient - gradient,
-                own: earlier_block + block - earlier_coupling - earlier_coupling.transpose(),
-                next: (earlier_coupling - block).transpose(),
-                next_but_one: none,
-            },
-        );
-        emit(last, &NodeDerivatives { gradient, own: block, next: none, next_but_one: none });
         Ok(())
     }
 
-    /// Derivatives of a vertex in the models that go by signed angles in a plane.
-    fn planar_vertex(
+    /// Derivatives of the energy of the vertex at `node` by the edges before and after it.
+    #[inline(always)]
+    fn vertex_gradient(
         &self,
         node: usize,
         before: Edge<D>,
         after: Edge<D>,
         k_b: f64,
+    ) -> Result<(Vector<D>, Vector<D>), BadShape> {
+        if D == 3 && matches!(self.angles, Angles::Straight) {
+            let slope = CosineSlope::new(before, after, self.cosine_above_fold(node, before, after)?, k_b);
+            return Ok((slope.c_by_before * slope.by_c, slope.c_by_after * slope.by_c));
+        }
+        let vertex = self.vertex(node, before, after, k_b)?;
+        Ok((vertex.by_before, vertex.by_after))
+    }
+
+    /// The same with second derivatives.
+    #[inline(always)]
+    fn vertex(&self, node: usize, before: Edge<D>, after: Edge<D>, k_b: f64) -> Result<VertexDerivatives<D>, BadShape> {
+        let rest = match &self.angles {
+            Angles::Straight if D == 2 => 0.0,
+            Angles::Straight => {
+                let above_fold = self.cosine_above_fold(node, before, after)?;
+                return Ok(VertexDerivatives::straight(
+                    before,
+                    after,
+                    &CosineSlope::new(before, after, above_fold, k_b),
+                ));
+            }
+            Angles::Curved(rest) => rest[node],
+            Angles::Projected(rest) => return self.projected_vertex(node, before, after, k_b, rest[node]),
+        };
+        let above_fold = self.cosine_above_fold(node, before, after)?;
+        Ok(VertexDerivatives::planar(before, after, k_b, half_square(before.kappa(after, above_fold), rest)))
+    }
+
+    /// The same in the projected model.
+    fn projected_vertex(
+        &self,
+        node: usize,
+        before: Edge<D>,
+        after: Edge<D>,
+        k_b: f64,
+        rest: f64,
     ) -> Result<VertexDerivatives<D>, BadShape> {
         let mut vertex = VertexDerivatives::zeros();
-        match &self.angles {
-            Angles::Straight => unreachable!("a straight rod goes by the cosine"),
-            Angles::Curved(rest) => {
-                self.cosine_above_fold(node, before, after)?;
-                let turn = before.turn(after, 1);
-                let energy = half_square(kappa(turn.psi), kappa(rest[node]).0);
-                vertex = vertex.with_turn(&turn, 1, k_b, energy);
-            }
-            Angles::Projected(rest) => {
-                for axis in 1..D {
-                    let turn = self.projected_turn(node, before, after, axis)?;
-                    let energy = half_square(Jet(turn.psi, 1.0, 0.0), rest[node]);
-                    vertex = vertex.with_turn(&turn, axis, k_b, energy);
-                }
-            }
+        for axis in 1..D {
+            let (psi, turn) = self.projected_turn(node, before, after, axis)?;
+            vertex = vertex.with_turn(&turn, axis, k_b, half_square(Jet(psi, 1.0, 0.0), rest));
         }
         Ok(vertex)
     }
@@ -285,12 +297,19 @@ impl<const D: usize> Elastic<D> {
         }
     }
 
-    /// Turn of the projections into the plane of x and `axis`, or the error that they are singular.
-    fn projected_turn(&self, node: usize, before: Edge<D>, after: Edge<D>, axis: usize) -> Result<Turn, BadShape> {
-        let turn = before.turn(after, axis);
-        let long = |edge: Edge<D>| edge.projection(axis).norm_squared() > FOLD * self.segment_length.powi(2);
-        if long(before) && long(after) && turn.psi.abs() < FRAC_PI_2 {
-            Ok(turn)
+    /// Turning angle of the projections into the plane of x and `axis`, rad, or the error that they are singular.
+    fn projected_turn(
+        &self,
+        node: usize,
+        before: Edge<D>,
+        after: Edge<D>,
+        axis: usize,
+    ) -> Result<(f64, Turn), BadShape> {
+        let (p, q) = (before.projection(axis), after.projection(axis));
+        let psi = p.perp(&q).atan2(p.dot(&q));
+        let long = |p: Vector2<f64>| p.norm_squared() > FOLD * self.segment_length.powi(2);
+        if long(p) && long(q) && psi.abs() < FRAC_PI_2 {
+            Ok((psi, Turn { by_before: -angle_gradient(p), by_after: angle_gradient(q) }))
         } else {
             Err(BadShape::Projection { node, axis })
         }
@@ -300,8 +319,10 @@ impl<const D: usize> Elastic<D> {
 impl<const D: usize> Edge<D> {
     fn between(start: Vector<D>, end: Vector<D>) -> Self {
         let e = end - start;
-        let l = e.norm();
-        let inverse_l = 1.0 / l;
+        // Root and division do not wait for one another.
+        let square = e.norm_squared();
+        let l = square.sqrt();
+        let inverse_l = l * (1.0 / square);
         Self { t: e * inverse_l, l, inverse_l }
     }
 
@@ -310,10 +331,12 @@ impl<const D: usize> Edge<D> {
         Vector2::new(self.t[0], self.t[axis]) * self.l
     }
 
-    /// From the projection of `self` to that of `after` in the plane of x and `axis`.
-    fn turn(self, after: Self, axis: usize) -> Turn {
-        let (p, q) = (self.projection(axis), after.projection(axis));
-        Turn { psi: p.perp(&q).atan2(p.dot(&q)), by_before: -angle_gradient(p), by_after: angle_gradient(q) }
+    /// κ = 2 tan(ψ/2) = 2 sin ψ/(1 + c) in the plane, by ψ, from 1 + c: κ' = 1 + κ²/4 = 2/(1 + c).
+    #[inline(always)]
+    fn kappa(self, after: Self, above_fold: f64) -> Jet {
+        let slope = 2.0 / above_fold;
+        let kappa = (self.t[0] * after.t[1] - self.t[1] * after.t[0]) * slope;
+        Jet(kappa, slope, 0.5 * kappa * slope)
     }
 }
 
@@ -371,6 +394,35 @@ impl<const D: usize> VertexDerivatives<D> {
         }
     }
 
+    /// Of k_b g(ψ) with ψ the signed turning angle in the plane.
+    #[inline(always)]
+    fn planar(before: Edge<D>, after: Edge<D>, k_b: f64, Jet(_, slope, curvature): Jet) -> Self {
+        let (slope, curvature) = (k_b * slope, k_b * curvature);
+        let across = |Edge { t, inverse_l, .. }: Edge<D>| [-t[1] * inverse_l, t[0] * inverse_l];
+        let vector = |[x, y]: [f64; 2], by: f64| {
+            let mut vector = Vector::zeros();
+            (vector[0], vector[1]) = (x * by, y * by);
+            vector
+        };
+        // g is ∂θ/∂e of the edge's direction θ, and ∂²θ/∂e∂e is as in `angle_hessian`.
+        let own = |[x, y]: [f64; 2], slope: f64| {
+            let (xx, xy, yy) = (x * x, x * y, y * y);
+            let mixed = curvature * xy + slope * (xx - yy);
+            let mut own = Matrix::zeros();
+            (own[(0, 0)], own[(1, 1)]) = (curvature * xx - 2.0 * slope * xy, curvature * yy + 2.0 * slope * xy);
+            (own[(0, 1)], own[(1, 0)]) = (mixed, mixed);
+            own
+        };
+        let (g, h) = (across(before), across(after));
+        Self {
+            by_before: vector(g, -slope),
+            by_after: vector(h, slope),
+            before_before: own(g, -slope),
+            before_after: vector(g, -curvature) * vector(h, 1.0).transpose(),
+            after_after: own(h, slope),
+        }
+    }
+
     /// With the energy k_b g(ψ) of a turn in the plane of x and `axis` added.
     fn with_turn(mut self, turn: &Turn, axis: usize, k_b: f64, Jet(_, slope, curvature): Jet) -> Self {
         let (slope, curvature) = (k_b * slope, k_b * curvature);
@@ -403,13 +455,6 @@ fn angle_hessian(g: Vector2<f64>) -> SMatrix<f64, 2, 2> {
     SMatrix::<f64, 2, 2>::new(xx, xy, xy, -xx)
 }
 
-/// κ = 2 tan(ψ/2).
-fn kappa(psi: f64) -> Jet {
-    let kappa = 2.0 * (0.5 * psi).tan();
-    let slope = 1.0 + 0.25 * kappa * kappa;
-    Jet(kappa, slope, 0.5 * kappa * slope)
-}
-
 /// ½ (f − rest)².
 fn half_square(Jet(f, slope, curvature): Jet, rest: f64) -> Jet {
     let off = f - rest;
@@ -436,7 +481,7 @@ mod tests {
         let with = |angles| Elastic { angles, ..springs() };
         let mut kinds = vec![with(Angles::Straight), with(Angles::Projected(rest.clone()))];
         if D == 2 {
-            kinds.push(with(Angles::Curved(rest)));
+            kinds.push(with(Angles::curved(rest)));
         }
         kinds
     }

@@ -159,7 +159,7 @@ impl<const D: usize> Newton<D> {
         balance: &Balance<D>,
         x: &[Vector<D>],
     ) -> Result<(), BadShape> {
-        self.assemble(elastic, balance, x, x).map(|_| ())
+        self.assemble(elastic, balance, x, x)
     }
 
     fn iterate(
@@ -188,15 +188,18 @@ impl<const D: usize> Newton<D> {
                 }
             }
             statistics.iterations += 1;
-            let failure = Failure::from(self.assemble(elastic, balance, origin, x)?);
+            self.assemble(elastic, balance, origin, x)?;
             match (self.matrix.factorise(), kind) {
                 (Ok(0), _) => shift = 0.0,
                 (Ok(negative_pivots), Update::Plain) => {
                     statistics.negative_pivots = statistics.negative_pivots.max(negative_pivots);
                 }
-                (Err(Singular), Update::Plain) => return Err(failure),
+                (Err(Singular), Update::Plain) => return Err(self.failure(elastic, balance, origin, x)),
                 (_, Update::Guarded) => {
-                    shift = self.factorise_shifted(elastic, balance, origin, x, 0.1 * shift).ok_or(failure)?;
+                    let Some(found) = self.factorise_shifted(elastic, balance, origin, x, 0.1 * shift) else {
+                        return Err(self.failure(elastic, balance, origin, x));
+                    };
+                    shift = found;
                 }
             }
             self.update.copy_from_slice(&self.descent);
@@ -204,10 +207,16 @@ impl<const D: usize> Newton<D> {
 
             // How much of the update may be taken before an edge changes by more than its own length.
             let allowed = elastic.segment_length / self.edge_change();
-            match kind {
-                Update::Plain if allowed > 1.0 => self.add_update(x, 1.0),
-                Update::Plain => return Err(failure),
-                Update::Guarded => self.search(elastic, balance, origin, x, allowed.min(1.0)).ok_or(failure)?,
+            let taken = match kind {
+                Update::Plain if allowed > 1.0 => {
+                    self.add_update(x, 1.0);
+                    true
+                }
+                Update::Plain => false,
+                Update::Guarded => self.search(elastic, balance, origin, x, allowed.min(1.0)),
+            };
+            if !taken {
+                return Err(self.failure(elastic, balance, origin, x));
             }
             // A shift shortens updates, so a short one says nothing there.
             let update = self.update.iter().fold(0.0_f64, |largest, entry| entry.abs().max(largest));
@@ -218,6 +227,17 @@ impl<const D: usize> Newton<D> {
         Ok(())
     }
 
+    /// What to tell where the method stops at `x`.
+    fn failure(
+        &mut self,
+        elastic: &Elastic<D>,
+        balance: &Balance<D>,
+        origin: &[Vector<D>],
+        x: &[Vector<D>],
+    ) -> Failure {
+        self.find_descent(elastic, balance, origin, x).map_or_else(Failure::from, Failure::from)
+    }
+
     /// −∇Π into `descent`.
     fn find_descent(
         &mut self,
@@ -226,13 +246,21 @@ impl<const D: usize> Newton<D> {
         origin: &[Vector<D>],
         x: &[Vector<D>],
     ) -> Result<Imbalance, BadShape> {
-        let mut forces = LargestForces::default();
         let descent = &mut self.descent;
+        // Largest components of ∇Π and of what balances the elastic forces; `sum` is not a number where a component of ∇Π
+        // is none, which `larger` passes over.
+        let (mut residual, mut outer, mut sum) = (0.0_f64, 0.0_f64, 0.0);
         elastic.gradient(x, |k, gradient| {
-            let sum = balance.descent(k, x[k] - origin[k], gradient, &mut forces);
-            descent[(k - 1) * D..][..D].copy_from_slice(sum.as_slice());
+            let of_node = balance.outer(k, x[k] - origin[k]);
+            let descent_of_node = of_node - gradient * balance.elastic_weight;
+            residual = larger(residual, descent_of_node);
+            outer = larger(larger(outer, of_node), balance.load[k]);
+            sum += descent_of_node.sum();
+            descent[(k - 1) * D..][..D].copy_from_slice(descent_of_node.as_slice());
         })?;
-        Ok(self.imbalance(&forces))
+        let rounding = ROUNDING * self.extent * self.stiffness;
+        let residual = if sum.is_nan() { f64::INFINITY } else { residual };
+        Ok(Imbalance { residual, tolerance: RELATIVE_RESIDUAL * outer + rounding })
     }
 
     /// ∇∇Π into `matrix` and −∇Π into `descent`.
@@ -242,13 +270,12 @@ impl<const D: usize> Newton<D> {
         balance: &Balance<D>,
         origin: &[Vector<D>],
         x: &[Vector<D>],
-    ) -> Result<Imbalance, BadShape> {
+    ) -> Result<(), BadShape> {
         let Self { matrix, descent, stiffness, .. } = self;
         let s = balance.elastic_weight;
-        let mut forces = LargestForces::default();
         *stiffness = 0.0;
         elastic.derivatives(x, |k, by| {
-            let sum = balance.descent(k, x[k] - origin[k], by.gradient, &mut forces);
+            let sum = balance.outer(k, x[k] - origin[k]) - by.gradient * s;
             descent[(k - 1) * D..][..D].copy_from_slice(sum.as_slice());
             for j in 0..D {
                 let (own, others) = matrix.column_mut((k - 1) * D + j).split_at_mut(D - j);
@@ -262,14 +289,7 @@ impl<const D: usize> Newton<D> {
                     others[D + i] = s * by.next_but_one[(i, j)];
                 }
             }
-        })?;
-        Ok(self.imbalance(&forces))
-    }
-
-    fn imbalance(&self, forces: &LargestForces) -> Imbalance {
-        let rounding = ROUNDING * self.extent * self.stiffness;
-        let residual = if forces.sum.is_nan() { f64::INFINITY } else { forces.residual };
-        Imbalance { residual, tolerance: RELATIVE_RESIDUAL * forces.outer + rounding }
+        })
     }
 
     /// Raise the diagonal until all pivots are positive, from `shift` on; returns the shift, N/m.
@@ -297,7 +317,7 @@ impl<const D: usize> Newton<D> {
         }
     }
 
-    /// Add the largest of `part`, `part`/2, `part`/4 … of the update that lowers Π enough; `None` if none does.
+    /// Add the largest of `part`, `part`/2, `part`/4 … of the update that lowers Π enough; false if none does.
     fn search(
         &mut self,
         elastic: &Elastic<D>,
@@ -305,21 +325,21 @@ impl<const D: usize> Newton<D> {
         origin: &[Vector<D>],
         x: &mut [Vector<D>],
         mut part: f64,
-    ) -> Option<()> {
+    ) -> bool {
         let slope: f64 = -self.descent.iter().zip(&self.update).map(|(r, u)| r * u).sum::<f64>();
-        let (start, rounding) = balance.potential(elastic, origin, x)?;
+        let Some((start, rounding)) = balance.potential(elastic, origin, x) else { return false };
         self.before.copy_from_slice(x);
         for _ in 0..BACKTRACKS {
             self.add_update(x, part);
             if let Some((potential, _)) = balance.potential(elastic, origin, x)
                 && potential <= start + ARMIJO * part * slope + rounding
             {
-                return Some(());
+                return true;
             }
             x.copy_from_slice(&self.before);
             part *= 0.5;
         }
-        None
+        false
     }
 
     /// x + part · update.
@@ -331,32 +351,25 @@ impl<const D: usize> Newton<D> {
 
     /// Length of the largest change of an edge in the update, m.
     fn edge_change(&self) -> f64 {
-        let node = |k: usize| Vector::<D>::from_column_slice(&self.update[k * D..][..D]);
-        (1..self.update.len() / D).fold(node(0).norm(), |largest, k| largest.max((node(k) - node(k - 1)).norm()))
+        let (nodes, _) = self.update.as_chunks::<D>();
+        let square = nodes.windows(2).fold(Vector::from(nodes[0]).norm_squared(), |largest, ends| {
+            largest.max((Vector::from(ends[1]) - Vector::from(ends[0])).norm_squared())
+        });
+        square.sqrt()
     }
 }
 
-/// Largest components over the nodes, N.
-#[derive(Default)]
-struct LargestForces {
-    /// Of ∇Π.
-    residual: f64,
-    /// Of what balances the elastic forces.
-    outer: f64,
-    /// Not a number where a component of ∇Π is none: `max` passes over that.
-    sum: f64,
+/// The largest of a number and a vector's magnitudes, one instruction each; passes over what is no number.
+#[inline(always)]
+fn larger<const D: usize>(largest: f64, vector: Vector<D>) -> f64 {
+    vector.iter().fold(largest, |largest, component| if component.abs() > largest { component.abs() } else { largest })
 }
 
 impl<const D: usize> Balance<D> {
-    /// −∂Π/∂x of node `k`, displaced by `u`, where ∂U/∂x is `gradient`.
+    /// What balances the elastic force on node `k`, displaced by `u`, N.
     #[inline(always)]
-    fn descent(&self, k: usize, u: Vector<D>, gradient: Vector<D>, forces: &mut LargestForces) -> Vector<D> {
-        let outer = self.load[k] - u * self.weight[k];
-        let descent = outer - gradient * self.elastic_weight;
-        forces.residual = forces.residual.max(descent.amax());
-        forces.outer = forces.outer.max(outer.amax()).max(self.load[k].amax());
-        forces.sum += descent.sum();
-        descent
+    fn outer(&self, k: usize, u: Vector<D>) -> Vector<D> {
+        self.load[k] - u * self.weight[k]
     }
 
     /// Π and the rounding error to expect in it, J; `None` where the shape has no energy.

@@ -178,7 +178,7 @@ impl<const D: usize> Parameters<D> {
         let angles = match self.bending {
             Bending::Projected => Angles::Projected(self.rest_turns()),
             Bending::Invariant if self.rest_angles.is_empty() => Angles::Straight,
-            Bending::Invariant => Angles::Curved(self.rest_turns()),
+            Bending::Invariant => Angles::curved(self.rest_turns()),
         };
         Elastic {
             segment_length: l0,

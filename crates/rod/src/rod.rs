@@ -398,6 +398,7 @@ impl<const D: usize> Rod<D> {
             return Err(failure);
         }
 
+        let per_new_force = 1.0 / new_force;
         for k in 1..self.rest.len() {
             let m = self.mass(k);
             let (v_star, a_star) = rule.at_no_displacement(&self.state, k);
@@ -410,7 +411,7 @@ impl<const D: usize> Rod<D> {
             state.positions[k] = self.guess[k];
             state.velocities[k] = u * rule.c_v + v_star;
             state.accelerations[k] = a;
-            state.net_forces[k] = (blended - state.net_forces[k] * old_force) / new_force;
+            state.net_forces[k] = (blended - state.net_forces[k] * old_force) * per_new_force;
         }
         let old_direction = self.state.direction;
         if let Some(clamp) = &clamp {

@@ -202,22 +202,52 @@ fn dissipative_schemes_never_gain_energy_on_a_stiff_rod() {
 
 /// A blow of 10 kN against the tip in one long step: the bar ends up turned over, in equilibrium.
 #[test]
-fn blow_too_hard_for_one_step_is_taken_in_substeps() {
+fn blow_within_one_long_step_ends_in_equilibrium() {
     let mut rod = Rod::new(turek_hron_bar(5.6e6, 2.0, 42)).unwrap();
     rod.loads.force = vec![0.0; 2 * 43];
     rod.loads.force[42] = -1e4;
     rod.loads.force[85] = 100.0;
-    let mut substeps = 0;
-    for _ in 0..100 {
-        rod.step(0.1).unwrap();
-        substeps = substeps.max(rod.statistics().substeps);
-    }
-    assert!(substeps > 1, "{substeps} sub-steps");
+    (0..100).for_each(|_| rod.step(0.1).unwrap());
     let moved = rod.tip_displacement();
     rod.solve_static().unwrap();
     let settled = rod.tip_displacement();
     let distance = (moved[0] - settled[0]).hypot(moved[1] - settled[1]);
     assert!(distance < 1e-5 && settled[0] < -0.5, "{moved:?} after steps, {settled:?} in equilibrium");
+}
+
+/// A rod from level in its weight, in steps of 0.1 s: iterations and sub-steps of the worst step, largest energy.
+fn fall_in_long_steps(segments: usize, k_e: f64, bending_stiffness: f64) -> (usize, usize, f64) {
+    let section = Section { line_density: 0.0571, bending_stiffness, axial_stiffness: k_e / segments as f64 };
+    let gravity = [0.0, -0.7];
+    let rod = Parameters { section, gravity, ..unit_rod::<2>(segments, 1.0, RodScheme::TrBdf2) };
+    let mut rod = Rod::new(rod).unwrap();
+    let (mut iterations, mut substeps, mut largest) = (0, 0, f64::MIN);
+    for _ in 0..50 {
+        rod.step(0.1).unwrap();
+        iterations = iterations.max(rod.statistics().iterations);
+        substeps = substeps.max(rod.statistics().substeps);
+        largest = largest.max(total_energy(&rod));
+    }
+    (iterations, substeps, largest)
+}
+
+/// A chain whose segments whip round within a step.
+#[test]
+fn step_too_long_is_taken_in_substeps() {
+    let (_, substeps, largest) = fall_in_long_steps(32, 1e9, 1e-5);
+    assert!(substeps > 1, "{substeps} sub-steps");
+    assert!(largest <= 1e-12, "{largest} J above a start at 0 J");
+}
+
+/// Free fall, Newton's first guess, stretches the first of many segments sevenfold in the first step.
+#[test]
+fn long_steps_of_a_fine_rod_are_easy() {
+    for (k_e, bending_stiffness) in [(1e3, 1e-4), (1e5, 1e2), (1e9, 1e3)] {
+        let (iterations, substeps, largest) = fall_in_long_steps(2048, k_e, bending_stiffness);
+        let case = format!("k_e {k_e}, EI {bending_stiffness}");
+        assert!(iterations <= 12 && substeps == 1, "{case}: {iterations} iterations, {substeps} sub-steps");
+        assert!(largest <= 1e-12, "{case}: {largest} J above a start at 0 J");
+    }
 }
 
 /// The bar of FSI3 in a gusty load that swings its tip by 4 cm.
