@@ -21,8 +21,11 @@ const GUARDED_ITERATIONS: usize = 100;
 const RELATIVE_RESIDUAL: f64 = 1e-10;
 /// Tolerance of the last update relative to the rod's length.
 const RELATIVE_UPDATE: f64 = 1e-13;
-/// Rounding errors of a position that the residual cannot fall below.
+/// Rounding errors of a position that the residual may not fall below.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Part of the largest force in the rod up to which a residual is taken for rounding at once; above, only where another
+/// iteration does not halve it.
+const UNSEEN_ROUNDING: f64 = 1e-6;
 /// Part of the predicted decrease of Π that Armijo's rule asks for.
 const ARMIJO: f64 = 1e-4;
 /// Rounding of Π relative to its terms.
@@ -80,6 +83,8 @@ pub(crate) struct Imbalance {
     pub(crate) residual: f64,
     /// What is small enough, N.
     pub(crate) tolerance: f64,
+    /// What is small enough if the residual has stopped falling, N.
+    attainable: f64,
 }
 
 impl From<Imbalance> for Failure {
@@ -175,14 +180,18 @@ impl<const D: usize> Newton<D> {
             Update::Plain => PLAIN_ITERATIONS,
             Update::Guarded => GUARDED_ITERATIONS,
         };
-        let mut shift = 0.0;
+        let (mut shift, mut last_residual) = (0.0, f64::INFINITY);
         for iteration in 0.. {
             // The first guess always gets one update: a small load must not drown in the tolerance.
             if iteration > 0 {
                 let imbalance = self.find_descent(elastic, balance, origin, x)?;
-                if imbalance.residual <= imbalance.tolerance {
+                let stopped_falling = imbalance.residual > 0.5 * last_residual;
+                if imbalance.residual <= imbalance.tolerance
+                    || stopped_falling && imbalance.residual <= imbalance.attainable
+                {
                     break;
                 }
+                last_residual = imbalance.residual;
                 if iteration == limit {
                     return Err(imbalance.into());
                 }
@@ -260,7 +269,8 @@ impl<const D: usize> Newton<D> {
         })?;
         let rounding = ROUNDING * self.extent * self.stiffness;
         let residual = if sum.is_nan() { f64::INFINITY } else { residual };
-        Ok(Imbalance { residual, tolerance: RELATIVE_RESIDUAL * outer + rounding })
+        let tolerance = RELATIVE_RESIDUAL * outer + rounding.min(UNSEEN_ROUNDING * outer);
+        Ok(Imbalance { residual, tolerance, attainable: tolerance.max(rounding) })
     }
 
     /// ∇∇Π into `matrix` and −∇Π into `descent`.

@@ -484,7 +484,7 @@ impl<const D: usize> Rod<D> {
 
     pub(crate) fn error(&self, failure: Failure) -> Error {
         match failure {
-            Failure::NotConverged(Imbalance { residual, tolerance }) => {
+            Failure::NotConverged(Imbalance { residual, tolerance, .. }) => {
                 Error::NotConverged { residual, tolerance, iterations: self.statistics.iterations }
             }
             Failure::BadShape(BadShape::Fold { node }) => {

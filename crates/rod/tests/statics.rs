@@ -64,6 +64,26 @@ fn diagonal_deflection_of_a_fine_rod_is_within_1e_4_of_the_elastica() {
     }
 }
 
+/// An EA of 1e7 N against an EI of 0.0259 N m²: what rounding does to the axial forces must not end Newton's method early.
+#[test]
+fn inextensible_elastica_is_met_with_second_order() {
+    let (gravity, bending_stiffness) = (2.0, 0.0259);
+    let exact = elastica_tip(1.0, 0.0571 * gravity, bending_stiffness, f64::INFINITY);
+    let errors = [64, 128, 256, 512].map(|segments| {
+        let section = Section { line_density: 0.0571, bending_stiffness, axial_stiffness: 1e7 };
+        let rod = unit_rod::<2>(segments, 1.0, RodScheme::TrBdf2);
+        let mut rod = Rod::new(Parameters { section, gravity: [0.0, -gravity], ..rod }).unwrap();
+        rod.solve_static().unwrap();
+        let [x, y] = rod.tip_displacement();
+        (x - exact[0]).hypot(y - exact[1]) / exact[1].abs()
+    });
+    for (coarse, fine) in errors.iter().zip(&errors[1..]) {
+        let order = (coarse / fine).log2();
+        assert!((order - 2.0).abs() < 0.05, "order {order}, errors {errors:?}");
+    }
+    assert!(errors[1] < 1e-4, "errors {errors:?}");
+}
+
 /// CSM1 of Turek & Hron (2006): (−7.1877, −66.1023) mm. The rod has no shear and no curved root, hence 0.75 % of the
 /// deflection; a clamp 0.64 mm further back makes up for both.
 #[test]
