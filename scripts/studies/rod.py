@@ -10,6 +10,12 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
+
+# Okabe & Ito's colours, told apart without colour vision and in print.
+plt.rcParams["axes.prop_cycle"] = plt.cycler(
+    color=["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
+)
 
 THESIS_CONDITION = {
     (5e4, 1e-3): [527168.64, 6301043.05, 60404887.40, 530612724.29, 4606965436.28],
@@ -59,12 +65,20 @@ def figure(folder: Path, name: str, axes_labels: tuple[str, str], log: bool = Tr
         axes.set(xscale="log", yscale="log")
     axes.grid(True, which="major", linewidth=0.4, alpha=0.6)
 
-    def save():
-        axes.legend(fontsize=8)
+    def save(**legend):
+        axes.legend(fontsize=8, **legend)
         fig.savefig(folder / f"{name}.png", dpi=130, metadata={"Software": None})
         plt.close(fig)
 
     return axes, save
+
+
+def counts(axes, numbers) -> None:
+    """Ticks of a logarithmic axis at these numbers of segments."""
+    axes.xaxis.set_major_locator(FixedLocator(list(numbers)))
+    axes.xaxis.set_major_formatter(StrMethodFormatter("{x:.0f}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.tick_params(axis="x", which="minor", length=0)
 
 
 def grouped(rows: list[dict], *keys: str) -> dict[tuple, list[dict]]:
@@ -78,21 +92,25 @@ def condition(folder: Path) -> None:
     """Tables 2.1 and 2.2, figure 2.5."""
     axes, save = figure(folder, "condition", ("mass points n", "condition number, 1-norm"))
     rows = []
-    for ((k_e, dt), group), marker in zip(grouped(read(folder, "condition"), "k_e", "dt").items(), "osv^"):
+    # One on top of the other: the larger ones below, and hollow.
+    markers = zip("osv^", (13, 9.5, 6.5, 5))
+    for ((k_e, dt), group), (marker, size) in zip(grouped(read(folder, "condition"), "k_e", "dt").items(), markers):
         n, full = [row["n"] for row in group], [row["full"] for row in group]
         thesis = THESIS_CONDITION[k_e, dt]
-        (line,) = axes.plot(n, full, marker, label=f"k_e = {k_e:g}, dt = {dt:g}: n^{exponent(n, full):.2f}")
+        label = f"k_e = {k_e:g} N/m, dt = {dt:g} s: n^{exponent(n, full):.2f}"
+        (line,) = axes.plot(n, full, marker, markersize=size, fillstyle="none", label=label)
         axes.plot(n, thesis, "--", color=line.get_color(), linewidth=1)
         eliminated = [row["eliminated"] for row in group]
         if k_e == 1e5:
-            axes.plot(n, eliminated, ":", color=line.get_color(), label=f"velocities eliminated, dt = {dt:g}")
+            axes.plot(n, eliminated, ":", color=line.get_color(), label=f"velocities eliminated, dt = {dt:g} s")
         for row, printed in zip(group, thesis):
             rows.append(
                 [f"{k_e:g}", f"{dt:g}", f"{row['n']:.0f}", f"{row['order']:.0f}", f"{printed:.4e}", f"{row['full']:.4e}",
                  f"{row['full'] / printed:.2f}", f"{row['eliminated']:.3e}"]
             )
     axes.plot([], [], "k--", linewidth=1, label="thesis, tables 2.1 and 2.2")
-    save()
+    counts(axes, n)
+    save(loc="lower right")
     write(
         folder,
         "condition",
@@ -136,7 +154,8 @@ def runtime(folder: Path) -> None:
         slope = exponent([row["n"] for row in late], [row[key] for row in late])
         fitted.append(f"{key.replace('_', ' ')} n^{slope:.2f} from 128 on")
         axes.plot([row["n"] for row in known], [row[key] for row in known], style,
-                  label=f"{key.replace('_', ', ')}: n^{slope:.2f}")
+                  label=f"{key.replace('_', ', ')}: n^{slope:.2f} from 128 on")
+    counts(axes, n)
     save()
     iteration = exponent(n[n >= 64], [row["iteration_3d"] for row in rows if row["n"] >= 64])
     write(
@@ -155,14 +174,15 @@ def runtime(folder: Path) -> None:
 def deflection(folder: Path) -> None:
     """Figure 2.7."""
     axes, save = figure(folder, "deflection", ("x/L", "y/L"), log=False)
-    styles = {"second order": "-", "thesis k_e=1e3": "--", "thesis k_e=1e6": ":"}
+    colours = {"second order": "C0", "thesis k_e=1e3": "C1"}
+    styles = {8.0: ":", 32.0: "--", 128.0: "-"}
     for (model, n), group in grouped(read(folder, "deflection"), "model", "n").items():
         x, y = [row["x"] for row in group], [row["y"] for row in group]
         if model == "elastica":
-            axes.plot(x, y, "k-", linewidth=3, alpha=0.35, label="exact elastica")
-        elif model != "thesis k_e=1e6":
-            axes.plot(x, y, styles[model], linewidth=1, label=f"{model}, n = {n:.0f}")
-    save()
+            axes.plot(x, y, "k-", linewidth=5, alpha=0.25, label="exact elastica")
+        elif model in colours:
+            axes.plot(x, y, styles[n], color=colours[model], linewidth=1.4, label=f"{model}, n = {n:.0f}")
+    save(loc="lower left")
 
 
 def orders(folder: Path) -> None:
@@ -172,12 +192,16 @@ def orders(folder: Path) -> None:
     table = []
     for (calibration, plane, gravity), group in grouped(rows, "calibration", "plane", "gravity").items():
         n, error = [row["n"] for row in group], [row["error"] for row in group]
-        if plane == "diagonal" and gravity != 2.0:
-            axes.plot(n, error, "o-" if calibration == "second order" else "s--", markersize=4,
+        if plane == "diagonal" and gravity != 2.0 and "inextensible" not in calibration:
+            # What falls together is told apart by size.
+            marker = {"second order": "o-", "thesis k_e=1e3": "s--", "thesis k_e=1e6": "^:"}[calibration]
+            axes.plot(n, error, marker, markersize=8 if "1e3" in calibration else 4.5, fillstyle="none",
                       label=f"{calibration}, tip at {group[-1]['tip_angle']:.0f}°: n^{exponent(n[2:5], error[2:5]):.2f}")
         table.append([calibration, plane, f"{group[-1]['tip_angle']:.1f}", *(f"{e:.2e}" for e in error),
                       f"{-exponent(n[2:5], error[2:5]):.2f}"])
-    save()
+    counts(axes, n)
+    axes.set_ylim(bottom=3e-8)
+    save(loc="lower left")
     write(folder, "order_in_n", "Error of the tip against the exact elastica, relative to the deflection",
           ["calibration", "plane", "tip angle, °", *(f"n = {row['n']:.0f}" for row in group), "order, 32 … 128"], table)
 
@@ -187,11 +211,13 @@ def orders(folder: Path) -> None:
         name = "pushed" if "pushed" in case else "free"
         by_dt, save_dt = figure(folder, f"order_in_dt_{name}", ("dt, s", "error of the tip, relative"))
         by_time, save_time = figure(folder, f"work_precision_{name}", ("run time, s", "error of the tip, relative"))
+        sizes = dict(zip("osv^D", (8, 6.5, 5, 5, 4.5)))
         for ((scheme,), group), marker in zip(grouped(of_case, "scheme").items(), "osv^D"):
             dt, error = [row["dt"] for row in group], [row["error"] for row in group]
             order = exponent(dt[2:7], error[2:7])
-            by_dt.plot(dt, error, marker + "-", markersize=4, label=f"{scheme}: dt^{order:.2f}")
-            by_time.plot([row["seconds"] for row in group], error, marker + "-", markersize=4, label=scheme)
+            style = {"markersize": sizes[marker], "fillstyle": "none", "linewidth": 1.2}
+            by_dt.plot(dt, error, marker + "-", **style, label=scheme if name == "free" else f"{scheme}: dt^{order:.2f}")
+            by_time.plot([row["seconds"] for row in group], error, marker + "-", **style, label=scheme)
             table.append([case, scheme, *(f"{e:.1e}" for e in error[::2]), f"{order:.2f}"])
         save_dt()
         save_time()
@@ -208,16 +234,17 @@ def bending_models(folder: Path) -> None:
 
 def energy(folder: Path) -> None:
     groups = grouped(read(folder, "csm3_energy"), "n", "dt", "scheme")
-    axes, save = figure(folder, "csm3_energy", ("time, s", "energy / largest energy in gravity"), log=False)
-    axes.set(ylim=(-0.15, 1.05))
+    axes, save = figure(folder, "csm3_energy", ("time, s", "gain of energy / largest energy in gravity"), log=False)
+    axes.set(ylim=(-0.15, 0.5))
+    dashes = dict(zip(dict.fromkeys(scheme for *_, scheme in groups), ("-", "--", "-.", "-", ":")))
     table = defaultdict(dict)
     for (n, dt, scheme), group in groups.items():
         drift = [row["energy"] for row in group]
         ended = "" if group[-1]["time"] > 59 else f" (ended at {group[-1]['time']:.0f} s)"
         table[scheme][n, dt] = f"{drift[-1]:+.1e}{ended}"
         if (n, dt) == (32.0, 0.02):
-            axes.plot([row["time"] for row in group], drift, label=f"{scheme}, dt = {dt:g} s")
-    save()
+            axes.plot([row["time"] for row in group], drift, dashes[scheme], label=f"{scheme}, dt = {dt:g} s")
+    save(loc="upper left")
     cases = list(dict.fromkeys((n, dt) for n, dt, _ in groups))
     write(folder, "csm3_energy", "Energy at the end of 60 s of CSM3, relative to the largest energy in gravity",
           ["scheme", *(f"n = {n:.0f}, dt = {dt:g} s" for n, dt in cases)],

@@ -44,13 +44,16 @@ pub enum Error {
     },
     /// Newton's method gave up, also with smaller sub-steps.
     #[error(
-        "Newton's method stopped at a residual of {residual:.3e} N, above {tolerance:.3e} N, after {iterations} iterations"
+        "Newton's method stopped at a residual of {residual:.3e} N, above {tolerance:.3e} N, after {iterations} iterations; \
+         rounding alone may leave {rounding:.3e} N"
     )]
     NotConverged {
         /// Largest component of the residual, N.
         residual: f64,
         /// Its tolerance, N.
         tolerance: f64,
+        /// What the rounding of the positions may leave of it, N.
+        rounding: f64,
         /// Iterations of all attempts.
         iterations: usize,
     },

@@ -23,9 +23,9 @@ const RELATIVE_RESIDUAL: f64 = 1e-10;
 const RELATIVE_UPDATE: f64 = 1e-13;
 /// Rounding errors of a position that the residual may not fall below.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// Part of the largest force in the rod up to which a residual is taken for rounding at once; above, only where another
-/// iteration does not halve it.
-const UNSEEN_ROUNDING: f64 = 1e-6;
+/// A residual is taken for rounding after an update that changed no edge by more than this part of its length: the next one
+/// would be of the order of its square.
+const SETTLED_UPDATE: f64 = 1e-4;
 /// Part of the predicted decrease of Π that Armijo's rule asks for.
 const ARMIJO: f64 = 1e-4;
 /// Rounding of Π relative to its terms.
@@ -83,8 +83,8 @@ pub(crate) struct Imbalance {
     pub(crate) residual: f64,
     /// What is small enough, N.
     pub(crate) tolerance: f64,
-    /// What is small enough if the residual has stopped falling, N.
-    attainable: f64,
+    /// What may be rounding, N.
+    pub(crate) rounding: f64,
 }
 
 impl From<Imbalance> for Failure {
@@ -180,18 +180,15 @@ impl<const D: usize> Newton<D> {
             Update::Plain => PLAIN_ITERATIONS,
             Update::Guarded => GUARDED_ITERATIONS,
         };
-        let (mut shift, mut last_residual) = (0.0, f64::INFINITY);
+        let (mut shift, mut allowed) = (0.0, 0.0);
         for iteration in 0.. {
             // The first guess always gets one update: a small load must not drown in the tolerance.
             if iteration > 0 {
                 let imbalance = self.find_descent(elastic, balance, origin, x)?;
-                let stopped_falling = imbalance.residual > 0.5 * last_residual;
-                if imbalance.residual <= imbalance.tolerance
-                    || stopped_falling && imbalance.residual <= imbalance.attainable
-                {
+                let rounding = if allowed * SETTLED_UPDATE >= 1.0 { imbalance.rounding } else { 0.0 };
+                if imbalance.residual <= imbalance.tolerance + rounding {
                     break;
                 }
-                last_residual = imbalance.residual;
                 if iteration == limit {
                     return Err(imbalance.into());
                 }
@@ -215,7 +212,7 @@ impl<const D: usize> Newton<D> {
             self.matrix.solve(&mut self.update);
 
             // How much of the update may be taken before an edge changes by more than its own length.
-            let allowed = elastic.segment_length / self.edge_change();
+            allowed = elastic.segment_length / self.edge_change();
             let taken = match kind {
                 Update::Plain if allowed > 1.0 => {
                     self.add_update(x, 1.0);
@@ -269,8 +266,7 @@ impl<const D: usize> Newton<D> {
         })?;
         let rounding = ROUNDING * self.extent * self.stiffness;
         let residual = if sum.is_nan() { f64::INFINITY } else { residual };
-        let tolerance = RELATIVE_RESIDUAL * outer + rounding.min(UNSEEN_ROUNDING * outer);
-        Ok(Imbalance { residual, tolerance, attainable: tolerance.max(rounding) })
+        Ok(Imbalance { residual, tolerance: RELATIVE_RESIDUAL * outer, rounding })
     }
 
     /// ∇∇Π into `matrix` and −∇Π into `descent`.

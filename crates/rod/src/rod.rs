@@ -484,8 +484,8 @@ impl<const D: usize> Rod<D> {
 
     pub(crate) fn error(&self, failure: Failure) -> Error {
         match failure {
-            Failure::NotConverged(Imbalance { residual, tolerance, .. }) => {
-                Error::NotConverged { residual, tolerance, iterations: self.statistics.iterations }
+            Failure::NotConverged(Imbalance { residual, tolerance, rounding }) => {
+                Error::NotConverged { residual, tolerance, rounding, iterations: self.statistics.iterations }
             }
             Failure::BadShape(BadShape::Fold { node }) => {
                 Error::FoldBack { node, limit: FOLD * self.elastic.segment_length.powi(2) }
