@@ -48,6 +48,7 @@ struct Place {
 /// The beam and the cells in which it drags the fluid.
 pub struct Beam {
     thickness: f64,
+    profile: DragProfile,
     /// How far the mask goes on behind the root, into the cylinder that the beam is clamped to, m.
     anchor: f64,
     /// Cells of the present position.
@@ -139,7 +140,7 @@ impl Loads {
 
 impl Beam {
     /// The beam of a scene, not yet anywhere.
-    pub fn new(beam: &scene::Beam, grid: &Grid) -> Self {
+    pub fn new(beam: &scene::Beam, grid: &Grid, profile: &DragProfile) -> Self {
         let anchor = match beam.root {
             scene::Root::OnCylinder { .. } => 0.5 * beam.thickness,
             scene::Root::At { .. } => 0.0,
@@ -147,6 +148,7 @@ impl Beam {
         let still = Frame { along: [1.0, 0.0], length: 1.0, omega: 0.0 };
         Self {
             thickness: beam.thickness,
+            profile: profile.of_body(beam.thickness),
             anchor,
             cells: Cells::default(),
             places: Vec::new(),
@@ -162,11 +164,10 @@ impl Beam {
     }
 
     /// Move to `stations` and list the cells there.
-    pub fn place(&mut self, stations: &Stations, grid: &Grid, profile: &DragProfile) {
+    pub fn place(&mut self, stations: &Stations, grid: &Grid) {
         self.orient(stations);
-        self.find_candidates(stations, grid, profile);
+        self.find_candidates(stations, grid);
         let last = self.frames.len() as u32 - 1;
-        let reflection = profile.reflection(self.thickness);
         self.cells.clear();
         self.places.clear();
         for (index, place) in self.candidates.drain(..) {
@@ -182,7 +183,7 @@ impl Beam {
             // Signed distance to a rectangle: its corners are rounded by the Euclidean distance outside.
             let above = place.height.abs() - 0.5 * self.thickness;
             let distance = above.max(0.0).hypot(beyond.max(0.0)) + above.max(beyond).min(0.0);
-            let rate = profile.rate(distance);
+            let rate = self.profile.rate(distance);
             if rate > 0.0 {
                 let fraction = place.fraction.clamp(0.0, 1.0);
                 let k = place.segment as usize;
@@ -191,16 +192,16 @@ impl Beam {
                     (1.0 - fraction) * v[k] + fraction * v[k + 1] - frame.omega * place.height * frame.along[axis]
                 });
                 self.cells.push(index, rate, velocity);
-                if let Some(reflection) = reflection {
+                if let Some(target) = self.profile.target() {
                     // The nearest surface is the tip's or that above or below.
-                    let out = if beyond > above {
+                    let normal = if beyond > above {
                         frame.along
                     } else {
                         frame.normal().map(|component| component.copysign(component * place.height))
                     };
                     let point = grid.point(index);
-                    let image = [0, 1].map(|axis| point[axis] - 2.0 * distance * out[axis]);
-                    self.cells.reflect_last(reflection.weight(distance), image, grid);
+                    let surface = [0, 1].map(|axis| point[axis] - distance * normal[axis]);
+                    self.cells.follow_last(target, distance, surface, normal, grid);
                 }
                 self.places.push(Place { fraction, ..place });
             }
@@ -221,8 +222,8 @@ impl Beam {
     }
 
     /// List the grid points that the mask may reach, each with the nearest segment.
-    fn find_candidates(&mut self, stations: &Stations, grid: &Grid, profile: &DragProfile) {
-        let reach = 0.5 * self.thickness + profile.reach();
+    fn find_candidates(&mut self, stations: &Stations, grid: &Grid) {
+        let reach = 0.5 * self.thickness + self.profile.reach();
         let last = self.frames.len() - 1;
         let (slot, candidates) = (&mut self.slot, &mut self.candidates);
         for (k, frame) in self.frames.iter().enumerate() {

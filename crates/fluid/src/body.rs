@@ -1,5 +1,6 @@
 //! A body as the cells in which it drags the fluid, and the force that this costs.
 
+use crate::drag::WallTarget;
 use crate::grid::Grid;
 
 /// One cell of a body.
@@ -11,35 +12,36 @@ pub struct Cell {
     pub rate: f64,
     /// Velocity that the body draws the fluid to, m/s.
     pub velocity: [f64; 2],
-    /// How fast that velocity changes with the body's own there: 1, and more where the body reflects.
+    /// How fast that velocity changes with the body's own there: 1, and more where it follows a wall target.
     pub gain: f64,
 }
 
-/// A cell whose body draws the fluid to the mirror image of the flow outside.
+/// A cell whose body draws the fluid to something else than its own velocity: `own · u_b + Σ weight · u(point)`.
 #[derive(Clone, Copy, Debug)]
-struct Mirror {
+struct Drawn {
     /// Which of the cells.
     cell: usize,
-    /// Velocity of the body there, m/s.
-    velocity: [f64; 2],
-    /// Weight of the mirror image.
-    weight: f64,
-    /// Grid points around the mirror image and their shares.
-    around: [(usize, f64); 4],
+    /// Velocity of the body there times `own`, m/s.
+    own: [f64; 2],
+    /// End of its points; they begin where those of the one before end.
+    points_end: usize,
 }
 
 /// The cells of a body.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
     cells: Vec<Cell>,
-    mirrors: Vec<Mirror>,
+    drawn: Vec<Drawn>,
+    /// Grid points that the drawn cells look at, and their weights.
+    points: Vec<(usize, f64)>,
 }
 
 impl Cells {
     /// Forget all.
     pub fn clear(&mut self) {
         self.cells.clear();
-        self.mirrors.clear();
+        self.drawn.clear();
+        self.points.clear();
     }
 
     /// Add a cell that moves with the body.
@@ -47,22 +49,38 @@ impl Cells {
         self.cells.push(Cell { index, rate, velocity, gain: 1.0 });
     }
 
-    /// Let the cell added last reflect the flow at the point `image` (m) with a weight, if that is above 0.
-    pub fn reflect_last(&mut self, weight: f64, image: [f64; 2], grid: &Grid) {
-        let Some(cell) = self.cells.last_mut().filter(|_| weight > 0.0) else { return };
-        cell.gain += weight;
-        let (cell, velocity) = (self.cells.len() - 1, self.cells[self.cells.len() - 1].velocity);
-        self.mirrors.push(Mirror { cell, velocity, weight, around: grid.interpolation(image) });
+    /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
+    /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`.
+    pub fn follow_last(&mut self, target: &WallTarget, distance: f64, surface: [f64; 2], normal: [f64; 2], grid: &Grid) {
+        let (mirror, curvature) = target.weights(distance);
+        let Some(cell) = self.cells.last_mut().filter(|_| mirror != 0.0 || curvature != 0.0) else { return };
+        let mut look = |off: f64, weight: f64| {
+            let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
+            self.points.extend(around.map(|(point, share)| (point, weight * share)));
+        };
+        if mirror != 0.0 {
+            look(-distance, -mirror);
+        }
+        if curvature != 0.0 {
+            look(2.0 * target.arm, curvature);
+            look(target.arm, -2.0 * curvature);
+        }
+        cell.gain = 1.0 + mirror + curvature;
+        let own = cell.velocity.map(|component| cell.gain * component);
+        self.drawn.push(Drawn { cell: self.cells.len() - 1, own, points_end: self.points.len() });
     }
 
-    /// Look at the flow outside anew: `u_b − weight (u(mirror) − u_b)`.
-    pub fn reflect(&mut self, flow: &[Vec<f64>; 2]) {
-        for mirror in &self.mirrors {
-            for (axis, flow) in flow.iter().enumerate() {
-                let body = mirror.velocity[axis];
-                let image: f64 = mirror.around.iter().map(|&(point, share)| share * flow[point]).sum();
-                self.cells[mirror.cell].velocity[axis] = body - mirror.weight * (image - body);
+    /// Look at the flow around the drawn cells anew.
+    pub fn look(&mut self, flow: &[Vec<f64>; 2]) {
+        let mut begin = 0;
+        for drawn in &self.drawn {
+            let mut velocity = drawn.own;
+            for &(point, weight) in &self.points[begin..drawn.points_end] {
+                velocity[0] += weight * flow[0][point];
+                velocity[1] += weight * flow[1][point];
             }
+            self.cells[drawn.cell].velocity = velocity;
+            begin = drawn.points_end;
         }
     }
 
@@ -71,9 +89,9 @@ impl Cells {
         self.cells.iter()
     }
 
-    /// Whether some of the fluid is drawn to a velocity other than 0.
-    pub fn reflects(&self) -> bool {
-        !self.mirrors.is_empty()
+    /// Whether some cells draw the fluid to something else than the body's own velocity.
+    pub fn follow_the_flow(&self) -> bool {
+        !self.drawn.is_empty()
     }
 }
 

@@ -40,27 +40,41 @@ pub enum DragProfile {
         surface_rate: f64,
         /// Length of e-fold growth λ, m.
         e_fold: f64,
-        /// How far the profile is moved into the solid, m; 0 without reflection.
+        /// How far the profile is moved into the solid, m; 0 without a wall target.
         shrink: f64,
-        /// What the solid pulls the fluid towards; absent: its own velocity.
-        reflection: Option<Reflection>,
+        /// What the solid draws the fluid to; absent: its own velocity.
+        target: Option<WallTarget>,
     },
 }
 
-/// A weak pull towards the mirror image of the flow outside: at the depth 0 < D < `depth` the fluid is drawn to
-/// `u_b − weight(D) (u(mirror) − u_b)`, `weight = strength (1 + cos(π D/depth))/2`.
+/// What a solid with the log-linear profile draws the fluid at its surface to, in place of its own velocity u_b:
+///
+/// `u_b − mirror w(d) (u(−d) − u_b) + curvature v(d) (u(2X) − 2 u(X) + u_b)`
+///
+/// at the signed distance d. `w` falls from 1 at the surface to 0 at a depth of two cells as a cosine; `v` is the same inside,
+/// and 1 outside up to half a cell, as far as the drag matters. The arm X is [`ARM`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reflection {
-    /// Weight at the surface.
-    pub strength: f64,
-    /// Depth at which it ends, m.
-    pub depth: f64,
+pub struct WallTarget {
+    /// Weight of the mirror image at the surface.
+    mirror: f64,
+    /// Weight of the second difference.
+    curvature: f64,
+    /// Size of a cell, m.
+    cell: f64,
+    /// Arm X of the second difference, m.
+    pub arm: f64,
 }
 
-impl Reflection {
-    /// Weight of the mirror image at signed distance `d` (m); 0 outside the layer.
-    pub fn weight(&self, d: f64) -> f64 {
-        if -self.depth < d && d < 0.0 { 0.5 * self.strength * (1.0 + (PI * d / self.depth).cos()) } else { 0.0 }
+impl WallTarget {
+    /// Weights of the mirror image and of the second difference at signed distance `d` (m).
+    pub fn weights(&self, d: f64) -> (f64, f64) {
+        let depth = -d / (DEPTH * self.cell);
+        let inside = if depth < 1.0 { 0.5 * (1.0 + (PI * depth).cos()) } else { 0.0 };
+        if depth > 0.0 {
+            (self.mirror * inside, self.curvature * inside)
+        } else {
+            (0.0, if d < OUTSIDE * self.cell { self.curvature } else { 0.0 })
+        }
     }
 }
 
@@ -75,17 +89,38 @@ impl DragProfile {
                 let half_width = half_width * dx;
                 Self::Cosine { rate, half_width, shift: eps * cosine_wall_displacement(half_width / eps) }
             }
-            Mask::LogLinear { e_fold, reflect, .. } => {
+            Mask::LogLinear { e_fold, target, .. } => {
                 let length = e_fold * dx;
                 let surface_rate = nu / (length * length) * (-2.0 * EULER_GAMMA).exp();
-                let plain = Self::LogLinear { rate, surface_rate, e_fold: length, shrink: 0.0, reflection: None };
-                if !reflect {
-                    return plain;
-                }
-                let (strength, shrink) = calibrate_reflection(e_fold);
-                let reflection = Some(Reflection { strength, depth: REFLECTION_DEPTH * dx });
-                Self::LogLinear { rate, surface_rate, e_fold: length, shrink: shrink * dx, reflection }
+                let plain = Self::LogLinear { rate, surface_rate, e_fold: length, shrink: 0.0, target: None };
+                let Some((target, shrink)) = calibrate(e_fold, target) else { return plain };
+                let target = Some(WallTarget { cell: dx, arm: dx * target.arm, ..target });
+                Self::LogLinear { rate, surface_rate, e_fold: length, shrink: shrink * dx, target }
             }
+        }
+    }
+
+    /// The same without a wall target: for walls and zones, along which the flow is fully resolved.
+    pub fn plain(mut self) -> Self {
+        if let Self::LogLinear { shrink, target, .. } = &mut self {
+            (*shrink, *target) = (0.0, None);
+        }
+        self
+    }
+
+    /// The profile of a body of some thickness (m): one of less than twice the depth of the wall target has none.
+    pub fn of_body(self, thickness: f64) -> Self {
+        match self.target() {
+            Some(target) if thickness < 2.0 * DEPTH * target.cell => self.plain(),
+            _ => self,
+        }
+    }
+
+    /// What the solid draws the fluid to, if that is not its own velocity.
+    pub fn target(&self) -> Option<&WallTarget> {
+        match self {
+            Self::LogLinear { target, .. } => target.as_ref(),
+            _ => None,
         }
     }
 
@@ -109,17 +144,6 @@ impl DragProfile {
         }
     }
 
-    /// The pull towards a mirror image, where the profile has one and the body is thick enough for it: at least twice
-    /// the layer's depth.
-    pub fn reflection(&self, thickness: f64) -> Option<Reflection> {
-        match self {
-            Self::LogLinear { reflection: Some(reflection), .. } if thickness >= 2.0 * reflection.depth => {
-                Some(*reflection)
-            }
-            _ => None,
-        }
-    }
-
     /// Distance from the surface beyond which the fluid feels nothing, m.
     pub fn reach(&self) -> f64 {
         match *self {
@@ -132,56 +156,99 @@ impl DragProfile {
     }
 }
 
-/// Depth of the reflecting layer in grid cells.
-const REFLECTION_DEPTH: f64 = 2.0;
+/// Depth in the solid at which the wall target ends, in cells: as much as the grid resolves.
+const DEPTH: f64 = 2.0;
 
-/// Strength of the reflection and shift of the profile into the solid (in cells) for an e-fold length in cells, such that
-/// in linear shear both the displacement of the wall and the excess flux along it vanish.
-fn calibrate_reflection(e_fold: f64) -> (f64, f64) {
-    let excess = |strength: f64| shear_flow(e_fold, strength).1;
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if excess(middle) > 0.0 { low = middle } else { high = middle }
+/// How far outside the surface the curvature's part of the wall target goes, in cells: as far as the drag is strong.
+const OUTSIDE: f64 = 0.5;
+
+/// Arm of the second difference in cells: long enough that bilinear interpolation takes little from it.
+const ARM: f64 = 1.5;
+
+/// The wall target for an e-fold length in cells (lengths of the target in cells, too), and the shift of the profile into the
+/// solid (cells) that goes with it; absent where there is none.
+///
+/// A flow `u = t d + g d²/2` along a wall sees the profile by three numbers: where its shear seems to vanish, the flux beyond
+/// that of the shear, and the slip that g adds. For the bare profile these are 0, (π²/6) λ² t and −(π²/6) λ² g: the last two
+/// are equal by the reciprocity of the operator `u″ − a u`. The weights are those for which the flux, and with
+/// [`scene::WallTarget::Curvature`] the slip, vanish; the shift makes up for what they do to the first.
+fn calibrate(e_fold: f64, wanted: scene::WallTarget) -> Option<(WallTarget, f64)> {
+    let curvature_too = match wanted {
+        scene::WallTarget::None => return None,
+        scene::WallTarget::Shear => false,
+        scene::WallTarget::Curvature => true,
+    };
+    let target = |[mirror, curvature]: [f64; 2]| WallTarget { mirror, curvature, cell: 1.0, arm: ARM };
+    let errors = |weights: [f64; 2]| {
+        let target = target(weights);
+        let (_, flux) = shear_flow(e_fold, &target);
+        [flux, if curvature_too { bent_flow(e_fold, &target) } else { 0.0 }]
+    };
+    // Newton's method with differences: both errors are nearly linear in both weights.
+    let mut weights = [0.0; 2];
+    for _ in 0..8 {
+        const STEP: f64 = 1e-4;
+        let here = errors(weights);
+        let by_mirror = errors([weights[0] + STEP, weights[1]]);
+        let by_curvature = errors([weights[0], weights[1] + STEP]);
+        let [a, c] = [0, 1].map(|i| (by_mirror[i] - here[i]) / STEP);
+        let [b, d] = if curvature_too { [0, 1].map(|i| (by_curvature[i] - here[i]) / STEP) } else { [0.0, 1.0] };
+        let determinant = a * d - b * c;
+        weights[0] -= (d * here[0] - b * here[1]) / determinant;
+        weights[1] -= (a * here[1] - c * here[0]) / determinant;
     }
-    let strength = 0.5 * (low + high);
-    (strength, shear_flow(e_fold, strength).0)
+    let target = target(weights);
+    Some((target, shear_flow(e_fold, &target).0))
 }
 
-/// Linear shear of slope 1 along a wall at d = 0 with the log-linear profile and a reflection: where the far field
-/// vanishes, and the flux beyond that of the far field (lengths in cells).
-///
-/// Solves u″ = a (u + weight u(mirror)) by finite differences, the mirror image by iteration, which converges because
-/// it is weak.
-fn shear_flow(e_fold: f64, strength: f64) -> (f64, f64) {
-    const POINTS_PER_CELL: usize = 100;
-    const REACH: usize = 6;
+/// Linear shear of slope 1 along a wall at d = 0: where the far field vanishes, and the flux beyond that of the far field
+/// (cells).
+fn shear_flow(e_fold: f64, target: &WallTarget) -> (f64, f64) {
+    let (u, h, end) = flow_along_wall(e_fold, target, 0.0, 1.0);
+    let last = u[u.len() - 1];
+    let wall = end - last;
+    let flux = h * (u.iter().sum::<f64>() - 0.5 * last);
+    (wall, flux - 0.5 * (end - wall).powi(2))
+}
+
+/// Slip of a flow of curvature 1 without shear at the wall: far off it is `d²/2 + slip` (cells).
+fn bent_flow(e_fold: f64, target: &WallTarget) -> f64 {
+    let (u, _, end) = flow_along_wall(e_fold, target, 1.0, REACH as f64 - 0.5 / POINTS_PER_CELL as f64);
+    u[u.len() - 1] - 0.5 * end * end
+}
+
+/// Resolution and extent (on both sides of the wall) of the one-dimensional problem.
+const POINTS_PER_CELL: usize = 100;
+const REACH: usize = 6;
+
+/// Solve `u″ = a (u − u_t) + g`, lengths in cells and nu = 1, with u = 0 deep inside and a slope given half a spacing before the
+/// end, by finite differences: u from `d = −REACH` on, the spacing, and the last d. The target u_t is weak: it is iterated.
+fn flow_along_wall(e_fold: f64, target: &WallTarget, g: f64, slope: f64) -> (Vec<f64>, f64, f64) {
     let h = 1.0 / POINTS_PER_CELL as f64;
-    let n = 2 * REACH * POINTS_PER_CELL + 1;
-    let distance = |i: usize| h * i as f64 - REACH as f64;
-    let reflection = Reflection { strength, depth: REFLECTION_DEPTH };
+    let wall = REACH * POINTS_PER_CELL;
+    let n = 2 * wall + 1;
+    let distance = |i: usize| h * (i as f64 - wall as f64);
     // Deep inside the rate is so large that any larger one makes no difference.
     let rate = |d: f64| ((-2.0 * EULER_GAMMA - d / e_fold).exp() / (e_fold * e_fold)).min(1e6);
     let rates: Vec<_> = (0..n).map(|i| rate(distance(i))).collect();
-    let weights: Vec<_> = (0..n).map(|i| reflection.weight(distance(i))).collect();
+    let weights: Vec<_> = (0..n).map(|i| target.weights(distance(i))).collect();
+    let arm = (target.arm * POINTS_PER_CELL as f64).round() as usize;
     let (mut u, mut c, mut r) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    for _ in 0..30 {
-        // u_0 = 0 deep inside, u' = 1 far outside; tridiagonal elimination.
-        (c[0], r[0]) = (0.0, 0.0);
+    for _ in 0..60 {
+        let second_difference = u[wall + 2 * arm] - 2.0 * u[wall + arm];
         for i in 1..n - 1 {
-            let source = h * h * rates[i] * weights[i] * u[n - 1 - i];
+            let (mirror, curvature) = weights[i];
+            let wanted = curvature * second_difference - mirror * u[n - 1 - i];
+            let source = h * h * (g - rates[i] * wanted);
             let pivot = -2.0 - h * h * rates[i] - c[i - 1];
             (c[i], r[i]) = (1.0 / pivot, (source - r[i - 1]) / pivot);
         }
-        u[n - 1] = (h + r[n - 2]) / (1.0 + c[n - 2]);
-        for i in (0..n - 1).rev() {
+        u[n - 1] = (h * slope + r[n - 2]) / (1.0 + c[n - 2]);
+        for i in (1..n - 1).rev() {
             u[i] = r[i] - c[i] * u[i + 1];
         }
     }
-    let end = distance(n - 1);
-    let wall = end - u[n - 1];
-    let flux = h * (u.iter().sum::<f64>() - 0.5 * u[n - 1]);
-    (wall, flux - 0.5 * (end - wall).powi(2))
+    (u, h, distance(n - 1))
 }
 
 /// Displacement of the no-slip wall by the cosine mask of half-width `h` (in units of eps = √(ν C_eta)), in the same
@@ -224,7 +291,7 @@ mod tests {
     #[test]
     fn the_log_linear_profile_holds_the_wall_at_zero() {
         let (nu, dx) = (1e-3, 4e-3);
-        let profile = DragProfile::new(&Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3, reflect: false }, 1e-7, nu, dx);
+        let profile = DragProfile::new(&Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3, target: scene::WallTarget::None }, 1e-7, nu, dx);
         let (from, to, steps) = (-8.0 * dx, 8.0 * dx, 400_000);
         let h = (to - from) / steps as f64;
         let slope = |d: f64, r: f64| profile.rate(d) / nu - r * r;
@@ -239,19 +306,30 @@ mod tests {
         assert!(wall.abs() < 1e-3 * dx, "no-slip at {wall} m, cells of {dx} m");
     }
 
-    /// Without reflection the excess flux of the profile is (π²/6) λ²; with it, nothing is left.
+    /// The bare profile has the excess flux (π²/6) λ² and, by reciprocity, the slip −(π²/6) λ²; the wall target takes both
+    /// out.
     #[test]
-    fn the_reflection_takes_out_displacement_and_excess_flux() {
+    fn the_wall_target_takes_out_displacement_flux_and_slip() {
         for e_fold in [0.15, 0.2, 0.3] {
-            let (wall, flux) = shear_flow(e_fold, 0.0);
+            let bare = WallTarget { mirror: 0.0, curvature: 0.0, cell: 1.0, arm: ARM };
+            let (wall, flux) = shear_flow(e_fold, &bare);
             let expected = PI * PI / 6.0 * e_fold * e_fold;
             assert!(wall.abs() < 2e-3, "e-fold {e_fold}: wall at {wall} cells");
             assert!((flux / expected - 1.0).abs() < 0.02, "e-fold {e_fold}: excess flux {flux} against {expected}");
-            let (strength, shrink) = calibrate_reflection(e_fold);
-            let (wall, flux) = shear_flow(e_fold, strength);
-            assert!((wall - shrink).abs() < 1e-12 && flux.abs() < 1e-9, "e-fold {e_fold}: {wall}, {flux}");
-            assert!((0.0..0.3).contains(&strength) && (0.0..0.06).contains(&shrink), "{strength}, {shrink}");
-            println!("e-fold {e_fold}: strength {strength:.4}, shrink {shrink:.4} cells");
+            let slip = bent_flow(e_fold, &bare);
+            assert!((slip / expected + 1.0).abs() < 0.02, "e-fold {e_fold}: slip {slip} against {}", -expected);
+            for wanted in [scene::WallTarget::Shear, scene::WallTarget::Curvature] {
+                let (target, shrink) = calibrate(e_fold, wanted).expect("there is one");
+                let (wall, flux) = shear_flow(e_fold, &target);
+                let slip = bent_flow(e_fold, &target);
+                let WallTarget { mirror, curvature, .. } = target;
+                println!("e-fold {e_fold}: mirror {mirror:.4}, curvature {curvature:.4}, shift {shrink:.4}, slip {slip:.4}");
+                assert!((wall - shrink).abs() < 1e-12 && flux.abs() < 1e-9, "e-fold {e_fold}: {wall}, {flux}");
+                if wanted == scene::WallTarget::Curvature {
+                    assert!(slip.abs() < 1e-9, "e-fold {e_fold}: slip {slip}");
+                }
+                assert!((0.0..0.3).contains(&mirror) && (0.0..0.1).contains(&curvature), "{mirror}, {curvature}");
+            }
         }
     }
 }

@@ -138,12 +138,9 @@ pub struct Fluid {
     nu: f64,
     max_step: f64,
     max_cfl: f64,
-    profile: DragProfile,
     fft: Fft2,
     projection: Projection,
     inflow: Option<Inflow>,
-    /// The reflecting layer of the walls; empty where they do not reflect.
-    walls: Cells,
     cylinders: Vec<Cylinder>,
     beam: Option<MovingBeam>,
     /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
@@ -179,7 +176,8 @@ struct Inflow {
 
 impl Inflow {
     fn new(inflow: &scene::Inflow, fluid: &scene::Fluid, grid: &Grid) -> Self {
-        let profile = DragProfile::new(&fluid.mask, inflow.c_eta, fluid.kinematic_viscosity, grid.cell_size());
+        let profile =
+            DragProfile::new(&fluid.mask, inflow.c_eta, fluid.kinematic_viscosity, grid.cell_size()).plain();
         let [from, to] = inflow.x;
         let (center, half) = (0.5 * (from + to), 0.5 * (to - from));
         let columns = (0..grid.nx)
@@ -230,7 +228,7 @@ impl Fluid {
         let beam = scene.beam.as_ref().map(|beam| {
             let stations = Stations::at_rest(scene, beam);
             MovingBeam {
-                body: Beam::new(beam, &grid),
+                body: Beam::new(beam, &grid, &profile),
                 pressure_jump: vec![0.0; stations.len()],
                 pressure_jump_is_current: false,
                 target: stations.clone(),
@@ -268,16 +266,14 @@ impl Fluid {
             painted: Painted::default(),
             grid,
             nu,
-            profile,
             fft,
             inflow,
-            walls: Cells::default(),
             cylinders,
             beam,
             spectra,
             state,
         };
-        solver.paint_still_bodies(fluid);
+        solver.paint_still_bodies(fluid, &profile.plain());
         solver.paint_moving_bodies();
         solver.state.displaced_momentum = solver.displaced_momentum();
         Ok(solver)
@@ -406,7 +402,7 @@ impl Fluid {
             }
             self.step(dt, t + fraction * h)?;
         }
-        self.reflect();
+        self.look();
         self.predict_loads();
         Ok(())
     }
@@ -458,25 +454,15 @@ impl Fluid {
         Ok(())
     }
 
-    fn paint_still_bodies(&mut self, fluid: &scene::Fluid) {
+    fn paint_still_bodies(&mut self, fluid: &scene::Fluid, profile: &DragProfile) {
         let Some(rate) = &mut self.rate else { return };
         let grid = &self.grid;
         if let Some(channel) = &fluid.channel {
             let [low, high] = channel.y;
             for j in 0..grid.ny {
                 let distance = 0.5 * (high - low) - grid.periodic_y(grid.y(j) - 0.5 * (low + high)).abs();
-                let wall = self.profile.rate(distance);
+                let wall = profile.rate(distance);
                 (0..grid.nx).for_each(|i| rate[i * grid.ny + j] += wall);
-                let thickness = grid.height - (high - low);
-                let weight = self.profile.reflection(thickness).map_or(0.0, |reflection| reflection.weight(distance));
-                if weight > 0.0 {
-                    let inwards = -grid.periodic_y(grid.y(j) - 0.5 * (low + high)).signum();
-                    for i in 0..grid.nx {
-                        self.walls.push(i * grid.ny + j, wall, [0.0; 2]);
-                        let image = [grid.x(i), grid.y(j) - 2.0 * distance * inwards];
-                        self.walls.reflect_last(weight, image, grid);
-                    }
-                }
             }
         }
         if let Some(inflow) = &self.inflow {
@@ -494,11 +480,11 @@ impl Fluid {
         let Some(rate) = &mut self.rate else { return };
         self.painted.erase(rate);
         for cylinder in self.cylinders.iter_mut().filter(|c| c.moves()) {
-            cylinder.place(self.state.time, &self.grid, &self.profile);
+            cylinder.place(self.state.time, &self.grid);
             self.painted.add(&cylinder.cells, rate);
         }
         if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
-            beam.body.place(&known.stations, &self.grid, &self.profile);
+            beam.body.place(&known.stations, &self.grid);
             self.painted.add(&beam.body.cells, rate);
         }
     }
@@ -508,7 +494,7 @@ impl Fluid {
         let scheme = Differences::new(dt, self.state.step);
         self.state.time = end;
         self.paint_moving_bodies();
-        self.reflect();
+        self.look();
         self.solve_locally(&scheme);
         self.add_body_velocities(&scheme);
         let (drag, momentum) = (self.drag_on_bodies(&scheme), self.displaced_momentum());
@@ -526,13 +512,12 @@ impl Fluid {
         if cfl.is_finite() { Ok(()) } else { Err(Error::Diverged { time: end, cfl, step: dt }) }
     }
 
-    /// Let the bodies that reflect look at the present flow.
-    fn reflect(&mut self) {
+    /// Let the bodies that follow a wall target look at the present flow.
+    fn look(&mut self) {
         let flow = &self.state.flow.velocity;
-        self.walls.reflect(flow);
-        self.cylinders.iter_mut().for_each(|cylinder| cylinder.cells.reflect(flow));
+        self.cylinders.iter_mut().for_each(|cylinder| cylinder.cells.look(flow));
         if let Some(beam) = &mut self.beam {
-            beam.body.cells.reflect(flow);
+            beam.body.cells.look(flow);
         }
     }
 
@@ -562,9 +547,9 @@ impl Fluid {
                 }
             }
         }
-        let cylinders = self.cylinders.iter().filter(|c| c.moves() || c.cells.reflects()).map(|c| &c.cells);
+        let cylinders = self.cylinders.iter().filter(|c| c.moves() || c.cells.follow_the_flow()).map(|c| &c.cells);
         let beam = self.beam.iter().map(|b| &b.body.cells);
-        for cell in cylinders.chain(beam).chain([&self.walls]).flat_map(Cells::iter) {
+        for cell in cylinders.chain(beam).flat_map(Cells::iter) {
             let weight = cell.rate / (scheme.c[0] + rate[cell.index]);
             self.w[0][cell.index] += weight * cell.velocity[0];
             self.w[1][cell.index] += weight * cell.velocity[1];

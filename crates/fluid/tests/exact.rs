@@ -189,7 +189,7 @@ fn announced_loads_are_exerted() {
     let masks = [
         Mask::Sharp { c_eta: 1e-4 },
         Mask::Cosine { c_eta: 1e-4, half_width: 1.0 },
-        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.2, reflect: true },
+        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.2, target: scene::WallTarget::Curvature },
     ];
     for mask in masks {
         let mut scene = scene(CYLINDER_IN_CHANNEL, FREE_BEAM);

@@ -134,11 +134,24 @@ pub enum Mask {
         c_eta: f64,
         /// Length of e-fold growth in grid cells.
         e_fold: f64,
-        /// Whether the solid pulls the fluid just inside its surface weakly towards the mirror image of the flow outside,
-        /// which takes out the flux that the smooth profile lets through.
+        /// What the cylinders and the beam draw the fluid at their surface to.
         #[serde(default)]
-        reflect: bool,
+        target: WallTarget,
     },
+}
+
+/// What a body draws the fluid at its surface to, and thereby which flows along a wall are right to the order of a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WallTarget {
+    /// The body's own velocity: no-slip is where it should be in linear shear, but the smooth profile lets a flux through.
+    None,
+    /// Inside, weakly, the mirror image of the flow outside: no flux beyond that of linear shear either.
+    Shear,
+    /// Besides, at the surface, what the second difference of the flow outside asks for: no slip where a pressure gradient
+    /// bends the velocity profile either.
+    #[default]
+    Curvature,
 }
 
 /// What removes aliasing errors.
