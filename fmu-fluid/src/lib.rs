@@ -53,7 +53,7 @@ impl Parameters {
     fn apply(&self, fluid: &mut scene::Fluid) {
         fluid.density = self.density;
         fluid.kinematic_viscosity = self.kinematic_viscosity;
-        let (Mask::Sharp { c_eta } | Mask::Cosine { c_eta, .. } | Mask::LogLinear { c_eta, .. }) = &mut fluid.mask;
+        let (Mask::Sharp { c_eta, .. } | Mask::Cosine { c_eta, .. } | Mask::LogLinear { c_eta, .. }) = &mut fluid.mask;
         *c_eta = self.c_eta;
         fluid.time_stepping.max_step = self.max_step;
         fluid.time_stepping.max_cfl = self.max_cfl;

@@ -187,8 +187,8 @@ fn a_restored_state_continues_bit_by_bit() {
 #[test]
 fn announced_loads_are_exerted() {
     let masks = [
-        Mask::Sharp { c_eta: 1e-4 },
-        Mask::Cosine { c_eta: 1e-4, half_width: 1.0 },
+        Mask::Sharp { c_eta: 1e-4, displacement_corrected: true },
+        Mask::Cosine { c_eta: 1e-4, half_width: 1.0, displacement_corrected: true },
         Mask::LogLinear { c_eta: 1e-5, e_fold: 0.2, reflect: true },
     ];
     for mask in masks {

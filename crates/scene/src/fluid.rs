@@ -111,6 +111,10 @@ fn at_rest() -> TimeLaw {
     TimeLaw::Steady(0.0)
 }
 
+fn yes() -> bool {
+    true
+}
+
 /// How a solid holds the fluid: the drag rate as a function of the signed distance to its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -119,6 +123,9 @@ pub enum Mask {
     Sharp {
         /// Relaxation time C_eta, s.
         c_eta: f64,
+        /// Whether the wall is moved; if not, the mask is that of the thesis.
+        #[serde(default = "yes")]
+        displacement_corrected: bool,
     },
     /// Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds where it should (Hester, Vasil &
     /// Burns 2021).
@@ -127,6 +134,9 @@ pub enum Mask {
         c_eta: f64,
         /// Half the width of the layer in grid cells.
         half_width: f64,
+        /// Whether the layer is shifted; if not, the mask is that of the thesis.
+        #[serde(default = "yes")]
+        displacement_corrected: bool,
     },
     /// Drag rate that grows exponentially with depth, so that no-slip holds at the surface whatever the grid's position.
     LogLinear {
@@ -168,7 +178,7 @@ impl Mask {
     /// Relaxation time C_eta deep inside the solid, s.
     pub fn c_eta(&self) -> f64 {
         match *self {
-            Self::Sharp { c_eta } | Self::Cosine { c_eta, .. } | Self::LogLinear { c_eta, .. } => c_eta,
+            Self::Sharp { c_eta, .. } | Self::Cosine { c_eta, .. } | Self::LogLinear { c_eta, .. } => c_eta,
         }
     }
 }
@@ -223,8 +233,8 @@ impl Check for Cylinder {
 impl Check for Mask {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
         match *self {
-            Self::Sharp { c_eta } => above(&format!("{key}.sharp.c_eta"), c_eta, 0.0),
-            Self::Cosine { c_eta, half_width } => {
+            Self::Sharp { c_eta, .. } => above(&format!("{key}.sharp.c_eta"), c_eta, 0.0),
+            Self::Cosine { c_eta, half_width, .. } => {
                 above(&format!("{key}.cosine.c_eta"), c_eta, 0.0)?;
                 above(&format!("{key}.cosine.half_width"), half_width, 0.0)
             }
