@@ -8,7 +8,7 @@ use std::ptr::{null, null_mut};
 use std::slice::{from_mut, from_ref};
 
 use fmi2::sys::*;
-use fmi2::{Boolean, Description, Log, Model, Span, Text, Variable};
+use fmi2::{Description, Log, Model, Span, Variable};
 use serde::{Deserialize, Serialize};
 
 // ---------------------------------------------------------------- the model
