@@ -176,7 +176,7 @@ impl Beam {
         for (index, place) in self.candidates.drain(..) {
             self.slot[index] = 0;
             let frame = &self.frames[place.segment as usize];
-            let beyond = if place.segment == 0 && place.fraction < 0.0 {
+            let beyond = if place.segment == 0 {
                 -place.fraction * frame.length - self.anchor
             } else if place.segment == last {
                 (place.fraction - 1.0) * frame.length
@@ -196,9 +196,9 @@ impl Beam {
                 });
                 self.cells.push(index, rate, velocity, place.arm);
                 if let Some(reflection) = reflection {
-                    // The nearest surface is the tip's or that above or below.
+                    // The nearest surface is that of the tip or the root, or that above or below.
                     let out = if beyond > above {
-                        frame.along
+                        frame.along.map(|component| if place.segment == 0 { -component } else { component })
                     } else {
                         frame.normal().map(|component| component.copysign(component * place.height))
                     };
