@@ -1,7 +1,10 @@
 //! A body as the cells in which it drags the fluid, and the force that this costs.
 
+use serde::{Deserialize, Serialize};
+
 use crate::drag::WallTarget;
 use crate::grid::Grid;
+use crate::solver::Force;
 
 /// One cell of a body.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +15,8 @@ pub struct Cell {
     pub rate: f64,
     /// Velocity that the body draws the fluid to, m/s.
     pub velocity: [f64; 2],
+    /// Its position from the point that the body's moment is taken about, m.
+    pub arm: [f64; 2],
     /// How fast that velocity changes with the body's own there: 1, and more where it follows a wall target.
     pub gain: f64,
 }
@@ -45,13 +50,20 @@ impl Cells {
     }
 
     /// Add a cell that moves with the body.
-    pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2]) {
-        self.cells.push(Cell { index, rate, velocity, gain: 1.0 });
+    pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2], arm: [f64; 2]) {
+        self.cells.push(Cell { index, rate, velocity, arm, gain: 1.0 });
     }
 
     /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
     /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`.
-    pub fn follow_last(&mut self, target: &WallTarget, distance: f64, surface: [f64; 2], normal: [f64; 2], grid: &Grid) {
+    pub fn follow_last(
+        &mut self,
+        target: &WallTarget,
+        distance: f64,
+        surface: [f64; 2],
+        normal: [f64; 2],
+        grid: &Grid,
+    ) {
         let (mirror, curvature) = target.weights(distance);
         let Some(cell) = self.cells.last_mut().filter(|_| mirror != 0.0 || curvature != 0.0) else { return };
         let mut look = |off: f64, weight: f64| {
@@ -92,6 +104,28 @@ impl Cells {
     /// Whether some cells draw the fluid to something else than the body's own velocity.
     pub fn follow_the_flow(&self) -> bool {
         !self.drawn.is_empty()
+    }
+}
+
+/// Momentum that the fluid displaced by a body would have, per metre of depth.
+///
+/// It is taken over the true section, so that neither the mask's width nor its way through the grid enters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Displaced {
+    /// Momentum, kg/s.
+    pub momentum: [f64; 2],
+    /// Angular momentum about the point that the body's moment is taken about, kg m/s.
+    pub angular: f64,
+    /// Cross product of that point's velocity and the momentum, N m/m.
+    pub transport: f64,
+}
+
+impl Displaced {
+    /// Its rate of change over `dt` seconds, as a force and a moment.
+    pub fn rate_of_change(&self, before: &Self, dt: f64) -> Force {
+        let force = [0, 1].map(|axis| (self.momentum[axis] - before.momentum[axis]) / dt);
+        let moment = (self.angular - before.angular) / dt + 0.5 * (self.transport + before.transport);
+        Force { force, moment }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::body::Cells;
+use crate::body::{Cells, Displaced};
 use crate::drag::DragProfile;
 use crate::grid::Grid;
 
@@ -30,9 +30,10 @@ impl Cylinder {
         self.shape.motion.is_some()
     }
 
-    /// Mass of the fluid it displaces per metre of depth, kg/m.
-    pub fn displaced_mass(&self, density: f64) -> f64 {
-        density * PI * self.shape.radius.powi(2)
+    /// The fluid of a density (kg/m³) that it displaces; it does not turn.
+    pub fn displaced(&self, density: f64) -> Displaced {
+        let mass = density * PI * self.shape.radius.powi(2);
+        Displaced { momentum: self.velocity.map(|velocity| mass * velocity), ..Displaced::default() }
     }
 
     /// Move to where the prescribed motion has it at time `t` (s), and list its cells there.
@@ -56,7 +57,7 @@ impl Cylinder {
             let distance = from_center - radius;
             let rate = profile.rate(distance);
             if rate > 0.0 {
-                cells.push(index, rate, velocity);
+                cells.push(index, rate, velocity, offset);
                 if let Some(target) = profile.target() {
                     let normal = offset.map(|component| component / from_center.max(f64::MIN_POSITIVE));
                     let surface = [center[0] + radius * normal[0], center[1] + radius * normal[1]];
