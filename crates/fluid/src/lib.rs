@@ -16,6 +16,7 @@ pub mod drag;
 pub mod fft;
 pub mod grid;
 mod kernel;
+mod lines;
 mod projection;
 pub mod solver;
 
