@@ -112,9 +112,8 @@ impl Fft2 {
             for (field, spectrum) in fields.into_iter().zip(spectra) {
                 for columns in self.blocks(0..nx) {
                     let field = &field[columns.start * ny..columns.end * ny];
-                    self.forward_block(field, scratch, |row, values| {
-                        spectrum[row * nx..(row + 1) * nx][columns.clone()].copy_from_slice(values);
-                    });
+                    let first = columns.start;
+                    self.forward_block(field, scratch, |row, column, quad| spectrum[row * nx + first + column] = quad);
                 }
             }
             return;
@@ -132,9 +131,7 @@ impl Fft2 {
                 for columns in self.blocks(share.clone()) {
                     let field = &field[columns.start * ny..columns.end * ny];
                     let first = columns.start - share.start;
-                    self.forward_block(field, scratch, |row, values| {
-                        rows[row][first..first + BLOCK].copy_from_slice(values);
-                    });
+                    self.forward_block(field, scratch, |row, column, quad| rows[row][first + column] = quad);
                 }
             }
         });
@@ -164,12 +161,12 @@ impl Fft2 {
         run(Scatter { lines, points });
     }
 
-    /// Modes in y of the columns of a block; `store(row, values)` puts them into the spectrum.
+    /// Modes in y of the columns of a block; `store(row, column, modes)` puts them into the spectrum.
     fn forward_block(
         &self,
         field: &[f64],
         Scratch { columns: [lines, modes], line, .. }: &mut Scratch,
-        store: impl FnMut(usize, &[Quad; BLOCK]),
+        store: impl FnMut(usize, usize, Quad),
     ) {
         run(Gather { field, lines });
         self.y.forward::<false>(lines, modes, line);
@@ -206,6 +203,16 @@ fn transposed(a: [Four; LANES]) -> [Four; LANES] {
     ]
 }
 
+/// Rows to columns of the real and of the imaginary parts.
+#[inline(always)]
+fn transposed_parts(quads: &[Quad; LANES]) -> ([Four; LANES], [Four; LANES]) {
+    let [mut re, mut im] = [[splat(0.0); LANES]; 2];
+    for l in 0..LANES {
+        (re[l], im[l]) = (pulp::cast(quads[l].re), pulp::cast(quads[l].im));
+    }
+    (transposed(re), transposed(im))
+}
+
 /// Half of the columns of a block as real parts, the other half as imaginary parts.
 struct Gather<'a> {
     field: &'a [f64],
@@ -219,18 +226,22 @@ impl Kernel for Gather<'_> {
         let columns: [&[f64]; BLOCK] = from_fn(|c| &self.field[c * ny..][..ny]);
         let (whole, rest) = self.lines.as_chunks_mut::<LANES>();
         for (block, quads) in whole.iter_mut().enumerate() {
-            let four = |c: usize| -> Four {
-                let column = columns[c].as_chunks::<LANES>().0;
-                pulp::cast(column[block])
-            };
-            let re = transposed(from_fn(four));
-            let im = transposed(from_fn(|c| four(LANES + c)));
-            *quads = from_fn(|j| Complex4 { re: re[j], im: im[j] }.quad());
+            let [mut re, mut im] = [[splat(0.0); LANES]; 2];
+            for c in 0..LANES {
+                re[c] = pulp::cast(columns[c].as_chunks::<LANES>().0[block]);
+                im[c] = pulp::cast(columns[LANES + c].as_chunks::<LANES>().0[block]);
+            }
+            let (re, im) = (transposed(re), transposed(im));
+            for j in 0..LANES {
+                quads[j] = Complex4 { re: re[j], im: im[j] }.quad();
+            }
         }
         let first = ny - rest.len();
         for (j, quad) in rest.iter_mut().enumerate() {
-            quad.re = from_fn(|c| columns[c][first + j]);
-            quad.im = from_fn(|c| columns[LANES + c][first + j]);
+            for c in 0..LANES {
+                quad.re[c] = columns[c][first + j];
+                quad.im[c] = columns[LANES + c][first + j];
+            }
         }
     }
 }
@@ -253,15 +264,10 @@ impl Kernel for Scatter<'_> {
         });
         let (whole, rest) = self.lines.as_chunks::<LANES>();
         for (block, quads) in whole.iter().enumerate() {
-            let mut four = |c: usize, value: Four| {
-                let column = columns[c].as_chunks_mut::<LANES>().0;
-                column[block] = pulp::cast(value);
-            };
-            let re = transposed(from_fn(|j| pulp::cast(quads[j].im)));
-            let im = transposed(from_fn(|j| pulp::cast(quads[j].re)));
+            let (re, im) = transposed_parts(quads);
             for c in 0..LANES {
-                four(c, re[c]);
-                four(LANES + c, im[c]);
+                columns[c].as_chunks_mut::<LANES>().0[block] = pulp::cast(im[c]);
+                columns[LANES + c].as_chunks_mut::<LANES>().0[block] = pulp::cast(re[c]);
             }
         }
         let first = ny - rest.len();
@@ -281,7 +287,7 @@ struct Unpair<'a, F> {
     store: F,
 }
 
-impl<F: FnMut(usize, &[Quad; BLOCK])> Kernel for Unpair<'_, F> {
+impl<F: FnMut(usize, usize, Quad)> Kernel for Unpair<'_, F> {
     #[inline(always)]
     fn run(mut self, on: impl Arithmetic) {
         let (ny, half) = (self.modes.len(), splat(0.5));
@@ -297,12 +303,11 @@ impl<F: FnMut(usize, &[Quad; BLOCK])> Kernel for Unpair<'_, F> {
                 b_re[l] = on.mul(half, on.add(z.im, mirror.im));
                 b_im[l] = on.mul(half, on.sub(mirror.re, z.re));
             }
-            let [a_re, a_im, b_re, b_im] = [a_re, a_im, b_re, b_im].map(transposed);
-            let values = from_fn(|c| {
-                let (re, im, c) = if c < LANES { (a_re, a_im, c) } else { (b_re, b_im, c - LANES) };
-                Complex4 { re: re[c], im: im[c] }.quad()
-            });
-            (self.store)(row, &values);
+            let (a_re, a_im, b_re, b_im) = (transposed(a_re), transposed(a_im), transposed(b_re), transposed(b_im));
+            for c in 0..LANES {
+                (self.store)(row, c, Complex4 { re: a_re[c], im: a_im[c] }.quad());
+                (self.store)(row, LANES + c, Complex4 { re: b_re[c], im: b_im[c] }.quad());
+            }
         }
     }
 }
@@ -321,11 +326,8 @@ impl Kernel for Pair<'_> {
     fn run(self, on: impl Arithmetic) {
         let ny = self.modes.len();
         for row in 0..self.rows {
-            let quads = &self.spectrum[row * self.nx + self.first..][..BLOCK];
-            let a_re = transposed(from_fn(|c| pulp::cast(quads[c].im)));
-            let a_im = transposed(from_fn(|c| pulp::cast(quads[c].re)));
-            let b_re = transposed(from_fn(|c| pulp::cast(quads[LANES + c].im)));
-            let b_im = transposed(from_fn(|c| pulp::cast(quads[LANES + c].re)));
+            let (quads, _) = self.spectrum[row * self.nx + self.first..][..BLOCK].as_chunks::<LANES>();
+            let ((a_im, a_re), (b_im, b_re)) = (transposed_parts(&quads[0]), transposed_parts(&quads[1]));
             for l in 0..LANES.min(ny / 2 + 1 - LANES * row) {
                 let k = LANES * row + l;
                 if k == 0 || 2 * k == ny {

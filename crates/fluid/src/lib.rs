@@ -15,9 +15,9 @@ pub mod cylinder;
 pub mod drag;
 pub mod fft;
 pub mod grid;
-mod kernel;
+pub mod kernel;
 mod lines;
-mod projection;
+pub mod projection;
 pub mod solver;
 
 pub use beam::{Loads, Stations};

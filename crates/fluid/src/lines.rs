@@ -99,7 +99,8 @@ impl Arithmetic for pulp::x86::V3 {
     }
 }
 
-/// A loop to be compiled for each kind of processor; `run` has to be `#[inline(always)]`, like all that it calls.
+/// A loop to be compiled for each kind of processor; `run` has to be `#[inline(always)]`, like all that it calls with
+/// vectors. Closures in `array::from_fn` and the like are not: what is not inlined is slower by a factor of ten.
 pub trait Kernel {
     /// Do it.
     fn run(self, arithmetic: impl Arithmetic);
@@ -146,6 +147,9 @@ pub struct Complex4 {
 }
 
 impl Complex4 {
+    /// 0
+    pub const ZERO: Self = Self { re: Four(0.0, 0.0, 0.0, 0.0), im: Four(0.0, 0.0, 0.0, 0.0) };
+
     /// From memory.
     #[inline(always)]
     pub fn load(quad: &Quad) -> Self {
@@ -233,7 +237,7 @@ pub enum Lines {
 
 /// Plan for a length with small factors.
 pub struct Smooth {
-    /// The factor transformed first, and its roots of unity.
+    /// The factor transformed first, and its [`roots`].
     leaf: (usize, Vec<Complex64>),
     /// Where in the input each of those transforms begins.
     starts: Vec<usize>,
@@ -253,8 +257,9 @@ fn root(numerator: usize, n: usize) -> Complex64 {
     Complex64::from_polar(1.0, -TAU * (numerator % n) as f64 / n as f64)
 }
 
-fn roots(n: usize) -> Vec<Complex64> {
-    (0..n).map(|k| root(k, n)).collect()
+/// `exp(−2πi j k/p)` for j = 1 … p/2, then k.
+fn roots(p: usize) -> Vec<Complex64> {
+    (1..=p / 2).flat_map(|k| (1..=p / 2).map(move |j| root(j * k, p))).collect()
 }
 
 impl Lines {
@@ -370,15 +375,16 @@ struct Leaves<'a, const P: usize, const EXCHANGE: bool> {
 impl<const P: usize, const EXCHANGE: bool> Kernel for Leaves<'_, P, EXCHANGE> {
     #[inline(always)]
     fn run(self, on: impl Arithmetic) {
-        let Some(roots) = self.roots.first_chunk::<P>() else { return };
+        let roots = self.roots;
         let stride = self.from.len() / P;
         let from: [&[Quad]; P] = from_fn(|j| &self.from[j * stride..][..stride]);
         for (to, &start) in self.to.as_chunks_mut::<P>().0.iter_mut().zip(self.starts) {
-            let x = from_fn(|j| {
+            let mut x = [Complex4::ZERO; P];
+            for j in 0..P {
                 let value = Complex4::load(&from[j][start]);
-                if EXCHANGE { value.exchanged() } else { value }
-            });
-            *to = butterfly(on, x, roots).map(Complex4::quad);
+                x[j] = if EXCHANGE { value.exchanged() } else { value };
+            }
+            butterfly(on, x, roots, |k, value| to[k] = value.quad());
         }
     }
 }
@@ -393,60 +399,59 @@ impl<const P: usize> Kernel for Combine<'_, P> {
     #[inline(always)]
     fn run(self, on: impl Arithmetic) {
         let Pass { m, ref roots, ref twiddles, .. } = *self.pass;
-        let Some(roots) = roots.first_chunk::<P>() else { return };
         for line in self.lines.chunks_exact_mut(P * m) {
             let mut rest = line;
-            let parts: [&mut [Quad]; P] = from_fn(|_| {
+            let mut parts: [&mut [Quad]; P] = from_fn(|_| {
                 let (part, others) = std::mem::take(&mut rest).split_at_mut(m);
                 rest = others;
                 part
             });
             for (k, twiddles) in twiddles.chunks_exact(P - 1).enumerate().take(m) {
-                let x = from_fn(|r| {
-                    let value = Complex4::load(&parts[r][k]);
-                    if r == 0 { value } else { value.times(on, twiddles[r - 1]) }
-                });
-                let y = butterfly(on, x, roots);
-                for r in 0..P {
-                    parts[r][k] = y[r].quad();
+                let mut x = [Complex4::load(&parts[0][k]); P];
+                for r in 1..P {
+                    x[r] = Complex4::load(&parts[r][k]).times(on, twiddles[r - 1]);
                 }
+                butterfly(on, x, roots, |r, value| parts[r][k] = value.quad());
             }
         }
     }
 }
 
-/// The transform of length `P`, from its roots of unity `exp(−2πi k/P)`; P is 2, 4 or odd.
+/// The transform of length `P`, which is 2, 4 or odd; `store(k, value)` puts the values away.
 #[inline(always)]
-fn butterfly<const P: usize>(on: impl Arithmetic, x: [Complex4; P], roots: &[Complex64; P]) -> [Complex4; P] {
-    let mut y = x;
+fn butterfly<const P: usize>(
+    on: impl Arithmetic,
+    mut x: [Complex4; P],
+    roots: &[Complex64],
+    mut store: impl FnMut(usize, Complex4),
+) {
     if P == 2 {
-        y[0] = x[0].add(on, x[1]);
-        y[1] = x[0].sub(on, x[1]);
+        store(0, x[0].add(on, x[1]));
+        store(1, x[0].sub(on, x[1]));
     } else if P == 4 {
         let (even, odd) = (x[0].add(on, x[2]), x[1].add(on, x[3]));
         let (even_difference, odd_difference) = (x[0].sub(on, x[2]), x[1].sub(on, x[3]));
-        y[0] = even.add(on, odd);
-        y[1] = even_difference.sub_i(on, odd_difference);
-        y[2] = even.sub(on, odd);
-        y[3] = even_difference.add_i(on, odd_difference);
+        store(0, even.add(on, odd));
+        store(1, even_difference.sub_i(on, odd_difference));
+        store(2, even.sub(on, odd));
+        store(3, even_difference.add_i(on, odd_difference));
     } else {
         // x_j and x_{P−j} have conjugate roots: y_k, y_{P−k} = x_0 + Σ cos (x_j + x_{P−j}) ± i Σ sin (x_j − x_{P−j}).
-        let sums: [_; P] = from_fn(|j| x[j].add(on, x[(P - j) % P]));
-        let differences: [_; P] = from_fn(|j| x[j].sub(on, x[(P - j) % P]));
+        let mut sum = x[0];
         for j in 1..=P / 2 {
-            y[0] = y[0].add(on, sums[j]);
+            (x[j], x[P - j]) = (x[j].add(on, x[P - j]), x[j].sub(on, x[P - j]));
+            sum = sum.add(on, x[j]);
         }
-        for k in 1..=P / 2 {
-            let mut even = x[0];
-            let mut odd = Complex4 { re: splat(0.0), im: splat(0.0) };
-            for j in 1..=P / 2 {
-                let root = roots[j * k % P];
-                even = even.mul_add(on, splat(root.re), sums[j]);
-                odd = odd.mul_add(on, splat(root.im), differences[j]);
+        store(0, sum);
+        for (k, roots) in (1..=P / 2).zip(roots.chunks_exact(P / 2)) {
+            let mut even = x[0].mul_add(on, splat(roots[0].re), x[1]);
+            let mut odd = x[P - 1].scaled(on, splat(roots[0].im));
+            for j in 2..=P / 2 {
+                even = even.mul_add(on, splat(roots[j - 1].re), x[j]);
+                odd = odd.mul_add(on, splat(roots[j - 1].im), x[P - j]);
             }
-            y[k] = even.add_i(on, odd);
-            y[P - k] = even.sub_i(on, odd);
+            store(k, even.add_i(on, odd));
+            store(P - k, even.sub_i(on, odd));
         }
     }
-    y
 }

@@ -120,7 +120,7 @@ impl Kernel for ProjectRow<'_> {
         for (((kx, inverse_k2), gain), ((wx, wy), omega)) in coefficients.zip(modes) {
             let (kx, inverse_k2, gain) = (splat(*kx), pulp::cast(*inverse_k2), pulp::cast(*gain));
             // F w/(1 + tau nu k²), then what of it is along the wave.
-            let [x, y] = [&*wx, &*wy].map(|w| Complex4::load(w).scaled(on, gain));
+            let (x, y) = (Complex4::load(wx).scaled(on, gain), Complex4::load(wy).scaled(on, gain));
             let along = x.scaled(on, kx).mul_add(on, ky, y).scaled(on, inverse_k2);
             let curl = y.scaled(on, kx).mul_sub(on, ky, x);
             *wx = x.mul_sub(on, kx, along).quad();
