@@ -78,19 +78,19 @@ fn the_velocity_is_divergence_free_around_bodies() {
     let mut fluid = Fluid::new(&scene(CYLINDER_IN_CHANNEL, BEAM)).unwrap_or_else(|e| panic!("{e}"));
     run(&mut fluid, 60, 2e-3);
     let grid = *fluid.grid();
-    let mut fft = Fft2::new(grid.nx, grid.ny);
-    let mut spectra = [(); 2].map(|()| vec![Complex64::default(); fft.spectrum_len()]);
+    let fft = Fft2::new(grid.nx, grid.ny, grid.ny / 2 + 1);
+    let (mut spectra, mut scratch) = ([fft.spectrum(), fft.spectrum()], fft.scratch());
     for (axis, spectrum) in spectra.iter_mut().enumerate() {
-        fft.forward(fluid.velocity(axis), spectrum);
+        fft.forward(fluid.velocity(axis), spectrum, &mut scratch);
     }
     let (mut divergence, mut gradient) = (0.0_f64, 0.0_f64);
     for j in 0..=grid.ny / 2 {
         for i in 0..grid.nx {
             let signed = if 2 * i > grid.nx { i as f64 - grid.nx as f64 } else { i as f64 };
             let (kx, ky) = (TAU / grid.length * signed, TAU / grid.height * j as f64);
-            let mode = j * grid.nx + i;
-            divergence = divergence.max((spectra[0][mode] * kx + spectra[1][mode] * ky).norm());
-            gradient = gradient.max((spectra[0][mode] * ky).norm());
+            let [u, v] = [0, 1].map(|axis| fft.mode(&spectra[axis], i, j));
+            divergence = divergence.max((u * kx + v * ky).norm());
+            gradient = gradient.max((u * ky).norm());
         }
     }
     assert!(divergence < 1e-13 * gradient, "divergence {divergence} beside gradients of {gradient}");
@@ -366,12 +366,12 @@ fn aliased(filter: Filter, waves: [[i32; 2]; 2]) -> f64 {
         })
     });
     run(&mut fluid, 1, 1e-3);
-    let mut fft = Fft2::new(n, n);
-    let mut spectrum = vec![Complex64::default(); fft.spectrum_len()];
-    fft.forward(fluid.vorticity(), &mut spectrum);
+    let fft = Fft2::new(n, n, n / 2 + 1);
+    let mut spectrum = fft.spectrum();
+    fft.forward(fluid.vorticity(), &mut spectrum, &mut fft.scratch());
     let at = |[p, q]: [i32; 2]| {
         let (p, q) = if q < 0 { (-p, -q) } else { (p, q) };
-        spectrum[q as usize * n + p.rem_euclid(n as i32) as usize].norm()
+        fft.mode(&spectrum, p.rem_euclid(n as i32) as usize, q as usize).norm()
     };
     let [a, b] = waves;
     at([a[0] + b[0], a[1] + b[1]]) / at([a[0] - b[0], a[1] - b[1]])
