@@ -15,9 +15,10 @@ pub mod cylinder;
 pub mod drag;
 pub mod fft;
 pub mod grid;
-mod kernel;
+pub mod kernel;
+mod lines;
 mod probe;
-mod projection;
+pub mod projection;
 pub mod solver;
 mod zone;
 

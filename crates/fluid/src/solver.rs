@@ -21,6 +21,8 @@
 mod forces;
 mod rk2;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use scene::{Load, Scene, TimeScheme};
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +30,7 @@ use crate::beam::{Beam, Loads, Stations};
 use crate::body::{Cells, Painted};
 use crate::cylinder::Cylinder;
 use crate::drag::DragProfile;
-use crate::fft::{Complex64, Fft2};
+use crate::fft::{Fft2, Quad, Scratch, on_threads};
 use crate::grid::Grid;
 use crate::kernel::{self, Component, Differences};
 use crate::probe::Probe;
@@ -77,7 +79,7 @@ pub enum Error {
     },
     /// An explicit drag too stiff for any reasonable step.
     #[error(
-        "C_eta = {c_eta} s is too small for the scheme rk2: its steps may not be longer, which makes {substeps:.0} of them in the communication step of {step} s from t = {time} s; use sbdf2, a larger C_eta or a smaller communication step"
+        "C_eta = {c_eta:.3e} s is too small for the scheme rk2: its steps may not be longer, which makes {substeps:.0} of them in the communication step of {step} s from t = {time} s; use sbdf2, a larger C_eta or a smaller communication step"
     )]
     Stiff {
         /// Beginning of the step, s.
@@ -113,7 +115,7 @@ pub struct State {
     /// `w = u* + tau G` of the last step, m/s, `[nx, ny]` per component; empty with RK2.
     w: [Vec<f64>; 2],
     /// Spectrum of the velocity, m/s, `[ny/2 + 1, nx]` per component; empty with SBDF2.
-    u_hat: [Vec<Complex64>; 2],
+    u_hat: [Vec<Quad>; 2],
     /// `1/tau` of the last step, 1/s, so that `G = (w − u)/tau`; 0 before the first, where G is 0.
     per_tau: f64,
     /// The last step, s; 0 before the first.
@@ -179,8 +181,10 @@ pub struct Fluid {
     /// `w` of the step that is being made, m/s. Between steps the first is Pi, m²/s², if that is current.
     w: [Vec<f64>; 2],
     total_pressure_is_current: bool,
-    /// Spectra of both components and of the vorticity or pressure, `[ny/2 + 1, nx]`.
-    spectra: [Vec<Complex64>; 3],
+    /// Spectra of both components and of the vorticity or pressure.
+    spectra: [Vec<Quad>; 3],
+    /// What each thread needs for itself.
+    scratch: Vec<Scratch>,
     state: State,
 }
 
@@ -235,11 +239,12 @@ impl Fluid {
                 from: stations,
             }
         });
-        let fft = Fft2::new(grid.nx, grid.ny);
+        let projection = Projection::new(&grid, fluid.filter);
+        let fft = Fft2::new(grid.nx, grid.ny, projection.modes());
         let field = || vec![0.0; grid.len()];
-        let spectrum = || vec![Complex64::default(); fft.spectrum_len()];
         let [u, v] = fluid.initial_velocity;
-        let rk2 = (fluid.time_stepping.scheme == TimeScheme::Rk2).then(|| Rk2::new(&grid));
+        let rk2 =
+            (fluid.time_stepping.scheme == TimeScheme::Rk2).then(|| Rk2::new(&grid, fft.spectrum().len() / grid.nx));
         let past = || if rk2.is_some() { Vec::new() } else { field() };
         let state = State {
             time: 0.0,
@@ -256,12 +261,12 @@ impl Fluid {
                 loads: loads_are_wanted.then(|| Loads::none(b.target.len())),
             }),
         };
-        let spectra = [spectrum(), spectrum(), spectrum()];
         let has_bodies = !zones.is_empty() || fluid.channel.is_some() || !cylinders.is_empty() || beam.is_some();
         let mut solver = Self {
             rate: has_bodies.then(field),
             w: [field(), field()],
-            projection: Projection::new(&grid, fluid.filter),
+            spectra: [fft.spectrum(), fft.spectrum(), fft.spectrum()],
+            scratch: (0..fluid.threads).map(|_| fft.scratch()).collect(),
             density: fluid.density,
             max_step: fluid.time_stepping.max_step,
             max_cfl: fluid.time_stepping.max_cfl,
@@ -276,7 +281,7 @@ impl Fluid {
             grid,
             cylinders,
             beam,
-            spectra,
+            projection,
             state,
         };
         solver.paint_still_bodies(fluid, &profile.plain());
@@ -355,10 +360,11 @@ impl Fluid {
     pub fn divergence(&mut self) -> f64 {
         let ([u, v], field) = (&self.state.flow.velocity, &mut self.w[1]);
         let [u_hat, v_hat, divergence] = &mut self.spectra;
-        self.fft.forward(u, u_hat);
-        self.fft.forward(v, v_hat);
+        let scratch = &mut self.scratch[0];
+        self.fft.forward(u, u_hat, scratch);
+        self.fft.forward(v, v_hat, scratch);
         self.projection.divergence(u_hat, v_hat, divergence);
-        self.fft.inverse(divergence, field);
+        self.fft.inverse(divergence, field, scratch);
         let largest = field.iter().fold(0.0_f64, |most, divergence| most.max(divergence.abs()));
         let fastest = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max(u.hypot(*v)));
         largest * self.grid.cell_size() / fastest.max(f64::MIN_POSITIVE)
@@ -428,7 +434,7 @@ impl Fluid {
             }
             substeps = substeps.max(explicit);
         }
-        if !(substeps <= MAX_SUBSTEPS) {
+        if substeps > MAX_SUBSTEPS {
             let cfl = self.state.advection_rate * h;
             return Err(Error::Diverged { time: t, cfl, step: h });
         }
@@ -488,10 +494,11 @@ impl Fluid {
         }
         let (w, per_tau) = if explicit { (&self.w, 1.0) } else { (&self.state.w, self.state.per_tau) };
         let [wx_hat, wy_hat, pressure] = &mut self.spectra;
-        self.fft.forward(&w[0], wx_hat);
-        self.fft.forward(&w[1], wy_hat);
+        let scratch = &mut self.scratch[0];
+        self.fft.forward(&w[0], wx_hat, scratch);
+        self.fft.forward(&w[1], wy_hat, scratch);
         self.projection.pressure(wx_hat, wy_hat, per_tau, pressure);
-        self.fft.inverse(pressure, &mut self.w[0]);
+        self.fft.inverse(pressure, &mut self.w[0], scratch);
         self.total_pressure_is_current = true;
     }
 
@@ -597,13 +604,18 @@ impl Fluid {
     fn solve_locally(&mut self, scheme: &Differences) {
         let no_rate = [0.0; BLOCK];
         let components = [0, 1].map(|axis| self.state.component(axis));
-        for start in (0..self.grid.len()).step_by(BLOCK) {
-            let points = start..(start + BLOCK).min(self.grid.len());
-            let rate = self.rate.as_ref().map_or(&no_rate[..points.len()], |rate| &rate[points.clone()]);
-            for (component, w) in components.iter().zip(&mut self.w) {
-                kernel::solve(&component.points(points.clone()), scheme, rate, &mut w[points.clone()]);
+        let share = self.grid.len().div_ceil(self.scratch.len());
+        let [wx, wy] = self.w.each_mut().map(|w| w.chunks_mut(share));
+        on_threads((0..).step_by(share).zip(wx.zip(wy)), |(first, (wx, wy))| {
+            for start in (0..wx.len()).step_by(BLOCK) {
+                let part = start..(start + BLOCK).min(wx.len());
+                let points = first + part.start..first + part.end;
+                let rate = self.rate.as_ref().map_or(&no_rate[..part.len()], |rate| &rate[points.clone()]);
+                for (component, w) in components.iter().zip([&mut *wx, &mut *wy]) {
+                    kernel::solve(&component.points(points.clone()), scheme, rate, &mut w[part.clone()]);
+                }
             }
-        }
+        });
     }
 
     /// Add `weight(Σ a) a_b u_b` of all bodies and zones to `w`.
@@ -635,34 +647,52 @@ impl Fluid {
     fn solve_wave_by_wave(&mut self, tau: f64) {
         let State { flow, flow_before, advection_rate, .. } = &mut self.state;
         std::mem::swap(flow, flow_before);
-        let Flow { velocity: [u, v], vorticity } = flow;
         let [u_hat, v_hat, omega_hat] = &mut self.spectra;
-        let (nx, ny) = (self.grid.nx, self.grid.ny);
-        self.fft.forward_along_y(&self.w[0], u_hat);
-        self.fft.forward_along_y(&self.w[1], v_hat);
+        let (fft, nx, ny) = (&self.fft, self.grid.nx, self.grid.ny);
+        fft.forward_along_y([&self.w[0], &self.w[1]], [&mut *u_hat, &mut *v_hat], &mut self.scratch);
+
         self.projection.set_viscosity(tau * self.nu);
-        for j in 0..=ny / 2 {
-            let modes = j * nx..(j + 1) * nx;
-            let [u_hat, v_hat, omega_hat] =
-                [&mut *u_hat, v_hat, omega_hat].map(|spectrum| &mut spectrum[modes.clone()]);
-            self.fft.forward_along_x(u_hat);
-            self.fft.forward_along_x(v_hat);
-            self.projection.project(j, u_hat, v_hat, omega_hat);
-            for row in [u_hat, v_hat, omega_hat] {
-                self.fft.inverse_along_x(row);
+        let projection = &self.projection;
+        let share = (u_hat.len() / nx).div_ceil(self.scratch.len());
+        let [u_rows, v_rows, omega_rows] =
+            [&mut *u_hat, v_hat, omega_hat].map(|spectrum| spectrum.chunks_mut(share * nx));
+        let rows = (0..).step_by(share).zip(u_rows.zip(v_rows).zip(omega_rows));
+        on_threads(rows.zip(&mut self.scratch), |((first, ((u_hat, v_hat), omega_hat)), scratch)| {
+            let Scratch { rows: [u, v, omega], line, .. } = scratch;
+            let rows = u_hat.chunks_exact_mut(nx).zip(v_hat.chunks_exact_mut(nx)).zip(omega_hat.chunks_exact_mut(nx));
+            for (row, ((u_hat, v_hat), omega_hat)) in (first..).zip(rows) {
+                fft.forward_along_x(u_hat, u, line);
+                fft.forward_along_x(v_hat, v, line);
+                projection.project(row, u, v, omega);
+                fft.inverse_along_x(u, u_hat, line);
+                fft.inverse_along_x(v, v_hat, line);
+                fft.inverse_along_x(omega, omega_hat, line);
             }
-        }
+        });
+
+        let Flow { velocity: [u, v], vorticity } = flow;
+        let [u_hat, v_hat, omega_hat] = &self.spectra;
         let (per_dx, per_dy) = (1.0 / self.grid.dx, 1.0 / self.grid.dy);
-        let mut largest = 0.0;
-        for columns in self.fft.blocks() {
-            let points = columns.start * ny..columns.end * ny;
-            let [u, v, omega] = [&mut *u, v, vorticity].map(|field| &mut field[points.clone()]);
-            self.fft.inverse_along_y(u_hat, columns.clone(), u);
-            self.fft.inverse_along_y(v_hat, columns.clone(), v);
-            self.fft.inverse_along_y(omega_hat, columns, omega);
-            largest = f64::max(largest, kernel::advection_rate(per_dx, per_dy, u, v));
-        }
+        // Numbers not below 0 are ordered like their bits.
+        let largest = AtomicU64::new(0);
+        let [mut u_rest, mut v_rest, mut omega_rest] = [&mut *u, &mut *v, vorticity].map(Vec::as_mut_slice);
+        let shares = fft.shares(self.scratch.len()).filter_map(|share| {
+            let points = ..share.len() * ny;
+            let (u, v) = (u_rest.split_off_mut(points)?, v_rest.split_off_mut(points)?);
+            Some((share, u, v, omega_rest.split_off_mut(points)?))
+        });
+        on_threads(shares.zip(&mut self.scratch), |((share, u, v, omega), scratch)| {
+            for columns in fft.blocks(share.clone()) {
+                let points = (columns.start - share.start) * ny..(columns.end - share.start) * ny;
+                let [u, v, omega] = [&mut *u, &mut *v, &mut *omega].map(|field| &mut field[points.clone()]);
+                fft.inverse_along_y(u_hat, columns.clone(), u, scratch);
+                fft.inverse_along_y(v_hat, columns.clone(), v, scratch);
+                fft.inverse_along_y(omega_hat, columns, omega, scratch);
+                largest.fetch_max(kernel::advection_rate(per_dx, per_dy, u, v).to_bits(), Ordering::Relaxed);
+            }
+        });
         // A transform spreads what is not a number to every point: the first tells of all.
-        *advection_rate = if (u[0] + v[0]).is_finite() { largest } else { f64::NAN };
+        let finite = (u[0] + v[0]).is_finite();
+        *advection_rate = if finite { f64::from_bits(largest.into_inner()) } else { f64::NAN };
     }
 }

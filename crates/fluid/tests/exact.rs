@@ -78,19 +78,19 @@ fn the_velocity_is_divergence_free_around_bodies() {
     let mut fluid = Fluid::new(&scene(CYLINDER_IN_CHANNEL, BEAM)).unwrap_or_else(|e| panic!("{e}"));
     run(&mut fluid, 60, 2e-3);
     let grid = *fluid.grid();
-    let mut fft = Fft2::new(grid.nx, grid.ny);
-    let mut spectra = [(); 2].map(|()| vec![Complex64::default(); fft.spectrum_len()]);
+    let fft = Fft2::new(grid.nx, grid.ny, grid.ny / 2 + 1);
+    let (mut spectra, mut scratch) = ([fft.spectrum(), fft.spectrum()], fft.scratch());
     for (axis, spectrum) in spectra.iter_mut().enumerate() {
-        fft.forward(fluid.velocity(axis), spectrum);
+        fft.forward(fluid.velocity(axis), spectrum, &mut scratch);
     }
     let (mut divergence, mut gradient) = (0.0_f64, 0.0_f64);
     for j in 0..=grid.ny / 2 {
         for i in 0..grid.nx {
             let signed = if 2 * i > grid.nx { i as f64 - grid.nx as f64 } else { i as f64 };
             let (kx, ky) = (TAU / grid.length * signed, TAU / grid.height * j as f64);
-            let mode = j * grid.nx + i;
-            divergence = divergence.max((spectra[0][mode] * kx + spectra[1][mode] * ky).norm());
-            gradient = gradient.max((spectra[0][mode] * ky).norm());
+            let [u, v] = [0, 1].map(|axis| fft.mode(&spectra[axis], i, j));
+            divergence = divergence.max((u * kx + v * ky).norm());
+            gradient = gradient.max((u * ky).norm());
         }
     }
     assert!(divergence < 1e-13 * gradient, "divergence {divergence} beside gradients of {gradient}");
@@ -366,12 +366,12 @@ fn aliased(filter: Filter, waves: [[i32; 2]; 2]) -> f64 {
         })
     });
     run(&mut fluid, 1, 1e-3);
-    let mut fft = Fft2::new(n, n);
-    let mut spectrum = vec![Complex64::default(); fft.spectrum_len()];
-    fft.forward(fluid.vorticity(), &mut spectrum);
+    let fft = Fft2::new(n, n, n / 2 + 1);
+    let mut spectrum = fft.spectrum();
+    fft.forward(fluid.vorticity(), &mut spectrum, &mut fft.scratch());
     let at = |[p, q]: [i32; 2]| {
         let (p, q) = if q < 0 { (-p, -q) } else { (p, q) };
-        spectrum[q as usize * n + p.rem_euclid(n as i32) as usize].norm()
+        fft.mode(&spectrum, p.rem_euclid(n as i32) as usize, q as usize).norm()
     };
     let [a, b] = waves;
     at([a[0] + b[0], a[1] + b[1]]) / at([a[0] - b[0], a[1] - b[1]])
@@ -435,13 +435,14 @@ fn poiseuille(cells: usize, offset: f64, mask: Mask) -> ([f64; 2], f64) {
 /// With an e-fold of a quarter of a cell or more the wall keeps its place; below, the grid no longer resolves the profile.
 #[test]
 fn the_wall_is_where_it_should_be_at_any_offset_of_the_grid() {
-    for e_fold in [0.25, 0.3] {
+    for (e_fold, limit) in [(0.2, 0.06), (0.25, 0.03), (0.3, 0.02)] {
         let mask = Mask::LogLinear { c_eta: 1e-7, e_fold, target: WallTarget::None };
-        for offset in [0.0, 0.13, 0.25, 0.37, 0.5, 0.71, 0.9] {
-            let (walls, flux) = poiseuille(96, offset, mask);
-            println!("{mask:?}, offset {offset}: walls off by {walls:.4?} cells, flux by {flux:.2e}");
-            assert!(walls.iter().all(|wall| wall.abs() < 0.03), "{mask:?}, offset {offset}: walls {walls:?} cells off");
-        }
+        let offsets = [0.0, 0.13, 0.25, 0.37, 0.5, 0.71, 0.9];
+        // Outwards is positive.
+        let walls = offsets.map(|offset| poiseuille(96, offset, mask).0).map(|[low, high]| [-low, high]);
+        let (least, most) = walls.iter().flatten().fold((f64::MAX, f64::MIN), |(a, b), w| (w.min(a), w.max(b)));
+        println!("{mask:?}: walls {least:.4} to {most:.4} cells off");
+        assert!(least > -limit && most < limit, "{mask:?}: walls {least} to {most} cells off");
     }
 }
 

@@ -45,6 +45,18 @@ pub struct Fluid {
     /// Points whose velocity and pressure are outputs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub probes: Vec<Probe>,
+    /// Threads that share the work of a step; results do not depend on it.
+    #[serde(default = "one_thread", skip_serializing_if = "is_one")]
+    #[schemars(range(min = 1, max = 1024))]
+    pub threads: usize,
+}
+
+fn one_thread() -> usize {
+    1
+}
+
+fn is_one(threads: &usize) -> bool {
+    *threads == 1
 }
 
 /// The periodic box and its grid.
@@ -327,7 +339,10 @@ impl Check for Fluid {
         self.cylinders.check_at(&format!("{key}.cylinders"))?;
         self.mask.check_at(&format!("{key}.mask"))?;
         above(&format!("{key}.time_stepping.max_step"), self.time_stepping.max_step, 0.0)?;
-        above(&format!("{key}.time_stepping.max_cfl"), self.time_stepping.max_cfl, 0.0)
+        above(&format!("{key}.time_stepping.max_cfl"), self.time_stepping.max_cfl, 0.0)?;
+        require((1..=1024).contains(&self.threads), &format!("{key}.threads"), self.threads, || {
+            "it must be between 1 and 1024".into()
+        })
     }
 }
 

@@ -11,17 +11,22 @@
 //! which is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n is kept, so a step takes ten real transforms: twice two
 //! forward and three inverse. The explicit drag is stable up to `dt Σ a = 2`; steps are divided to keep it at or below 1.
 
+use std::array::from_fn;
+use std::f64::consts::TAU;
+
 use multiversion::multiversion;
 
 use super::{Error, Flow, Fluid};
-use crate::fft::Complex64;
 use crate::grid::Grid;
 use crate::kernel;
+use crate::lines::{LANES, Quad};
 
-/// The exact decay by viscosity, as factors for each kx and each ky.
+/// The exact decay by viscosity, as factors for each kx, and for the ky of each row.
 pub(super) struct Rk2 {
-    k2: [Vec<f64>; 2],
-    decay: [Vec<f64>; 2],
+    kx2: Vec<f64>,
+    ky2: Vec<[f64; LANES]>,
+    decay_x: Vec<f64>,
+    decay_y: Vec<[f64; LANES]>,
     /// What they were made for, `nu dt`, m².
     nu_dt: f64,
 }
@@ -38,14 +43,18 @@ pub(super) enum Stage {
 }
 
 impl Rk2 {
-    pub fn new(grid: &Grid) -> Self {
-        let squares = |n: usize, count: usize, length: f64| -> Vec<f64> {
-            let wave = |i: usize| if 2 * i > n { n - i } else { i };
-            (0..count).map(|i| (std::f64::consts::TAU / length * wave(i) as f64).powi(2)).collect()
-        };
-        let k2 = [squares(grid.nx, grid.nx, grid.length), squares(grid.ny, grid.ny / 2 + 1, grid.height)];
-        let decay = k2.each_ref().map(|k2| vec![1.0; k2.len()]);
-        Self { k2, decay, nu_dt: 0.0 }
+    /// For spectra of `rows` rows.
+    pub fn new(grid: &Grid, rows: usize) -> Self {
+        let Grid { nx, length, height, .. } = *grid;
+        let kx2 = |i: usize| (TAU / length * i.min(nx - i) as f64).powi(2);
+        let ky2 = |j: usize| (TAU / height * j as f64).powi(2);
+        Self {
+            kx2: (0..nx).map(kx2).collect(),
+            ky2: (0..rows).map(|row| from_fn(|lane| ky2(row * LANES + lane))).collect(),
+            decay_x: vec![1.0; nx],
+            decay_y: vec![[1.0; LANES]; rows],
+            nu_dt: 0.0,
+        }
     }
 
     fn set_viscosity(&mut self, nu_dt: f64) {
@@ -53,9 +62,9 @@ impl Rk2 {
             return;
         }
         self.nu_dt = nu_dt;
-        for (decay, k2) in self.decay.iter_mut().zip(&self.k2) {
-            decay.iter_mut().zip(k2).for_each(|(decay, k2)| *decay = (-nu_dt * k2).exp());
-        }
+        let decay = |k2: f64| (-nu_dt * k2).exp();
+        self.decay_x.iter_mut().zip(&self.kx2).for_each(|(x, k2)| *x = decay(*k2));
+        self.decay_y.iter_mut().zip(&self.ky2).for_each(|(y, k2)| *y = k2.map(decay));
     }
 }
 
@@ -96,48 +105,54 @@ impl Fluid {
     /// From w to the flow after a stage.
     pub(super) fn solve_stage(&mut self, stage: Stage) {
         self.hold_mean_flow();
-        let Some(Rk2 { decay: [decay_x, decay_y], .. }) = &self.rk2 else { return };
+        let Some(Rk2 { decay_x, decay_y, .. }) = &self.rk2 else { return };
         let [u_hat, v_hat, omega_hat] = &mut self.spectra;
         let [u_before, v_before] = &mut self.state.u_hat;
-        self.fft.forward(&self.w[0], u_hat);
-        self.fft.forward(&self.w[1], v_hat);
+        let scratch = &mut self.scratch[0];
+        self.fft.forward(&self.w[0], u_hat, scratch);
+        self.fft.forward(&self.w[1], v_hat, scratch);
         let (nx, points) = (self.grid.nx, self.grid.len() as f64);
         self.projection.set_viscosity(0.0);
-        for (j, decay_y) in decay_y.iter().enumerate() {
-            let modes = j * nx..(j + 1) * nx;
+        for (row, decay_y) in decay_y.iter().enumerate() {
+            let modes = row * nx..(row + 1) * nx;
             let [u_hat, v_hat, omega_hat] =
                 [&mut *u_hat, v_hat, omega_hat].map(|spectrum| &mut spectrum[modes.clone()]);
             let [u_before, v_before] = [&mut *u_before, v_before].map(|spectrum| &mut spectrum[modes.clone()]);
             for (w, before) in [(&mut *u_hat, &*u_before), (&mut *v_hat, &*v_before)] {
-                match stage {
-                    Stage::Start => {}
-                    Stage::First => w.iter_mut().zip(decay_x).for_each(|(w, decay_x)| *w *= decay_x * decay_y),
-                    Stage::Second => {
-                        for ((w, before), decay_x) in w.iter_mut().zip(before).zip(decay_x) {
-                            *w = 0.5 * (*w + before * (points * decay_x * decay_y));
+                for ((w, before), decay_x) in w.iter_mut().zip(before).zip(decay_x) {
+                    for lane in 0..LANES {
+                        let decay = decay_x * decay_y[lane];
+                        let (re, im) = (&mut w.re[lane], &mut w.im[lane]);
+                        match stage {
+                            Stage::Start => {}
+                            Stage::First => (*re, *im) = (decay * *re, decay * *im),
+                            Stage::Second => {
+                                *re = 0.5 * (*re + points * decay * before.re[lane]);
+                                *im = 0.5 * (*im + points * decay * before.im[lane]);
+                            }
                         }
                     }
                 }
             }
-            self.projection.project(j, u_hat, v_hat, omega_hat);
+            self.projection.project(row, u_hat, v_hat, omega_hat);
             if stage != Stage::First {
                 u_before.copy_from_slice(u_hat);
                 v_before.copy_from_slice(v_hat);
             }
         }
         let Flow { velocity: [u, v], vorticity } = &mut self.state.flow;
-        self.fft.inverse(u_hat, u);
-        self.fft.inverse(v_hat, v);
-        self.fft.inverse(omega_hat, vorticity);
+        for (spectrum, field) in [(u_hat, &mut *u), (v_hat, &mut *v), (omega_hat, vorticity)] {
+            self.fft.inverse(spectrum, field, scratch);
+        }
         let largest = kernel::advection_rate(1.0 / self.grid.dx, 1.0 / self.grid.dy, u, v);
         // A transform spreads what is not a number to every point: the first tells of all.
         self.state.advection_rate = if (u[0] + v[0]).is_finite() { largest } else { f64::NAN };
     }
 
     /// Spectrum of a uniform velocity, for the state at the beginning.
-    pub(super) fn uniform_spectrum(&self, velocity: f64) -> Vec<Complex64> {
-        let mut spectrum = vec![Complex64::default(); self.fft.spectrum_len()];
-        spectrum[0] = velocity.into();
+    pub(super) fn uniform_spectrum(&self, velocity: f64) -> Vec<Quad> {
+        let mut spectrum = self.fft.spectrum();
+        spectrum[0].re[0] = velocity;
         spectrum
     }
 }

@@ -1,0 +1,455 @@
+//! Discrete Fourier transforms of four lines at once, one line in each lane of a vector.
+//!
+//! All lanes do the same, so no factor of a length needs shuffles, and 13 gets on as well as 4. Decimation in time
+//! (Cooley & Tukey 1965): transforms of the last factor from strided input, then a pass for each other factor in place.
+
+use std::array::from_fn;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use pulp::f64x4 as Four;
+use rustfft::{Fft, FftPlanner, num_complex::Complex64};
+use serde::{Deserialize, Serialize};
+
+/// Lines that are transformed together.
+pub const LANES: usize = 4;
+
+/// A line longer than this is transformed in parts, so that a part with its input stays in the first cache.
+const LONG: usize = 384;
+
+/// One complex number of each of four lines; fills a cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[repr(align(64))]
+pub struct Quad {
+    /// Real parts.
+    pub re: [f64; LANES],
+    /// Imaginary parts.
+    pub im: [f64; LANES],
+}
+
+/// Arithmetic on four numbers, as the processor at hand does it best.
+pub trait Arithmetic: Copy {
+    /// a + b
+    fn add(self, a: Four, b: Four) -> Four;
+    /// a − b
+    fn sub(self, a: Four, b: Four) -> Four;
+    /// a b
+    fn mul(self, a: Four, b: Four) -> Four;
+    /// a b + c
+    fn mul_add(self, a: Four, b: Four, c: Four) -> Four;
+    /// c − a b
+    fn mul_sub(self, a: Four, b: Four, c: Four) -> Four;
+}
+
+/// Arithmetic of any processor.
+#[derive(Clone, Copy)]
+struct Plain;
+
+impl Arithmetic for Plain {
+    #[inline(always)]
+    fn add(self, a: Four, b: Four) -> Four {
+        Four(a.0 + b.0, a.1 + b.1, a.2 + b.2, a.3 + b.3)
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Four, b: Four) -> Four {
+        Four(a.0 - b.0, a.1 - b.1, a.2 - b.2, a.3 - b.3)
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Four, b: Four) -> Four {
+        Four(a.0 * b.0, a.1 * b.1, a.2 * b.2, a.3 * b.3)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: Four, b: Four, c: Four) -> Four {
+        self.add(self.mul(a, b), c)
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, a: Four, b: Four, c: Four) -> Four {
+        self.sub(c, self.mul(a, b))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Arithmetic for pulp::x86::V3 {
+    #[inline(always)]
+    fn add(self, a: Four, b: Four) -> Four {
+        pulp::Simd::add_f64s(self, a, b)
+    }
+
+    #[inline(always)]
+    fn sub(self, a: Four, b: Four) -> Four {
+        pulp::Simd::sub_f64s(self, a, b)
+    }
+
+    #[inline(always)]
+    fn mul(self, a: Four, b: Four) -> Four {
+        pulp::Simd::mul_f64s(self, a, b)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: Four, b: Four, c: Four) -> Four {
+        pulp::Simd::mul_add_f64s(self, a, b, c)
+    }
+
+    #[inline(always)]
+    fn mul_sub(self, a: Four, b: Four, c: Four) -> Four {
+        pulp::Simd::negate_mul_add_f64s(self, a, b, c)
+    }
+}
+
+/// A loop to be compiled for each kind of processor; `run` has to be `#[inline(always)]`, like all that it calls with
+/// vectors. Closures in `array::from_fn` and the like are not: what is not inlined is slower by a factor of ten.
+pub trait Kernel {
+    /// Do it.
+    fn run(self, arithmetic: impl Arithmetic);
+}
+
+/// Run a kernel on the processor at hand.
+pub fn run(kernel: impl Kernel) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = pulp::x86::V3::try_new() {
+        return avx2.vectorize(Compiled { avx2, kernel });
+    }
+    kernel.run(Plain);
+}
+
+#[cfg(target_arch = "x86_64")]
+struct Compiled<K> {
+    avx2: pulp::x86::V3,
+    kernel: K,
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<K: Kernel> pulp::NullaryFnOnce for Compiled<K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.kernel.run(self.avx2);
+    }
+}
+
+/// The same number in each lane.
+#[inline(always)]
+pub fn splat(a: f64) -> Four {
+    Four(a, a, a, a)
+}
+
+/// Four complex numbers in registers.
+#[derive(Clone, Copy)]
+pub struct Complex4 {
+    /// Real parts.
+    pub re: Four,
+    /// Imaginary parts.
+    pub im: Four,
+}
+
+impl Complex4 {
+    /// 0
+    pub const ZERO: Self = Self { re: Four(0.0, 0.0, 0.0, 0.0), im: Four(0.0, 0.0, 0.0, 0.0) };
+
+    /// From memory.
+    #[inline(always)]
+    pub fn load(quad: &Quad) -> Self {
+        Self { re: pulp::cast(quad.re), im: pulp::cast(quad.im) }
+    }
+
+    /// To memory.
+    #[inline(always)]
+    pub fn quad(self) -> Quad {
+        Quad { re: pulp::cast(self.re), im: pulp::cast(self.im) }
+    }
+
+    /// Real and imaginary parts exchanged.
+    #[inline(always)]
+    pub fn exchanged(self) -> Self {
+        Self { re: self.im, im: self.re }
+    }
+
+    /// The sum.
+    #[inline(always)]
+    pub fn add(self, on: impl Arithmetic, b: Self) -> Self {
+        Self { re: on.add(self.re, b.re), im: on.add(self.im, b.im) }
+    }
+
+    /// The difference.
+    #[inline(always)]
+    pub fn sub(self, on: impl Arithmetic, b: Self) -> Self {
+        Self { re: on.sub(self.re, b.re), im: on.sub(self.im, b.im) }
+    }
+
+    /// `self + i b`.
+    #[inline(always)]
+    fn add_i(self, on: impl Arithmetic, b: Self) -> Self {
+        Self { re: on.sub(self.re, b.im), im: on.add(self.im, b.re) }
+    }
+
+    /// `self − i b`.
+    #[inline(always)]
+    fn sub_i(self, on: impl Arithmetic, b: Self) -> Self {
+        Self { re: on.add(self.re, b.im), im: on.sub(self.im, b.re) }
+    }
+
+    /// The product with the same number in each lane.
+    #[inline(always)]
+    fn times(self, on: impl Arithmetic, w: Complex64) -> Self {
+        let (re, im) = (splat(w.re), splat(w.im));
+        Self { re: on.mul_sub(self.im, im, on.mul(self.re, re)), im: on.mul_add(self.im, re, on.mul(self.re, im)) }
+    }
+
+    /// The product with a real number by lane.
+    #[inline(always)]
+    pub fn scaled(self, on: impl Arithmetic, factor: Four) -> Self {
+        Self { re: on.mul(factor, self.re), im: on.mul(factor, self.im) }
+    }
+
+    /// The product with i.
+    #[inline(always)]
+    pub fn times_i(self, on: impl Arithmetic) -> Self {
+        Self { re: on.sub(splat(0.0), self.im), im: self.re }
+    }
+
+    /// `self − factor b`, factor by lane.
+    #[inline(always)]
+    pub fn mul_sub(self, on: impl Arithmetic, factor: Four, b: Self) -> Self {
+        Self { re: on.mul_sub(factor, b.re, self.re), im: on.mul_sub(factor, b.im, self.im) }
+    }
+
+    /// `self + factor b`, factor by lane.
+    #[inline(always)]
+    pub fn mul_add(self, on: impl Arithmetic, factor: Four, b: Self) -> Self {
+        Self { re: on.mul_add(factor, b.re, self.re), im: on.mul_add(factor, b.im, self.im) }
+    }
+}
+
+/// Transforms of one length.
+pub enum Lines {
+    /// Of a length with no prime factor above 13.
+    Smooth(Smooth),
+    /// Of any length, one line after the other.
+    Any(Arc<dyn Fft<f64>>),
+}
+
+/// Plan for a length with small factors.
+pub struct Smooth {
+    /// The factor transformed first, and its [`roots`].
+    leaf: (usize, Vec<Complex64>),
+    /// Where in the input each of those transforms begins.
+    starts: Vec<usize>,
+    passes: Vec<Pass>,
+}
+
+/// From transforms of length `m` to those of length `factor m`.
+struct Pass {
+    factor: usize,
+    m: usize,
+    roots: Vec<Complex64>,
+    /// `exp(−2πi r k/(factor m))` for r = 1 … factor − 1, then k.
+    twiddles: Vec<Complex64>,
+}
+
+fn root(numerator: usize, n: usize) -> Complex64 {
+    Complex64::from_polar(1.0, -TAU * (numerator % n) as f64 / n as f64)
+}
+
+/// `exp(−2πi j k/p)` for j = 1 … p/2, then k.
+fn roots(p: usize) -> Vec<Complex64> {
+    (1..=p / 2).flat_map(|k| (1..=p / 2).map(move |j| root(j * k, p))).collect()
+}
+
+impl Lines {
+    /// Plan transforms of length `n`.
+    pub fn new(n: usize) -> Self {
+        let mut factors = Vec::new();
+        let mut rest = n;
+        for factor in [13, 11, 7, 5, 4, 3, 2] {
+            while rest % factor == 0 {
+                factors.push(factor);
+                rest /= factor;
+            }
+        }
+        if rest > 1 || n == 1 {
+            return Self::Any(FftPlanner::new().plan_fft_forward(n));
+        }
+        let mut m = factors[0];
+        let mut starts = vec![0];
+        for (level, factor) in factors.iter().enumerate().skip(1).rev() {
+            // Of the outermost factor, its remainders are the slowest in the output and one apart in the input.
+            let apart: usize = factors[level + 1..].iter().product();
+            starts = starts.iter().flat_map(|start| (0..*factor).map(move |r| start + r * apart)).collect();
+        }
+        let passes = factors[1..].iter().map(|&factor| {
+            let twiddles = (0..m).flat_map(|k| (1..factor).map(move |r| root(r * k, factor * m))).collect();
+            let pass = Pass { factor, m, roots: roots(factor), twiddles };
+            m *= factor;
+            pass
+        });
+        let passes = passes.collect();
+        Self::Smooth(Smooth { leaf: (factors[0], roots(factors[0])), starts, passes })
+    }
+
+    /// Number of complex values that [`Self::forward`] needs for itself.
+    pub fn scratch_len(&self) -> usize {
+        match self {
+            Self::Smooth(_) => 0,
+            Self::Any(fft) => fft.len() + fft.get_inplace_scratch_len(),
+        }
+    }
+
+    /// `to[k] = Σ_j from[j] exp(−2πi j k/n)`.
+    ///
+    /// With `EXCHANGE` the input is taken with real and imaginary parts exchanged. The output is then that of the
+    /// inverse transform, with the parts exchanged.
+    pub fn forward<const EXCHANGE: bool>(&self, from: &[Quad], to: &mut [Quad], scratch: &mut [Complex64]) {
+        match self {
+            Self::Smooth(smooth) => smooth.forward::<EXCHANGE>(from, to),
+            Self::Any(fft) => {
+                let (line, scratch) = scratch.split_at_mut(fft.len());
+                for lane in 0..LANES {
+                    for (value, quad) in line.iter_mut().zip(from) {
+                        let (re, im) = (quad.re[lane], quad.im[lane]);
+                        *value = if EXCHANGE { Complex64::new(im, re) } else { Complex64::new(re, im) };
+                    }
+                    fft.process_with_scratch(line, &mut scratch[..fft.get_inplace_scratch_len()]);
+                    for (value, quad) in line.iter().zip(&mut *to) {
+                        (quad.re[lane], quad.im[lane]) = (value.re, value.im);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Smooth {
+    fn forward<const EXCHANGE: bool>(&self, from: &[Quad], to: &mut [Quad]) {
+        let (inner, outer) = match self.passes.split_last() {
+            Some((last, inner)) if to.len() > LONG => (inner, Some(last)),
+            _ => (&self.passes[..], None),
+        };
+        let part = outer.map_or(to.len(), |pass| pass.m);
+        let (leaf, roots) = &self.leaf;
+        for (to, starts) in to.chunks_exact_mut(part).zip(self.starts.chunks_exact(part / leaf)) {
+            match leaf {
+                2 => run(Leaves::<2, EXCHANGE> { from, to, starts, roots }),
+                3 => run(Leaves::<3, EXCHANGE> { from, to, starts, roots }),
+                4 => run(Leaves::<4, EXCHANGE> { from, to, starts, roots }),
+                5 => run(Leaves::<5, EXCHANGE> { from, to, starts, roots }),
+                7 => run(Leaves::<7, EXCHANGE> { from, to, starts, roots }),
+                11 => run(Leaves::<11, EXCHANGE> { from, to, starts, roots }),
+                _ => run(Leaves::<13, EXCHANGE> { from, to, starts, roots }),
+            }
+            inner.iter().for_each(|pass| pass.apply(to));
+        }
+        outer.into_iter().for_each(|pass| pass.apply(to));
+    }
+}
+
+impl Pass {
+    fn apply(&self, lines: &mut [Quad]) {
+        let pass = self;
+        match pass.factor {
+            2 => run(Combine::<2> { pass, lines }),
+            3 => run(Combine::<3> { pass, lines }),
+            4 => run(Combine::<4> { pass, lines }),
+            5 => run(Combine::<5> { pass, lines }),
+            7 => run(Combine::<7> { pass, lines }),
+            11 => run(Combine::<11> { pass, lines }),
+            _ => run(Combine::<13> { pass, lines }),
+        }
+    }
+}
+
+/// Transforms of length `P` from strided input.
+struct Leaves<'a, const P: usize, const EXCHANGE: bool> {
+    from: &'a [Quad],
+    to: &'a mut [Quad],
+    starts: &'a [usize],
+    roots: &'a [Complex64],
+}
+
+impl<const P: usize, const EXCHANGE: bool> Kernel for Leaves<'_, P, EXCHANGE> {
+    #[inline(always)]
+    fn run(self, on: impl Arithmetic) {
+        let roots = self.roots;
+        let stride = self.from.len() / P;
+        let from: [&[Quad]; P] = from_fn(|j| &self.from[j * stride..][..stride]);
+        for (to, &start) in self.to.as_chunks_mut::<P>().0.iter_mut().zip(self.starts) {
+            let mut x = [Complex4::ZERO; P];
+            for j in 0..P {
+                let value = Complex4::load(&from[j][start]);
+                x[j] = if EXCHANGE { value.exchanged() } else { value };
+            }
+            butterfly(on, x, roots, |k, value| to[k] = value.quad());
+        }
+    }
+}
+
+/// [`Pass::apply`] for the factor `P`.
+struct Combine<'a, const P: usize> {
+    pass: &'a Pass,
+    lines: &'a mut [Quad],
+}
+
+impl<const P: usize> Kernel for Combine<'_, P> {
+    #[inline(always)]
+    fn run(self, on: impl Arithmetic) {
+        let Pass { m, ref roots, ref twiddles, .. } = *self.pass;
+        for line in self.lines.chunks_exact_mut(P * m) {
+            let mut rest = line;
+            let mut parts: [&mut [Quad]; P] = from_fn(|_| {
+                let (part, others) = std::mem::take(&mut rest).split_at_mut(m);
+                rest = others;
+                part
+            });
+            for (k, twiddles) in twiddles.chunks_exact(P - 1).enumerate().take(m) {
+                let mut x = [Complex4::load(&parts[0][k]); P];
+                for r in 1..P {
+                    x[r] = Complex4::load(&parts[r][k]).times(on, twiddles[r - 1]);
+                }
+                butterfly(on, x, roots, |r, value| parts[r][k] = value.quad());
+            }
+        }
+    }
+}
+
+/// The transform of length `P`, which is 2, 4 or odd; `store(k, value)` puts the values away.
+#[inline(always)]
+fn butterfly<const P: usize>(
+    on: impl Arithmetic,
+    mut x: [Complex4; P],
+    roots: &[Complex64],
+    mut store: impl FnMut(usize, Complex4),
+) {
+    if P == 2 {
+        store(0, x[0].add(on, x[1]));
+        store(1, x[0].sub(on, x[1]));
+    } else if P == 4 {
+        let (even, odd) = (x[0].add(on, x[2]), x[1].add(on, x[3]));
+        let (even_difference, odd_difference) = (x[0].sub(on, x[2]), x[1].sub(on, x[3]));
+        store(0, even.add(on, odd));
+        store(1, even_difference.sub_i(on, odd_difference));
+        store(2, even.sub(on, odd));
+        store(3, even_difference.add_i(on, odd_difference));
+    } else {
+        // x_j and x_{P−j} have conjugate roots: y_k, y_{P−k} = x_0 + Σ cos (x_j + x_{P−j}) ± i Σ sin (x_j − x_{P−j}).
+        let mut sum = x[0];
+        for j in 1..=P / 2 {
+            (x[j], x[P - j]) = (x[j].add(on, x[P - j]), x[j].sub(on, x[P - j]));
+            sum = sum.add(on, x[j]);
+        }
+        store(0, sum);
+        for (k, roots) in (1..=P / 2).zip(roots.chunks_exact(P / 2)) {
+            let mut even = x[0].mul_add(on, splat(roots[0].re), x[1]);
+            let mut odd = x[P - 1].scaled(on, splat(roots[0].im));
+            for j in 2..=P / 2 {
+                even = even.mul_add(on, splat(roots[j - 1].re), x[j]);
+                odd = odd.mul_add(on, splat(roots[j - 1].im), x[P - j]);
+            }
+            store(k, even.add_i(on, odd));
+            store(P - k, even.sub_i(on, odd));
+        }
+    }
+}
