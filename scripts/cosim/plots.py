@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Circle, Polygon
 
+from .fields import outline, stations
 from .recorder import Recorder
 from .report import DISPLAY, write_whole
 from .scene import reference
@@ -90,24 +91,11 @@ def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) ->
         if not cylinder.get("motion"):
             axis.add_patch(Circle(cylinder["center"], cylinder["radius"], color=SOLID))
     if scene.get("beam"):
-        axis.add_patch(Polygon(_beam_outline(units, scene["beam"]["thickness"]), color=SOLID))
+        axis.add_patch(Polygon(outline(stations(units), scene["beam"]["thickness"]), color=SOLID))
     axis.set(xlim=(left, x1), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]")
     axis.set_title(f"vorticity at t = {time:.3f} s")
     figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
     _save(figure, folder / "vorticity.png")
-
-
-def _beam_outline(units: dict[str, Unit], thickness: float) -> np.ndarray:
-    """Corners of the beam, `[2 n, 2]`, from its stations; a rigid beam's are the start values of the fluid."""
-    if "rod" in units:
-        stations = np.column_stack([units["rod"].output("x"), units["rod"].output("y")])
-    else:
-        variables = units["fluid"].variables
-        stations = np.column_stack([np.array(variables[name].start, dtype=float) for name in ("x", "y")])
-    tangent = np.gradient(stations, axis=0)
-    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.linalg.norm(tangent, axis=1, keepdims=True)
-    side = thickness / 2 * normal
-    return np.concatenate([stations + side, (stations - side)[::-1]])
 
 
 def _save(figure, path: Path) -> None:

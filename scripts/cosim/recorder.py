@@ -42,6 +42,11 @@ class Recorder:
         self.table[self.rows] = [*values, iterations]
         self.rows += 1
 
+    def resume(self, table: np.ndarray) -> None:
+        """Begin with the rows that were recorded before."""
+        self.rows = len(table)
+        self.table[: self.rows] = table
+
     def column(self, name: str) -> np.ndarray:
         """What was recorded of column `name`."""
         return self.table[: self.rows, self.columns.index(name)]
