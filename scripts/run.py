@@ -125,6 +125,7 @@ def execute(
     summary = report.summarize(scene, units, recorder, outcome)
     report.write(folder, scene, recorder, summary)
     plots.time_series(folder, recorder, scene["name"])
+    plots.cylinder(folder, recorder, scene, summary)
     if outcome.error is None:
         plots.vorticity(folder, scene, units, outcome.simulated)
     report.print_table(console, summary)

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Circle, Polygon
 
+from . import coefficients, statistics
 from .fields import outline, stations
 from .recorder import Recorder
 from .report import DISPLAY, write_whole
@@ -28,7 +29,7 @@ SOLID = "0.55"
 def time_series(folder: Path, recorder: Recorder, name: str) -> None:
     """Write tip.png, drag.png and lift.png, as far as there is such an output, with the published bands of the scene
     called `name`."""
-    published = (reference(name) or {}).get("primary", {"quantities": {}})
+    published = (reference(name) or {}).get("primary", {})
     for file, columns in (
         ("tip", ("tip_ux", "tip_uy", "tip_uz")),
         ("drag", ("drag",)),
@@ -48,7 +49,7 @@ def _figure_of(recorder: Recorder, columns: list[str], published: dict):
     for axis, column, colour in zip(axes[:, 0], columns, (BLUE, ORANGE, GREEN)):
         unit, scale = DISPLAY.get(recorder.unit_of[column], (recorder.unit_of[column], 1.0))
         axis.plot(time, recorder.column(column) * scale, color=colour, linewidth=0.8)
-        band = published["quantities"].get(column)
+        band = published.get("quantities", {}).get(column)
         if band and "mean" in band:
             low, high = ((band["mean"] + sign * band["amplitude"]) * scale for sign in (-1, 1))
             axis.axhspan(low, high, color="0.85", zorder=0)
@@ -57,6 +58,37 @@ def _figure_of(recorder: Recorder, columns: list[str], published: dict):
         axis.margins(x=0)
     axes[-1, 0].set_xlabel("time [s]")
     return figure
+
+
+def cylinder(folder: Path, recorder: Recorder, scene: dict, summary: dict) -> None:
+    """Write coefficients.png, cD and cL over time and against each other over the window, with the published extremes;
+    nothing if the scene is not a cylinder alone."""
+    scale = coefficients.scale(scene)
+    if scale is None or summary["window_s"] is None:
+        return
+    time, curves = recorder.column("time"), coefficients.series(scale, recorder)
+    published = coefficients.published(reference(scene["name"]))
+    figure = plt.figure(figsize=(12, 5), layout="constrained")
+    axes = figure.subplot_mosaic([["cd", "orbit"], ["cl", "orbit"]], width_ratios=[1.6, 1])
+    window = statistics.Window(*summary["window_s"], summary["periods"]).last(statistics.MIN_PERIODS)
+    part = window.of(time)
+    for name, label, colour in (("cd", "$c_D$", BLUE), ("cl", "$c_L$", ORANGE)):
+        axes[name].plot(time, curves[name], color=colour, linewidth=0.8)
+        low, high = curves[name][part].min(), curves[name][part].max()
+        margin = max(high - low, 0.01 * abs(high))
+        axes[name].set(ylabel=label, ylim=(low - margin, high + margin), xlim=(0, time[-1]))
+        for what in ("min", "max", "mean"):
+            if f"{name}_{what}" in published and not (what == "mean" and f"{name}_max" in published):
+                axes[name].axhline(published[f"{name}_{what}"], color="0.4", linestyle="--", linewidth=0.8)
+        axes[name].axvspan(window.begin, window.end, color="0.93", zorder=0)
+    axes["cl"].set_xlabel("time [s]")
+    axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
+    for what in ("min", "max"):
+        if f"cd_{what}" in published:
+            axes["orbit"].axhline(published[f"cd_{what}"], color="0.4", linestyle="--", linewidth=0.8)
+    axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
+    figure.suptitle("grey: window; dashed: published" if published else "grey: window", fontsize="small")
+    _save(figure, folder / "coefficients.png")
 
 
 def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) -> None:
