@@ -12,6 +12,7 @@ import pytest
 from conftest import run_scene
 from cosim import fields, master
 from cosim.scene import ROOT, SceneError
+from PIL import Image
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -124,6 +125,32 @@ def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(smal
         for found, wanted in zip(frames(parts, name), expected[name]):
             assert np.array_equal(found, wanted)
     assert (parts / "series.csv").read_bytes() == (whole / "series.csv").read_bytes()
+
+
+def animate(folder, *arguments):
+    command = [sys.executable, ROOT / "scripts" / "animate.py", folder, *arguments]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def test_an_animation_shows_the_frames_of_the_times_asked_for(small_fsi3, tmp_path):
+    small_fsi3["time"]["end"] = 0.02
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(small_fsi3))
+    assert run_scene(path, "--output", tmp_path / "results", "--fields-every", "0.002").returncode == 0
+    done = animate(tmp_path / "results", "--begin", "0.009", "--end", "0.017")
+    assert done.returncode == 0, done.stderr
+    with Image.open(tmp_path / "results" / "vorticity.gif") as film, Image.open(tmp_path / "results" / "phases.png"):
+        assert film.n_frames == 4 and film.info["loop"] == 0
+        colours = {colour for _, colour in film.convert("RGB").getcolors(1 << 20)}
+    assert any(r > b + 50 for r, _, b in colours) and any(b > r + 50 for r, _, b in colours), "both signs are seen"
+
+    none = animate(tmp_path / "results", "--begin", "7", "--end", "8")
+    assert none.returncode == 2 and "the run has 0 to 0.02 s" in none.stderr, none.stderr
+
+
+def test_a_folder_without_fields_is_said(tmp_path):
+    done = animate(tmp_path)
+    assert done.returncode == 2 and "--fields-every" in done.stderr, done.stderr
 
 
 def test_fields_and_checkpoints_change_no_result(rod_only, tmp_path):

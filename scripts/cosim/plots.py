@@ -23,6 +23,9 @@ BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 VORTICITY_PERCENTILE = 99.0
 """Part of the picture's points, in percent, whose vorticity lies inside the colour scale."""
 
+COLOUR_MAP = "RdBu_r"
+"""Diverging, white at 0, and the same to colour-blind readers."""
+
 SOLID = "0.55"
 
 
@@ -97,24 +100,24 @@ def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) ->
     field = units["fluid"].field("vorticity") if "fluid" in units else None
     if field is None:
         return
+    corners = outline(stations(units), scene["beam"]["thickness"]) if scene.get("beam") else None
+    figure, axis = plt.subplots(figsize=size(scene, 12.0), layout="constrained")
+    picture = draw_vorticity(axis, scene, field, corners, vorticity_limit(scene, [field]))
+    axis.set_title(f"vorticity at t = {time:.3f} s")
+    figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
+    _save(figure, folder / "vorticity.png")
+
+
+def draw_vorticity(axis, scene: dict, field: np.ndarray, corners: np.ndarray | None, limit: float):
+    """Draw a vorticity `field`, `[nx, ny]`, with the solids, the colours from -`limit` to `limit` (1/s); `corners` are
+    those of the beam."""
     (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
-    left = (scene["fluid"].get("inflow") or {"x": [x0, x0]})["x"][1]
-    bottom, top = (scene["fluid"].get("channel") or {"y": [y0, y1]})["y"]
-    left = left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0
-
-    columns = np.linspace(x0, x1, field.shape[0], endpoint=False)
-    rows = np.linspace(y0, y1, field.shape[1], endpoint=False)
-    inside = field[np.ix_(columns >= left, (rows >= bottom) & (rows <= top))]
-    limit = np.percentile(np.abs(inside), VORTICITY_PERCENTILE) or 1.0
-
-    width, height = x1 - left, top - bottom
-    figure, axis = plt.subplots(figsize=(12, max(2.5, 10.5 * height / width + 0.8)), layout="constrained")
     half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
     picture = axis.imshow(
         field.T,
         origin="lower",
         extent=(x0 - half_x, x1 - half_x, y0 - half_y, y1 - half_y),
-        cmap="RdBu_r",
+        cmap=COLOUR_MAP,
         vmin=-limit,
         vmax=limit,
         interpolation="bilinear",
@@ -122,12 +125,35 @@ def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) ->
     for cylinder in scene["fluid"].get("cylinders", []):
         if not cylinder.get("motion"):
             axis.add_patch(Circle(cylinder["center"], cylinder["radius"], color=SOLID))
-    if scene.get("beam"):
-        axis.add_patch(Polygon(outline(stations(units), scene["beam"]["thickness"]), color=SOLID))
-    axis.set(xlim=(left, x1), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]")
-    axis.set_title(f"vorticity at t = {time:.3f} s")
-    figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
-    _save(figure, folder / "vorticity.png")
+    if corners is not None:
+        axis.add_patch(Polygon(corners, color=SOLID))
+    left, right, bottom, top = _view(scene)
+    axis.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]")
+    return picture
+
+
+def vorticity_limit(scene: dict, vorticities: list[np.ndarray]) -> float:
+    """End of the colour scale for `vorticities` of one run, 1/s: the largest values, at the walls, saturate."""
+    left, _, bottom, top = _view(scene)
+    (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
+    nx, ny = vorticities[0].shape
+    columns, rows = np.linspace(x0, x1, nx, endpoint=False), np.linspace(y0, y1, ny, endpoint=False)
+    seen = np.ix_(columns >= left, (rows >= bottom) & (rows <= top))
+    return float(np.percentile(np.abs([field[seen] for field in vorticities]), VORTICITY_PERCENTILE)) or 1.0
+
+
+def size(scene: dict, width: float) -> tuple[float, float]:
+    """Size of a figure of the scene with a colour bar, in, for its width."""
+    left, right, bottom, top = _view(scene)
+    return width, max(0.21 * width, 0.875 * width * (top - bottom) / (right - left) + 0.8)
+
+
+def _view(scene: dict) -> tuple[float, float, float, float]:
+    """What a picture of the fluid shows, m: the channel behind the inflow zone, else the whole box."""
+    (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
+    left = (scene["fluid"].get("inflow") or {"x": [x0, x0]})["x"][1]
+    bottom, top = (scene["fluid"].get("channel") or {"y": [y0, y1]})["y"]
+    return left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0, x1, bottom, top
 
 
 def _save(figure, path: Path) -> None:
