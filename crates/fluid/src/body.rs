@@ -1,6 +1,9 @@
 //! A body as the cells in which it drags the fluid, and the force that this costs.
 
+use serde::{Deserialize, Serialize};
+
 use crate::grid::Grid;
+use crate::solver::Force;
 
 /// One cell of a body.
 #[derive(Clone, Copy, Debug)]
@@ -11,6 +14,8 @@ pub struct Cell {
     pub rate: f64,
     /// Velocity that the body draws the fluid to, m/s.
     pub velocity: [f64; 2],
+    /// Its position from the point that the body's moment is taken about, m.
+    pub arm: [f64; 2],
     /// How fast that velocity changes with the body's own there: 1, and more where the body reflects.
     pub gain: f64,
 }
@@ -43,8 +48,8 @@ impl Cells {
     }
 
     /// Add a cell that moves with the body.
-    pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2]) {
-        self.cells.push(Cell { index, rate, velocity, gain: 1.0 });
+    pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2], arm: [f64; 2]) {
+        self.cells.push(Cell { index, rate, velocity, arm, gain: 1.0 });
     }
 
     /// Let the cell added last reflect the flow at the point `image` (m) with a weight, if that is above 0.
@@ -74,6 +79,28 @@ impl Cells {
     /// Whether some of the fluid is drawn to a velocity other than 0.
     pub fn reflects(&self) -> bool {
         !self.mirrors.is_empty()
+    }
+}
+
+/// Momentum that the fluid displaced by a body would have, per metre of depth.
+///
+/// It is taken over the true section, so that neither the mask's width nor its way through the grid enters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Displaced {
+    /// Momentum, kg/s.
+    pub momentum: [f64; 2],
+    /// Angular momentum about the point that the body's moment is taken about, kg m/s.
+    pub angular: f64,
+    /// Cross product of that point's velocity and the momentum, N m/m.
+    pub transport: f64,
+}
+
+impl Displaced {
+    /// Its rate of change over `dt` seconds, as a force and a moment.
+    pub fn rate_of_change(&self, before: &Self, dt: f64) -> Force {
+        let force = [0, 1].map(|axis| (self.momentum[axis] - before.momentum[axis]) / dt);
+        let moment = (self.angular - before.angular) / dt + 0.5 * (self.transport + before.transport);
+        Force { force, moment }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::body::Cells;
+use crate::body::{Cells, Displaced};
 use crate::drag::DragProfile;
 use crate::grid::Grid;
 
@@ -28,9 +28,10 @@ impl Cylinder {
         self.shape.motion.is_some()
     }
 
-    /// Mass of the fluid it displaces per metre of depth, kg/m.
-    pub fn displaced_mass(&self, density: f64) -> f64 {
-        density * PI * self.shape.radius.powi(2)
+    /// The fluid of a density (kg/m³) that it displaces; it does not turn.
+    pub fn displaced(&self, density: f64) -> Displaced {
+        let mass = density * PI * self.shape.radius.powi(2);
+        Displaced { momentum: self.velocity.map(|velocity| mass * velocity), ..Displaced::default() }
     }
 
     /// Move to where the prescribed motion has it at time `t` (s), and list its cells there.
@@ -54,7 +55,7 @@ impl Cylinder {
             let distance = rx.hypot(ry) - radius;
             let rate = profile.rate(distance);
             if rate > 0.0 {
-                cells.push(index, rate, velocity);
+                cells.push(index, rate, velocity, [rx, ry]);
                 if let Some(reflection) = reflection {
                     let out = 1.0 - 2.0 * distance / rx.hypot(ry).max(f64::MIN_POSITIVE);
                     let image = [center[0] + out * rx, center[1] + out * ry];

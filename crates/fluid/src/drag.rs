@@ -70,10 +70,14 @@ impl DragProfile {
         let rate = 1.0 / c_eta;
         let eps = (nu * c_eta).sqrt();
         match *mask {
-            Mask::Sharp { .. } => Self::Sharp { rate, offset: eps },
-            Mask::Cosine { half_width, .. } => {
+            Mask::Sharp { displacement_corrected, .. } => {
+                Self::Sharp { rate, offset: if displacement_corrected { eps } else { 0.0 } }
+            }
+            Mask::Cosine { half_width, displacement_corrected, .. } => {
                 let half_width = half_width * dx;
-                Self::Cosine { rate, half_width, shift: eps * cosine_wall_displacement(half_width / eps) }
+                let displacement =
+                    if displacement_corrected { eps * cosine_wall_displacement(half_width / eps) } else { 0.0 };
+                Self::Cosine { rate, half_width, shift: displacement }
             }
             Mask::LogLinear { e_fold, reflect, .. } => {
                 let length = e_fold * dx;
@@ -218,6 +222,24 @@ mod tests {
             assert!((shift - expected).abs() < 6e-3_f64.max(4e-3 * h), "h = {h} eps: {shift} against {expected}");
         }
         assert!(cosine_wall_displacement(2.9490).abs() < 1e-3, "{}", cosine_wall_displacement(2.9490));
+    }
+
+    /// Without correction the masks are those of the thesis: chi = 1 for d < 0, and 1/2 at d = 0 (eq. 4.1).
+    #[test]
+    fn uncorrected_masks_stand_where_the_thesis_has_them() {
+        let (nu, dx, c_eta) = (1e-3, 4e-3, 1e-3);
+        let chi = |mask: Mask, d: f64| c_eta * DragProfile::new(&mask, c_eta, nu, dx).rate(d);
+        let sharp = |displacement_corrected| Mask::Sharp { c_eta, displacement_corrected };
+        let cosine = |displacement_corrected| Mask::Cosine { c_eta, half_width: 1.0, displacement_corrected };
+        assert_eq!([-1e-9, 0.0].map(|d| chi(sharp(false), d)), [1.0, 0.0]);
+        assert_eq!([0.99e-3, 1.01e-3].map(|d| chi(sharp(true), d)), [1.0, 0.0]);
+        for (d, expected) in [(-dx, 1.0), (-0.5 * dx, 0.853_553_390_6), (0.0, 0.5), (dx, 0.0)] {
+            let found = chi(cosine(false), d);
+            assert!((found - expected).abs() < 1e-10, "chi({d}) = {found}, not {expected}");
+        }
+        // h = 4 eps: too fat by 0.593 eps (Hester, Vasil & Burns 2021).
+        let shifted = chi(cosine(true), -0.593e-3);
+        assert!((shifted - 0.5).abs() < 1e-3, "chi = {shifted} at the shifted middle of the layer");
     }
 
     /// In linear shear, ν u″ = a(d) u, the far field of the log-linear profile is u ∝ d.

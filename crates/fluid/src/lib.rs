@@ -16,9 +16,11 @@ pub mod drag;
 pub mod fft;
 pub mod grid;
 mod kernel;
+mod probe;
 mod projection;
 pub mod solver;
+mod zone;
 
 pub use beam::{Loads, Stations};
 pub use grid::Grid;
-pub use solver::{Diagnostics, Error, Fluid, State};
+pub use solver::{Diagnostics, Error, Fluid, Force, State};

@@ -23,6 +23,8 @@ pub struct Projection {
     /// `filter / (1 + tau nu k²)` for the `tau nu` it was last made for.
     gain: Vec<f64>,
     tau_nu: f64,
+    /// Mean velocity that is held, m/s; absent where it is free.
+    pub mean: Option<[f64; 2]>,
 }
 
 impl Projection {
@@ -48,7 +50,7 @@ impl Projection {
         let modes = || (0..(ny / 2 + 1) * nx).map(|m| (m % nx, m / nx));
         let filter: Vec<f64> = modes().map(|(i, j)| factor(i, j) / grid.len() as f64).collect();
         let inverse_k2 = modes().map(|(i, j)| if i + j == 0 { 0.0 } else { 1.0 / (kx[i] * kx[i] + ky[j] * ky[j]) });
-        Self { inverse_k2: inverse_k2.collect(), gain: filter.clone(), tau_nu: 0.0, kx, ky, filter }
+        Self { inverse_k2: inverse_k2.collect(), gain: filter.clone(), tau_nu: 0.0, mean: None, kx, ky, filter }
     }
 
     /// Make ready for steps with `tau nu` (m²).
@@ -71,6 +73,20 @@ impl Projection {
         let modes = j * self.kx.len()..(j + 1) * self.kx.len();
         let (inverse_k2, gain) = (&self.inverse_k2[modes.clone()], &self.gain[modes]);
         project_row(&Row { kx: &self.kx, ky: self.ky[j], inverse_k2, gain }, wx, wy, omega);
+        if let (0, Some([u, v])) = (j, self.mean) {
+            (wx[0], wy[0]) = (u.into(), v.into());
+        }
+    }
+
+    /// The divergence of a velocity from its unnormalised spectra, `i k·u / (nx ny)`.
+    pub fn divergence(&self, ux: &[Complex64], uy: &[Complex64], divergence: &mut [Complex64]) {
+        let nx = self.kx.len();
+        // The mean passes every filter.
+        let per_points = self.filter[0];
+        for (m, divergence) in divergence.iter_mut().enumerate() {
+            let along = ux[m] * self.kx[m % nx] + uy[m] * self.ky[m / nx];
+            *divergence = Complex64::new(-along.im, along.re) * per_points;
+        }
     }
 
     /// The Pi that belongs to it, from the whole spectra of w: `−i k·w F / (tau k²)`.
