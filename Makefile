@@ -81,7 +81,7 @@ $(READY): requirements.lock
 
 ROD_STUDY := cargo run --release --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
 
-.PHONY: rod-study bench-rod
+.PHONY: rod-study bench-rod fluid-study
 
 rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
 	$(ROD_STUDY) -- docs/rod
@@ -89,3 +89,6 @@ rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, a
 
 bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
 	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
+
+fluid-study: build $(READY) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
+	$(RUN) scripts/studies/fluid.py $(ARGS)

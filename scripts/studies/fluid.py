@@ -25,6 +25,7 @@ from typing import Annotated
 import matplotlib.pyplot as plt
 import numpy as np
 import typer
+from matplotlib.lines import Line2D
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -239,7 +240,10 @@ def known() -> dict[str, dict]:
 
 def keep(row: Row) -> None:
     """Put a row into results.csv, in place of an older one of the same case."""
-    rows = known()
+    rows = {}
+    if (RESULTS / "results.csv").is_file():
+        with open(RESULTS / "results.csv", encoding="utf-8", newline="") as file:
+            rows = {before["case"]: before for before in csv.DictReader(file)}
     cells = asdict(row)
     values = cells.pop("values")
     rows[row.case] = cells | {name: values.get(name) for name in coefficients.NAMES}
@@ -332,21 +336,24 @@ def panels(name: str, rows: list[dict], flow: str, along: str, label: str, keys:
     failed stands at the upper edge."""
     if not rows:
         return
-    figure, axes = plt.subplots(1, 3, figsize=(13, 4.4), layout="constrained")
+    figure, axes = plt.subplots(1, 3, figsize=(13, 4.6), layout="constrained")
+    looks = dict(zip(series_of(rows, *keys), zip(COLOURS, MARKERS)))
     for axis, quantity in zip(axes, QUANTITIES[flow]):
-        axis.set(xscale="log", yscale="log", xlabel=label, title=LABELS[quantity])
+        for key, part in series_of(rows, *keys).items():
+            colour, marker = looks[key]
+            good = sorted((row[along], error(row, quantity)) for row in part if row.get(quantity))
+            if good:
+                axis.plot(*zip(*good), marker + ("" if along == "wall_s" else "-"), color=colour, markersize=4, linewidth=1)
+            for row in part:
+                if row["result"] != "ok" and row[along]:
+                    axis.plot(row[along], 0.97, "x", color=colour, transform=axis.get_xaxis_transform())
+        if any(row.get(quantity) for row in rows):
+            axis.set(xscale="log", yscale="log")
+        axis.set(xlabel=label, title=LABELS[quantity])
         axis.grid(True, which="major", linewidth=0.4, alpha=0.6)
-        for (key, part), colour, marker in zip(series_of(rows, *keys).items(), COLOURS, MARKERS):
-            part = sorted(part, key=lambda row: row[along] or 0.0)
-            good = [row for row in part if row["result"] == "ok" and row.get(quantity) is not None]
-            line = "-" if along != "wall_s" else ""
-            axis.plot([row[along] for row in good], [error(row, quantity) for row in good], marker + line,
-                      color=colour, markersize=4, linewidth=1, label=key)  # fmt: skip
-            failed = [row[along] for row in part if row["result"] != "ok" and row[along]]
-            axis.plot(failed, np.full(len(failed), 0.97), "x", color=colour, clip_on=False,
-                      transform=axis.get_xaxis_transform())  # fmt: skip
     axes[0].set_ylabel("relative error (x at the top: failed)")
-    axes[0].legend(fontsize=7)
+    lines = [Line2D([], [], color=colour, marker=marker, markersize=4, linewidth=1) for colour, marker in looks.values()]
+    figure.legend(lines, looks, loc="outside lower center", ncols=4, fontsize=8)
     save(figure, name)
 
 
@@ -450,7 +457,8 @@ def thesis_figures() -> None:
 
 def document() -> None:
     """Write docs/fluid anew from results.csv."""
-    rows = known()
+    listed = {case.name for case in cases()}
+    rows = {name: row for name, row in known().items() if name in listed}
     DOCS.mkdir(parents=True, exist_ok=True)
     (DOCS / "results.csv").write_bytes((RESULTS / "results.csv").read_bytes())
     thesis_tables(rows)
