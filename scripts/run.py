@@ -117,7 +117,7 @@ def execute(
         outcome = master.run(scheme, clock, recorder, [*watchers, display.show], stopping, done, wall)
     stopped = outcome.error is None and not outcome.completed
     if stopped and keeping.checkpoint_every is not None and outcome.steps > 0:
-        saved.save(outcome.steps, outcome.wall)
+        saved.try_to_save(outcome.steps, outcome.simulated, outcome.wall, warn)
 
     report.clear(folder)
     if keeping.fields_every is None:
@@ -134,6 +134,8 @@ def execute(
         errors.print(f"error: {outcome.error}", markup=False)
         return FAILED
     if stopped:
+        if saved is not None:
+            console.print("stopped; the same command with --resume goes on")
         return INTERRUPTED
     checkpoint.clear(folder)
     return 0

@@ -113,20 +113,22 @@ class Checkpoint:
         self.recorder.resume(arrays["series"])
         return about["done"], about["wall"]
 
+    def try_to_save(self, done: int, time: float, wall: float, warn: Callable[[str], None]) -> None:
+        """Save; where the disk does not take it, say so and leave the checkpoint before."""
+        try:
+            self.save(done, wall)
+        except OSError as error:
+            warn(f"no checkpoint at t = {time:g} s: {error}")
+
     def every(self, interval: float, wall: float, warn: Callable[[str], None]) -> Callable[[int, float, float], None]:
-        """Watcher of a run that saves every `interval` seconds of wall time after `wall`. Where the disk does not take
-        a checkpoint the run goes on with the one before."""
+        """Watcher of a run that tries to save every `interval` seconds of wall time after `wall`."""
         due = wall + interval
 
         def watch(done: int, time: float, wall: float) -> None:
             nonlocal due
-            if wall < due or done == 0:
-                return
-            due = wall + interval
-            try:
-                self.save(done, wall)
-            except OSError as error:
-                warn(f"no checkpoint at t = {time:g} s: {error}")
+            if wall >= due and done > 0:
+                self.try_to_save(done, time, wall, warn)
+                due = wall + interval
 
         return watch
 

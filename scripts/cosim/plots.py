@@ -64,32 +64,37 @@ def _figure_of(recorder: Recorder, columns: list[str], published: dict):
 
 
 def cylinder(folder: Path, recorder: Recorder, scene: dict, summary: dict) -> None:
-    """Write coefficients.png, cD and cL over time and against each other over the window, with the published extremes;
-    nothing if the scene is not a cylinder alone."""
+    """Write coefficients.png, cD and cL over time and, where the flow is periodic, against each other, with the published
+    values; nothing if the scene is not a cylinder alone."""
     scale = coefficients.scale(scene)
     if scale is None or summary["window_s"] is None:
         return
     time, curves = recorder.column("time"), coefficients.series(scale, recorder)
     published = coefficients.published(reference(scene["name"]))
-    figure = plt.figure(figsize=(12, 5), layout="constrained")
-    axes = figure.subplot_mosaic([["cd", "orbit"], ["cl", "orbit"]], width_ratios=[1.6, 1])
     window = statistics.Window(*summary["window_s"], summary["periods"]).last(statistics.MIN_PERIODS)
     part = window.of(time)
+    if window.periods:
+        lines, layout = ("max", "min"), [["cd", "orbit"], ["cl", "orbit"]]
+    else:
+        lines, layout = ("mean",), [["cd"], ["cl"]]
+    figure = plt.figure(figsize=(12 if window.periods else 8, 5), layout="constrained")
+    axes = figure.subplot_mosaic(layout, width_ratios=[1.6, 1] if window.periods else None)
     for name, label, colour in (("cd", "$c_D$", BLUE), ("cl", "$c_L$", ORANGE)):
         axes[name].plot(time, curves[name], color=colour, linewidth=0.8)
-        low, high = curves[name][part].min(), curves[name][part].max()
-        margin = max(high - low, 0.01 * abs(high))
+        levels = [published[f"{name}_{what}"] for what in lines if f"{name}_{what}" in published]
+        for level in levels:
+            axes[name].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
+        low, high = min([curves[name][part].min(), *levels]), max([curves[name][part].max(), *levels])
+        margin = max(0.5 * (high - low), 0.02 * abs(high))
         axes[name].set(ylabel=label, ylim=(low - margin, high + margin), xlim=(0, time[-1]))
-        for what in ("min", "max", "mean"):
-            if f"{name}_{what}" in published and not (what == "mean" and f"{name}_max" in published):
-                axes[name].axhline(published[f"{name}_{what}"], color="0.4", linestyle="--", linewidth=0.8)
         axes[name].axvspan(window.begin, window.end, color="0.93", zorder=0)
+        if window.periods and name == "cd":
+            for level in levels:
+                axes["orbit"].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
     axes["cl"].set_xlabel("time [s]")
-    axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
-    for what in ("min", "max"):
-        if f"cd_{what}" in published:
-            axes["orbit"].axhline(published[f"cd_{what}"], color="0.4", linestyle="--", linewidth=0.8)
-    axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
+    if window.periods:
+        axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
+        axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
     figure.suptitle("grey: window; dashed: published" if published else "grey: window", fontsize="small")
     _save(figure, folder / "coefficients.png")
 
