@@ -77,7 +77,7 @@ pub enum Error {
     },
     /// An explicit drag too stiff for any reasonable step.
     #[error(
-        "C_eta = {c_eta} s is too small for the scheme rk2: its steps may not be longer, which makes {substeps:.0} of them in the communication step of {step} s from t = {time} s; use sbdf2, a larger C_eta or a smaller communication step"
+        "C_eta = {c_eta:.3e} s is too small for the scheme rk2: its steps may not be longer, which makes {substeps:.0} of them in the communication step of {step} s from t = {time} s; use sbdf2, a larger C_eta or a smaller communication step"
     )]
     Stiff {
         /// Beginning of the step, s.
@@ -433,7 +433,7 @@ impl Fluid {
             }
             substeps = substeps.max(explicit);
         }
-        if !(substeps <= MAX_SUBSTEPS) {
+        if substeps > MAX_SUBSTEPS {
             let cfl = self.state.advection_rate * h;
             return Err(Error::Diverged { time: t, cfl, step: h });
         }
