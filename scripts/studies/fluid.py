@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field, fields
 from fnmatch import fnmatch
+from itertools import cycle
 from pathlib import Path
 from typing import Annotated
 
@@ -80,7 +81,8 @@ LABELS = {"cd_mean": "$c_D$", "cl_mean": "$c_L$", "dp_mean": "$\\Delta p$", "cd_
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999")
 """Colours that colour-blind readers tell apart (Okabe & Ito 2008)."""
 
-MARKERS = "osv^Dxp*"
+MARKERS = "osv^Dp*"
+"""One less than the colours, so that pairs do not repeat soon; x is for what failed."""
 
 
 @dataclass(frozen=True)
@@ -339,7 +341,7 @@ def panels(name: str, rows: list[dict], flow: str, along: str, label: str, keys:
     if not rows:
         return
     figure, axes = plt.subplots(1, 3, figsize=(13, 4.6), layout="constrained")
-    looks = dict(zip(series_of(rows, *keys), zip(COLOURS, MARKERS)))
+    looks = dict(zip(series_of(rows, *keys), zip(cycle(COLOURS), cycle(MARKERS))))
     for axis, quantity in zip(axes, QUANTITIES[flow]):
         for key, part in series_of(rows, *keys).items():
             colour, marker = looks[key]
