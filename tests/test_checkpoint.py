@@ -41,11 +41,11 @@ def stop(path, folder, number, *arguments):
     """Start a run, send it signal `number` when it has written a checkpoint, return its exit code."""
     command = [sys.executable, ROOT / "scripts" / "run.py", path, "--output", folder, "--checkpoint-every", "0.001"]
     process = subprocess.Popen([*command, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 300
     while not (folder / checkpoint.FILE).exists() and time.monotonic() < deadline:
         time.sleep(0.02)
     process.send_signal(number)
-    return process.wait(timeout=60)
+    return process.wait(timeout=300)
 
 
 @pytest.fixture

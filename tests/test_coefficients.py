@@ -66,6 +66,13 @@ def test_the_extremes_are_those_of_the_last_five_periods(scene):
     assert found["cd_min"] == pytest.approx(3.2)
 
 
+def test_a_lift_without_a_frequency_has_no_strouhal_number(scene):
+    time = np.linspace(0, 1, 101)
+    still = recorder({"time": time, "drag": 0.16 + 0 * time, "lift": 0 * time})
+    found = coefficients.evaluate(coefficients.scale(scene), still, statistics.Window(0.0, 1.0, 2), 0.0)
+    assert found["cd_max"] == pytest.approx(3.2) and "st" not in found
+
+
 def test_the_pressure_difference_is_between_the_probes_on_the_cylinder(scene):
     override(scene, 'fluid.probes=[{"name":"b","position":[0.25,0.2]},{"name":"a","position":[0.15,0.2]}]')
     time = np.linspace(0, 1, 101)

@@ -103,7 +103,7 @@ def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(smal
     while not (parts / "checkpoint.npz").exists() and process.poll() is None:
         time.sleep(0.02)
     process.send_signal(signal.SIGKILL)
-    assert process.wait(timeout=60) == -signal.SIGKILL
+    assert process.wait(timeout=300) == -signal.SIGKILL
 
     def frames(folder, name):
         with h5py.File(folder / name) as file:
@@ -161,3 +161,8 @@ def test_fields_and_checkpoints_change_no_result(rod_only, tmp_path):
     plain, kept = ((tmp_path / name / "series.csv").read_bytes() for name in ("plain", "kept"))
     assert plain == kept
     assert not set(fields.FILES) & {file.name for file in (tmp_path / "plain").iterdir()}
+
+
+def test_a_run_without_fields_does_not_load_hdf5():
+    code = "import run, sys; sys.exit('h5py' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT / "scripts").returncode == 0

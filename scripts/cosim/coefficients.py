@@ -69,7 +69,9 @@ def evaluate(scale: Scale, recorder: Recorder, window: statistics.Window, width:
         if window.periods and name != "dp":
             result |= {f"{name}_max": found.mean + found.amplitude, f"{name}_min": found.mean - found.amplitude}
         if window.periods and name == "cl":
-            result |= {"cl_peak_to_peak": 2 * found.amplitude, "st": found.frequency_hz / scale.frequency}
+            result["cl_peak_to_peak"] = 2 * found.amplitude
+            if found.frequency_hz is not None:
+                result["st"] = found.frequency_hz / scale.frequency
     return {name: result[name] for name in NAMES if name in result}
 
 
