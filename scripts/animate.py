@@ -71,7 +71,9 @@ class Frames:
 
 def main(
     folder: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="Result folder of a run.")],
-    begin: Annotated[float | None, typer.Option(help="First time, s; default: two whole periods before the last.")] = None,
+    begin: Annotated[
+        float | None, typer.Option(help="First time, s; default: two whole periods before the last.")
+    ] = None,
     end: Annotated[float | None, typer.Option(help="Last time, s.")] = None,
 ) -> None:
     """Write vorticity.gif and phases.png into the result folder."""
@@ -91,7 +93,9 @@ def main(
         typer.echo(f"error: no frames from {first:g} s to {stop:g} s: the run has {frames.times[0]:g} to "
                    f"{frames.times[-1]:g} s", err=True)  # fmt: skip
         raise typer.Exit(2)
-    limit = plots.vorticity_limit(frames.scene, [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]])
+    limit = plots.vorticity_limit(
+        frames.scene, [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
+    )
 
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]

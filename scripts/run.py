@@ -37,7 +37,8 @@ def main(
     rod_fmu: FmuPath = None,
     fluid_fmu: FmuPath = None,
     checkpoint_every: Annotated[
-        float | None, typer.Option(min=0, metavar="MINUTES", help="Write a checkpoint every so many minutes of wall time.")
+        float | None,
+        typer.Option(min=0, metavar="MINUTES", help="Write a checkpoint every so many minutes of wall time."),
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint in the result folder.")] = False,
     fields_every: Annotated[

@@ -1,4 +1,4 @@
-"""Runs that are interrupted and go on: what they leave is bit-identical to an uninterrupted run, or they are refused."""
+"""Runs that are interrupted and go on: they leave, to the last bit, what an uninterrupted run does, or are refused."""
 
 import json
 import resource

@@ -104,7 +104,9 @@ class Checkpoint:
             try:
                 unit.deserialize(arrays[f"{kind}_state"].tobytes())
             except UnitError as error:
-                raise CheckpointError(f"the checkpoint {self.path} is of another build of the {kind}: {error}") from error
+                raise CheckpointError(
+                    f"the checkpoint {self.path} is of another build of the {kind}: {error}"
+                ) from error
             for name in EXCHANGED:
                 getattr(unit, name)[:] = arrays[f"{kind}_{name}"]
             unit.seconds = about["seconds"][kind]

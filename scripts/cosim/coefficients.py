@@ -45,7 +45,9 @@ def scale(scene: dict) -> Scale | None:
         return next(near, None)
 
     ahead = np.sign(velocity) * radius
-    return Scale(fluid["density"] * velocity**2 * radius, abs(velocity) / (2 * radius), column(x - ahead), column(x + ahead))
+    return Scale(
+        fluid["density"] * velocity**2 * radius, abs(velocity) / (2 * radius), column(x - ahead), column(x + ahead)
+    )
 
 
 def series(scale: Scale, recorder: Recorder, width: float = 0.0) -> dict[str, np.ndarray]:

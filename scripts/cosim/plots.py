@@ -64,8 +64,8 @@ def _figure_of(recorder: Recorder, columns: list[str], published: dict):
 
 
 def cylinder(folder: Path, recorder: Recorder, scene: dict, summary: dict) -> None:
-    """Write coefficients.png, cD and cL over time and, where the flow is periodic, against each other, with the published
-    values; nothing if the scene is not a cylinder alone."""
+    """Write coefficients.png, cD and cL over time and, where the flow is periodic, against each other, with the
+    published values; nothing if the scene is not a cylinder alone."""
     scale = coefficients.scale(scene)
     if scale is None or summary["window_s"] is None:
         return

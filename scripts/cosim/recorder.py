@@ -18,8 +18,8 @@ PUNCTUATION = re.compile(r"[.\[\]]+")
 class Recorder:
     """Table of time (s), the scalar outputs of `units` and iterations, one row a recorded step.
 
-    Dots and brackets in names become underscores; a name that two units have gets that of its unit in front. To be made after the
-    units are connected.
+    Dots and brackets in names become underscores; a name that two units have gets that of its unit in front. To be
+    made after the units are connected.
     """
 
     def __init__(self, units: dict[str, Unit], steps: int):

@@ -347,7 +347,9 @@ def panels(name: str, rows: list[dict], flow: str, along: str, label: str, keys:
             colour, marker = looks[key]
             good = sorted((row[along], error(row, quantity)) for row in part if row.get(quantity))
             if good:
-                axis.plot(*zip(*good), marker + ("" if along == "wall_s" else "-"), color=colour, markersize=4, linewidth=1)
+                axis.plot(
+                    *zip(*good), marker + ("" if along == "wall_s" else "-"), color=colour, markersize=4, linewidth=1
+                )
             for row in part:
                 if row["result"] != "ok" and row[along]:
                     axis.plot(row[along], 0.97, "x", color=colour, transform=axis.get_xaxis_transform())
@@ -356,7 +358,9 @@ def panels(name: str, rows: list[dict], flow: str, along: str, label: str, keys:
         axis.set(xlabel=label, title=LABELS[quantity])
         axis.grid(True, which="major", linewidth=0.4, alpha=0.6)
     axes[0].set_ylabel("relative error (x at the top: failed)")
-    lines = [Line2D([], [], color=colour, marker=marker, markersize=4, linewidth=1) for colour, marker in looks.values()]
+    lines = [
+        Line2D([], [], color=colour, marker=marker, markersize=4, linewidth=1) for colour, marker in looks.values()
+    ]
     figure.legend(lines, looks, loc="outside lower center", ncols=4, fontsize=8)
     save(figure, name)
 
@@ -380,13 +384,18 @@ def table(name: str, title: str, rows: list[dict], note: str) -> None:
             offset = f"{row['offset_x']:g}, {row['offset_y']:g}"
             settings = [f"{row['nx']:.0f} x {row['ny']:.0f}", f"{row['dt']:.3g}", row["mask"], f"{row['c_eta']:.0e}",
                         row["filter"], row["scheme"], offset]  # fmt: skip
-            rest = [f"{row['flow_rate']:.4f}" if row["flow_rate"] else "", f"{row['wall_s']:.0f}" if row["wall_s"] else ""]
+            rest = [
+                f"{row['flow_rate']:.4f}" if row["flow_rate"] else "",
+                f"{row['wall_s']:.0f}" if row["wall_s"] else "",
+            ]
             cells.append([*settings, *(shown(row, quantity) for quantity in QUANTITIES[flow]), *rest, row["result"]])
         header = ["grid", "dt, s", "mask", "C_eta, s", "filter", "scheme", "offset, cells", *QUANTITIES[flow],
                   "flow rate, m²/s", "wall time, s", "result"]  # fmt: skip
         suffix = f"_{flow.lower().replace('-', '')}" if len({row["flow"] for row in rows}) > 1 else ""
         expected = ", ".join(f"{q} {REFERENCE[flow][q]:.6g}" for q in QUANTITIES[flow])
-        write(DOCS, name + suffix, f"{title}, {flow}", header, cells, f"{note} In brackets the error against {expected}.")
+        write(
+            DOCS, name + suffix, f"{title}, {flow}", header, cells, f"{note} In brackets the error against {expected}."
+        )
 
 
 def thesis_tables(rows: dict[str, dict]) -> None:
@@ -409,9 +418,9 @@ def thesis_tables(rows: dict[str, dict]) -> None:
         expected = REFERENCE["2D-2"].get(quantity)
         lines.append([*cells, f"{expected:.6g}" if expected else ""])
     write(DOCS, "thesis_3_3", "Flow past the cylinder (thesis table 3.3)", [*header, "reference"], lines,
-          "Repeated: the thesis' settings (Heun, sharp mask where the cylinder is, C_eta = 1e-3 s, two-thirds rule, 15 s) "
-          "evaluated over the last five periods; the thesis averages from t = 0.2 s. Ours: the shipped scene on that grid. "
-          "Forces are coefficient / 20, N per metre.")  # fmt: skip
+          "Repeated: the thesis' settings (Heun, sharp mask where the cylinder is, C_eta = 1e-3 s, two-thirds rule, "
+          "15 s) over the last five periods, means as (max + min) / 2; the thesis averages from t = 0.2 s. Ours: the "
+          "shipped scene on that grid. Forces are coefficient / 20, N per metre.")  # fmt: skip
     write(DOCS, "thesis_3_4", "Mean drag coefficient over grids (thesis table 3.4)",
           ["grid", "thesis", "repeated", "ours", "reference"],
           [[f"{nx} x {nx // 5}", f"{printed:.4f}", number(again.get(nx), "cd_mean"), number(ours.get(nx), "cd_mean"),
@@ -481,7 +490,9 @@ def document() -> None:
         part = group(rows, "grid", flow)
         suffix = flow.lower().replace("-", "")
         panels(f"grid_{suffix}", part, flow, "nx", "points along x", ("mask", "scheme"))
-        panels(f"work_{suffix}", part + group(rows, "thesis", flow), flow, "wall_s", "wall time [s]", ("mask", "scheme"))
+        panels(
+            f"work_{suffix}", part + group(rows, "thesis", flow), flow, "wall_s", "wall time [s]", ("mask", "scheme")
+        )
     panels("dt", group(rows, "dt"), "2D-2", "dt", "dt [s]", ("scheme", "mask"))
     panels("c_eta", group(rows, "c_eta"), "2D-2", "c_eta", "$C_\\eta$ [s]", ("mask",))
 
@@ -498,8 +509,12 @@ def main(
     if listing:
         for case in chosen:
             state = f"about {case.cost:.0f} s" if case in missing else rows[case.name]["result"]
-            print(f"{case.name:44}{case.nx:5} x {case.ny:<4} dt {case.dt:<10.3g}{case.mask:22}{case.c_eta:<8.0e}{state}")
-        print(f"{len(missing)} of {len(chosen)} to run, about {sum(case.cost for case in missing) / 3600:.1f} h of one core")
+            print(
+                f"{case.name:44}{case.nx:5} x {case.ny:<4} dt {case.dt:<10.3g}{case.mask:22}{case.c_eta:<8.0e}{state}"
+            )
+        print(
+            f"{len(missing)} of {len(chosen)} to run, about {sum(case.cost for case in missing) / 3600:.1f} h of a core"
+        )
         return
     with ThreadPoolExecutor(jobs) as pool:
         try:
