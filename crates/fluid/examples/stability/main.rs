@@ -22,7 +22,8 @@ Written by `cargo run --release -p fluid --example stability -- docs/fluid/stabi
 The cylinder in a channel of Schäfer and Turek on 200 x 40 points, density 1, mean inflow 1 m/s that starts by a jump at
 t = 0, up to t = 2 s, in steps of at most 0.01 s and the given CFL number. Each cell: the largest speed at the end in m/s where
 the run went through with everything finite (the peak of the inflow is 1.5 m/s), **wild** with that speed where it is 10 m/s or
-more, or the letter of the error, below.
+more, or the letter of the error, below. CFL numbers above the limit of the scheme (docs/fluid.md) are there to be refused; where a
+run went through in spite of that, its speed tells how little it is worth.
 ";
 
 /// Error messages by their letters.
