@@ -3,19 +3,34 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 GRID ?= 325x72
 SCENE ?= scenes/fsi3-$(GRID).json
+RESULTS ?= results/fsi3-$(GRID)
 ARGS ?=
 
 VENV := .venv
 RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
 
-.PHONY: help fsi3 run units build test rust-test python-test bindings-check schema descriptions record lock clean
+.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test python-test bindings-check schema descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
 
 fsi3: SCENE := scenes/fsi3-$(GRID).json
 fsi3: run ## run the FSI3 benchmark, GRID=325x72 (default) or 650x144; results in results/fsi3-GRID
+
+comma := ,
+on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(1)-$(GRID)
+
+cylinder: GRID := 900x180
+cylinder: build $(READY) ## run the cylinder 2D-2, GRID=900x180 (default) or another; results in results/cylinder-2d2-GRID
+	$(RUN) scripts/run.py scenes/cylinder-2d2-900x180.json $(call on_grid,cylinder-2d2) $(ARGS)
+
+cylinder-2d1: GRID := 450x90
+cylinder-2d1: build $(READY) ## run the cylinder 2D-1, the same for the steady flow at Re 20
+	$(RUN) scripts/run.py scenes/cylinder-2d1-450x90.json $(call on_grid,cylinder-2d1) $(ARGS)
+
+animation: $(READY) ## vorticity.gif and phases.png of RESULTS=results/NAME, whose run had --fields-every
+	$(RUN) scripts/animate.py $(RESULTS)
 
 run: build $(READY) ## run SCENE=scenes/NAME.json; more options by ARGS="--end-time 1 --set key=value"
 	$(RUN) scripts/run.py $(SCENE) $(ARGS)
@@ -66,7 +81,7 @@ $(READY): requirements.lock
 
 ROD_STUDY := cargo run --release --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
 
-.PHONY: rod-study bench-rod
+.PHONY: rod-study bench-rod fluid-study
 
 rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
 	$(ROD_STUDY) -- docs/rod
@@ -74,3 +89,6 @@ rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, a
 
 bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
 	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
+
+fluid-study: build $(READY) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
+	$(RUN) scripts/studies/fluid.py $(ARGS)
