@@ -74,8 +74,8 @@ impl Cells {
             look(-distance, -mirror);
         }
         if curvature != 0.0 {
-            look(2.0 * target.arm, curvature);
-            look(target.arm, -2.0 * curvature);
+            look(2.0 * target.cell, curvature);
+            look(target.cell, -2.0 * curvature);
         }
         cell.gain = 1.0 + mirror + curvature;
         let own = cell.velocity.map(|component| cell.gain * component);

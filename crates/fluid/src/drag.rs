@@ -5,6 +5,7 @@
 
 use std::f64::consts::PI;
 
+use nalgebra::{Matrix3, Vector3};
 use scene::Mask;
 
 /// Euler's constant γ.
@@ -49,31 +50,31 @@ pub enum DragProfile {
 
 /// What a solid with the log-linear profile draws the fluid at its surface to, in place of its own velocity u_b:
 ///
-/// `u_b − mirror w(d) (u(−d) − u_b) + curvature v(d) (u(2X) − 2 u(X) + u_b)`
+/// `u_b − mirror w(D/2) (u(D) − u_b) + curvature v (u(2) − 2 u(1) + u_b)`
 ///
-/// at the signed distance d. `w` falls from 1 at the surface to 0 at a depth of two cells as a cosine; `v` is the same inside,
-/// and 1 outside up to half a cell, as far as the drag matters. The arm X is [`ARM`].
+/// at the depth D, all lengths in cells: u(x) is the flow at the distance x outside, w falls from 1 to 0 as a cosine; v is
+/// w(D/depth) inside and 1 outside up to half a cell, as far as the drag matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallTarget {
     /// Weight of the mirror image at the surface.
     mirror: f64,
     /// Weight of the second difference.
     curvature: f64,
-    /// Size of a cell, m.
-    cell: f64,
-    /// Arm X of the second difference, m.
-    pub arm: f64,
+    /// Where the second difference's part ends in the solid, cells.
+    depth: f64,
+    /// Size of a cell, and arm of the second difference, m.
+    pub cell: f64,
 }
 
 impl WallTarget {
     /// Weights of the mirror image and of the second difference at signed distance `d` (m).
     pub fn weights(&self, d: f64) -> (f64, f64) {
-        let depth = -d / (DEPTH * self.cell);
-        let inside = if depth < 1.0 { 0.5 * (1.0 + (PI * depth).cos()) } else { 0.0 };
-        if depth > 0.0 {
-            (self.mirror * inside, self.curvature * inside)
+        let fall = |depth: f64| if depth < 1.0 { 0.5 * (1.0 + (PI * depth).cos()) } else { 0.0 };
+        let inwards = -d / self.cell;
+        if inwards > 0.0 {
+            (self.mirror * fall(inwards / MIRROR_DEPTH), self.curvature * fall(inwards / self.depth))
         } else {
-            (0.0, if d < OUTSIDE * self.cell { self.curvature } else { 0.0 })
+            (0.0, if inwards > -OUTSIDE { self.curvature } else { 0.0 })
         }
     }
 }
@@ -98,7 +99,7 @@ impl DragProfile {
                 let surface_rate = nu / (length * length) * (-2.0 * EULER_GAMMA).exp();
                 let plain = Self::LogLinear { rate, surface_rate, e_fold: length, shrink: 0.0, target: None };
                 let Some((target, shrink)) = calibrate(e_fold, target) else { return plain };
-                let target = Some(WallTarget { cell: dx, arm: dx * target.arm, ..target });
+                let target = Some(WallTarget { cell: dx, ..target });
                 Self::LogLinear { rate, surface_rate, e_fold: length, shrink: shrink * dx, target }
             }
         }
@@ -112,10 +113,10 @@ impl DragProfile {
         self
     }
 
-    /// The profile of a body of some thickness (m): one of less than twice the depth of the wall target has none.
+    /// The profile of a body of some thickness (m): one of less than four cells has no wall target.
     pub fn of_body(self, thickness: f64) -> Self {
         match self.target() {
-            Some(target) if thickness < 2.0 * DEPTH * target.cell => self.plain(),
+            Some(target) if thickness < 2.0 * MIRROR_DEPTH * target.cell => self.plain(),
             _ => self,
         }
     }
@@ -160,48 +161,51 @@ impl DragProfile {
     }
 }
 
-/// Depth in the solid at which the wall target ends, in cells: as much as the grid resolves.
-const DEPTH: f64 = 2.0;
+/// Depth in the solid at which the mirror image's part ends, in cells.
+const MIRROR_DEPTH: f64 = 2.0;
 
-/// How far outside the surface the curvature's part of the wall target goes, in cells: as far as the drag is strong.
+/// How far outside the surface the second difference's part goes, in cells.
 const OUTSIDE: f64 = 0.5;
 
-/// Arm of the second difference in cells: long enough that bilinear interpolation takes little from it.
-const ARM: f64 = 1.5;
-
-/// The wall target for an e-fold length in cells (lengths of the target in cells, too), and the shift of the profile into the
-/// solid (cells) that goes with it; absent where there is none.
+/// The wall target for an e-fold length in cells (its own cell being 1), and the shift of the profile into the solid (cells)
+/// that goes with it; absent where there is none.
 ///
-/// A flow `u = t d + g d²/2` along a wall sees the profile by three numbers: where its shear seems to vanish, the flux beyond
-/// that of the shear, and the slip that g adds. For the bare profile these are 0, (π²/6) λ² t and −(π²/6) λ² g: the last two
-/// are equal by the reciprocity of the operator `u″ − a u`. The weights are those for which the flux, and with
-/// [`scene::WallTarget::Curvature`] the slip, vanish; the shift makes up for what they do to the first.
+/// A flow `u = t d + g d²/2` along a wall sees a profile by four numbers: where its shear t seems to vanish, the flux that it
+/// has beyond that of this shear, and the same of g: a slip and a flux. For the bare profile the first is 0, flux and slip are
+/// (π²/6) λ² t and −(π²/6) λ² g, equal by the reciprocity of the operator `u″ − a u`. The weights and the depth are those for
+/// which the flux, and with [`scene::WallTarget::Curvature`] slip and flux of g, vanish; the shift makes up for what they do to
+/// the first.
 fn calibrate(e_fold: f64, wanted: scene::WallTarget) -> Option<(WallTarget, f64)> {
-    let curvature_too = match wanted {
+    let target = |[mirror, curvature, depth]: [f64; 3]| WallTarget { mirror, curvature, depth, cell: 1.0 };
+    let count = match wanted {
         scene::WallTarget::None => return None,
-        scene::WallTarget::Shear => false,
-        scene::WallTarget::Curvature => true,
+        scene::WallTarget::Shear => 1,
+        scene::WallTarget::Curvature => 3,
     };
-    let target = |[mirror, curvature]: [f64; 2]| WallTarget { mirror, curvature, cell: 1.0, arm: ARM };
-    let errors = |weights: [f64; 2]| {
-        let target = target(weights);
+    let errors = |unknowns: [f64; 3]| {
+        let target = target(unknowns);
         let (_, flux) = shear_flow(e_fold, &target);
-        [flux, if curvature_too { bent_flow(e_fold, &target) } else { 0.0 }]
+        if count == 1 {
+            return Vector3::new(flux, 0.0, 0.0);
+        }
+        let (slip, bent_flux) = bent_flow(e_fold, &target);
+        Vector3::new(flux, slip, bent_flux)
     };
-    // Newton's method with differences: both errors are nearly linear in both weights.
-    let mut weights = [0.0; 2];
+    // Newton's method with differences from weak weights: all errors are nearly linear.
+    let mut unknowns = [0.1, if count == 1 { 0.0 } else { 0.1 }, 1.0];
     for _ in 0..8 {
-        const STEP: f64 = 1e-4;
-        let here = errors(weights);
-        let by_mirror = errors([weights[0] + STEP, weights[1]]);
-        let by_curvature = errors([weights[0], weights[1] + STEP]);
-        let [a, c] = [0, 1].map(|i| (by_mirror[i] - here[i]) / STEP);
-        let [b, d] = if curvature_too { [0, 1].map(|i| (by_curvature[i] - here[i]) / STEP) } else { [0.0, 1.0] };
-        let determinant = a * d - b * c;
-        weights[0] -= (d * here[0] - b * here[1]) / determinant;
-        weights[1] -= (a * here[1] - c * here[0]) / determinant;
+        const STEP: f64 = 1e-3;
+        let here = errors(unknowns);
+        let mut jacobian = Matrix3::identity();
+        for i in 0..count {
+            let mut moved = unknowns;
+            moved[i] += STEP;
+            jacobian.set_column(i, &((errors(moved) - here) / STEP));
+        }
+        let change = jacobian.lu().solve(&here)?;
+        unknowns.iter_mut().zip(change.iter()).for_each(|(unknown, change)| *unknown -= change);
     }
-    let target = target(weights);
+    let target = target(unknowns);
     Some((target, shear_flow(e_fold, &target).0))
 }
 
@@ -215,10 +219,15 @@ fn shear_flow(e_fold: f64, target: &WallTarget) -> (f64, f64) {
     (wall, flux - 0.5 * (end - wall).powi(2))
 }
 
-/// Slip of a flow of curvature 1 without shear at the wall: far off it is `d²/2 + slip` (cells).
-fn bent_flow(e_fold: f64, target: &WallTarget) -> f64 {
-    let (u, _, end) = flow_along_wall(e_fold, target, 1.0, REACH as f64 - 0.5 / POINTS_PER_CELL as f64);
-    u[u.len() - 1] - 0.5 * end * end
+/// Curvature 1 without shear along a wall at d = 0, which far off is `d²/2 + slip`: the slip, and the flux beyond that of
+/// the far field (cells).
+fn bent_flow(e_fold: f64, target: &WallTarget) -> (f64, f64) {
+    let half_spacing = 0.5 / POINTS_PER_CELL as f64;
+    let (u, h, end) = flow_along_wall(e_fold, target, 1.0, REACH as f64 - half_spacing);
+    let last = u[u.len() - 1];
+    let slip = last - 0.5 * end * end;
+    let flux = h * (u.iter().sum::<f64>() - 0.5 * last);
+    (slip, flux - (end.powi(3) / 6.0 + slip * end))
 }
 
 /// Resolution and extent (on both sides of the wall) of the one-dimensional problem.
@@ -236,10 +245,9 @@ fn flow_along_wall(e_fold: f64, target: &WallTarget, g: f64, slope: f64) -> (Vec
     let rate = |d: f64| ((-2.0 * EULER_GAMMA - d / e_fold).exp() / (e_fold * e_fold)).min(1e6);
     let rates: Vec<_> = (0..n).map(|i| rate(distance(i))).collect();
     let weights: Vec<_> = (0..n).map(|i| target.weights(distance(i))).collect();
-    let arm = (target.arm * POINTS_PER_CELL as f64).round() as usize;
     let (mut u, mut c, mut r) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     for _ in 0..60 {
-        let second_difference = u[wall + 2 * arm] - 2.0 * u[wall + arm];
+        let second_difference = u[wall + 2 * POINTS_PER_CELL] - 2.0 * u[wall + POINTS_PER_CELL];
         for i in 1..n - 1 {
             let (mirror, curvature) = weights[i];
             let wanted = curvature * second_difference - mirror * u[n - 1 - i];
@@ -336,28 +344,30 @@ mod tests {
     /// The bare profile has the excess flux (π²/6) λ² and, by reciprocity, the slip −(π²/6) λ²; the wall target takes both
     /// out.
     #[test]
-    fn the_wall_target_takes_out_displacement_flux_and_slip() {
-        for e_fold in [0.15, 0.2, 0.3] {
-            let bare = WallTarget { mirror: 0.0, curvature: 0.0, cell: 1.0, arm: ARM };
+    fn the_wall_target_takes_out_displacement_fluxes_and_slip() {
+        for e_fold in [0.15, 0.2, 0.25, 0.3] {
+            let bare = WallTarget { mirror: 0.0, curvature: 0.0, depth: 1.0, cell: 1.0 };
             let (wall, flux) = shear_flow(e_fold, &bare);
             let expected = PI * PI / 6.0 * e_fold * e_fold;
             assert!(wall.abs() < 2e-3, "e-fold {e_fold}: wall at {wall} cells");
             assert!((flux / expected - 1.0).abs() < 0.02, "e-fold {e_fold}: excess flux {flux} against {expected}");
-            let slip = bent_flow(e_fold, &bare);
+            let (slip, _) = bent_flow(e_fold, &bare);
             assert!((slip / expected + 1.0).abs() < 0.02, "e-fold {e_fold}: slip {slip} against {}", -expected);
             for wanted in [scene::WallTarget::Shear, scene::WallTarget::Curvature] {
-                let (target, shrink) = calibrate(e_fold, wanted).expect("there is one");
+                let (target, shift) = calibrate(e_fold, wanted).expect("there is one");
                 let (wall, flux) = shear_flow(e_fold, &target);
-                let slip = bent_flow(e_fold, &target);
-                let WallTarget { mirror, curvature, .. } = target;
+                let (slip, bent_flux) = bent_flow(e_fold, &target);
                 println!(
-                    "e-fold {e_fold}: mirror {mirror:.4}, curvature {curvature:.4}, shift {shrink:.4}, slip {slip:.4}"
+                    "e-fold {e_fold}, {wanted:?}: {target:.4?}, shift {shift:.4}, slip {slip:.4}, its flux {bent_flux:.4}"
                 );
-                assert!((wall - shrink).abs() < 1e-12 && flux.abs() < 1e-9, "e-fold {e_fold}: {wall}, {flux}");
+                assert!((wall - shift).abs() < 1e-12 && flux.abs() < 1e-9, "e-fold {e_fold}: {wall}, {flux}");
                 if wanted == scene::WallTarget::Curvature {
-                    assert!(slip.abs() < 1e-9, "e-fold {e_fold}: slip {slip}");
+                    assert!(
+                        slip.abs() < 1e-9 && bent_flux.abs() < 1e-9,
+                        "e-fold {e_fold}: slip {slip}, flux {bent_flux}"
+                    );
                 }
-                assert!((0.0..0.3).contains(&mirror) && (0.0..0.1).contains(&curvature), "{mirror}, {curvature}");
+                assert!(target.mirror > 0.0 && target.mirror < 0.3 && target.curvature < 0.3, "{target:?} is not weak");
             }
         }
     }

@@ -140,7 +140,8 @@ fn an_oscillating_cylinder_feels_its_added_mass() {
                 {{ "x": {{ "sine": {{ "amplitude": {amplitude}, "frequency": {frequency} }} }} }} }}]"#
         );
         let mut scene = scene(&text, "");
-        scene.fluid.as_mut().expect("it has one").mask = Mask::LogLinear { c_eta: 1e-5, e_fold: 0.2, target: WallTarget::Curvature };
+        scene.fluid.as_mut().expect("it has one").mask =
+            Mask::LogLinear { c_eta: 1e-5, e_fold: 0.2, target: WallTarget::Curvature };
         let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         let (h, per_period) = (1e-3, 200);
         run(&mut fluid, 2 * per_period, h);
