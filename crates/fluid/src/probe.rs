@@ -2,21 +2,50 @@
 
 use crate::grid::Grid;
 
+/// Distances from a wall at which the pressure is read for a probe nearer to it, in cells: outside of what the mask smears.
+const OFF_WALL: [f64; 3] = [1.5, 2.5, 3.5];
+
 /// A point, and the grid points that its values come from.
 pub struct Probe {
-    /// Grid points around it and their shares: cubic interpolation along both axes, of fourth order in smooth flow. At a
-    /// wall, where the pressure has a kink, it is of first order like any other that reads both sides.
+    /// Grid points around it and their shares: cubic interpolation along both axes, of fourth order in smooth flow.
     around: [(usize, f64); 16],
+    /// The same for the pressure of a probe at a wall; absent elsewhere.
+    at_wall: Option<Vec<(usize, f64)>>,
 }
 
 impl Probe {
-    /// A probe at a point (m).
-    pub fn new(position: [f64; 2], grid: &Grid) -> Self {
-        Self { around: grid.cubic_interpolation(position) }
+    /// A probe at a point (m). Where that lies in the smeared surface of a still circle (centre and radius, m), its pressure
+    /// is extrapolated from the flow outside, along the normal by a parabola.
+    pub fn new(position: [f64; 2], still_circles: impl Iterator<Item = ([f64; 2], f64)>, grid: &Grid) -> Self {
+        let cell = grid.cell_size();
+        let mut at_wall = None;
+        for (center, radius) in still_circles {
+            let offset = [position[0] - center[0], position[1] - center[1]];
+            let from_center = offset[0].hypot(offset[1]);
+            let distance = (from_center - radius) / cell;
+            if distance.abs() >= OFF_WALL[0] {
+                continue;
+            }
+            let look = |i: usize| {
+                let others = OFF_WALL.iter().enumerate().filter(|&(j, _)| j != i).map(|(_, other)| other);
+                let share: f64 = others.map(|other| (distance - other) / (OFF_WALL[i] - other)).product();
+                let out = (radius + OFF_WALL[i] * cell) / from_center;
+                let around = grid.cubic_interpolation([0, 1].map(|axis| center[axis] + out * offset[axis]));
+                around.map(|(point, weight)| (point, share * weight))
+            };
+            at_wall = Some((0..OFF_WALL.len()).flat_map(look).collect());
+        }
+        Self { around: grid.cubic_interpolation(position), at_wall }
     }
 
-    /// Value there of a field, given by its value at a grid point.
-    pub fn value(&self, field: impl Fn(usize) -> f64) -> f64 {
-        self.around.iter().map(|&(point, share)| share * field(point)).sum()
+    /// Velocity component there, given by its field.
+    pub fn velocity(&self, field: &[f64]) -> f64 {
+        self.around.iter().map(|&(point, share)| share * field[point]).sum()
+    }
+
+    /// Pressure there, given by its value at a grid point.
+    pub fn pressure(&self, field: impl Fn(usize) -> f64) -> f64 {
+        let around = self.at_wall.as_deref().unwrap_or(&self.around);
+        around.iter().map(|&(point, share)| share * field(point)).sum()
     }
 }

@@ -219,6 +219,15 @@ impl State {
     }
 }
 
+/// Centres and radii of the cylinders that do not move, m.
+fn still_circles(fluid: &scene::Fluid) -> impl Iterator<Item = ([f64; 2], f64)> {
+    fluid
+        .cylinders
+        .iter()
+        .filter(|cylinder| cylinder.motion.is_none())
+        .map(|cylinder| (cylinder.center, cylinder.radius))
+}
+
 impl Fluid {
     /// The fluid of a scene at t = 0.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
@@ -275,7 +284,7 @@ impl Fluid {
             fft,
             zones,
             mean_flow: fluid.mean_flow.clone(),
-            probes: fluid.probes.iter().map(|probe| Probe::new(probe.position, &grid)).collect(),
+            probes: fluid.probes.iter().map(|probe| Probe::new(probe.position, still_circles(fluid), &grid)).collect(),
             rk2,
             total_pressure_is_current: false,
             grid,
@@ -347,13 +356,13 @@ impl Fluid {
 
     /// Velocity at a probe, numbered from 0 as in the scene, m/s.
     pub fn probe_velocity(&self, probe: usize) -> [f64; 2] {
-        self.state.flow.velocity.each_ref().map(|velocity| self.probes[probe].value(|point| velocity[point]))
+        self.state.flow.velocity.each_ref().map(|velocity| self.probes[probe].velocity(velocity))
     }
 
     /// Static pressure at a probe, Pa. The first after a step costs three transforms.
     pub fn probe_pressure(&mut self, probe: usize) -> f64 {
         self.make_total_pressure();
-        self.density * self.probes[probe].value(|point| self.pressure_at(point))
+        self.density * self.probes[probe].pressure(|point| self.pressure_at(point))
     }
 
     /// Largest divergence of the velocity times the cell size over the largest speed; three transforms.
