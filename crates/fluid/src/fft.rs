@@ -6,6 +6,8 @@
 //!
 //! A plan can be shared by threads; each needs a [`Scratch`] of its own.
 
+#![allow(clippy::needless_range_loop, reason = "what runs over lanes is clearest, and surely unrolled, by index")]
+
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -76,7 +78,11 @@ impl Fft2 {
 
     /// Blocks of columns that are transformed together; the last two overlap where their number does not come out even.
     pub fn blocks(&self, columns: Range<usize>) -> impl Iterator<Item = Range<usize>> + use<> {
-        columns.clone().step_by(BLOCK).map(move |first| first.min(columns.end - BLOCK)).map(|first| first..first + BLOCK)
+        columns
+            .clone()
+            .step_by(BLOCK)
+            .map(move |first| first.min(columns.end - BLOCK))
+            .map(|first| first..first + BLOCK)
     }
 
     /// Spectrum of a field, unnormalised.
@@ -176,8 +182,7 @@ impl Fft2 {
 
 /// Do `work` with each of the parts on a thread of its own, with the first on this one.
 ///
-/// Threads that end with the phase leave nothing behind when the library is unloaded or the process forks, and starting
-/// one takes a hundredth of the time that it works here.
+/// Threads that end with the phase leave nothing behind when the library is unloaded or the process forks.
 pub fn on_threads<T: Send>(parts: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
     let mut parts = parts.peekable();
     let Some(first) = parts.next() else { return };
@@ -257,7 +262,7 @@ impl Kernel for Scatter<'_> {
     fn run(self, _: impl Arithmetic) {
         let ny = self.lines.len();
         let mut rest = self.points;
-        let mut columns: [&mut [f64]; BLOCK] = from_fn(|_| {
+        let columns: [&mut [f64]; BLOCK] = from_fn(|_| {
             let (column, others) = std::mem::take(&mut rest).split_at_mut(ny);
             rest = others;
             column

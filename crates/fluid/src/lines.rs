@@ -3,6 +3,8 @@
 //! All lanes do the same, so no factor of a length needs shuffles, and 13 gets on as well as 4. Decimation in time
 //! (Cooley & Tukey 1965): transforms of the last factor from strided input, then a pass for each other factor in place.
 
+#![allow(clippy::needless_range_loop, reason = "what runs over lanes or a butterfly is unrolled, by index")]
+
 use std::array::from_fn;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -139,6 +141,7 @@ pub fn splat(a: f64) -> Four {
 
 /// Four complex numbers in registers.
 #[derive(Clone, Copy)]
+#[repr(align(64))]
 pub struct Complex4 {
     /// Real parts.
     pub re: Four,
@@ -196,10 +199,7 @@ impl Complex4 {
     #[inline(always)]
     fn times(self, on: impl Arithmetic, w: Complex64) -> Self {
         let (re, im) = (splat(w.re), splat(w.im));
-        Self {
-            re: on.mul_sub(self.im, im, on.mul(self.re, re)),
-            im: on.mul_add(self.im, re, on.mul(self.re, im)),
-        }
+        Self { re: on.mul_sub(self.im, im, on.mul(self.re, re)), im: on.mul_add(self.im, re, on.mul(self.re, im)) }
     }
 
     /// The product with a real number by lane.
@@ -437,21 +437,77 @@ fn butterfly<const P: usize>(
         store(3, even_difference.add_i(on, odd_difference));
     } else {
         // x_j and x_{P−j} have conjugate roots: y_k, y_{P−k} = x_0 + Σ cos (x_j + x_{P−j}) ± i Σ sin (x_j − x_{P−j}).
+        // (Ranges that include their end would not be unrolled.)
+        let half = P / 2;
         let mut sum = x[0];
-        for j in 1..=P / 2 {
+        for j in 1..half + 1 {
             (x[j], x[P - j]) = (x[j].add(on, x[P - j]), x[j].sub(on, x[P - j]));
             sum = sum.add(on, x[j]);
         }
         store(0, sum);
-        for (k, roots) in (1..=P / 2).zip(roots.chunks_exact(P / 2)) {
+        for k in 1..half + 1 {
+            let roots = &roots[(k - 1) * half..][..half];
             let mut even = x[0].mul_add(on, splat(roots[0].re), x[1]);
             let mut odd = x[P - 1].scaled(on, splat(roots[0].im));
-            for j in 2..=P / 2 {
+            for j in 2..half + 1 {
                 even = even.mul_add(on, splat(roots[j - 1].re), x[j]);
                 odd = odd.mul_add(on, splat(roots[j - 1].im), x[P - j]);
             }
             store(k, even.add_i(on, odd));
             store(P - k, even.sub_i(on, odd));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(n: usize) -> Vec<Quad> {
+        let number = |c: usize| (c as f64 * 0.618_033_988_749_894_9).fract() - 0.5;
+        let quad = |k: usize| Quad {
+            re: from_fn(|lane| number(8 * k + lane)),
+            im: from_fn(|lane| number(8 * k + LANES + lane)),
+        };
+        (0..n).map(quad).collect()
+    }
+
+    #[test]
+    fn a_transform_is_the_sum_that_defines_it() {
+        // Each factor as the first and in a pass, parts of a long line, and a prime that is none of the factors.
+        for n in [2, 3, 4, 5, 7, 11, 13, 8, 9, 25, 49, 121, 169, 60, 450, 650, 17, 74] {
+            let (lines, from) = (Lines::new(n), noise(n));
+            let mut to = [vec![Quad::default(); n], vec![Quad::default(); n]];
+            let mut scratch = vec![Complex64::default(); lines.scratch_len()];
+            lines.forward::<false>(&from, &mut to[0], &mut scratch);
+            lines.forward::<true>(&from, &mut to[1], &mut scratch);
+            for (k, lane) in (0..n).flat_map(|k| (0..LANES).map(move |lane| (k, lane))) {
+                let mut sums = [Complex64::default(); 2];
+                for (j, quad) in from.iter().enumerate() {
+                    sums[0] += Complex64::new(quad.re[lane], quad.im[lane]) * root(j * k, n);
+                    sums[1] += Complex64::new(quad.im[lane], quad.re[lane]) * root(j * k, n);
+                }
+                for (sum, to) in sums.iter().zip(&to) {
+                    let error = (Complex64::new(to[k].re[lane], to[k].im[lane]) - sum).norm();
+                    assert!(error < 1e-15 * n as f64, "length {n}, {k} of lane {lane}: off by {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_processor_gives_the_same() {
+        let (from, roots) = (noise(35), roots(5));
+        let starts: Vec<_> = (0..7).collect();
+        let mut to = [vec![Quad::default(); 35], vec![Quad::default(); 35]];
+        let [any, this] = &mut to;
+        Leaves::<5, false> { from: &from, to: any, starts: &starts, roots: &roots }.run(Plain);
+        run(Leaves::<5, false> { from: &from, to: this, starts: &starts, roots: &roots });
+        for (any, this) in any.iter().zip(this) {
+            for lane in 0..LANES {
+                let error = (any.re[lane] - this.re[lane]).hypot(any.im[lane] - this.im[lane]);
+                assert!(error < 1e-15, "lane {lane}: {error}");
+            }
         }
     }
 }
