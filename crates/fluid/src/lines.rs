@@ -268,7 +268,7 @@ impl Lines {
         let mut factors = Vec::new();
         let mut rest = n;
         for factor in [13, 11, 7, 5, 4, 3, 2] {
-            while rest % factor == 0 {
+            while rest.is_multiple_of(factor) {
                 factors.push(factor);
                 rest /= factor;
             }
