@@ -18,6 +18,7 @@ pub mod grid;
 pub mod kernel;
 mod lines;
 pub mod projection;
+mod quad;
 pub mod solver;
 
 pub use beam::{Loads, Stations};

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use scene::Filter;
 
 use crate::grid::Grid;
-use crate::lines::{Arithmetic, Complex4, Kernel, LANES, Quad, run, splat};
+use crate::quad::{Arithmetic, Complex4, Kernel, LANES, Quad, run, splat};
 
 /// Strength and order of the smooth filter exp(−α (k/k_max)^p) (Hou & Li 2007).
 const FILTER_STRENGTH: f64 = 36.0;
