@@ -66,9 +66,10 @@ descriptions: build $(READY) ## write modelDescription/*.xml of the FSI3 pair an
 record: build $(READY) ## write tests/recorded.json anew: only after a change of the physics that is meant
 	PYTHONPATH=scripts $(RUN) tests/record.py
 
-lock: ## pin requirements.in anew; needs pip-tools
+lock: ## pin requirements.in and requirements-bench.in anew; needs pip-tools
+	for name in requirements requirements-bench; do \
 	pip-compile --generate-hashes --strip-extras --no-header --no-emit-index-url --no-emit-trusted-host \
-	--no-emit-find-links --output-file requirements.lock requirements.in
+	--no-emit-find-links --output-file $$name.lock $$name.in || exit; done
 
 clean: ## remove everything that was built; results stay
 	cargo clean
@@ -92,3 +93,17 @@ bench-rod: ## benchmark a Newton iteration of the rod and its solver against fae
 
 fluid-study: build $(READY) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
 	$(RUN) scripts/studies/fluid.py $(ARGS)
+
+BENCH_VENV := target/fluid-bench/venv
+
+.PHONY: bench-fluid
+
+bench-fluid: $(BENCH_VENV)/.ready ## compare the fluid's speed with FFTW's and write the tables in docs/fluid-speed.md anew
+	FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)" \
+	cargo run --release --locked --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench -- \
+	docs/fluid-speed.md
+
+$(BENCH_VENV)/.ready: requirements-bench.lock
+	$(PYTHON) -m venv --clear $(BENCH_VENV)
+	$(BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-bench.lock
+	touch $@

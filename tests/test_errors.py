@@ -85,6 +85,7 @@ def test_another_scene_under_the_same_description_is_refused(kind, small_fsi3, t
     ("assignment", "named"),
     [
         ("fluid.colour=1", ["colour"]),
+        ("fluid.threads=0", ["fluid.threads", "is 0", "between 1 and 1024"]),
         ("fluid.box.cells.1=0", ["fluid.box.cells[1]", "is 0", "at least 8|between 8"]),
         ("fluid.density=-1", ["fluid.density", "-1", "above 0"]),
         ("fluid.density=NaN", ["fluid.density"]),

@@ -6,14 +6,17 @@
 //!
 //! A plan can be shared by threads; each needs a [`Scratch`] of its own.
 
+#![allow(clippy::needless_range_loop, reason = "what runs over lanes is clearest, and surely unrolled, by index")]
+
 use std::array::from_fn;
 use std::ops::Range;
 
 use pulp::f64x4 as Four;
 pub use rustfft::num_complex::Complex64;
 
-pub use crate::lines::Quad;
-use crate::lines::{Arithmetic, Complex4, Kernel, LANES, Lines, run, splat};
+use crate::lines::Lines;
+pub use crate::quad::Quad;
+use crate::quad::{Arithmetic, Complex4, Kernel, LANES, run, splat};
 
 /// Columns that are transformed together.
 const BLOCK: usize = 2 * LANES;
@@ -180,8 +183,7 @@ impl Fft2 {
 
 /// Do `work` with each of the parts on a thread of its own, with the first on this one.
 ///
-/// Threads that end with the phase leave nothing behind when the library is unloaded or the process forks, and starting
-/// one takes a hundredth of the time that it works here.
+/// Threads that end with the phase leave nothing behind when the library is unloaded or the process forks.
 pub fn on_threads<T: Send>(parts: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
     let mut parts = parts.peekable();
     let Some(first) = parts.next() else { return };
@@ -261,7 +263,7 @@ impl Kernel for Scatter<'_> {
     fn run(self, _: impl Arithmetic) {
         let ny = self.lines.len();
         let mut rest = self.points;
-        let mut columns: [&mut [f64]; BLOCK] = from_fn(|_| {
+        let columns: [&mut [f64]; BLOCK] = from_fn(|_| {
             let (column, others) = std::mem::take(&mut rest).split_at_mut(ny);
             rest = others;
             column
@@ -302,10 +304,10 @@ impl<F: FnMut(usize, usize, Quad)> Kernel for Unpair<'_, F> {
                 let k = LANES * row + l;
                 let z = Complex4::load(&self.modes[k]);
                 let mirror = Complex4::load(&self.modes[if k == 0 { 0 } else { ny - k }]);
-                a_re[l] = on.mul(half, on.add(z.re, mirror.re));
-                a_im[l] = on.mul(half, on.sub(z.im, mirror.im));
-                b_re[l] = on.mul(half, on.add(z.im, mirror.im));
-                b_im[l] = on.mul(half, on.sub(mirror.re, z.re));
+                a_re[l] = on.mul_f64s(half, on.add_f64s(z.re, mirror.re));
+                a_im[l] = on.mul_f64s(half, on.sub_f64s(z.im, mirror.im));
+                b_re[l] = on.mul_f64s(half, on.add_f64s(z.im, mirror.im));
+                b_im[l] = on.mul_f64s(half, on.sub_f64s(mirror.re, z.re));
             }
             let (a_re, a_im, b_re, b_im) = (transposed(a_re), transposed(a_im), transposed(b_re), transposed(b_im));
             for c in 0..LANES {
@@ -338,8 +340,8 @@ impl Kernel for Pair<'_> {
                     // Rounding leaves imaginary parts in the real modes.
                     self.modes[k] = Complex4 { re: b_re[l], im: a_re[l] }.quad();
                 } else {
-                    let z = Complex4 { re: on.add(a_im[l], b_re[l]), im: on.sub(a_re[l], b_im[l]) };
-                    let mirror = Complex4 { re: on.sub(b_re[l], a_im[l]), im: on.add(a_re[l], b_im[l]) };
+                    let z = Complex4 { re: on.add_f64s(a_im[l], b_re[l]), im: on.sub_f64s(a_re[l], b_im[l]) };
+                    let mirror = Complex4 { re: on.sub_f64s(b_re[l], a_im[l]), im: on.add_f64s(a_re[l], b_im[l]) };
                     self.modes[k] = z.quad();
                     self.modes[ny - k] = mirror.quad();
                 }

@@ -19,6 +19,7 @@ pub mod kernel;
 mod lines;
 mod probe;
 pub mod projection;
+mod quad;
 pub mod solver;
 mod zone;
 

@@ -3,227 +3,18 @@
 //! All lanes do the same, so no factor of a length needs shuffles, and 13 gets on as well as 4. Decimation in time
 //! (Cooley & Tukey 1965): transforms of the last factor from strided input, then a pass for each other factor in place.
 
+#![allow(clippy::needless_range_loop, reason = "what runs over lanes or a butterfly is unrolled, by index")]
+
 use std::array::from_fn;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use pulp::f64x4 as Four;
 use rustfft::{Fft, FftPlanner, num_complex::Complex64};
-use serde::{Deserialize, Serialize};
 
-/// Lines that are transformed together.
-pub const LANES: usize = 4;
+use crate::quad::{Arithmetic, Complex4, Kernel, LANES, Quad, run, splat};
 
 /// A line longer than this is transformed in parts, so that a part with its input stays in the first cache.
 const LONG: usize = 384;
-
-/// One complex number of each of four lines; fills a cache line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[repr(align(64))]
-pub struct Quad {
-    /// Real parts.
-    pub re: [f64; LANES],
-    /// Imaginary parts.
-    pub im: [f64; LANES],
-}
-
-/// Arithmetic on four numbers, as the processor at hand does it best.
-pub trait Arithmetic: Copy {
-    /// a + b
-    fn add(self, a: Four, b: Four) -> Four;
-    /// a − b
-    fn sub(self, a: Four, b: Four) -> Four;
-    /// a b
-    fn mul(self, a: Four, b: Four) -> Four;
-    /// a b + c
-    fn mul_add(self, a: Four, b: Four, c: Four) -> Four;
-    /// c − a b
-    fn mul_sub(self, a: Four, b: Four, c: Four) -> Four;
-}
-
-/// Arithmetic of any processor.
-#[derive(Clone, Copy)]
-struct Plain;
-
-impl Arithmetic for Plain {
-    #[inline(always)]
-    fn add(self, a: Four, b: Four) -> Four {
-        Four(a.0 + b.0, a.1 + b.1, a.2 + b.2, a.3 + b.3)
-    }
-
-    #[inline(always)]
-    fn sub(self, a: Four, b: Four) -> Four {
-        Four(a.0 - b.0, a.1 - b.1, a.2 - b.2, a.3 - b.3)
-    }
-
-    #[inline(always)]
-    fn mul(self, a: Four, b: Four) -> Four {
-        Four(a.0 * b.0, a.1 * b.1, a.2 * b.2, a.3 * b.3)
-    }
-
-    #[inline(always)]
-    fn mul_add(self, a: Four, b: Four, c: Four) -> Four {
-        self.add(self.mul(a, b), c)
-    }
-
-    #[inline(always)]
-    fn mul_sub(self, a: Four, b: Four, c: Four) -> Four {
-        self.sub(c, self.mul(a, b))
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-impl Arithmetic for pulp::x86::V3 {
-    #[inline(always)]
-    fn add(self, a: Four, b: Four) -> Four {
-        pulp::Simd::add_f64s(self, a, b)
-    }
-
-    #[inline(always)]
-    fn sub(self, a: Four, b: Four) -> Four {
-        pulp::Simd::sub_f64s(self, a, b)
-    }
-
-    #[inline(always)]
-    fn mul(self, a: Four, b: Four) -> Four {
-        pulp::Simd::mul_f64s(self, a, b)
-    }
-
-    #[inline(always)]
-    fn mul_add(self, a: Four, b: Four, c: Four) -> Four {
-        pulp::Simd::mul_add_f64s(self, a, b, c)
-    }
-
-    #[inline(always)]
-    fn mul_sub(self, a: Four, b: Four, c: Four) -> Four {
-        pulp::Simd::negate_mul_add_f64s(self, a, b, c)
-    }
-}
-
-/// A loop to be compiled for each kind of processor; `run` has to be `#[inline(always)]`, like all that it calls with
-/// vectors. Closures in `array::from_fn` and the like are not: what is not inlined is slower by a factor of ten.
-pub trait Kernel {
-    /// Do it.
-    fn run(self, arithmetic: impl Arithmetic);
-}
-
-/// Run a kernel on the processor at hand.
-pub fn run(kernel: impl Kernel) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = pulp::x86::V3::try_new() {
-        return avx2.vectorize(Compiled { avx2, kernel });
-    }
-    kernel.run(Plain);
-}
-
-#[cfg(target_arch = "x86_64")]
-struct Compiled<K> {
-    avx2: pulp::x86::V3,
-    kernel: K,
-}
-
-#[cfg(target_arch = "x86_64")]
-impl<K: Kernel> pulp::NullaryFnOnce for Compiled<K> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        self.kernel.run(self.avx2);
-    }
-}
-
-/// The same number in each lane.
-#[inline(always)]
-pub fn splat(a: f64) -> Four {
-    Four(a, a, a, a)
-}
-
-/// Four complex numbers in registers.
-#[derive(Clone, Copy)]
-pub struct Complex4 {
-    /// Real parts.
-    pub re: Four,
-    /// Imaginary parts.
-    pub im: Four,
-}
-
-impl Complex4 {
-    /// 0
-    pub const ZERO: Self = Self { re: Four(0.0, 0.0, 0.0, 0.0), im: Four(0.0, 0.0, 0.0, 0.0) };
-
-    /// From memory.
-    #[inline(always)]
-    pub fn load(quad: &Quad) -> Self {
-        Self { re: pulp::cast(quad.re), im: pulp::cast(quad.im) }
-    }
-
-    /// To memory.
-    #[inline(always)]
-    pub fn quad(self) -> Quad {
-        Quad { re: pulp::cast(self.re), im: pulp::cast(self.im) }
-    }
-
-    /// Real and imaginary parts exchanged.
-    #[inline(always)]
-    pub fn exchanged(self) -> Self {
-        Self { re: self.im, im: self.re }
-    }
-
-    /// The sum.
-    #[inline(always)]
-    pub fn add(self, on: impl Arithmetic, b: Self) -> Self {
-        Self { re: on.add(self.re, b.re), im: on.add(self.im, b.im) }
-    }
-
-    /// The difference.
-    #[inline(always)]
-    pub fn sub(self, on: impl Arithmetic, b: Self) -> Self {
-        Self { re: on.sub(self.re, b.re), im: on.sub(self.im, b.im) }
-    }
-
-    /// `self + i b`.
-    #[inline(always)]
-    fn add_i(self, on: impl Arithmetic, b: Self) -> Self {
-        Self { re: on.sub(self.re, b.im), im: on.add(self.im, b.re) }
-    }
-
-    /// `self − i b`.
-    #[inline(always)]
-    fn sub_i(self, on: impl Arithmetic, b: Self) -> Self {
-        Self { re: on.add(self.re, b.im), im: on.sub(self.im, b.re) }
-    }
-
-    /// The product with the same number in each lane.
-    #[inline(always)]
-    fn times(self, on: impl Arithmetic, w: Complex64) -> Self {
-        let (re, im) = (splat(w.re), splat(w.im));
-        Self { re: on.mul_sub(self.im, im, on.mul(self.re, re)), im: on.mul_add(self.im, re, on.mul(self.re, im)) }
-    }
-
-    /// The product with a real number by lane.
-    #[inline(always)]
-    pub fn scaled(self, on: impl Arithmetic, factor: Four) -> Self {
-        Self { re: on.mul(factor, self.re), im: on.mul(factor, self.im) }
-    }
-
-    /// The product with i.
-    #[inline(always)]
-    pub fn times_i(self, on: impl Arithmetic) -> Self {
-        Self { re: on.sub(splat(0.0), self.im), im: self.re }
-    }
-
-    /// `self − factor b`, factor by lane.
-    #[inline(always)]
-    pub fn mul_sub(self, on: impl Arithmetic, factor: Four, b: Self) -> Self {
-        Self { re: on.mul_sub(factor, b.re, self.re), im: on.mul_sub(factor, b.im, self.im) }
-    }
-
-    /// `self + factor b`, factor by lane.
-    #[inline(always)]
-    pub fn mul_add(self, on: impl Arithmetic, factor: Four, b: Self) -> Self {
-        Self { re: on.mul_add(factor, b.re, self.re), im: on.mul_add(factor, b.im, self.im) }
-    }
-}
 
 /// Transforms of one length.
 pub enum Lines {
@@ -266,7 +57,7 @@ impl Lines {
         let mut factors = Vec::new();
         let mut rest = n;
         for factor in [13, 11, 7, 5, 4, 3, 2] {
-            while rest % factor == 0 {
+            while rest.is_multiple_of(factor) {
                 factors.push(factor);
                 rest /= factor;
             }
@@ -435,21 +226,77 @@ fn butterfly<const P: usize>(
         store(3, even_difference.add_i(on, odd_difference));
     } else {
         // x_j and x_{P−j} have conjugate roots: y_k, y_{P−k} = x_0 + Σ cos (x_j + x_{P−j}) ± i Σ sin (x_j − x_{P−j}).
+        // (Ranges that include their end would not be unrolled.)
+        let half = P / 2;
         let mut sum = x[0];
-        for j in 1..=P / 2 {
+        for j in 1..half + 1 {
             (x[j], x[P - j]) = (x[j].add(on, x[P - j]), x[j].sub(on, x[P - j]));
             sum = sum.add(on, x[j]);
         }
         store(0, sum);
-        for (k, roots) in (1..=P / 2).zip(roots.chunks_exact(P / 2)) {
+        for k in 1..half + 1 {
+            let roots = &roots[(k - 1) * half..][..half];
             let mut even = x[0].mul_add(on, splat(roots[0].re), x[1]);
             let mut odd = x[P - 1].scaled(on, splat(roots[0].im));
-            for j in 2..=P / 2 {
+            for j in 2..half + 1 {
                 even = even.mul_add(on, splat(roots[j - 1].re), x[j]);
                 odd = odd.mul_add(on, splat(roots[j - 1].im), x[P - j]);
             }
             store(k, even.add_i(on, odd));
             store(P - k, even.sub_i(on, odd));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(n: usize) -> Vec<Quad> {
+        let number = |c: usize| (c as f64 * 0.618_033_988_749_894_9).fract() - 0.5;
+        let quad = |k: usize| Quad {
+            re: from_fn(|lane| number(8 * k + lane)),
+            im: from_fn(|lane| number(8 * k + LANES + lane)),
+        };
+        (0..n).map(quad).collect()
+    }
+
+    #[test]
+    fn a_transform_is_the_sum_that_defines_it() {
+        // Each factor as the first and in a pass, parts of a long line, and a prime that is none of the factors.
+        for n in [2, 3, 4, 5, 7, 11, 13, 8, 9, 25, 49, 121, 169, 60, 450, 650, 17, 74] {
+            let (lines, from) = (Lines::new(n), noise(n));
+            let mut to = [vec![Quad::default(); n], vec![Quad::default(); n]];
+            let mut scratch = vec![Complex64::default(); lines.scratch_len()];
+            lines.forward::<false>(&from, &mut to[0], &mut scratch);
+            lines.forward::<true>(&from, &mut to[1], &mut scratch);
+            for (k, lane) in (0..n).flat_map(|k| (0..LANES).map(move |lane| (k, lane))) {
+                let mut sums = [Complex64::default(); 2];
+                for (j, quad) in from.iter().enumerate() {
+                    sums[0] += Complex64::new(quad.re[lane], quad.im[lane]) * root(j * k, n);
+                    sums[1] += Complex64::new(quad.im[lane], quad.re[lane]) * root(j * k, n);
+                }
+                for (sum, to) in sums.iter().zip(&to) {
+                    let error = (Complex64::new(to[k].re[lane], to[k].im[lane]) - sum).norm();
+                    assert!(error < 1e-15 * n as f64, "length {n}, {k} of lane {lane}: off by {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_processor_gives_the_same() {
+        let (from, roots) = (noise(35), roots(5));
+        let starts: Vec<_> = (0..7).collect();
+        let mut to = [vec![Quad::default(); 35], vec![Quad::default(); 35]];
+        let [any, this] = &mut to;
+        Leaves::<5, false> { from: &from, to: any, starts: &starts, roots: &roots }.run(pulp::Scalar256b);
+        run(Leaves::<5, false> { from: &from, to: this, starts: &starts, roots: &roots });
+        for (any, this) in any.iter().zip(this) {
+            for lane in 0..LANES {
+                let error = (any.re[lane] - this.re[lane]).hypot(any.im[lane] - this.im[lane]);
+                assert!(error < 1e-15, "lane {lane}: {error}");
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use scene::Filter;
 
 use crate::grid::Grid;
-use crate::lines::{Arithmetic, Complex4, Kernel, LANES, Quad, run, splat};
+use crate::quad::{Arithmetic, Complex4, Kernel, LANES, Quad, run, splat};
 
 /// Strength and order of the smooth filter exp(−α (k/k_max)^p) (Hou & Li 2007).
 const FILTER_STRENGTH: f64 = 36.0;
@@ -111,11 +111,11 @@ impl Projection {
     pub fn pressure(&self, wx: &[Quad], wy: &[Quad], per_tau: f64, pressure: &mut [Quad]) {
         let nx = self.kx.len();
         for (m, pressure) in pressure.iter_mut().enumerate() {
-            let (kx, ky, wx, wy) = (self.kx[m % nx], &self.ky[m / nx], &wx[m], &wy[m]);
-            for lane in 0..LANES {
+            let (kx, wx, wy) = (self.kx[m % nx], &wx[m], &wy[m]);
+            for (lane, ky) in self.ky[m / nx].iter().enumerate() {
                 let scale = per_tau * self.inverse_k2[m][lane] * self.filter[m][lane];
-                pressure.re[lane] = scale * (kx * wx.im[lane] + ky[lane] * wy.im[lane]);
-                pressure.im[lane] = -scale * (kx * wx.re[lane] + ky[lane] * wy.re[lane]);
+                pressure.re[lane] = scale * (kx * wx.im[lane] + ky * wy.im[lane]);
+                pressure.im[lane] = -scale * (kx * wx.re[lane] + ky * wy.re[lane]);
             }
         }
     }

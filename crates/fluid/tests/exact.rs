@@ -262,6 +262,35 @@ fn step_allocates_nothing(scheme: TimeScheme) {
 }
 
 #[test]
+fn a_fluid_takes_less_than_25_fields() {
+    let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
+    scene.fluid.as_mut().expect("it has one").domain.cells = [320, 120];
+    let counted = allocation_counter::measure(|| {
+        let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        run(&mut fluid, 2, 1e-3);
+        fluid.pressure_jump();
+    });
+    let fields = counted.bytes_max as f64 / (8.0 * 320.0 * 120.0);
+    println!("{fields:.1} arrays of the grid's size at most");
+    assert!(fields < 25.0, "{fields} arrays of the grid's size");
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let [one, two, many] = [1, 2, 5].map(|threads| {
+        let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
+        let fluid = scene.fluid.as_mut().expect("it has one");
+        // Blocks of columns that overlap, rows that do not come out even.
+        (fluid.domain.cells, fluid.threads) = ([99, 39], threads);
+        let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        run(&mut fluid, 20, 2e-3);
+        fluid
+    });
+    assert!(one.state() == two.state(), "two threads give other bits than one");
+    assert!(one.state() == many.state(), "five threads give other bits than one");
+}
+
+#[test]
 fn bad_steps_and_stations_are_refused_and_change_nothing() {
     let mut fluid = Fluid::new(&scene(CYLINDER_IN_CHANNEL, BEAM)).unwrap_or_else(|e| panic!("{e}"));
     run(&mut fluid, 2, 2e-3);

@@ -1,7 +1,6 @@
 //! FFTW, loaded at run time: real two-dimensional transforms in double precision on one thread.
 
 use std::ffi::{c_int, c_uint, c_void};
-use std::ptr::null_mut;
 use std::slice::from_raw_parts_mut;
 
 use libloading::{Library, Symbol};
@@ -45,7 +44,7 @@ impl Fftw {
             let spectrum = allocate(16 * modes).cast::<[f64; 2]>();
             let forward = plan_forward(n0, n1, field, spectrum, FFTW_MEASURE);
             let inverse = plan_inverse(n0, n1, spectrum, back, FFTW_MEASURE);
-            assert!(forward != null_mut() && inverse != null_mut(), "FFTW has no plan for {nx} x {ny}");
+            assert!(!forward.is_null() && !inverse.is_null(), "FFTW has no plan for {nx} x {ny}");
             for (c, value) in from_raw_parts_mut(field, points).iter_mut().enumerate() {
                 *value = crate::noise(c);
             }

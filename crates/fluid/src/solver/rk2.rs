@@ -19,7 +19,7 @@ use multiversion::multiversion;
 use super::{Error, Flow, Fluid};
 use crate::grid::Grid;
 use crate::kernel;
-use crate::lines::{LANES, Quad};
+use crate::quad::{LANES, Quad};
 
 /// The exact decay by viscosity, as factors for each kx, and for the ky of each row.
 pub(super) struct Rk2 {
