@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::drag::WallTarget;
+use crate::drag::{Look, WallTarget};
 use crate::grid::Grid;
 use crate::solver::Force;
 
@@ -17,17 +17,20 @@ pub struct Cell {
     pub velocity: [f64; 2],
     /// Its position from the point that the body's moment is taken about, m.
     pub arm: [f64; 2],
-    /// How fast that velocity changes with the body's own there: 1, and more where it follows a wall target.
-    pub gain: f64,
 }
 
-/// A cell whose body draws the fluid to something else than its own velocity: `own · u_b + Σ weight · u(point)`.
+/// A cell whose body draws the fluid to something else than its own velocity: `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`,
+/// summed over points, with t along the surface and n across.
 #[derive(Clone, Copy, Debug)]
 struct Drawn {
     /// Which of the cells.
     cell: usize,
-    /// Velocity of the body there times `own`, m/s.
-    own: [f64; 2],
+    /// Velocity of the body there, m/s.
+    body: [f64; 2],
+    /// Unit normal n of the surface.
+    normal: [f64; 2],
+    /// Sums of the weights of its points, along and across.
+    weight: [f64; 2],
     /// End of its points; they begin where those of the one before end.
     points_end: usize,
 }
@@ -37,8 +40,8 @@ struct Drawn {
 pub struct Cells {
     cells: Vec<Cell>,
     drawn: Vec<Drawn>,
-    /// Grid points that the drawn cells look at, and their weights.
-    points: Vec<(usize, f64)>,
+    /// Grid points that the drawn cells look at, and their weights along and across the surface.
+    points: Vec<(usize, [f64; 2])>,
 }
 
 impl Cells {
@@ -51,7 +54,7 @@ impl Cells {
 
     /// Add a cell that moves with the body.
     pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2], arm: [f64; 2]) {
-        self.cells.push(Cell { index, rate, velocity, arm, gain: 1.0 });
+        self.cells.push(Cell { index, rate, velocity, arm });
     }
 
     /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
@@ -64,34 +67,31 @@ impl Cells {
         normal: [f64; 2],
         grid: &Grid,
     ) {
-        let (mirror, curvature) = target.weights(distance);
-        let Some(cell) = self.cells.last_mut().filter(|_| mirror != 0.0 || curvature != 0.0) else { return };
-        let mut look = |off: f64, weight: f64| {
+        let looks = target.looks(distance);
+        let Some(cell) = self.cells.last().filter(|_| looks.iter().any(|look| look.weight != [0.0; 2])) else { return };
+        let mut sum = [0.0; 2];
+        for Look { off, weight } in looks {
             let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
-            self.points.extend(around.map(|(point, share)| (point, weight * share)));
-        };
-        if mirror != 0.0 {
-            look(-distance, -mirror);
+            self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
+            sum = [sum[0] + weight[0], sum[1] + weight[1]];
         }
-        if curvature != 0.0 {
-            look(2.0 * target.cell, curvature);
-            look(target.cell, -2.0 * curvature);
-        }
-        cell.gain = 1.0 + mirror + curvature;
-        let own = cell.velocity.map(|component| cell.gain * component);
-        self.drawn.push(Drawn { cell: self.cells.len() - 1, own, points_end: self.points.len() });
+        let (cell, body) = (self.cells.len() - 1, cell.velocity);
+        self.drawn.push(Drawn { cell, body, normal, weight: sum, points_end: self.points.len() });
     }
 
     /// Look at the flow around the drawn cells anew.
     pub fn look(&mut self, flow: &[Vec<f64>; 2]) {
         let mut begin = 0;
         for drawn in &self.drawn {
-            let mut velocity = drawn.own;
+            let ([u, v], [nx, ny]) = (drawn.body, drawn.normal);
+            let mut along = -drawn.weight[0] * (nx * v - ny * u);
+            let mut across = -drawn.weight[1] * (nx * u + ny * v);
             for &(point, weight) in &self.points[begin..drawn.points_end] {
-                velocity[0] += weight * flow[0][point];
-                velocity[1] += weight * flow[1][point];
+                let (u, v) = (flow[0][point], flow[1][point]);
+                along += weight[0] * (nx * v - ny * u);
+                across += weight[1] * (nx * u + ny * v);
             }
-            self.cells[drawn.cell].velocity = velocity;
+            self.cells[drawn.cell].velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
             begin = drawn.points_end;
         }
     }

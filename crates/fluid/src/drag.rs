@@ -52,6 +52,7 @@ pub enum DragProfile {
 ///
 /// `u_b − mirror w(D/2) (u(D) − u_b) + curvature v (u(2) − 2 u(1) + u_b)`
 ///
+/// along the surface (across it, its own velocity stays: what is drawn through the surface would be pumped against the drag) and
 /// at the depth D, all lengths in cells: u(x) is the flow at the distance x outside, w falls from 1 to 0 as a cosine; v is
 /// w(D/depth) inside and 1 outside up to half a cell, as far as the drag matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,17 +67,51 @@ pub struct WallTarget {
     pub cell: f64,
 }
 
+/// Where a wall target looks, and what for.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// Distance from the surface into the fluid, m.
+    pub off: f64,
+    /// Weights of the velocity there along and across the surface.
+    pub weight: [f64; 2],
+}
+
 impl WallTarget {
-    /// Weights of the mirror image and of the second difference at signed distance `d` (m).
-    pub fn weights(&self, d: f64) -> (f64, f64) {
-        let fall = |depth: f64| if depth < 1.0 { 0.5 * (1.0 + (PI * depth).cos()) } else { 0.0 };
-        let inwards = -d / self.cell;
-        if inwards > 0.0 {
-            (self.mirror * fall(inwards / MIRROR_DEPTH), self.curvature * fall(inwards / self.depth))
+    /// What it looks at for the point at signed distance `d` (m).
+    pub fn looks(&self, d: f64) -> [Look; 3] {
+        let depth = -d / self.cell;
+        let (mirror, curvature) = self.weights(depth);
+        let across = if depth > 0.0 { -2.0 * self.mirror * mirrored_flux(depth) } else { 0.0 };
+        [
+            Look { off: -d, weight: [-mirror, 0.0] },
+            Look { off: self.cell, weight: [-2.0 * curvature, across] },
+            Look { off: 2.0 * self.cell, weight: [curvature, 0.0] },
+        ]
+    }
+
+    /// Weights of the mirror image and of the second difference at a depth (cells).
+    fn weights(&self, depth: f64) -> (f64, f64) {
+        if depth > 0.0 {
+            (self.mirror * fall(depth / MIRROR_DEPTH), self.curvature * fall(depth / self.depth))
         } else {
-            (0.0, if inwards > -OUTSIDE { self.curvature } else { 0.0 })
+            (0.0, if depth > -OUTSIDE { self.curvature } else { 0.0 })
         }
     }
+}
+
+/// From 1 at 0 to 0 at 1 and beyond, as a cosine.
+fn fall(x: f64) -> f64 {
+    if x < 1.0 { 0.5 * (1.0 + (PI * x).cos()) } else { 0.0 }
+}
+
+/// `∫ x fall(x/2) dx` from `depth` to 2 (cells): what the mirror image of a shear of 1 carries along the wall below.
+fn mirrored_flux(depth: f64) -> f64 {
+    if depth >= MIRROR_DEPTH {
+        return 0.0;
+    }
+    let wave = PI / MIRROR_DEPTH;
+    let integral = |x: f64| 0.25 * x * x + 0.5 * (x * (wave * x).sin() / wave + (wave * x).cos() / (wave * wave));
+    integral(MIRROR_DEPTH) - integral(depth)
 }
 
 impl DragProfile {
@@ -244,7 +279,7 @@ fn flow_along_wall(e_fold: f64, target: &WallTarget, g: f64, slope: f64) -> (Vec
     // Deep inside the rate is so large that any larger one makes no difference.
     let rate = |d: f64| ((-2.0 * EULER_GAMMA - d / e_fold).exp() / (e_fold * e_fold)).min(1e6);
     let rates: Vec<_> = (0..n).map(|i| rate(distance(i))).collect();
-    let weights: Vec<_> = (0..n).map(|i| target.weights(distance(i))).collect();
+    let weights: Vec<_> = (0..n).map(|i| target.weights(-distance(i))).collect();
     let (mut u, mut c, mut r) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     for _ in 0..60 {
         let second_difference = u[wall + 2 * POINTS_PER_CELL] - 2.0 * u[wall + POINTS_PER_CELL];

@@ -1,9 +1,12 @@
 //! Points whose velocity and pressure are outputs.
 
+use nalgebra::{Matrix3xX, Vector3};
+
 use crate::grid::Grid;
 
-/// Distances from a wall at which the pressure is read for a probe nearer to it, in cells: outside of what the mask smears.
-const OFF_WALL: [f64; 3] = [1.5, 2.5, 3.5];
+/// Distances from a wall at which the pressure is read for a probe in its smeared surface, in cells. The pressure has a kink
+/// there, which rings from cell to cell: a parabola fitted over several cells does not see that.
+const OFF_WALL: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 
 /// A point, and the grid points that its values come from.
 pub struct Probe {
@@ -15,7 +18,7 @@ pub struct Probe {
 
 impl Probe {
     /// A probe at a point (m). Where that lies in the smeared surface of a still circle (centre and radius, m), its pressure
-    /// is extrapolated from the flow outside, along the normal by a parabola.
+    /// is that of the flow outside, by the parabola along the normal that fits it best.
     pub fn new(position: [f64; 2], still_circles: impl Iterator<Item = ([f64; 2], f64)>, grid: &Grid) -> Self {
         let cell = grid.cell_size();
         let mut at_wall = None;
@@ -26,12 +29,14 @@ impl Probe {
             if distance.abs() >= OFF_WALL[0] {
                 continue;
             }
+            let powers = Matrix3xX::from_fn(OFF_WALL.len(), |power, i| OFF_WALL[i].powi(power as i32));
+            let here = Vector3::new(1.0, distance, distance * distance);
+            let Some(inverse) = (&powers * powers.transpose()).try_inverse() else { continue };
+            let shares = powers.transpose() * (inverse * here);
             let look = |i: usize| {
-                let others = OFF_WALL.iter().enumerate().filter(|&(j, _)| j != i).map(|(_, other)| other);
-                let share: f64 = others.map(|other| (distance - other) / (OFF_WALL[i] - other)).product();
                 let out = (radius + OFF_WALL[i] * cell) / from_center;
                 let around = grid.cubic_interpolation([0, 1].map(|axis| center[axis] + out * offset[axis]));
-                around.map(|(point, weight)| (point, share * weight))
+                around.map(|(point, weight)| (point, shares[i] * weight))
             };
             at_wall = Some((0..OFF_WALL.len()).flat_map(look).collect());
         }
