@@ -3,19 +3,34 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 GRID ?= 325x72
 SCENE ?= scenes/fsi3-$(GRID).json
+RESULTS ?= results/fsi3-$(GRID)
 ARGS ?=
 
 VENV := .venv
 RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
 
-.PHONY: help fsi3 run units build test rust-test python-test bindings-check schema descriptions record lock clean
+.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test python-test bindings-check schema descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
 
 fsi3: SCENE := scenes/fsi3-$(GRID).json
 fsi3: run ## run the FSI3 benchmark, GRID=325x72 (default) or 650x144; results in results/fsi3-GRID
+
+comma := ,
+on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(1)-$(GRID)
+
+cylinder: GRID := 900x180
+cylinder: build $(READY) ## run the cylinder 2D-2, GRID=900x180 (default) or another; results in results/cylinder-2d2-GRID
+	$(RUN) scripts/run.py scenes/cylinder-2d2-900x180.json $(call on_grid,cylinder-2d2) $(ARGS)
+
+cylinder-2d1: GRID := 450x90
+cylinder-2d1: build $(READY) ## run the cylinder 2D-1, the same for the steady flow at Re 20
+	$(RUN) scripts/run.py scenes/cylinder-2d1-450x90.json $(call on_grid,cylinder-2d1) $(ARGS)
+
+animation: $(READY) ## vorticity.gif and phases.png of RESULTS=results/NAME, whose run had --fields-every
+	$(RUN) scripts/animate.py $(RESULTS)
 
 run: build $(READY) ## run SCENE=scenes/NAME.json; more options by ARGS="--end-time 1 --set key=value"
 	$(RUN) scripts/run.py $(SCENE) $(ARGS)
@@ -51,9 +66,10 @@ descriptions: build $(READY) ## write modelDescription/*.xml of the FSI3 pair an
 record: build $(READY) ## write tests/recorded.json anew: only after a change of the physics that is meant
 	PYTHONPATH=scripts $(RUN) tests/record.py
 
-lock: ## pin requirements.in anew; needs pip-tools
+lock: ## pin requirements.in and requirements-bench.in anew; needs pip-tools
+	for name in requirements requirements-bench; do \
 	pip-compile --generate-hashes --strip-extras --no-header --no-emit-index-url --no-emit-trusted-host \
-	--no-emit-find-links --output-file requirements.lock requirements.in
+	--no-emit-find-links --output-file $$name.lock $$name.in || exit; done
 
 clean: ## remove everything that was built; results stay
 	cargo clean
@@ -66,7 +82,7 @@ $(READY): requirements.lock
 
 ROD_STUDY := cargo run --release --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
 
-.PHONY: rod-study bench-rod
+.PHONY: rod-study bench-rod fluid-study
 
 rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
 	$(ROD_STUDY) -- docs/rod
@@ -74,3 +90,20 @@ rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, a
 
 bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
 	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
+
+fluid-study: build $(READY) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
+	$(RUN) scripts/studies/fluid.py $(ARGS)
+
+BENCH_VENV := target/fluid-bench/venv
+
+.PHONY: bench-fluid
+
+bench-fluid: $(BENCH_VENV)/.ready ## compare the fluid's speed with FFTW's and write the tables in docs/fluid-speed.md anew
+	FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)" \
+	cargo run --release --locked --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench -- \
+	docs/fluid-speed.md
+
+$(BENCH_VENV)/.ready: requirements-bench.lock
+	$(PYTHON) -m venv --clear $(BENCH_VENV)
+	$(BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-bench.lock
+	touch $@

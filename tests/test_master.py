@@ -89,7 +89,7 @@ def monolithic():
 
 def run(scheme, clock=CLOCK, stopping=lambda: False):
     recorder = Recorder({"rod": scheme.rod, "fluid": scheme.fluid}, clock.steps)
-    return master.run(scheme, clock, recorder, lambda *_: None, stopping), recorder
+    return master.run(scheme, clock, recorder, stopping=stopping), recorder
 
 
 def test_iterated_scheme_gives_the_monolithic_solution_at_ten_times_the_mass():

@@ -49,7 +49,7 @@ def test_a_symmetric_flow_has_drag_and_no_lift(fluid_only, tmp_path):
     drag, lift = series["drag"][-1], series["lift"][-1]
     assert drag > 0
     assert abs(lift) < 1e-9 * drag
-    pictures = {"drag.png", "lift.png", "vorticity.png"}
+    pictures = {"drag.png", "lift.png", "vorticity.png", "coefficients.png"}
     assert files(tmp_path / "results") == {"cylinder-in-a-stream-fluid.fmu", *pictures, *TABLES}
 
 

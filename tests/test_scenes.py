@@ -5,7 +5,7 @@ import json
 import jsonschema
 import pytest
 from conftest import SCENES
-from cosim import package
+from cosim import coefficients, package
 from cosim.report import QUANTITIES
 from cosim.scene import REFERENCES, ROOT, load, reference
 
@@ -39,7 +39,8 @@ def test_references_are_about_quantities_that_are_evaluated():
     for name, family in json.loads(REFERENCES.read_text(encoding="utf-8")).items():
         for part in family.values():
             assert part["source"], name
-            assert set(part["quantities"]) <= set(QUANTITIES), name
+            assert set(part.get("quantities", {})) <= set(QUANTITIES), name
+            assert set(part.get("coefficients", {})) <= set(coefficients.NAMES), name
 
 
 def test_primary_reference_lies_inside_the_published_spread():

@@ -74,7 +74,41 @@ def test_pressure_jump_takes_the_place_of_the_momentum_load(fsi3, instantiate):
 def test_a_part_that_the_scene_lacks_has_no_variables(fluid_only):
     names = etree.fromstring(package.describe("fluid", fluid_only).encode()).xpath("//ScalarVariable/@name")
     assert [name for name in names if ELEMENT.fullmatch(name)] == []
-    assert {"drag", "lift"} <= set(names)
+    assert [name for name in names if name.startswith(("beam.", "probe."))] == []
+    assert {"drag", "lift", "cylinder[1].drag", "cylinder[1].lift", "cylinder[1].moment"} <= set(names)
+
+
+def test_each_body_and_probe_has_its_outputs(small_fsi3, start_fluid):
+    box, node = small_fsi3["fluid"]["box"], (60, 20)
+    at_node = [low + k * (high - low) / n for (low, high), k, n in zip((box["x"], box["y"]), node, box["cells"])]
+    small_fsi3["fluid"]["probes"] = [
+        {"name": "node", "position": at_node},
+        {"name": "inlet", "position": [-0.1, 0.205]},
+    ]
+    fluid = start_fluid(small_fsi3)
+    value = {name: fluid.output(name)[0] for name in fluid.scalars("Real")}
+    for name in ("drag", "lift"):
+        assert value[name] == pytest.approx(value[f"cylinder[1].{name}"] + value[f"beam.{name}"], rel=1e-12)
+    assert value["cylinder[1].drag"] > 0
+    assert 0 < abs(value["beam.moment"]) < 0.35 * value["drag"]
+    for name in ("u", "v", "p"):
+        assert value[f"probe.node.{name}"] == pytest.approx(fluid.field(name)[node], rel=1e-9)
+    assert value["probe.inlet.u"] == pytest.approx(1.5, rel=0.02)
+
+
+@pytest.fixture
+def start_fluid(instantiate):
+    """The fluid of a scene after ten steps of 1 ms with its stations at rest."""
+
+    def start(scene):
+        fluid = instantiate(scene)["fluid"]
+        fluid.connect([], [])
+        fluid.start()
+        for step in range(10):
+            fluid.step(1e-3 * step, 1e-3)
+        return fluid
+
+    return start
 
 
 def test_stations_start_on_the_undeformed_bar(fsi3, instantiate):

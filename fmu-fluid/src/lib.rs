@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
-use fluid::{Fluid, Stations};
+use fluid::{Fluid, Force, Stations};
 use fmi2::{Description, Log, Model};
 use scene::{Mask, Scene};
 use serde::{Deserialize, Serialize};
@@ -17,9 +17,12 @@ struct FluidUnit {
     parameters: Parameters,
     fluid: Fluid,
     force: [f64; 2],
+    /// Forces on the cylinders and on the beam.
+    forces: Vec<Force>,
     cfl: f64,
     flow_rate: f64,
-    kinetic_energy: f64,
+    /// What is made only when it is asked for.
+    asked: f64,
 }
 
 /// What a master may change before the start without another scene file.
@@ -53,7 +56,7 @@ impl Parameters {
     fn apply(&self, fluid: &mut scene::Fluid) {
         fluid.density = self.density;
         fluid.kinematic_viscosity = self.kinematic_viscosity;
-        let (Mask::Sharp { c_eta } | Mask::Cosine { c_eta, .. } | Mask::LogLinear { c_eta, .. }) = &mut fluid.mask;
+        let (Mask::Sharp { c_eta, .. } | Mask::Cosine { c_eta, .. } | Mask::LogLinear { c_eta, .. }) = &mut fluid.mask;
         *c_eta = self.c_eta;
         fluid.time_stepping.max_step = self.max_step;
         fluid.time_stepping.max_cfl = self.max_cfl;
@@ -82,9 +85,31 @@ impl FluidUnit {
 
     fn publish(&mut self) {
         self.force = self.fluid.force();
+        let cylinders = self.scene.fluid.as_ref().map_or(0, |fluid| fluid.cylinders.len());
+        self.forces.clear();
+        self.forces.extend((0..cylinders).map(|cylinder| self.fluid.force_on_cylinder(cylinder)));
+        self.forces.extend(self.fluid.force_on_beam());
         let diagnostics = self.fluid.diagnostics();
         self.cfl = diagnostics.cfl;
         self.flow_rate = diagnostics.flow_rate;
+    }
+
+    /// A value that is made when it is asked for.
+    fn ask(&mut self, make: impl FnOnce(&mut Fluid) -> f64) -> &[f64] {
+        self.asked = make(&mut self.fluid);
+        from_ref(&self.asked)
+    }
+
+    /// Drag, lift and moment of body `number` (the cylinders, then the beam) under a name.
+    fn force_variables(number: usize, name: &str, body: &str, point: &str) -> [Variable; 3] {
+        let text = |axis| format!("Force of the fluid on {body} along {axis}, per metre of depth");
+        let moment = format!("Moment of the fluid on {body} about {point}, positive to the left, per metre of depth");
+        [
+            Real::output(format!("{name}.drag"), "N/m", text("x"), move |m| from_ref(&m.forces[number].force[0])),
+            Real::output(format!("{name}.lift"), "N/m", text("y"), move |m| from_ref(&m.forces[number].force[1])),
+            Real::output(format!("{name}.moment"), "N.m/m", moment, move |m| from_ref(&m.forces[number].moment)),
+        ]
+        .map(|variable| variable.depends_on(&[]))
     }
 }
 
@@ -98,7 +123,18 @@ impl Model for FluidUnit {
         let fluid = Fluid::new(&scene).map_err(|e| e.to_string())?;
         let part = scene.fluid.as_ref().expect("Fluid::new refuses a scene without a fluid");
         let parameters = Parameters::of(part);
-        Ok(Self { parameters, scene, fluid, force: [0.0; 2], cfl: 0.0, flow_rate: 0.0, kinetic_energy: 0.0 })
+        let mut unit = Self {
+            parameters,
+            scene,
+            fluid,
+            force: [0.0; 2],
+            forces: Vec::new(),
+            cfl: 0.0,
+            flow_rate: 0.0,
+            asked: 0.0,
+        };
+        unit.publish();
+        Ok(unit)
     }
 
     fn description(&self) -> Description {
@@ -138,8 +174,13 @@ impl Model for FluidUnit {
             })
             .depends_on(&[]),
             Real::local("kinetic_energy", "J/m", "Kinetic energy of the whole box per metre of depth", |m| {
-                m.kinetic_energy = m.fluid.diagnostics().kinetic_energy;
-                from_ref(&m.kinetic_energy)
+                m.ask(|fluid| fluid.diagnostics().kinetic_energy)
+            }),
+            Real::local("enstrophy", "m2/s2", "Half the integral of the squared vorticity over the whole box", |m| {
+                m.ask(|fluid| fluid.diagnostics().enstrophy)
+            }),
+            Real::local("divergence", "1", "Largest divergence times the cell size over the largest speed", |m| {
+                m.ask(Fluid::divergence)
             }),
         ];
         let part = self.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
@@ -148,6 +189,32 @@ impl Model for FluidUnit {
                 |axis| format!("Force of the fluid on all cylinders and the beam along {axis}, per metre of depth");
             list.push(Real::output("drag", "N/m", text("x"), |m| from_ref(&m.force[0])).depends_on(&[]));
             list.push(Real::output("lift", "N/m", text("y"), |m| from_ref(&m.force[1])).depends_on(&[]));
+        }
+        for number in 0..part.cylinders.len() {
+            let name = format!("cylinder[{}]", number + 1);
+            list.extend(Self::force_variables(number, &name, &format!("cylinder {}", number + 1), "its centre"));
+        }
+        if self.scene.beam.is_some() {
+            list.extend(Self::force_variables(part.cylinders.len(), "beam", "the beam", "its root"));
+        }
+        for (k, probe) in part.probes.iter().enumerate() {
+            let name = format!("probe.{}", probe.name);
+            let [x, y] = probe.position;
+            let text = |what| format!("{what} at ({x}, {y})");
+            list.extend(
+                [
+                    Real::output(format!("{name}.u"), "m/s", text("Velocity along x"), move |m| {
+                        m.ask(|fluid| fluid.probe_velocity(k)[0])
+                    }),
+                    Real::output(format!("{name}.v"), "m/s", text("Velocity along y"), move |m| {
+                        m.ask(|fluid| fluid.probe_velocity(k)[1])
+                    }),
+                    Real::output(format!("{name}.p"), "Pa", text("Static pressure"), move |m| {
+                        m.ask(|fluid| fluid.probe_pressure(k))
+                    }),
+                ]
+                .map(|variable| variable.depends_on(&[])),
+            );
         }
         if let Some(stations) = self.fluid.stations() {
             let n = stations.len();

@@ -9,7 +9,7 @@ answers with are those that the fluid was given, with Aitken's relaxation betwee
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 
@@ -70,6 +70,9 @@ def connections(source: Unit, target: Unit) -> list[str]:
 class Single:
     """One unit alone: every input keeps its start value."""
 
+    memory = ()
+    """Names of the numbers that the scheme itself carries from step to step."""
+
     def __init__(self, unit: Unit):
         unit.connect([], [])
         self.unit = unit
@@ -85,6 +88,8 @@ class Single:
 
 class Explicit:
     """Rod and fluid with one exchange a step."""
+
+    memory = ()
 
     def __init__(self, rod: Unit, fluid: Unit):
         self.rod, self.fluid = rod, fluid
@@ -115,6 +120,8 @@ class Explicit:
 
 class Iterated(Explicit):
     """Rod and fluid with exchanges until they agree."""
+
+    memory = ("relaxation",)
 
     def __init__(self, rod: Unit, fluid: Unit, tolerance: float, max_iterations: int):
         super().__init__(rod, fluid)
@@ -188,26 +195,34 @@ def run(
     scheme: Single | Explicit | Iterated,
     clock: Clock,
     recorder: Recorder,
-    show: Callable[[float, float], None],
-    stopping: Callable[[], bool],
+    watchers: Sequence[Callable[[int, float, float], None]] = (),
+    stopping: Callable[[], bool] = lambda: False,
+    done: int = 0,
+    wall: float = 0.0,
 ) -> Outcome:
-    """Step from 0 to the end of `clock`, or until `stopping` says so or a unit fails.
+    """Step to the end of `clock`, or until `stopping` says so or a unit fails.
 
-    `show` is called after every step with the simulated time and the wall time (s).
+    A run that begins with step `done` > 0 goes on from there: its units are in that state, and it has cost `wall` (s)
+    so far. Each of `watchers` is called at the start and after every step with the number of steps done, the
+    simulated time and the wall time (s).
     """
-    begin = perf_counter()
-    done, reached, error = 0, 0.0, None
+    begin = perf_counter() - wall
+    reached, error = clock.step(done)[0] if done < clock.steps else clock.end, None
     try:
-        scheme.start()
-        recorder.record(0, 0.0, 0)
-        for i in range(clock.steps):
+        if done == 0:
+            scheme.start()
+            recorder.record(0, 0.0, 0)
+            for watch in watchers:
+                watch(0, 0.0, perf_counter() - begin)
+        for i in range(done, clock.steps):
             if stopping():
                 break
             t, h = clock.step(i)
             iterations = scheme.step(t, h)
             done, reached = i + 1, t + h
             recorder.record(done, reached, iterations)
-            show(reached, perf_counter() - begin)
+            for watch in watchers:
+                watch(done, reached, perf_counter() - begin)
     except (UnitError, CouplingError) as failure:
         error = str(failure)
     return Outcome(done, reached, perf_counter() - begin, done == clock.steps, error)

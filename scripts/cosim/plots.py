@@ -10,6 +10,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Circle, Polygon
 
+from . import coefficients, statistics
+from .fields import outline, stations
 from .recorder import Recorder
 from .report import DISPLAY, write_whole
 from .scene import reference
@@ -21,13 +23,16 @@ BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 VORTICITY_PERCENTILE = 99.0
 """Part of the picture's points, in percent, whose vorticity lies inside the colour scale."""
 
+COLOUR_MAP = "RdBu_r"
+"""Diverging, white at 0, and the same to colour-blind readers."""
+
 SOLID = "0.55"
 
 
 def time_series(folder: Path, recorder: Recorder, name: str) -> None:
     """Write tip.png, drag.png and lift.png, as far as there is such an output, with the published bands of the scene
     called `name`."""
-    published = (reference(name) or {}).get("primary", {"quantities": {}})
+    published = (reference(name) or {}).get("primary", {})
     for file, columns in (
         ("tip", ("tip_ux", "tip_uy", "tip_uz")),
         ("drag", ("drag",)),
@@ -47,7 +52,7 @@ def _figure_of(recorder: Recorder, columns: list[str], published: dict):
     for axis, column, colour in zip(axes[:, 0], columns, (BLUE, ORANGE, GREEN)):
         unit, scale = DISPLAY.get(recorder.unit_of[column], (recorder.unit_of[column], 1.0))
         axis.plot(time, recorder.column(column) * scale, color=colour, linewidth=0.8)
-        band = published["quantities"].get(column)
+        band = published.get("quantities", {}).get(column)
         if band and "mean" in band:
             low, high = ((band["mean"] + sign * band["amplitude"]) * scale for sign in (-1, 1))
             axis.axhspan(low, high, color="0.85", zorder=0)
@@ -58,30 +63,66 @@ def _figure_of(recorder: Recorder, columns: list[str], published: dict):
     return figure
 
 
+def cylinder(folder: Path, recorder: Recorder, scene: dict, summary: dict) -> None:
+    """Write coefficients.png, cD and cL over time and, where the flow is periodic, against each other, with the
+    published values; nothing if the scene is not a cylinder alone."""
+    scale = coefficients.scale(scene)
+    if scale is None or summary["window_s"] is None:
+        return
+    time, curves = recorder.column("time"), coefficients.series(scale, recorder)
+    published = coefficients.published(reference(scene["name"]))
+    window = statistics.Window(*summary["window_s"], summary["periods"]).last(statistics.MIN_PERIODS)
+    part = window.of(time)
+    if window.periods:
+        lines, layout = ("max", "min"), [["cd", "orbit"], ["cl", "orbit"]]
+    else:
+        lines, layout = ("mean",), [["cd"], ["cl"]]
+    figure = plt.figure(figsize=(12 if window.periods else 8, 5), layout="constrained")
+    axes = figure.subplot_mosaic(layout, width_ratios=[1.6, 1] if window.periods else None)
+    for name, label, colour in (("cd", "$c_D$", BLUE), ("cl", "$c_L$", ORANGE)):
+        axes[name].plot(time, curves[name], color=colour, linewidth=0.8)
+        levels = [published[f"{name}_{what}"] for what in lines if f"{name}_{what}" in published]
+        for level in levels:
+            axes[name].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
+        low, high = min([curves[name][part].min(), *levels]), max([curves[name][part].max(), *levels])
+        margin = max(0.5 * (high - low), 0.02 * abs(high))
+        axes[name].set(ylabel=label, ylim=(low - margin, high + margin), xlim=(0, time[-1]))
+        axes[name].axvspan(window.begin, window.end, color="0.93", zorder=0)
+        if window.periods and name == "cd":
+            for level in levels:
+                axes["orbit"].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
+    axes["cl"].set_xlabel("time [s]")
+    if window.periods:
+        axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
+        axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
+    figure.suptitle("grey: window; dashed: published" if published else "grey: window", fontsize="small")
+    _save(figure, folder / "coefficients.png")
+
+
 def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) -> None:
     """Write vorticity.png of the fluid at `time` (s), with the cylinders that stand still and the beam where it is
     now; nothing if the fluid shows no field."""
     field = units["fluid"].field("vorticity") if "fluid" in units else None
     if field is None:
         return
+    corners = outline(stations(units), scene["beam"]["thickness"]) if scene.get("beam") else None
+    figure, axis = plt.subplots(figsize=size(scene, 12.0), layout="constrained")
+    picture = draw_vorticity(axis, scene, field, corners, vorticity_limit(scene, [field]))
+    axis.set_title(f"vorticity at t = {time:.3f} s")
+    figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
+    _save(figure, folder / "vorticity.png")
+
+
+def draw_vorticity(axis, scene: dict, field: np.ndarray, corners: np.ndarray | None, limit: float):
+    """Draw a vorticity `field`, `[nx, ny]`, with the solids, the colours from -`limit` to `limit` (1/s); `corners` are
+    those of the beam."""
     (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
-    left = (scene["fluid"].get("inflow") or {"x": [x0, x0]})["x"][1]
-    bottom, top = (scene["fluid"].get("channel") or {"y": [y0, y1]})["y"]
-    left = left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0
-
-    columns = np.linspace(x0, x1, field.shape[0], endpoint=False)
-    rows = np.linspace(y0, y1, field.shape[1], endpoint=False)
-    inside = field[np.ix_(columns >= left, (rows >= bottom) & (rows <= top))]
-    limit = np.percentile(np.abs(inside), VORTICITY_PERCENTILE) or 1.0
-
-    width, height = x1 - left, top - bottom
-    figure, axis = plt.subplots(figsize=(12, max(2.5, 10.5 * height / width + 0.8)), layout="constrained")
     half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
     picture = axis.imshow(
         field.T,
         origin="lower",
         extent=(x0 - half_x, x1 - half_x, y0 - half_y, y1 - half_y),
-        cmap="RdBu_r",
+        cmap=COLOUR_MAP,
         vmin=-limit,
         vmax=limit,
         interpolation="bilinear",
@@ -89,25 +130,35 @@ def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) ->
     for cylinder in scene["fluid"].get("cylinders", []):
         if not cylinder.get("motion"):
             axis.add_patch(Circle(cylinder["center"], cylinder["radius"], color=SOLID))
-    if scene.get("beam"):
-        axis.add_patch(Polygon(_beam_outline(units, scene["beam"]["thickness"]), color=SOLID))
-    axis.set(xlim=(left, x1), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]")
-    axis.set_title(f"vorticity at t = {time:.3f} s")
-    figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
-    _save(figure, folder / "vorticity.png")
+    if corners is not None:
+        axis.add_patch(Polygon(corners, color=SOLID))
+    left, right, bottom, top = _view(scene)
+    axis.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]")
+    return picture
 
 
-def _beam_outline(units: dict[str, Unit], thickness: float) -> np.ndarray:
-    """Corners of the beam, `[2 n, 2]`, from its stations; a rigid beam's are the start values of the fluid."""
-    if "rod" in units:
-        stations = np.column_stack([units["rod"].output("x"), units["rod"].output("y")])
-    else:
-        variables = units["fluid"].variables
-        stations = np.column_stack([np.array(variables[name].start, dtype=float) for name in ("x", "y")])
-    tangent = np.gradient(stations, axis=0)
-    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.linalg.norm(tangent, axis=1, keepdims=True)
-    side = thickness / 2 * normal
-    return np.concatenate([stations + side, (stations - side)[::-1]])
+def vorticity_limit(scene: dict, vorticities: list[np.ndarray]) -> float:
+    """End of the colour scale for `vorticities` of one run, 1/s: the largest values, at the walls, saturate."""
+    left, _, bottom, top = _view(scene)
+    (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
+    nx, ny = vorticities[0].shape
+    columns, rows = np.linspace(x0, x1, nx, endpoint=False), np.linspace(y0, y1, ny, endpoint=False)
+    seen = np.ix_(columns >= left, (rows >= bottom) & (rows <= top))
+    return float(np.percentile(np.abs([field[seen] for field in vorticities]), VORTICITY_PERCENTILE)) or 1.0
+
+
+def size(scene: dict, width: float) -> tuple[float, float]:
+    """Size of a figure of the scene with a colour bar, in, for its width."""
+    left, right, bottom, top = _view(scene)
+    return width, max(0.21 * width, 0.875 * width * (top - bottom) / (right - left) + 0.8)
+
+
+def _view(scene: dict) -> tuple[float, float, float, float]:
+    """What a picture of the fluid shows, m: the channel behind the inflow zone, else the whole box."""
+    (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
+    left = (scene["fluid"].get("inflow") or {"x": [x0, x0]})["x"][1]
+    bottom, top = (scene["fluid"].get("channel") or {"y": [y0, y1]})["y"]
+    return left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0, x1, bottom, top
 
 
 def _save(figure, path: Path) -> None:

@@ -45,9 +45,9 @@ class Display:
         if self.bar:
             self.bar.stop()
 
-    def show(self, time: float, wall: float) -> None:
+    def show(self, _steps: int, time: float, wall: float) -> None:
         """Called after every step with the simulated time and the wall time, s; cheap unless it is time to show."""
-        if wall < self.next:
+        if wall < self.next or time == 0.0:
             return
         self.next = wall + self.interval
         latest = self.recorder.latest

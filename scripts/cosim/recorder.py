@@ -1,5 +1,7 @@
 """Keeps the scalar outputs of the units over time, in one table that is allocated before the run."""
 
+import re
+
 import numpy as np
 
 from .unit import Unit
@@ -10,12 +12,14 @@ MAX_ROWS = 200_000
 KINDS = ("Real", "Integer")
 """FMI types of the outputs that are recorded, in the order of the columns of a unit."""
 
+PUNCTUATION = re.compile(r"[.\[\]]+")
+
 
 class Recorder:
     """Table of time (s), the scalar outputs of `units` and iterations, one row a recorded step.
 
-    Dots in names become underscores; a name that two units have gets that of its unit in front. To be made after the
-    units are connected.
+    Dots and brackets in names become underscores; a name that two units have gets that of its unit in front. To be
+    made after the units are connected.
     """
 
     def __init__(self, units: dict[str, Unit], steps: int):
@@ -24,7 +28,7 @@ class Recorder:
         names = [name for _, _, name in outputs]
         self.columns, self.unit_of = ["time"], {"time": "s"}
         for unit, _, name in outputs:
-            column = (name if names.count(name) == 1 else f"{unit.name}_{name}").replace(".", "_")
+            column = PUNCTUATION.sub("_", name if names.count(name) == 1 else f"{unit.name}_{name}")
             self.columns.append(column)
             self.unit_of[column] = unit.variables[name].unit
         self.columns.append("iterations")
@@ -41,6 +45,11 @@ class Recorder:
             values += scalars.tolist()
         self.table[self.rows] = [*values, iterations]
         self.rows += 1
+
+    def resume(self, table: np.ndarray) -> None:
+        """Begin with the rows that were recorded before."""
+        self.rows = len(table)
+        self.table[: self.rows] = table
 
     def column(self, name: str) -> np.ndarray:
         """What was recorded of column `name`."""

@@ -13,7 +13,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from . import statistics
+from . import coefficients, statistics
 from .master import Outcome
 from .package import scene_text
 from .recorder import Recorder
@@ -30,7 +30,10 @@ FORCES = ("drag", "lift")
 """The outputs that a box filter goes over before their extremes are taken."""
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
-"""The files that a run may leave in its folder, besides the FMUs."""
+"""The files that a coupled run leaves in its folder, besides the FMUs."""
+
+FURTHER_FILES = ("coefficients.png", "vorticity.gif", "phases.png")
+"""What a cylinder alone leaves besides, and what `animate.py` makes of a run."""
 
 DISPLAY = {"m": ("mm", 1e3)}
 """Units that people read in another scale."""
@@ -60,7 +63,7 @@ def evaluate(recorder: Recorder, name: str) -> tuple[dict, statistics.Window | N
             "unit": recorder.unit_of[quantity],
             "fit": asdict(statistics.fit(time, values, window)) if oscillates else None,
         }
-        if published and quantity in published["quantities"]:
+        if published and quantity in published.get("quantities", {}):
             quantities[quantity]["reference"] = published["quantities"][quantity] | {"source": published["source"]}
     return quantities, window, width
 
@@ -71,12 +74,22 @@ def summarize(scene: dict, units: dict[str, Unit], recorder: Recorder, outcome: 
     time = recorder.column("time")
     iterations = recorder.column("iterations")[1:]
     main = next((signal for signal in MAIN_SIGNALS if signal in quantities), None)
+    scale = coefficients.scale(scene) if quantities else None
+    dimensionless = coefficients.evaluate(scale, recorder, window, width) if scale else {}
+    published = reference(scene["name"])
     inside = {kind: unit.seconds for kind, unit in units.items()}
     return {
         "scene": scene["name"],
         "completed": outcome.completed,
         "error": outcome.error,
         "quantities": quantities,
+        "coefficients": {
+            "values": dimensionless,
+            "reference": coefficients.published(published),
+            "source": (published or {}).get("primary", {}).get("source"),
+        }
+        if dimensionless
+        else None,
         "window_s": [window.begin, window.end] if window else None,
         "periods": window.periods if window else 0,
         "amplitude_drift": statistics.drift(time, recorder.column(main), window) if main else None,
@@ -112,7 +125,7 @@ def summarize(scene: dict, units: dict[str, Unit], recorder: Recorder, outcome: 
 
 def clear(folder: Path) -> None:
     """Remove the results of an earlier run from `folder`, so that all that is found there belongs together."""
-    for name in FILES:
+    for name in FILES + FURTHER_FILES:
         (folder / name).unlink(missing_ok=True)
 
 
@@ -142,6 +155,10 @@ def print_table(console: Console, summary: dict) -> None:
     table = Table("quantity", title=summary["scene"])
     for heading in ("computed", "reference", "difference"):
         table.add_column(heading, justify="right")
+
+    def difference(value: float | None, expected: float | None) -> str:
+        return f"{(value / expected - 1) * 100:+.1f} %" if value is not None and expected else ""
+
     for name, quantity in summary["quantities"].items():
         unit, scale = DISPLAY.get(quantity["unit"], (quantity["unit"], 1.0))
         published = quantity.get("reference", {})
@@ -149,9 +166,12 @@ def print_table(console: Console, summary: dict) -> None:
             value, expected = quantity[what], published.get(what)
             label = what.removesuffix("_hz")
             cells = [f"{v * factor:.4g}" if v is not None else "–" for v in (value, expected)]
-            known = value is not None and expected is not None
-            difference = f"{(value / expected - 1) * 100:+.1f} %" if known else ""
-            table.add_row(f"{name} {label} [{shown}]".replace("[", r"\["), *cells, difference)
+            table.add_row(f"{name} {label} [{shown}]".replace("[", r"\["), *cells, difference(value, expected))
+    found = summary["coefficients"] or {"values": {}}
+    for name, value in found["values"].items():
+        expected = found["reference"].get(name)
+        cells = [f"{v:.6g}" if v is not None else "–" for v in (value, expected)]
+        table.add_row(name.replace("_", " "), *cells, difference(value, expected))
     console.print(table)
     if summary["window_s"]:
         begin, end = summary["window_s"]

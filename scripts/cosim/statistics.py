@@ -43,6 +43,12 @@ class Window:
     periods: int
     """Whole periods of the main signal; 0 if it does not oscillate."""
 
+    def last(self, periods: int) -> "Window":
+        """Its last `periods` whole periods, or all of it if it has no more."""
+        if self.periods <= periods:
+            return self
+        return Window(self.end - periods * (self.end - self.begin) / self.periods, self.end, periods)
+
     def of(self, time: np.ndarray) -> slice:
         """The samples in the window."""
         return slice(np.searchsorted(time, self.begin), np.searchsorted(time, self.end, side="right"))

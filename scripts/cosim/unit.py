@@ -188,6 +188,24 @@ class Unit:
     def can_roll_back(self) -> bool:
         return bool(self.description.coSimulation.canGetAndSetFMUstate)
 
+    @property
+    def can_serialize(self) -> bool:
+        return self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
+
+    def serialize(self) -> bytes:
+        """The unit's whole state; replaces the one that `save` kept."""
+        self.save()
+        return self._call(self.fmu.serializeFMUstate, self.state)
+
+    def deserialize(self, state: bytes) -> None:
+        """Put the unit into a state that `serialize` gave."""
+        self._call(self.fmu.deSerializeFMUstate, state, self.state)
+        self.restore()
+
+    def read(self, name: str) -> np.ndarray:
+        """Values of any Real variable, whether it is exchanged or not."""
+        return np.array(self._call(self.fmu.getReal, self.variables[name].references))
+
     def field(self, name: str) -> np.ndarray | None:
         """A field of the unit, `[nx, ny]`; None if the unit shows none, which is no part of FMI."""
         try:

@@ -11,7 +11,7 @@
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Cell, Cells};
+use crate::body::{Cell, Cells, Displaced};
 use crate::drag::DragProfile;
 use crate::grid::Grid;
 
@@ -43,11 +43,14 @@ struct Place {
     height: f64,
     /// Squared distance to the segment, m²: the nearest segment owns the cell.
     distance_squared: f64,
+    /// Position from the root, m.
+    arm: [f64; 2],
 }
 
 /// The beam and the cells in which it drags the fluid.
 pub struct Beam {
     thickness: f64,
+    profile: DragProfile,
     /// How far the mask goes on behind the root, into the cylinder that the beam is clamped to, m.
     anchor: f64,
     /// Cells of the present position.
@@ -115,19 +118,6 @@ impl Stations {
             }
         }
     }
-
-    /// The integral of the velocity over the length of the beam, m²/s, per axis.
-    pub fn velocity_integral(&self) -> [f64; 2] {
-        let mut sum = [0.0; 2];
-        for k in 0..self.len() - 1 {
-            let length =
-                (self.position[0][k + 1] - self.position[0][k]).hypot(self.position[1][k + 1] - self.position[1][k]);
-            for (axis, sum) in sum.iter_mut().enumerate() {
-                *sum += 0.5 * length * (self.velocity[axis][k] + self.velocity[axis][k + 1]);
-            }
-        }
-        sum
-    }
 }
 
 impl Loads {
@@ -139,7 +129,7 @@ impl Loads {
 
 impl Beam {
     /// The beam of a scene, not yet anywhere.
-    pub fn new(beam: &scene::Beam, grid: &Grid) -> Self {
+    pub fn new(beam: &scene::Beam, grid: &Grid, profile: &DragProfile) -> Self {
         let anchor = match beam.root {
             scene::Root::OnCylinder { .. } => 0.5 * beam.thickness,
             scene::Root::At { .. } => 0.0,
@@ -147,6 +137,7 @@ impl Beam {
         let still = Frame { along: [1.0, 0.0], length: 1.0, omega: 0.0 };
         Self {
             thickness: beam.thickness,
+            profile: profile.of_body(beam.thickness),
             anchor,
             cells: Cells::default(),
             places: Vec::new(),
@@ -156,23 +147,37 @@ impl Beam {
         }
     }
 
-    /// Thickness, m.
-    pub fn thickness(&self) -> f64 {
-        self.thickness
+    /// The fluid of a density (kg/m³) that it displaces at `stations`, where it was placed; moments are about the root.
+    pub fn displaced(&self, stations: &Stations, density: f64) -> Displaced {
+        let Stations { position: [x, y], velocity: [vx, vy] } = stations;
+        let line_density = density * self.thickness;
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let (mut momentum, mut angular) = ([0.0; 2], 0.0);
+        for (k, frame) in self.frames.iter().enumerate() {
+            let mass = line_density * frame.length;
+            let [start, end] = [k, k + 1].map(|k| ([x[k] - x[0], y[k] - y[0]], [vx[k], vy[k]]));
+            let middle = |a: [f64; 2], b: [f64; 2]| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+            let (arm, velocity) = (middle(start.0, end.0), middle(start.1, end.1));
+            momentum[0] += mass * velocity[0];
+            momentum[1] += mass * velocity[1];
+            // Simpson's rule is exact: position and velocity are linear along the segment.
+            angular += mass / 6.0 * (cross(start.0, start.1) + 4.0 * cross(arm, velocity) + cross(end.0, end.1));
+            angular += mass / 12.0 * self.thickness.powi(2) * frame.omega;
+        }
+        Displaced { momentum, angular, transport: cross([vx[0], vy[0]], momentum) }
     }
 
     /// Move to `stations` and list the cells there.
-    pub fn place(&mut self, stations: &Stations, grid: &Grid, profile: &DragProfile) {
+    pub fn place(&mut self, stations: &Stations, grid: &Grid) {
         self.orient(stations);
-        self.find_candidates(stations, grid, profile);
+        self.find_candidates(stations, grid);
         let last = self.frames.len() as u32 - 1;
-        let reflection = profile.reflection(self.thickness);
         self.cells.clear();
         self.places.clear();
         for (index, place) in self.candidates.drain(..) {
             self.slot[index] = 0;
             let frame = &self.frames[place.segment as usize];
-            let beyond = if place.segment == 0 && place.fraction < 0.0 {
+            let beyond = if place.segment == 0 {
                 -place.fraction * frame.length - self.anchor
             } else if place.segment == last {
                 (place.fraction - 1.0) * frame.length
@@ -182,7 +187,7 @@ impl Beam {
             // Signed distance to a rectangle: its corners are rounded by the Euclidean distance outside.
             let above = place.height.abs() - 0.5 * self.thickness;
             let distance = above.max(0.0).hypot(beyond.max(0.0)) + above.max(beyond).min(0.0);
-            let rate = profile.rate(distance);
+            let rate = self.profile.rate(distance);
             if rate > 0.0 {
                 let fraction = place.fraction.clamp(0.0, 1.0);
                 let k = place.segment as usize;
@@ -190,17 +195,17 @@ impl Beam {
                     let v = &stations.velocity[axis];
                     (1.0 - fraction) * v[k] + fraction * v[k + 1] - frame.omega * place.height * frame.along[axis]
                 });
-                self.cells.push(index, rate, velocity);
-                if let Some(reflection) = reflection {
-                    // The nearest surface is the tip's or that above or below.
-                    let out = if beyond > above {
-                        frame.along
+                self.cells.push(index, rate, velocity, place.arm);
+                if let Some(target) = self.profile.target() {
+                    // The nearest surface is that of the tip or the root, or that above or below.
+                    let normal = if beyond > above {
+                        frame.along.map(|component| if place.segment == 0 { -component } else { component })
                     } else {
                         frame.normal().map(|component| component.copysign(component * place.height))
                     };
                     let point = grid.point(index);
-                    let image = [0, 1].map(|axis| point[axis] - 2.0 * distance * out[axis]);
-                    self.cells.reflect_last(reflection.weight(distance), image, grid);
+                    let surface = [0, 1].map(|axis| point[axis] - distance * normal[axis]);
+                    self.cells.follow_last(target, distance, surface, normal, grid);
                 }
                 self.places.push(Place { fraction, ..place });
             }
@@ -221,9 +226,10 @@ impl Beam {
     }
 
     /// List the grid points that the mask may reach, each with the nearest segment.
-    fn find_candidates(&mut self, stations: &Stations, grid: &Grid, profile: &DragProfile) {
-        let reach = 0.5 * self.thickness + profile.reach();
+    fn find_candidates(&mut self, stations: &Stations, grid: &Grid) {
+        let reach = 0.5 * self.thickness + self.profile.reach();
         let last = self.frames.len() - 1;
+        let root = [stations.position[0][0], stations.position[1][0]];
         let (slot, candidates) = (&mut self.slot, &mut self.candidates);
         for (k, frame) in self.frames.iter().enumerate() {
             let [x0, y0] = [stations.position[0][k], stations.position[1][k]];
@@ -245,7 +251,8 @@ impl Beam {
                 let fraction = projection.clamp(low, high);
                 let off = (projection - fraction) * frame.length;
                 let height = side.hypot(off).copysign(side);
-                let place = Place { segment: k as u32, fraction, height, distance_squared };
+                let arm = [x - root[0], y - root[1]];
+                let place = Place { segment: k as u32, fraction, height, distance_squared, arm };
                 match slot[index] {
                     0 => {
                         candidates.push((index, place));

@@ -1,6 +1,10 @@
 //! A body as the cells in which it drags the fluid, and the force that this costs.
 
+use serde::{Deserialize, Serialize};
+
+use crate::drag::{Look, WallTarget};
 use crate::grid::Grid;
+use crate::solver::Force;
 
 /// One cell of a body.
 #[derive(Clone, Copy, Debug)]
@@ -11,58 +15,84 @@ pub struct Cell {
     pub rate: f64,
     /// Velocity that the body draws the fluid to, m/s.
     pub velocity: [f64; 2],
-    /// How fast that velocity changes with the body's own there: 1, and more where the body reflects.
-    pub gain: f64,
+    /// Its position from the point that the body's moment is taken about, m.
+    pub arm: [f64; 2],
 }
 
-/// A cell whose body draws the fluid to the mirror image of the flow outside.
+/// A cell whose body draws the fluid to something else than its own velocity: `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`,
+/// summed over points, with t along the surface and n across.
 #[derive(Clone, Copy, Debug)]
-struct Mirror {
+struct Drawn {
     /// Which of the cells.
     cell: usize,
     /// Velocity of the body there, m/s.
-    velocity: [f64; 2],
-    /// Weight of the mirror image.
-    weight: f64,
-    /// Grid points around the mirror image and their shares.
-    around: [(usize, f64); 4],
+    body: [f64; 2],
+    /// Unit normal n of the surface.
+    normal: [f64; 2],
+    /// Sums of the weights of its points, along and across.
+    weight: [f64; 2],
+    /// End of its points; they begin where those of the one before end.
+    points_end: usize,
 }
 
 /// The cells of a body.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
     cells: Vec<Cell>,
-    mirrors: Vec<Mirror>,
+    drawn: Vec<Drawn>,
+    /// Grid points that the drawn cells look at, and their weights along and across the surface.
+    points: Vec<(usize, [f64; 2])>,
 }
 
 impl Cells {
     /// Forget all.
     pub fn clear(&mut self) {
         self.cells.clear();
-        self.mirrors.clear();
+        self.drawn.clear();
+        self.points.clear();
     }
 
     /// Add a cell that moves with the body.
-    pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2]) {
-        self.cells.push(Cell { index, rate, velocity, gain: 1.0 });
+    pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2], arm: [f64; 2]) {
+        self.cells.push(Cell { index, rate, velocity, arm });
     }
 
-    /// Let the cell added last reflect the flow at the point `image` (m) with a weight, if that is above 0.
-    pub fn reflect_last(&mut self, weight: f64, image: [f64; 2], grid: &Grid) {
-        let Some(cell) = self.cells.last_mut().filter(|_| weight > 0.0) else { return };
-        cell.gain += weight;
-        let (cell, velocity) = (self.cells.len() - 1, self.cells[self.cells.len() - 1].velocity);
-        self.mirrors.push(Mirror { cell, velocity, weight, around: grid.interpolation(image) });
+    /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
+    /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`.
+    pub fn follow_last(
+        &mut self,
+        target: &WallTarget,
+        distance: f64,
+        surface: [f64; 2],
+        normal: [f64; 2],
+        grid: &Grid,
+    ) {
+        let looks = target.looks(distance);
+        let Some(cell) = self.cells.last().filter(|_| looks.iter().any(|look| look.weight != [0.0; 2])) else { return };
+        let mut sum = [0.0; 2];
+        for Look { off, weight } in looks {
+            let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
+            self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
+            sum = [sum[0] + weight[0], sum[1] + weight[1]];
+        }
+        let (cell, body) = (self.cells.len() - 1, cell.velocity);
+        self.drawn.push(Drawn { cell, body, normal, weight: sum, points_end: self.points.len() });
     }
 
-    /// Look at the flow outside anew: `u_b − weight (u(mirror) − u_b)`.
-    pub fn reflect(&mut self, flow: &[Vec<f64>; 2]) {
-        for mirror in &self.mirrors {
-            for (axis, flow) in flow.iter().enumerate() {
-                let body = mirror.velocity[axis];
-                let image: f64 = mirror.around.iter().map(|&(point, share)| share * flow[point]).sum();
-                self.cells[mirror.cell].velocity[axis] = body - mirror.weight * (image - body);
+    /// Look at the flow around the drawn cells anew.
+    pub fn look(&mut self, flow: &[Vec<f64>; 2]) {
+        let mut begin = 0;
+        for drawn in &self.drawn {
+            let ([u, v], [nx, ny]) = (drawn.body, drawn.normal);
+            let mut along = -drawn.weight[0] * (nx * v - ny * u);
+            let mut across = -drawn.weight[1] * (nx * u + ny * v);
+            for &(point, weight) in &self.points[begin..drawn.points_end] {
+                let (u, v) = (flow[0][point], flow[1][point]);
+                along += weight[0] * (nx * v - ny * u);
+                across += weight[1] * (nx * u + ny * v);
             }
+            self.cells[drawn.cell].velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
+            begin = drawn.points_end;
         }
     }
 
@@ -71,9 +101,31 @@ impl Cells {
         self.cells.iter()
     }
 
-    /// Whether some of the fluid is drawn to a velocity other than 0.
-    pub fn reflects(&self) -> bool {
-        !self.mirrors.is_empty()
+    /// Whether some cells draw the fluid to something else than the body's own velocity.
+    pub fn follow_the_flow(&self) -> bool {
+        !self.drawn.is_empty()
+    }
+}
+
+/// Momentum that the fluid displaced by a body would have, per metre of depth.
+///
+/// It is taken over the true section, so that neither the mask's width nor its way through the grid enters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Displaced {
+    /// Momentum, kg/s.
+    pub momentum: [f64; 2],
+    /// Angular momentum about the point that the body's moment is taken about, kg m/s.
+    pub angular: f64,
+    /// Cross product of that point's velocity and the momentum, N m/m.
+    pub transport: f64,
+}
+
+impl Displaced {
+    /// Its rate of change over `dt` seconds, as a force and a moment.
+    pub fn rate_of_change(&self, before: &Self, dt: f64) -> Force {
+        let force = [0, 1].map(|axis| (self.momentum[axis] - before.momentum[axis]) / dt);
+        let moment = (self.angular - before.angular) / dt + 0.5 * (self.transport + before.transport);
+        Force { force, moment }
     }
 }
 

@@ -2,13 +2,14 @@
 
 use std::f64::consts::PI;
 
-use crate::body::Cells;
+use crate::body::{Cells, Displaced};
 use crate::drag::DragProfile;
 use crate::grid::Grid;
 
 /// A cylinder and the cells in which it drags the fluid.
 pub struct Cylinder {
     shape: scene::Cylinder,
+    profile: DragProfile,
     /// Velocity of the centre, m/s.
     pub velocity: [f64; 2],
     /// Cells of the present position.
@@ -18,8 +19,9 @@ pub struct Cylinder {
 impl Cylinder {
     /// A cylinder at its place at t = 0.
     pub fn new(shape: &scene::Cylinder, grid: &Grid, profile: &DragProfile) -> Self {
-        let mut cylinder = Self { shape: shape.clone(), velocity: [0.0; 2], cells: Cells::default() };
-        cylinder.place(0.0, grid, profile);
+        let profile = profile.of_body(2.0 * shape.radius);
+        let mut cylinder = Self { shape: shape.clone(), profile, velocity: [0.0; 2], cells: Cells::default() };
+        cylinder.place(0.0, grid);
         cylinder
     }
 
@@ -28,13 +30,14 @@ impl Cylinder {
         self.shape.motion.is_some()
     }
 
-    /// Mass of the fluid it displaces per metre of depth, kg/m.
-    pub fn displaced_mass(&self, density: f64) -> f64 {
-        density * PI * self.shape.radius.powi(2)
+    /// The fluid of a density (kg/m³) that it displaces; it does not turn.
+    pub fn displaced(&self, density: f64) -> Displaced {
+        let mass = density * PI * self.shape.radius.powi(2);
+        Displaced { momentum: self.velocity.map(|velocity| mass * velocity), ..Displaced::default() }
     }
 
     /// Move to where the prescribed motion has it at time `t` (s), and list its cells there.
-    pub fn place(&mut self, t: f64, grid: &Grid, profile: &DragProfile) {
+    pub fn place(&mut self, t: f64, grid: &Grid) {
         let mut center = self.shape.center;
         if let Some(motion) = &self.shape.motion {
             for (axis, law) in [&motion.x, &motion.y].into_iter().enumerate() {
@@ -44,21 +47,21 @@ impl Cylinder {
             }
         }
         let radius = self.shape.radius;
+        let (cells, profile, velocity) = (&mut self.cells, &self.profile, self.velocity);
         let outer = radius + profile.reach();
-        let (cells, velocity) = (&mut self.cells, self.velocity);
-        let reflection = profile.reflection(2.0 * radius);
         cells.clear();
         let (low, high) = (center.map(|c| c - outer), center.map(|c| c + outer));
         grid.for_each_in([low[0], high[0]], [low[1], high[1]], |index, x, y| {
-            let (rx, ry) = (x - center[0], y - center[1]);
-            let distance = rx.hypot(ry) - radius;
+            let offset = [x - center[0], y - center[1]];
+            let from_center = offset[0].hypot(offset[1]);
+            let distance = from_center - radius;
             let rate = profile.rate(distance);
             if rate > 0.0 {
-                cells.push(index, rate, velocity);
-                if let Some(reflection) = reflection {
-                    let out = 1.0 - 2.0 * distance / rx.hypot(ry).max(f64::MIN_POSITIVE);
-                    let image = [center[0] + out * rx, center[1] + out * ry];
-                    cells.reflect_last(reflection.weight(distance), image, grid);
+                cells.push(index, rate, velocity, offset);
+                if let Some(target) = profile.target() {
+                    let normal = offset.map(|component| component / from_center.max(f64::MIN_POSITIVE));
+                    let surface = [center[0] + radius * normal[0], center[1] + radius * normal[1]];
+                    cells.follow_last(target, distance, surface, normal, grid);
                 }
             }
         });

@@ -5,6 +5,7 @@
 
 use std::f64::consts::PI;
 
+use nalgebra::{Matrix3, Vector3};
 use scene::Mask;
 
 /// Euler's constant γ.
@@ -40,28 +41,77 @@ pub enum DragProfile {
         surface_rate: f64,
         /// Length of e-fold growth λ, m.
         e_fold: f64,
-        /// How far the profile is moved into the solid, m; 0 without reflection.
+        /// How far the profile is moved into the solid, m; 0 without a wall target.
         shrink: f64,
-        /// What the solid pulls the fluid towards; absent: its own velocity.
-        reflection: Option<Reflection>,
+        /// What the solid draws the fluid to; absent: its own velocity.
+        target: Option<WallTarget>,
     },
 }
 
-/// A weak pull towards the mirror image of the flow outside: at the depth 0 < D < `depth` the fluid is drawn to
-/// `u_b − weight(D) (u(mirror) − u_b)`, `weight = strength (1 + cos(π D/depth))/2`.
+/// What a solid with the log-linear profile draws the fluid at its surface to, in place of its own velocity u_b:
+///
+/// `u_b − mirror w(D/2) (u(D) − u_b) + curvature v (u(2) − 2 u(1) + u_b)`
+///
+/// along the surface (across it, its own velocity stays: what is drawn through the surface would be pumped against the drag) and
+/// at the depth D, all lengths in cells: u(x) is the flow at the distance x outside, w falls from 1 to 0 as a cosine; v is
+/// w(D/depth) inside and 1 outside up to half a cell, as far as the drag matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reflection {
-    /// Weight at the surface.
-    pub strength: f64,
-    /// Depth at which it ends, m.
-    pub depth: f64,
+pub struct WallTarget {
+    /// Weight of the mirror image at the surface.
+    mirror: f64,
+    /// Weight of the second difference.
+    curvature: f64,
+    /// Where the second difference's part ends in the solid, cells.
+    depth: f64,
+    /// Size of a cell, and arm of the second difference, m.
+    pub cell: f64,
 }
 
-impl Reflection {
-    /// Weight of the mirror image at signed distance `d` (m); 0 outside the layer.
-    pub fn weight(&self, d: f64) -> f64 {
-        if -self.depth < d && d < 0.0 { 0.5 * self.strength * (1.0 + (PI * d / self.depth).cos()) } else { 0.0 }
+/// Where a wall target looks, and what for.
+#[derive(Clone, Copy, Debug)]
+pub struct Look {
+    /// Distance from the surface into the fluid, m.
+    pub off: f64,
+    /// Weights of the velocity there along and across the surface.
+    pub weight: [f64; 2],
+}
+
+impl WallTarget {
+    /// What it looks at for the point at signed distance `d` (m).
+    pub fn looks(&self, d: f64) -> [Look; 3] {
+        let depth = -d / self.cell;
+        let (mirror, curvature) = self.weights(depth);
+        let across = if depth > 0.0 { -2.0 * self.mirror * mirrored_flux(depth) } else { 0.0 };
+        [
+            Look { off: -d, weight: [-mirror, 0.0] },
+            Look { off: self.cell, weight: [-2.0 * curvature, across] },
+            Look { off: 2.0 * self.cell, weight: [curvature, 0.0] },
+        ]
     }
+
+    /// Weights of the mirror image and of the second difference at a depth (cells).
+    fn weights(&self, depth: f64) -> (f64, f64) {
+        if depth > 0.0 {
+            (self.mirror * fall(depth / MIRROR_DEPTH), self.curvature * fall(depth / self.depth))
+        } else {
+            (0.0, if depth > -OUTSIDE { self.curvature } else { 0.0 })
+        }
+    }
+}
+
+/// From 1 at 0 to 0 at 1 and beyond, as a cosine.
+fn fall(x: f64) -> f64 {
+    if x < 1.0 { 0.5 * (1.0 + (PI * x).cos()) } else { 0.0 }
+}
+
+/// `∫ x fall(x/2) dx` from `depth` to 2 (cells): what the mirror image of a shear of 1 carries along the wall below.
+fn mirrored_flux(depth: f64) -> f64 {
+    if depth >= MIRROR_DEPTH {
+        return 0.0;
+    }
+    let wave = PI / MIRROR_DEPTH;
+    let integral = |x: f64| 0.25 * x * x + 0.5 * (x * (wave * x).sin() / wave + (wave * x).cos() / (wave * wave));
+    integral(MIRROR_DEPTH) - integral(depth)
 }
 
 impl DragProfile {
@@ -70,22 +120,47 @@ impl DragProfile {
         let rate = 1.0 / c_eta;
         let eps = (nu * c_eta).sqrt();
         match *mask {
-            Mask::Sharp { .. } => Self::Sharp { rate, offset: eps },
-            Mask::Cosine { half_width, .. } => {
-                let half_width = half_width * dx;
-                Self::Cosine { rate, half_width, shift: eps * cosine_wall_displacement(half_width / eps) }
+            Mask::Sharp { displacement_corrected, .. } => {
+                Self::Sharp { rate, offset: if displacement_corrected { eps } else { 0.0 } }
             }
-            Mask::LogLinear { e_fold, reflect, .. } => {
+            Mask::Cosine { half_width, displacement_corrected, .. } => {
+                let half_width = half_width * dx;
+                let displacement =
+                    if displacement_corrected { eps * cosine_wall_displacement(half_width / eps) } else { 0.0 };
+                Self::Cosine { rate, half_width, shift: displacement }
+            }
+            Mask::LogLinear { e_fold, target, .. } => {
                 let length = e_fold * dx;
                 let surface_rate = nu / (length * length) * (-2.0 * EULER_GAMMA).exp();
-                let plain = Self::LogLinear { rate, surface_rate, e_fold: length, shrink: 0.0, reflection: None };
-                if !reflect {
-                    return plain;
-                }
-                let (strength, shrink) = calibrate_reflection(e_fold);
-                let reflection = Some(Reflection { strength, depth: REFLECTION_DEPTH * dx });
-                Self::LogLinear { rate, surface_rate, e_fold: length, shrink: shrink * dx, reflection }
+                let plain = Self::LogLinear { rate, surface_rate, e_fold: length, shrink: 0.0, target: None };
+                let Some((target, shrink)) = calibrate(e_fold, target) else { return plain };
+                let target = Some(WallTarget { cell: dx, ..target });
+                Self::LogLinear { rate, surface_rate, e_fold: length, shrink: shrink * dx, target }
             }
+        }
+    }
+
+    /// The same without a wall target: for walls and zones, along which the flow is fully resolved.
+    pub fn plain(mut self) -> Self {
+        if let Self::LogLinear { shrink, target, .. } = &mut self {
+            (*shrink, *target) = (0.0, None);
+        }
+        self
+    }
+
+    /// The profile of a body of some thickness (m): one of less than four cells has no wall target.
+    pub fn of_body(self, thickness: f64) -> Self {
+        match self.target() {
+            Some(target) if thickness < 2.0 * MIRROR_DEPTH * target.cell => self.plain(),
+            _ => self,
+        }
+    }
+
+    /// What the solid draws the fluid to, if that is not its own velocity.
+    pub fn target(&self) -> Option<&WallTarget> {
+        match self {
+            Self::LogLinear { target, .. } => target.as_ref(),
+            _ => None,
         }
     }
 
@@ -109,17 +184,6 @@ impl DragProfile {
         }
     }
 
-    /// The pull towards a mirror image, where the profile has one and the body is thick enough for it: at least twice
-    /// the layer's depth.
-    pub fn reflection(&self, thickness: f64) -> Option<Reflection> {
-        match self {
-            Self::LogLinear { reflection: Some(reflection), .. } if thickness >= 2.0 * reflection.depth => {
-                Some(*reflection)
-            }
-            _ => None,
-        }
-    }
-
     /// Distance from the surface beyond which the fluid feels nothing, m.
     pub fn reach(&self) -> f64 {
         match *self {
@@ -132,56 +196,106 @@ impl DragProfile {
     }
 }
 
-/// Depth of the reflecting layer in grid cells.
-const REFLECTION_DEPTH: f64 = 2.0;
+/// Depth in the solid at which the mirror image's part ends, in cells.
+const MIRROR_DEPTH: f64 = 2.0;
 
-/// Strength of the reflection and shift of the profile into the solid (in cells) for an e-fold length in cells, such that
-/// in linear shear both the displacement of the wall and the excess flux along it vanish.
-fn calibrate_reflection(e_fold: f64) -> (f64, f64) {
-    let excess = |strength: f64| shear_flow(e_fold, strength).1;
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if excess(middle) > 0.0 { low = middle } else { high = middle }
+/// How far outside the surface the second difference's part goes, in cells.
+const OUTSIDE: f64 = 0.5;
+
+/// The wall target for an e-fold length in cells (its own cell being 1), and the shift of the profile into the solid (cells)
+/// that goes with it; absent where there is none.
+///
+/// A flow `u = t d + g d²/2` along a wall sees a profile by four numbers: where its shear t seems to vanish, the flux that it
+/// has beyond that of this shear, and the same of g: a slip and a flux. For the bare profile the first is 0, flux and slip are
+/// (π²/6) λ² t and −(π²/6) λ² g, equal by the reciprocity of the operator `u″ − a u`. The weights and the depth are those for
+/// which the flux, and with [`scene::WallTarget::Curvature`] slip and flux of g, vanish; the shift makes up for what they do to
+/// the first.
+fn calibrate(e_fold: f64, wanted: scene::WallTarget) -> Option<(WallTarget, f64)> {
+    let target = |[mirror, curvature, depth]: [f64; 3]| WallTarget { mirror, curvature, depth, cell: 1.0 };
+    let count = match wanted {
+        scene::WallTarget::None => return None,
+        scene::WallTarget::Shear => 1,
+        scene::WallTarget::Curvature => 3,
+    };
+    let errors = |unknowns: [f64; 3]| {
+        let target = target(unknowns);
+        let (_, flux) = shear_flow(e_fold, &target);
+        if count == 1 {
+            return Vector3::new(flux, 0.0, 0.0);
+        }
+        let (slip, bent_flux) = bent_flow(e_fold, &target);
+        Vector3::new(flux, slip, bent_flux)
+    };
+    // Newton's method with differences from weak weights: all errors are nearly linear.
+    let mut unknowns = [0.1, if count == 1 { 0.0 } else { 0.1 }, 1.0];
+    for _ in 0..8 {
+        const STEP: f64 = 1e-3;
+        let here = errors(unknowns);
+        let mut jacobian = Matrix3::identity();
+        for i in 0..count {
+            let mut moved = unknowns;
+            moved[i] += STEP;
+            jacobian.set_column(i, &((errors(moved) - here) / STEP));
+        }
+        let change = jacobian.lu().solve(&here)?;
+        unknowns.iter_mut().zip(change.iter()).for_each(|(unknown, change)| *unknown -= change);
     }
-    let strength = 0.5 * (low + high);
-    (strength, shear_flow(e_fold, strength).0)
+    let target = target(unknowns);
+    Some((target, shear_flow(e_fold, &target).0))
 }
 
-/// Linear shear of slope 1 along a wall at d = 0 with the log-linear profile and a reflection: where the far field
-/// vanishes, and the flux beyond that of the far field (lengths in cells).
-///
-/// Solves u″ = a (u + weight u(mirror)) by finite differences, the mirror image by iteration, which converges because
-/// it is weak.
-fn shear_flow(e_fold: f64, strength: f64) -> (f64, f64) {
-    const POINTS_PER_CELL: usize = 100;
-    const REACH: usize = 6;
+/// Linear shear of slope 1 along a wall at d = 0: where the far field vanishes, and the flux beyond that of the far field
+/// (cells).
+fn shear_flow(e_fold: f64, target: &WallTarget) -> (f64, f64) {
+    let (u, h, end) = flow_along_wall(e_fold, target, 0.0, 1.0);
+    let last = u[u.len() - 1];
+    let wall = end - last;
+    let flux = h * (u.iter().sum::<f64>() - 0.5 * last);
+    (wall, flux - 0.5 * (end - wall).powi(2))
+}
+
+/// Curvature 1 without shear along a wall at d = 0, which far off is `d²/2 + slip`: the slip, and the flux beyond that of
+/// the far field (cells).
+fn bent_flow(e_fold: f64, target: &WallTarget) -> (f64, f64) {
+    let half_spacing = 0.5 / POINTS_PER_CELL as f64;
+    let (u, h, end) = flow_along_wall(e_fold, target, 1.0, REACH as f64 - half_spacing);
+    let last = u[u.len() - 1];
+    let slip = last - 0.5 * end * end;
+    let flux = h * (u.iter().sum::<f64>() - 0.5 * last);
+    (slip, flux - (end.powi(3) / 6.0 + slip * end))
+}
+
+/// Resolution and extent (on both sides of the wall) of the one-dimensional problem.
+const POINTS_PER_CELL: usize = 100;
+const REACH: usize = 6;
+
+/// Solve `u″ = a (u − u_t) + g`, lengths in cells and nu = 1, with u = 0 deep inside and a slope given half a spacing before the
+/// end, by finite differences: u from `d = −REACH` on, the spacing, and the last d. The target u_t is weak: it is iterated.
+fn flow_along_wall(e_fold: f64, target: &WallTarget, g: f64, slope: f64) -> (Vec<f64>, f64, f64) {
     let h = 1.0 / POINTS_PER_CELL as f64;
-    let n = 2 * REACH * POINTS_PER_CELL + 1;
-    let distance = |i: usize| h * i as f64 - REACH as f64;
-    let reflection = Reflection { strength, depth: REFLECTION_DEPTH };
+    let wall = REACH * POINTS_PER_CELL;
+    let n = 2 * wall + 1;
+    let distance = |i: usize| h * (i as f64 - wall as f64);
     // Deep inside the rate is so large that any larger one makes no difference.
     let rate = |d: f64| ((-2.0 * EULER_GAMMA - d / e_fold).exp() / (e_fold * e_fold)).min(1e6);
     let rates: Vec<_> = (0..n).map(|i| rate(distance(i))).collect();
-    let weights: Vec<_> = (0..n).map(|i| reflection.weight(distance(i))).collect();
+    let weights: Vec<_> = (0..n).map(|i| target.weights(-distance(i))).collect();
     let (mut u, mut c, mut r) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    for _ in 0..30 {
-        // u_0 = 0 deep inside, u' = 1 far outside; tridiagonal elimination.
-        (c[0], r[0]) = (0.0, 0.0);
+    for _ in 0..60 {
+        let second_difference = u[wall + 2 * POINTS_PER_CELL] - 2.0 * u[wall + POINTS_PER_CELL];
         for i in 1..n - 1 {
-            let source = h * h * rates[i] * weights[i] * u[n - 1 - i];
+            let (mirror, curvature) = weights[i];
+            let wanted = curvature * second_difference - mirror * u[n - 1 - i];
+            let source = h * h * (g - rates[i] * wanted);
             let pivot = -2.0 - h * h * rates[i] - c[i - 1];
             (c[i], r[i]) = (1.0 / pivot, (source - r[i - 1]) / pivot);
         }
-        u[n - 1] = (h + r[n - 2]) / (1.0 + c[n - 2]);
-        for i in (0..n - 1).rev() {
+        u[n - 1] = (h * slope + r[n - 2]) / (1.0 + c[n - 2]);
+        for i in (1..n - 1).rev() {
             u[i] = r[i] - c[i] * u[i + 1];
         }
     }
-    let end = distance(n - 1);
-    let wall = end - u[n - 1];
-    let flux = h * (u.iter().sum::<f64>() - 0.5 * u[n - 1]);
-    (wall, flux - 0.5 * (end - wall).powi(2))
+    (u, h, distance(n - 1))
 }
 
 /// Displacement of the no-slip wall by the cosine mask of half-width `h` (in units of eps = √(ν C_eta)), in the same
@@ -220,11 +334,34 @@ mod tests {
         assert!(cosine_wall_displacement(2.9490).abs() < 1e-3, "{}", cosine_wall_displacement(2.9490));
     }
 
+    /// Without correction the masks are those of the thesis: chi = 1 for d < 0, and 1/2 at d = 0 (eq. 4.1).
+    #[test]
+    fn uncorrected_masks_stand_where_the_thesis_has_them() {
+        let (nu, dx, c_eta) = (1e-3, 4e-3, 1e-3);
+        let chi = |mask: Mask, d: f64| c_eta * DragProfile::new(&mask, c_eta, nu, dx).rate(d);
+        let sharp = |displacement_corrected| Mask::Sharp { c_eta, displacement_corrected };
+        let cosine = |displacement_corrected| Mask::Cosine { c_eta, half_width: 1.0, displacement_corrected };
+        assert_eq!([-1e-9, 0.0].map(|d| chi(sharp(false), d)), [1.0, 0.0]);
+        assert_eq!([0.99e-3, 1.01e-3].map(|d| chi(sharp(true), d)), [1.0, 0.0]);
+        for (d, expected) in [(-dx, 1.0), (-0.5 * dx, 0.853_553_390_6), (0.0, 0.5), (dx, 0.0)] {
+            let found = chi(cosine(false), d);
+            assert!((found - expected).abs() < 1e-10, "chi({d}) = {found}, not {expected}");
+        }
+        // h = 4 eps: too fat by 0.593 eps (Hester, Vasil & Burns 2021).
+        let shifted = chi(cosine(true), -0.593e-3);
+        assert!((shifted - 0.5).abs() < 1e-3, "chi = {shifted} at the shifted middle of the layer");
+    }
+
     /// In linear shear, ν u″ = a(d) u, the far field of the log-linear profile is u ∝ d.
     #[test]
     fn the_log_linear_profile_holds_the_wall_at_zero() {
         let (nu, dx) = (1e-3, 4e-3);
-        let profile = DragProfile::new(&Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3, reflect: false }, 1e-7, nu, dx);
+        let profile = DragProfile::new(
+            &Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3, target: scene::WallTarget::None },
+            1e-7,
+            nu,
+            dx,
+        );
         let (from, to, steps) = (-8.0 * dx, 8.0 * dx, 400_000);
         let h = (to - from) / steps as f64;
         let slope = |d: f64, r: f64| profile.rate(d) / nu - r * r;
@@ -239,19 +376,34 @@ mod tests {
         assert!(wall.abs() < 1e-3 * dx, "no-slip at {wall} m, cells of {dx} m");
     }
 
-    /// Without reflection the excess flux of the profile is (π²/6) λ²; with it, nothing is left.
+    /// The bare profile has the excess flux (π²/6) λ² and, by reciprocity, the slip −(π²/6) λ²; the wall target takes both
+    /// out.
     #[test]
-    fn the_reflection_takes_out_displacement_and_excess_flux() {
-        for e_fold in [0.15, 0.2, 0.3] {
-            let (wall, flux) = shear_flow(e_fold, 0.0);
+    fn the_wall_target_takes_out_displacement_fluxes_and_slip() {
+        for e_fold in [0.15, 0.2, 0.25, 0.3] {
+            let bare = WallTarget { mirror: 0.0, curvature: 0.0, depth: 1.0, cell: 1.0 };
+            let (wall, flux) = shear_flow(e_fold, &bare);
             let expected = PI * PI / 6.0 * e_fold * e_fold;
             assert!(wall.abs() < 2e-3, "e-fold {e_fold}: wall at {wall} cells");
             assert!((flux / expected - 1.0).abs() < 0.02, "e-fold {e_fold}: excess flux {flux} against {expected}");
-            let (strength, shrink) = calibrate_reflection(e_fold);
-            let (wall, flux) = shear_flow(e_fold, strength);
-            assert!((wall - shrink).abs() < 1e-12 && flux.abs() < 1e-9, "e-fold {e_fold}: {wall}, {flux}");
-            assert!((0.0..0.3).contains(&strength) && (0.0..0.06).contains(&shrink), "{strength}, {shrink}");
-            println!("e-fold {e_fold}: strength {strength:.4}, shrink {shrink:.4} cells");
+            let (slip, _) = bent_flow(e_fold, &bare);
+            assert!((slip / expected + 1.0).abs() < 0.02, "e-fold {e_fold}: slip {slip} against {}", -expected);
+            for wanted in [scene::WallTarget::Shear, scene::WallTarget::Curvature] {
+                let (target, shift) = calibrate(e_fold, wanted).expect("there is one");
+                let (wall, flux) = shear_flow(e_fold, &target);
+                let (slip, bent_flux) = bent_flow(e_fold, &target);
+                println!(
+                    "e-fold {e_fold}, {wanted:?}: {target:.4?}, shift {shift:.4}, slip {slip:.4}, its flux {bent_flux:.4}"
+                );
+                assert!((wall - shift).abs() < 1e-12 && flux.abs() < 1e-9, "e-fold {e_fold}: {wall}, {flux}");
+                if wanted == scene::WallTarget::Curvature {
+                    assert!(
+                        slip.abs() < 1e-9 && bent_flux.abs() < 1e-9,
+                        "e-fold {e_fold}: slip {slip}, flux {bent_flux}"
+                    );
+                }
+                assert!(target.mirror > 0.0 && target.mirror < 0.3 && target.curvature < 0.3, "{target:?} is not weak");
+            }
         }
     }
 }

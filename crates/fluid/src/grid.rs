@@ -99,6 +99,28 @@ impl Grid {
         ]
     }
 
+    /// Cubic (Lagrange) interpolation along both axes at a point (m): the indices of the sixteen points around it and
+    /// their weights.
+    pub fn cubic_interpolation(&self, [x, y]: [f64; 2]) -> [(usize, f64); 16] {
+        let along = |p: f64, origin: f64, step: f64, count: usize| {
+            let q = (p - origin) / step;
+            let (low, s) = (q.floor(), q - q.floor());
+            let weights = [
+                -s * (s - 1.0) * (s - 2.0) / 6.0,
+                (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
+                -(s + 1.0) * s * (s - 2.0) / 2.0,
+                (s + 1.0) * s * (s - 1.0) / 6.0,
+            ];
+            let point = |k: usize| (low as i64 + k as i64 - 1).rem_euclid(count as i64) as usize;
+            std::array::from_fn::<_, 4, _>(|k| (point(k), weights[k]))
+        };
+        let (columns, rows) = (along(x, self.origin[0], self.dx, self.nx), along(y, self.origin[1], self.dy, self.ny));
+        std::array::from_fn(|k| {
+            let ((i, a), (j, b)) = (columns[k / 4], rows[k % 4]);
+            (i * self.ny + j, a * b)
+        })
+    }
+
     /// Distance along x between two points of the periodic box, m.
     pub fn periodic_x(&self, delta: f64) -> f64 {
         delta - self.length * (delta / self.length).round()

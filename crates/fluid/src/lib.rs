@@ -15,10 +15,14 @@ pub mod cylinder;
 pub mod drag;
 pub mod fft;
 pub mod grid;
-mod kernel;
-mod projection;
+pub mod kernel;
+mod lines;
+mod probe;
+pub mod projection;
+mod quad;
 pub mod solver;
+mod zone;
 
 pub use beam::{Loads, Stations};
 pub use grid::Grid;
-pub use solver::{Diagnostics, Error, Fluid, State};
+pub use solver::{Diagnostics, Error, Fluid, Force, State};

@@ -1,4 +1,4 @@
-//! Time stepping.
+//! The fluid and its default time stepping; [`rk2`] has the other scheme, [`forces`] the loads on the bodies.
 //!
 //! Two-step backward differences with extrapolated advection, split so that what is local in space and what is local
 //! in wavenumber are each solved exactly (Douglas–Rachford in incremental form). With `c_0 … c_2` the difference
@@ -18,17 +18,28 @@
 //! The drag on the bodies in the step is `rho a_b (u* − u_b)`. It is linear in u_b with the slope
 //! `−rho a_b (1 − a_b/(c_0 + Σ a))`, which is what the impedance of the loads is.
 
-use scene::{InflowProfile, Load, Scene};
+mod forces;
+mod rk2;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use scene::{Load, Scene, TimeScheme};
 use serde::{Deserialize, Serialize};
 
 use crate::beam::{Beam, Loads, Stations};
-use crate::body::{Cell, Cells, Painted};
+use crate::body::{Cells, Painted};
 use crate::cylinder::Cylinder;
 use crate::drag::DragProfile;
-use crate::fft::{Complex64, Fft2};
+use crate::fft::{Fft2, Quad, Scratch, on_threads};
 use crate::grid::Grid;
 use crate::kernel::{self, Component, Differences};
+use crate::probe::Probe;
 use crate::projection::Projection;
+use crate::zone::Zone;
+
+use forces::BodyState;
+pub use forces::Force;
+use rk2::{Rk2, Stage};
 
 /// Points that the local solve takes at a time, so that what both components read stays in the first cache.
 const BLOCK: usize = 256;
@@ -66,6 +77,20 @@ pub enum Error {
         /// Velocity, m/s.
         vy: f64,
     },
+    /// An explicit drag too stiff for any reasonable step.
+    #[error(
+        "C_eta = {c_eta:.3e} s is too small for the scheme rk2: its steps may not be longer, which makes {substeps:.0} of them in the communication step of {step} s from t = {time} s; use sbdf2, a larger C_eta or a smaller communication step"
+    )]
+    Stiff {
+        /// Beginning of the step, s.
+        time: f64,
+        /// Length of the step, s.
+        step: f64,
+        /// Shortest relaxation time in the box, s.
+        c_eta: f64,
+        /// Steps of the fluid's own that it would take.
+        substeps: f64,
+    },
     /// The flow became too fast for any reasonable step, or not a number.
     #[error("the flow diverged at t = {time} s: CFL number {cfl} at a step of {step} s; try a smaller step or max_cfl")]
     Diverged {
@@ -85,20 +110,20 @@ pub struct State {
     pub time: f64,
     /// The flow at this time.
     flow: Flow,
-    /// The flow one step earlier.
+    /// The flow one step earlier; empty with RK2.
     flow_before: Flow,
-    /// `w = u* + tau G` of the last step, m/s, `[nx, ny]` per component.
+    /// `w = u* + tau G` of the last step, m/s, `[nx, ny]` per component; empty with RK2.
     w: [Vec<f64>; 2],
+    /// Spectrum of the velocity, m/s, `[ny/2 + 1, nx]` per component; empty with SBDF2.
+    u_hat: [Vec<Quad>; 2],
     /// `1/tau` of the last step, 1/s, so that `G = (w − u)/tau`; 0 before the first, where G is 0.
     per_tau: f64,
     /// The last step, s; 0 before the first.
     step: f64,
     /// Largest `|u|/dx + |v|/dy`, 1/s.
     advection_rate: f64,
-    /// What the fluid does to the bodies, N/m.
-    force: [f64; 2],
-    /// Momentum of the fluid that the moving bodies displace, kg/s.
-    displaced_momentum: [f64; 2],
+    /// The cylinders, then the beam.
+    bodies: Vec<BodyState>,
     /// The beam, where there is one.
     beam: Option<BeamState>,
 }
@@ -129,6 +154,8 @@ pub struct Diagnostics {
     pub flow_rate: f64,
     /// Kinetic energy of the whole box, J/m.
     pub kinetic_energy: f64,
+    /// Enstrophy of the whole box, `½ ∫ omega² dV`, m²/s².
+    pub enstrophy: f64,
 }
 
 /// A fluid with the bodies of a scene in it.
@@ -138,21 +165,26 @@ pub struct Fluid {
     nu: f64,
     max_step: f64,
     max_cfl: f64,
-    profile: DragProfile,
     fft: Fft2,
     projection: Projection,
-    inflow: Option<Inflow>,
-    /// The reflecting layer of the walls; empty where they do not reflect.
-    walls: Cells,
+    /// Inflow and sponge.
+    zones: Vec<Zone>,
+    mean_flow: Option<scene::MeanFlow>,
     cylinders: Vec<Cylinder>,
     beam: Option<MovingBeam>,
     /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
     rate: Option<Vec<f64>>,
     painted: Painted,
-    /// `w` of the step that is being made, m/s.
+    probes: Vec<Probe>,
+    /// Heun's method; absent with SBDF2.
+    rk2: Option<Rk2>,
+    /// `w` of the step that is being made, m/s. Between steps the first is Pi, m²/s², if that is current.
     w: [Vec<f64>; 2],
-    /// Spectra of both components and of the vorticity or pressure, `[ny/2 + 1, nx]`.
-    spectra: [Vec<Complex64>; 3],
+    total_pressure_is_current: bool,
+    /// Spectra of both components and of the vorticity or pressure.
+    spectra: [Vec<Quad>; 3],
+    /// What each thread needs for itself.
+    scratch: Vec<Scratch>,
     state: State,
 }
 
@@ -166,36 +198,6 @@ struct MovingBeam {
     /// Pressure jump at the stations, Pa, and the pressure field it came from; made when asked for.
     pressure_jump: Vec<f64>,
     pressure_jump_is_current: bool,
-}
-
-/// The zone that drives the flow.
-struct Inflow {
-    law: scene::TimeLaw,
-    /// Drag rate of the zone by column, 1/s, for the columns where it is above 0.
-    columns: Vec<(usize, f64)>,
-    /// Velocity over its mean, by row.
-    shape: Vec<f64>,
-}
-
-impl Inflow {
-    fn new(inflow: &scene::Inflow, fluid: &scene::Fluid, grid: &Grid) -> Self {
-        let profile = DragProfile::new(&fluid.mask, inflow.c_eta, fluid.kinematic_viscosity, grid.cell_size());
-        let [from, to] = inflow.x;
-        let (center, half) = (0.5 * (from + to), 0.5 * (to - from));
-        let columns = (0..grid.nx)
-            .map(|i| (i, profile.rate(grid.periodic_x(grid.x(i) - center).abs() - half)))
-            .filter(|(_, rate)| *rate > 0.0)
-            .collect();
-        let shape = match (inflow.profile, &fluid.channel) {
-            (InflowProfile::Parabolic, Some(channel)) => {
-                let [low, high] = channel.y;
-                let parabola = |y: f64| 6.0 * (y - low) * (high - y) / (high - low).powi(2);
-                (0..grid.ny).map(|j| parabola(grid.y(j)).max(0.0)).collect()
-            }
-            _ => vec![1.0; grid.ny],
-        };
-        Self { law: inflow.mean_velocity.clone(), columns, shape }
-    }
 }
 
 impl State {
@@ -217,6 +219,15 @@ impl State {
     }
 }
 
+/// Centres and radii of the cylinders that do not move, m.
+fn still_circles(fluid: &scene::Fluid) -> impl Iterator<Item = ([f64; 2], f64)> {
+    fluid
+        .cylinders
+        .iter()
+        .filter(|cylinder| cylinder.motion.is_none())
+        .map(|cylinder| (cylinder.center, cylinder.radius))
+}
+
 impl Fluid {
     /// The fluid of a scene at t = 0.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
@@ -225,61 +236,69 @@ impl Fluid {
         let grid = Grid::new(&fluid.domain);
         let nu = fluid.kinematic_viscosity;
         let profile = DragProfile::new(&fluid.mask, fluid.mask.c_eta(), nu, grid.cell_size());
-        let inflow = fluid.inflow.as_ref().map(|inflow| Inflow::new(inflow, fluid, &grid));
+        let zones = Zone::of(fluid, &grid);
         let cylinders: Vec<_> = fluid.cylinders.iter().map(|c| Cylinder::new(c, &grid, &profile)).collect();
         let beam = scene.beam.as_ref().map(|beam| {
             let stations = Stations::at_rest(scene, beam);
             MovingBeam {
-                body: Beam::new(beam, &grid),
+                body: Beam::new(beam, &grid, &profile),
                 pressure_jump: vec![0.0; stations.len()],
                 pressure_jump_is_current: false,
                 target: stations.clone(),
                 from: stations,
             }
         });
-        let fft = Fft2::new(grid.nx, grid.ny);
+        let projection = Projection::new(&grid, fluid.filter);
+        let fft = Fft2::new(grid.nx, grid.ny, projection.modes());
         let field = || vec![0.0; grid.len()];
-        let spectrum = || vec![Complex64::default(); fft.spectrum_len()];
         let [u, v] = fluid.initial_velocity;
+        let rk2 =
+            (fluid.time_stepping.scheme == TimeScheme::Rk2).then(|| Rk2::new(&grid, fft.spectrum().len() / grid.nx));
+        let past = || if rk2.is_some() { Vec::new() } else { field() };
         let state = State {
             time: 0.0,
-            flow_before: Flow { velocity: [field(), field()], vorticity: field() },
+            flow_before: Flow { velocity: [past(), past()], vorticity: past() },
             flow: Flow { velocity: [vec![u; grid.len()], vec![v; grid.len()]], vorticity: field() },
-            w: [field(), field()],
+            w: [past(), past()],
+            u_hat: [Vec::new(), Vec::new()],
             per_tau: 0.0,
             step: 0.0,
             advection_rate: u.abs() / grid.dx + v.abs() / grid.dy,
-            force: [0.0; 2],
-            displaced_momentum: [0.0; 2],
+            bodies: Vec::new(),
             beam: beam.as_ref().map(|b| BeamState {
                 stations: b.target.clone(),
                 loads: loads_are_wanted.then(|| Loads::none(b.target.len())),
             }),
         };
-        let spectra = [spectrum(), spectrum(), spectrum()];
-        let has_bodies = inflow.is_some() || fluid.channel.is_some() || !cylinders.is_empty() || beam.is_some();
+        let has_bodies = !zones.is_empty() || fluid.channel.is_some() || !cylinders.is_empty() || beam.is_some();
         let mut solver = Self {
             rate: has_bodies.then(field),
             w: [field(), field()],
-            projection: Projection::new(&grid, fluid.filter),
+            spectra: [fft.spectrum(), fft.spectrum(), fft.spectrum()],
+            scratch: (0..fluid.threads).map(|_| fft.scratch()).collect(),
             density: fluid.density,
             max_step: fluid.time_stepping.max_step,
             max_cfl: fluid.time_stepping.max_cfl,
             painted: Painted::default(),
-            grid,
             nu,
-            profile,
             fft,
-            inflow,
-            walls: Cells::default(),
+            zones,
+            mean_flow: fluid.mean_flow.clone(),
+            probes: fluid.probes.iter().map(|probe| Probe::new(probe.position, still_circles(fluid), &grid)).collect(),
+            rk2,
+            total_pressure_is_current: false,
+            grid,
             cylinders,
             beam,
-            spectra,
+            projection,
             state,
         };
-        solver.paint_still_bodies(fluid);
+        solver.paint_still_bodies(fluid, &profile.plain());
         solver.paint_moving_bodies();
-        solver.state.displaced_momentum = solver.displaced_momentum();
+        solver.state.bodies = solver.bodies_without_force();
+        if solver.rk2.is_some() {
+            solver.state.u_hat = [u, v].map(|velocity| solver.uniform_spectrum(velocity));
+        }
         Ok(solver)
     }
 
@@ -308,8 +327,14 @@ impl Fluid {
             }
         }
         (self.state.step, self.state.per_tau) = (0.0, 0.0);
-        // In no time viscosity does nothing: what is left of the solve is the projection.
-        self.solve_wave_by_wave(f64::MIN_POSITIVE);
+        self.total_pressure_is_current = false;
+        if self.rk2.is_some() {
+            self.solve_stage(Stage::Start);
+        } else {
+            // In no time viscosity does nothing: what is left of the solve is the projection.
+            self.hold_mean_flow();
+            self.solve_wave_by_wave(f64::MIN_POSITIVE);
+        }
     }
 
     /// Vorticity, 1/s, `[nx, ny]`.
@@ -319,18 +344,39 @@ impl Fluid {
 
     /// Static pressure p = rho (Pi − u²/2), Pa, `[nx, ny]`; Pi has zero mean over the box.
     pub fn pressure(&mut self) -> Vec<f64> {
-        let mut pressure = vec![0.0; self.grid.len()];
-        self.total_pressure(&mut pressure);
-        let [u, v] = &self.state.flow.velocity;
-        for ((p, u), v) in pressure.iter_mut().zip(u).zip(v) {
-            *p = self.density * (*p - 0.5 * (u * u + v * v));
-        }
-        pressure
+        self.make_total_pressure();
+        (0..self.grid.len()).map(|point| self.density * self.pressure_at(point)).collect()
     }
 
-    /// Force of the fluid on all cylinders and the beam in the last step, N per metre of depth.
-    pub fn force(&self) -> [f64; 2] {
-        self.state.force
+    /// Static pressure over the density at a grid point, Pi − u²/2, m²/s²; Pi must be current.
+    fn pressure_at(&self, point: usize) -> f64 {
+        let [u, v] = self.state.flow.velocity.each_ref().map(|velocity| velocity[point]);
+        self.w[0][point] - 0.5 * (u * u + v * v)
+    }
+
+    /// Velocity at a probe, numbered from 0 as in the scene, m/s.
+    pub fn probe_velocity(&self, probe: usize) -> [f64; 2] {
+        self.state.flow.velocity.each_ref().map(|velocity| self.probes[probe].velocity(velocity))
+    }
+
+    /// Static pressure at a probe, Pa. The first after a step costs three transforms.
+    pub fn probe_pressure(&mut self, probe: usize) -> f64 {
+        self.make_total_pressure();
+        self.density * self.probes[probe].pressure(|point| self.pressure_at(point))
+    }
+
+    /// Largest divergence of the velocity times the cell size over the largest speed; three transforms.
+    pub fn divergence(&mut self) -> f64 {
+        let ([u, v], field) = (&self.state.flow.velocity, &mut self.w[1]);
+        let [u_hat, v_hat, divergence] = &mut self.spectra;
+        let scratch = &mut self.scratch[0];
+        self.fft.forward(u, u_hat, scratch);
+        self.fft.forward(v, v_hat, scratch);
+        self.projection.divergence(u_hat, v_hat, divergence);
+        self.fft.inverse(divergence, field, scratch);
+        let largest = field.iter().fold(0.0_f64, |most, divergence| most.max(divergence.abs()));
+        let fastest = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max(u.hypot(*v)));
+        largest * self.grid.cell_size() / fastest.max(f64::MIN_POSITIVE)
     }
 
     /// Stations at the end of the coming step.
@@ -354,10 +400,12 @@ impl Fluid {
         let ny = self.grid.ny;
         let middle = self.grid.nx / 2;
         let squares: f64 = u.iter().zip(v).map(|(u, v)| u * u + v * v).sum();
+        let vorticity: f64 = self.state.flow.vorticity.iter().map(|omega| omega * omega).sum();
         Diagnostics {
             cfl: self.state.advection_rate * self.state.step,
             flow_rate: u[middle * ny..(middle + 1) * ny].iter().sum::<f64>() * self.grid.dy,
             kinetic_energy: 0.5 * self.density * squares * self.grid.cell_area(),
+            enstrophy: 0.5 * vorticity * self.grid.cell_area(),
         }
     }
 
@@ -373,6 +421,7 @@ impl Fluid {
             beam.target.copy_from(&known.stations);
             beam.pressure_jump_is_current = false;
         }
+        self.total_pressure_is_current = false;
         self.paint_moving_bodies();
     }
 
@@ -385,7 +434,15 @@ impl Fluid {
         }
         self.check_stations()?;
         let largest = self.max_step.min(self.max_cfl / self.state.advection_rate.max(f64::MIN_POSITIVE));
-        let substeps = (h / largest - 1e-9).ceil().max(1.0);
+        let mut substeps = (h / largest - 1e-9).ceil().max(1.0);
+        if self.rk2.is_some() {
+            let c_eta = self.longest_explicit_step();
+            let explicit = (h / c_eta - 1e-9).ceil();
+            if explicit > MAX_SUBSTEPS {
+                return Err(Error::Stiff { time: t, step: h, c_eta, substeps: explicit });
+            }
+            substeps = substeps.max(explicit);
+        }
         if substeps > MAX_SUBSTEPS {
             let cfl = self.state.advection_rate * h;
             return Err(Error::Diverged { time: t, cfl, step: h });
@@ -406,7 +463,7 @@ impl Fluid {
             }
             self.step(dt, t + fraction * h)?;
         }
-        self.reflect();
+        self.look();
         self.predict_loads();
         Ok(())
     }
@@ -415,33 +472,43 @@ impl Fluid {
     pub fn pressure_jump(&mut self) -> Option<&[f64]> {
         self.beam.as_ref()?;
         if self.beam.as_ref().is_some_and(|beam| !beam.pressure_jump_is_current) {
-            // Between steps the array of the coming w is free.
-            let mut total = std::mem::take(&mut self.w[0]);
-            self.total_pressure(&mut total);
-            let (grid, [u, v]) = (&self.grid, &self.state.flow.velocity);
-            if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
-                for k in 0..known.stations.len() {
-                    let at = |side: f64| -> f64 {
-                        let point = beam.body.surface_point(&known.stations, k, side);
-                        let value = |c: usize| total[c] - 0.5 * (u[c] * u[c] + v[c] * v[c]);
-                        grid.interpolation(point).iter().map(|&(c, weight)| weight * value(c)).sum()
-                    };
-                    beam.pressure_jump[k] = self.density * (at(1.0) - at(-1.0));
+            self.make_total_pressure();
+            // Taken out, so that the rest can be read while it is written.
+            let mut jump = self.beam.as_mut().map(|beam| std::mem::take(&mut beam.pressure_jump)).unwrap_or_default();
+            if let (Some(beam), Some(known)) = (&self.beam, &self.state.beam) {
+                let at = |point: [f64; 2]| -> f64 {
+                    self.grid.interpolation(point).iter().map(|&(c, weight)| weight * self.pressure_at(c)).sum()
+                };
+                for (k, jump) in jump.iter_mut().enumerate() {
+                    let [above, below] = [1.0, -1.0].map(|side| beam.body.surface_point(&known.stations, k, side));
+                    *jump = self.density * (at(above) - at(below));
                 }
-                beam.pressure_jump_is_current = true;
             }
-            self.w[0] = total;
+            if let Some(beam) = &mut self.beam {
+                (beam.pressure_jump, beam.pressure_jump_is_current) = (jump, true);
+            }
         }
         self.beam.as_ref().map(|beam| beam.pressure_jump.as_slice())
     }
 
-    /// Pi as a field: what made w free of divergence in the last step.
-    fn total_pressure(&mut self, field: &mut [f64]) {
+    /// Let the first of `w` be Pi at the present time: what makes the rate of change free of divergence.
+    fn make_total_pressure(&mut self) {
+        if self.total_pressure_is_current {
+            return;
+        }
+        let explicit = self.rk2.is_some();
+        if explicit {
+            // The velocity itself has no divergence.
+            self.add_rate_of_change(1.0);
+        }
+        let (w, per_tau) = if explicit { (&self.w, 1.0) } else { (&self.state.w, self.state.per_tau) };
         let [wx_hat, wy_hat, pressure] = &mut self.spectra;
-        self.fft.forward(&self.state.w[0], wx_hat);
-        self.fft.forward(&self.state.w[1], wy_hat);
-        self.projection.pressure(wx_hat, wy_hat, self.state.per_tau, pressure);
-        self.fft.inverse(pressure, field);
+        let scratch = &mut self.scratch[0];
+        self.fft.forward(&w[0], wx_hat, scratch);
+        self.fft.forward(&w[1], wy_hat, scratch);
+        self.projection.pressure(wx_hat, wy_hat, per_tau, pressure);
+        self.fft.inverse(pressure, &mut self.w[0], scratch);
+        self.total_pressure_is_current = true;
     }
 
     fn check_stations(&self) -> Result<(), Error> {
@@ -458,31 +525,19 @@ impl Fluid {
         Ok(())
     }
 
-    fn paint_still_bodies(&mut self, fluid: &scene::Fluid) {
+    fn paint_still_bodies(&mut self, fluid: &scene::Fluid, profile: &DragProfile) {
         let Some(rate) = &mut self.rate else { return };
         let grid = &self.grid;
         if let Some(channel) = &fluid.channel {
             let [low, high] = channel.y;
             for j in 0..grid.ny {
                 let distance = 0.5 * (high - low) - grid.periodic_y(grid.y(j) - 0.5 * (low + high)).abs();
-                let wall = self.profile.rate(distance);
+                let wall = profile.rate(distance);
                 (0..grid.nx).for_each(|i| rate[i * grid.ny + j] += wall);
-                let thickness = grid.height - (high - low);
-                let weight = self.profile.reflection(thickness).map_or(0.0, |reflection| reflection.weight(distance));
-                if weight > 0.0 {
-                    let inwards = -grid.periodic_y(grid.y(j) - 0.5 * (low + high)).signum();
-                    for i in 0..grid.nx {
-                        self.walls.push(i * grid.ny + j, wall, [0.0; 2]);
-                        let image = [grid.x(i), grid.y(j) - 2.0 * distance * inwards];
-                        self.walls.reflect_last(weight, image, grid);
-                    }
-                }
             }
         }
-        if let Some(inflow) = &self.inflow {
-            for &(i, zone) in &inflow.columns {
-                rate[i * grid.ny..(i + 1) * grid.ny].iter_mut().for_each(|r| *r += zone);
-            }
+        for &(i, zone) in self.zones.iter().flat_map(|zone| &zone.columns) {
+            rate[i * grid.ny..(i + 1) * grid.ny].iter_mut().for_each(|r| *r += zone);
         }
         for cylinder in self.cylinders.iter().filter(|c| !c.moves()) {
             cylinder.cells.iter().for_each(|cell| rate[cell.index] += cell.rate);
@@ -494,45 +549,63 @@ impl Fluid {
         let Some(rate) = &mut self.rate else { return };
         self.painted.erase(rate);
         for cylinder in self.cylinders.iter_mut().filter(|c| c.moves()) {
-            cylinder.place(self.state.time, &self.grid, &self.profile);
+            cylinder.place(self.state.time, &self.grid);
             self.painted.add(&cylinder.cells, rate);
         }
         if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
-            beam.body.place(&known.stations, &self.grid, &self.profile);
+            beam.body.place(&known.stations, &self.grid);
             self.painted.add(&beam.body.cells, rate);
         }
     }
 
     /// One step of size `dt` to the time `end`; the stations are already there.
     fn step(&mut self, dt: f64, end: f64) -> Result<(), Error> {
+        if self.rk2.is_some() {
+            return self.step_rk2(dt, end);
+        }
         let scheme = Differences::new(dt, self.state.step);
         self.state.time = end;
         self.paint_moving_bodies();
-        self.reflect();
+        self.look();
         self.solve_locally(&scheme);
-        self.add_body_velocities(&scheme);
-        let (drag, momentum) = (self.drag_on_bodies(&scheme), self.displaced_momentum());
-        for axis in 0..2 {
-            self.state.force[axis] = drag[axis] + (momentum[axis] - self.state.displaced_momentum[axis]) / dt;
-        }
-        self.state.displaced_momentum = momentum;
+        self.add_body_velocities(|rate| 1.0 / (scheme.c[0] + rate));
+        self.sum_up_forces(dt, |fluid, cell| {
+            [0, 1].map(|axis| {
+                let (_, g) = fluid.state.component(axis).right_side(&scheme, cell.index);
+                let u_star = fluid.w[axis][cell.index] - scheme.tau * g;
+                cell.rate * (u_star - cell.velocity[axis])
+            })
+        });
+        self.hold_mean_flow();
         self.solve_wave_by_wave(scheme.tau);
         std::mem::swap(&mut self.state.w, &mut self.w);
         (self.state.step, self.state.per_tau) = (dt, scheme.c[0]);
+        self.finish_step(dt)
+    }
+
+    /// What depended on the flow before is out of date; and is the new flow one?
+    fn finish_step(&mut self, dt: f64) -> Result<(), Error> {
+        self.total_pressure_is_current = false;
         if let Some(beam) = &mut self.beam {
             beam.pressure_jump_is_current = false;
         }
         let cfl = self.state.advection_rate * dt;
-        if cfl.is_finite() { Ok(()) } else { Err(Error::Diverged { time: end, cfl, step: dt }) }
+        if cfl.is_finite() { Ok(()) } else { Err(Error::Diverged { time: self.state.time, cfl, step: dt }) }
     }
 
-    /// Let the bodies that reflect look at the present flow.
-    fn reflect(&mut self) {
+    /// Tell the solve wave by wave what the mean flow is at the present time.
+    fn hold_mean_flow(&mut self) {
+        if let Some(scene::MeanFlow { x, y }) = &self.mean_flow {
+            self.projection.mean = Some([x, y].map(|law| law.value(self.state.time)));
+        }
+    }
+
+    /// Let the bodies that follow a wall target look at the present flow.
+    fn look(&mut self) {
         let flow = &self.state.flow.velocity;
-        self.walls.reflect(flow);
-        self.cylinders.iter_mut().for_each(|cylinder| cylinder.cells.reflect(flow));
+        self.cylinders.iter_mut().for_each(|cylinder| cylinder.cells.look(flow));
         if let Some(beam) = &mut self.beam {
-            beam.body.cells.reflect(flow);
+            beam.body.cells.look(flow);
         }
     }
 
@@ -540,69 +613,40 @@ impl Fluid {
     fn solve_locally(&mut self, scheme: &Differences) {
         let no_rate = [0.0; BLOCK];
         let components = [0, 1].map(|axis| self.state.component(axis));
-        for start in (0..self.grid.len()).step_by(BLOCK) {
-            let points = start..(start + BLOCK).min(self.grid.len());
-            let rate = self.rate.as_ref().map_or(&no_rate[..points.len()], |rate| &rate[points.clone()]);
-            for (component, w) in components.iter().zip(&mut self.w) {
-                kernel::solve(&component.points(points.clone()), scheme, rate, &mut w[points.clone()]);
+        let share = self.grid.len().div_ceil(self.scratch.len());
+        let [wx, wy] = self.w.each_mut().map(|w| w.chunks_mut(share));
+        on_threads((0..).step_by(share).zip(wx.zip(wy)), |(first, (wx, wy))| {
+            for start in (0..wx.len()).step_by(BLOCK) {
+                let part = start..(start + BLOCK).min(wx.len());
+                let points = first + part.start..first + part.end;
+                let rate = self.rate.as_ref().map_or(&no_rate[..part.len()], |rate| &rate[points.clone()]);
+                for (component, w) in components.iter().zip([&mut *wx, &mut *wy]) {
+                    kernel::solve(&component.points(points.clone()), scheme, rate, &mut w[part.clone()]);
+                }
             }
-        }
+        });
     }
 
-    /// The bodies' part of u*: `Σ a_b u_b / (c_0 + Σ a_b)`.
-    fn add_body_velocities(&mut self, scheme: &Differences) {
+    /// Add `weight(Σ a) a_b u_b` of all bodies and zones to `w`.
+    fn add_body_velocities(&mut self, weight: impl Fn(f64) -> f64) {
         let Some(rate) = &self.rate else { return };
         let ny = self.grid.ny;
-        if let Some(Inflow { law, columns, shape }) = &self.inflow {
+        for Zone { law, columns, shape } in &self.zones {
             let mean = law.value(self.state.time);
             for &(i, zone) in columns {
                 for (j, shape) in shape.iter().enumerate() {
                     let index = i * ny + j;
-                    self.w[0][index] += zone * mean * shape / (scheme.c[0] + rate[index]);
+                    self.w[0][index] += weight(rate[index]) * zone * mean * shape;
                 }
             }
         }
-        let cylinders = self.cylinders.iter().filter(|c| c.moves() || c.cells.reflects()).map(|c| &c.cells);
+        let cylinders = self.cylinders.iter().filter(|c| c.moves() || c.cells.follow_the_flow()).map(|c| &c.cells);
         let beam = self.beam.iter().map(|b| &b.body.cells);
-        for cell in cylinders.chain(beam).chain([&self.walls]).flat_map(Cells::iter) {
-            let weight = cell.rate / (scheme.c[0] + rate[cell.index]);
+        for cell in cylinders.chain(beam).flat_map(Cells::iter) {
+            let weight = weight(rate[cell.index]) * cell.rate;
             self.w[0][cell.index] += weight * cell.velocity[0];
             self.w[1][cell.index] += weight * cell.velocity[1];
         }
-    }
-
-    /// Drag of the fluid on the cylinders and the beam in this step, `rho ∫ Σ a_b (u* − u_b) dV`, N/m.
-    fn drag_on_bodies(&self, scheme: &Differences) -> [f64; 2] {
-        let weight = self.density * self.grid.cell_area();
-        let bodies = self.cylinders.iter().map(|c| &c.cells).chain(self.beam.iter().map(|b| &b.body.cells));
-        let mut sum = [0.0; 2];
-        for cell in bodies.flat_map(Cells::iter) {
-            for (axis, sum) in sum.iter_mut().enumerate() {
-                let (_, g) = self.state.component(axis).right_side(scheme, cell.index);
-                let u_star = self.w[axis][cell.index] - scheme.tau * g;
-                *sum += weight * cell.rate * (u_star - cell.velocity[axis]);
-            }
-        }
-        sum
-    }
-
-    /// Momentum that the fluid displaced by the moving bodies would have, kg/s per metre of depth.
-    ///
-    /// The penalization force lacks its rate of change (thesis eq. 3.20). It is taken over the true section, so that
-    /// neither the mask's width nor its way through the grid enters.
-    fn displaced_momentum(&self) -> [f64; 2] {
-        let mut momentum = [0.0; 2];
-        let mut add = |mass: f64, velocity: [f64; 2]| {
-            momentum[0] += mass * velocity[0];
-            momentum[1] += mass * velocity[1];
-        };
-        for cylinder in self.cylinders.iter().filter(|c| c.moves()) {
-            add(cylinder.displaced_mass(self.density), cylinder.velocity);
-        }
-        if let (Some(beam), Some(known)) = (&self.beam, &self.state.beam) {
-            add(self.density * beam.body.thickness(), known.stations.velocity_integral());
-        }
-        momentum
     }
 
     /// From w to the flow at the new time.
@@ -612,57 +656,52 @@ impl Fluid {
     fn solve_wave_by_wave(&mut self, tau: f64) {
         let State { flow, flow_before, advection_rate, .. } = &mut self.state;
         std::mem::swap(flow, flow_before);
-        let Flow { velocity: [u, v], vorticity } = flow;
         let [u_hat, v_hat, omega_hat] = &mut self.spectra;
-        let (nx, ny) = (self.grid.nx, self.grid.ny);
-        self.fft.forward_along_y(&self.w[0], u_hat);
-        self.fft.forward_along_y(&self.w[1], v_hat);
-        self.projection.set_viscosity(tau * self.nu);
-        for j in 0..=ny / 2 {
-            let modes = j * nx..(j + 1) * nx;
-            let [u_hat, v_hat, omega_hat] =
-                [&mut *u_hat, v_hat, omega_hat].map(|spectrum| &mut spectrum[modes.clone()]);
-            self.fft.forward_along_x(u_hat);
-            self.fft.forward_along_x(v_hat);
-            self.projection.project(j, u_hat, v_hat, omega_hat);
-            for row in [u_hat, v_hat, omega_hat] {
-                self.fft.inverse_along_x(row);
-            }
-        }
-        let (per_dx, per_dy) = (1.0 / self.grid.dx, 1.0 / self.grid.dy);
-        let mut largest = 0.0;
-        for columns in self.fft.blocks() {
-            let points = columns.start * ny..columns.end * ny;
-            let [u, v, omega] = [&mut *u, v, vorticity].map(|field| &mut field[points.clone()]);
-            self.fft.inverse_along_y(u_hat, columns.clone(), u);
-            self.fft.inverse_along_y(v_hat, columns.clone(), v);
-            self.fft.inverse_along_y(omega_hat, columns, omega);
-            largest = f64::max(largest, kernel::advection_rate(per_dx, per_dy, u, v));
-        }
-        // A transform spreads what is not a number to every point: the first tells of all.
-        *advection_rate = if (u[0] + v[0]).is_finite() { largest } else { f64::NAN };
-    }
+        let (fft, nx, ny) = (&self.fft, self.grid.nx, self.grid.ny);
+        fft.forward_along_y([&self.w[0], &self.w[1]], [&mut *u_hat, &mut *v_hat], &mut self.scratch);
 
-    /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
-    fn predict_loads(&mut self) {
-        let (Some(beam), Some(rate)) = (&self.beam, &self.rate) else { return };
-        let Some(mut loads) = self.state.beam.as_mut().and_then(|known| known.loads.take()) else { return };
-        let scheme = Differences::new(self.state.step, self.state.step);
-        let components = [0, 1].map(|axis| self.state.component(axis));
-        let weight = self.density * self.grid.cell_area();
-        let drag = |cell: &Cell| {
-            let share = cell.rate / (scheme.c[0] + rate[cell.index]);
-            // a_b (u* − u_b) with u* = (r + a_b u_b)/(c_0 + Σ a).
-            let force = [0, 1].map(|axis| {
-                let (r, _) = components[axis].right_side(&scheme, cell.index);
-                let momentum = cell.rate * cell.velocity[axis];
-                weight * (share * (r + momentum) - momentum)
-            });
-            (force, weight * cell.rate * cell.gain * (1.0 - share))
-        };
-        beam.body.collect(drag, &mut loads);
-        if let Some(known) = &mut self.state.beam {
-            known.loads = Some(loads);
-        }
+        self.projection.set_viscosity(tau * self.nu);
+        let projection = &self.projection;
+        let share = (u_hat.len() / nx).div_ceil(self.scratch.len());
+        let [u_rows, v_rows, omega_rows] =
+            [&mut *u_hat, v_hat, omega_hat].map(|spectrum| spectrum.chunks_mut(share * nx));
+        let rows = (0..).step_by(share).zip(u_rows.zip(v_rows).zip(omega_rows));
+        on_threads(rows.zip(&mut self.scratch), |((first, ((u_hat, v_hat), omega_hat)), scratch)| {
+            let Scratch { rows: [u, v, omega], line, .. } = scratch;
+            let rows = u_hat.chunks_exact_mut(nx).zip(v_hat.chunks_exact_mut(nx)).zip(omega_hat.chunks_exact_mut(nx));
+            for (row, ((u_hat, v_hat), omega_hat)) in (first..).zip(rows) {
+                fft.forward_along_x(u_hat, u, line);
+                fft.forward_along_x(v_hat, v, line);
+                projection.project(row, u, v, omega);
+                fft.inverse_along_x(u, u_hat, line);
+                fft.inverse_along_x(v, v_hat, line);
+                fft.inverse_along_x(omega, omega_hat, line);
+            }
+        });
+
+        let Flow { velocity: [u, v], vorticity } = flow;
+        let [u_hat, v_hat, omega_hat] = &self.spectra;
+        let (per_dx, per_dy) = (1.0 / self.grid.dx, 1.0 / self.grid.dy);
+        // Numbers not below 0 are ordered like their bits.
+        let largest = AtomicU64::new(0);
+        let [mut u_rest, mut v_rest, mut omega_rest] = [&mut *u, &mut *v, vorticity].map(Vec::as_mut_slice);
+        let shares = fft.shares(self.scratch.len()).filter_map(|share| {
+            let points = ..share.len() * ny;
+            let (u, v) = (u_rest.split_off_mut(points)?, v_rest.split_off_mut(points)?);
+            Some((share, u, v, omega_rest.split_off_mut(points)?))
+        });
+        on_threads(shares.zip(&mut self.scratch), |((share, u, v, omega), scratch)| {
+            for columns in fft.blocks(share.clone()) {
+                let points = (columns.start - share.start) * ny..(columns.end - share.start) * ny;
+                let [u, v, omega] = [&mut *u, &mut *v, &mut *omega].map(|field| &mut field[points.clone()]);
+                fft.inverse_along_y(u_hat, columns.clone(), u, scratch);
+                fft.inverse_along_y(v_hat, columns.clone(), v, scratch);
+                fft.inverse_along_y(omega_hat, columns, omega, scratch);
+                largest.fetch_max(kernel::advection_rate(per_dx, per_dy, u, v).to_bits(), Ordering::Relaxed);
+            }
+        });
+        // A transform spreads what is not a number to every point: the first tells of all.
+        let finite = (u[0] + v[0]).is_finite();
+        *advection_rate = if finite { f64::from_bits(largest.into_inner()) } else { f64::NAN };
     }
 }

@@ -54,9 +54,13 @@ pub(crate) enum Access<M> {
 }
 
 pub(crate) enum Field<M, T> {
-    Read(fn(&mut M) -> &[T]),
-    Write(fn(&mut M) -> &mut [T]),
+    Read(Getter<M, T>),
+    Write(GetterMut<M, T>),
 }
+
+/// A closure, so that variables of a list of like parts can share one that knows its part.
+type Getter<M, T> = Box<dyn Fn(&mut M) -> &[T] + Send + Sync>;
+type GetterMut<M, T> = Box<dyn Fn(&mut M) -> &mut [T] + Send + Sync>;
 
 impl<M, T> Field<M, T> {
     pub(crate) fn read<'a>(&self, model: &'a mut M) -> &'a [T] {
@@ -294,9 +298,9 @@ impl<M> Real<M> {
         name: impl Into<String>,
         unit: &str,
         description: impl Into<String>,
-        values: fn(&mut M) -> &mut [f64],
+        values: impl Fn(&mut M) -> &mut [f64] + Send + Sync + 'static,
     ) -> Variable<M> {
-        let access = Access::Real(Field::Write(values));
+        let access = Access::Real(Field::Write(Box::new(values)));
         Self::row(name, unit, description, Causality::Parameter, Variability::Fixed, access)
     }
 
@@ -305,9 +309,9 @@ impl<M> Real<M> {
         name: impl Into<String>,
         unit: &str,
         description: impl Into<String>,
-        values: fn(&mut M) -> &mut [f64],
+        values: impl Fn(&mut M) -> &mut [f64] + Send + Sync + 'static,
     ) -> Variable<M> {
-        let access = Access::Real(Field::Write(values));
+        let access = Access::Real(Field::Write(Box::new(values)));
         Self::row(name, unit, description, Causality::Input, Variability::Continuous, access)
     }
 
@@ -316,9 +320,9 @@ impl<M> Real<M> {
         name: impl Into<String>,
         unit: &str,
         description: impl Into<String>,
-        values: fn(&mut M) -> &[f64],
+        values: impl Fn(&mut M) -> &[f64] + Send + Sync + 'static,
     ) -> Variable<M> {
-        let access = Access::Real(Field::Read(values));
+        let access = Access::Real(Field::Read(Box::new(values)));
         Self::row(name, unit, description, Causality::Output, Variability::Continuous, access)
     }
 
@@ -327,9 +331,9 @@ impl<M> Real<M> {
         name: impl Into<String>,
         unit: &str,
         description: impl Into<String>,
-        values: fn(&mut M) -> &[f64],
+        values: impl Fn(&mut M) -> &[f64] + Send + Sync + 'static,
     ) -> Variable<M> {
-        let access = Access::Real(Field::Read(values));
+        let access = Access::Real(Field::Read(Box::new(values)));
         Self::row(name, unit, description, Causality::Local, Variability::Continuous, access)
     }
 
@@ -350,9 +354,9 @@ macro_rules! unitless {
             pub fn parameter(
                 name: impl Into<String>,
                 description: impl Into<String>,
-                values: fn(&mut M) -> &mut [$type],
+                values: impl Fn(&mut M) -> &mut [$type] + Send + Sync + 'static,
             ) -> Variable<M> {
-                let access = Access::$access(Field::Write(values));
+                let access = Access::$access(Field::Write(Box::new(values)));
                 Variable::new(name, description, Causality::Parameter, Variability::Fixed, access)
             }
 
@@ -360,9 +364,9 @@ macro_rules! unitless {
             pub fn input(
                 name: impl Into<String>,
                 description: impl Into<String>,
-                values: fn(&mut M) -> &mut [$type],
+                values: impl Fn(&mut M) -> &mut [$type] + Send + Sync + 'static,
             ) -> Variable<M> {
-                let access = Access::$access(Field::Write(values));
+                let access = Access::$access(Field::Write(Box::new(values)));
                 Variable::new(name, description, Causality::Input, Variability::Discrete, access)
             }
 
@@ -370,9 +374,9 @@ macro_rules! unitless {
             pub fn output(
                 name: impl Into<String>,
                 description: impl Into<String>,
-                values: fn(&mut M) -> &[$type],
+                values: impl Fn(&mut M) -> &[$type] + Send + Sync + 'static,
             ) -> Variable<M> {
-                let access = Access::$access(Field::Read(values));
+                let access = Access::$access(Field::Read(Box::new(values)));
                 Variable::new(name, description, Causality::Output, Variability::Discrete, access)
             }
 
@@ -380,9 +384,9 @@ macro_rules! unitless {
             pub fn local(
                 name: impl Into<String>,
                 description: impl Into<String>,
-                values: fn(&mut M) -> &[$type],
+                values: impl Fn(&mut M) -> &[$type] + Send + Sync + 'static,
             ) -> Variable<M> {
-                let access = Access::$access(Field::Read(values));
+                let access = Access::$access(Field::Read(Box::new(values)));
                 Variable::new(name, description, Causality::Local, Variability::Discrete, access)
             }
         }

@@ -8,7 +8,7 @@ use std::ptr::{null, null_mut};
 use std::slice::{from_mut, from_ref};
 
 use fmi2::sys::*;
-use fmi2::{Boolean, Description, Log, Model, Span, Text, Variable};
+use fmi2::{Description, Log, Model, Span, Variable};
 use serde::{Deserialize, Serialize};
 
 // ---------------------------------------------------------------- the model
@@ -73,6 +73,8 @@ impl Model for Integrator {
     fn variables(&self) -> Vec<Variable<Self>> {
         type Real = fmi2::Real<Integrator>;
         type Integer = fmi2::Integer<Integrator>;
+        type Boolean = fmi2::Boolean<Integrator>;
+        type Text = fmi2::Text<Integrator>;
         vec![
             Real::time(),
             Real::parameter("gain", "1", "Gain", |m| from_mut(&mut m.gain)).above(0.0),

@@ -26,6 +26,12 @@ pub struct Fluid {
     /// Zone across the box in which the velocity is imposed; absent where nothing drives the flow.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inflow: Option<Inflow>,
+    /// Zone across the box in which the flow is drawn softly to a velocity; absent where nothing has to be damped.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sponge: Option<Sponge>,
+    /// Mean velocity that is held over the whole box; absent where it is free. Not together with an inflow.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_flow: Option<MeanFlow>,
     /// Circular cylinders, still or in prescribed motion.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cylinders: Vec<Cylinder>,
@@ -36,6 +42,21 @@ pub struct Fluid {
     pub filter: Filter,
     /// The fluid's own step inside a communication step.
     pub time_stepping: TimeStepping,
+    /// Points whose velocity and pressure are outputs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probes: Vec<Probe>,
+    /// Threads that share the work of a step; results do not depend on it.
+    #[serde(default = "one_thread", skip_serializing_if = "is_one")]
+    #[schemars(range(min = 1, max = 1024))]
+    pub threads: usize,
+}
+
+fn one_thread() -> usize {
+    1
+}
+
+fn is_one(threads: &usize) -> bool {
+    *threads == 1
 }
 
 /// The periodic box and its grid.
@@ -72,11 +93,50 @@ pub struct Inflow {
     pub c_eta: f64,
 }
 
+/// Zone across the box in which the flow is drawn to `(profile(y) · law(t), 0)` at the rate
+/// `sin²(π (x − x_0)/(x_1 − x_0)) / c_eta`, which takes out what comes in and reflects little of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sponge {
+    /// From where to where along x, m.
+    pub x: [f64; 2],
+    /// Shape of the velocity across the zone; the law gives its size.
+    #[serde(default)]
+    pub profile: InflowProfile,
+    /// Mean velocity of the profile over time, m/s.
+    pub mean_velocity: TimeLaw,
+    /// Relaxation time in the middle of the zone, s.
+    pub c_eta: f64,
+}
+
+/// Mean velocity over the whole box, solids included (thesis' U_inf), m/s.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeanFlow {
+    /// Along x, m/s.
+    #[serde(default)]
+    pub x: TimeLaw,
+    /// Along y, m/s.
+    #[serde(default)]
+    pub y: TimeLaw,
+}
+
+/// A point whose velocity and pressure are outputs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    /// Its name: a letter, then letters, digits and `_`.
+    pub name: String,
+    /// Where it is, m.
+    pub position: [f64; 2],
+}
+
 /// Shape of an inflow, of mean 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum InflowProfile {
     /// The same velocity at every y.
+    #[default]
     Uniform,
     /// Poiseuille's parabola between the walls of the channel.
     Parabolic,
@@ -111,6 +171,10 @@ fn at_rest() -> TimeLaw {
     TimeLaw::Steady(0.0)
 }
 
+fn yes() -> bool {
+    true
+}
+
 /// How a solid holds the fluid: the drag rate as a function of the signed distance to its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -119,6 +183,9 @@ pub enum Mask {
     Sharp {
         /// Relaxation time C_eta, s.
         c_eta: f64,
+        /// Whether the wall is moved; if not, the mask is that of the thesis.
+        #[serde(default = "yes")]
+        displacement_corrected: bool,
     },
     /// Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds where it should (Hester, Vasil &
     /// Burns 2021).
@@ -127,6 +194,9 @@ pub enum Mask {
         c_eta: f64,
         /// Half the width of the layer in grid cells.
         half_width: f64,
+        /// Whether the layer is shifted; if not, the mask is that of the thesis.
+        #[serde(default = "yes")]
+        displacement_corrected: bool,
     },
     /// Drag rate that grows exponentially with depth, so that no-slip holds at the surface whatever the grid's position.
     LogLinear {
@@ -134,11 +204,24 @@ pub enum Mask {
         c_eta: f64,
         /// Length of e-fold growth in grid cells.
         e_fold: f64,
-        /// Whether the solid pulls the fluid just inside its surface weakly towards the mirror image of the flow outside,
-        /// which takes out the flux that the smooth profile lets through.
+        /// What the cylinders and the beam draw the fluid at their surface to.
         #[serde(default)]
-        reflect: bool,
+        target: WallTarget,
     },
+}
+
+/// What a body draws the fluid at its surface to, and thereby which flows along a wall are right to the order of a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WallTarget {
+    /// The body's own velocity: no-slip is where it should be in linear shear, but the smooth profile lets a flux through.
+    None,
+    /// Inside, weakly, the mirror image of the flow outside: no flux beyond that of linear shear either.
+    Shear,
+    /// Besides, at the surface, what the second difference of the flow outside asks for: no slip where a pressure gradient
+    /// bends the velocity profile either.
+    #[default]
+    Curvature,
 }
 
 /// What removes aliasing errors.
@@ -162,13 +245,27 @@ pub struct TimeStepping {
     pub max_step: f64,
     /// Largest CFL number max(|u|/dx + |v|/dy) dt; smaller steps are taken where it would be exceeded.
     pub max_cfl: f64,
+    /// How a step is made.
+    #[serde(default)]
+    pub scheme: TimeScheme,
+}
+
+/// How the fluid makes a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeScheme {
+    /// Two-step backward differences, drag and viscosity implicit: the step is limited by advection alone.
+    #[default]
+    Sbdf2,
+    /// Heun's method, drag explicit, viscosity exact (thesis eq. 3.15 – 3.18): steps above C_eta are divided.
+    Rk2,
 }
 
 impl Mask {
     /// Relaxation time C_eta deep inside the solid, s.
     pub fn c_eta(&self) -> f64 {
         match *self {
-            Self::Sharp { c_eta } | Self::Cosine { c_eta, .. } | Self::LogLinear { c_eta, .. } => c_eta,
+            Self::Sharp { c_eta, .. } | Self::Cosine { c_eta, .. } | Self::LogLinear { c_eta, .. } => c_eta,
         }
     }
 }
@@ -191,6 +288,10 @@ impl Check for Fluid {
                 format!("it must lie inside the box, {outer:?}")
             })
         };
+        let possible = |key: &str, profile: InflowProfile| {
+            let possible = profile != InflowProfile::Parabolic || self.channel.is_some();
+            require(possible, key, "parabolic", || "a parabola needs a channel".into())
+        };
         if let Some(channel) = &self.channel {
             within(&format!("{key}.channel.y"), channel.y, self.domain.y)?;
         }
@@ -198,13 +299,50 @@ impl Check for Fluid {
             within(&format!("{key}.inflow.x"), inflow.x, self.domain.x)?;
             inflow.mean_velocity.check_at(&format!("{key}.inflow.mean_velocity"))?;
             above(&format!("{key}.inflow.c_eta"), inflow.c_eta, 0.0)?;
-            let possible = inflow.profile != InflowProfile::Parabolic || self.channel.is_some();
-            require(possible, &format!("{key}.inflow.profile"), "parabolic", || "a parabola needs a channel".into())?;
+            possible(&format!("{key}.inflow.profile"), inflow.profile)?;
+        }
+        if let Some(sponge) = &self.sponge {
+            within(&format!("{key}.sponge.x"), sponge.x, self.domain.x)?;
+            sponge.mean_velocity.check_at(&format!("{key}.sponge.mean_velocity"))?;
+            above(&format!("{key}.sponge.c_eta"), sponge.c_eta, 0.0)?;
+            possible(&format!("{key}.sponge.profile"), sponge.profile)?;
+        }
+        if let Some(mean_flow) = &self.mean_flow {
+            let key = format!("{key}.mean_flow");
+            require(self.inflow.is_none(), &key, "present", || {
+                "the inflow sets the flow rate already: leave one of the two out".into()
+            })?;
+            for (axis, (name, law)) in [("x", &mean_flow.x), ("y", &mean_flow.y)].into_iter().enumerate() {
+                law.check_at(&format!("{key}.{name}"))?;
+                let (start, initial) = (law.value(0.0), self.initial_velocity[axis]);
+                require((start - initial).abs() <= 1e-9 * initial.abs(), &format!("{key}.{name}"), start, || {
+                    format!("at t = 0 it must be the initial velocity, {initial}")
+                })?;
+            }
+        }
+        for (i, probe) in self.probes.iter().enumerate() {
+            let key = format!("{key}.probes[{i}]");
+            let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+            let good = probe.name.starts_with(|c: char| c.is_ascii_alphabetic()) && probe.name.chars().all(word);
+            require(good, &format!("{key}.name"), format!("{:?}", probe.name), || {
+                "it must be a letter, then letters a-z, A-Z, digits and _".into()
+            })?;
+            let twice = self.probes[..i].iter().any(|other| other.name == probe.name);
+            require(!twice, &format!("{key}.name"), &probe.name, || "another probe has that name".into())?;
+            for (axis, [low, high]) in [self.domain.x, self.domain.y].into_iter().enumerate() {
+                let at = probe.position[axis];
+                require((low..=high).contains(&at), &format!("{key}.position[{axis}]"), at, || {
+                    format!("it must lie inside the box, [{low}, {high}]")
+                })?;
+            }
         }
         self.cylinders.check_at(&format!("{key}.cylinders"))?;
         self.mask.check_at(&format!("{key}.mask"))?;
         above(&format!("{key}.time_stepping.max_step"), self.time_stepping.max_step, 0.0)?;
-        above(&format!("{key}.time_stepping.max_cfl"), self.time_stepping.max_cfl, 0.0)
+        above(&format!("{key}.time_stepping.max_cfl"), self.time_stepping.max_cfl, 0.0)?;
+        require((1..=1024).contains(&self.threads), &format!("{key}.threads"), self.threads, || {
+            "it must be between 1 and 1024".into()
+        })
     }
 }
 
@@ -223,8 +361,8 @@ impl Check for Cylinder {
 impl Check for Mask {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
         match *self {
-            Self::Sharp { c_eta } => above(&format!("{key}.sharp.c_eta"), c_eta, 0.0),
-            Self::Cosine { c_eta, half_width } => {
+            Self::Sharp { c_eta, .. } => above(&format!("{key}.sharp.c_eta"), c_eta, 0.0),
+            Self::Cosine { c_eta, half_width, .. } => {
                 above(&format!("{key}.cosine.c_eta"), c_eta, 0.0)?;
                 above(&format!("{key}.cosine.half_width"), half_width, 0.0)
             }

@@ -19,7 +19,10 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use beam::{Beam, Root};
-pub use fluid::{Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, Motion, TimeStepping};
+pub use fluid::{
+    Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Probe, Sponge,
+    TimeScheme, TimeStepping, WallTarget,
+};
 pub use law::TimeLaw;
 pub use rod::{Bending, Calibration, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section};
 

@@ -1,0 +1,22 @@
+//! What the tests of the fluid share.
+
+use fluid::Fluid;
+use scene::Scene;
+
+/// A scene from the parts of its fluid and what else it has.
+pub fn scene(fluid: &str, rest: &str) -> Scene {
+    let text = format!(
+        r#"{{ "name": "test", "time": {{ "end": 1.0, "communication_step": 0.01 }}, "fluid": {{
+            "density": 1000.0, "time_stepping": {{ "max_step": 1.0, "max_cfl": 1.0 }},
+            "mask": {{ "cosine": {{ "c_eta": 1e-4, "half_width": 1.0 }} }}, {fluid} }} {rest} }}"#
+    );
+    Scene::from_json(&text).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Make some steps of `h` seconds.
+pub fn run(fluid: &mut Fluid, steps: usize, h: f64) {
+    for step in 0..steps {
+        let t = fluid.time();
+        fluid.advance(t, h).unwrap_or_else(|e| panic!("step {step}: {e}"));
+    }
+}

@@ -1,0 +1,48 @@
+//! No run ends in silence: some cells of the stability table (`examples/stability`).
+
+#[path = "../examples/stability/cases.rs"]
+mod cases;
+
+use cases::{Case, LOG_LINEAR, Outcome, channel, hard_scenes, outcome};
+
+const CASE: Case = Case { scheme: "sbdf2", mask: LOG_LINEAR, c_eta: 1e-5, cfl: 0.4, reynolds: 100.0 };
+
+#[test]
+fn flows_start_by_a_jump_at_any_stiffness_and_reynolds_number() {
+    for (c_eta, reynolds) in [(1e-2, 1e4), (1e-5, 1.0), (1e-8, 1.0), (1e-8, 1e4)] {
+        match outcome(&channel(Case { c_eta, reynolds, ..CASE }), 30) {
+            Outcome::Ok { fastest } => assert!(fastest > 1.0, "C_eta {c_eta} s, Re {reynolds}: only {fastest} m/s"),
+            Outcome::Wild { fastest } => panic!("C_eta {c_eta} s, Re {reynolds}: {fastest} m/s"),
+            Outcome::NotFinite => panic!("C_eta {c_eta} s, Re {reynolds}: a silent NaN"),
+            Outcome::Error(message) => panic!("C_eta {c_eta} s, Re {reynolds}: {message}"),
+        }
+    }
+}
+
+#[test]
+fn hard_scenes_go_through() {
+    for (name, scene) in hard_scenes(CASE) {
+        match outcome(&scene, 110) {
+            Outcome::Ok { .. } => {}
+            Outcome::Wild { fastest } => panic!("{name}: {fastest} m/s"),
+            Outcome::NotFinite => panic!("{name}: a silent NaN"),
+            Outcome::Error(message) => panic!("{name}: {message}"),
+        }
+    }
+}
+
+#[test]
+fn what_cannot_go_on_says_why() {
+    let stiff = Case { scheme: "rk2", mask: ("sharp", ""), c_eta: 1e-8, ..CASE };
+    let too_fast = Case { cfl: 1e9, reynolds: 1e6, ..CASE };
+    let mut fast = channel(too_fast);
+    fast.fluid.as_mut().expect("it has one").time_stepping.max_step = 1.0;
+    fast.time.communication_step = 0.1;
+    for (scene, named) in [(channel(stiff), "C_eta = 9.999e-9 s"), (fast, "the flow diverged at t =")] {
+        match outcome(&scene, 1000) {
+            Outcome::Error(message) => assert!(message.contains(named) && message.contains("t = "), "{message}"),
+            Outcome::Ok { fastest } | Outcome::Wild { fastest } => panic!("{named}: went through at {fastest} m/s"),
+            Outcome::NotFinite => panic!("{named}: a silent NaN"),
+        }
+    }
+}

@@ -1,0 +1,145 @@
+"""Animation and phases of a run that was made with --fields-every.
+
+    python scripts/run.py scenes/fsi3-325x72.json --fields-every 0.01
+    python scripts/animate.py results/fsi3-325x72
+
+writes vorticity.gif, which goes round without a seam over the last whole periods, and phases.png, four phases of the
+last period, into the result folder.
+"""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import matplotlib.pyplot as plt
+import numpy as np
+import typer
+from PIL import Image
+
+from cosim import fields, plots, statistics
+from cosim.report import MAIN_SIGNALS, write_whole
+
+PERIODS = 2
+"""Whole periods that the animation shows, unless times are asked for."""
+
+PHASES = 4
+
+WIDTH, DPI = 9.0, 100
+"""Width of the animation, in, and points an inch."""
+
+FRAME_MS = 60
+"""How long a frame is shown, ms."""
+
+GREYS = 32
+"""Colours of the animation's palette that are left to text, axes and solids; the other ones are the colour scale's."""
+
+
+class Frames:
+    """The frames of a result folder: times (s), vorticity and the beam's outline."""
+
+    def __init__(self, folder: Path):
+        import h5py
+
+        self.folder = folder
+        self.fluid = h5py.File(folder / fields.FLUID)
+        self.scene = json.loads(self.fluid[fields.SCENE][()])
+        self.times = self.fluid["VTKHDF/Steps/Values"][: self.fluid["VTKHDF/Steps"].attrs["NSteps"]]
+        self.beam = h5py.File(folder / fields.BEAM)["VTKHDF"] if self.scene.get("beam") else None
+
+    def vorticity(self, frame: int) -> np.ndarray:
+        return self.fluid["VTKHDF/PointData/vorticity"][frame].T
+
+    def outline(self, frame: int) -> np.ndarray | None:
+        if self.beam is None:
+            return None
+        n = self.beam["NumberOfPoints"][0]
+        return self.beam["Points"][frame * n : (frame + 1) * n, :2]
+
+    def window(self) -> statistics.Window | None:
+        """The periods of the run's main signal; None without a record of it, or if it has none."""
+        if not (self.folder / "series.csv").is_file():
+            return None
+        series = np.genfromtxt(self.folder / "series.csv", delimiter=",", names=True)
+        main = next((name for name in MAIN_SIGNALS if name in series.dtype.names), None)
+        window = statistics.find_window(series["time"], series[main]) if main else None
+        return window if window and window.periods else None
+
+    def between(self, begin: float, end: float) -> list[int]:
+        """Frames of the times from `begin` up to `end`, without `end` itself."""
+        return np.flatnonzero((self.times >= begin) & (self.times < end)).tolist()
+
+
+def main(
+    folder: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="Result folder of a run.")],
+    begin: Annotated[
+        float | None, typer.Option(help="First time, s; default: two whole periods before the last.")
+    ] = None,
+    end: Annotated[float | None, typer.Option(help="Last time, s.")] = None,
+) -> None:
+    """Write vorticity.gif and phases.png into the result folder."""
+    try:
+        frames = Frames(folder)
+    except (OSError, KeyError) as error:
+        typer.echo(f"error: {folder} holds no fields, which a run writes with --fields-every: {error}", err=True)
+        raise typer.Exit(2) from error
+    window = frames.window()
+    if window:
+        looped, last = window.last(PERIODS), window.last(1)
+    else:
+        looped = last = statistics.Window(0.0, float(frames.times[-1]) * (1 + 1e-9), 0)
+    first, stop = looped.begin if begin is None else begin, looped.end if end is None else end
+    chosen = frames.between(first, stop)
+    if not chosen:
+        typer.echo(f"error: no frames from {first:g} s to {stop:g} s: the run has {frames.times[0]:g} to "
+                   f"{frames.times[-1]:g} s", err=True)  # fmt: skip
+        raise typer.Exit(2)
+    limit = plots.vorticity_limit(
+        frames.scene, [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
+    )
+
+    at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
+    nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
+    write_whole(folder / "phases.png", lambda path: phases(frames, nearest, limit, path))
+    write_whole(folder / "vorticity.gif", lambda path: animation(frames, chosen, limit, path))
+    for name in ("phases.png", "vorticity.gif"):
+        typer.echo(f"{folder / name} ({(folder / name).stat().st_size / 1e6:.1f} MB)")
+
+
+def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
+    """Four frames below each other, with one colour scale."""
+    width, height = plots.size(frames.scene, WIDTH)
+    figure, axes = plt.subplots(
+        len(chosen), sharex=True, figsize=(width, (height - 0.5) * len(chosen) + 0.5), layout="constrained"
+    )
+    for axis, frame in zip(axes, chosen):
+        picture = plots.draw_vorticity(axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit)
+        axis.set_title(f"t = {frames.times[frame]:.3f} s", fontsize="medium")
+        axis.label_outer()
+    figure.colorbar(picture, ax=axes, label="vorticity [1/s]", extend="both", pad=0.01)
+    figure.savefig(path, dpi=150)
+    plt.close(figure)
+
+
+def animation(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
+    """The frames one after the other, for ever. One palette without dithering: what stands still costs nothing."""
+    scale = plt.get_cmap(plots.COLOUR_MAP)(np.linspace(0, 1, 256 - GREYS))[:, :3]
+    greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
+    palette = Image.new("P", (1, 1))
+    palette.putpalette((255 * np.concatenate([scale, greys])).round().astype(np.uint8).tobytes())
+    images = []
+    figure, axis = plt.subplots(figsize=plots.size(frames.scene, WIDTH), dpi=DPI, layout="constrained")
+    bar = None
+    for frame in chosen:
+        axis.clear()
+        picture = plots.draw_vorticity(axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit)
+        axis.set_title(f"t = {frames.times[frame]:.3f} s", fontsize="medium")
+        bar = bar or figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
+        figure.canvas.draw()
+        image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())
+        images.append(image.quantize(palette=palette, dither=Image.Dither.NONE))
+    plt.close(figure)
+    images[0].save(path, "GIF", save_all=True, append_images=images[1:], duration=FRAME_MS, loop=0, optimize=True)
+
+
+if __name__ == "__main__":
+    typer.run(main)

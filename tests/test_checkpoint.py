@@ -1,0 +1,183 @@
+"""Runs that are interrupted and go on: they leave, to the last bit, what an uninterrupted run does, or are refused."""
+
+import json
+import resource
+import signal
+import subprocess
+import sys
+import time
+import zipfile
+
+import numpy as np
+import pytest
+from conftest import run_scene
+from cosim import checkpoint
+from cosim.recorder import Recorder
+from cosim.scene import ROOT, override
+
+pytestmark = pytest.mark.usefixtures("libraries")
+
+ITERATED = {"load": "pressure_jump", "scheme": {"iterated": {"tolerance": 1e-4, "max_iterations": 50}}}
+TIMES = ("wall_s", "wall_s_per_simulated_s", "phases_s")
+
+
+@pytest.fixture
+def scenes(rod_only, fluid_only, small_fsi3):
+    """Small scenes by kind; each is long enough to be killed on its way."""
+    rod_only["time"]["end"], fluid_only["time"]["end"], small_fsi3["time"]["end"] = 0.5, 3.0, 0.4
+    iterated = json.loads(json.dumps(small_fsi3))
+    iterated["coupling"], iterated["time"]["end"] = ITERATED, 0.2
+    iterated["fluid"]["mask"] = {"cosine": {"c_eta": 1e-3, "half_width": 1.0}}
+    return {"rod": rod_only, "fluid": fluid_only, "explicit": small_fsi3, "iterated": iterated}
+
+
+def results(folder):
+    """series.csv as bytes and summary.json without what it says of wall times."""
+    summary = json.loads((folder / "summary.json").read_text())
+    return (folder / "series.csv").read_bytes(), {key: part for key, part in summary.items() if key not in TIMES}
+
+
+def stop(path, folder, number, *arguments):
+    """Start a run, send it signal `number` when it has written a checkpoint, return its exit code."""
+    command = [sys.executable, ROOT / "scripts" / "run.py", path, "--output", folder, "--checkpoint-every", "0.001"]
+    process = subprocess.Popen([*command, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    deadline = time.monotonic() + 300
+    while not (folder / checkpoint.FILE).exists() and time.monotonic() < deadline:
+        time.sleep(0.02)
+    process.send_signal(number)
+    return process.wait(timeout=300)
+
+
+@pytest.fixture
+def saved(fluid_only, start, tmp_path):
+    """Checkpoint of a run in this process, kept after three steps."""
+    scheme = start(fluid_only)
+    recorder = Recorder({"fluid": scheme.unit}, 10)
+    for i in range(3):
+        scheme.step(i * 1e-3, 1e-3)
+        recorder.record(i, i * 1e-3, 1)
+    kept = checkpoint.Checkpoint(tmp_path, fluid_only, {"fluid": scheme.unit}, scheme, recorder)
+    kept.save(3, 0.5)
+    return kept
+
+
+@pytest.mark.parametrize("kind", ["rod", "fluid", "explicit", "iterated"])
+def test_a_killed_run_goes_on_as_if_nothing_had_been(kind, scenes, tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(scenes[kind]))
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    assert run_scene(path, "--output", whole).returncode == 0
+    assert stop(path, parts, signal.SIGKILL) == -signal.SIGKILL
+    assert not (parts / "summary.json").exists()
+    done = run_scene(path, "--output", parts, "--resume")
+    assert done.returncode == 0, done.stderr
+    assert results(parts) == results(whole)
+    assert not (parts / checkpoint.FILE).exists(), "a run that has reached its end leaves no checkpoint"
+
+
+def test_an_interrupted_run_writes_where_it_was_and_another_scene_is_refused(fluid_only, tmp_path):
+    fluid_only["time"]["end"] = 100.0
+    path, folder = tmp_path / "scene.json", tmp_path / "results"
+    path.write_text(json.dumps(fluid_only))
+    assert stop(path, folder, signal.SIGINT) == 130
+    stopped_at = json.loads((folder / "summary.json").read_text())["steps"]
+    with np.load(folder / checkpoint.FILE) as archive:
+        assert json.loads(archive["about"].tobytes())["done"] == stopped_at
+
+    before = {file.name: file.read_bytes() for file in folder.iterdir() if file.suffix != ".fmu"}
+    done = run_scene(path, "--output", folder, "--resume", "--set", "fluid.density=2.0")
+    assert done.returncode == 2, done.stderr
+    assert "another scene: `fluid.density` is 2.0 here, but 1.0 there" in done.stderr, done.stderr
+    assert before == {file.name: file.read_bytes() for file in folder.iterdir() if file.suffix != ".fmu"}
+
+
+def test_a_run_that_failed_keeps_its_last_checkpoint(scenes, tmp_path):
+    scene = scenes["iterated"]
+    scene["fluid"]["inflow"]["mean_velocity"] = {"cosine_ramp": {"value": 1.0, "duration": 0.1}}
+    scene["coupling"]["scheme"]["iterated"]["max_iterations"] = 4
+    path, folder = tmp_path / "scene.json", tmp_path / "results"
+    path.write_text(json.dumps(scene))
+    first = run_scene(path, "--output", folder, "--checkpoint-every", "0")
+    assert first.returncode == 1 and "did not converge" in first.stderr, first.stderr
+    series = (folder / "series.csv").read_bytes()
+    again = run_scene(path, "--output", folder, "--resume")
+    assert again.returncode == 1 and again.stderr == first.stderr
+    assert (folder / "series.csv").read_bytes() == series
+
+
+def test_nothing_to_resume_is_said(rod_only, tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(rod_only))
+    done = run_scene(path, "--output", tmp_path / "results", "--resume")
+    assert done.returncode == 2 and "there is no checkpoint" in done.stderr, done.stderr
+
+
+@pytest.mark.parametrize(
+    ("assignment", "message"),
+    [
+        ("fluid.density=2.0", "another scene: `fluid.density` is 2.0 here, but 1.0 there"),
+        ("fluid.cylinders.0.radius=0.1", "another scene: `fluid.cylinders.0.radius` is 0.1 here, but 0.15 there"),
+        ("time.end=4.0", "another scene: `time.end` is 4.0 here, but 0.02 there"),
+        ("fluid.filter=smooth", 'another scene: `fluid.filter` is "smooth" here, but null there'),
+    ],
+)
+def test_a_checkpoint_of_another_scene_is_refused_with_the_key(assignment, message, saved):
+    saved.scene = json.loads(json.dumps(saved.scene))
+    override(saved.scene, assignment)
+    with pytest.raises(checkpoint.CheckpointError) as caught:
+        saved.load()
+    assert message in str(caught.value)
+
+
+def about(arrays, **changes):
+    arrays["about"] = np.frombuffer(json.dumps(json.loads(arrays["about"].tobytes()) | changes).encode(), np.uint8)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda arrays: about(arrays, format=0), "has format 0, not 1"),
+        (lambda arrays: about(arrays, guids={"fluid": "{other}"}), "of another fluid: its GUID is"),
+        (lambda arrays: arrays.update(fluid_state=arrays["fluid_state"][:-1]), "of another build of the fluid"),
+        (lambda arrays: arrays.pop("about"), "is damaged"),
+    ],
+    ids=["format", "guid", "state", "part"],
+)
+def test_a_checkpoint_of_another_build_is_refused(change, message, saved):
+    with np.load(saved.path) as archive:
+        arrays = dict(archive)
+    change(arrays)
+    np.savez(saved.path, **arrays)
+    with pytest.raises(checkpoint.CheckpointError, match=message):
+        saved.load()
+
+
+def test_a_damaged_or_cut_file_is_refused(saved):
+    """Wherever a byte of the content is changed: the archive's checksums see it."""
+    good = saved.path.read_bytes()
+    with zipfile.ZipFile(saved.path) as archive:
+        ends = [entry.header_offset for entry in archive.infolist()[1:]] + [archive.start_dir]
+        lengths = [entry.file_size for entry in archive.infolist()]
+    for at in [end - 1 for end in ends] + [end - length for end, length in zip(ends, lengths)]:
+        damaged = bytearray(good)
+        damaged[at] ^= 1
+        for bad in (damaged, good[:at]):
+            saved.path.write_bytes(bad)
+            with pytest.raises(checkpoint.CheckpointError, match="is damaged"):
+                saved.load()
+    saved.path.write_bytes(good)
+    assert saved.load() == (3, 0.5)
+
+
+def test_a_full_disk_leaves_the_checkpoint_before(saved):
+    """The limit on a file's size stands for the disk: a write fails in the middle of the new checkpoint."""
+    good, said = saved.path.read_bytes(), []
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (len(good) // 2, hard))
+    try:
+        saved.every(0.0, 0.0, said.append)(2, 0.5, 1.0)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert len(said) == 1 and "no checkpoint at t = 0.5 s" in said[0], said
+    assert saved.path.read_bytes() == good
+    assert not saved.path.with_name(f"unfinished-{checkpoint.FILE}").exists()

@@ -1,0 +1,168 @@
+"""Field files: what VTKHDF asks for, what the fluid and the beam show, and what is left of a run that was killed."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import numpy as np
+import pytest
+from conftest import run_scene
+from cosim import fields, master
+from cosim.scene import ROOT, SceneError
+from PIL import Image
+
+pytestmark = pytest.mark.usefixtures("libraries")
+
+
+def write(scene, start, folder, interval):
+    """Run `scene` in this process with fields; returns its units and field files."""
+    scheme = start(scene)
+    units = {"rod": scheme.rod, "fluid": scheme.fluid} if hasattr(scheme, "rod") else {scheme.unit.name: scheme.unit}
+    clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+    kept = fields.Fields(folder, scene, units, clock, interval, 0)
+    watch = kept.watch(pytest.fail)
+    watch(0, 0.0, 0.0)
+    for i in range(clock.steps):
+        t, h = clock.step(i)
+        scheme.step(t, h)
+        watch(i + 1, t + h, 0.0)
+    kept.close()
+    return units
+
+
+def test_fluid_fields_are_image_data_of_what_the_unit_shows(fluid_only, start, tmp_path):
+    units = write(fluid_only, start, tmp_path, 5e-3)
+    with h5py.File(tmp_path / fields.FLUID) as file:
+        root = file["VTKHDF"]
+        assert root.attrs["Type"] == b"ImageData" and tuple(root.attrs["Version"]) == (2, 0)
+        assert tuple(root.attrs["WholeExtent"]) == (0, 63, 0, 31, 0, 0)
+        assert tuple(root.attrs["Origin"]) == (-1.0, -0.5, 0.0)
+        assert tuple(root.attrs["Spacing"]) == (2.0 / 64, 1.0 / 32, 1.0)
+        assert root["Steps"].attrs["NSteps"] == 5
+        assert root["Steps/Values"][:] == pytest.approx([0.0, 0.005, 0.01, 0.015, 0.02])
+        velocity = root["PointData/velocity"]
+        assert velocity.shape == (5, 32, 64, 3)
+        for component, name in enumerate("uv"):
+            assert (velocity[-1, ..., component] == units["fluid"].field(name).T.astype(np.float32)).all()
+        assert (velocity[-1, ..., 2] == 0).all()
+        assert (root["PointData/vorticity"][-1] == units["fluid"].field("vorticity").T.astype(np.float32)).all()
+        assert (root["PointData/pressure"][-1] == units["fluid"].field("p").T.astype(np.float32)).all()
+
+
+def test_the_beam_is_a_polygon_of_its_area_between_its_ends(small_fsi3, start, tmp_path):
+    small_fsi3["time"]["end"] = 0.004
+    write(small_fsi3, start, tmp_path, 0.002)
+    with h5py.File(tmp_path / fields.BEAM) as file:
+        root = file["VTKHDF"]
+        assert root.attrs["Type"] == b"PolyData" and root["Steps"].attrs["NSteps"] == 3
+        points = root["Points"][:].reshape(3, 42, 3)
+        assert root["Polygons/Offsets"][:].tolist() == [0, 42]
+        assert root["Steps/PointOffsets"][:].tolist() == [0, 42, 84]
+    x, y = points[0, :, 0], points[0, :, 1]
+    area = abs(np.dot(x, np.roll(y, 1)) - np.dot(y, np.roll(x, 1))) / 2
+    assert area == pytest.approx(0.35 * 0.02, rel=1e-5)
+    assert (points[2] != points[0]).any()
+
+
+def test_a_rod_alone_shows_its_beam(rod_only, start, tmp_path):
+    write(rod_only, start, tmp_path, 1e-3)
+    assert not (tmp_path / fields.FLUID).exists()
+    with h5py.File(tmp_path / fields.BEAM) as file:
+        points = file["VTKHDF/Points"][:].reshape(11, 34, 3)
+    assert points[-1, 16, 1] < points[0, 16, 1], "the tip falls"
+
+
+def test_a_rod_in_space_is_a_line(rod_only, start, tmp_path):
+    rod_only["beam"]["root"]["at"] = {"position": [0.0, 0.0, 0.0], "direction": [1.0, 0.0, 0.0]}
+    rod_only["rod"]["gravity"] = [0.0, 0.0, -2.0]
+    write(rod_only, start, tmp_path, 1e-3)
+    with h5py.File(tmp_path / fields.BEAM) as file:
+        assert file["VTKHDF/Lines/NumberOfCells"][0] == 1 and file["VTKHDF/Polygons/NumberOfCells"][0] == 0
+        assert file["VTKHDF/Points"].shape == (11 * 17, 3)
+
+
+def test_a_scene_without_anything_to_show_is_refused(fluid_only, instantiate, tmp_path):
+    unit = instantiate(fluid_only)["fluid"]
+    unit.field = lambda _name: None
+    with pytest.raises(SceneError, match="--fields-every needs a beam or a fluid that shows its fields"):
+        fields.Fields(tmp_path, fluid_only, {"fluid": unit}, master.Clock(1.0, 0.1), 0.1, 0)
+
+
+def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(small_fsi3, tmp_path):
+    small_fsi3["time"]["end"] = 0.6
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(small_fsi3))
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    options = ["--fields-every", "0.004"]
+    assert run_scene(path, "--output", whole, *options).returncode == 0
+    command = [sys.executable, ROOT / "scripts" / "run.py", path, "--output", parts, "--checkpoint-every", "0.001"]
+    process = subprocess.Popen([*command, *options], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while not (parts / "checkpoint.npz").exists() and process.poll() is None:
+        time.sleep(0.02)
+    process.send_signal(signal.SIGKILL)
+    assert process.wait(timeout=300) == -signal.SIGKILL
+
+    def frames(folder, name):
+        with h5py.File(folder / name) as file:
+            data = file["VTKHDF/PointData/vorticity" if name == fields.FLUID else "VTKHDF/Points"][:]
+            return file["VTKHDF/Steps"].attrs["NSteps"], file["VTKHDF/Steps/Values"][:], data
+
+    expected = {name: frames(whole, name) for name in fields.FILES}
+    for name in fields.FILES:
+        count, times, data = frames(parts, name)
+        known = count * len(data) // expected[name][0]
+        assert 0 < count < expected[name][0] and len(times) in (count, count + 1)
+        assert (data[:known] == expected[name][2][:known]).all()
+
+    other = run_scene(path, "--output", parts, "--resume", "--fields-every", "0.01")
+    assert other.returncode == 2 and "cannot be continued" in other.stderr, other.stderr
+    done = run_scene(path, "--output", parts, "--resume", *options)
+    assert done.returncode == 0, done.stderr
+    for name in fields.FILES:
+        for found, wanted in zip(frames(parts, name), expected[name]):
+            assert np.array_equal(found, wanted)
+    assert (parts / "series.csv").read_bytes() == (whole / "series.csv").read_bytes()
+
+
+def animate(folder, *arguments):
+    command = [sys.executable, ROOT / "scripts" / "animate.py", folder, *arguments]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+def test_an_animation_shows_the_frames_of_the_times_asked_for(small_fsi3, tmp_path):
+    small_fsi3["time"]["end"] = 0.02
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(small_fsi3))
+    assert run_scene(path, "--output", tmp_path / "results", "--fields-every", "0.002").returncode == 0
+    done = animate(tmp_path / "results", "--begin", "0.009", "--end", "0.017")
+    assert done.returncode == 0, done.stderr
+    with Image.open(tmp_path / "results" / "vorticity.gif") as film, Image.open(tmp_path / "results" / "phases.png"):
+        assert film.n_frames == 4 and film.info["loop"] == 0
+        colours = {colour for _, colour in film.convert("RGB").getcolors(1 << 20)}
+    assert any(r > b + 50 for r, _, b in colours) and any(b > r + 50 for r, _, b in colours), "both signs are seen"
+
+    none = animate(tmp_path / "results", "--begin", "7", "--end", "8")
+    assert none.returncode == 2 and "the run has 0 to 0.02 s" in none.stderr, none.stderr
+
+
+def test_a_folder_without_fields_is_said(tmp_path):
+    done = animate(tmp_path)
+    assert done.returncode == 2 and "--fields-every" in done.stderr, done.stderr
+
+
+def test_fields_and_checkpoints_change_no_result(rod_only, tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(rod_only))
+    run_scene(path, "--output", tmp_path / "plain")
+    run_scene(path, "--output", tmp_path / "kept", "--checkpoint-every", "0", "--fields-every", "1e-3")
+    plain, kept = ((tmp_path / name / "series.csv").read_bytes() for name in ("plain", "kept"))
+    assert plain == kept
+    assert not set(fields.FILES) & {file.name for file in (tmp_path / "plain").iterdir()}
+
+
+def test_a_run_without_fields_does_not_load_hdf5():
+    code = "import run, sys; sys.exit('h5py' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT / "scripts").returncode == 0
