@@ -271,17 +271,18 @@ impl Beam {
 
     /// Bring the drag on each cell to the stations.
     ///
-    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it falls with the cell's
-    /// velocity (kg/(m s)).
-    pub fn collect(&self, mut drag: impl FnMut(&Cell) -> ([f64; 2], f64), loads: &mut Loads) {
+    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it falls with the body's
+    /// velocity there (kg/(m s)), per axis. The impedance of a station is that for its motion across the beam.
+    pub fn collect(&self, mut drag: impl FnMut(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut Loads) {
         loads.force.iter_mut().for_each(|f| f.fill(0.0));
         loads.impedance.fill(0.0);
         for (cell, place) in self.cells.iter().zip(&self.places) {
-            let ([fx, fy], impedance) = drag(cell);
+            let ([fx, fy], [along_x, along_y]) = drag(cell);
             let (k, t) = (place.segment as usize, place.fraction);
             let frame = &self.frames[k];
             let couple = -place.height * (fx * frame.along[0] + fy * frame.along[1]) / frame.length;
             let normal = frame.normal();
+            let impedance = along_x * normal[0] * normal[0] + along_y * normal[1] * normal[1];
             for (axis, f) in [fx, fy].into_iter().enumerate() {
                 loads.force[axis][k] += (1.0 - t) * f - couple * normal[axis];
                 loads.force[axis][k + 1] += t * f + couple * normal[axis];

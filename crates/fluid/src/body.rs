@@ -17,6 +17,8 @@ pub struct Cell {
     pub velocity: [f64; 2],
     /// Its position from the point that the body's moment is taken about, m.
     pub arm: [f64; 2],
+    /// How fast that velocity changes with the body's own there, per axis: 1, and more where it follows a wall target.
+    pub gain: [f64; 2],
 }
 
 /// A cell whose body draws the fluid to something else than its own velocity: `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`,
@@ -54,7 +56,7 @@ impl Cells {
 
     /// Add a cell that moves with the body.
     pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2], arm: [f64; 2]) {
-        self.cells.push(Cell { index, rate, velocity, arm });
+        self.cells.push(Cell { index, rate, velocity, arm, gain: [1.0; 2] });
     }
 
     /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
@@ -68,15 +70,19 @@ impl Cells {
         grid: &Grid,
     ) {
         let looks = target.looks(distance);
-        let Some(cell) = self.cells.last().filter(|_| looks.iter().any(|look| look.weight != [0.0; 2])) else { return };
+        let number = self.cells.len().wrapping_sub(1);
+        let Some(cell) = self.cells.last_mut().filter(|_| looks.iter().any(|look| look.weight != [0.0; 2])) else {
+            return;
+        };
         let mut sum = [0.0; 2];
         for Look { off, weight } in looks {
             let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
             self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
             sum = [sum[0] + weight[0], sum[1] + weight[1]];
         }
-        let (cell, body) = (self.cells.len() - 1, cell.velocity);
-        self.drawn.push(Drawn { cell, body, normal, weight: sum, points_end: self.points.len() });
+        cell.gain = [0, 1].map(|axis| 1.0 - sum[0] * normal[1 - axis].powi(2) - sum[1] * normal[axis].powi(2));
+        let body = cell.velocity;
+        self.drawn.push(Drawn { cell: number, body, normal, weight: sum, points_end: self.points.len() });
     }
 
     /// Look at the flow around the drawn cells anew.

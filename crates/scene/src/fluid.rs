@@ -167,6 +167,10 @@ pub struct Motion {
     pub y: TimeLaw,
 }
 
+fn a_quarter() -> f64 {
+    0.25
+}
+
 fn at_rest() -> TimeLaw {
     TimeLaw::Steady(0.0)
 }
@@ -202,7 +206,9 @@ pub enum Mask {
     LogLinear {
         /// Smallest relaxation time, s, reached inside the solid.
         c_eta: f64,
-        /// Length of e-fold growth in grid cells.
+        /// Length of e-fold growth in grid cells. A quarter is the shortest that the grid resolves: the wall keeps its place to
+        /// 0.03 cells wherever the grid lies.
+        #[serde(default = "a_quarter")]
         e_fold: f64,
         /// What the cylinders and the beam draw the fluid at their surface to.
         #[serde(default)]

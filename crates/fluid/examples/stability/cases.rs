@@ -34,7 +34,7 @@ pub struct Case<'a> {
 }
 
 /// The profile of the shipped scenes.
-pub const LOG_LINEAR: (&str, &str) = ("log_linear", r#", "e_fold": 0.2, "reflect": true"#);
+pub const LOG_LINEAR: (&str, &str) = ("log_linear", "");
 
 /// The Schäfer–Turek channel on 200 x 40 points, started by a jump of the inflow from 0 to 1 m/s.
 pub fn channel(case: Case) -> Scene {

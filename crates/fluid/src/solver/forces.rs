@@ -100,7 +100,7 @@ impl Fluid {
                 let momentum = cell.rate * cell.velocity[axis];
                 weight * (share * (r + momentum) - momentum)
             });
-            (force, weight * cell.rate * (1.0 - share))
+            (force, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - share)))
         };
         beam.body.collect(drag, loads);
     }
@@ -111,7 +111,7 @@ impl Fluid {
         let weight = self.density * self.grid.cell_area();
         let drag = |cell: &Cell| {
             let force = self.present_drag(cell).map(|drag| weight * drag);
-            (force, weight * cell.rate * (1.0 - 0.5 * self.state.step * cell.rate))
+            (force, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - 0.5 * self.state.step * cell.rate)))
         };
         beam.body.collect(drag, loads);
     }
