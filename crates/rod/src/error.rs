@@ -1,5 +1,7 @@
 //! Errors of the rod.
 
+use crate::rod::LARGEST_GAIN;
+
 /// Why a rod could not be built, loaded, restored or stepped.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -56,6 +58,23 @@ pub enum Error {
         rounding: f64,
         /// Iterations of all attempts.
         iterations: usize,
+    },
+    /// Generalised-α gains energy from nothing, also with smaller sub-steps.
+    #[error(
+        "generalised_alpha with rho_inf = {rho_inf} gains energy: while only constant forces work on the rod, its energy less \
+         their work must not rise by more than {:.3e} J (1 % of the largest kinetic or elastic energy), but it would from \
+         {lowest:.6e} J to {energy:.6e} J, also in the smallest sub-steps; tr_bdf2 does not gain, a smaller rho_inf or a \
+         smaller step may help", LARGEST_GAIN * largest
+    )]
+    EnergyGain {
+        /// Spectral radius of the scheme at infinite frequency.
+        rho_inf: f64,
+        /// Lowest energy less the work of the loads since these last changed, J.
+        lowest: f64,
+        /// The same at the end of the sub-step that failed, J.
+        energy: f64,
+        /// Largest kinetic or elastic energy since then, J.
+        largest: f64,
     },
     /// The rod folds back on itself.
     #[error(

@@ -74,6 +74,13 @@ enum Update {
 pub(crate) enum Failure {
     NotConverged(Imbalance),
     BadShape(BadShape),
+    /// A rise of energy less the work of constant loads, J.
+    Gain {
+        rho_inf: f64,
+        lowest: f64,
+        energy: f64,
+        largest: f64,
+    },
 }
 
 /// How far from balance a shape is.
@@ -153,7 +160,7 @@ impl<const D: usize> Newton<D> {
         // A line search does not enter a bad shape: it stops in front of what the plain method met.
         self.iterate(elastic, balance, origin, x, statistics, Update::Guarded).map_err(|guarded| match plain {
             Failure::BadShape(_) => plain,
-            Failure::NotConverged(_) => guarded,
+            Failure::NotConverged(_) | Failure::Gain { .. } => guarded,
         })
     }
 

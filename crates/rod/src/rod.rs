@@ -13,6 +13,10 @@ use crate::{Error, sensitivity};
 
 /// A step that fails is halved at most this many times.
 const HALVINGS: u32 = 6;
+/// Largest rise of energy under constant loads, by the largest energy, with generalised-α.
+pub(crate) const LARGEST_GAIN: f64 = 0.01;
+/// A strain, and turning angle per node, whose energy is nothing but rounding.
+const NO_STRAIN: f64 = 1e-10;
 
 /// Energies, J (per metre of depth in two dimensions).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -258,6 +262,7 @@ impl<const D: usize> Rod<D> {
                 to: (total - remaining + size) as f64 / total as f64,
                 dt: duration * (size as f64 / total as f64),
                 duration,
+                largest_gain: LARGEST_GAIN * 2.0 / f64::from(2 + size.ilog2()),
             };
             match self.substep(span, clamp.as_ref()) {
                 Ok(()) => {
@@ -344,7 +349,12 @@ impl<const D: usize> Rod<D> {
         match self.parameters.scheme {
             RodScheme::Trapezoid => self.stage(StepRule::trapezoid(span.dt), 1.0, span, clamp)?,
             RodScheme::GeneralisedAlpha { rho_inf } => {
+                self.before_substep.copy_from(&self.state);
                 self.stage(StepRule::generalised_alpha(rho_inf, span.dt), 1.0, span, clamp)?;
+                if let Err(gain) = self.watch_energy(rho_inf, span.largest_gain) {
+                    self.state.copy_from(&self.before_substep);
+                    return Err(gain);
+                }
             }
             RodScheme::Bdf2 => self.stage(StepRule::bdf2(span.dt, last_step), 1.0, span, clamp)?,
             RodScheme::TrBdf2 => {
@@ -361,6 +371,40 @@ impl<const D: usize> Rod<D> {
         }
         self.state.loads.copy_from_slice(&self.force);
         self.statistics.substeps += 1;
+        Ok(())
+    }
+
+    /// Fail where the energy less the work of the loads has risen while only constant forces worked on the rod; nothing else
+    /// bounds that of generalised-α outside linear problems.
+    ///
+    /// The first sub-step under new loads blends two levels of them: the second is the first to compare with.
+    fn watch_energy(&mut self, rho_inf: f64, largest_gain: f64) -> Result<(), Failure> {
+        let before = &self.before_substep;
+        let constant = self.root.is_none()
+            && before.last_step > 0.0
+            && self.force[1..] == before.loads[1..]
+            && self.loads.impedance.iter().all(|&impedance| impedance == 0.0);
+        if !constant {
+            self.state.largest_energy = 0.0;
+            return Ok(());
+        }
+        let shape = self.elastic.energy(&self.state.positions)?;
+        let elastic = shape.stretching + shape.bending;
+        let (mut kinetic, mut work) = (0.0, 0.0);
+        for (k, force) in self.force.iter().enumerate().skip(1) {
+            kinetic += 0.5 * self.mass(k) * self.state.velocities[k].norm_squared();
+            work += force.dot(&(self.state.positions[k] - self.rest[0]));
+        }
+        let energy = kinetic + elastic - work;
+        let Elastic { axial, bending, segment_length, .. } = &self.elastic;
+        let segments = self.parameters.segments as f64;
+        let noise = 0.5 * segments * (axial * segment_length.powi(2) + bending) * NO_STRAIN.powi(2);
+        let lowest = if before.largest_energy == 0.0 { energy } else { before.lowest_energy };
+        let largest = before.largest_energy.max(kinetic).max(elastic).max(noise);
+        if energy > lowest + largest_gain * largest {
+            return Err(Failure::Gain { rho_inf, lowest, energy, largest });
+        }
+        (self.state.lowest_energy, self.state.largest_energy) = (lowest.min(energy), largest);
         Ok(())
     }
 
@@ -487,6 +531,9 @@ impl<const D: usize> Rod<D> {
             Failure::NotConverged(Imbalance { residual, tolerance, rounding }) => {
                 Error::NotConverged { residual, tolerance, rounding, iterations: self.statistics.iterations }
             }
+            Failure::Gain { rho_inf, lowest, energy, largest } => {
+                Error::EnergyGain { rho_inf, lowest, energy, largest }
+            }
             Failure::BadShape(BadShape::Fold { node }) => {
                 Error::FoldBack { node, limit: FOLD * self.elastic.segment_length.powi(2) }
             }
@@ -508,6 +555,8 @@ struct Span {
     dt: f64,
     /// Length of the whole step, s.
     duration: f64,
+    /// As [`LARGEST_GAIN`], for this part: a quarter in a step that is not halved, so that shorter ones have room left.
+    largest_gain: f64,
 }
 
 impl Span {

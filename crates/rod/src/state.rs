@@ -34,6 +34,10 @@ pub struct State<const D: usize> {
     pub direction_rate: Vector<D>,
     /// Length of the last step, s; 0 where there was none, so that the next step is a first step.
     pub last_step: f64,
+    /// Lowest energy less the work of the loads since these last changed, J (generalised-α must not rise above it).
+    pub lowest_energy: f64,
+    /// Largest kinetic or elastic energy since then, J; 0 where there is no lowest energy, as after a change of the shape.
+    pub largest_energy: f64,
 }
 
 impl<const D: usize> State<D> {
@@ -51,6 +55,8 @@ impl<const D: usize> State<D> {
             direction_rate: Vector::zeros(),
             positions,
             last_step: 0.0,
+            lowest_energy: 0.0,
+            largest_energy: 0.0,
         }
     }
 
@@ -85,9 +91,10 @@ impl<const D: usize> State<D> {
         self.direction = other.direction;
         self.direction_rate = other.direction_rate;
         self.last_step = other.last_step;
+        (self.lowest_energy, self.largest_energy) = (other.lowest_energy, other.largest_energy);
     }
 
-    /// Each array must have `nodes` entries, all finite, and the last step must not be negative.
+    /// Each array must have `nodes` entries, all numbers be finite, and last step and largest energy not be negative.
     pub(crate) fn check(&self, nodes: usize) -> Result<(), Error> {
         for (name, array) in [
             ("positions", &self.positions),
@@ -116,6 +123,12 @@ impl<const D: usize> State<D> {
         }
         if !(self.last_step.is_finite() && self.last_step >= 0.0) {
             return Err(Error::value("state.last_step", self.last_step, "a finite number of at least 0 s"));
+        }
+        if !self.lowest_energy.is_finite() {
+            return Err(Error::value("state.lowest_energy", self.lowest_energy, "finite"));
+        }
+        if !(self.largest_energy.is_finite() && self.largest_energy >= 0.0) {
+            return Err(Error::value("state.largest_energy", self.largest_energy, "a finite number of at least 0 J"));
         }
         Ok(())
     }

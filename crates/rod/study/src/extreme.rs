@@ -100,6 +100,7 @@ fn cause(error: &Error) -> &'static str {
     match error {
         Error::NotConverged { .. } => "not converged",
         Error::FoldBack { .. } => "folds back",
+        Error::EnergyGain { .. } => "stopped for a gain of energy",
         _ => "refused",
     }
 }
