@@ -4,9 +4,10 @@ use nalgebra::{Matrix3xX, Vector3};
 
 use crate::grid::Grid;
 
-/// Distances from a wall at which the pressure is read for a probe in its smeared surface, in cells. The pressure has a kink
-/// there, which rings from cell to cell: a parabola fitted over several cells does not see that.
-const OFF_WALL: [f64; 8] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+/// At how many points, a cell apart, the pressure is read for a probe in a wall's smeared surface. The pressure has a kink there,
+/// which rings from cell to cell; the mean of three neighbours by ¼, ½, ¼ does not see that, and a parabola through those of
+/// several cells carries it to the wall.
+const OFF_WALL: usize = 8;
 
 /// A point, and the grid points that its values come from.
 pub struct Probe {
@@ -26,19 +27,27 @@ impl Probe {
             let offset = [position[0] - center[0], position[1] - center[1]];
             let from_center = offset[0].hypot(offset[1]);
             let distance = (from_center - radius) / cell;
-            if distance.abs() >= OFF_WALL[0] {
+            if distance.abs() >= 1.0 {
                 continue;
             }
-            let powers = Matrix3xX::from_fn(OFF_WALL.len(), |power, i| OFF_WALL[i].powi(power as i32));
+            // The mean of x² over three neighbours is x² + ½.
+            let powers = Matrix3xX::from_fn(OFF_WALL - 2, |power, i| {
+                let x = i as f64 + 2.0;
+                [1.0, x, x * x + 0.5][power]
+            });
             let here = Vector3::new(1.0, distance, distance * distance);
             let Some(inverse) = (&powers * powers.transpose()).try_inverse() else { continue };
-            let shares = powers.transpose() * (inverse * here);
-            let look = |i: usize| {
-                let out = (radius + OFF_WALL[i] * cell) / from_center;
+            let means = powers.transpose() * (inverse * here);
+            let mut shares = [0.0; OFF_WALL];
+            for (i, mean) in means.iter().enumerate() {
+                (0..3).for_each(|k| shares[i + k] += mean * [0.25, 0.5, 0.25][k]);
+            }
+            let look = |(i, share): (usize, f64)| {
+                let out = (radius + (i as f64 + 1.0) * cell) / from_center;
                 let around = grid.cubic_interpolation([0, 1].map(|axis| center[axis] + out * offset[axis]));
-                around.map(|(point, weight)| (point, shares[i] * weight))
+                around.map(|(point, weight)| (point, share * weight))
             };
-            at_wall = Some((0..OFF_WALL.len()).flat_map(look).collect());
+            at_wall = Some(shares.into_iter().enumerate().flat_map(look).collect());
         }
         Self { around: grid.cubic_interpolation(position), at_wall }
     }
