@@ -99,10 +99,10 @@ impl Projection {
         // The mean passes every filter.
         let scale = self.filter[0][0];
         for (m, divergence) in divergence.iter_mut().enumerate() {
-            let (kx, ky, ux, uy) = (self.kx[m % nx], &self.ky[m / nx], &ux[m], &uy[m]);
-            for lane in 0..LANES {
-                divergence.re[lane] = -scale * (kx * ux.im[lane] + ky[lane] * uy.im[lane]);
-                divergence.im[lane] = scale * (kx * ux.re[lane] + ky[lane] * uy.re[lane]);
+            let (kx, ux, uy) = (self.kx[m % nx], &ux[m], &uy[m]);
+            for (lane, ky) in self.ky[m / nx].iter().enumerate() {
+                divergence.re[lane] = -scale * (kx * ux.im[lane] + ky * uy.im[lane]);
+                divergence.im[lane] = scale * (kx * ux.re[lane] + ky * uy.re[lane]);
             }
         }
     }

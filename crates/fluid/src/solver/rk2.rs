@@ -120,8 +120,8 @@ impl Fluid {
             let [u_before, v_before] = [&mut *u_before, v_before].map(|spectrum| &mut spectrum[modes.clone()]);
             for (w, before) in [(&mut *u_hat, &*u_before), (&mut *v_hat, &*v_before)] {
                 for ((w, before), decay_x) in w.iter_mut().zip(before).zip(decay_x) {
-                    for lane in 0..LANES {
-                        let decay = decay_x * decay_y[lane];
+                    for (lane, decay_y) in decay_y.iter().enumerate() {
+                        let decay = decay_x * decay_y;
                         let (re, im) = (&mut w.re[lane], &mut w.im[lane]);
                         match stage {
                             Stage::Start => {}
