@@ -89,9 +89,8 @@ impl FluidUnit {
         self.forces.clear();
         self.forces.extend((0..cylinders).map(|cylinder| self.fluid.force_on_cylinder(cylinder)));
         self.forces.extend(self.fluid.force_on_beam());
-        let diagnostics = self.fluid.diagnostics();
-        self.cfl = diagnostics.cfl;
-        self.flow_rate = diagnostics.flow_rate;
+        self.cfl = self.fluid.cfl();
+        self.flow_rate = self.fluid.flow_rate();
     }
 
     /// A value that is made when it is asked for.
@@ -174,10 +173,10 @@ impl Model for FluidUnit {
             })
             .depends_on(&[]),
             Real::local("kinetic_energy", "J/m", "Kinetic energy of the whole box per metre of depth", |m| {
-                m.ask(|fluid| fluid.diagnostics().kinetic_energy)
+                m.ask(|fluid| fluid.kinetic_energy())
             }),
             Real::local("enstrophy", "m2/s2", "Half the integral of the squared vorticity over the whole box", |m| {
-                m.ask(|fluid| fluid.diagnostics().enstrophy)
+                m.ask(|fluid| fluid.enstrophy())
             }),
             Real::local("divergence", "1", "Largest divergence times the cell size over the largest speed", |m| {
                 m.ask(Fluid::divergence)

@@ -25,4 +25,4 @@ mod zone;
 
 pub use beam::{Loads, Stations};
 pub use grid::Grid;
-pub use solver::{Diagnostics, Error, Fluid, Force, State};
+pub use solver::{Error, Fluid, Force, State};

@@ -145,19 +145,6 @@ struct BeamState {
     loads: Option<Loads>,
 }
 
-/// Numbers that tell how the flow is doing.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Diagnostics {
-    /// CFL number max(|u|/dx + |v|/dy) dt of the last step.
-    pub cfl: f64,
-    /// Flow rate through the column in the middle of the box, m²/s.
-    pub flow_rate: f64,
-    /// Kinetic energy of the whole box, J/m.
-    pub kinetic_energy: f64,
-    /// Enstrophy of the whole box, `½ ∫ omega² dV`, m²/s².
-    pub enstrophy: f64,
-}
-
 /// A fluid with the bodies of a scene in it.
 pub struct Fluid {
     grid: Grid,
@@ -394,19 +381,28 @@ impl Fluid {
         self.state.beam.as_ref()?.loads.as_ref()
     }
 
-    /// How the flow is doing.
-    pub fn diagnostics(&self) -> Diagnostics {
+    /// CFL number max(|u|/dx + |v|/dy) dt of the last step.
+    pub fn cfl(&self) -> f64 {
+        self.state.advection_rate * self.state.step
+    }
+
+    /// Flow rate through the column in the middle of the box, m²/s.
+    pub fn flow_rate(&self) -> f64 {
+        let (ny, middle) = (self.grid.ny, self.grid.nx / 2);
+        self.state.flow.velocity[0][middle * ny..(middle + 1) * ny].iter().sum::<f64>() * self.grid.dy
+    }
+
+    /// Kinetic energy of the whole box, J/m.
+    pub fn kinetic_energy(&self) -> f64 {
         let [u, v] = &self.state.flow.velocity;
-        let ny = self.grid.ny;
-        let middle = self.grid.nx / 2;
         let squares: f64 = u.iter().zip(v).map(|(u, v)| u * u + v * v).sum();
-        let vorticity: f64 = self.state.flow.vorticity.iter().map(|omega| omega * omega).sum();
-        Diagnostics {
-            cfl: self.state.advection_rate * self.state.step,
-            flow_rate: u[middle * ny..(middle + 1) * ny].iter().sum::<f64>() * self.grid.dy,
-            kinetic_energy: 0.5 * self.density * squares * self.grid.cell_area(),
-            enstrophy: 0.5 * vorticity * self.grid.cell_area(),
-        }
+        0.5 * self.density * squares * self.grid.cell_area()
+    }
+
+    /// Half the integral of the squared vorticity over the whole box, m²/s².
+    pub fn enstrophy(&self) -> f64 {
+        let squares: f64 = self.state.flow.vorticity.iter().map(|omega| omega * omega).sum();
+        0.5 * squares * self.grid.cell_area()
     }
 
     /// Everything the next step depends on.

@@ -139,7 +139,7 @@ impl Flow {
             }
         }
         self.fluid.advance(time, self.step).unwrap_or_else(|error| panic!("{error}"));
-        let cfl = self.fluid.diagnostics().cfl;
+        let cfl = self.fluid.cfl();
         assert!(cfl < 0.4, "the step was divided: CFL number {cfl}");
     }
 }

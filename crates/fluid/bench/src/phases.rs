@@ -90,7 +90,7 @@ pub fn table(text: &mut String) -> std::fmt::Result {
         ("along x, two forward and three back, with the projection", waves),
         ("back along y, three, with the CFL number", inverse),
         ("the bar: painting, drag, loads (step with it less step without)", step - bare),
-        ("still bodies, inflow, diagnostics (what is left)", bare - local - forward - waves - inverse),
+        ("still bodies, inflow (what is left)", bare - local - forward - waves - inverse),
         ("the step", step),
     ];
     for (name, seconds) in rows {
