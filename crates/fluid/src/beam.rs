@@ -184,9 +184,9 @@ impl Beam {
             } else {
                 f64::NEG_INFINITY
             };
-            // Signed distance to a rectangle: its corners are rounded by the Euclidean distance outside.
+            // The lines of equal drag are rectangles: with the Euclidean distance outside they would round the corners.
             let above = place.height.abs() - 0.5 * self.thickness;
-            let distance = above.max(0.0).hypot(beyond.max(0.0)) + above.max(beyond).min(0.0);
+            let distance = above.max(beyond);
             let rate = self.profile.rate(distance);
             if rate > 0.0 {
                 let fraction = place.fraction.clamp(0.0, 1.0);
@@ -230,27 +230,41 @@ impl Beam {
         let reach = 0.5 * self.thickness + self.profile.reach();
         let last = self.frames.len() - 1;
         let root = [stations.position[0][0], stations.position[1][0]];
+        // Past a station, towards the outside of the bend, what lies between the normals of both its segments belongs to it.
+        let wedge = |k: usize| {
+            let [[ax, ay], [bx, by]] = [&self.frames[k - 1], &self.frames[k]].map(|frame| frame.along);
+            let (sine, cosine) = (ax * by - ay * bx, ax * bx + ay * by);
+            if cosine > 0.0 { reach * sine.abs() } else { reach }
+        };
         let (slot, candidates) = (&mut self.slot, &mut self.candidates);
         for (k, frame) in self.frames.iter().enumerate() {
             let [x0, y0] = [stations.position[0][k], stations.position[1][k]];
-            let [x1, y1] = [stations.position[0][k + 1], stations.position[1][k + 1]];
-            let margin = if k == 0 { reach + self.anchor } else { reach };
             let [ex, ey] = frame.along;
-            let around = |a: f64, b: f64| [a.min(b) - margin, a.max(b) + margin];
             // The end segments own what lies beyond them; the others end at their stations.
-            let low = if k == 0 { f64::NEG_INFINITY } else { 0.0 };
-            let high = if k == last { f64::INFINITY } else { 1.0 };
-            grid.for_each_in(around(x0, x1), around(y0, y1), |index, x, y| {
+            let (before, low) = if k == 0 { (reach + self.anchor, f64::NEG_INFINITY) } else { (wedge(k), 0.0) };
+            let (beyond, high) = if k == last { (reach, f64::INFINITY) } else { (wedge(k + 1), 1.0) };
+            // The smallest upright rectangle around the segment's own one.
+            let end = frame.length + beyond;
+            let around = |start: f64, along: f64, across: f64| {
+                let (a, b) = (start - before * along, start + end * along);
+                let margin = reach * across.abs();
+                [a.min(b) - margin, a.max(b) + margin]
+            };
+            grid.for_each_in(around(x0, ex, ey), around(y0, ey, ex), |index, x, y| {
                 let (rx, ry) = (x - x0, y - y0);
-                let projection = (rx * ex + ry * ey) / frame.length;
+                let ahead = rx * ex + ry * ey;
                 let side = ex * ry - ey * rx;
+                if ahead < -before || ahead > end || side.abs() > reach {
+                    return;
+                }
+                let projection = ahead / frame.length;
                 let clamped = projection.clamp(0.0, 1.0);
                 let miss = (projection - clamped) * frame.length;
                 let distance_squared = side * side + miss * miss;
                 // Past an inner station the height is the distance to that station.
                 let fraction = projection.clamp(low, high);
                 let off = (projection - fraction) * frame.length;
-                let height = side.hypot(off).copysign(side);
+                let height = if off == 0.0 { side } else { side.hypot(off).copysign(side) };
                 let arm = [x - root[0], y - root[1]];
                 let place = Place { segment: k as u32, fraction, height, distance_squared, arm };
                 match slot[index] {

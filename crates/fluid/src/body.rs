@@ -75,7 +75,7 @@ impl Cells {
             return;
         };
         let mut sum = [0.0; 2];
-        for Look { off, weight } in looks {
+        for Look { off, weight } in looks.into_iter().filter(|look| look.weight != [0.0; 2]) {
             let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
             self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
             sum = [sum[0] + weight[0], sum[1] + weight[1]];

@@ -73,9 +73,9 @@ impl Grid {
             first..(last + 1).min(first + count as i64)
         };
         for i in range(x, self.origin[0], self.dx, self.nx) {
-            let row = i.rem_euclid(self.nx as i64) as usize * self.ny;
+            let row = wrap(i, self.nx) * self.ny;
             for j in range(y, self.origin[1], self.dy, self.ny) {
-                let index = row + j.rem_euclid(self.ny as i64) as usize;
+                let index = row + wrap(j, self.ny);
                 visit(index, self.origin[0] + i as f64 * self.dx, self.origin[1] + j as f64 * self.dy);
             }
         }
@@ -86,8 +86,7 @@ impl Grid {
         let split = |p: f64, origin: f64, step: f64, count: usize| {
             let q = (p - origin) / step;
             let low = q.floor();
-            let wrap = |c: f64| (c as i64).rem_euclid(count as i64) as usize;
-            (wrap(low), wrap(low + 1.0), q - low)
+            (wrap(low as i64, count), wrap(low as i64 + 1, count), q - low)
         };
         let (i0, i1, s) = split(x, self.origin[0], self.dx, self.nx);
         let (j0, j1, t) = split(y, self.origin[1], self.dy, self.ny);
@@ -111,7 +110,7 @@ impl Grid {
                 -(s + 1.0) * s * (s - 2.0) / 2.0,
                 (s + 1.0) * s * (s - 1.0) / 6.0,
             ];
-            let point = |k: usize| (low as i64 + k as i64 - 1).rem_euclid(count as i64) as usize;
+            let point = |k: usize| wrap(low as i64 + k as i64 - 1, count);
             std::array::from_fn::<_, 4, _>(|k| (point(k), weights[k]))
         };
         let (columns, rows) = (along(x, self.origin[0], self.dx, self.nx), along(y, self.origin[1], self.dy, self.ny));
@@ -130,4 +129,9 @@ impl Grid {
     pub fn periodic_y(&self, delta: f64) -> f64 {
         delta - self.height * (delta / self.height).round()
     }
+}
+
+/// `index` modulo `count`; a division only outside of 0 … count - 1.
+fn wrap(index: i64, count: usize) -> usize {
+    if (0..count as i64).contains(&index) { index as usize } else { index.rem_euclid(count as i64) as usize }
 }
