@@ -84,7 +84,7 @@ class ContractUnit(Fmi2Slave):
 
 
 def backward_differences(h: float, before: float) -> tuple[float, float, float]:
-    """(c0, c1, c2) of y' = c0 y(t + h) - c1 y(t) + c2 y(t - before), 1/s: two-step backward differences, of second order
+    """(c0, c1, c2) of y' = c0 y(t + h) - c1 y(t) + c2 y(t - before), 1/s: two-step backward differences, of order two
     for any ratio of the steps; with `before` = 0, at the start, backward Euler."""
     if before == 0.0:
         return 1 / h, 1 / h, 0.0

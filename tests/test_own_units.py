@@ -12,8 +12,12 @@ from cosim import master, package
 from cosim.scene import ROOT
 from cosim.unit import Unit
 from fmpy.validation import validate_fmu
+from pythonfmu.builder import FmuBuilder
 
-pytestmark = pytest.mark.usefixtures("libraries")
+pytestmark = [
+    pytest.mark.usefixtures("libraries"),
+    pytest.mark.skipif(not FmuBuilder.has_binary(), reason="PythonFMU has no binary for this system"),
+]
 
 EXAMPLES = {"rod": "modal_beam.py", "fluid": "strip_fluid.py"}
 LENGTH, THICKNESS, FLUID_DENSITY = 0.35, 0.02, 1000.0
@@ -25,8 +29,8 @@ WEIGHT = 4.0
 """Of the beam in the fluid, N/m²: bends the tip by 0.5 % of its length."""
 
 FREQUENCY_TOLERANCE = 1e-3
-"""32 segments: the stations' masses take the place of an integral, by which the frequency is 5e-4 too low (modal beam) or
-9e-4 (our rod, whose stiffness is of second order as well)."""
+"""32 segments: the stations' masses take the place of an integral, by which the frequency is 5e-4 too low (modal beam)
+or 9e-4 (our rod, whose stiffness is of second order as well)."""
 
 DECAY_TOLERANCE = 1e-4
 """Of the angular frequency: what the second mode, 1 % of the first, leaves in a fit over four periods."""
