@@ -1,7 +1,8 @@
 """What every unit for our master needs beyond PythonFMU: units of the variables, arrays, the state as a whole.
 
-PythonFMU calls `register_variable` once a scalar and knows neither units nor arrays; the contract between rod and
-fluid (modelDescription/README.md) asks for both.
+PythonFMU knows neither units of variables nor arrays; the contract between rod and fluid (modelDescription/README.md)
+asks for both. All its FMUs in a process share one Python: where our master, itself Python, loads them, its own. Modules
+of different units therefore need different names.
 """
 
 import json
@@ -23,7 +24,7 @@ BASE_UNITS = {
 
 
 class ContractUnit(Fmi2Slave):
-    """A unit of a scene: `resources` holds `scene.json`, and every variable is a view of a NumPy array."""
+    """A unit of a scene: `resources` holds `scene.json`."""
 
     STATE: tuple[str, ...] = ()
     """Attributes that are the unit's whole state: arrays and numbers."""

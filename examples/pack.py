@@ -29,4 +29,7 @@ def pack(unit: Path, scene: Path, fmu: Path) -> None:
 if __name__ == "__main__":
     if len(sys.argv) != 4:
         sys.exit("usage: pack.py UNIT.py SCENE.json OUT.fmu")
-    pack(*map(Path, sys.argv[1:]))
+    try:
+        pack(*map(Path, sys.argv[1:]))
+    except (OSError, ValueError) as error:
+        sys.exit(f"error: {error}")

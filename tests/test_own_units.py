@@ -81,7 +81,9 @@ def own(tmp_path):
         path, fmu = tmp_path / "to-pack.json", tmp_path / f"{scene['name']}-foreign-{kind}.fmu"
         path.write_text(json.dumps(scene))
         command = [sys.executable, ROOT / "examples" / "pack.py", ROOT / "examples" / EXAMPLES[kind], path, fmu]
-        subprocess.run(command, check=True)
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(done.stderr)
         return fmu
 
     return make
@@ -189,6 +191,22 @@ def test_modal_beam_starts_up_in_our_fluid_as_our_rod_does(fsi3, own, tmp_path):
     largest = np.abs(tips["rod"]).max()
     assert 5e-5 < largest < 0.001 * LENGTH
     assert tips["modal"] == pytest.approx(tips["rod"], abs=STARTUP_TOLERANCE * largest)
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "reason"),
+    [
+        ("coupling", {"load": "pressure_jump"}, "coupling.load of the scene must be `momentum`"),
+        ("rod", {"damping": 1.0}, "knows no rod.damping"),
+        ("rod", {"material": {"section": {}}}, "knows no rod.material but plane_strain"),
+        ("fluid", {"density": 3000.0}, "at least as heavy as the fluid"),
+    ],
+)
+def test_modal_beam_refuses_what_it_does_not_know(still, own, part, change, reason):
+    scene = still(2000.0)
+    scene[part] |= change
+    with pytest.raises(RuntimeError, match=reason):
+        own("rod", scene, True)
 
 
 @pytest.mark.parametrize("kind", package.KINDS)
