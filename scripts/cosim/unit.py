@@ -14,7 +14,10 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.logging import addLoggerProxy
 
-FMI_WARNING = 1
+FMI_WARNING, FMI_FATAL = 1, 4
+ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")
+"""Categories of FMI 2.0 in which a unit says why it failed: some say it only when asked to."""
+
 ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 
 
@@ -90,6 +93,9 @@ class Unit:
                 instanceName=name,
             )
             self._call(self.fmu.instantiate, callbacks=_callbacks)
+            categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
+            if categories:
+                self._call(self.fmu.setDebugLogging, True, categories)
             self._call(self.fmu.setupExperiment, startTime=0.0, stopTime=stop_time)
             self._call(self.fmu.enterInitializationMode)
         except BaseException:
@@ -148,15 +154,18 @@ class Unit:
 
     def set(self) -> None:
         """Hand `inputs` to the unit."""
-        if self._set_real(*self._set_arguments) > FMI_WARNING:
-            raise self._error("refused its inputs")
+        status = self._set_real(*self._set_arguments)
+        if status > FMI_WARNING:
+            raise self._error("refused its inputs", status)
 
     def get(self) -> None:
         """Fetch `outputs` from the unit."""
-        if self._get_real(*self._get_arguments) > FMI_WARNING:
-            raise self._error("gave no outputs")
-        if self.integers.size and self._get_integer(*self._get_integer_arguments) > FMI_WARNING:
-            raise self._error("gave no Integer outputs")
+        status = self._get_real(*self._get_arguments)
+        if status > FMI_WARNING:
+            raise self._error("gave no outputs", status)
+        status = self._get_integer(*self._get_integer_arguments) if self.integers.size else 0
+        if status > FMI_WARNING:
+            raise self._error("gave no Integer outputs", status)
 
     def start(self) -> None:
         """Leave initialization mode."""
@@ -169,7 +178,7 @@ class Unit:
         status = self._do_step(self._component, t, h, 1)
         self.seconds += perf_counter() - start
         if status > FMI_WARNING:
-            raise self._error(f"failed in the step from t = {t:g} s to {t + h:g} s")
+            raise self._error(f"failed in the step from t = {t:g} s to {t + h:g} s", status)
         self.get()
 
     def save(self) -> None:
@@ -236,11 +245,13 @@ class Unit:
         try:
             return function(*arguments, **keywords)
         except FMICallException as error:
-            raise self._error(f"failed: {error}") from error
+            raise self._error(f"failed: {error}", error.status) from error
         except Exception as error:  # fmpy raises plain exceptions where no instance or library comes about
             raise self._error(str(error)) from error
 
-    def _error(self, what: str) -> UnitError:
+    def _error(self, what: str, status: int | None = None) -> UnitError:
+        if status == FMI_FATAL:
+            self.fmu.component = None  # no function may be called for it any more, fmi2FreeInstance included
         said = "; ".join(dict.fromkeys(_messages[self.name]))
         return UnitError(f"{self.name}: {said or what}")
 

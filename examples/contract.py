@@ -1,0 +1,100 @@
+"""What every unit for our master needs beyond PythonFMU: units of the variables, arrays, the state as a whole.
+
+PythonFMU knows neither units of variables nor arrays; the contract between rod and fluid (modelDescription/README.md)
+asks for both. All its FMUs in a process share one Python: where our master, itself Python, loads them, its own. Modules
+of different units therefore need different names.
+"""
+
+import json
+from pathlib import Path
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+from pythonfmu import Fmi2Slave, Real
+from pythonfmu.enums import Fmi2Causality, Fmi2Initial, Fmi2Variability
+
+BASE_UNITS = {
+    "m": {"m": 1},
+    "m/s": {"m": 1, "s": -1},
+    "N/m": {"kg": 1, "s": -2},
+    "kg/(m.s)": {"kg": 1, "m": -1, "s": -1},
+    "kg/(m2.s)": {"kg": 1, "m": -2, "s": -1},
+}
+"""Powers of the SI units in each unit that the contract uses here."""
+
+
+class ContractUnit(Fmi2Slave):
+    """A unit of a scene: `resources` holds `scene.json`."""
+
+    STATE: tuple[str, ...] = ()
+    """Attributes that are the unit's whole state: arrays and numbers."""
+
+    def __init__(self, **keywords):
+        super().__init__(**keywords)
+        self.scene = json.loads(Path(self.resources, "scene.json").read_text(encoding="utf-8"))
+        if (self.scene.get("coupling") or {}).get("load") != "momentum":
+            raise ValueError("coupling.load of the scene must be `momentum`, the only load that this unit knows")
+        self.units: dict[str, str] = {}
+
+    def register(self, name: str, unit: str, causality: Fmi2Causality, read, write=None) -> None:
+        """Register a Real variable in `unit`."""
+        parameter = causality == Fmi2Causality.parameter
+        variable = Real(
+            name,
+            causality=causality,
+            variability=Fmi2Variability.fixed if parameter else Fmi2Variability.continuous,
+            initial=Fmi2Initial.exact if causality != Fmi2Causality.input else None,
+            getter=read,
+            setter=write,
+        )
+        self.register_variable(variable)
+        self.units[name] = unit
+
+    def register_array(self, name: str, unit: str, causality: Fmi2Causality, values: np.ndarray) -> None:
+        """Register `name[1] … name[n]`, the elements of `values`: an array to write into, not to replace."""
+        for k in range(values.size):
+            self.register(
+                f"{name}[{k + 1}]",
+                unit,
+                causality,
+                lambda k=k: values[k],
+                lambda value, k=k: values.__setitem__(k, value),
+            )
+
+    def to_xml(self, model_options=None) -> Element:
+        """The model description, with units."""
+        root = super().to_xml(model_options or {})
+        definitions = Element("UnitDefinitions")
+        for name in sorted(set(self.units.values())):
+            powers = {base: str(power) for base, power in BASE_UNITS[name].items()}
+            SubElement(SubElement(definitions, "Unit", name=name), "BaseUnit", powers)
+        root.insert(list(root).index(root.find("CoSimulation")) + 1, definitions)
+        for variable in root.iter("ScalarVariable"):
+            variable.find("Real").set("unit", self.units[variable.get("name")])
+        return root
+
+    def _get_fmu_state(self) -> dict:
+        return {name: np.array(getattr(self, name)).tolist() for name in self.STATE}
+
+    def _set_fmu_state(self, state: dict) -> None:
+        for name, value in state.items():
+            if isinstance(value, list):
+                getattr(self, name)[:] = value
+            else:
+                setattr(self, name, value)
+
+
+def backward_differences(h: float, before: float) -> tuple[float, float, float]:
+    """(c0, c1, c2) of y' = c0 y(t + h) - c1 y(t) + c2 y(t - before), 1/s: two-step backward differences, of order two
+    for any ratio of the steps; with `before` = 0, at the start, backward Euler."""
+    if before == 0.0:
+        return 1 / h, 1 / h, 0.0
+    ratio = h / before
+    return (1 + 2 * ratio) / (h * (1 + ratio)), (1 + ratio) / h, ratio**2 / (h * (1 + ratio))
+
+
+def station_lengths(beam: dict) -> np.ndarray:
+    """The length of the beam that each station stands for, m: half a segment at root and tip."""
+    lengths = np.full(beam["segments"] + 1, beam["length"] / beam["segments"])
+    lengths[[0, -1]] /= 2
+    return lengths

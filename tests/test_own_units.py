@@ -1,0 +1,237 @@
+"""Units from elsewhere, made with PythonFMU: the modal beam and the analytic fluid of examples/ in place of ours."""
+
+import json
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from conftest import run_scene
+from cosim import master, package
+from cosim.scene import ROOT
+from cosim.unit import Unit
+from fmpy.validation import validate_fmu
+from pythonfmu.builder import FmuBuilder
+
+pytestmark = [
+    pytest.mark.usefixtures("libraries"),
+    pytest.mark.skipif(not FmuBuilder.has_binary(), reason="PythonFMU has no binary for this system"),
+]
+
+EXAMPLES = {"rod": "modal_beam.py", "fluid": "strip_fluid.py"}
+LENGTH, THICKNESS, FLUID_DENSITY = 0.35, 0.02, 1000.0
+BENDING_STIFFNESS = 5.6e6 * THICKNESS**3 / 12 / (1 - 0.4**2)
+FIRST_MODE = 1.8751040687
+"""First root of cos b cosh b = -1."""
+
+WEIGHT = 4.0
+"""Of the beam in the fluid, N/m²: bends the tip by 0.5 % of its length."""
+
+FREQUENCY_TOLERANCE = 1e-3
+"""32 segments: the stations' masses take the place of an integral, by which the frequency is 5e-4 too low (modal beam)
+or 9e-4 (our rod, whose stiffness is of second order as well)."""
+
+DECAY_TOLERANCE = 1e-4
+"""Of the angular frequency: what the second mode, 1 % of the first, leaves in a fit over four periods."""
+
+STARTUP_TOLERANCE = 0.01
+"""Of the largest deflection: 20 segments of the rod and the tension by the drag make 0.4 %."""
+
+
+@pytest.fixture
+def still():
+    """The bar of FSI3 in a fluid at rest, let go under its weight; `density` (kg/m³) is its own, above 1000."""
+
+    def scene(density: float) -> dict:
+        return {
+            "name": "still-fluid",
+            "time": {"end": 7.4, "communication_step": 4e-3},
+            "fluid": {
+                "density": FLUID_DENSITY,
+                "kinematic_viscosity": 1e-3,
+                "box": {"x": [-0.1, 0.45], "y": [-0.2, 0.2], "cells": [32, 24]},
+                "mask": {"cosine": {"c_eta": 1e-3, "half_width": 1.0}},
+                "time_stepping": {"max_step": 4e-3, "max_cfl": 0.4},
+            },
+            "beam": {
+                "root": {"at": {"position": [0.0, 0.0], "direction": [1.0, 0.0]}},
+                "length": LENGTH,
+                "thickness": THICKNESS,
+                "segments": 32,
+            },
+            "rod": {
+                "material": {"plane_strain": {"density": density, "youngs_modulus": 5.6e6, "poisson_ratio": 0.4}},
+                "gravity": [0.0, -WEIGHT / ((density - FLUID_DENSITY) * THICKNESS)],
+                "scheme": "bdf2",
+            },
+            "coupling": {"load": "momentum"},
+        }
+
+    return scene
+
+
+@pytest.fixture
+def own(tmp_path):
+    """Function that makes our own FMU of a scene, or that of examples/, and returns its path."""
+
+    def make(kind: str, scene: dict, foreign: bool):
+        if not foreign:
+            return package.pack(kind, scene, tmp_path)
+        path, fmu = tmp_path / "to-pack.json", tmp_path / f"{scene['name']}-foreign-{kind}.fmu"
+        path.write_text(json.dumps(scene))
+        command = [sys.executable, ROOT / "examples" / "pack.py", ROOT / "examples" / EXAMPLES[kind], path, fmu]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(done.stderr)
+        return fmu
+
+    return make
+
+
+@pytest.fixture
+def open_unit():
+    """Function that opens an FMU, which is closed after the test."""
+    units = []
+
+    def make(path, kind: str) -> Unit:
+        units.append(Unit(path, kind, 10.0))
+        return units[-1]
+
+    yield make
+    for unit in units:
+        unit.close()
+
+
+def decaying_oscillation(t, values, omega, rate):
+    """Angular frequency and decay rate of the a + exp(-rate t) (b cos omega t + c sin omega t) that fits best, by
+    Gauss-Newton from the given ones."""
+    for _ in range(20):
+        cos, sin = np.cos(omega * t) * np.exp(-rate * t), np.sin(omega * t) * np.exp(-rate * t)
+        linear = np.column_stack([np.ones_like(t), cos, sin])
+        _, b, c = np.linalg.lstsq(linear, values, rcond=None)[0]
+        slopes = np.column_stack([linear, t * (c * cos - b * sin), -t * (b * cos + c * sin)])
+        *_, omega_update, rate_update = np.linalg.lstsq(slopes, values, rcond=None)[0]
+        omega, rate = omega + omega_update, rate + rate_update
+    return omega, rate
+
+
+def results(folder):
+    return np.genfromtxt(folder / "series.csv", delimiter=",", names=True)
+
+
+@pytest.mark.parametrize("foreign_rod", [False, True], ids=["our rod", "modal beam"])
+@pytest.mark.parametrize("density", [2000.0, 1001.0])
+@pytest.mark.parametrize("linear_drag", [0.0, 200.0])
+def test_frequency_and_decay_in_the_analytic_fluid(still, own, open_unit, foreign_rod, density, linear_drag):
+    """With density 1001 kg/m³ a thousandth of the bar's mass is left to the rod."""
+    scene = still(density)
+    rod, fluid = open_unit(own("rod", scene, foreign_rod), "rod"), open_unit(own("fluid", scene, True), "fluid")
+    fluid.fmu.setReal(fluid.variables["linear_drag"].references, [linear_drag])
+    coupled = master.Explicit(rod, fluid)
+    coupled.start()
+    clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+    times, tip = [], []
+    for t, h in map(clock.step, range(clock.steps)):
+        coupled.step(t, h)
+        times.append(t + h)
+        tip.append(rod.output("tip.uy")[0])
+
+    beam, added = density * THICKNESS, FLUID_DENSITY * math.pi * LENGTH / 4
+    in_vacuo = FIRST_MODE**2 / LENGTH**2 * math.sqrt(BENDING_STIFFNESS / beam)
+    in_fluid = in_vacuo * math.sqrt(beam / (beam + added))
+    decay = linear_drag / (2 * (beam + added))
+    omega, rate = decaying_oscillation(np.array(times), np.array(tip), in_fluid, decay)
+    assert omega == pytest.approx(math.sqrt(in_fluid**2 - decay**2), rel=FREQUENCY_TOLERANCE)
+    assert rate == pytest.approx(decay, abs=DECAY_TOLERANCE * in_fluid)
+    assert min(tip) < -0.005 * LENGTH
+
+
+def test_two_foreign_units_run_from_the_command_line(still, own, tmp_path):
+    scene = still(1001.0)
+    fmus = {kind: own(kind, scene, True) for kind in package.KINDS}
+    path, folder = tmp_path / "scene.json", tmp_path / "results"
+    path.write_text(json.dumps(scene))
+    done = run_scene(path, "--output", folder, "--rod-fmu", fmus["rod"], "--fluid-fmu", fmus["fluid"])
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((folder / "summary.json").read_text())
+    assert {kind: unit["model"] for kind, unit in summary["units"].items()} == {
+        "rod": "ModalBeam",
+        "fluid": "StripFluid",
+    }
+    # Let go under its weight, a beam without damping falls to twice its static deflection.
+    deflection = WEIGHT * LENGTH**4 / (8 * BENDING_STIFFNESS)
+    assert results(folder)["tip_uy"].min() == pytest.approx(-2 * deflection, rel=0.03)
+
+
+def test_a_foreign_unit_that_dies_ends_the_run_with_its_reason(still, own, tmp_path):
+    """PythonFMU answers an exception with fmi2Fatal, after which no function of the unit may be called."""
+    scene = still(2000.0)
+    scene["rod"]["gravity"] = [0.0, -1000 * WEIGHT / (FLUID_DENSITY * THICKNESS)]
+    path, folder = tmp_path / "scene.json", tmp_path / "results"
+    path.write_text(json.dumps(scene))
+    fmus = {kind: own(kind, scene, True) for kind in package.KINDS}
+    done = run_scene(path, "--output", folder, "--rod-fmu", fmus["rod"], "--fluid-fmu", fmus["fluid"], "--quiet")
+    assert done.returncode == 1, done.stderr
+    assert "but this beam is linear: 0.035 m at most" in done.stderr
+    assert results(folder)["tip_uy"].size > 1
+
+
+def test_modal_beam_starts_up_in_our_fluid_as_our_rod_does(fsi3, own, tmp_path):
+    """FSI3's own start-up on a coarse grid: the deflection is small, but the fluid is our own."""
+    fsi3["fluid"]["box"]["cells"] = [160, 36]
+    fsi3["beam"]["segments"] = 20
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(fsi3))
+    tips = {}
+    for name, foreign in (("rod", []), ("modal", ["--rod-fmu", own("rod", fsi3, True)])):
+        done = run_scene(path, "--output", tmp_path / name, "--end-time", "0.3", *foreign)
+        assert done.returncode == 0, done.stderr
+        tips[name] = results(tmp_path / name)["tip_uy"]
+    largest = np.abs(tips["rod"]).max()
+    assert 5e-5 < largest < 0.001 * LENGTH
+    assert tips["modal"] == pytest.approx(tips["rod"], abs=STARTUP_TOLERANCE * largest)
+
+
+@pytest.mark.parametrize(
+    ("part", "change", "reason"),
+    [
+        ("coupling", {"load": "pressure_jump"}, "coupling.load of the scene must be `momentum`"),
+        ("rod", {"damping": 1.0}, "knows no rod.damping"),
+        ("rod", {"material": {"section": {}}}, "knows no rod.material but plane_strain"),
+        ("fluid", {"density": 3000.0}, "at least as heavy as the fluid"),
+    ],
+)
+def test_modal_beam_refuses_what_it_does_not_know(still, own, part, change, reason):
+    scene = still(2000.0)
+    scene[part] |= change
+    with pytest.raises(RuntimeError, match=reason):
+        own("rod", scene, True)
+
+
+@pytest.mark.parametrize("kind", package.KINDS)
+def test_state_of_a_foreign_unit_comes_back_bit_by_bit(still, own, open_unit, kind):
+    path = own(kind, still(1001.0), True)
+    assert validate_fmu(str(path)) == []
+    unit, other = open_unit(path, kind), open_unit(path, kind)
+    names = {causality: [v.name for v in unit.variables.values() if v.causality == causality and v.size > 1]
+             for causality in ("input", "output")}  # fmt: skip
+    for one in (unit, other):
+        one.connect(names["input"], names["output"])
+        one.start()
+
+    def run(one, first):
+        for step in range(first, first + 5):
+            one.inputs[:] = np.sin(np.arange(one.inputs.size) + step)
+            one.step(4e-3 * step, 4e-3)
+        return one.outputs.copy()
+
+    run(unit, 0)
+    unit.save()
+    state = unit.serialize()
+    expected = run(unit, 5)
+    unit.restore()
+    assert np.array_equal(run(unit, 5), expected)
+    other.deserialize(state)
+    assert np.array_equal(run(other, 5), expected)
+    assert np.abs(expected).max() > 0
