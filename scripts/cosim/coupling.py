@@ -206,6 +206,7 @@ class IqnIls:
 
     def __init__(self, displacements: int, stations: int):
         self.v, self.w = np.empty((0, displacements)), np.empty((0, stations))
+        self.most_columns = min(MOST_COLUMNS, displacements)
         self.step_of = np.empty(0, int)
         """Step in which each difference was found."""
         self.step = 0
@@ -227,7 +228,7 @@ class IqnIls:
             self.v = np.vstack([residual - last_residual, self.v])
             self.w = np.vstack([answer - last_answer, self.w])
             self.step_of = np.r_[self.step, self.step_of]
-            self.dropped += self._keep(np.arange(self.columns) < MOST_COLUMNS)
+            self.dropped += self._keep(np.arange(self.columns) < self.most_columns)
         self.last = residual, answer.copy()
 
     def guess(self, given: np.ndarray, answer: np.ndarray) -> np.ndarray:

@@ -159,3 +159,60 @@ impl Scene {
 
 /// Part by which the communication step may exceed the fluid's largest without being divided, as in the fluid itself.
 const STEP_ROUNDING: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// FSI3 with some of its text replaced.
+    fn fsi3(replaced: &[(&str, &str)]) -> Result<Scene, SceneError> {
+        let mut text = include_str!("../../../scenes/fsi3-325x72.json").to_string();
+        for (old, new) in replaced {
+            assert!(text.contains(old), "{old} is not in the scene");
+            text = text.replace(old, new);
+        }
+        Scene::from_json(&text)
+    }
+
+    const GIVEN: &str = r#""coupling": { "load": "momentum", "scheme": "explicit" }"#;
+    const OPEN: (&str, &str) = (GIVEN, r#""coupling": {}"#);
+    const ROD: &str = r#""plane_strain": { "density": 1000.0"#;
+
+    #[test]
+    fn load_follows_from_density_ratio_and_step() {
+        let light = (ROD, r#""plane_strain": { "density": 999.0"#);
+        let long = (r#""communication_step": 4e-4"#, r#""communication_step": 5e-4"#);
+        let rk2 = (r#""max_step": 4e-4"#, r#""max_step": 4e-4, "scheme": "rk2""#);
+        for (replaced, load, reason) in [
+            (vec![], Load::Momentum, "the scene says so"),
+            (vec![OPEN], Load::Momentum, "weighs 1.0000 of the fluid"),
+            (vec![OPEN, light], Load::PressureJump, "weighs 0.9990 of the fluid"),
+            (vec![OPEN, long], Load::PressureJump, "the step of 0.0005 s is above 0.0004 s"),
+            (vec![OPEN, rk2], Load::PressureJump, "the step of 0.0004 s is above 0.0001 s"),
+        ] {
+            let (found, why) = fsi3(&replaced).unwrap().chosen_load().unwrap();
+            assert_eq!(found, load, "{replaced:?}: {why}");
+            assert!(why.contains(reason), "{why}");
+        }
+    }
+
+    #[test]
+    fn coupling_may_be_left_out_altogether() {
+        let scene = fsi3(&[(&format!(",\n  {GIVEN}"), "")]).unwrap();
+        assert_eq!((scene.load(), scene.displaced_line_density()), (Some(Load::Momentum), 20.0));
+    }
+
+    #[test]
+    fn momentum_load_on_a_light_rod_is_refused() {
+        let error = fsi3(&[(ROD, r#""plane_strain": { "density": 990.0"#)]).unwrap_err().to_string();
+        assert!(error.contains("`coupling.load` is momentum") && error.contains("weighs 0.9900"), "{error}");
+    }
+
+    #[test]
+    fn iteration_has_defaults() {
+        let iterated = (GIVEN, r#""coupling": { "load": "pressure_jump", "scheme": { "iterated": {} } }"#);
+        let acceleration = Acceleration::IqnIls;
+        let expected = CouplingScheme::Iterated { tolerance: 1e-4, max_iterations: 50, acceleration };
+        assert_eq!(fsi3(&[iterated]).unwrap().coupling.unwrap().scheme, Some(expected));
+    }
+}
