@@ -1,11 +1,14 @@
 """Schemes that iterate, on problems whose convergence is known, and the balance of the interface in FSI3."""
 
-import json
-
 import numpy as np
 import pytest
-from cosim import coupling
-from test_runs import results, run
+from conftest import FSI3
+from cosim import coupling, master
+from cosim.recorder import Recorder
+from cosim.report import interface
+from cosim.scene import load
+from cosim.unit import Variable
+from test_master import AddedMass, Fake, Spring
 
 
 def fixed_point(matrix, offset):
@@ -91,3 +94,108 @@ def test_aitken_fails_where_iqn_ils_converges():
     assert iterate(coupling.IqnIls(32, 32), answer, 0 * offset, 1e-6)[0] < 40
     with pytest.raises(AssertionError, match="after 60 evaluations"):
         iterate(coupling.Aitken(), answer, 0 * offset, 1e-6, limit=60)
+
+
+class Powered(Fake):
+    """A unit with a power at the interface, which follows from the step number."""
+
+    def __init__(self, name, inputs, outputs, power, law):
+        super().__init__(name, inputs, outputs)
+        self.power, self.law, self.steps = power, law, 0
+
+    def connect(self, inputs, outputs):
+        super().connect(inputs, outputs)
+        self.outputs = np.zeros(self.outputs.size + 1)
+        self.exchanged = self.outputs[:-1]
+        self.slices[self.power] = slice(self.outputs.size - 1, self.outputs.size)
+
+    def advance(self, _t, _h):
+        self.steps += 1
+        self.outputs[-1] = self.law(self.steps)
+
+
+def powered(took, gave):
+    """A pair under the momentum load, with the power that the rod takes and the fluid gives in step i."""
+    rod = Powered("rod", ["force_x", "force_y", "impedance"], ["x", "y", "vx", "vy"], "load.power", took)
+    fluid = Powered("fluid", ["x", "y", "vx", "vy"], ["force_x", "force_y", "impedance"], "beam.power", gave)
+    return rod, fluid
+
+
+def steps_made(scheme, steps):
+    """Steps until the scheme gives up, and what it says; all of them and nothing if it does not."""
+    for i in range(steps):
+        try:
+            scheme.step(i * 1e-3, 1e-3)
+        except coupling.CouplingError as error:
+            return i, str(error)
+    return steps, ""
+
+
+def test_sides_that_come_apart_end_the_run_and_a_small_difference_does_not():
+    swing = lambda i: np.sin(0.05 * i)  # noqa: E731
+    assert steps_made(coupling.Explicit(*powered(lambda i: 1.1 * swing(i), swing)), 3000) == (3000, "")
+    apart = coupling.Explicit(*powered(lambda i: swing(i) + (i > 1000) * np.cos(3.1 * i), swing))
+    stopped, said = steps_made(apart, 3000)
+    assert 1000 < stopped < 1000 + 2 * coupling.WATCHED
+    assert "the coupling is unstable at t = " in said and "% of what went across" in said, said
+
+
+def test_a_burst_at_the_start_is_no_instability():
+    burst = lambda i: 1.0 + (i < 5)  # noqa: E731
+    assert steps_made(coupling.Explicit(*powered(burst, lambda i: 1.0)), 2000)[0] == 2000
+
+
+def test_scheme_follows_the_load_that_the_rod_takes():
+    rod, fluid = powered(float, float)
+    made = coupling.couple({"rod": rod, "fluid": fluid}, {})
+    assert type(made) is coupling.Explicit and made.choice["load"] == "momentum", made.choice
+    made = coupling.couple({"rod": Spring(), "fluid": AddedMass()}, None)
+    assert isinstance(made.acceleration, coupling.IqnIls), made.choice
+    assert made.choice["load"] == "pressure_jump" and made.choice["scheme"] == "iterated, iqn_ils"
+    made = coupling.couple({"rod": Spring(), "fluid": AddedMass()}, {"scheme": {"iterated": {"acceleration": "aitken"}}})
+    assert isinstance(made.acceleration, coupling.Aitken) and made.choice["scheme_reason"] == "the scene says so"
+
+
+def test_parallel_exchange_gives_the_fluid_the_stations_of_the_step_before():
+    rod, fluid = Spring(), AddedMass()
+    scheme = coupling.ParallelExplicit(rod, fluid)
+    scheme.start()
+    scheme.step(0.0, 1e-2)
+    moved = rod.outputs.copy()
+    scheme.step(1e-2, 1e-2)
+    assert fluid.inputs.tolist() == moved.tolist() != rod.outputs.tolist()
+
+
+def fsi3_run(start, step):
+    """Half a second of FSI3 with a start-up of 0.2 s, exchanging every `step` seconds."""
+    scene = load(FSI3)
+    scene["time"] = {"end": 0.5, "communication_step": step}
+    scene["fluid"]["time_stepping"]["max_step"] = step
+    scene["fluid"]["inflow"]["mean_velocity"]["cosine_ramp"]["duration"] = 0.2
+    scene["coupling"] = {}
+    scheme = start(scene)
+    recorder = Recorder({"rod": scheme.rod, "fluid": scheme.fluid}, 2000)
+    clock = master.Clock(0.5, step)
+    recorder.record(0, 0.0, 0)
+    for i in range(clock.steps):
+        t, h = clock.step(i)
+        scheme.step(t, h)
+        recorder.record(i + 1, t + h, 1)
+    return recorder
+
+
+def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
+    """What the rod took was announced, what the fluid exerted came a step later, when the mask had moved on: the two
+    differ by a per cent, and by half of that with half the step."""
+    found = []
+    for step in (5e-4, 2.5e-4):
+        recorder = fsi3_run(start, step)
+        took, gave = recorder.column("load_work"), recorder.column("beam_work")
+        exchanged = np.abs(np.diff(gave)).sum()
+        apart = np.abs(np.diff(took - gave)).sum() / exchanged
+        force = recorder.column("load_y") - recorder.column("beam_load_y")
+        found.append((apart, np.std(force) / np.std(recorder.column("beam_load_y"))))
+        assert interface(recorder)["exchanged"] == pytest.approx(exchanged)
+    (work, force), (work_half, force_half) = found
+    assert work < 0.015 and force < 3e-3, found
+    assert work_half < 0.7 * work and force_half < 0.6 * force, found

@@ -4,18 +4,16 @@
     python scripts/studies/coupling.py --list             the cells, what is known of them and what the others will cost
     python scripts/studies/coupling.py --only 'default/*' run only those
 
-Every cell is FSI3 on 325 x 72 points whose start-up takes 0.2 s, run by scripts/run.py in a process of one thread; the results
-are collected in results/coupling-study/results.csv. A cell is known there by its scene and the libraries, and is run
+Every cell is FSI3 on 325 x 72 points whose start-up takes 0.2 s; the results are collected in results/coupling-study/results.csv. A cell is known there by its scene and the libraries, and is run
 again only when one of them has changed.
 """
 
 import csv
 import hashlib
 import json
-import os
-import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatch
 from pathlib import Path
@@ -26,13 +24,14 @@ import typer
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from cosim import package
-from cosim.report import write_whole
-from cosim.scene import ROOT, load, override
+from cosim import coupling, master, package
+from cosim.recorder import Recorder
+from cosim.report import interface, write_whole
+from cosim.scene import ROOT, SceneError, load, override
+from cosim.unit import Unit
 
 RESULTS = ROOT / "results" / "coupling-study"
 DOCS = ROOT / "docs" / "fsi3"
-THREADS = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
 
 RATIOS = (0.01, 0.1, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0)
 """Density of the rod over that of the fluid."""
@@ -188,35 +187,35 @@ def table(path: Path, rows: list[dict]) -> None:
 
 
 def run(cell: Cell) -> Row:
-    """Run a cell in a process of its own."""
-    folder = RESULTS / cell.name.replace("/", "-")
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "cell.json"
-    path.write_text(package.scene_text(cell.scene()), encoding="utf-8")
-    command = [sys.executable, ROOT / "scripts" / "run.py", path, "--output", folder, "--quiet"]
-    done = subprocess.run(command, env=os.environ | THREADS, capture_output=True, text=True)
-    for fmu in folder.glob("*.fmu"):
-        fmu.unlink()
+    """Run a cell."""
+    scene = cell.scene()
     row = Row(cell.name, cell.key, cell.scheme, cell.ratio, cell.c_eta, cell.step, cell.end, "ok")
-    if done.returncode == 130:
-        raise KeyboardInterrupt
-    if done.returncode != 0:
-        row.outcome, row.message = "error", done.stderr.strip().splitlines()[-1].removeprefix("error: ")
-        if done.returncode == 2:
+    with ExitStack() as stack:
+        try:
+            units = {}
+            for kind in package.KINDS:
+                units[kind] = Unit(package.pack(kind, scene, RESULTS), kind, cell.end)
+                stack.callback(units[kind].close)
+                (RESULTS / f"{scene['name']}-{kind}.fmu").unlink()
+        except SceneError as error:
+            row.outcome, row.message = "error", str(error)
             return row
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    chosen = summary["method"]["coupling"]
-    row.chosen, row.reached = f"{chosen['load']}, {chosen['scheme']}", summary["simulated_s"]
-    row.iterations, row.wall_s = summary["iterations_mean"], round(summary["wall_s"], 1)
-    row.imbalance = summary["interface"]["imbalance"]
-    series = np.genfromtxt(folder / "series.csv", delimiter=",", names=True)
-    if row.outcome == "ok":
-        last = slice(-(series.size // 3), None)
-        lift, uy = series["lift"][last], series["tip_uy"][last]
-        row.noise = float(np.std(np.diff(lift, 2)) / np.std(lift))
-        row.amplitude = float(np.ptp(uy) / 2)
-        if not row.noise < MOST_NOISE:
-            row.outcome = "bad"
+        scheme = coupling.couple(units, scene["coupling"])
+        clock = master.Clock(cell.end, cell.step)
+        recorder = Recorder(units, clock.steps)
+        outcome = master.run(scheme, clock, recorder)
+    row.chosen = f"{scheme.choice['load']}, {scheme.choice['scheme']}"
+    row.reached, row.wall_s = outcome.simulated, round(outcome.wall, 1)
+    if outcome.error is not None:
+        row.outcome, row.message = "error", outcome.error
+        return row
+    row.iterations = float(recorder.column("iterations")[1:].mean())
+    row.imbalance = interface(recorder)["imbalance"]
+    last = slice(-(recorder.rows // 3), None)
+    lift, uy = recorder.column("lift")[last], recorder.column("tip_uy")[last]
+    row.noise, row.amplitude = float(np.std(np.diff(lift, 2)) / np.std(lift)), float(np.ptp(uy) / 2)
+    if not row.noise < MOST_NOISE:
+        row.outcome = "bad"
     return row
 
 
