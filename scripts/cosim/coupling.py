@@ -106,7 +106,7 @@ class Explicit(Single):
         powers = rod.slices.get("load.power"), fluid.slices.get("beam.power")
         # Under the pressure jump the two are not the same: it lacks the fluid inside the mask and the viscous traction.
         self.powers = [p.start for p in powers] if takes_momentum(rod) and all(powers) else None
-        self.balance = np.zeros(3)
+        self.balance = [0.0, 0.0, 0.0]
         """Steps, and fading sums of the magnitudes of the difference of the powers and of the fluid's, W."""
 
     def start(self) -> None:
@@ -133,11 +133,11 @@ class Explicit(Single):
         """Stop a run whose two sides have come apart: what is unstable may well stay finite."""
         if self.powers is None:
             return
-        took, gave = self.rod.outputs[self.powers[0]], self.fluid.outputs[self.powers[1]]
-        steps, difference, crossed = self.balance.tolist()
+        took, gave = self.rod.outputs.item(self.powers[0]), self.fluid.outputs.item(self.powers[1])
+        steps, difference, crossed = self.balance
         difference += abs(took - gave) - difference / WATCHED
         crossed += abs(gave) - crossed / WATCHED
-        self.balance[:] = steps + 1, difference, crossed
+        self.balance = [steps + 1, difference, crossed]
         if steps >= WATCHED and difference > LARGEST_IMBALANCE * crossed:
             raise CouplingError(
                 f"the coupling is unstable at t = {t:g} s: over the last {WATCHED} steps the power that the rod took and that "
@@ -145,10 +145,10 @@ class Explicit(Single):
             )
 
     def memory(self) -> dict[str, np.ndarray]:
-        return {"balance": self.balance}
+        return {"balance": np.array(self.balance)}
 
     def remember(self, memory: dict[str, np.ndarray]) -> None:
-        self.balance[:] = memory["balance"]
+        self.balance = memory["balance"].tolist()
 
 
 class ParallelExplicit(Explicit):

@@ -202,6 +202,9 @@ def print_table(console: Console, summary: dict) -> None:
         drift = summary["amplitude_drift"]
         steady = "" if drift is None else f", amplitude drift {drift * 100:+.1f} %"
         console.print(f"window {begin:.3f} – {end:.3f} s, {summary['periods']} periods{steady}")
+    if summary["interface"] and summary["interface"]["imbalance"] is not None:
+        work = "interface: work on the rod {work_on_rod:.4g} J, by the fluid {work_by_fluid:.4g} J, {imbalance:+.1%} of {exchanged:.4g} J"
+        console.print(work.format(**summary["interface"]), soft_wrap=True)
     phases = ", ".join(f"{phase.replace('_', ' ')} {seconds:.1f} s" for phase, seconds in summary["phases_s"].items())
     reached = f"{summary['steps']} steps to t = {summary['simulated_s']:g} s"
     console.print(f"{reached} in {summary['wall_s']:.1f} s of wall time ({phases})", soft_wrap=True)
