@@ -240,10 +240,10 @@ def main(
         rows[cell.name] = {name: "" if value is None else value for name, value in asdict(row).items()}
         table(RESULTS / "results.csv", list(rows.values()))
         typer.echo(f"{cell.name:48} {row.outcome} {row.message[:90]} ({row.wall_s} s)")
-    write_docs([rows[cell.name] for cell in everything if cell.name in rows])
+    write_docs([rows[cell.name] for cell in everything if cell.name in rows], len(everything))
 
 
-def write_docs(rows: list[dict]) -> None:
+def write_docs(rows: list[dict], all_cells: int) -> None:
     """docs/fsi3/stability.md and stability.csv."""
     DOCS.mkdir(parents=True, exist_ok=True)
     kept = [{name: value for name, value in row.items() if name != "key"} for row in rows]
@@ -269,7 +269,7 @@ def write_docs(rows: list[dict]) -> None:
             at = {float(row["c_eta"]): row for row in members if float(row["ratio"]) == ratio}
             text.append(f"| {ratio:g} | " + " | ".join(shown(at.get(c)) for c in c_etas) + " |")
     counts = {what: sum(row["outcome"] == what for row in rows) for what in ("ok", "error", "bad")}
-    text += ["", "Cells: " + ", ".join(f"{count} {what}" for what, count in counts.items()) + "."]
+    text += ["", f"{len(rows)} of {all_cells} cells were run: " + ", ".join(f"{n} {what}" for what, n in counts.items()) + "."]
     write_whole(DOCS / "stability.md", lambda path: path.write_text("\n".join(text) + "\n", encoding="utf-8"))
 
 
