@@ -95,13 +95,13 @@ def test_an_interrupted_run_writes_where_it_was_and_another_scene_is_refused(flu
 
 
 def test_a_run_that_failed_keeps_its_last_checkpoint(scenes, tmp_path):
-    scene = scenes["aitken"]
-    scene["fluid"]["inflow"]["mean_velocity"] = {"cosine_ramp": {"value": 1.0, "duration": 0.1}}
-    scene["coupling"]["scheme"]["iterated"]["max_iterations"] = 4
+    scene = scenes["rod"]
+    turning = {"sine": {"amplitude": 3.0, "frequency": 1000.0, "ramp": 0.05}}
+    scene["rod"]["root_motion"] = {"laws": {"rotations": [{"angle": turning}]}}  # too far in a step from 0.04 s on
     path, folder = tmp_path / "scene.json", tmp_path / "results"
     path.write_text(json.dumps(scene))
     first = run_scene(path, "--output", folder, "--checkpoint-every", "0")
-    assert first.returncode == 1 and "did not converge" in first.stderr, first.stderr
+    assert first.returncode == 1 and "less than a right angle" in first.stderr, first.stderr
     series = (folder / "series.csv").read_bytes()
     again = run_scene(path, "--output", folder, "--resume")
     assert again.returncode == 1 and again.stderr == first.stderr

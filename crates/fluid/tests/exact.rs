@@ -5,8 +5,8 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use common::{run, scene};
-use fluid::{Fluid, Loads};
 use fluid::fft::{Complex64, Fft2};
+use fluid::{Fluid, Loads};
 use scene::{Filter, Mask, TimeScheme, WallTarget};
 
 const CYLINDER_IN_CHANNEL: &str = r#"
@@ -255,8 +255,8 @@ fn announced_station_loads_have_the_force_and_the_power_of_the_drag() {
         let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         let stations = fluid.stations_mut().expect("the scene has a beam");
         for k in 0..stations.len() {
-            let s = k as f64;
-            (stations.velocity[0][k], stations.velocity[1][k]) = (0.1 - 0.02 * s, 0.05 * s * s);
+            let s = k as f64 / stations.len() as f64;
+            (stations.velocity[0][k], stations.velocity[1][k]) = (0.1 - 0.05 * s, 0.3 * s * s);
         }
         run(&mut fluid, 20, 2e-3);
         let velocity = fluid.stations().expect("the scene has a beam").velocity.clone();
