@@ -94,6 +94,11 @@ bench-rod: ## benchmark a Newton iteration of the rod and its solver against fae
 fluid-study: build $(READY) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
 	$(RUN) scripts/studies/fluid.py $(ARGS)
 
+.PHONY: coupling-study
+
+coupling-study: build $(READY) ## run what is missing of the map of the coupling's stability, write docs/fsi3/stability.md
+	$(RUN) scripts/studies/coupling.py $(ARGS)
+
 BENCH_VENV := target/fluid-bench/venv
 
 .PHONY: bench-fluid

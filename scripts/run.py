@@ -15,7 +15,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from cosim import checkpoint, fields, master, package, plots, report
+from cosim import checkpoint, coupling, fields, master, package, plots, report
 from cosim.progress import Display, interruptible
 from cosim.recorder import Recorder
 from cosim.scene import ROOT, SceneError, load, override
@@ -62,7 +62,7 @@ def main(
         keeping = Keeping(checkpoint_every, resume, fields_every)
         with ExitStack() as stack:
             completed = execute(scene, fmus, folder, keeping, console, errors, stack)
-    except (SceneError, UnitError, master.CouplingError, checkpoint.CheckpointError) as error:
+    except (SceneError, UnitError, coupling.CouplingError, checkpoint.CheckpointError) as error:
         errors.print(f"error: {error}", markup=False)
         raise typer.Exit(REFUSED) from error
     raise typer.Exit(completed)
@@ -98,7 +98,9 @@ def execute(
     for kind, path in fmus.items():
         units[kind] = Unit(path, kind, clock.end)
         stack.callback(units[kind].close)
-    scheme = master.couple(units, (scene.get("coupling") or {}).get("scheme", "explicit"))
+    scheme = coupling.couple(units, scene.get("coupling"))
+    if scheme.choice:
+        console.print("load {load}: {load_reason}\nscheme {scheme}: {scheme_reason}".format(**scheme.choice), soft_wrap=True)
     recorder = Recorder(units, clock.steps)
 
     done, wall, saved, watchers = 0, 0.0, None, []
@@ -123,8 +125,8 @@ def execute(
     report.clear(folder)
     if keeping.fields_every is None:
         fields.clear(folder)
-    summary = report.summarize(scene, units, recorder, outcome)
-    report.write(folder, scene, recorder, summary)
+    summary = report.summarize(scene, units, scheme, recorder, outcome)
+    report.write(folder, scene, recorder, scheme, summary)
     plots.time_series(folder, recorder, scene["name"])
     plots.cylinder(folder, recorder, scene, summary)
     if outcome.error is None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from cosim import master, package
+from cosim import coupling, package
 from cosim.scene import ROOT, load
 from cosim.unit import Unit
 
@@ -100,7 +100,7 @@ def start(instantiate):
     """Function that makes the coupling of a scene, with both units ready for their first step."""
 
     def make(scene: dict):
-        scheme = master.couple(instantiate(scene), scene.get("coupling", {}).get("scheme", "explicit"))
+        scheme = coupling.couple(instantiate(scene), scene.get("coupling"))
         scheme.start()
         return scheme
 

@@ -45,6 +45,8 @@ def test_summary_tells_what_was_run_and_what_it_cost(fsi3_run):
     assert summary["steps"] == round(8.0 / load(FSI3)["time"]["communication_step"])
     assert summary["periods"] >= 5
     assert summary["wall_s"] == pytest.approx(sum(summary["phases_s"].values()))
+    assert summary["method"]["coupling"]["load"] == "momentum" and summary["method"]["coupling"]["scheme"] == "explicit"
+    assert abs(summary["interface"]["imbalance"]) < 0.05, summary["interface"]
     for quantity in summary["quantities"].values():
         assert quantity["reference"]["source"]
 

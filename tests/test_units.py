@@ -7,7 +7,7 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from cosim import master, package
+from cosim import coupling, package
 from cosim.scene import ROOT
 from cosim.unit import ELEMENT
 from fmpy.validation import validate_fmu
@@ -60,15 +60,15 @@ def test_committed_schema_is_what_the_scene_types_give():
 def test_rod_and_fluid_fit_each_other(fsi3, instantiate):
     units = instantiate(fsi3)
     rod, fluid = units["rod"], units["fluid"]
-    assert set(master.connections(fluid, rod)) == {"force_x", "force_y", "impedance"}
-    assert set(master.connections(rod, fluid)) == {"x", "y", "vx", "vy"}
+    assert set(coupling.connections(fluid, rod)) == {"force_x", "force_y", "impedance"}
+    assert set(coupling.connections(rod, fluid)) == {"x", "y", "vx", "vy"}
     assert {rod.variables[name].size for name in ("x", "y", "vx", "vy", "force_x", "force_y", "impedance")} == {43}
 
 
 def test_pressure_jump_takes_the_place_of_the_momentum_load(fsi3, instantiate):
     fsi3["coupling"]["load"] = "pressure_jump"
     units = instantiate(fsi3)
-    assert master.connections(units["fluid"], units["rod"]) == ["pressure_jump"]
+    assert coupling.connections(units["fluid"], units["rod"]) == ["pressure_jump"]
 
 
 def test_a_part_that_the_scene_lacks_has_no_variables(fluid_only):

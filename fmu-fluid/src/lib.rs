@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
-use fluid::{Fluid, Force, Stations};
+use fluid::{Exchange, Fluid, Force, Stations};
 use fmi2::{Description, Log, Model};
 use scene::{Mask, Scene};
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,8 @@ struct FluidUnit {
     force: [f64; 2],
     /// Forces on the cylinders and on the beam.
     forces: Vec<Force>,
+    /// What the fluid did to the beam.
+    exchange: Exchange,
     cfl: f64,
     flow_rate: f64,
     /// What is made only when it is asked for.
@@ -89,6 +91,7 @@ impl FluidUnit {
         self.forces.clear();
         self.forces.extend((0..cylinders).map(|cylinder| self.fluid.force_on_cylinder(cylinder)));
         self.forces.extend(self.fluid.force_on_beam());
+        self.exchange = self.fluid.exchange().unwrap_or_default();
         self.cfl = self.fluid.cfl();
         self.flow_rate = self.fluid.flow_rate();
     }
@@ -97,6 +100,20 @@ impl FluidUnit {
     fn ask(&mut self, make: impl FnOnce(&mut Fluid) -> f64) -> &[f64] {
         self.asked = make(&mut self.fluid);
         from_ref(&self.asked)
+    }
+
+    /// What the fluid did to the beam in the last step, to be compared with what the rod took.
+    fn exchange_variables() -> [Variable; 4] {
+        let sum = |axis| format!("Sum of what the fluid exerted on the stations along {axis}: no unsteady term");
+        let power = "Power of what the fluid exerted on the stations, at the end of the step";
+        let work = "Its work since the start: the sum of power times step";
+        [
+            Real::output("beam.load_x", "N/m", sum("x"), |m| from_ref(&m.exchange.force[0])),
+            Real::output("beam.load_y", "N/m", sum("y"), |m| from_ref(&m.exchange.force[1])),
+            Real::output("beam.power", "W/m", power, |m| from_ref(&m.exchange.power)),
+            Real::output("beam.work", "J/m", work, |m| from_ref(&m.exchange.work)),
+        ]
+        .map(|variable| variable.depends_on(&[]))
     }
 
     /// Drag, lift and moment of body `number` (the cylinders, then the beam) under a name.
@@ -128,6 +145,7 @@ impl Model for FluidUnit {
             fluid,
             force: [0.0; 2],
             forces: Vec::new(),
+            exchange: Exchange::default(),
             cfl: 0.0,
             flow_rate: 0.0,
             asked: 0.0,
@@ -195,6 +213,7 @@ impl Model for FluidUnit {
         }
         if self.scene.beam.is_some() {
             list.extend(Self::force_variables(part.cylinders.len(), "beam", "the beam", "its root"));
+            list.extend(Self::exchange_variables());
         }
         for (k, probe) in part.probes.iter().enumerate() {
             let name = format!("probe.{}", probe.name);

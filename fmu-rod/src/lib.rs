@@ -4,12 +4,13 @@ use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
 use fmi2::{Description, Log, Model, Span};
-use rod::{Error, Loads, Rod, Root, Sensitivity, Statistics};
+use rod::{Error, Exchange, Loads, Rod, Root, Sensitivity, Statistics};
 use scene::{RootMotion, Scene, Section};
 use serde::{Deserialize, Serialize};
 
 type Real = fmi2::Real<RodUnit>;
 type Integer = fmi2::Integer<RodUnit>;
+type Text = fmi2::Text<RodUnit>;
 type Variable = fmi2::Variable<RodUnit>;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -21,8 +22,12 @@ struct RodUnit {
     body: Body,
     /// Where the master wants the root at the end of the next step.
     root: RootInputs,
+    /// Name of the load that the rod takes from a fluid, and why; empty without a fluid.
+    load: [String; 2],
     tip_displacement: [f64; 3],
     tip_velocity: [f64; 3],
+    /// What the loads did: force, power and work.
+    exchange: Exchange<3>,
     elastic_energy: f64,
     kinetic_energy: f64,
     gravity_energy: f64,
@@ -189,6 +194,9 @@ impl RodUnit {
                 self.tip_displacement[axis] = displacement;
                 self.tip_velocity[axis] = rod.velocities(axis)[tip];
             }
+            let Exchange { force, power, work } = rod.state().exchange;
+            self.exchange = Exchange { power, work, ..Exchange::none() };
+            force.iter().enumerate().for_each(|(axis, force)| self.exchange.force[axis] = *force);
             let energy = rod.energy()?;
             self.elastic_energy = energy.stretching + energy.bending;
             self.kinetic_energy = energy.kinetic;
@@ -292,11 +300,13 @@ impl Model for RodUnit {
         let angle = direction[1].atan2(direction[0]);
         let mut unit = Self {
             parameters: either!(&body, rod => Parameters::of(rod)),
+            load: scene.chosen_load().map(|(load, reason)| [load.name().to_string(), reason]).unwrap_or_default(),
             scene,
             body,
             root: RootInputs { position, velocity: still, angle, omega: 0.0, direction, direction_rate: still },
             tip_displacement: [0.0; 3],
             tip_velocity: [0.0; 3],
+            exchange: Exchange::none(),
             elastic_energy: 0.0,
             kinetic_energy: 0.0,
             gravity_energy: 0.0,
@@ -413,6 +423,27 @@ impl Model for RodUnit {
         list.extend(axes().map(|(d, axis)| {
             Real::output(format!("tip.v{axis}"), "m/s", "Velocity of the tip", tip_velocity[d]).depends_on(&[])
         }));
+        let load: [fn(&mut Self) -> &[f64]; 3] = [
+            |m| from_ref(&m.exchange.force[0]),
+            |m| from_ref(&m.exchange.force[1]),
+            |m| from_ref(&m.exchange.force[2]),
+        ];
+        list.extend(axes().map(|(d, axis)| {
+            let text = format!("Sum along {axis} of the loads that the stations took at the end of the step");
+            Real::output(format!("load.{axis}"), &per("N", "N/m"), text, load[d]).depends_on(&[])
+        }));
+        let power = "Power of the loads at the end of the step";
+        let work = "Work of the loads since the start: the sum of power times step";
+        list.extend([
+            Real::output("load.power", &per("W", "W/m"), power, |m| from_ref(&m.exchange.power)).depends_on(&[]),
+            Real::output("load.work", &per("J", "J/m"), work, |m| from_ref(&m.exchange.work)).depends_on(&[]),
+        ]);
+        if self.scene.load().is_some() {
+            list.extend([
+                Text::local("load.name", "Load that the rod takes from the fluid", |m| from_ref(&m.load[0])).constant(),
+                Text::local("load.reason", "Why it is that one", |m| from_ref(&m.load[1])).constant(),
+            ]);
+        }
         list.extend([
             Real::output("energy.elastic", &per("J", "J/m"), "Energy of extension and bending", |m| {
                 from_ref(&m.elastic_energy)

@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from .master import Explicit, Iterated, Single
+from .coupling import Single
 from .recorder import Recorder
 from .unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
-FORMAT = 1
+FORMAT = 2
 
 EXCHANGED = ("inputs", "outputs", "integers")
 """The arrays of a unit that the next step or the next row may need."""
@@ -36,7 +36,7 @@ class Checkpoint:
         folder: Path,
         scene: dict,
         units: dict[str, Unit],
-        scheme: Single | Explicit | Iterated,
+        scheme: Single,
         recorder: Recorder,
     ):
         for unit in units.values():
@@ -54,11 +54,11 @@ class Checkpoint:
         for kind, unit in self.units.items():
             arrays[f"{kind}_state"] = np.frombuffer(unit.serialize(), np.uint8)
             arrays |= {f"{kind}_{name}": getattr(unit, name) for name in EXCHANGED}
+        arrays |= {f"scheme_{name}": array for name, array in self.scheme.memory().items()}
         about = {
             "format": FORMAT,
             "scene": self.scene,
             "guids": {kind: unit.description.guid for kind, unit in self.units.items()},
-            "memory": {name: float(getattr(self.scheme, name)) for name in self.scheme.memory},
             "done": done,
             "wall": wall,
             "seconds": {kind: unit.seconds for kind, unit in self.units.items()},
@@ -110,8 +110,8 @@ class Checkpoint:
             for name in EXCHANGED:
                 getattr(unit, name)[:] = arrays[f"{kind}_{name}"]
             unit.seconds = about["seconds"][kind]
-        for name, value in about["memory"].items():
-            setattr(self.scheme, name, value)
+        own = {name.removeprefix("scheme_"): array for name, array in arrays.items() if name.startswith("scheme_")}
+        self.scheme.remember(own)
         self.recorder.resume(arrays["series"])
         return about["done"], about["wall"]
 

@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from . import coefficients, statistics
+from .coupling import Single
 from .master import Outcome
 from .package import scene_text
 from .recorder import Recorder
@@ -32,8 +33,8 @@ FORCES = ("drag", "lift")
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
 """The files that a coupled run leaves in its folder, besides the FMUs."""
 
-FURTHER_FILES = ("coefficients.png", "vorticity.gif", "phases.png")
-"""What a cylinder alone leaves besides, and what `animate.py` makes of a run."""
+FURTHER_FILES = ("coefficients.png", "vorticity.gif", "phases.png", "iterations.csv", "convergence.csv")
+"""What a cylinder alone leaves besides, what `animate.py` makes of a run, and what an iterated scheme leaves."""
 
 DISPLAY = {"m": ("mm", 1e3)}
 """Units that people read in another scale."""
@@ -68,7 +69,7 @@ def evaluate(recorder: Recorder, name: str) -> tuple[dict, statistics.Window | N
     return quantities, window, width
 
 
-def summarize(scene: dict, units: dict[str, Unit], recorder: Recorder, outcome: Outcome) -> dict:
+def summarize(scene: dict, units: dict[str, Unit], scheme: Single, recorder: Recorder, outcome: Outcome) -> dict:
     """Everything that summary.json holds."""
     quantities, window, width = evaluate(recorder, scene["name"])
     time = recorder.column("time")
@@ -94,7 +95,7 @@ def summarize(scene: dict, units: dict[str, Unit], recorder: Recorder, outcome: 
         "periods": window.periods if window else 0,
         "amplitude_drift": statistics.drift(time, recorder.column(main), window) if main else None,
         "method": {
-            "coupling": scene.get("coupling"),
+            "coupling": scheme.choice,
             "communication_step_s": scene["time"]["communication_step"],
             "statistics": "mean = (max + min) / 2 and amplitude = (max - min) / 2 over the window, frequency by upward "
             f"crossings of the mean; forces under a box filter of {width * 1e3:.3g} ms; `fit`: the same of the "
@@ -102,6 +103,7 @@ def summarize(scene: dict, units: dict[str, Unit], recorder: Recorder, outcome: 
             "amplitude_drift": f"change of the amplitude of {main} from the first to the second half of the window, "
             "relative",
         },
+        "interface": interface(recorder),
         "simulated_s": outcome.simulated,
         "wall_s": outcome.wall,
         "wall_s_per_simulated_s": outcome.wall / outcome.simulated if outcome.simulated else None,
@@ -123,19 +125,41 @@ def summarize(scene: dict, units: dict[str, Unit], recorder: Recorder, outcome: 
     }
 
 
+def interface(recorder: Recorder) -> dict | None:
+    """Work done across the interface, J, by what the rod took and by what the fluid exerted; None where a unit does not
+    tell."""
+    if not {"load_work", "beam_work"} <= set(recorder.columns):
+        return None
+    took, gave = (recorder.column(name) for name in ("load_work", "beam_work"))
+    exchanged = float(np.abs(np.diff(gave)).sum())
+    return {
+        "work_on_rod": float(took[-1]),
+        "work_by_fluid": float(gave[-1]),
+        "exchanged": exchanged,
+        "imbalance": float(took[-1] - gave[-1]) / exchanged if exchanged else None,
+    }
+
+
 def clear(folder: Path) -> None:
     """Remove the results of an earlier run from `folder`, so that all that is found there belongs together."""
     for name in FILES + FURTHER_FILES:
         (folder / name).unlink(missing_ok=True)
 
 
-def write(folder: Path, scene: dict, recorder: Recorder, summary: dict) -> None:
-    """Write scene.json, series.csv and summary.json into `folder`; each appears only when it is complete."""
+def write(folder: Path, scene: dict, recorder: Recorder, scheme: Single, summary: dict) -> None:
+    """Write scene.json, series.csv, the scheme's logs and summary.json into `folder`; each appears only when it is
+    complete."""
     folder.mkdir(parents=True, exist_ok=True)
 
     def series(path: Path):
         header = ",".join(recorder.columns)
         np.savetxt(path, recorder.table[: recorder.rows], "%.10g", ",", header=header, comments="")
+
+    for name, log in scheme.logs().items():
+        write_whole(
+            folder / f"{name}.csv",
+            lambda path, log=log: np.savetxt(path, log, "%.10g", ",", header=",".join(log.dtype.names), comments=""),
+        )
 
     write_whole(folder / "scene.json", lambda path: path.write_text(scene_text(scene), encoding="utf-8"))
     write_whole(folder / "series.csv", series)
@@ -178,6 +202,9 @@ def print_table(console: Console, summary: dict) -> None:
         drift = summary["amplitude_drift"]
         steady = "" if drift is None else f", amplitude drift {drift * 100:+.1f} %"
         console.print(f"window {begin:.3f} – {end:.3f} s, {summary['periods']} periods{steady}")
+    if summary["interface"] and summary["interface"]["imbalance"] is not None:
+        work = "interface: work on the rod {work_on_rod:.4g} J, by the fluid {work_by_fluid:.4g} J, {imbalance:+.1%} of {exchanged:.4g} J"
+        console.print(work.format(**summary["interface"]), soft_wrap=True)
     phases = ", ".join(f"{phase.replace('_', ' ')} {seconds:.1f} s" for phase, seconds in summary["phases_s"].items())
     reached = f"{summary['steps']} steps to t = {summary['simulated_s']:g} s"
     console.print(f"{reached} in {summary['wall_s']:.1f} s of wall time ({phases})", soft_wrap=True)

@@ -33,6 +33,17 @@ pub struct Loads {
     pub impedance: Vec<f64>,
 }
 
+/// What the fluid did to the beam, by the drag on its cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Exchange {
+    /// Sum of the drag in the last step, N per metre of depth.
+    pub force: [f64; 2],
+    /// Its power, with the velocity of the section at the end of the step, W per metre of depth.
+    pub power: f64,
+    /// Its work since the start, J per metre of depth: the sum of power times step.
+    pub work: f64,
+}
+
 /// Where in the beam a cell lies.
 #[derive(Clone, Copy, Debug)]
 struct Place {
@@ -281,6 +292,17 @@ impl Beam {
                 }
             });
         }
+    }
+
+    /// Velocity of the section, m/s, in each of the cells, in their order.
+    pub fn section_velocities<'a>(&'a self, stations: &'a Stations) -> impl Iterator<Item = [f64; 2]> + 'a {
+        self.places.iter().map(|place| {
+            let (k, t, frame) = (place.segment as usize, place.fraction, &self.frames[place.segment as usize]);
+            [0, 1].map(|axis| {
+                let v = &stations.velocity[axis];
+                (1.0 - t) * v[k] + t * v[k + 1] - frame.omega * place.height * frame.along[axis]
+            })
+        })
     }
 
     /// Bring the drag on each cell to the stations.

@@ -23,6 +23,6 @@ mod quad;
 pub mod solver;
 mod zone;
 
-pub use beam::{Loads, Stations};
+pub use beam::{Exchange, Loads, Stations};
 pub use grid::Grid;
 pub use solver::{Error, Fluid, Force, State};

@@ -26,7 +26,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use scene::{Load, Scene, TimeScheme};
 use serde::{Deserialize, Serialize};
 
-use crate::beam::{Beam, Loads, Stations};
+use crate::beam::{Beam, Exchange, Loads, Stations};
 use crate::body::{Cells, Painted};
 use crate::cylinder::Cylinder;
 use crate::drag::DragProfile;
@@ -143,6 +143,7 @@ struct BeamState {
     stations: Stations,
     /// Loads for the coming step; absent where the scene uses the pressure jump.
     loads: Option<Loads>,
+    exchange: Exchange,
 }
 
 /// A fluid with the bodies of a scene in it.
@@ -218,7 +219,7 @@ fn still_circles(fluid: &scene::Fluid) -> impl Iterator<Item = ([f64; 2], f64)> 
 impl Fluid {
     /// The fluid of a scene at t = 0.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
-        let loads_are_wanted = scene.coupling.as_ref().is_none_or(|c| c.load == Load::Momentum);
+        let loads_are_wanted = scene.load().is_none_or(|load| load == Load::Momentum);
         let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
         let grid = Grid::new(&fluid.domain);
         let nu = fluid.kinematic_viscosity;
@@ -255,6 +256,7 @@ impl Fluid {
             beam: beam.as_ref().map(|b| BeamState {
                 stations: b.target.clone(),
                 loads: loads_are_wanted.then(|| Loads::none(b.target.len())),
+                exchange: Exchange::default(),
             }),
         };
         let has_bodies = !zones.is_empty() || fluid.channel.is_some() || !cylinders.is_empty() || beam.is_some();

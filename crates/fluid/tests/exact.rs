@@ -5,8 +5,8 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use common::{run, scene};
-use fluid::Fluid;
 use fluid::fft::{Complex64, Fft2};
+use fluid::{Fluid, Loads};
 use scene::{Filter, Mask, TimeScheme, WallTarget};
 
 const CYLINDER_IN_CHANNEL: &str = r#"
@@ -237,6 +237,46 @@ fn announced_loads_are_exerted() {
                 "{mask:?}, axis {axis}: {exerted} N/m against {announced}"
             );
         }
+    }
+}
+
+/// Where the stations keep position and velocity, what was announced to them is what is exerted: their sum is the force on
+/// the beam less the unsteady term, and their power that of the drag on the cells, rotation of the section included.
+#[test]
+fn announced_station_loads_have_the_force_and_the_power_of_the_drag() {
+    for mask in [
+        Mask::Cosine { c_eta: 1e-4, half_width: 1.0, displacement_corrected: true },
+        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, target: WallTarget::Curvature },
+    ] {
+        let mut scene = scene(CYLINDER_IN_CHANNEL, FREE_BEAM);
+        let parts = (scene.fluid.as_mut(), scene.beam.as_mut());
+        let (part, beam) = (parts.0.expect("it has one"), parts.1.expect("it has one"));
+        (part.mask, beam.thickness) = (mask, 0.08);
+        let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let stations = fluid.stations_mut().expect("the scene has a beam");
+        for k in 0..stations.len() {
+            let s = k as f64 / stations.len() as f64;
+            (stations.velocity[0][k], stations.velocity[1][k]) = (0.1 - 0.05 * s, 0.3 * s * s);
+        }
+        run(&mut fluid, 20, 2e-3);
+        let velocity = fluid.stations().expect("the scene has a beam").velocity.clone();
+        let Loads { force, .. } = fluid.loads().expect("the scene has the momentum load").clone();
+        let work = fluid.exchange().expect("the scene has a beam").work;
+        run(&mut fluid, 1, 2e-3);
+        let exchange = fluid.exchange().expect("the scene has a beam");
+        let sums = force.each_ref().map(|component| component.iter().sum::<f64>());
+        let product = |axis: usize| force[axis].iter().zip(&velocity[axis]).map(|(f, v)| f * v).sum::<f64>();
+        let power = product(0) + product(1);
+        let total = fluid.force_on_beam().expect("the scene has a beam").force;
+        for axis in 0..2 {
+            let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * (sums[0].abs() + sums[1].abs());
+            assert!(close(exchange.force[axis], sums[axis]), "{mask:?}: {:?} N/m, announced {sums:?}", exchange.force);
+            assert!(close(total[axis], sums[axis]), "{mask:?}: force {total:?} N/m against {sums:?}");
+        }
+        let far = (exchange.power / power - 1.0).abs();
+        assert!(far < 1e-9, "{mask:?}: {} W/m on the cells, {power} on the stations", exchange.power);
+        let done = exchange.work - work;
+        assert!((done - 2e-3 * power).abs() < 1e-9 * power.abs(), "{mask:?}: work {done} J/m");
     }
 }
 

@@ -1,6 +1,6 @@
 //! The rod: state and stepping.
 
-use scene::{Coupling, Load, RodScheme, Scene};
+use scene::{Load, RodScheme, Scene};
 
 use crate::banded::Banded;
 use crate::elastic::{BadShape, Elastic, FOLD, Vector};
@@ -8,7 +8,7 @@ use crate::newton::{Balance, Failure, Imbalance, Newton, Statistics};
 use crate::parameters::{Loads, Parameters};
 use crate::root::{Clamp, Root};
 use crate::scheme::{StepRule, TRAPEZOID_PART};
-use crate::state::State;
+use crate::state::{Exchange, State};
 use crate::{Error, sensitivity};
 
 /// A step that fails is halved at most this many times.
@@ -125,17 +125,13 @@ impl<const D: usize> Rod<D> {
         })?;
         let nodes = beam.segments + 1;
         let zeros = |count: usize| vec![0.0; count];
-        built.loads = match scene.coupling {
+        built.loads = match scene.load() {
             None => {
                 let pressure_jump = zeros(if D == 2 { nodes } else { 0 });
                 Loads { force: zeros(D * nodes), pressure_jump, ..Loads::default() }
             }
-            Some(Coupling { load: Load::Momentum, .. }) => {
-                Loads { force: zeros(D * nodes), impedance: zeros(nodes), ..Loads::default() }
-            }
-            Some(Coupling { load: Load::PressureJump, .. }) => {
-                Loads { pressure_jump: zeros(nodes), ..Loads::default() }
-            }
+            Some(Load::Momentum) => Loads { force: zeros(D * nodes), impedance: zeros(nodes), ..Loads::default() },
+            Some(Load::PressureJump) => Loads { pressure_jump: zeros(nodes), ..Loads::default() },
         };
         Ok(built)
     }
@@ -283,8 +279,29 @@ impl<const D: usize> Rod<D> {
         if self.statistics.substeps > 1 {
             self.last = None;
         }
+        self.sum_up_loads(duration);
         self.publish();
         Ok(())
+    }
+
+    /// What the loads did in the step of `duration` seconds that has just been made.
+    fn sum_up_loads(&mut self, duration: f64) {
+        let nodes = self.rest.len();
+        let Loads { force, pressure_jump, impedance } = &self.loads;
+        let (mut sum, mut power) = (Vector::zeros(), 0.0);
+        for (k, v) in self.state.velocities.iter().enumerate() {
+            let mut load = Vector::<D>::from_fn(|d, _| force.get(d * nodes + k).copied().unwrap_or(0.0));
+            if let Some(jump) = pressure_jump.get(k) {
+                load += pressure_area(&self.before.positions, k) * *jump;
+            }
+            if let Some(impedance) = impedance.get(k) {
+                load -= (v - self.before.velocities[k]) * *impedance;
+            }
+            sum += load;
+            power += load.dot(v);
+        }
+        let work = self.state.exchange.work + power * duration;
+        self.state.exchange = Exchange { force: sum, power, work };
     }
 
     /// Where the next step takes the clamp; `None` where it is still.

@@ -38,6 +38,26 @@ pub struct State<const D: usize> {
     pub lowest_energy: f64,
     /// Largest kinetic or elastic energy since then, J; 0 where there is no lowest energy, as after a change of the shape.
     pub largest_energy: f64,
+    /// What the loads did.
+    pub exchange: Exchange<D>,
+}
+
+/// What the loads did to the rod: nodal forces with their impedance and pressure jump, without gravity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Exchange<const D: usize> {
+    /// Their sum at the end of the last step, N.
+    pub force: Vector<D>,
+    /// Their power there, W.
+    pub power: f64,
+    /// Their work since the start, J: the sum of power times step.
+    pub work: f64,
+}
+
+impl<const D: usize> Exchange<D> {
+    /// Nothing yet.
+    pub fn none() -> Self {
+        Self { force: Vector::zeros(), power: 0.0, work: 0.0 }
+    }
 }
 
 impl<const D: usize> State<D> {
@@ -57,6 +77,7 @@ impl<const D: usize> State<D> {
             last_step: 0.0,
             lowest_energy: 0.0,
             largest_energy: 0.0,
+            exchange: Exchange::none(),
         }
     }
 
@@ -92,6 +113,7 @@ impl<const D: usize> State<D> {
         self.direction_rate = other.direction_rate;
         self.last_step = other.last_step;
         (self.lowest_energy, self.largest_energy) = (other.lowest_energy, other.largest_energy);
+        self.exchange = other.exchange;
     }
 
     /// Each array must have `nodes` entries, all numbers be finite, and last step and largest energy not be negative.
@@ -123,6 +145,10 @@ impl<const D: usize> State<D> {
         }
         if !(self.last_step.is_finite() && self.last_step >= 0.0) {
             return Err(Error::value("state.last_step", self.last_step, "a finite number of at least 0 s"));
+        }
+        let Exchange { force, power, work } = self.exchange;
+        if force.iter().chain([&power, &work]).any(|number| !number.is_finite()) {
+            return Err(Error::value("state.exchange", format!("{:?}", self.exchange), "finite"));
         }
         if !self.lowest_energy.is_finite() {
             return Err(Error::value("state.lowest_energy", self.lowest_energy, "finite"));

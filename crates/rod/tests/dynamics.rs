@@ -401,6 +401,30 @@ fn added_mass_through_the_impedance_is_mass() {
     assert!(heavy.tip_displacement()[1].abs() > 0.01, "it hardly moved: {:?}", heavy.tip_displacement());
 }
 
+/// The rod has no damping, numerical or other: what it has at the end is what the loads brought, up to the rectangle rule.
+#[test]
+fn energy_is_the_work_of_the_loads() {
+    let imbalance = |dt: f64| {
+        let mut rod = Rod::new(unit_rod::<2>(16, 1e3, RodScheme::Trapezoid)).unwrap();
+        rod.loads.force = vec![0.0; 2 * 17];
+        rod.loads.impedance = vec![0.5; 17];
+        let steps = (2.0 / dt).round() as usize;
+        for step in 1..=steps {
+            let t = step as f64 * dt;
+            rod.loads.force[33] = 0.1 * (1.0 - (3.0 * t).cos());
+            rod.loads.force[25] = -0.3 * t * t * (-t).exp();
+            rod.step(dt).unwrap();
+        }
+        let energy = rod.energy().unwrap();
+        let own = energy.kinetic + energy.stretching + energy.bending;
+        (rod.state().exchange.work - own) / own
+    };
+    let found = [2e-3, 1e-3, 5e-4].map(imbalance);
+    assert!(found[2].abs() < 2e-3, "{found:?} of the energy");
+    let ratio = found[0] / found[1];
+    assert!((1.8..2.2).contains(&ratio), "{found:?}: not of first order");
+}
+
 #[test]
 fn rod_without_mass_works_in_every_scheme() {
     for scheme in SCHEMES {

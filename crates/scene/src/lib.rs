@@ -9,6 +9,7 @@
 
 mod beam;
 mod check;
+mod coupling;
 mod fluid;
 mod law;
 mod rod;
@@ -19,6 +20,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use beam::{Beam, Root};
+pub use coupling::{Acceleration, Coupling, CouplingScheme, Load};
 pub use fluid::{
     Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Probe, Sponge,
     TimeScheme, TimeStepping, WallTarget,
@@ -52,7 +54,7 @@ pub struct Scene {
     /// Elastic model of the beam; absent where the beam is rigid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rod: Option<Rod>,
-    /// How fluid and rod exchange; needed when both are there, refused otherwise.
+    /// How fluid and rod exchange; absent where it is left to the rules, refused where there are not both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Coupling>,
 }
@@ -65,44 +67,6 @@ pub struct Time {
     pub end: f64,
     /// Communication step of the master, s. Each unit takes as many equal steps of its own inside as it needs.
     pub communication_step: f64,
-}
-
-/// How fluid and rod exchange.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Coupling {
-    /// What the fluid does to the rod.
-    pub load: Load,
-    /// How often the two sides are asked within one communication step.
-    #[serde(default)]
-    pub scheme: CouplingScheme,
-}
-
-/// What the fluid does to the rod.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Load {
-    /// Momentum that the penalization takes from the fluid, with its impedance; the rod then carries only the
-    /// difference between its own mass and that of the fluid it displaces.
-    Momentum,
-    /// Jump of the static pressure across the beam (thesis eq. 4.2); the rod carries its whole mass.
-    PressureJump,
-}
-
-/// How often the two sides are asked within one communication step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum CouplingScheme {
-    /// Once: first the rod, then the fluid with the rod's new state.
-    #[default]
-    Explicit,
-    /// Until the interface agrees, with Aitken relaxation and rollback of both units.
-    Iterated {
-        /// Residual of the interface displacement at which the step is accepted, relative to its change over the step.
-        tolerance: f64,
-        /// Largest number of iterations in a step; more is an error.
-        max_iterations: u32,
-    },
 }
 
 /// Why a scene was refused.
@@ -218,20 +182,7 @@ impl Scene {
                 format!("the scene has {count} cylinders, counted from 0")
             })?;
         }
-        let coupled = self.fluid.is_some() && self.rod.is_some();
-        require(coupled == self.coupling.is_some(), "coupling", if coupled { "absent" } else { "present" }, || {
-            "it must be there exactly when the scene has both a fluid and a rod".into()
-        })?;
-        if let Some(Coupling { load, scheme: CouplingScheme::Iterated { tolerance, max_iterations } }) = self.coupling {
-            require(load == Load::PressureJump, "coupling.scheme", "iterated", || {
-                "with the load momentum it must be explicit: that load with its impedance is already implicit".into()
-            })?;
-            above("coupling.scheme.iterated.tolerance", tolerance, 0.0)?;
-            require(max_iterations >= 2, "coupling.scheme.iterated.max_iterations", max_iterations, || {
-                "it must be at least 2".into()
-            })?;
-        }
-        Ok(())
+        self.check_coupling()
     }
 
     /// Number of space dimensions in which `beam` moves, 2 or 3.
@@ -277,15 +228,5 @@ impl Scene {
             stations.push([x, y, z]);
         }
         stations
-    }
-
-    /// Mass of the fluid that the beam displaces, per length and metre of depth, kg/m²: what a rod under the
-    /// momentum load must leave out of its own mass, because the fluid inside the mask carries it. 0 where the load
-    /// is not that one.
-    pub fn displaced_line_density(&self) -> f64 {
-        match (&self.fluid, &self.beam, &self.coupling) {
-            (Some(fluid), Some(beam), Some(Coupling { load: Load::Momentum, .. })) => fluid.density * beam.thickness,
-            _ => 0.0,
-        }
     }
 }

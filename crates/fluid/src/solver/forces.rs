@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Fluid;
-use crate::beam::Loads;
+use crate::beam::{Exchange, Loads};
 use crate::body::{Cell, Cells, Displaced};
 use crate::kernel::Differences;
 
@@ -41,6 +41,11 @@ impl Fluid {
         self.beam.as_ref().map(|_| self.state.bodies[self.cylinders.len()].force)
     }
 
+    /// What the fluid did to the beam, without the unsteady term of [`Self::force_on_beam`]; none without a beam.
+    pub fn exchange(&self) -> Option<Exchange> {
+        self.state.beam.as_ref().map(|beam| beam.exchange)
+    }
+
     /// Cells and displaced fluid of the cylinders, then of the beam.
     fn bodies(&self) -> impl Iterator<Item = (&Cells, Displaced)> {
         let cylinders = self.cylinders.iter().map(|c| (&c.cells, c.displaced(self.density)));
@@ -61,17 +66,31 @@ impl Fluid {
     pub(super) fn sum_up_forces(&mut self, dt: f64, drag: impl Fn(&Self, &Cell) -> [f64; 2]) {
         let mut known = std::mem::take(&mut self.state.bodies);
         let weight = self.density * self.grid.cell_area();
-        for (known, (cells, displaced)) in known.iter_mut().zip(self.bodies()) {
-            let mut sum = displaced.rate_of_change(&known.displaced, dt);
+        let (mut beam_drag, mut power) = ([0.0; 2], 0.0);
+        for (number, (known, (cells, displaced))) in known.iter_mut().zip(self.bodies()).enumerate() {
+            let beam = self.beam.as_ref().zip(self.state.beam.as_ref()).filter(|_| number == self.cylinders.len());
+            let mut section = beam.into_iter().flat_map(|(beam, known)| beam.body.section_velocities(&known.stations));
+            let mut sum = Force::default();
             for cell in cells.iter() {
                 let [fx, fy] = drag(self, cell).map(|drag| weight * drag);
                 sum.force[0] += fx;
                 sum.force[1] += fy;
                 sum.moment += cell.arm[0] * fy - cell.arm[1] * fx;
+                if let Some([u, v]) = section.next() {
+                    power += fx * u + fy * v;
+                }
             }
+            beam_drag = sum.force;
+            let unsteady = displaced.rate_of_change(&known.displaced, dt);
+            (0..2).for_each(|axis| sum.force[axis] += unsteady.force[axis]);
+            sum.moment += unsteady.moment;
             *known = BodyState { force: sum, displaced };
         }
         self.state.bodies = known;
+        if let Some(beam) = &mut self.state.beam {
+            let work = beam.exchange.work + power * dt;
+            beam.exchange = Exchange { force: beam_drag, power, work };
+        }
     }
 
     /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.

@@ -1,0 +1,218 @@
+//! How fluid and rod exchange, and what is chosen where the scene leaves it open.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::check::{above, require};
+use crate::{Scene, SceneError, TimeScheme};
+
+/// How fluid and rod exchange; what is left out is chosen by the rules of `docs/coupling.md`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Coupling {
+    /// What the fluid does to the rod; absent: `momentum` where the rod is heavy enough for it and the fluid makes one step
+    /// between two exchanges, else `pressure_jump`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub load: Option<Load>,
+    /// How often the two sides are asked within one communication step; absent: `explicit` under the load `momentum`,
+    /// `iterated` under `pressure_jump`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scheme: Option<CouplingScheme>,
+}
+
+/// What the fluid does to the rod.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Load {
+    /// Momentum that the penalization takes from the fluid, with its impedance; the rod then carries only the
+    /// difference between its own mass and that of the fluid it displaces.
+    Momentum,
+    /// Jump of the static pressure across the beam (thesis eq. 4.2); the rod carries its whole mass.
+    PressureJump,
+}
+
+/// How often the two sides are asked within one communication step.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum CouplingScheme {
+    /// Once, one after the other: first the rod, then the fluid with the rod's new state (serial, Gauss–Seidel).
+    Explicit,
+    /// Once, side by side: both step from what was known at the beginning (parallel, Jacobi).
+    ParallelExplicit,
+    /// Until the interface agrees, with rollback of both units. In no case with the load `momentum`.
+    Iterated {
+        /// Residual of the interface displacement at which the step is accepted, relative to its change over the step.
+        #[serde(default = "default_tolerance")]
+        tolerance: f64,
+        /// Largest number of iterations in a step; more is an error.
+        #[serde(default = "default_max_iterations")]
+        max_iterations: u32,
+        /// What brings the next guess from the residuals.
+        #[serde(default)]
+        acceleration: Acceleration,
+    },
+}
+
+/// What brings the next guess of an iteration from the residuals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Acceleration {
+    /// Relaxation by Aitken's formula (Küttler & Wall 2008).
+    Aitken,
+    /// Interface quasi-Newton with the inverse Jacobian from least squares (Degroote et al. 2009).
+    #[default]
+    IqnIls,
+}
+
+fn default_tolerance() -> f64 {
+    1e-4
+}
+
+fn default_max_iterations() -> u32 {
+    50
+}
+
+impl Load {
+    /// As scenes write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Momentum => "momentum",
+            Self::PressureJump => "pressure_jump",
+        }
+    }
+}
+
+impl Scene {
+    /// The load that the rod takes, which the scene gives or leaves to the rule; none where there are not both units.
+    pub fn load(&self) -> Option<Load> {
+        Some(self.chosen_load()?.0)
+    }
+
+    /// As [`Scene::load`], with the reason, as the rest of a sentence.
+    pub fn chosen_load(&self) -> Option<(Load, String)> {
+        let [own, displaced] = self.line_densities()?;
+        if let Some(load) = self.coupling.as_ref().and_then(|coupling| coupling.load) {
+            return Some((load, "the scene says so".into()));
+        }
+        let fluid = self.fluid.as_ref()?;
+        let (ratio, step) = (own / displaced, self.time.communication_step);
+        let largest = match fluid.time_stepping.scheme {
+            TimeScheme::Sbdf2 => fluid.time_stepping.max_step,
+            TimeScheme::Rk2 => fluid.time_stepping.max_step.min(fluid.mask.c_eta()),
+        };
+        Some(if own < displaced {
+            let needed = "the momentum load needs 1 or more";
+            (Load::PressureJump, format!("the rod weighs {ratio:.4} of the fluid it displaces; {needed}"))
+        } else if step > largest * (1.0 + STEP_ROUNDING) {
+            let held = "the momentum load is not to be held over several of the fluid's";
+            let reason = format!("the step of {step} s is above {largest} s, the fluid's largest; {held}");
+            (Load::PressureJump, reason)
+        } else {
+            (Load::Momentum, format!("the rod weighs {ratio:.4} of the fluid it displaces, at least 1"))
+        })
+    }
+
+    /// Mass of the fluid that the beam displaces, per length and metre of depth, kg/m²: what a rod under the
+    /// momentum load must leave out of its own mass, because the fluid inside the mask carries it. 0 where the load
+    /// is not that one.
+    pub fn displaced_line_density(&self) -> f64 {
+        match (self.load(), self.line_densities()) {
+            (Some(Load::Momentum), Some([_, displaced])) => displaced,
+            _ => 0.0,
+        }
+    }
+
+    /// Mass of the rod and of the fluid it displaces, per length and metre of depth, kg/m².
+    fn line_densities(&self) -> Option<[f64; 2]> {
+        let (fluid, beam, rod) = (self.fluid.as_ref()?, self.beam.as_ref()?, self.rod.as_ref()?);
+        Some([rod.material.section(beam.thickness).line_density, fluid.density * beam.thickness])
+    }
+
+    /// Whether the two sides can exchange like this.
+    pub(crate) fn check_coupling(&self) -> Result<(), SceneError> {
+        let coupled = self.fluid.is_some() && self.rod.is_some();
+        require(coupled || self.coupling.is_none(), "coupling", "present", || {
+            "it may be there only when the scene has both a fluid and a rod".into()
+        })?;
+        let Some((load, _)) = self.chosen_load() else { return Ok(()) };
+        if let (Load::Momentum, Some([own, displaced])) = (load, self.line_densities()) {
+            require(own >= displaced, "coupling.load", "momentum", || {
+                format!(
+                    "the rod weighs {:.4} of the fluid it displaces, less than 1; leave the load out or take pressure_jump",
+                    own / displaced
+                )
+            })?;
+        }
+        let scheme = self.coupling.as_ref().and_then(|coupling| coupling.scheme);
+        if let Some(CouplingScheme::Iterated { tolerance, max_iterations, .. }) = scheme {
+            require(load == Load::PressureJump, "coupling.scheme", "iterated", || {
+                "with the load momentum it must be explicit: that load with its impedance is already implicit".into()
+            })?;
+            above("coupling.scheme.iterated.tolerance", tolerance, 0.0)?;
+            require(max_iterations >= 2, "coupling.scheme.iterated.max_iterations", max_iterations, || {
+                "it must be at least 2".into()
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// Part by which the communication step may exceed the fluid's largest without being divided, as in the fluid itself.
+const STEP_ROUNDING: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// FSI3 with some of its text replaced.
+    fn fsi3(replaced: &[(&str, &str)]) -> Result<Scene, SceneError> {
+        let mut text = include_str!("../../../scenes/fsi3-325x72.json").to_string();
+        for (old, new) in replaced {
+            assert!(text.contains(old), "{old} is not in the scene");
+            text = text.replace(old, new);
+        }
+        Scene::from_json(&text)
+    }
+
+    const GIVEN: &str = r#""coupling": { "load": "momentum", "scheme": "explicit" }"#;
+    const OPEN: (&str, &str) = (GIVEN, r#""coupling": {}"#);
+    const ROD: &str = r#""plane_strain": { "density": 1000.0"#;
+
+    #[test]
+    fn load_follows_from_density_ratio_and_step() {
+        let light = (ROD, r#""plane_strain": { "density": 999.0"#);
+        let long = (r#""communication_step": 4e-4"#, r#""communication_step": 5e-4"#);
+        let rk2 = (r#""max_step": 4e-4"#, r#""max_step": 4e-4, "scheme": "rk2""#);
+        for (replaced, load, reason) in [
+            (vec![], Load::Momentum, "the scene says so"),
+            (vec![OPEN], Load::Momentum, "weighs 1.0000 of the fluid"),
+            (vec![OPEN, light], Load::PressureJump, "weighs 0.9990 of the fluid"),
+            (vec![OPEN, long], Load::PressureJump, "the step of 0.0005 s is above 0.0004 s"),
+            (vec![OPEN, rk2], Load::PressureJump, "the step of 0.0004 s is above 0.0001 s"),
+        ] {
+            let (found, why) = fsi3(&replaced).unwrap().chosen_load().unwrap();
+            assert_eq!(found, load, "{replaced:?}: {why}");
+            assert!(why.contains(reason), "{why}");
+        }
+    }
+
+    #[test]
+    fn coupling_may_be_left_out_altogether() {
+        let scene = fsi3(&[(&format!(",\n  {GIVEN}"), "")]).unwrap();
+        assert_eq!((scene.load(), scene.displaced_line_density()), (Some(Load::Momentum), 20.0));
+    }
+
+    #[test]
+    fn momentum_load_on_a_light_rod_is_refused() {
+        let error = fsi3(&[(ROD, r#""plane_strain": { "density": 990.0"#)]).unwrap_err().to_string();
+        assert!(error.contains("`coupling.load` is momentum") && error.contains("weighs 0.9900"), "{error}");
+    }
+
+    #[test]
+    fn iteration_has_defaults() {
+        let iterated = (GIVEN, r#""coupling": { "load": "pressure_jump", "scheme": { "iterated": {} } }"#);
+        let acceleration = Acceleration::IqnIls;
+        let expected = CouplingScheme::Iterated { tolerance: 1e-4, max_iterations: 50, acceleration };
+        assert_eq!(fsi3(&[iterated]).unwrap().coupling.unwrap().scheme, Some(expected));
+    }
+}

@@ -1,0 +1,201 @@
+"""Schemes that iterate, on problems whose convergence is known, and the balance of the interface in FSI3."""
+
+import numpy as np
+import pytest
+from conftest import FSI3
+from cosim import coupling, master
+from cosim.recorder import Recorder
+from cosim.report import interface
+from cosim.scene import load
+from cosim.unit import Variable
+from test_master import AddedMass, Fake, Spring
+
+
+def fixed_point(matrix, offset):
+    """x~(x) = A x + b and its fixed point."""
+    solution = np.linalg.solve(np.eye(len(offset)) - matrix, offset)
+    return lambda x: matrix @ x + offset, solution
+
+
+def iterate(acceleration, answer, x, tolerance, limit=200):
+    """Number of evaluations until |x~ - x| ≤ tolerance, and the last answer."""
+    acceleration.begin()
+    for evaluation in range(1, limit + 1):
+        found = answer(x)
+        acceleration.learn(found - x, found)
+        if np.linalg.norm(found - x) <= tolerance:
+            return evaluation, found
+        x = acceleration.guess(x, found)
+    raise AssertionError(f"|x~ - x| = {np.linalg.norm(found - x):g} after {limit} evaluations")
+
+
+def added_mass(eigenvalues, seed=1):
+    """An interface map with the given eigenvalues, in a basis that is not orthogonal."""
+    n = len(eigenvalues)
+    random = np.random.default_rng(seed)
+    basis = np.eye(n) + 0.3 * random.standard_normal((n, n)) / np.sqrt(n)
+    return basis @ np.diag(eigenvalues) @ np.linalg.inv(basis), random.standard_normal(n)
+
+
+@pytest.mark.parametrize("different", [1, 2, 4])
+def test_iqn_ils_needs_two_evaluations_more_than_there_are_eigenvalues(different):
+    """In exact arithmetic it is GMRES on a linear problem (Haelterman et al. 2009): with k different eigenvalues the
+    residual is nothing after k differences, k + 1 evaluations, and one more finds that out."""
+    values = np.repeat([-100.0, -10.0, -1.0, 0.5][:different], 8)
+    matrix, offset = added_mass(values)
+    answer, solution = fixed_point(matrix, offset)
+    evaluations, found = iterate(coupling.IqnIls(offset.size, offset.size), answer, 0 * offset, 1e-8)
+    assert evaluations == different + 2
+    assert found == pytest.approx(solution, abs=1e-7)
+
+
+def test_reused_windows_save_the_evaluations():
+    matrix, offset = added_mass(np.repeat([-100.0, -10.0, -1.0, 0.5], 8))
+    acceleration = coupling.IqnIls(offset.size, offset.size)
+    needed = []
+    for step in range(4):
+        answer, solution = fixed_point(matrix, (1 + step) * offset)
+        evaluations, found = iterate(acceleration, answer, 0 * offset, 1e-7)
+        needed.append(evaluations)
+        assert found == pytest.approx(solution, abs=1e-6)
+    assert needed == [6, 4, 2, 2], "the second step finds again what the filter took for noise in the first"
+
+
+def test_filter_deletes_differences_that_say_nothing_new():
+    acceleration = coupling.IqnIls(3, 3)
+    acceleration.begin()
+    for residual in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1e-5, 0.0], [0.5, 0.0, 0.2]):
+        acceleration.learn(np.array(residual), np.array(residual))
+    acceleration.guess(np.zeros(3), np.zeros(3))
+    assert (acceleration.columns, acceleration.deleted) == (2, 1)
+
+
+def test_differences_are_kept_for_their_number_of_windows_and_no_longer():
+    matrix, offset = added_mass(np.linspace(-3.0, 0.5, 32))
+    answer, _ = fixed_point(matrix, offset)
+    acceleration = coupling.IqnIls(offset.size, offset.size)
+    for step in range(coupling.WINDOWS_REUSED + 5):
+        iterate(acceleration, answer, np.full(32, float(step)), 1e-6)
+        assert acceleration.columns <= 32
+        assert acceleration.step_of.min(initial=acceleration.step) >= acceleration.step - coupling.WINDOWS_REUSED
+
+
+def test_aitken_is_exact_for_one_eigenvalue():
+    matrix, offset = added_mass(np.full(8, -10.0))
+    answer, solution = fixed_point(matrix, offset)
+    evaluations, found = iterate(coupling.Aitken(), answer, 0 * offset, 1e-8)
+    assert evaluations == 3
+    assert found == pytest.approx(solution, abs=1e-7)
+
+
+def test_aitken_fails_where_iqn_ils_converges():
+    matrix, offset = added_mass(np.linspace(-300.0, 0.5, 32))
+    answer, _ = fixed_point(matrix, offset)
+    assert iterate(coupling.IqnIls(32, 32), answer, 0 * offset, 1e-6)[0] < 40
+    with pytest.raises(AssertionError, match="after 60 evaluations"):
+        iterate(coupling.Aitken(), answer, 0 * offset, 1e-6, limit=60)
+
+
+class Powered(Fake):
+    """A unit with a power at the interface, which follows from the step number."""
+
+    def __init__(self, name, inputs, outputs, power, law):
+        super().__init__(name, inputs, outputs)
+        self.power, self.law, self.steps = power, law, 0
+
+    def connect(self, inputs, outputs):
+        super().connect(inputs, outputs)
+        self.outputs = np.zeros(self.outputs.size + 1)
+        self.exchanged = self.outputs[:-1]
+        self.slices[self.power] = slice(self.outputs.size - 1, self.outputs.size)
+
+    def advance(self, _t, _h):
+        self.steps += 1
+        self.outputs[-1] = self.law(self.steps)
+
+
+def powered(took, gave):
+    """A pair under the momentum load, with the power that the rod takes and the fluid gives in step i."""
+    rod = Powered("rod", ["force_x", "force_y", "impedance"], ["x", "y", "vx", "vy"], "load.power", took)
+    fluid = Powered("fluid", ["x", "y", "vx", "vy"], ["force_x", "force_y", "impedance"], "beam.power", gave)
+    return rod, fluid
+
+
+def steps_made(scheme, steps):
+    """Steps until the scheme gives up, and what it says; all of them and nothing if it does not."""
+    for i in range(steps):
+        try:
+            scheme.step(i * 1e-3, 1e-3)
+        except coupling.CouplingError as error:
+            return i, str(error)
+    return steps, ""
+
+
+def test_sides_that_come_apart_end_the_run_and_a_small_difference_does_not():
+    swing = lambda i: np.sin(0.05 * i)  # noqa: E731
+    assert steps_made(coupling.Explicit(*powered(lambda i: 1.1 * swing(i), swing)), 3000) == (3000, "")
+    apart = coupling.Explicit(*powered(lambda i: swing(i) + (i > 1000) * np.cos(3.1 * i), swing))
+    stopped, said = steps_made(apart, 3000)
+    assert 1000 < stopped < 1000 + 2 * coupling.WATCHED
+    assert "the coupling is unstable at t = " in said and "% of what went across" in said, said
+
+
+def test_a_burst_at_the_start_is_no_instability():
+    burst = lambda i: 1.0 + (i < 5)  # noqa: E731
+    assert steps_made(coupling.Explicit(*powered(burst, lambda i: 1.0)), 2000)[0] == 2000
+
+
+def test_scheme_follows_the_load_that_the_rod_takes():
+    rod, fluid = powered(float, float)
+    made = coupling.couple({"rod": rod, "fluid": fluid}, {})
+    assert type(made) is coupling.Explicit and made.choice["load"] == "momentum", made.choice
+    made = coupling.couple({"rod": Spring(), "fluid": AddedMass()}, None)
+    assert isinstance(made.acceleration, coupling.IqnIls), made.choice
+    assert made.choice["load"] == "pressure_jump" and made.choice["scheme"] == "iterated, iqn_ils"
+    made = coupling.couple({"rod": Spring(), "fluid": AddedMass()}, {"scheme": {"iterated": {"acceleration": "aitken"}}})
+    assert isinstance(made.acceleration, coupling.Aitken) and made.choice["scheme_reason"] == "the scene says so"
+
+
+def test_parallel_exchange_gives_the_fluid_the_stations_of_the_step_before():
+    rod, fluid = Spring(), AddedMass()
+    scheme = coupling.ParallelExplicit(rod, fluid)
+    scheme.start()
+    scheme.step(0.0, 1e-2)
+    moved = rod.outputs.copy()
+    scheme.step(1e-2, 1e-2)
+    assert fluid.inputs.tolist() == moved.tolist() != rod.outputs.tolist()
+
+
+def fsi3_run(start, step):
+    """Half a second of FSI3 with a start-up of 0.2 s, exchanging every `step` seconds."""
+    scene = load(FSI3)
+    scene["time"] = {"end": 0.5, "communication_step": step}
+    scene["fluid"]["time_stepping"]["max_step"] = step
+    scene["fluid"]["inflow"]["mean_velocity"]["cosine_ramp"]["duration"] = 0.2
+    scene["coupling"] = {}
+    scheme = start(scene)
+    recorder = Recorder({"rod": scheme.rod, "fluid": scheme.fluid}, 2000)
+    clock = master.Clock(0.5, step)
+    recorder.record(0, 0.0, 0)
+    for i in range(clock.steps):
+        t, h = clock.step(i)
+        scheme.step(t, h)
+        recorder.record(i + 1, t + h, 1)
+    return recorder
+
+
+def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
+    """What the rod took was announced, what the fluid exerted came a step later, when the mask had moved on: the two
+    differ by a per cent, and by half of that with half the step."""
+    found = []
+    for step in (4e-4, 2e-4):
+        recorder = fsi3_run(start, step)
+        took, gave = recorder.column("load_work"), recorder.column("beam_work")
+        exchanged = np.abs(np.diff(gave)).sum()
+        apart = np.abs(np.diff(took - gave)).sum() / exchanged
+        force = recorder.column("load_y") - recorder.column("beam_load_y")
+        found.append((apart, np.std(force) / np.std(recorder.column("beam_load_y"))))
+        assert interface(recorder)["exchanged"] == pytest.approx(exchanged)
+    (work, force), (work_half, force_half) = found
+    assert work < 0.015 and force < 3e-3, found
+    assert work_half < 0.7 * work and force_half < 0.6 * force, found
