@@ -6,8 +6,10 @@ python scripts/studies/reliability.py --only forks     one check (`--list` names
 The oracle of the random call sequences is written from the standard (FMI 2.0.4, section 4.2.4), not from the glue.
 """
 
+import csv
 import ctypes
 import hashlib
+import io
 import math
 import multiprocessing
 import os
@@ -911,18 +913,18 @@ def unpack(kind: str, folder: Path) -> Path:
 
 
 def one(name: str, kind: str, folder: Path, count: int, answers) -> None:
-    """A check in its own process."""
+    """Run a check and answer how it went."""
     try:
         answers.put((True, CHECKS[name].run(Library(kind, folder), count)))
     except AssertionError as error:
         answers.put((False, str(error)))
 
 
-def guarded(name: str, kind: str, folder: Path, count: int, timeout: float) -> tuple[bool, str]:
-    """The outcome of a check, of which a crash and a hang are two."""
+def guarded(name: str, kind: str, folder: Path, count: int, timeout: float, target=one) -> tuple[bool, str]:
+    """The outcome of a check in a process of its own, of which a crash and a hang are two."""
     context = multiprocessing.get_context("spawn")
     answers = context.Queue()
-    process = context.Process(target=one, args=(name, kind, folder, count, answers))
+    process = context.Process(target=target, args=(name, kind, folder, count, answers))
     process.start()
     process.join(timeout)
     if process.exitcode is None:
@@ -935,13 +937,43 @@ def guarded(name: str, kind: str, folder: Path, count: int, timeout: float) -> t
 
 
 BEGIN, END = "<!-- measured -->\n", "<!-- end -->\n"
+RESULTS = ROOT / "docs" / "reliability.csv"
+FIELDS = ("check", "unit", "cases", "result", "seconds")
+
+
+def replace(path: Path, text: str) -> None:
+    unfinished = path.with_suffix(".unfinished")
+    unfinished.write_text(text, encoding="utf-8")
+    unfinished.replace(path)
+
+
+def record(row: dict) -> None:
+    """Put a result in the place of the former one of its check and unit, and write the table anew."""
+    known = {}
+    if RESULTS.is_file():
+        with open(RESULTS, encoding="utf-8", newline="") as file:
+            known = {(old["check"], old["unit"]): old for old in csv.DictReader(file)}
+    known[row["check"], row["unit"]] = row
+    rows = [known[name, kind] for name in CHECKS for kind in package.KINDS if (name, kind) in known]
+    text = io.StringIO()
+    writer = csv.DictWriter(text, FIELDS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    replace(RESULTS, text.getvalue())
+
+    table = "| check | unit | cases | result | time, s |\n|---|---|---|---|---|\n"
+    for row in rows:
+        table += f"| `{row['check']}` | {row['unit']} | {int(row['cases']):,} | {row['result']} | {row['seconds']} |\n"
+    path = RESULTS.with_suffix(".md")
+    before, rest = path.read_text(encoding="utf-8").split(BEGIN)
+    replace(path, before + BEGIN + table + END + rest.split(END)[1])
 
 
 def main(
     only: Annotated[list[str] | None, typer.Option(help="Checks to run; default: all.")] = None,
     share: Annotated[float, typer.Option(help="Part of the full count.")] = 1.0,
     list_: Annotated[bool, typer.Option("--list", help="Name the checks and end.")] = False,
-    write: Annotated[bool, typer.Option(help="Write the table into docs/reliability.md.")] = False,
+    write: Annotated[bool, typer.Option(help="Put the results into the table of docs/reliability.md.")] = False,
 ) -> None:
     """Run the reliability checks."""
     if list_:
@@ -950,7 +982,7 @@ def main(
         return
     if unknown := set(only or ()) - set(CHECKS):
         raise typer.BadParameter(f"{', '.join(sorted(unknown))}: the checks are {', '.join(CHECKS)}")
-    rows, all_well = [], True
+    all_well = True
     with tempfile.TemporaryDirectory() as temporary:
         folders = {kind: unpack(kind, Path(temporary)) for kind in package.KINDS}
         for name in only or CHECKS:
@@ -959,19 +991,12 @@ def main(
             for kind in package.KINDS:
                 begin = time.perf_counter()
                 well, result = guarded(name, kind, folders[kind], count, check.timeout)
-                seconds = time.perf_counter() - begin
+                seconds = round(time.perf_counter() - begin)
                 all_well &= well
-                text = check.run.__doc__.strip().rstrip(".")
-                rows.append(f"| `{name}` | {text} | {kind} | {count:,} | {'' if well else '**failed**: '}{result} | {seconds:.0f} |")
-                typer.echo(rows[-1])
-    if write:
-        path = ROOT / "docs" / "reliability.md"
-        before, rest = path.read_text(encoding="utf-8").split(BEGIN)
-        header = "| check | what | unit | cases | result | s |\n|---|---|---|---|---|---|\n"
-        table = header + "\n".join(rows) + "\n"
-        unfinished = path.with_suffix(".unfinished")
-        unfinished.write_text(before + BEGIN + table + END + rest.split(END)[1], encoding="utf-8")
-        unfinished.replace(path)
+                result = result if well else f"**failed**: {result}"
+                typer.echo(f"{name} of the {kind}, {count:,} cases in {seconds} s: {result}")
+                if write:
+                    record(dict(zip(FIELDS, (name, kind, count, result, seconds))))
     raise typer.Exit(0 if all_well else 1)
 
 
