@@ -816,7 +816,7 @@ def forks(library: Library, count: int) -> str:
             target, arguments, expected = _fresh, (library.kind, folder, answers), fresh
         process = context.Process(target=target, args=arguments)
         process.start()
-        process.join(30)
+        process.join(120)
         assert process.exitcode == 0, f"{method} {case}: exit code {process.exitcode} (None: it hangs)"
         assert answers.get() == expected, f"{method} {case}: another result"
         assert unit.run(5) == after, f"{method} {case}: the parent's result changed"

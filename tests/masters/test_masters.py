@@ -187,16 +187,23 @@ def test_ssp_runs_in_fmpy(small_fsi3, instantiate, tmp_path, monkeypatch):
             assert abs(result[found][-1] - expected[f"{kind}.{name}"][0]) <= 1e-9 * scale, name
 
 
-def test_container_agrees_with_the_explicit_scheme(small_fsi3, instantiate, tmp_path):
-    path, units = ssp.pack(small_fsi3, tmp_path / "parts"), instantiate(small_fsi3)
-    command = [Path(sys.executable).parent / "fmucontainer", "-container", f"{path.name}:{H}", "-sequential"]
-    subprocess.run(command, cwd=path.parent, check=True, capture_output=True, timeout=60)
+def test_container_of_array_ports_agrees_with_the_explicit_scheme(small_fsi3, instantiate, tmp_path):
+    units = instantiate(small_fsi3)
+    files = {kind: f"{small_fsi3['name']}-{kind}.fmu" for kind in units}
+    table = ["rule;from_fmu;from_port;to_fmu;to_port", *(f"FMU;{file};;;" for file in files.values())]
     places = {}
-    for source, _, name, element in links(units):
-        column = f"{path.stem}-{source.name}.{name}[{element + 1}]"
+    for source, target, name, element in links(units):
+        if element == 0:  # each array is one port
+            table.append(f"LINK;{files[source.name]};{name};{files[target.name]};{name}")
+        column = f"{Path(files[source.name]).stem}.{name}[{element + 1}]"
         places.setdefault(f"{source.name}.{name}", []).append(column)
+    (tmp_path / "pair.csv").write_text("\n".join(table) + "\n", encoding="utf-8")
+    command = [Path(sys.executable).parent / "fmucontainer", "-container", f"pair.csv:{H}", "-sequential"]
+    command += ["-no-auto-link", "-no-auto-input", "-no-auto-output"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=60)
+
     columns = [column for group in places.values() for column in group]
-    container = str(path.with_suffix(".fmu"))
+    container = str(tmp_path / "pair.fmu")
     last = fmpy.simulate_fmu(container, stop_time=STEPS * H, output_interval=H, output=columns)[-1]
     expected = ours(units, master.Explicit)
     theirs = {name: np.array([last[column] for column in group]) for name, group in places.items()}
