@@ -245,6 +245,7 @@ class Sequence:
 
     def __init__(self, library: Library, chance: random.Random):
         self.library, self.chance, self.component = library, chance, library.new()
+        self.flags = library.description.coSimulation
         self.state, self.time, self.stop = INSTANTIATED, 0.0, None
         self.handles: dict[int, tuple] = {}
         self.bytes: list[tuple[bytes, tuple]] = []
@@ -478,7 +479,7 @@ class Sequence:
             component, unknown, n_unknown, known, n_known, seed, derivative
         )
         # The rod has derivatives of the step that it made last; where there is none, it says so.
-        return status, OK, right and also and self.library.kind == "rod" and self.stepped
+        return status, OK, right and also and self.flags.providesDirectionalDerivative and self.stepped
 
     def orders(self, size: int) -> tuple[ctypes.Array, bool]:
         if size and self.wrong():
@@ -489,12 +490,13 @@ class Sequence:
         references, size, right = self.references(self.library.unknowns, self.values("parameter"))
         orders, also = self.orders(size)
         status = self.library.GetRealOutputDerivatives(component, references, size, orders, (REAL * size)())
-        return status, OK, right and also and self.library.kind == "rod"
+        return status, OK, right and also and self.flags.maxOutputDerivativeOrder == 1
 
     def SetRealInputDerivatives(self, component, allowed):  # noqa: N802
-        references, size, _ = self.references(self.library.knowns, self.values("output"))
-        status = self.library.SetRealInputDerivatives(component, references, size, self.orders(size)[0], (REAL * size)())
-        return status, OK, False  # neither unit interpolates its inputs, and both say so
+        references, size, right = self.references(self.library.knowns, self.values("output"))
+        orders, also = self.orders(size)
+        status = self.library.SetRealInputDerivatives(component, references, size, orders, (REAL * size)())
+        return status, OK, right and also and self.flags.canInterpolateInputs
 
     def status_of(name: str, answered: int | None):  # noqa: N805
         def method(self, component, allowed):
@@ -694,7 +696,7 @@ def processes(library: Library, count: int) -> str:
             state = Path(place, "state")
             state.write_bytes(unit.serialize())
             command = [sys.executable, __file__, "--continue", library.kind, str(folder), str(state), str(unit.steps)]
-            other = subprocess.run(command, capture_output=True, text=True, timeout=60)
+            other = subprocess.run(command, capture_output=True, text=True, timeout=300)
             assert other.returncode == 0, other.stderr
             assert other.stdout.strip() == unit.run(10).hex(), f"case {case} continued differently"
             unit.close()
@@ -816,7 +818,7 @@ def forks(library: Library, count: int) -> str:
             target, arguments, expected = _fresh, (library.kind, folder, answers), fresh
         process = context.Process(target=target, args=arguments)
         process.start()
-        process.join(120)
+        process.join(300)
         assert process.exitcode == 0, f"{method} {case}: exit code {process.exitcode} (None: it hangs)"
         assert answers.get() == expected, f"{method} {case}: another result"
         assert unit.run(5) == after, f"{method} {case}: the parent's result changed"
