@@ -1,4 +1,7 @@
-"""Draws fmu-rod/model.png and fmu-fluid/model.png, the pictures that masters show of the units."""
+"""Draws fmu-rod/model.png and fmu-fluid/model.png, the pictures that masters show of the units.
+
+PYTHONPATH=scripts python scripts/studies/icons.py
+"""
 
 import matplotlib
 
