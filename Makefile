@@ -66,8 +66,8 @@ descriptions: build $(READY) ## write modelDescription/*.xml of the FSI3 pair an
 record: build $(READY) ## write tests/recorded.json anew: only after a change of the physics that is meant
 	PYTHONPATH=scripts $(RUN) tests/record.py
 
-lock: ## pin requirements.in and requirements-bench.in anew; needs pip-tools
-	for name in requirements requirements-bench; do \
+lock: ## pin requirements*.in anew; needs pip-tools
+	for name in requirements requirements-bench requirements-masters requirements-dist; do \
 	pip-compile --generate-hashes --strip-extras --no-header --no-emit-index-url --no-emit-trusted-host \
 	--no-emit-find-links --output-file $$name.lock $$name.in || exit; done
 
@@ -111,4 +111,34 @@ bench-fluid: $(BENCH_VENV)/.ready ## compare the fluid's speed with FFTW's and w
 $(BENCH_VENV)/.ready: requirements-bench.lock
 	$(PYTHON) -m venv --clear $(BENCH_VENV)
 	$(BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-bench.lock
+	touch $@
+
+.PHONY: reliability masters-test
+
+reliability: build $(READY) ## mistreat the units at full count and write docs/reliability.md anew, an hour; ARGS="--list", "--only forks"
+	$(RUN) scripts/studies/reliability.py --write $(ARGS)
+
+MASTERS_VENV := target/masters/venv
+
+masters-test: build $(MASTERS_VENV)/.ready ## run the units in libcosim, Ecos, fmpy's SSP reader and a container FMU
+	$(MASTERS_VENV)/bin/python -m pytest tests/masters
+
+$(MASTERS_VENV)/.ready: requirements.lock requirements-masters.lock
+	$(PYTHON) -m venv --clear $(MASTERS_VENV)
+	$(MASTERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock -r requirements-masters.lock
+	touch $@
+
+.PHONY: dist
+
+DIST_TARGET := x86_64-unknown-linux-gnu
+DIST_VENV := target/dist/venv
+
+dist: $(DIST_VENV)/.ready $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for any Linux with glibc 2.17, checksums and manifest, into dist/
+	PATH="$(abspath $(DIST_VENV))/bin:$$PATH" cargo zigbuild --release --locked --package fmu-rod --package fmu-fluid \
+	--target $(DIST_TARGET).2.17 --target-dir target/dist
+	CARGO_TARGET_DIR=target/dist/$(DIST_TARGET) $(RUN) scripts/dist.py $(SCENE) dist
+
+$(DIST_VENV)/.ready: requirements-dist.lock
+	$(PYTHON) -m venv --clear $(DIST_VENV)
+	$(DIST_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dist.lock
 	touch $@

@@ -281,9 +281,11 @@ impl Model for FluidUnit {
         list
     }
 
-    fn initialise(&mut self, _start: f64, _log: &Log) -> Result<(), String> {
+    fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
         self.publish();
+        let (grid, stations) = (self.fluid.grid(), self.fluid.stations().map_or(0, Stations::len));
+        log.info(format_args!("{} x {} cells, {stations} stations, start at t = {start} s", grid.nx, grid.ny));
         Ok(())
     }
 

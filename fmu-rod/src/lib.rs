@@ -471,9 +471,11 @@ impl Model for RodUnit {
         list
     }
 
-    fn initialise(&mut self, start: f64, _log: &Log) -> Result<(), String> {
+    fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         either!(&mut self.body, rod => self.parameters.apply(rod)).map_err(|e| e.to_string())?;
-        self.place(start).and_then(|()| self.publish()).map_err(|e| e.to_string())
+        self.place(start).and_then(|()| self.publish()).map_err(|e| e.to_string())?;
+        log.info(format_args!("{} stations, start at t = {start} s", self.body.positions(0).len()));
+        Ok(())
     }
 
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import fmpy
 
+from . import documentation
 from .scene import ROOT, SceneError
 
 KINDS = ("rod", "fluid")
@@ -62,22 +63,31 @@ def pack(kind: str, scene: dict, folder: Path) -> Path:
     unit refuses the scene."""
     description = describe(kind, scene)
     binary = f"binaries/{fmpy.platform}/fmu_{kind}{fmpy.sharedLibraryExtension}"
+    picture = (ROOT / f"fmu-{kind}" / "model.png").read_bytes()
     contents = {
         "modelDescription.xml": description.encode("utf-8"),
         binary: library(kind).read_bytes(),
         "resources/scene.json": scene_text(scene).encode("utf-8"),
+        "model.png": picture,
+        "documentation/index.html": documentation.page(kind, description).encode("utf-8"),
+        "terminalsAndIcons/terminalsAndIcons.xml": documentation.terminals(description).encode("utf-8"),
+        "terminalsAndIcons/icon.png": picture,
     }
     for licence in sorted(ROOT.glob("LICENSE*")):
         contents[f"documentation/licenses/{licence.name}"] = licence.read_bytes()
 
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{scene['name']}-{kind}.fmu"
+    return write_archive(folder / f"{scene['name']}-{kind}.fmu", contents, executable=binary)
+
+
+def write_archive(path: Path, contents: dict[str, bytes], executable: str | None = None) -> Path:
+    """Write a zip file of `contents` by name and return its path; the same contents give the same bytes."""
+    path.parent.mkdir(parents=True, exist_ok=True)
     unfinished = path.with_suffix(".unfinished")
     with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
         for name, data in contents.items():
             entry = zipfile.ZipInfo(name, ARCHIVE_DATE)
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if name == binary else 0o644) << 16
+            entry.external_attr = (0o755 if name == executable else 0o644) << 16
             archive.writestr(entry, data)
     unfinished.replace(path)
     return path

@@ -7,15 +7,18 @@ use std::mem::ManuallyDrop;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
+use crate::float::DefaultModes;
+
 // Neither has a destructor: a thread-local with one would keep the shared library from being unloaded.
 thread_local! {
     static GUARDED: Cell<bool> = const { Cell::new(false) };
     static LOCATION: RefCell<ManuallyDrop<String>> = const { RefCell::new(ManuallyDrop::new(String::new())) };
 }
 
-/// Runs `body`; a panic becomes its message and location.
+/// Runs `body` in the default floating-point modes; a panic becomes its message and location.
 pub(crate) fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     install_hook();
+    let _modes = DefaultModes::enter();
     let before = GUARDED.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(body));
     GUARDED.set(before);

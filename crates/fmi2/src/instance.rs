@@ -132,7 +132,8 @@ impl<M: Model> Instance<M> {
         result
     }
 
-    /// Reads values: `sink` receives them in pieces, each with its position in `references`.
+    /// Reads values: `sink` receives them in pieces, each with its position in `references`. A Real that is not finite
+    /// is an error, so that no NaN passes silently.
     pub fn get<T: Value>(&mut self, references: &[u32], mut sink: impl FnMut(usize, &[T])) -> Result<(), String> {
         let clock = [self.clock.time];
         for run in self.table.runs(references) {
@@ -141,7 +142,9 @@ impl<M: Model> Instance<M> {
                 .table
                 .read::<T>(run.variable, &mut self.model, &clock)?
                 .ok_or_else(|| self.table.wrong_type::<T>(&run))?;
-            sink(run.position, &values[run.elements]);
+            let values = &values[run.elements.clone()];
+            self.table.variables[run.variable].check_finite(values, run.elements.start)?;
+            sink(run.position, values);
         }
         Ok(())
     }
@@ -201,7 +204,8 @@ impl<M: Model> Instance<M> {
         }
         let unknown = self.table.spans(unknown, Causality::Output)?;
         let known = self.table.spans(known, Causality::Input)?;
-        self.model.directional_derivative(&unknown, &known, seed, derivative)
+        self.model.directional_derivative(&unknown, &known, seed, derivative)?;
+        check_derivative(derivative)
     }
 
     pub fn output_derivatives(
@@ -214,12 +218,12 @@ impl<M: Model> Instance<M> {
             return Err("output derivatives are not provided".into());
         }
         check_first_order(orders)?;
-        let mut rest = derivative;
+        let mut rest = &mut *derivative;
         for span in self.table.spans(outputs, Causality::Output)? {
             let piece = rest.split_off_mut(..span.elements.len()).expect("one value per reference");
             self.model.output_derivative(&span, piece)?;
         }
-        Ok(())
+        check_derivative(derivative)
     }
 
     pub fn set_input_derivatives(&mut self, inputs: &[u32], orders: &[i32], derivative: &[f64]) -> Result<(), String> {
@@ -227,9 +231,7 @@ impl<M: Model> Instance<M> {
             return Err("input derivatives are not used".into());
         }
         check_first_order(orders)?;
-        if let Some(value) = derivative.iter().find(|value| !value.is_finite()) {
-            return Err(format!("the input derivative {value} must be finite"));
-        }
+        check_derivative(derivative)?;
         let mut rest = derivative;
         for span in self.table.spans(inputs, Causality::Input)? {
             let piece = rest.split_off(..span.elements.len()).expect("one value per reference");
@@ -293,6 +295,13 @@ fn find<S>(snapshots: &BTreeMap<usize, Box<Snapshot<S>>>, handle: usize) -> Resu
 
 fn unknown_state(handle: usize) -> String {
     format!("FMU state {handle:#x} is not one of this instance")
+}
+
+fn check_derivative(derivative: &[f64]) -> Result<(), String> {
+    match derivative.iter().find(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(value) => Err(format!("the derivative {value} is not finite")),
+    }
 }
 
 fn check_first_order(orders: &[i32]) -> Result<(), String> {

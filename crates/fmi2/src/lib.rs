@@ -61,6 +61,7 @@
 mod description;
 #[doc(hidden)]
 pub mod export;
+mod float;
 mod guard;
 mod instance;
 mod log;

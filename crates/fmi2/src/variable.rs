@@ -264,6 +264,16 @@ impl<M> Variable<M> {
         Err(format!("{name} = {:?} must be {}", values[at], limits::<T>(&self.bounds)))
     }
 
+    /// Refuses values to be read, the first of which belongs to `element`, if one is not finite.
+    pub(crate) fn check_finite<T: Value>(&self, values: &[T], element: usize) -> Result<(), String> {
+        if T::are_allowed(values, &UNBOUNDED) {
+            return Ok(());
+        }
+        let is_finite = |value| T::are_allowed(slice::from_ref(value), &UNBOUNDED);
+        let at = values.iter().position(|value| !is_finite(value)).expect("one of them is not finite");
+        Err(format!("{} = {:?} is not finite", self.element_name(element + at), values[at]))
+    }
+
     /// Number of value references.
     pub(crate) fn len(&self) -> usize {
         self.array.unwrap_or(1)

@@ -538,6 +538,14 @@ fn after_a_failed_step_a_stored_state_leads_on() {
 }
 
 #[test]
+fn an_output_that_is_not_finite_is_refused_and_named() {
+    let fmu = Fmu::initialised();
+    assert_eq!([fmu.set(&U[1..2], &[1e308]), fmu.step(0.0, 1e3)], [OK; 2]);
+    fmu.assert_refused(fmu.try_get(Y).0, &["fmi2GetReal", "y[2] = inf is not finite"]);
+    assert_eq!(fmu.get([Y[0], Y[2]]), [0.0; 2], "the others can be read");
+}
+
+#[test]
 fn after_a_panic_a_stored_state_or_a_reset_leads_on() {
     let fmu = Fmu::initialised();
     let mut state = null_mut();

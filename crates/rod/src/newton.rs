@@ -319,7 +319,8 @@ impl<const D: usize> Newton<D> {
             self.assemble(elastic, balance, origin, x).ok()?;
             let stiffness = self.stiffness;
             let tried = shift.max(SMALLEST_SHIFT * stiffness) * factor;
-            if tried > LARGEST_SHIFT * stiffness || !stiffness.is_finite() {
+            // Of a matrix that holds no number at all the stiffness is 0.
+            if tried > LARGEST_SHIFT * stiffness || !stiffness.is_finite() || stiffness == 0.0 {
                 return None;
             }
             self.matrix.shift(tried);

@@ -13,6 +13,8 @@ use crate::{Error, sensitivity};
 
 /// A step that fails is halved at most this many times.
 const HALVINGS: u32 = 6;
+/// Most steps of `max_step` that one call may ask for.
+const MAX_STEPS: f64 = 1e5;
 /// Largest rise of energy under constant loads, by the largest energy, with generalised-α.
 pub(crate) const LARGEST_GAIN: f64 = 0.01;
 /// A strain, and turning angle per node, whose energy is nothing but rounding.
@@ -238,6 +240,11 @@ impl<const D: usize> Rod<D> {
         if !(duration.is_finite() && duration > 0.0) {
             return Err(Error::value("duration", duration, "a finite number of seconds above 0"));
         }
+        // A duration that rounding has made a little too long takes no extra step.
+        let steps = self.parameters.max_step.map_or(1.0, |longest| (duration / longest - 1e-9).ceil().max(1.0));
+        if steps > MAX_STEPS {
+            return Err(Error::value("duration", duration, "no more than 100000 times max_step"));
+        }
         self.collect_loads()?;
         let clamp = self.next_clamp()?;
         self.before.copy_from(&self.state);
@@ -246,10 +253,8 @@ impl<const D: usize> Rod<D> {
         if self.state.last_step == 0.0 {
             self.start()?;
         }
-        // A duration that rounding has made a little too long takes no extra step.
-        let steps = self.parameters.max_step.map_or(1.0, |longest| (duration / longest - 1e-9).ceil().max(1.0)) as u64;
         let whole = 1 << HALVINGS;
-        let total = steps.saturating_mul(whole);
+        let total = steps as u64 * whole;
         let mut size = whole;
         let mut remaining = total;
         while remaining > 0 {

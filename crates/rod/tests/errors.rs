@@ -131,6 +131,24 @@ fn bad_durations_are_named() {
 }
 
 #[test]
+fn step_too_long_for_its_parts_is_refused() {
+    let mut rod = Rod::new(Parameters { max_step: Some(1e-4), ..bar() }).unwrap();
+    assert_names(&rod.step(11.0).unwrap_err(), &["duration is 11", "100000 times max_step"]);
+    rod.step(1e-3).unwrap();
+}
+
+#[test]
+fn step_too_short_for_any_digit_ends_with_an_error_and_the_state_as_it_was() {
+    let mut rod = Rod::new(bar()).unwrap();
+    let before = rod.state().clone();
+    for duration in [5e-324, 1e-300, 1e-200] {
+        rod.step(duration).expect_err("dt squared is 0");
+        assert_eq!(rod.state(), &before);
+    }
+    rod.step(1e-3).unwrap();
+}
+
+#[test]
 fn bad_states_are_named() {
     let mut rod = Rod::new(bar()).unwrap();
     let good = rod.state().clone();

@@ -1,0 +1,212 @@
+"""Other masters run the units and agree with ours: libcosim, Ecos, fmpy's reader of SSP, and a container FMU.
+
+They need packages of their own: `make masters-test`. libcosim, Ecos and fmpy let both units step from t and exchange
+afterwards; ours and the container let the rod step first. Each is compared with our units in its own order.
+"""
+
+import ctypes
+import re
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import fmpy
+import fmpy.ssp.simulation
+import numpy as np
+import pytest
+from cosim import master, package, ssp
+from cosim.unit import Unit
+from lxml import etree
+
+H, STEPS = 2.0**-9, 20
+"""Communication step, s, and number of steps. The step is a whole number of libcosim's nanoseconds and has an exact double,
+so that the times of all masters are the same."""
+
+AGREEMENT = 1e-12
+"""Largest difference by the largest value of the same quantity."""
+
+
+@pytest.fixture
+def scene(request):
+    """The small pair, or one of its units alone."""
+    scene = request.getfixturevalue({"pair": "small_fsi3", "rod": "rod_only", "fluid": "fluid_only"}[request.param])
+    scene["time"]["end"] = 1.0
+    return scene
+
+
+every_scene = pytest.mark.parametrize("scene", ["pair", "rod", "fluid"], indirect=True)
+
+
+class Parallel(master.Explicit):
+    """Both units step from t with what the other had there."""
+
+    def step(self, t, h):
+        self.rod.inputs[:], self.fluid.inputs[:] = self.loads, self.stations
+        self.rod.step(t, h)
+        self.fluid.step(t, h)
+        return 1
+
+
+def ours(units: dict[str, Unit], order: type[master.Explicit] = Parallel) -> dict[str, np.ndarray]:
+    """Real outputs by `unit.name` at the end of the run."""
+    scheme = order(**units) if len(units) == 2 else master.Single(*units.values())
+    scheme.start()
+    for i in range(STEPS):
+        scheme.step(i * H, H)
+    return {f"{kind}.{name}": unit.output(name).copy() for kind, unit in units.items() for name in real_outputs(unit)}
+
+
+def real_outputs(unit: Unit) -> list[str]:
+    return [name for name in unit.slices if unit.variables[name].kind == "Real"]
+
+
+def assert_agreement(theirs: dict[str, np.ndarray], expected: dict[str, np.ndarray]) -> None:
+    assert theirs.keys() == expected.keys()
+    # A component that is only rounding is measured by the largest of its kind.
+    kinds = {name: re.sub(r"(lift|moment)$", "drag", name).rstrip("xy") for name in expected}
+    for name, values in expected.items():
+        scale = max(np.abs(expected[other]).max() for other in expected if kinds[other] == kinds[name])
+        difference = np.abs(theirs[name] - values).max()
+        assert difference <= AGREEMENT * scale, f"{name} differs by {difference:.3g} at a scale of {scale:.3g}"
+
+
+def links(units: dict[str, Unit]) -> list[tuple[Unit, Unit, str, int]]:
+    """Source, target, name and element of every connection."""
+    if len(units) < 2:
+        return []
+    rod, fluid = units["rod"], units["fluid"]
+    return [
+        (source, target, name, element)
+        for source, target in ((rod, fluid), (fluid, rod))
+        for name in master.connections(source, target)
+        for element in range(source.variables[name].size)
+    ]
+
+
+@every_scene
+def test_libcosim_agrees(scene, instantiate, tmp_path):
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    log_output_level(CosimLogLevel.FATAL)
+    units = instantiate(scene)
+    execution = CosimExecution.from_step_size(step_size=round(H * 1e9))
+    paths = {kind: tmp_path / f"{scene['name']}-{kind}.fmu" for kind in units}
+    slaves = {kind: CosimLocalSlave(fmu_path=str(path), instance_name=kind) for kind, path in paths.items()}
+    index = {kind: execution.add_local_slave(local_slave=slave) for kind, slave in slaves.items()}
+    for source, target, name, element in links(units):
+        begin, end = ((index[unit.name], unit.variables[name].references[element]) for unit in (source, target))
+        assert execution.connect_real_variables(*begin, *end) == 0
+    observer = CosimObserver.create_last_value()
+    execution.add_observer(observer=observer)
+    assert execution.step(step_count=STEPS)
+    expected = ours(units)
+    theirs = {
+        f"{kind}.{name}": np.array(
+            observer.last_real_values(slave_index=index[kind], variable_references=unit.variables[name].references)
+        )
+        for kind, unit in units.items()
+        for name in real_outputs(unit)
+    }
+    assert_agreement(theirs, expected)
+
+
+@pytest.fixture
+def ecospy():
+    """The package, with the library that it needs and does not bring."""
+    ctypes.CDLL(str(Path(sys.prefix, "lib", "libtbb.so.12")), mode=ctypes.RTLD_GLOBAL)
+    import ecospy
+
+    return ecospy
+
+
+def element_name(unit: Unit, name: str, element: int) -> str:
+    return f"{unit.name}::{name}" if unit.variables[name].size == 1 else f"{unit.name}::{name}[{element + 1}]"
+
+
+def ecos_values(simulation, units: dict[str, Unit]) -> dict[str, np.ndarray]:
+    simulation.init()
+    simulation.step(STEPS)
+    return {
+        f"{kind}.{name}": np.array(
+            [simulation.get_real(element_name(unit, name, k)) for k in range(unit.variables[name].size)]
+        )
+        for kind, unit in units.items()
+        for name in real_outputs(unit)
+    }
+
+
+@every_scene
+def test_ecos_agrees(scene, instantiate, tmp_path, ecospy):
+    units = instantiate(scene)
+    structure = ecospy.EcosSimulationStructure()
+    for kind in units:
+        structure.add_model(kind, str(tmp_path / f"{scene['name']}-{kind}.fmu"))
+    for source, target, name, element in links(units):
+        structure.make_real_connection(element_name(source, name, element), element_name(target, name, element))
+    expected = ours(units)
+    assert_agreement(ecos_values(ecospy.EcosSimulation(H, structure=structure), units), expected)
+
+
+def test_ssp_follows_its_schema(small_fsi3, tmp_path):
+    with zipfile.ZipFile(ssp.pack(small_fsi3, tmp_path)) as archive:
+        description = etree.fromstring(archive.read("SystemStructure.ssd"))
+        assert {"resources/small-fsi3-rod.fmu", "resources/small-fsi3-fluid.fmu"} <= set(archive.namelist())
+    folder = Path(fmpy.__file__).parent / "ssp" / "schema"
+    etree.XMLSchema(file=str(folder / "SystemStructureDescription.xsd")).assertValid(description)
+
+
+def test_ssp_runs_in_ecos(small_fsi3, instantiate, tmp_path, ecospy):
+    path, units = ssp.pack(small_fsi3, tmp_path), instantiate(small_fsi3)
+    expected = ours(units)
+    assert_agreement(ecos_values(ecospy.EcosSimulation(H, ssp_path=str(path)), units), expected)
+
+
+def test_ssp_runs_in_fmpy(small_fsi3, instantiate, tmp_path, monkeypatch):
+    def with_start_values(component, *arguments):
+        """fmpy starts with 0 at every connector, which is no place for a beam; the standard with the start values."""
+        instantiate_fmu(component, *arguments)
+        for connector in component.connectors:
+            if connector.kind == "input":
+                connector.value = float(component.variables[connector.name].start)
+
+    instantiate_fmu = fmpy.ssp.simulation.instantiate_fmu
+    monkeypatch.setattr(fmpy.ssp.simulation, "instantiate_fmu", with_start_values)
+    path, units = ssp.pack(small_fsi3, tmp_path), instantiate(small_fsi3)
+    result = fmpy.ssp.simulation.simulate_ssp(str(path), stop_time=(STEPS - 0.5) * H, step_size=H)
+    assert len(result) == STEPS
+    expected = ours(units)
+    theirs = {
+        f"{kind}.{name}": np.array(
+            [result[element_name(unit, name, k).replace("::", ".")][-1] for k in range(unit.variables[name].size)]
+        )
+        for kind, unit in units.items()
+        for name in real_outputs(unit)
+    }
+    assert_agreement(theirs, expected)
+
+
+def test_container_of_array_ports_agrees_with_the_explicit_scheme(small_fsi3, instantiate, tmp_path):
+    units = instantiate(small_fsi3)
+    files = {kind: f"{small_fsi3['name']}-{kind}.fmu" for kind in units}
+    table = ["rule;from_fmu;from_port;to_fmu;to_port", *(f"FMU;{file};;;" for file in files.values())]
+    places = {}
+    for source, target, name, element in links(units):
+        if element == 0:  # each array is one port
+            table.append(f"LINK;{files[source.name]};{name};{files[target.name]};{name}")
+        column = f"{Path(files[source.name]).stem}.{name}[{element + 1}]"
+        places.setdefault(f"{source.name}.{name}", []).append(column)
+    (tmp_path / "pair.csv").write_text("\n".join(table) + "\n", encoding="utf-8")
+    command = [Path(sys.executable).parent / "fmucontainer", "-container", f"pair.csv:{H}", "-sequential"]
+    command += ["-no-auto-link", "-no-auto-input", "-no-auto-output"]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=60)
+
+    columns = [column for group in places.values() for column in group]
+    container = str(tmp_path / "pair.fmu")
+    last = fmpy.simulate_fmu(container, stop_time=STEPS * H, output_interval=H, output=columns)[-1]
+    expected = ours(units, master.Explicit)
+    theirs = {name: np.array([last[column] for column in group]) for name, group in places.items()}
+    assert_agreement(theirs, {name: expected[name] for name in places})
