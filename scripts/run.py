@@ -1,6 +1,6 @@
 """Run a scene: pack its units, couple them, write results/NAME with tables, a summary and pictures.
 
-    python scripts/run.py scenes/fsi3-325x72.json --end-time 1 --set fluid.mask.cosine.c_eta=1e-5
+    python scripts/run.py scenes/fsi3-325x72.json --end-time 1 --set fluid.mask.log_linear.c_eta=1e-4
     python scripts/run.py scenes/fsi3-650x144.json --checkpoint-every 5 --fields-every 0.02
     python scripts/run.py scenes/fsi3-650x144.json --checkpoint-every 5 --fields-every 0.02 --resume
 

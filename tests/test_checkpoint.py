@@ -139,7 +139,7 @@ def about(arrays, **changes):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda arrays: about(arrays, format=0), "has format 0, not 1"),
+        (lambda arrays: about(arrays, format=0), f"has format 0, not {checkpoint.FORMAT}"),
         (lambda arrays: about(arrays, guids={"fluid": "{other}"}), "of another fluid: its GUID is"),
         (lambda arrays: arrays.update(fluid_state=arrays["fluid_state"][:-1]), "of another build of the fluid"),
         (lambda arrays: arrays.pop("about"), "is damaged"),

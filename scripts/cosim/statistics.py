@@ -12,7 +12,7 @@ import numpy as np
 MIN_PERIODS = 5
 """Periods in a window, as far as the signal has them."""
 
-SETTLED = 0.05
+SETTLED = 0.02
 """A period before those belongs to the window while its amplitude differs by less than this part from theirs."""
 
 HYSTERESIS = 0.5

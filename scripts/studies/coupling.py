@@ -85,7 +85,7 @@ class Cell:
             "time.communication_step": self.step,
             "fluid.time_stepping.max_step": self.max_step,
             "fluid.inflow.mean_velocity.cosine_ramp.duration": RAMP,
-            "fluid.mask.cosine.c_eta": self.c_eta,
+            "fluid.mask.log_linear.c_eta": self.c_eta,
             "rod.material.plane_strain.density": self.ratio * scene["fluid"]["density"],
             "coupling": SCHEMES[self.scheme],
         }.items():
