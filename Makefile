@@ -16,7 +16,7 @@ help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
 
 fsi3: SCENE := scenes/fsi3-$(GRID).json
-fsi3: run ## run the FSI3 benchmark, GRID=325x72 (default) or 650x144; results in results/fsi3-GRID
+fsi3: run ## run the FSI3 benchmark, GRID=325x72 (default), 650x144 or 1300x288; results in results/fsi3-GRID
 
 comma := ,
 on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(1)-$(GRID)

@@ -2,13 +2,14 @@
 
 The deflection w(s, t) = Σ q_j(t) phi_j(s) of a cantilever, |w| << L, in the modes that it has in vacuo
 
-    phi_j(s) = cosh b_j s/L - cos b_j s/L - sigma_j (sinh b_j s/L - sin b_j s/L),   cos b_j cosh b_j = -1,
+    phi_j(s) = cosh z - cos z - sigma_j (sinh z - sin z) + 2 b_j (d/L) sinh z,   z = b_j s/L,
+    1 + cos b_j cosh b_j + b_j (d/L) (cos b_j sinh b_j - sin b_j cosh b_j) = 0
 
-for which ∫ phi_i phi_j ds = L delta_ij (Rao, Vibration of Continuous Systems, ch. 11). Along itself the beam is rigid.
+(Rao, Vibration of Continuous Systems, ch. 11), the clamp being set back by d: a spring EI/d. Along itself the beam is rigid.
 With the net line density mu = (rho_s - rho_f) h under the momentum load, and of station k the normal force f_k, the
 impedance D_k and the normal velocity v_k,
 
-    mu L q_j'' + EI (b_j/L)^4 L q_j = Σ_k phi_j(s_k) [f_k - D_k (v_k(t + H) - v_k(t))] + mu g_n ∫ phi_j ds,
+    m_j q_j'' + EI (b_j/L)^4 (m_j/mu) q_j = Σ_k phi_j(s_k) [f_k - D_k (v_k(t + H) - v_k(t))] + mu g_n ∫ phi_j ds,   m_j = mu ∫ phi_j² ds,
 
 by two-step backward differences, everything at the end of the step.
 """
@@ -21,6 +22,9 @@ from pythonfmu.enums import Fmi2Causality, Fmi2Status
 
 MODES = 6
 """A uniform load bends the tip by 6e-6 less than with all of them."""
+
+QUADRATURE = 40
+"""Points of the integrals over the beam: more than enough for the squares of six modes."""
 
 LARGEST_DEFLECTION = 0.1
 """Of the tip, in lengths: beyond it the linear beam is more than 0.5 % too long."""
@@ -35,7 +39,7 @@ class ModalBeam(ContractUnit):
     def __init__(self, **keywords):
         super().__init__(**keywords)
         beam, rod = self.scene["beam"], self.scene["rod"]
-        unknown = [f"rod.{key}" for key in ("damping", "clamp_setback", "root_motion") if rod.get(key)]
+        unknown = [f"rod.{key}" for key in ("damping", "root_motion") if rod.get(key)]
         unknown += ["beam.rest_angles"] if beam.get("rest_angles") else []
         if unknown or "plane_strain" not in rod["material"]:
             raise ValueError(f"the modal beam knows no {', '.join(unknown) or 'rod.material but plane_strain'}")
@@ -50,14 +54,22 @@ class ModalBeam(ContractUnit):
         self.normal = np.array([-tangent[1], tangent[0]])
         self.s = np.linspace(0.0, length, beam["segments"] + 1)
         self.rest = root[:, None] + tangent[:, None] * self.s
-        b = np.array([_wavenumber(j) for j in range(1, MODES + 1)])
-        sigma = (np.cosh(b) + np.cos(b)) / (np.sinh(b) + np.sin(b))
-        z = np.outer(self.s / length, b)
-        self.phi = np.cosh(z) - np.cos(z) - sigma * (np.sinh(z) - np.sin(z))  # [stations, modes]
-        self.mass = line_density * length
-        self.stiffness = stiffness * b**4 / length**3
+        setback = rod.get("clamp_setback", 0.0) / length
+        b = np.array([_wavenumber(j, setback) for j in range(1, MODES + 1)])
+        sigma = (np.cosh(b) + np.cos(b) + 2 * b * setback * np.sinh(b)) / (np.sinh(b) + np.sin(b))
+
+        def modes(s: np.ndarray) -> np.ndarray:
+            z = np.outer(s / length, b)
+            return np.cosh(z) - np.cos(z) - sigma * (np.sinh(z) - np.sin(z)) + 2 * b * setback * np.sinh(z)
+
+        self.phi = modes(self.s)  # [stations, modes]
+        points, weights = np.polynomial.legendre.leggauss(QUADRATURE)
+        points, weights = length * (points + 1) / 2, length * weights / 2
+        square = weights @ modes(points) ** 2  # ∫ phi_j² ds
+        self.mass = line_density * square
+        self.stiffness = stiffness * (b / length) ** 4 * square
         gravity = np.array(rod.get("gravity") or [0.0, 0.0]) @ self.normal
-        self.weight = line_density * gravity * 2 * sigma / b * length
+        self.weight = line_density * gravity * (weights @ modes(points))
 
         self.q, self.v, self.q_before, self.v_before = (np.zeros(MODES) for _ in range(4))
         self.h_before = 0.0
@@ -113,9 +125,12 @@ class ModalBeam(ContractUnit):
         return True
 
 
-def _wavenumber(j: int) -> float:
-    """The j-th root of cos b cosh b = -1, from 1."""
+def _wavenumber(j: int, setback: float) -> float:
+    """The j-th root b of the frequency equation, from 1; `setback` in lengths of the beam."""
     b = (j - 0.5) * math.pi
     for _ in range(20):
-        b -= (math.cos(b) + 1 / math.cosh(b)) / (-math.sin(b) - math.tanh(b) / math.cosh(b))
+        cosine, sine, tangent, secant = math.cos(b), math.sin(b), math.tanh(b), 1 / math.cosh(b)
+        value = cosine + secant + b * setback * (cosine * tangent - sine)
+        slope = -sine - tangent * secant + setback * (cosine * tangent - sine)
+        b -= value / (slope + b * setback * (cosine * secant**2 - sine * tangent - cosine))
     return b

@@ -174,8 +174,8 @@ def fsi3_run(start, step):
     scene["fluid"]["inflow"]["mean_velocity"]["cosine_ramp"]["duration"] = 0.2
     scene["coupling"] = {}
     scheme = start(scene)
-    recorder = Recorder({"rod": scheme.rod, "fluid": scheme.fluid}, 2000)
     clock = master.Clock(0.5, step)
+    recorder = Recorder({"rod": scheme.rod, "fluid": scheme.fluid}, clock.steps)
     recorder.record(0, 0.0, 0)
     for i in range(clock.steps):
         t, h = clock.step(i)
@@ -186,7 +186,7 @@ def fsi3_run(start, step):
 
 def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
     """What the rod took was announced, what the fluid exerted came a step later, when the mask had moved on: the two
-    differ by a per cent, and by half of that with half the step."""
+    differ by half a per cent, and by two thirds of that with half the step."""
     found = []
     for step in (4e-4, 2e-4):
         recorder = fsi3_run(start, step)
@@ -197,5 +197,5 @@ def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
         found.append((apart, np.std(force) / np.std(recorder.column("beam_load_y"))))
         assert interface(recorder)["exchanged"] == pytest.approx(exchanged)
     (work, force), (work_half, force_half) = found
-    assert work < 0.015 and force < 3e-3, found
-    assert work_half < 0.7 * work and force_half < 0.6 * force, found
+    assert work < 6e-3 and force < 6e-3, found
+    assert work_half < 0.7 * work and force_half < 0.7 * force, found

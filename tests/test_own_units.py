@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 from conftest import run_scene
-from cosim import master, package
+from cosim import coupling, master, package
 from cosim.scene import ROOT
 from cosim.unit import Unit
 from fmpy.validation import validate_fmu
@@ -128,7 +128,7 @@ def test_frequency_and_decay_in_the_analytic_fluid(still, own, open_unit, foreig
     scene = still(density)
     rod, fluid = open_unit(own("rod", scene, foreign_rod), "rod"), open_unit(own("fluid", scene, True), "fluid")
     fluid.fmu.setReal(fluid.variables["linear_drag"].references, [linear_drag])
-    coupled = master.Explicit(rod, fluid)
+    coupled = coupling.Explicit(rod, fluid)
     coupled.start()
     clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
     times, tip = [], []

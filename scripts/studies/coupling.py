@@ -43,8 +43,9 @@ END, END_OTHER, END_ITERATED, END_LONG = 1.5, 1.0, 0.2, 3.0
 """End of the runs, s, with the default explicit scheme, other explicit ones, iterated ones, and of one at full amplitude: an
 iteration that does not hold fails at once, an explicit scheme may take its time."""
 
-MOST_NOISE = 0.1
-"""A run whose lift changes its slope by more than this part of its own spread from step to step is bad."""
+MOST_NOISE = 0.25
+"""A run whose lift changes its slope by more than this part of its own spread from step to step is bad. The mask's way
+through the grid alone makes 0.14 on this grid when the tip swings by 45 mm, and no more after 30 s."""
 
 SCHEMES = {
     "default": {},
