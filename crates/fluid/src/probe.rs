@@ -4,10 +4,11 @@ use nalgebra::{Matrix3xX, Vector3};
 
 use crate::grid::Grid;
 
-/// At how many points, a cell apart, the pressure is read for a probe in a wall's smeared surface. The pressure has a kink there,
-/// which rings from cell to cell; the mean of three neighbours by ¼, ½, ¼ does not see that, and a parabola through those of
-/// several cells carries it to the wall.
+/// At how many points, a cell apart, the pressure is read for a probe in a wall's smeared surface, and how many cells off the
+/// first one is. The pressure has a kink there, which rings from cell to cell, most at the first; the mean of three neighbours by
+/// ¼, ½, ¼ does not see that, and a parabola through those of several cells carries it to the wall.
 const OFF_WALL: usize = 8;
+const FIRST_OFF_WALL: f64 = 2.0;
 
 /// A point, and the grid points that its values come from.
 pub struct Probe {
@@ -32,7 +33,7 @@ impl Probe {
             }
             // The mean of x² over three neighbours is x² + ½.
             let powers = Matrix3xX::from_fn(OFF_WALL - 2, |power, i| {
-                let x = i as f64 + 2.0;
+                let x = i as f64 + 1.0 + FIRST_OFF_WALL;
                 [1.0, x, x * x + 0.5][power]
             });
             let here = Vector3::new(1.0, distance, distance * distance);
@@ -43,7 +44,7 @@ impl Probe {
                 (0..3).for_each(|k| shares[i + k] += mean * [0.25, 0.5, 0.25][k]);
             }
             let look = |(i, share): (usize, f64)| {
-                let out = (radius + (i as f64 + 1.0) * cell) / from_center;
+                let out = (radius + (i as f64 + FIRST_OFF_WALL) * cell) / from_center;
                 let around = grid.cubic_interpolation([0, 1].map(|axis| center[axis] + out * offset[axis]));
                 around.map(|(point, weight)| (point, share * weight))
             };
