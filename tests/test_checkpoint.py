@@ -24,9 +24,9 @@ TIMES = ("wall_s", "wall_s_per_simulated_s", "phases_s")
 @pytest.fixture
 def scenes(rod_only, fluid_only, small_fsi3):
     """Small scenes by kind; each is long enough to be killed on its way."""
-    rod_only["time"]["end"], fluid_only["time"]["end"], small_fsi3["time"]["end"] = 0.5, 3.0, 0.4
+    rod_only["time"]["end"], fluid_only["time"]["end"], small_fsi3["time"]["end"] = 4.0, 6.0, 0.8
     iterated = json.loads(json.dumps(small_fsi3))
-    iterated["coupling"], iterated["time"]["end"] = ITERATED, 0.2
+    iterated["coupling"], iterated["time"]["end"] = ITERATED, 0.3
     iterated["fluid"]["mask"] = {"cosine": {"c_eta": 1e-3, "half_width": 1.0}}
     aitken = json.loads(json.dumps(iterated))
     aitken["coupling"]["scheme"]["iterated"]["acceleration"] = "aitken"
@@ -45,7 +45,7 @@ def stop(path, folder, number, *arguments):
     command = [sys.executable, ROOT / "scripts" / "run.py", path, "--output", folder, "--checkpoint-every", "0.001"]
     process = subprocess.Popen([*command, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 300
-    while not (folder / checkpoint.FILE).exists() and time.monotonic() < deadline:
+    while not (folder / checkpoint.FILE).exists() and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.02)
     process.send_signal(number)
     return process.wait(timeout=300)
