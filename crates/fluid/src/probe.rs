@@ -6,8 +6,8 @@ use crate::grid::Grid;
 
 /// At how many points, a cell apart, the pressure is read for a probe in a wall's smeared surface, and how many cells off the
 /// first one is. The pressure has a kink there, which rings from cell to cell, most at the first; the mean of three neighbours by
-/// ¼, ½, ¼ does not see that, and a parabola through those of several cells carries it to the wall.
-const OFF_WALL: usize = 8;
+/// ¼, ½, ¼ does not see that, and a parabola through those of several cells carries it to the wall. Nothing else may stand there.
+const OFF_WALL: usize = 16;
 const FIRST_OFF_WALL: f64 = 2.0;
 
 /// A point, and the grid points that its values come from.
