@@ -86,6 +86,15 @@ impl Frame {
     fn normal(&self) -> [f64; 2] {
         [-self.along[1], self.along[0]]
     }
+
+    /// Velocity of the section at a place of this segment, m/s.
+    fn section_velocity(&self, place: &Place, stations: &Stations) -> [f64; 2] {
+        let (k, t) = (place.segment as usize, place.fraction);
+        [0, 1].map(|axis| {
+            let v = &stations.velocity[axis];
+            (1.0 - t) * v[k] + t * v[k + 1] - self.omega * place.height * self.along[axis]
+        })
+    }
 }
 
 impl Stations {
@@ -200,12 +209,8 @@ impl Beam {
             let distance = above.max(beyond);
             let rate = self.profile.rate(distance);
             if rate > 0.0 {
-                let fraction = place.fraction.clamp(0.0, 1.0);
-                let k = place.segment as usize;
-                let velocity = std::array::from_fn(|axis| {
-                    let v = &stations.velocity[axis];
-                    (1.0 - fraction) * v[k] + fraction * v[k + 1] - frame.omega * place.height * frame.along[axis]
-                });
+                let place = Place { fraction: place.fraction.clamp(0.0, 1.0), ..place };
+                let velocity = frame.section_velocity(&place, stations);
                 self.cells.push(index, rate, velocity, place.arm);
                 if let Some(target) = self.profile.target() {
                     // The nearest surface is that of the tip or the root, or that above or below.
@@ -218,7 +223,7 @@ impl Beam {
                     let surface = [0, 1].map(|axis| point[axis] - distance * normal[axis]);
                     self.cells.follow_last(target, distance, surface, normal, grid);
                 }
-                self.places.push(Place { fraction, ..place });
+                self.places.push(place);
             }
         }
     }
@@ -296,13 +301,7 @@ impl Beam {
 
     /// Velocity of the section, m/s, in each of the cells, in their order.
     pub fn section_velocities<'a>(&'a self, stations: &'a Stations) -> impl Iterator<Item = [f64; 2]> + 'a {
-        self.places.iter().map(|place| {
-            let (k, t, frame) = (place.segment as usize, place.fraction, &self.frames[place.segment as usize]);
-            [0, 1].map(|axis| {
-                let v = &stations.velocity[axis];
-                (1.0 - t) * v[k] + t * v[k + 1] - frame.omega * place.height * frame.along[axis]
-            })
-        })
+        self.places.iter().map(|place| self.frames[place.segment as usize].section_velocity(place, stations))
     }
 
     /// Bring the drag on each cell to the stations.
