@@ -363,6 +363,14 @@ impl Model for RodUnit {
                 .at_least(0.0),
             );
         }
+        if either!(&self.body, rod => rod.parameters().section.shear_stiffness.is_some()) {
+            list.push(
+                Real::parameter("shear_stiffness", "N/m", "Shear stiffness GA_s", |m| {
+                    m.parameters.section.shear_stiffness.as_mut_slice()
+                })
+                .above(0.0),
+            );
+        }
         let gravity: [fn(&mut Self) -> &mut [f64]; 3] = [
             |m| from_mut(&mut m.parameters.gravity[0]),
             |m| from_mut(&mut m.parameters.gravity[1]),

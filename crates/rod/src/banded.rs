@@ -45,16 +45,12 @@ impl Banded {
         &mut self.columns[column * stride..][..stride]
     }
 
-    /// Add `value` to each diagonal entry.
-    pub fn shift(&mut self, value: f64) {
-        self.columns.iter_mut().step_by(self.half_bandwidth + 1).for_each(|diagonal| *diagonal += value);
-    }
-
     /// Replace the matrix by its factors; returns the number of negative pivots.
     pub fn factorise(&mut self) -> Result<usize, Singular> {
-        // The widths of a rod in two and three dimensions are known to the compiler.
+        // The widths of a rod in the plane, there with shear, and in space are known to the compiler.
         match self.half_bandwidth {
             5 => factorise::<6>(&mut self.columns),
+            7 => factorise::<8>(&mut self.columns),
             8 => factorise::<9>(&mut self.columns),
             _ => self.factorise_any_width(),
         }
@@ -82,6 +78,7 @@ impl Banded {
     pub fn solve(&self, b: &mut [f64]) {
         match self.half_bandwidth {
             5 => solve::<6>(&self.columns, b),
+            7 => solve::<8>(&self.columns, b),
             8 => solve::<9>(&self.columns, b),
             _ => self.solve_any_width(b),
         }
@@ -176,8 +173,8 @@ mod tests {
     use super::*;
 
     const ORDER: usize = 60;
-    /// Of the rod in two and three dimensions, and another.
-    const HALF_BANDWIDTHS: [usize; 3] = [5, 8, 4];
+    /// Of the rod in the plane, there with shear, and in space, and another.
+    const HALF_BANDWIDTHS: [usize; 4] = [5, 7, 8, 4];
 
     /// A banded matrix with off-diagonal entries in ±1, as `Banded` and dense.
     fn banded_and_dense(half_bandwidth: usize, diagonal: impl Fn(usize) -> f64) -> (Banded, DMatrix<f64>) {

@@ -16,6 +16,8 @@
 //! In the plane κ has the sign of ψ, and sin ψ and c give it and its derivatives by ψ with one division; a rest shape that
 //! is curved there has U = Σ ½ k_b (κ(ψ_j) − κ(ψ0_j))².
 //!
+//! With shear the bending energy is that of [`Shear`], a function of all κ.
+//!
 //! The projected model of the thesis (eqs. 2.1, 2.3, 2.4) is U = Σ ½ k_b (θ_j − θ_{j−1} − ψ0_j)², the same for φ in three
 //! dimensions, with θ and φ the angles of the edges' projections into the planes xy and xz. Where the rod passes the
 //! vertical, an angle jumps by π; a vertex that turns by more than a right angle in a projection is therefore refused.
@@ -23,6 +25,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{SMatrix, SVector, Vector2};
+
+use crate::shear::Shear;
 
 /// A point, velocity or force.
 pub(crate) type Vector<const D: usize> = SVector<f64, D>;
@@ -47,6 +51,8 @@ pub(crate) struct Elastic<const D: usize> {
     pub(crate) direction: Vector<D>,
     /// What k_b goes with.
     pub(crate) angles: Angles,
+    /// In series with k_b, in the plane and with invariant angles; `None`: stiff against shear.
+    pub(crate) shear: Option<Shear>,
 }
 
 /// What bending energy depends on.
@@ -69,11 +75,15 @@ pub(crate) struct NodeDerivatives<const D: usize> {
     pub(crate) next: Matrix<D>,
     /// ∂²U/∂x_{k+2}∂x_k, N/m.
     pub(crate) next_but_one: Matrix<D>,
+    /// ∂κ/∂x_k, 1/m, of the vertices k − 1, k and k + 1; with shear only, where the second derivatives are those with the
+    /// moments held.
+    pub(crate) turns: [Vector<D>; 3],
 }
 
 /// Elastic energies, J (per metre of depth in two dimensions).
 pub(crate) struct ElasticEnergy {
     pub(crate) stretching: f64,
+    /// Shear included.
     pub(crate) bending: f64,
 }
 
@@ -132,10 +142,15 @@ impl<const D: usize> Elastic<D> {
     /// Energy of the shape `x`, `[n + 1]`.
     pub(crate) fn energy(&self, x: &[Vector<D>]) -> Result<ElasticEnergy, BadShape> {
         let mut energy = ElasticEnergy { stretching: 0.0, bending: 0.0 };
-        let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
+        let (mut before, mut k_b, mut sheared) = (self.clamped_edge(), self.clamp, 0.0);
         for (node, ends) in x.windows(2).enumerate() {
             let after = Edge::between(ends[0], ends[1]);
             energy.stretching += 0.5 * self.axial * (after.l - self.segment_length).powi(2);
+            if let Some(shear) = &self.shear {
+                energy.bending += shear.energy(node, self.turn(node, before, after)?.0, &mut sheared);
+                before = after;
+                continue;
+            }
             energy.bending += match &self.angles {
                 Angles::Straight => {
                     k_b * (after.t - before.t).norm_squared() / self.cosine_above_fold(node, before, after)?
@@ -158,8 +173,15 @@ impl<const D: usize> Elastic<D> {
         Ok(energy)
     }
 
-    /// ∂U/∂x_k of the shape `x`, `[n + 1]`, for the free nodes k = 1 … n, given to `emit` in this order.
-    pub(crate) fn gradient(&self, x: &[Vector<D>], mut emit: impl FnMut(usize, Vector<D>)) -> Result<(), BadShape> {
+    /// ∂U/∂x_k of the shape `x`, `[n + 1]`, for the free nodes k = 1 … n, given to `emit` in this order. `moments`, `[n]` with
+    /// shear and empty without, become those of the shape.
+    pub(crate) fn gradient(
+        &self,
+        x: &[Vector<D>],
+        moments: &mut [f64],
+        mut emit: impl FnMut(usize, Vector<D>),
+    ) -> Result<(), BadShape> {
+        self.find_moments(x, moments)?;
         let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
         // ∂U/∂e of the edge before and of the one before that: U goes by e_k = x_k − x_{k−1} and e_{k+1}.
         let (mut by_before, mut by_earlier) = (Vector::zeros(), Vector::zeros());
@@ -168,7 +190,7 @@ impl<const D: usize> Elastic<D> {
             let mut new_by_before = Vector::zeros();
             if let Some([start, end]) = x[node..].first_chunk() {
                 let after = Edge::between(*start, *end);
-                let vertex = self.vertex_gradient(node, before, after, k_b)?;
+                let vertex = self.vertex_gradient(node, before, after, k_b, moments.get(node))?;
                 by_before += vertex.0;
                 new_by_before = after.t * (self.axial * (after.l - self.segment_length)) + vertex.1;
                 (before, k_b) = (after, self.bending);
@@ -181,24 +203,33 @@ impl<const D: usize> Elastic<D> {
         Ok(())
     }
 
-    /// Gradient and Hessian for the shape `x`, `[n + 1]`, for the free nodes k = 1 … n, given to `emit` in this order.
+    /// Gradient and Hessian for the shape `x`, `[n + 1]`, for the free nodes k = 1 … n, given to `emit` in this order; `moments`
+    /// as in [`Elastic::gradient`].
     pub(crate) fn derivatives(
         &self,
         x: &[Vector<D>],
+        moments: &mut [f64],
         mut emit: impl FnMut(usize, &NodeDerivatives<D>),
     ) -> Result<(), BadShape> {
+        self.find_moments(x, moments)?;
         let l0 = self.segment_length;
         let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
         // By the edges: gradient and own block of the edge before, and of the one before that with its coupling to it.
         let (mut gradient, mut block) = (Vector::zeros(), Matrix::zeros());
         let (mut earlier_gradient, mut earlier_block, mut earlier_coupling) =
             (Vector::zeros(), Matrix::zeros(), Matrix::zeros());
+        // ∂κ by the edges before and after it, of the last three vertices.
+        let mut turns = [(Vector::zeros(), Vector::zeros()); 3];
         // Two rounds more, without a vertex, give the last two nodes.
         for node in 0..=x.len() {
             let (mut new_gradient, mut new_block, mut coupling) = (Vector::zeros(), Matrix::zeros(), Matrix::zeros());
+            turns = [turns[1], turns[2], (Vector::zeros(), Vector::zeros())];
             if let Some([start, end]) = x[node..].first_chunk() {
                 let after @ Edge { t, l, inverse_l } = Edge::between(*start, *end);
-                let vertex = self.vertex(node, before, after, k_b)?;
+                let vertex = self.vertex(node, before, after, k_b, moments.get(node))?;
+                if self.shear.is_some() {
+                    turns[2] = self.turn_gradient(node, before, after)?;
+                }
                 gradient += vertex.by_before;
                 block += vertex.before_before;
                 coupling = vertex.before_after;
@@ -217,6 +248,7 @@ impl<const D: usize> Elastic<D> {
                         own: earlier_block + block - earlier_coupling - earlier_coupling.transpose(),
                         next: (earlier_coupling - block + coupling).transpose(),
                         next_but_one: -coupling.transpose(),
+                        turns: [turns[0].1, turns[1].0 - turns[1].1, -turns[2].0],
                     },
                 );
             }
@@ -235,18 +267,29 @@ impl<const D: usize> Elastic<D> {
         before: Edge<D>,
         after: Edge<D>,
         k_b: f64,
+        moment: Option<&f64>,
     ) -> Result<(Vector<D>, Vector<D>), BadShape> {
         if D == 3 && matches!(self.angles, Angles::Straight) {
             let slope = CosineSlope::new(before, after, self.cosine_above_fold(node, before, after)?, k_b);
             return Ok((slope.c_by_before * slope.by_c, slope.c_by_after * slope.by_c));
         }
-        let vertex = self.vertex(node, before, after, k_b)?;
+        let vertex = self.vertex(node, before, after, k_b, moment)?;
         Ok((vertex.by_before, vertex.by_after))
     }
 
-    /// The same with second derivatives.
+    /// The same with second derivatives; with the moment of the vertex those of its product with κ.
     #[inline(always)]
-    fn vertex(&self, node: usize, before: Edge<D>, after: Edge<D>, k_b: f64) -> Result<VertexDerivatives<D>, BadShape> {
+    fn vertex(
+        &self,
+        node: usize,
+        before: Edge<D>,
+        after: Edge<D>,
+        k_b: f64,
+        moment: Option<&f64>,
+    ) -> Result<VertexDerivatives<D>, BadShape> {
+        if let Some(&moment) = moment {
+            return Ok(VertexDerivatives::planar(before, after, moment, self.turn(node, before, after)?));
+        }
         let rest = match &self.angles {
             Angles::Straight if D == 2 => 0.0,
             Angles::Straight => {
@@ -279,6 +322,33 @@ impl<const D: usize> Elastic<D> {
             vertex = vertex.with_turn(&turn, axis, k_b, half_square(Jet(psi, 1.0, 0.0), rest));
         }
         Ok(vertex)
+    }
+
+    /// κ less what it is at rest, in the plane with invariant angles.
+    fn turn(&self, node: usize, before: Edge<D>, after: Edge<D>) -> Result<Jet, BadShape> {
+        let Jet(kappa, slope, curvature) = before.kappa(after, self.cosine_above_fold(node, before, after)?);
+        let rest = if let Angles::Curved(rest) = &self.angles { rest[node] } else { 0.0 };
+        Ok(Jet(kappa - rest, slope, curvature))
+    }
+
+    /// ∂κ/∂e of the edges before and after a vertex, 1/m.
+    fn turn_gradient(&self, node: usize, before: Edge<D>, after: Edge<D>) -> Result<(Vector<D>, Vector<D>), BadShape> {
+        let Jet(_, slope, _) = self.turn(node, before, after)?;
+        let unit = VertexDerivatives::planar(before, after, 1.0, Jet(0.0, slope, 0.0));
+        Ok((unit.by_before, unit.by_after))
+    }
+
+    /// With shear, the moments of the shape `x`.
+    fn find_moments(&self, x: &[Vector<D>], moments: &mut [f64]) -> Result<(), BadShape> {
+        let Some(shear) = &self.shear else { return Ok(()) };
+        let mut before = self.clamped_edge();
+        for (node, (ends, moment)) in x.windows(2).zip(&mut *moments).enumerate() {
+            let after = Edge::between(ends[0], ends[1]);
+            *moment = self.turn(node, before, after)?.0;
+            before = after;
+        }
+        shear.solve(moments);
+        Ok(())
     }
 
     /// What stands before the first edge.
@@ -472,7 +542,19 @@ mod tests {
     fn springs<const D: usize>() -> Elastic<D> {
         let mut direction = Vector::zeros();
         direction[0] = 1.0;
-        Elastic { segment_length: 0.25, axial: 40.0, bending: 3.0, clamp: 6.0, direction, angles: Angles::Straight }
+        Elastic {
+            segment_length: 0.25,
+            axial: 40.0,
+            bending: 3.0,
+            clamp: 6.0,
+            direction,
+            angles: Angles::Straight,
+            shear: None,
+        }
+    }
+
+    fn shear() -> Shear {
+        Shear::new(SEGMENTS, 0.25, 6.0, 3.0, 7.0)
     }
 
     /// Every kind of angles that there is in `D` dimensions, curved ones in the plane.
@@ -481,6 +563,8 @@ mod tests {
         let with = |angles| Elastic { angles, ..springs() };
         let mut kinds = vec![with(Angles::Straight), with(Angles::Projected(rest.clone()))];
         if D == 2 {
+            kinds.push(Elastic { shear: Some(shear()), ..springs() });
+            kinds.push(Elastic { shear: Some(shear()), ..with(Angles::curved(rest.clone())) });
             kinds.push(with(Angles::curved(rest)));
         }
         kinds
@@ -508,10 +592,15 @@ mod tests {
         moved
     }
 
+    /// Room for the moments.
+    fn moments<const D: usize>(springs: &Elastic<D>) -> Vec<f64> {
+        vec![0.0; if springs.shear.is_some() { SEGMENTS } else { 0 }]
+    }
+
     fn gradients<const D: usize>(springs: &Elastic<D>, shape: &[Vector<D>]) -> Vec<Vector<D>> {
         let mut gradients = vec![Vector::zeros()];
         springs
-            .gradient(shape, |node, gradient| {
+            .gradient(shape, &mut moments(springs), |node, gradient| {
                 assert_eq!(node, gradients.len());
                 gradients.push(gradient);
             })
@@ -548,13 +637,32 @@ mod tests {
                     above.iter().zip(below).map(|(a, b)| (a - b) / (2.0 * step)).collect::<Vec<_>>()
                 })
                 .collect();
+            // What the moments, held in the second derivatives, add: Bᵀ A⁻¹ B.
+            let mut by_moments = [Vector::<D>::zeros(); SEGMENTS + 1];
+            let mut turns = vec![[Vector::<D>::zeros(); SEGMENTS]; SEGMENTS + 1];
+            if springs.shear.is_some() {
+                springs
+                    .derivatives(&shape, &mut moments(springs), |node, by| {
+                        for (i, turn) in by.turns.iter().enumerate().filter(|&(i, _)| node + i <= SEGMENTS) {
+                            turns[node][node + i - 1] = *turn;
+                        }
+                    })
+                    .unwrap();
+            }
             let mut nodes = 0;
             springs
-                .derivatives(&shape, |node, by| {
+                .derivatives(&shape, &mut moments(springs), |node, by| {
                     nodes += 1;
                     assert_eq!(node, nodes);
                     assert!((by.gradient - expected[node]).amax() < 1e-12 * (1.0 + by.gradient.amax()));
                     for d in 0..D {
+                        if let Some(shear) = &springs.shear {
+                            let mut moved = turns[node].map(|turn| turn[d]);
+                            shear.solve(&mut moved);
+                            for (other, turns) in by_moments.iter_mut().zip(&turns) {
+                                *other = turns.iter().zip(moved).map(|(turn, moment)| turn * moment).sum();
+                            }
+                        }
                         let slope = &slopes[(node - 1) * D + d];
                         for (other, slope) in slope.iter().enumerate().skip(node) {
                             let exact = match other - node {
@@ -562,7 +670,7 @@ mod tests {
                                 1 => by.next.column(d).into_owned(),
                                 2 => by.next_but_one.column(d).into_owned(),
                                 _ => Vector::zeros(),
-                            };
+                            } + by_moments[other];
                             let error = (slope - exact).amax();
                             assert!(
                                 error < 1e-5 * (1.0 + exact.amax()),
@@ -637,10 +745,10 @@ mod tests {
             assert!((energy - of_curved).abs() < 1e-13 * energy, "{energy} against {of_curved}");
             let mut expected = Vec::new();
             straight
-                .derivatives(&shape, |_, by| expected.push((by.gradient, by.own, by.next, by.next_but_one)))
+                .derivatives(&shape, &mut [], |_, by| expected.push((by.gradient, by.own, by.next, by.next_but_one)))
                 .unwrap();
             curved
-                .derivatives(&shape, |node, by| {
+                .derivatives(&shape, &mut [], |node, by| {
                     let (gradient, own, next, next_but_one) = expected[node - 1];
                     let errors = [
                         (by.gradient - gradient).amax(),
@@ -670,7 +778,7 @@ mod tests {
             let shape = along([0.5, 1.0, last]);
             let found = springs.energy(&shape).map(|_| ()).unwrap_err();
             assert!(matches!(found, BadShape::Projection { node: 2, axis: 2 }), "{last}: {found:?}");
-            let found = springs.derivatives(&shape, |_, _| ()).unwrap_err();
+            let found = springs.derivatives(&shape, &mut [], |_, _| ()).unwrap_err();
             assert!(matches!(found, BadShape::Projection { node: 2, axis: 2 }), "{last}: {found:?}");
         }
     }
@@ -682,7 +790,7 @@ mod tests {
         for (shape, node) in [([0.0, 0.25, 0.0], 1), ([0.0, -0.25, -0.5], 0), ([0.0, 0.25, 0.25], 1)] {
             let found = springs.energy(&points(shape)).map(|_| ()).unwrap_err();
             assert!(matches!(found, BadShape::Fold { node: n } if n == node), "energy of {shape:?}: {found:?}");
-            let found = springs.derivatives(&points(shape), |_, _| ()).unwrap_err();
+            let found = springs.derivatives(&points(shape), &mut [], |_, _| ()).unwrap_err();
             assert!(matches!(found, BadShape::Fold { node: n } if n == node), "derivatives of {shape:?}: {found:?}");
         }
     }

@@ -18,6 +18,7 @@ mod rod;
 mod root;
 mod scheme;
 mod sensitivity;
+mod shear;
 mod state;
 
 pub use crate::banded::{Banded, Singular};

@@ -108,7 +108,12 @@ impl From<BadShape> for Failure {
 
 /// Scratch of the method and what it needs to know of the rod.
 pub(crate) struct Newton<const D: usize> {
+    /// ∇∇Π by the positions node after node; with shear by the moment of the vertex before each node, then its position.
     pub(crate) matrix: Banded,
+    /// Bending moments, N m, with shear: `[n]`, else empty.
+    pub(crate) moments: Vec<f64>,
+    /// Right-hand side with a 0 for each moment, then the solution: `[n (D + 1)]`, empty without shear.
+    mixed: Vec<f64>,
     /// Largest diagonal entry of the matrix assembled last, N/m.
     stiffness: f64,
     /// −∇Π node by node without the root, N: `[n D]`.
@@ -124,10 +129,14 @@ pub(crate) struct Newton<const D: usize> {
 }
 
 impl<const D: usize> Newton<D> {
-    /// For a rod of `segments`, `length` (m) and coordinates up to `extent` (m).
-    pub(crate) fn new(segments: usize, length: f64, extent: f64) -> Self {
+    /// For a rod of `segments`, `length` (m) and coordinates up to `extent` (m), with `shear` or not.
+    pub(crate) fn new(segments: usize, length: f64, extent: f64, shear: bool) -> Self {
+        let (order, half_bandwidth) = if shear { (D + 1, 3 * D + 1) } else { (D, 3 * D - 1) };
+        let moments = if shear { segments } else { 0 };
         Self {
-            matrix: Banded::zeros(segments * D, 3 * D - 1),
+            matrix: Banded::zeros(segments * order, half_bandwidth),
+            moments: vec![0.0; moments],
+            mixed: vec![0.0; moments * order],
             stiffness: 0.0,
             descent: vec![0.0; segments * D],
             update: vec![0.0; segments * D],
@@ -202,7 +211,7 @@ impl<const D: usize> Newton<D> {
             }
             statistics.iterations += 1;
             self.assemble(elastic, balance, origin, x)?;
-            match (self.matrix.factorise(), kind) {
+            match (self.factorise(), kind) {
                 (Ok(0), _) => shift = 0.0,
                 (Ok(negative_pivots), Update::Plain) => {
                     statistics.negative_pivots = statistics.negative_pivots.max(negative_pivots);
@@ -215,8 +224,10 @@ impl<const D: usize> Newton<D> {
                     shift = found;
                 }
             }
-            self.update.copy_from_slice(&self.descent);
-            self.matrix.solve(&mut self.update);
+            let mut update = std::mem::take(&mut self.update);
+            update.copy_from_slice(&self.descent);
+            self.solve_factorised(&mut update);
+            self.update = update;
 
             // How much of the update may be taken before an edge changes by more than its own length.
             allowed = elastic.segment_length / self.edge_change();
@@ -259,11 +270,11 @@ impl<const D: usize> Newton<D> {
         origin: &[Vector<D>],
         x: &[Vector<D>],
     ) -> Result<Imbalance, BadShape> {
-        let descent = &mut self.descent;
+        let Self { descent, moments, .. } = self;
         // Largest components of ∇Π and of what balances the elastic forces; `sum` is not a number where a component of ∇Π
         // is none, which `larger` passes over.
         let (mut residual, mut outer, mut sum) = (0.0_f64, 0.0_f64, 0.0);
-        elastic.gradient(x, |k, gradient| {
+        elastic.gradient(x, moments, |k, gradient| {
             let of_node = balance.outer(k, x[k] - origin[k]);
             let descent_of_node = of_node - gradient * balance.elastic_weight;
             residual = larger(residual, descent_of_node);
@@ -284,25 +295,75 @@ impl<const D: usize> Newton<D> {
         origin: &[Vector<D>],
         x: &[Vector<D>],
     ) -> Result<(), BadShape> {
-        let Self { matrix, descent, stiffness, .. } = self;
+        let Self { matrix, moments, descent, stiffness, .. } = self;
         let s = balance.elastic_weight;
+        // Unknowns of a node, of which the first is a moment or not.
+        let first = usize::from(elastic.shear.is_some());
+        let block = first + D;
+        // No entry of A⁻¹ is above this.
+        let sheared = if first == 1 { s * elastic.clamp.max(elastic.bending) } else { 0.0 };
         *stiffness = 0.0;
-        elastic.derivatives(x, |k, by| {
+        elastic.derivatives(x, moments, |k, by| {
             let sum = balance.outer(k, x[k] - origin[k]) - by.gradient * s;
             descent[(k - 1) * D..][..D].copy_from_slice(sum.as_slice());
+            if let Some(shear) = &elastic.shear {
+                let column = matrix.column_mut((k - 1) * block);
+                column.fill(0.0);
+                let [own, next] = shear.column(k - 1);
+                column[0] = -own / s;
+                column[1..=D].copy_from_slice(by.turns[0].as_slice());
+                if k + 1 < x.len() {
+                    column[block] = -next / s;
+                }
+            }
             for j in 0..D {
-                let (own, others) = matrix.column_mut((k - 1) * D + j).split_at_mut(D - j);
+                let (own, others) = matrix.column_mut((k - 1) * block + first + j).split_at_mut(D - j);
                 for (i, entry) in own.iter_mut().enumerate() {
                     *entry = s * by.own[(j + i, j)];
                 }
                 own[0] += balance.weight[k];
-                *stiffness = stiffness.max(own[0].abs());
+                *stiffness =
+                    stiffness.max(own[0].abs() + sheared * by.turns.iter().map(|turn| turn[j] * turn[j]).sum::<f64>());
+                if first == 1 {
+                    (others[0], others[block]) = (by.turns[1][j], by.turns[2][j]);
+                }
                 for i in 0..D {
-                    others[i] = s * by.next[(i, j)];
-                    others[D + i] = s * by.next_but_one[(i, j)];
+                    others[first + i] = s * by.next[(i, j)];
+                    others[first + block + i] = s * by.next_but_one[(i, j)];
                 }
             }
         })
+    }
+
+    /// Factorise `matrix`; returns the number of negative eigenvalues of ∇∇Π. Of the matrix with the moments as many more are
+    /// negative as there are moments.
+    pub(crate) fn factorise(&mut self) -> Result<usize, Singular> {
+        self.matrix.factorise().map(|negative| negative.saturating_sub(self.moments.len()))
+    }
+
+    /// Replace `b`, `[n D]`, by the solution of the factorised matrix.
+    pub(crate) fn solve_factorised(&mut self, b: &mut [f64]) {
+        if self.mixed.is_empty() {
+            return self.matrix.solve(b);
+        }
+        for (mixed, b) in self.mixed.chunks_exact_mut(D + 1).zip(b.chunks_exact(D)) {
+            mixed[0] = 0.0;
+            mixed[1..].copy_from_slice(b);
+        }
+        self.matrix.solve(&mut self.mixed);
+        for (mixed, b) in self.mixed.chunks_exact(D + 1).zip(b.chunks_exact_mut(D)) {
+            b.copy_from_slice(&mixed[1..]);
+        }
+    }
+
+    /// Add `value` to the diagonal of ∇∇Π.
+    fn shift(&mut self, value: f64) {
+        let block = D + usize::from(!self.moments.is_empty());
+        for column in 0..self.matrix.order() {
+            if column % block >= block - D {
+                self.matrix.column_mut(column)[0] += value;
+            }
+        }
     }
 
     /// Raise the diagonal until all pivots are positive, from `shift` on; returns the shift, N/m.
@@ -323,8 +384,8 @@ impl<const D: usize> Newton<D> {
             if tried > LARGEST_SHIFT * stiffness || !stiffness.is_finite() || stiffness == 0.0 {
                 return None;
             }
-            self.matrix.shift(tried);
-            if let Ok(0) = self.matrix.factorise() {
+            self.shift(tried);
+            if let Ok(0) = self.factorise() {
                 return Some(tried);
             }
             factor *= 10.0;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::elastic::{Angles, Elastic, Vector};
+use crate::shear::Shear;
 
 /// What a rod is made of and where it is clamped.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +64,7 @@ pub struct Loads {
 
 impl<const D: usize> Parameters<D> {
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let Section { line_density, bending_stiffness, axial_stiffness } = self.section;
+        let Section { line_density, bending_stiffness, axial_stiffness, shear_stiffness } = self.section;
         for (name, vector) in [("root", self.root), ("direction", self.direction), ("gravity", self.gravity)] {
             if vector.iter().any(|c| !c.is_finite()) {
                 return Err(Error::value(name, format!("{vector:?}"), "finite"));
@@ -85,6 +86,7 @@ impl<const D: usize> Parameters<D> {
         ]
         .into_iter()
         .chain(k_e)
+        .chain(shear_stiffness.map(|shear| ("section.shear_stiffness", shear)))
         .chain(self.max_step.map(|longest| ("max_step", longest)))
         {
             if !(value.is_finite() && value > 0.0) {
@@ -103,6 +105,10 @@ impl<const D: usize> Parameters<D> {
         }
         if self.segments < 2 {
             return Err(Error::value("segments", self.segments, "at least 2"));
+        }
+        if let Some(shear) = shear_stiffness.filter(|_| D != 2 || self.bending != Bending::Invariant) {
+            let only = "absent: shear is for a rod in the plane with invariant bending";
+            return Err(Error::value("section.shear_stiffness", shear, only));
         }
         self.check_rest_shape()?;
         match self.scheme {
@@ -180,14 +186,10 @@ impl<const D: usize> Parameters<D> {
             Bending::Invariant if self.rest_angles.is_empty() => Angles::Straight,
             Bending::Invariant => Angles::curved(self.rest_turns()),
         };
-        Elastic {
-            segment_length: l0,
-            axial,
-            bending: self.section.bending_stiffness / l0,
-            clamp: self.section.bending_stiffness / (clamp_length + self.clamp_setback),
-            direction,
-            angles,
-        }
+        let bending = self.section.bending_stiffness / l0;
+        let clamp = self.section.bending_stiffness / (clamp_length + self.clamp_setback);
+        let shear = self.section.shear_stiffness.map(|shear| Shear::new(self.segments, l0, clamp, bending, shear));
+        Elastic { segment_length: l0, axial, bending, clamp, direction, angles, shear }
     }
 
     /// Length whose mass and damping belong to each node, m: `[n + 1]`.

@@ -27,7 +27,7 @@ pub struct Energy {
     pub kinetic: f64,
     /// Of the segments' extension.
     pub stretching: f64,
-    /// Of the turning angles.
+    /// Of the turning angles, shear included.
     pub bending: f64,
     /// Of the rod's own mass in gravity, 0 at the height of the root at rest.
     pub gravity: f64,
@@ -86,7 +86,7 @@ impl<const D: usize> Rod<D> {
             statistics: Statistics::default(),
             positions: vec![0.0; D * nodes],
             velocities: vec![0.0; D * nodes],
-            newton: Newton::new(segments, length, root.amax() + length),
+            newton: Newton::new(segments, length, root.amax() + length, parameters.section.shear_stiffness.is_some()),
             balance: Balance { weight: vec![0.0; nodes], load: vec![Vector::zeros(); nodes], elastic_weight: 1.0 },
             force: vec![Vector::zeros(); nodes],
             guess: rest.clone(),
@@ -334,7 +334,9 @@ impl<const D: usize> Rod<D> {
         self.balance.weight.fill(0.0);
         self.balance.elastic_weight = 1.0;
         let mut missing = self.force.clone();
-        let balanced = self.elastic.gradient(&self.state.positions, |k, gradient| missing[k] -= gradient);
+        let balanced = self.elastic.gradient(&self.state.positions, &mut self.newton.moments, |k, gradient| {
+            missing[k] -= gradient;
+        });
         balanced.map_err(|shape| self.error(shape.into()))?;
         let mut settled = self.state.positions.clone();
         let whole = 1_u32 << HALVINGS;
@@ -490,10 +492,10 @@ impl<const D: usize> Rod<D> {
 
     /// Accelerations and net forces at the beginning of the first step; 0 for nodes without mass, which only follow.
     fn start(&mut self) -> Result<(), Error> {
-        let Self { elastic, state, force, tributary, parameters, .. } = self;
+        let Self { elastic, newton, state, force, tributary, parameters, .. } = self;
         let State { positions, velocities, net_forces, accelerations, loads, .. } = state;
         let line_density = parameters.section.line_density - parameters.displaced;
-        let result = elastic.gradient(positions, |k, gradient| {
+        let result = elastic.gradient(positions, &mut newton.moments, |k, gradient| {
             let m = line_density * tributary[k];
             if m > 0.0 {
                 net_forces[k] = force[k] - gradient - velocities[k] * (parameters.damping * tributary[k]);
@@ -539,7 +541,8 @@ impl<const D: usize> Rod<D> {
         }
     }
 
-    /// ∂²U/∂x∂x of the present shape, N/m: the stiffness of the free nodes, x and y (and z) of node 1 first.
+    /// ∂²U/∂x∂x of the present shape, N/m: the stiffness of the free nodes, x and y (and z) of node 1 first. With shear the
+    /// bending moment at the beginning of each segment stands before its node, in the mixed form of [`crate`]'s Newton matrix.
     pub fn stiffness(&mut self) -> Result<Banded, Error> {
         let nodes = self.rest.len();
         let balance = Balance { weight: vec![0.0; nodes], load: vec![Vector::zeros(); nodes], elastic_weight: 1.0 };

@@ -93,10 +93,11 @@ impl<const D: usize> Rod<D> {
             update.copy_from_slice((changed.positions[k] * weight + load).as_slice());
         }
         let Self { newton, elastic, balance, .. } = self;
-        newton.tangent(elastic, balance, positions).map_err(|shape| self.error(shape.into()))?;
-        let matrix = &mut self.newton.matrix;
-        matrix.factorise().map_err(|Singular| Error::NoSensitivity { substeps: 1 })?;
-        matrix.solve(&mut update);
+        if let Err(shape) = newton.tangent(elastic, balance, positions) {
+            return Err(self.error(shape.into()));
+        }
+        newton.factorise().map_err(|Singular| Error::NoSensitivity { substeps: 1 })?;
+        newton.solve_factorised(&mut update);
         for (k, update) in (1..nodes).zip(update.chunks_exact(D)) {
             let (v_star, a_star) = rule.at_no_displacement(changed, k);
             let new = Vector::from_column_slice(update);

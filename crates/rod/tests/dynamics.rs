@@ -185,6 +185,7 @@ fn dissipative_schemes_never_gain_energy_on_a_stiff_rod() {
             line_density: 0.0571428571,
             bending_stiffness: 0.0259151,
             axial_stiffness: 1e9 / segments as f64,
+            shear_stiffness: None,
         };
         let gravity = [0.0, -0.7];
         let mut rod = Rod::new(Parameters { section, gravity, ..unit_rod::<2>(segments, 1.0, scheme) }).unwrap();
@@ -235,7 +236,8 @@ fn largest_rise<const D: usize>(
 
 /// The beam of the thesis, section 2.4.1, in units of its length, without weight.
 fn calm_rod(rho_inf: f64) -> Rod<3> {
-    let section = Section { line_density: 0.0571, bending_stiffness: 0.0259, axial_stiffness: 95.18 };
+    let section =
+        Section { line_density: 0.0571, bending_stiffness: 0.0259, axial_stiffness: 95.18, shear_stiffness: None };
     let scheme = RodScheme::GeneralisedAlpha { rho_inf };
     let mut rod = Rod::new(Parameters { section, ..unit_rod(64, 1.0, scheme) }).unwrap();
     rod.loads.force = vec![0.0; 3 * 65];
@@ -306,7 +308,12 @@ fn blow_within_one_long_step_ends_in_equilibrium() {
 
 /// A rod from level in its weight, in steps of 0.1 s: iterations and sub-steps of the worst step, largest energy.
 fn fall_in_long_steps(segments: usize, k_e: f64, bending_stiffness: f64) -> (usize, usize, f64) {
-    let section = Section { line_density: 0.0571, bending_stiffness, axial_stiffness: k_e / segments as f64 };
+    let section = Section {
+        line_density: 0.0571,
+        bending_stiffness,
+        axial_stiffness: k_e / segments as f64,
+        shear_stiffness: None,
+    };
     let gravity = [0.0, -0.7];
     let rod = Parameters { section, gravity, ..unit_rod::<2>(segments, 1.0, RodScheme::TrBdf2) };
     let mut rod = Rod::new(rod).unwrap();

@@ -70,7 +70,7 @@ fn inextensible_elastica_is_met_with_second_order() {
     let (gravity, bending_stiffness) = (2.0, 0.0259);
     let exact = elastica_tip(1.0, 0.0571 * gravity, bending_stiffness, f64::INFINITY);
     let errors = [64, 128, 256, 512].map(|segments| {
-        let section = Section { line_density: 0.0571, bending_stiffness, axial_stiffness: 1e7 };
+        let section = Section { line_density: 0.0571, bending_stiffness, axial_stiffness: 1e7, shear_stiffness: None };
         let rod = unit_rod::<2>(segments, 1.0, RodScheme::TrBdf2);
         let mut rod = Rod::new(Parameters { section, gravity: [0.0, -gravity], ..rod }).unwrap();
         rod.solve_static().unwrap();
@@ -109,7 +109,8 @@ fn csm1_is_met_within_a_percent_and_with_the_clamp_set_back_within_0_15() {
 fn calibration_of_the_thesis_is_of_first_order() {
     let exact = elastica_tip(1.0, 0.0571 * 0.7, 0.0259, f64::INFINITY)[1];
     let errors = [32, 64, 128].map(|segments| {
-        let section = Section { line_density: 0.0571, bending_stiffness: 0.0259, axial_stiffness: 1.0 };
+        let section =
+            Section { line_density: 0.0571, bending_stiffness: 0.0259, axial_stiffness: 1.0, shear_stiffness: None };
         let mut rod = Rod::new(Parameters {
             section,
             gravity: [0.0, -0.7],

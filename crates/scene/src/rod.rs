@@ -50,6 +50,10 @@ pub enum Material {
         youngs_modulus: f64,
         /// Poisson's ratio ν.
         poisson_ratio: f64,
+        /// Shear correction factor k of GA_s = k E h / (2 (1 + ν)), above 0 and at most 1; 10/(12 − ν) for a plate (Cowper 1966). Absent: the
+        /// section stays at right angles to the rod.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        shear_factor: Option<f64>,
     },
     /// The section's own numbers (per metre of depth in a two-dimensional scene).
     Section(Section),
@@ -65,6 +69,9 @@ pub struct Section {
     pub bending_stiffness: f64,
     /// Axial stiffness EA, N.
     pub axial_stiffness: f64,
+    /// Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles to the rod.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shear_stiffness: Option<f64>,
 }
 
 /// What bending energy depends on.
@@ -197,12 +204,14 @@ impl Material {
     pub fn section(&self, thickness: f64) -> Section {
         match *self {
             Self::Section(section) => section,
-            Self::PlaneStrain { density, youngs_modulus, poisson_ratio } => {
+            Self::PlaneStrain { density, youngs_modulus, poisson_ratio, shear_factor } => {
+                let shear_modulus = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
                 let plane_strain_modulus = youngs_modulus / (1.0 - poisson_ratio * poisson_ratio);
                 Section {
                     line_density: density * thickness,
                     bending_stiffness: plane_strain_modulus * thickness.powi(3) / 12.0,
                     axial_stiffness: plane_strain_modulus * thickness,
+                    shear_stiffness: shear_factor.map(|factor| factor * shear_modulus * thickness),
                 }
             }
         }
@@ -257,7 +266,7 @@ impl Check for Rotation {
 impl Check for Material {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
         match self {
-            Self::PlaneStrain { density, youngs_modulus, poisson_ratio } => {
+            Self::PlaneStrain { density, youngs_modulus, poisson_ratio, shear_factor } => {
                 above(&format!("{key}.plane_strain.density"), *density, 0.0)?;
                 above(&format!("{key}.plane_strain.youngs_modulus"), *youngs_modulus, 0.0)?;
                 require(
@@ -265,12 +274,19 @@ impl Check for Material {
                     &format!("{key}.plane_strain.poisson_ratio"),
                     poisson_ratio,
                     || "it must be above -1 and below 0.5".into(),
-                )
+                )?;
+                let Some(factor) = *shear_factor else { return Ok(()) };
+                require(factor > 0.0 && factor <= 1.0, &format!("{key}.plane_strain.shear_factor"), factor, || {
+                    "it must be above 0 and at most 1".into()
+                })
             }
             Self::Section(section) => {
                 above(&format!("{key}.section.line_density"), section.line_density, 0.0)?;
                 above(&format!("{key}.section.bending_stiffness"), section.bending_stiffness, 0.0)?;
-                above(&format!("{key}.section.axial_stiffness"), section.axial_stiffness, 0.0)
+                above(&format!("{key}.section.axial_stiffness"), section.axial_stiffness, 0.0)?;
+                section
+                    .shear_stiffness
+                    .map_or(Ok(()), |shear| above(&format!("{key}.section.shear_stiffness"), shear, 0.0))
             }
         }
     }

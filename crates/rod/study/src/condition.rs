@@ -27,7 +27,7 @@ fn conditions(n: usize, k_e: f64, dt: f64) -> (f64, f64) {
     let h = 1.0 / n as f64;
     let mut rod = Rod::new(Parameters {
         length: h * (n - 1) as f64,
-        section: Section { line_density: 1.0, bending_stiffness: 1.0, axial_stiffness: 1.0 },
+        section: Section { line_density: 1.0, bending_stiffness: 1.0, axial_stiffness: 1.0, shear_stiffness: None },
         calibration: Calibration::Thesis { k_e },
         ..thesis_beam::<3>(n - 1)
     })

@@ -35,7 +35,7 @@ pub fn table() -> Table {
             for bending_stiffness in (-6..=3).map(|k| 10_f64.powi(k)) {
                 for dt in (-5..=-1).map(|k| 10_f64.powi(k)) {
                     let axial_stiffness = k_e / n as f64;
-                    let section = Section { line_density: 0.0571, bending_stiffness, axial_stiffness };
+                    let section = Section { line_density: 0.0571, bending_stiffness, axial_stiffness, shear_stiffness: None };
                     let rod = Rod::new(Parameters { section, ..thesis_beam::<2>(n) });
                     let outcome = run(rod.expect("these parameters are good"), dt, STEPS, |_, _| ());
                     push(&mut table, &[&n, &k_e, &bending_stiffness, &dt], &outcome);

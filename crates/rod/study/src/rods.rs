@@ -30,6 +30,7 @@ pub fn thesis_beam<const D: usize>(segments: usize) -> Parameters<D> {
             line_density: 0.0571,
             bending_stiffness,
             axial_stiffness: 12.0 * bending_stiffness * 17.5 * 17.5,
+            shear_stiffness: None,
         },
         displaced: 0.0,
         gravity,
@@ -46,7 +47,7 @@ pub fn thesis_beam<const D: usize>(segments: usize) -> Parameters<D> {
 pub fn csm3(segments: usize, scheme: RodScheme) -> Parameters<2> {
     Parameters {
         length: 0.35,
-        section: Material::PlaneStrain { density: 1000.0, youngs_modulus: 1.4e6, poisson_ratio: 0.4 }.section(0.02),
+        section: Material::PlaneStrain { density: 1000.0, youngs_modulus: 1.4e6, poisson_ratio: 0.4, shear_factor: None }.section(0.02),
         gravity: [0.0, -2.0],
         scheme,
         ..thesis_beam(segments)

@@ -1,0 +1,71 @@
+//! Shear of the section, in the plane: a shear spring GA_s/l0 in every segment, in series with the springs of bending.
+//!
+//! With M_v the bending moment at the vertex v and Q = (M_v − M_{v−1})/l0 the shear force in a segment, the turning angle between two
+//! segments is that of the section and the difference of what the two segments shear,
+//!
+//! ```text
+//! κ_v − κ0_v = M_v/k_v + (2 M_v − M_{v−1} − M_{v+1})/(GA_s l0)      (A M = κ − κ0; M = 0 at the tip, no segment before the root),
+//! ```
+//!
+//! and the energy is ½ M·A M: Timoshenko's beam (1921) with a section that has no inertia against turning. A is tridiagonal and
+//! positive, so M and the energy follow from the shape by one sweep. In Newton's matrix, where ∂²U/∂x∂x = Bᵀ A⁻¹ B + Σ M_v ∂²κ_v
+//! would be full, the moments stay unknowns: −A in their rows, B = ∂κ/∂x beside it.
+
+/// A = L D Lᵀ.
+pub(crate) struct Shear {
+    /// Diagonal of A: `[n]`.
+    diagonal: Vec<f64>,
+    /// Every entry beside the diagonal.
+    beside: f64,
+    /// 1/D: `[n]`.
+    inverse_pivots: Vec<f64>,
+}
+
+impl Shear {
+    /// For `segments` of the length `l0` (m) with the springs `clamp` and `bending` (N m) at their beginnings and the shear
+    /// stiffness GA_s (N).
+    pub(crate) fn new(segments: usize, l0: f64, clamp: f64, bending: f64, shear_stiffness: f64) -> Self {
+        let beside = -1.0 / (shear_stiffness * l0);
+        let diagonal: Vec<_> =
+            (0..segments).map(|v| if v == 0 { 1.0 / clamp - beside } else { 1.0 / bending - 2.0 * beside }).collect();
+        let mut before = 0.0;
+        let inverse_pivots = diagonal
+            .iter()
+            .map(|entry| {
+                before = 1.0 / (entry - beside * beside * before);
+                before
+            })
+            .collect();
+        Self { diagonal, beside, inverse_pivots }
+    }
+
+    /// Entries of A in the column of vertex `v`, on the diagonal and below.
+    pub(crate) fn column(&self, v: usize) -> [f64; 2] {
+        [self.diagonal[v], self.beside]
+    }
+
+    /// Energy of the vertex `v` in ½ y·D⁻¹ y, L y = κ − κ0, from `turn`, its κ − κ0, and y of the vertex before, which
+    /// becomes that of this one.
+    pub(crate) fn energy(&self, v: usize, turn: f64, y: &mut f64) -> f64 {
+        *y = self.forward(v, turn, *y);
+        0.5 * *y * *y * self.inverse_pivots[v]
+    }
+
+    /// Turn κ − κ0, `[n]`, into the moments, N m.
+    pub(crate) fn solve(&self, turns: &mut [f64]) {
+        let mut y = 0.0;
+        for (v, turn) in turns.iter_mut().enumerate() {
+            y = self.forward(v, *turn, y);
+            *turn = y;
+        }
+        let mut moment = 0.0;
+        for (y, inverse) in turns.iter_mut().zip(&self.inverse_pivots).rev() {
+            moment = (*y - self.beside * moment) * inverse;
+            *y = moment;
+        }
+    }
+
+    fn forward(&self, v: usize, turn: f64, y: f64) -> f64 {
+        if v == 0 { turn } else { turn - self.beside * self.inverse_pivots[v - 1] * y }
+    }
+}
