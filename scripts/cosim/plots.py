@@ -14,6 +14,7 @@ from . import coefficients, statistics
 from .fields import outline, stations
 from .recorder import Recorder
 from .report import DISPLAY, write_whole
+from .results import Results
 from .scene import reference
 from .unit import Unit
 
@@ -29,29 +30,33 @@ COLOUR_MAP = "RdBu_r"
 SOLID = "0.55"
 
 
-def time_series(folder: Path, recorder: Recorder, name: str) -> None:
-    """Write tip.png, drag.png and lift.png, as far as there is such an output, with the published bands of the scene
-    called `name`."""
+def time_series(folder: Path, runs: dict[str, Recorder | Results], name: str) -> list[Path]:
+    """Write tip.png, drag.png and lift.png, as far as a run has such an output, with the published bands of the scene
+    called `name`; several `runs`, by their labels, over each other. Returns what was written."""
     published = (reference(name) or {}).get("primary", {})
-    for file, columns in (
+    written = []
+    for file, wanted in (
         ("tip", ("tip_ux", "tip_uy", "tip_uz")),
         ("drag", ("drag",)),
         ("lift", ("lift",)),
     ):
-        columns = [column for column in columns if column in recorder.columns]
+        columns = [column for column in wanted if any(column in run.columns for run in runs.values())]
         if columns:
-            figure = _figure_of(recorder, columns, published)
-            _save(figure, folder / f"{file}.png")
+            written.append(_save(_figure_of(runs, columns, published), folder / f"{file}.png"))
+    return written
 
 
-def _figure_of(recorder: Recorder, columns: list[str], published: dict):
-    time = recorder.column("time")
+def _figure_of(runs: dict[str, Recorder | Results], columns: list[str], published: dict):
     figure, axes = plt.subplots(
         len(columns), sharex=True, squeeze=False, figsize=(9, 1.5 + 2 * len(columns)), layout="constrained"
     )
     for axis, column, colour in zip(axes[:, 0], columns, (BLUE, ORANGE, GREEN)):
-        unit, scale = DISPLAY.get(recorder.unit_of[column], (recorder.unit_of[column], 1.0))
-        axis.plot(time, recorder.column(column) * scale, color=colour, linewidth=0.8)
+        having = {label: run for label, run in runs.items() if column in run.columns}
+        unit_of = next(iter(having.values())).unit_of
+        unit, scale = DISPLAY.get(unit_of[column], (unit_of[column], 1.0))
+        for label, run in having.items():
+            look = {"color": colour} if len(runs) == 1 else {"label": label}
+            axis.plot(run.column("time"), run.column(column) * scale, linewidth=0.8, **look)
         band = published.get("quantities", {}).get(column)
         if band and "mean" in band:
             low, high = ((band["mean"] + sign * band["amplitude"]) * scale for sign in (-1, 1))
@@ -59,16 +64,18 @@ def _figure_of(recorder: Recorder, columns: list[str], published: dict):
             axes[0, 0].set_title(f"grey: mean ± amplitude of {published['source']}", fontsize="small")
         axis.set_ylabel(f"{column.replace('_', ' ')} [{unit}]")
         axis.margins(x=0)
+    if len(runs) > 1:
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize="small")
     axes[-1, 0].set_xlabel("time [s]")
     return figure
 
 
-def cylinder(folder: Path, recorder: Recorder, scene: dict, summary: dict) -> None:
+def cylinder(folder: Path, recorder: Recorder | Results, scene: dict, summary: dict) -> list[Path]:
     """Write coefficients.png, cD and cL over time and, where the flow is periodic, against each other, with the
-    published values; nothing if the scene is not a cylinder alone."""
+    published values; nothing if the scene is not a cylinder alone. Returns what was written."""
     scale = coefficients.scale(scene)
     if scale is None or summary["window_s"] is None:
-        return
+        return []
     time, curves = recorder.column("time"), coefficients.series(scale, recorder)
     published = coefficients.published(reference(scene["name"]))
     window = statistics.Window(*summary["window_s"], summary["periods"]).last(statistics.MIN_PERIODS)
@@ -96,7 +103,7 @@ def cylinder(folder: Path, recorder: Recorder, scene: dict, summary: dict) -> No
         axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
         axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
     figure.suptitle("grey: window; dashed: published" if published else "grey: window", fontsize="small")
-    _save(figure, folder / "coefficients.png")
+    return [_save(figure, folder / "coefficients.png")]
 
 
 def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) -> None:
@@ -161,6 +168,7 @@ def _view(scene: dict) -> tuple[float, float, float, float]:
     return left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0, x1, bottom, top
 
 
-def _save(figure, path: Path) -> None:
+def _save(figure, path: Path) -> Path:
     write_whole(path, lambda unfinished: figure.savefig(unfinished, dpi=150))
     plt.close(figure)
+    return path

@@ -5,7 +5,9 @@ import math
 import os
 import platform
 import subprocess
+from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -34,7 +36,7 @@ FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lif
 """The files that a coupled run leaves in its folder, besides the FMUs."""
 
 FURTHER_FILES = ("coefficients.png", "vorticity.gif", "phases.png", "iterations.csv", "convergence.csv")
-"""What a cylinder alone leaves besides, what `animate.py` makes of a run, and what an iterated scheme leaves."""
+"""What a cylinder alone leaves besides, what `animate` makes of a run, and what an iterated scheme leaves."""
 
 DISPLAY = {"m": ("mm", 1e3)}
 """Units that people read in another scale."""
@@ -120,7 +122,7 @@ def summarize(scene: dict, units: dict[str, Unit], scheme: Single, recorder: Rec
             for kind, unit in units.items()
         },
         "versions": {"python": platform.python_version()} | {name: version(name) for name in ("fmpy", "numpy")},
-        "git": _git_revision(),
+        "git": git_revision(),
         "machine": {"cpu": _cpu_model(), "cores": os.cpu_count(), "system": platform.platform()},
     }
 
@@ -140,38 +142,47 @@ def interface(recorder: Recorder) -> dict | None:
     }
 
 
-def clear(folder: Path) -> None:
-    """Remove the results of an earlier run from `folder`, so that all that is found there belongs together."""
-    for name in FILES + FURTHER_FILES:
-        (folder / name).unlink(missing_ok=True)
-
-
 def write(folder: Path, scene: dict, recorder: Recorder, scheme: Single, summary: dict) -> None:
-    """Write scene.json, series.csv, the scheme's logs and summary.json into `folder`; each appears only when it is
-    complete."""
+    """Write scene.json, series.csv, the scheme's logs and summary.json into `folder`, in the place of the results of an
+    earlier run: where one cannot be written those stay, else nothing of theirs does."""
     folder.mkdir(parents=True, exist_ok=True)
 
     def series(path: Path):
         header = ",".join(recorder.columns)
         np.savetxt(path, recorder.table[: recorder.rows], "%.10g", ",", header=header, comments="")
 
-    for name, log in scheme.logs().items():
-        write_whole(
-            folder / f"{name}.csv",
-            lambda path, log=log: np.savetxt(path, log, "%.10g", ",", header=",".join(log.dtype.names), comments=""),
-        )
-
-    write_whole(folder / "scene.json", lambda path: path.write_text(scene_text(scene), encoding="utf-8"))
-    write_whole(folder / "series.csv", series)
     text = json.dumps(_json_numbers(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    write_whole(folder / "summary.json", lambda path: path.write_text(text, encoding="utf-8"))
+    writers = {
+        "scene.json": lambda path: path.write_text(scene_text(scene), encoding="utf-8"),
+        "series.csv": series,
+        "summary.json": lambda path: path.write_text(text, encoding="utf-8"),
+    }
+    for name, log in scheme.logs().items():
+        header = ",".join(log.dtype.names)
+        writers[f"{name}.csv"] = partial(np.savetxt, X=log, fmt="%.10g", delimiter=",", header=header, comments="")
+    write_together(folder, writers)
+    for name in {*FILES, *FURTHER_FILES} - writers.keys():
+        (folder / name).unlink(missing_ok=True)
 
 
-def write_whole(path: Path, writer) -> None:
+def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> None:
+    """Let each of `writers` write a file beside its place in `folder`, then move them all there; where one fails none
+    is moved."""
+    unfinished = {name: folder / f"unfinished-{name}" for name in writers}
+    try:
+        for name, writer in writers.items():
+            writer(unfinished[name])
+    except BaseException:
+        for path in unfinished.values():
+            path.unlink(missing_ok=True)
+        raise
+    for name, path in unfinished.items():
+        path.replace(folder / name)
+
+
+def write_whole(path: Path, writer: Callable[[Path], object]) -> None:
     """Let `writer` write a file beside `path`, then move it there."""
-    unfinished = path.with_name(f"unfinished-{path.name}")
-    writer(unfinished)
-    unfinished.replace(path)
+    write_together(path.parent, {path.name: writer})
 
 
 def print_table(console: Console, summary: dict) -> None:
@@ -219,7 +230,7 @@ def _json_numbers(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _git_revision() -> dict | None:
+def git_revision() -> dict | None:
     """Revision of the working tree and whether it has changes; None outside of git."""
 
     def git(*arguments):

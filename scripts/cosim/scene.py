@@ -4,13 +4,17 @@ What a scene may hold is decided by the units when they are packed (`package.des
 """
 
 import json
+from difflib import get_close_matches
 from pathlib import Path
 
+from .errors import Refusal
+
 ROOT = Path(__file__).resolve().parents[2]
-REFERENCES = ROOT / "scenes" / "references.json"
+SCENES = ROOT / "scenes"
+REFERENCES = SCENES / "references.json"
 
 
-class SceneError(Exception):
+class SceneError(Refusal):
     """A scene or an override that cannot be used; the message names file or key."""
 
 
@@ -19,7 +23,10 @@ def load(path: Path) -> dict:
     try:
         scene = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise SceneError(f"cannot read the scene file {path}: {error.strerror}") from error
+        known = {found.name: found for found in SCENES.glob("*.json")}
+        near = get_close_matches(path.with_suffix(".json").name, known, 1)
+        hint = f"; did you mean {SCENES.name}/{near[0]}?" if near else f"; {SCENES} has the scenes of the project"
+        raise SceneError(f"cannot read the scene file {path}: {error.strerror}{hint}") from error
     except ValueError as error:
         raise SceneError(f"the scene file {path} is not JSON: {error}") from error
     if not isinstance(scene, dict):
@@ -27,29 +34,45 @@ def load(path: Path) -> dict:
     return scene
 
 
-def override(scene: dict, assignment: str) -> None:
-    """Set one value of `scene` from `key=value`, e.g. `fluid.box.cells.0=650`.
+def customized(path: Path, overrides: list[str] | None, end_time: float | None = None) -> dict:
+    """The scene file with `overrides` (key=value) and another end time, s."""
+    scene = load(path)
+    for assignment in overrides or []:
+        override(scene, assignment)
+    if end_time is not None:
+        override(scene, f"time.end={end_time}")
+    return scene
 
-    The key is a dotted path, in which a number is an index into a list; the value is JSON, or else a string. A last
-    key that does not exist is added: whether it is allowed is for the units to say.
-    """
-    path, equals, text = assignment.partition("=")
-    if not (path and equals):
+
+def override(scene: dict, assignment: str) -> None:
+    """Set one value of `scene` from `key=value`, e.g. `fluid.box.cells.0=650`; the value is JSON, or else a string."""
+    key, equals, text = assignment.partition("=")
+    if not (key and equals):
         raise SceneError(f"the override `{assignment}` must be of the form key=value")
+    assign(scene, key, json_or_text(text))
+
+
+def json_or_text(text: str):
+    """The value of a JSON text, or else the text itself."""
     try:
-        value = json.loads(text)
+        return json.loads(text)
     except ValueError:
-        value = text
-    *parents, last = [int(key) if key.isdecimal() else key for key in path.split(".")]
+        return text
+
+
+def assign(scene: dict, key: str, value) -> None:
+    """Set one value of `scene` by its dotted path, in which a number is an index into a list. A last key that does not
+    exist is added: whether it is allowed is for the units to say."""
+    *parents, last = [int(part) if part.isdecimal() else part for part in key.split(".")]
     target = scene
     try:
-        for key in parents:
-            target = target[key]
+        for part in parents:
+            target = target[part]
         if isinstance(target, list):
             target[last]  # an index beyond the end is an error, not an addition
         target[last] = value
     except (KeyError, IndexError, TypeError) as error:
-        raise SceneError(f"the override `{assignment}` names a key that the scene does not have") from error
+        raise SceneError(f"the override of `{key}` names a key that the scene does not have") from error
 
 
 def reference(name: str) -> dict | None:
