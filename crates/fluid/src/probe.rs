@@ -6,8 +6,10 @@ use crate::grid::Grid;
 
 /// At how many points, a cell apart, the pressure is read for a probe in a wall's smeared surface, and how many cells off the
 /// first one is. The pressure has a kink there, which rings from cell to cell, most at the first; the mean of three neighbours by
-/// ¼, ½, ¼ does not see that, and a parabola through those of several cells carries it to the wall. Nothing else may stand there.
+/// ¼, ½, ¼ does not see that, and a parabola through those of several cells carries it to the wall. They end where they come as
+/// near to another still body as the first one is to this; of fewer than the least number no parabola is drawn.
 const OFF_WALL: usize = 16;
+const LEAST_OFF_WALL: usize = 6;
 const FIRST_OFF_WALL: f64 = 2.0;
 
 /// A point, and the grid points that its values come from.
@@ -19,33 +21,48 @@ pub struct Probe {
 }
 
 impl Probe {
-    /// A probe at a point (m). Where that lies in the smeared surface of a still circle (centre and radius, m), its pressure
-    /// is that of the flow outside, by the parabola along the normal that fits it best.
-    pub fn new(position: [f64; 2], still_circles: impl Iterator<Item = ([f64; 2], f64)>, grid: &Grid) -> Self {
+    /// A probe at a point (m). Where that lies in the smeared surface of one of the still `circles` (centre and radius, m), its pressure
+    /// is that of the flow outside, by the parabola along the normal that fits it best; `channel` has the walls' y (m).
+    pub fn new(position: [f64; 2], circles: &[([f64; 2], f64)], channel: Option<[f64; 2]>, grid: &Grid) -> Self {
         let cell = grid.cell_size();
         let mut at_wall = None;
-        for (center, radius) in still_circles {
+        for (own, &(center, radius)) in circles.iter().enumerate() {
             let offset = [position[0] - center[0], position[1] - center[1]];
             let from_center = offset[0].hypot(offset[1]);
             let distance = (from_center - radius) / cell;
             if distance.abs() >= 1.0 {
                 continue;
             }
+            let place = |i: usize| {
+                let out = (radius + (i as f64 + FIRST_OFF_WALL) * cell) / from_center;
+                [0, 1].map(|axis| center[axis] + out * offset[axis])
+            };
+            let clear = |[x, y]: [f64; 2]| {
+                let gap = FIRST_OFF_WALL * cell;
+                channel.is_none_or(|[low, high]| y - low >= gap && high - y >= gap)
+                    && circles
+                        .iter()
+                        .enumerate()
+                        .all(|(other, &([cx, cy], r))| other == own || (x - cx).hypot(y - cy) >= r + gap)
+            };
+            let count = (0..OFF_WALL).take_while(|&i| clear(place(i))).count();
+            if count < LEAST_OFF_WALL {
+                continue;
+            }
             // The mean of x² over three neighbours is x² + ½.
-            let powers = Matrix3xX::from_fn(OFF_WALL - 2, |power, i| {
+            let powers = Matrix3xX::from_fn(count - 2, |power, i| {
                 let x = i as f64 + 1.0 + FIRST_OFF_WALL;
                 [1.0, x, x * x + 0.5][power]
             });
             let here = Vector3::new(1.0, distance, distance * distance);
             let Some(inverse) = (&powers * powers.transpose()).try_inverse() else { continue };
             let means = powers.transpose() * (inverse * here);
-            let mut shares = [0.0; OFF_WALL];
+            let mut shares = vec![0.0; count];
             for (i, mean) in means.iter().enumerate() {
                 (0..3).for_each(|k| shares[i + k] += mean * [0.25, 0.5, 0.25][k]);
             }
             let look = |(i, share): (usize, f64)| {
-                let out = (radius + (i as f64 + FIRST_OFF_WALL) * cell) / from_center;
-                let around = grid.cubic_interpolation([0, 1].map(|axis| center[axis] + out * offset[axis]));
+                let around = grid.cubic_interpolation(place(i));
                 around.map(|(point, weight)| (point, share * weight))
             };
             at_wall = Some(shares.into_iter().enumerate().flat_map(look).collect());
@@ -62,5 +79,32 @@ impl Probe {
     pub fn pressure(&self, field: impl Fn(usize) -> f64) -> f64 {
         let around = self.at_wall.as_deref().unwrap_or(&self.around);
         around.iter().map(|&(point, share)| share * field(point)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// p = 1 + y outside a circle under a wall, noise inside: what is read does not see the noise, and nothing beyond the wall.
+    #[test]
+    fn pressure_at_a_wall_is_that_of_the_flow_before_it() {
+        let grid = Grid::new(&scene::FluidBox { x: [0.0, 1.0], y: [0.0, 1.0], cells: [100, 100] });
+        let whole = &grid;
+        let (center, radius) = ([0.5, 0.5], 0.1);
+        let field = |blocked: f64| {
+            move |point: usize| {
+                let [x, y] = whole.point(point);
+                let inside = (x - center[0]).hypot(y - center[1]) < radius + 0.005;
+                if inside || y > blocked { 1e3 * (point as f64).sin() } else { 1.0 + y }
+            }
+        };
+        let probe = |channel| Probe::new([0.5, 0.6], &[(center, radius)], channel, &grid);
+        for (channel, blocked) in [(None, 1.0), (Some([0.0, 0.72]), 0.72)] {
+            let found = probe(channel).pressure(field(blocked));
+            assert!((found - 1.6).abs() < 1e-9, "{channel:?}: {found}");
+        }
+        // Seven cells to the wall hold fewer than six points: the field as it is.
+        assert!(probe(Some([0.0, 0.67])).at_wall.is_none());
     }
 }

@@ -208,12 +208,14 @@ impl State {
 }
 
 /// Centres and radii of the cylinders that do not move, m.
-fn still_circles(fluid: &scene::Fluid) -> impl Iterator<Item = ([f64; 2], f64)> {
-    fluid
-        .cylinders
-        .iter()
-        .filter(|cylinder| cylinder.motion.is_none())
-        .map(|cylinder| (cylinder.center, cylinder.radius))
+fn still_circles(fluid: &scene::Fluid) -> Vec<([f64; 2], f64)> {
+    let still = fluid.cylinders.iter().filter(|cylinder| cylinder.motion.is_none());
+    still.map(|cylinder| (cylinder.center, cylinder.radius)).collect()
+}
+
+fn probes(fluid: &scene::Fluid, grid: &Grid) -> Vec<Probe> {
+    let (circles, walls) = (still_circles(fluid), fluid.channel.as_ref().map(|channel| channel.y));
+    fluid.probes.iter().map(|probe| Probe::new(probe.position, &circles, walls, grid)).collect()
 }
 
 impl Fluid {
@@ -273,7 +275,7 @@ impl Fluid {
             fft,
             zones,
             mean_flow: fluid.mean_flow.clone(),
-            probes: fluid.probes.iter().map(|probe| Probe::new(probe.position, still_circles(fluid), &grid)).collect(),
+            probes: probes(fluid, &grid),
             rk2,
             total_pressure_is_current: false,
             grid,
