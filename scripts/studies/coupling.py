@@ -39,7 +39,7 @@ RATIOS = (0.01, 0.1, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0)
 RAMP = 0.2
 """Start-up of the inflow, s; 2 s in FSI3."""
 
-END, END_OTHER, END_ITERATED, END_LONG = 1.5, 1.0, 0.2, 3.0
+END, END_OTHER, END_ITERATED, END_LONG = 1.5, 1.0, 0.6, 3.0
 """End of the runs, s, with the default explicit scheme, other explicit ones, iterated ones, and of one at full amplitude: an
 iteration that does not hold fails at once, an explicit scheme may take its time."""
 
