@@ -194,7 +194,8 @@ def _filled(run: Run, reference: Reference, folder: Path, chance: random.Random,
                     write(done)
             except OSError:
                 refused += 1
-                assert {name: (folder / name).read_bytes() for name in files} == {name: before[name] for name in files}
+                changed = [name for name in files if (folder / name).read_bytes() != before[name]]
+                assert not changed, f"case {case}: {', '.join(changed)} changed, though the write was refused"
                 continue
             if write == run.save:
                 saved = done
