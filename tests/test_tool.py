@@ -2,13 +2,18 @@
 
 import json
 import os
+import resource
 import subprocess
 import sys
 import zipfile
+from contextlib import ExitStack, contextmanager
 
 import pytest
 from conftest import FSI3, fsi, run_scene
+from cosim import report, simulation
+from cosim.errors import Refusal
 from cosim.scene import ROOT
+from rich.console import Console
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -151,6 +156,50 @@ def test_libraries_that_are_not_built_are_said(tmp_path):
 def test_build_without_cargo_says_what_to_install(tmp_path):
     done = fsi("build", FSI3, "--output", tmp_path, env=os.environ | {"PATH": str(tmp_path)})
     assert done.returncode == 2 and "install Rust" in done.stderr, done.stderr
+
+
+@contextmanager
+def no_file_beyond(size):
+    """A limit on the size of files stands for a disk that gets full."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_results_that_cannot_be_written_leave_the_former_ones(result, rod_only, monkeypatch):
+    folder = result("falling")
+    before = contents(folder)
+    quiet = Console(quiet=True)
+    summarize = report.summarize
+
+    def then_full(*arguments):
+        disk.enter_context(no_file_beyond(2000))  # scene.json has room, series.csv not
+        return summarize(*arguments)
+
+    monkeypatch.setattr(report, "summarize", then_full)
+    with ExitStack() as disk, pytest.raises(Refusal, match=f"results cannot be written into {folder}: File too large"):
+        simulation.run(rod_only, folder, {}, simulation.Keeping(), quiet, quiet)
+    assert contents(folder) == before
+
+
+def test_units_that_cannot_be_packed_or_unpacked_are_said(result, tmp_path):
+    folder = result("falling")
+    before = contents(folder)
+    command = ["run", tmp_path / "scene.json", "--output", folder]
+    with no_file_beyond(2000):
+        packing = fsi(*command)
+        unpacking = fsi(*command, "--rod-fmu", folder / "falling-rod-rod.fmu")
+    assert packing.returncode == unpacking.returncode == 2
+    assert f"cannot write into the result folder {folder}: File too large" in packing.stderr, packing.stderr
+    assert "falling-rod-rod.fmu cannot be unpacked into" in unpacking.stderr, unpacking.stderr
+    assert contents(folder) == before
 
 
 def test_results_that_are_damaged_are_said(result):

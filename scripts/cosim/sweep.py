@@ -22,7 +22,7 @@ from rich.console import Console
 
 from . import package, simulation
 from .errors import Refusal
-from .report import write_whole
+from .files import write_whole
 from .scene import SceneError, assign, json_or_text
 
 ROW = "row.json"
