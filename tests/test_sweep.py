@@ -97,7 +97,8 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
 
 @pytest.mark.parametrize(("workers", "said"), [({"n_workers": 0}, "has no workers"), ({"threads_per_worker": 2}, "--nthreads 1")])
 def test_a_cluster_that_cannot_run_is_said(workers, said, scene, tmp_path):
-    with LocalCluster(**({"n_workers": 1} | workers), processes=False, dashboard_address="127.0.0.1:0", protocol="tcp://") as cluster:
+    options = {"n_workers": 1, "processes": False, "dashboard_address": "127.0.0.1:0", "protocol": "tcp://"}
+    with LocalCluster(**(options | workers)) as cluster:
         done = fsi("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", cluster.scheduler_address)
     assert done.returncode == 2 and said in done.stderr, done.stderr
 

@@ -1,5 +1,6 @@
 """The command line as a whole: what each command shows or writes, and what it says when it cannot."""
 
+import hashlib
 import json
 import os
 import resource
@@ -10,7 +11,7 @@ from contextlib import ExitStack, contextmanager
 
 import pytest
 from conftest import FSI3, fsi, run_scene
-from cosim import report, simulation
+from cosim import delivery, report, simulation
 from cosim.errors import Refusal
 from cosim.scene import ROOT
 from rich.console import Console
@@ -57,7 +58,8 @@ def test_inspect_shows_what_a_scene_will_do(small_fsi3, tmp_path):
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
     shown = fsi("inspect", path).stdout
-    for part in ("rod and fluid", "20000 steps of 0.0004 s", "160 x 36 cells", "20 segments, 21 stations", "load ", "scheme ", " MB"):
+    sizes = ("20000 steps of 0.0004 s", "160 x 36 cells", "20 segments, 21 stations")
+    for part in ("rod and fluid", *sizes, "load ", "scheme ", " MB"):
         assert part in shown, shown
 
 
@@ -207,3 +209,15 @@ def test_results_that_are_damaged_are_said(result):
     (folder / "series.csv").write_text("time,tip_uy\n0.0,zero\n")
     done = fsi("plot", folder)
     assert done.returncode == 2 and "are damaged" in done.stderr, done.stderr
+
+
+def test_a_delivery_is_what_its_checksums_and_manifest_say(fsi3, tmp_path, monkeypatch):
+    monkeypatch.setattr(delivery, "OLDEST_GLIBC", (99, 0))  # the libraries of this machine will do
+    folder = tmp_path / "dist"
+    delivery.write(fsi3, folder)
+    sums = dict(line.split("  ")[::-1] for line in (folder / "SHA256SUMS").read_text().splitlines())
+    assert sums == {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.name != "SHA256SUMS"}
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert manifest["files"].keys() | {"manifest.json"} == sums.keys()
+    git = report.git_revision()
+    assert manifest["source_revision"].startswith(git["revision"]) and git["dirty"] == ("-dirty" in manifest["source_revision"])

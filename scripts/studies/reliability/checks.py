@@ -14,6 +14,7 @@ import fmpy
 import typer
 
 from cosim import package
+from cosim.files import write_whole
 from cosim.scene import ROOT
 
 from .calls import sequences
@@ -87,12 +88,6 @@ RESULTS = ROOT / "docs" / "reliability.csv"
 FIELDS = ("check", "unit", "cases", "result", "seconds")
 
 
-def replace(path: Path, text: str) -> None:
-    unfinished = path.with_suffix(".unfinished")
-    unfinished.write_text(text, encoding="utf-8")
-    unfinished.replace(path)
-
-
 def record(row: dict) -> None:
     """Put a result in the place of the former one of its check and unit, and write the table anew."""
     known = {}
@@ -105,14 +100,15 @@ def record(row: dict) -> None:
     writer = csv.DictWriter(text, FIELDS, lineterminator="\n")
     writer.writeheader()
     writer.writerows(rows)
-    replace(RESULTS, text.getvalue())
+    write_whole(RESULTS, lambda path: path.write_text(text.getvalue(), encoding="utf-8"))
 
     table = "| check | unit | cases | result | time, s |\n|---|---|---|---|---|\n"
     for row in rows:
         table += f"| `{row['check']}` | {row['unit']} | {int(row['cases']):,} | {row['result']} | {row['seconds']} |\n"
-    path = RESULTS.with_suffix(".md")
-    before, rest = path.read_text(encoding="utf-8").split(BEGIN)
-    replace(path, before + BEGIN + table + END + rest.split(END)[1])
+    page = RESULTS.with_suffix(".md")
+    before, rest = page.read_text(encoding="utf-8").split(BEGIN)
+    after = rest.split(END)[1]
+    write_whole(page, lambda path: path.write_text(before + BEGIN + table + END + after, encoding="utf-8"))
 
 
 def main(

@@ -114,8 +114,9 @@ def kills(library: Library, count: int) -> str:
                 run.saved.restore(reference.start)
                 run.save(0)
                 done = written = 0
+            begin = time.time_ns()
             began, finished = _killed(run, chance.uniform(0.0, MOST_S))
-            inside += any("unfinished" in path.name for path in folder.iterdir())
+            inside += any(path.stat().st_mtime_ns > begin for path in folder.glob("unfinished-*"))
             try:
                 done, written = reference.compare(run, max(finished, done), max(finished, written), max(began, done))
             except (AssertionError, checkpoint.CheckpointError) as error:
