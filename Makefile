@@ -117,7 +117,7 @@ $(BENCH_VENV)/.ready: requirements-bench.lock
 .PHONY: reliability masters-test
 
 reliability: build $(READY) ## mistreat the units at full count and write docs/reliability.md anew, an hour; ARGS="--list", "--only forks"
-	$(RUN) scripts/studies/reliability.py --write $(ARGS)
+	$(RUN) scripts/studies/reliability --write $(ARGS)
 
 MASTERS_VENV := target/masters/venv
 

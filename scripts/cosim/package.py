@@ -15,6 +15,7 @@ from pathlib import Path
 import fmpy
 
 from . import documentation
+from .files import write_whole
 from .scene import ROOT, SceneError
 
 KINDS = ("rod", "fluid")
@@ -82,14 +83,16 @@ def pack(kind: str, scene: dict, folder: Path) -> Path:
 def write_archive(path: Path, contents: dict[str, bytes], executable: str | None = None) -> Path:
     """Write a zip file of `contents` by name and return its path; the same contents give the same bytes."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_suffix(".unfinished")
-    with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-        for name, data in contents.items():
-            entry = zipfile.ZipInfo(name, ARCHIVE_DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if name == executable else 0o644) << 16
-            archive.writestr(entry, data)
-    unfinished.replace(path)
+
+    def writer(unfinished: Path) -> None:
+        with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+            for name, data in contents.items():
+                entry = zipfile.ZipInfo(name, ARCHIVE_DATE)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.external_attr = (0o755 if name == executable else 0o644) << 16
+                archive.writestr(entry, data)
+
+    write_whole(path, writer)
     return path
 
 

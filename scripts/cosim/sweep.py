@@ -11,6 +11,7 @@ import hashlib
 import itertools
 import json
 import logging
+import re
 from collections.abc import Callable, Iterable
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -21,7 +22,7 @@ from rich.console import Console
 
 from . import package, simulation
 from .errors import Refusal
-from .report import write_whole
+from .files import write_whole
 from .scene import SceneError, assign, json_or_text
 
 ROW = "row.json"
@@ -49,7 +50,12 @@ class Case:
     @property
     def folder(self) -> str:
         digest = hashlib.sha256(package.scene_text(self.scene).encode()).hexdigest()
-        return f"{self.scene.get('name', 'unnamed')}-{digest[:10]}"
+        return f"{plain_name(self.scene)}-{digest[:10]}"
+
+
+def plain_name(scene: dict) -> str:
+    """The name of a scene as a part of a path, whatever it holds: a unit has not seen it yet."""
+    return re.sub(r"[^\w.-]", "_", str(scene.get("name")))
 
 
 def values(text: str) -> tuple[str, list]:
@@ -153,7 +159,7 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None):
                 n_workers=min(CPU_COUNT, len(cases)),
                 threads_per_worker=1,
                 memory_limit=None,
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",
                 silence_logs=logging.CRITICAL,
             )
             scheduler = stack.enter_context(cluster)

@@ -25,8 +25,9 @@ import typer
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim import coupling, master, package
+from cosim.files import write_whole
 from cosim.recorder import Recorder
-from cosim.report import interface, write_whole
+from cosim.report import interface
 from cosim.scene import ROOT, SceneError, load, override
 from cosim.unit import Unit
 
