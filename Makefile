@@ -120,7 +120,10 @@ reliability: build $(READY) ## mistreat the units at full count and write docs/r
 
 MASTERS_VENV := target/masters/venv
 
-masters-test: build $(MASTERS_VENV)/.ready ## run the units in libcosim, Ecos, fmpy's SSP reader and a container FMU
+masters-test: build $(MASTERS_VENV)/.ready ## run the units in libcosim, Ecos, fmpy's SSP reader, a container FMU and the crate fmi
+	LIBCLANG_PATH=$$($(MASTERS_VENV)/bin/python -c "import clang.native; print(*clang.native.__path__)") \
+	BINDGEN_EXTRA_CLANG_ARGS="-I$$(cc -print-file-name=include)" \
+	cargo build --quiet --locked --manifest-path tests/masters/fmi/Cargo.toml --target-dir target/masters/fmi
 	$(MASTERS_VENV)/bin/python -m pytest tests/masters
 
 $(MASTERS_VENV)/.ready: requirements.lock requirements-masters.lock
