@@ -145,3 +145,12 @@ $(DIST_VENV)/.ready: requirements-dist.lock
 	$(PYTHON) -m venv --clear $(DIST_VENV)
 	$(DIST_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dist.lock
 	touch $@
+
+.PHONY: fuzz
+
+FUZZ_TARGETS := rod_scene fluid_scene rod_state fluid_state
+
+fuzz: build $(READY) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each; needs nightly and cargo-fuzz
+	$(RUN) fuzz/seeds.py
+	for target in $(FUZZ_TARGETS); do cargo +nightly fuzz run --fuzz-dir fuzz $$target -- \
+	-timeout=30 -max_len=65536 -dict=fuzz/target/scene.dict -print_final_stats=1 $(or $(ARGS),-max_total_time=300) || exit; done
