@@ -103,6 +103,7 @@ def test_another_scene_under_the_same_description_is_refused(kind, small_fsi3, t
             ["fluid.sponge.x", "[2, 9]", "inside the box"],
         ),
         ("beam.segments=1000000000000", ["beam.segments", "1000000000000", "between 2 and 65536"]),
+        ("beam.root.on_cylinder.cylinder=5", ["beam.root.on_cylinder.cylinder", "is 5", "1 cylinders, counted from 0"]),
         ("beam.segments=-3", ["beam.segments", "-3"]),
         ("rod.material.plane_strain.poisson_ratio=0.5", ["poisson_ratio", "0.5"]),
         ("time.communication_step=0", ["time.communication_step", "is 0", "above 0"]),
