@@ -154,3 +154,12 @@ fuzz: build $(READY) ## fuzz scene files and states of both units, ARGS="-max_to
 	$(RUN) fuzz/seeds.py
 	for target in $(FUZZ_TARGETS); do cargo +nightly fuzz run --fuzz-dir fuzz $$target -- \
 	-timeout=30 -max_len=65536 -dict=fuzz/target/scene.dict -print_final_stats=1 $(or $(ARGS),-max_total_time=300) || exit; done
+
+.PHONY: sanitizers
+
+SANITIZERS := --locked --manifest-path tests/sanitizers/Cargo.toml --bins --target-dir target/sanitizers
+
+sanitizers: $(READY) ## call both units under AddressSanitizer and valgrind; needs nightly and valgrind
+	RUSTFLAGS=-Zsanitizer=address cargo +nightly build $(SANITIZERS)/asan --target x86_64-unknown-linux-gnu
+	cargo build $(SANITIZERS)/plain
+	$(RUN) -m pytest tests/sanitizers
