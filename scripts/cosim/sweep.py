@@ -13,6 +13,7 @@ import json
 import logging
 import re
 from collections.abc import Callable, Iterable
+from concurrent.futures import CancelledError
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -181,25 +182,32 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None):
         done = distributed.as_completed()
 
         def hand_out() -> None:
-            for case in itertools.islice(waiting, max(1, len(client.nthreads())) - len(running)):
+            free = max(1, len(client.nthreads())) - len(running)  # below 0 while workers are being started again
+            for case in itertools.islice(waiting, max(0, free)):
                 future = client.submit(task, case.scene, (folder / case.folder).resolve(), pure=False)
                 running[future] = case
                 done.add(future)
 
-        hand_out()
-        while running:
-            future = next(done)
-            case = running.pop(future)
-            error = None if future.cancelled() else future.exception()
-            if future.cancelled():
-                raise Refusal(f"the scheduler at {scheduler} was lost; the same command goes on with what is missing")
+        while True:
+            try:
+                hand_out()
+                if not running:
+                    return
+                future = next(done)
+                case = running.pop(future)
+                if future.cancelled():
+                    raise CancelledError
+                error = future.exception()
+            except (OSError, CancelledError) as lost:
+                raise Refusal(
+                    f"the scheduler at {scheduler} was lost; the same command goes on with what is missing"
+                ) from lost
             if isinstance(error, KilledWorker):
                 yield case, {"status": KILLED, "reason": f"its worker died {error.allowed_failures + 1} times"}
             elif error is not None:
                 yield case, {"status": FAILED, "reason": f"{type(error).__name__}: {error}"}
             else:
                 yield case, future.result()
-            hand_out()
 
 
 def _task(scripts: str) -> Callable[[dict, Path], dict]:
