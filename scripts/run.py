@@ -129,6 +129,7 @@ def execute(
     report.write(folder, scene, recorder, scheme, summary)
     plots.time_series(folder, recorder, scene["name"])
     plots.cylinder(folder, recorder, scene, summary)
+    plots.driven_root(folder, recorder, summary)
     if outcome.error is None:
         plots.vorticity(folder, scene, units, outcome.simulated)
     report.print_table(console, summary)
