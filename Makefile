@@ -9,6 +9,7 @@ ARGS ?=
 VENV := .venv
 RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
+FSI := $(RUN) scripts/fsi.py
 
 .PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test python-test bindings-check schema descriptions record lock clean
 
@@ -23,20 +24,20 @@ on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(1)-$(
 
 cylinder: GRID := 900x180
 cylinder: build $(READY) ## run the cylinder 2D-2, GRID=900x180 (default) or another; results in results/cylinder-2d2-GRID
-	$(RUN) scripts/run.py scenes/cylinder-2d2-900x180.json $(call on_grid,cylinder-2d2) $(ARGS)
+	$(FSI) run scenes/cylinder-2d2-900x180.json $(call on_grid,cylinder-2d2) $(ARGS)
 
 cylinder-2d1: GRID := 450x90
 cylinder-2d1: build $(READY) ## run the cylinder 2D-1, the same for the steady flow at Re 20
-	$(RUN) scripts/run.py scenes/cylinder-2d1-450x90.json $(call on_grid,cylinder-2d1) $(ARGS)
+	$(FSI) run scenes/cylinder-2d1-450x90.json $(call on_grid,cylinder-2d1) $(ARGS)
 
 animation: $(READY) ## vorticity.gif and phases.png of RESULTS=results/NAME, whose run had --fields-every
-	$(RUN) scripts/animate.py $(RESULTS)
+	$(FSI) animate $(RESULTS)
 
 run: build $(READY) ## run SCENE=scenes/NAME.json; more options by ARGS="--end-time 1 --set key=value"
-	$(RUN) scripts/run.py $(SCENE) $(ARGS)
+	$(FSI) run $(SCENE) $(ARGS)
 
-units: build $(READY) ## only pack the FMUs of SCENE=scenes/NAME.json, into results/NAME
-	$(RUN) scripts/pack.py $(SCENE)
+units: $(READY) ## only pack the FMUs of SCENE=scenes/NAME.json, into results/NAME
+	$(FSI) build $(SCENE)
 
 build: ## build the libraries of both units
 	cargo build --release --locked
@@ -60,8 +61,8 @@ schema: ## write modelDescription/scene.schema.json anew
 	cargo run --quiet --locked -p scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
 
-descriptions: build $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
-	$(RUN) scripts/pack.py scenes/fsi3-325x72.json --descriptions modelDescription
+descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
+	$(FSI) build scenes/fsi3-325x72.json --descriptions modelDescription
 
 record: build $(READY) ## write tests/recorded.json anew: only after a change of the physics that is meant
 	PYTHONPATH=scripts $(RUN) tests/record.py
@@ -136,7 +137,7 @@ DIST_VENV := target/dist/venv
 dist: $(DIST_VENV)/.ready $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for any Linux with glibc 2.17, checksums and manifest, into dist/
 	PATH="$(abspath $(DIST_VENV))/bin:$$PATH" cargo zigbuild --release --locked --package fmu-rod --package fmu-fluid \
 	--target $(DIST_TARGET).2.17 --target-dir target/dist
-	CARGO_TARGET_DIR=target/dist/$(DIST_TARGET) $(RUN) scripts/dist.py $(SCENE) dist
+	CARGO_TARGET_DIR=target/dist/$(DIST_TARGET) $(FSI) dist $(SCENE) dist
 
 $(DIST_VENV)/.ready: requirements-dist.lock
 	$(PYTHON) -m venv --clear $(DIST_VENV)

@@ -107,7 +107,13 @@ def start(instantiate):
     return make
 
 
+TOOL = [sys.executable, ROOT / "scripts" / "fsi.py"]
+
+
+def fsi(*arguments, **keywords) -> subprocess.CompletedProcess:
+    """Run `scripts/fsi.py` as its users do."""
+    return subprocess.run([*TOOL, *arguments], capture_output=True, text=True, **keywords)
+
+
 def run_scene(scene: Path, *arguments, **keywords) -> subprocess.CompletedProcess:
-    """Run `scripts/run.py` as its users do."""
-    command = [sys.executable, ROOT / "scripts" / "run.py", scene, *arguments]
-    return subprocess.run(command, capture_output=True, text=True, **keywords)
+    return fsi("run", scene, *arguments, **keywords)

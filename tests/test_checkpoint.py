@@ -4,16 +4,14 @@ import json
 import resource
 import signal
 import subprocess
-import sys
 import time
 import zipfile
 
 import numpy as np
 import pytest
-from conftest import run_scene
+from conftest import TOOL, fsi, run_scene
 from cosim import checkpoint
 from cosim.recorder import Recorder
-from cosim.scene import ROOT, override
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -33,6 +31,17 @@ def scenes(rod_only, fluid_only, small_fsi3):
     return {"rod": rod_only, "fluid": fluid_only, "explicit": small_fsi3, "iqn_ils": iterated, "aitken": aitken}
 
 
+def run_scene_of(scene, tmp_path, *arguments):
+    """Run a scene given as a dict into `tmp_path`/results."""
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(scene))
+    return run_scene(path, "--output", tmp_path / "results", *arguments)
+
+
+def load(saved):
+    return saved.restore(checkpoint.read(saved.path.parent))
+
+
 def results(folder):
     """All tables as bytes and summary.json without what it says of wall times."""
     summary = json.loads((folder / "summary.json").read_text())
@@ -42,7 +51,7 @@ def results(folder):
 
 def stop(path, folder, number, *arguments):
     """Start a run, send it signal `number` when it has written a checkpoint, return its exit code."""
-    command = [sys.executable, ROOT / "scripts" / "run.py", path, "--output", folder, "--checkpoint-every", "0.001"]
+    command = [*TOOL, "run", path, "--output", folder, "--checkpoint-every", "0.001"]
     process = subprocess.Popen([*command, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 300
     while not (folder / checkpoint.FILE).exists() and process.poll() is None and time.monotonic() < deadline:
@@ -59,7 +68,7 @@ def saved(fluid_only, start, tmp_path):
     for i in range(3):
         scheme.step(i * 1e-3, 1e-3)
         recorder.record(i, i * 1e-3, 1)
-    kept = checkpoint.Checkpoint(tmp_path, fluid_only, {"fluid": scheme.unit}, scheme, recorder)
+    kept = checkpoint.Checkpoint(tmp_path, fluid_only, {}, {"fluid": scheme.unit}, scheme, recorder)
     kept.save(3, 0.5)
     return kept
 
@@ -72,13 +81,13 @@ def test_a_killed_run_goes_on_as_if_nothing_had_been(kind, scenes, tmp_path):
     assert run_scene(path, "--output", whole).returncode == 0
     assert stop(path, parts, signal.SIGKILL) == -signal.SIGKILL
     assert not (parts / "summary.json").exists()
-    done = run_scene(path, "--output", parts, "--resume")
+    done = fsi("resume", parts)
     assert done.returncode == 0, done.stderr
     assert results(parts) == results(whole)
     assert not (parts / checkpoint.FILE).exists(), "a run that has reached its end leaves no checkpoint"
 
 
-def test_an_interrupted_run_writes_where_it_was_and_another_scene_is_refused(fluid_only, tmp_path):
+def test_an_interrupted_run_writes_where_it_was_and_another_run_does_not_replace_it(fluid_only, tmp_path):
     fluid_only["time"]["end"] = 100.0
     path, folder = tmp_path / "scene.json", tmp_path / "results"
     path.write_text(json.dumps(fluid_only))
@@ -87,11 +96,11 @@ def test_an_interrupted_run_writes_where_it_was_and_another_scene_is_refused(flu
     with np.load(folder / checkpoint.FILE) as archive:
         assert json.loads(archive["about"].tobytes())["done"] == stopped_at
 
-    before = {file.name: file.read_bytes() for file in folder.iterdir() if file.suffix != ".fmu"}
-    done = run_scene(path, "--output", folder, "--resume", "--set", "fluid.density=2.0")
+    before = {file.name: file.read_bytes() for file in folder.iterdir()}
+    done = run_scene(path, "--output", folder, "--set", "fluid.density=2.0")
     assert done.returncode == 2, done.stderr
-    assert "another scene: `fluid.density` is 2.0 here, but 1.0 there" in done.stderr, done.stderr
-    assert before == {file.name: file.read_bytes() for file in folder.iterdir() if file.suffix != ".fmu"}
+    assert f"`scripts/fsi.py resume {folder}` goes on" in done.stderr, done.stderr
+    assert before == {file.name: file.read_bytes() for file in folder.iterdir()}
 
 
 def test_a_run_that_failed_keeps_its_last_checkpoint(scenes, tmp_path):
@@ -103,33 +112,16 @@ def test_a_run_that_failed_keeps_its_last_checkpoint(scenes, tmp_path):
     first = run_scene(path, "--output", folder, "--checkpoint-every", "0")
     assert first.returncode == 1 and "less than a right angle" in first.stderr, first.stderr
     series = (folder / "series.csv").read_bytes()
-    again = run_scene(path, "--output", folder, "--resume")
+    again = fsi("resume", folder)
     assert again.returncode == 1 and again.stderr == first.stderr
     assert (folder / "series.csv").read_bytes() == series
 
 
 def test_nothing_to_resume_is_said(rod_only, tmp_path):
-    path = tmp_path / "scene.json"
-    path.write_text(json.dumps(rod_only))
-    done = run_scene(path, "--output", tmp_path / "results", "--resume")
+    assert run_scene_of(rod_only, tmp_path).returncode == 0
+    done = fsi("resume", tmp_path / "results")
     assert done.returncode == 2 and "there is no checkpoint" in done.stderr, done.stderr
-
-
-@pytest.mark.parametrize(
-    ("assignment", "message"),
-    [
-        ("fluid.density=2.0", "another scene: `fluid.density` is 2.0 here, but 1.0 there"),
-        ("fluid.cylinders.0.radius=0.1", "another scene: `fluid.cylinders.0.radius` is 0.1 here, but 0.15 there"),
-        ("time.end=4.0", "another scene: `time.end` is 4.0 here, but 0.02 there"),
-        ("fluid.filter=smooth", 'another scene: `fluid.filter` is "smooth" here, but null there'),
-    ],
-)
-def test_a_checkpoint_of_another_scene_is_refused_with_the_key(assignment, message, saved):
-    saved.scene = json.loads(json.dumps(saved.scene))
-    override(saved.scene, assignment)
-    with pytest.raises(checkpoint.CheckpointError) as caught:
-        saved.load()
-    assert message in str(caught.value)
+    assert "--checkpoint-every" in done.stderr, done.stderr
 
 
 def about(arrays, **changes):
@@ -152,7 +144,7 @@ def test_a_checkpoint_of_another_build_is_refused(change, message, saved):
     change(arrays)
     np.savez(saved.path, **arrays)
     with pytest.raises(checkpoint.CheckpointError, match=message):
-        saved.load()
+        load(saved)
 
 
 def test_a_damaged_or_cut_file_is_refused(saved):
@@ -167,9 +159,9 @@ def test_a_damaged_or_cut_file_is_refused(saved):
         for bad in (damaged, good[:at]):
             saved.path.write_bytes(bad)
             with pytest.raises(checkpoint.CheckpointError, match="is damaged"):
-                saved.load()
+                load(saved)
     saved.path.write_bytes(good)
-    assert saved.load() == (3, 0.5)
+    assert load(saved) == (3, 0.5)
 
 
 def test_a_full_disk_leaves_the_checkpoint_before(saved):

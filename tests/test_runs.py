@@ -3,14 +3,12 @@
 import json
 import signal
 import subprocess
-import sys
 import time
 
 import numpy as np
 import pytest
-from conftest import FSI3, run_scene
+from conftest import FSI3, TOOL, run_scene
 from cosim import package
-from cosim.scene import ROOT
 
 TABLES = ("scene.json", "series.csv", "summary.json")
 
@@ -107,7 +105,7 @@ def test_a_unit_that_does_not_fit_is_refused_with_exit_code_2(small_fsi3, rod_on
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_keeps_what_it_has(number, tmp_path):
-    command = [sys.executable, ROOT / "scripts" / "run.py", FSI3, "--output", tmp_path, "--end-time", "20"]
+    command = [*TOOL, "run", FSI3, "--output", tmp_path, "--end-time", "20"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
     while not list(tmp_path.glob("*-fluid.fmu")) and time.monotonic() < deadline:

@@ -1,7 +1,8 @@
 """Checkpoints: all that a run needs to go on where it was, in one file.
 
-The file is an uncompressed NumPy archive (a zip file, whose checksums show damage): the units' serialized states and
-what was last exchanged, the memory of the coupling scheme, the clock, and every row recorded so far. The rows are
+The file is an uncompressed NumPy archive (a zip file, whose checksums show damage): the scene and how it was set up, the
+units' serialized states and what was last exchanged, the memory of the coupling scheme, the clock, and every row
+recorded so far. The rows are
 rewritten each time: the table has a limit (`recorder.MAX_ROWS`) and is about as large as the state of a fluid, and with
 one file there is one moment, the renaming, at which the new checkpoint takes the place of the old.
 """
@@ -9,23 +10,54 @@ one file there is one moment, the renaming, at which the new checkpoint takes th
 import json
 import os
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from .coupling import Single
+from .errors import Refusal
 from .recorder import Recorder
 from .unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
-FORMAT = 2
+FORMAT = 3
 
 EXCHANGED = ("inputs", "outputs", "integers")
 """The arrays of a unit that the next step or the next row may need."""
 
 
-class CheckpointError(Exception):
+class CheckpointError(Refusal):
     """A checkpoint cannot be made or cannot be used."""
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What a checkpoint holds."""
+
+    path: Path
+    about: dict
+    """The scene, its set-up, the units' GUIDs, steps done and times."""
+    arrays: dict[str, np.ndarray]
+
+
+def read(folder: Path) -> Kept:
+    """The checkpoint in `folder`."""
+    path = folder / FILE
+    if not path.is_file():
+        raise CheckpointError(
+            f"there is no checkpoint {path} to resume from: a run leaves one if it has --checkpoint-every and is stopped "
+            "before its end"
+        )
+    try:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+        about = json.loads(arrays.pop("about").tobytes())
+    except Exception as error:  # whatever the readers of zip, NumPy and JSON raise
+        raise CheckpointError(f"the checkpoint {path} is damaged: {error}") from error
+    if about["format"] != FORMAT:
+        raise CheckpointError(f"the checkpoint {path} has format {about['format']}, not {FORMAT}")
+    return Kept(path, about, arrays)
 
 
 class Checkpoint:
@@ -35,6 +67,7 @@ class Checkpoint:
         self,
         folder: Path,
         scene: dict,
+        setup: dict,
         units: dict[str, Unit],
         scheme: Single,
         recorder: Recorder,
@@ -45,7 +78,8 @@ class Checkpoint:
                     f"a checkpoint needs units that serialize their state, which the {unit.name} does not offer"
                 )
         self.path = folder / FILE
-        self.scene, self.units, self.scheme, self.recorder = scene, units, scheme, recorder
+        self.about = {"format": FORMAT, "scene": scene, "setup": setup}
+        self.units, self.scheme, self.recorder = units, scheme, recorder
 
     def save(self, done: int, wall: float) -> None:
         """Keep the run as it is after step `done`, at `wall` (s), so that a crash at any moment leaves this or the
@@ -55,9 +89,7 @@ class Checkpoint:
             arrays[f"{kind}_state"] = np.frombuffer(unit.serialize(), np.uint8)
             arrays |= {f"{kind}_{name}": getattr(unit, name) for name in EXCHANGED}
         arrays |= {f"scheme_{name}": array for name, array in self.scheme.memory().items()}
-        about = {
-            "format": FORMAT,
-            "scene": self.scene,
+        about = self.about | {
             "guids": {kind: unit.description.guid for kind, unit in self.units.items()},
             "done": done,
             "wall": wall,
@@ -76,28 +108,13 @@ class Checkpoint:
             raise
         _sync_folder(self.path.parent)
 
-    def load(self) -> tuple[int, float]:
+    def restore(self, kept: Kept) -> tuple[int, float]:
         """Put started units, scheme and recorder into the state that was kept; returns steps done and wall time (s)."""
-        if not self.path.is_file():
-            raise CheckpointError(f"there is no checkpoint {self.path} to resume from")
-        try:
-            with open(self.path, "rb") as file, np.load(file, allow_pickle=False) as archive:
-                arrays = {name: archive[name] for name in archive.files}
-            about = json.loads(arrays["about"].tobytes())
-        except Exception as error:  # whatever the readers of zip, NumPy and JSON raise
-            raise CheckpointError(f"the checkpoint {self.path} is damaged: {error}") from error
-        if about["format"] != FORMAT:
-            raise CheckpointError(f"the checkpoint {self.path} has format {about['format']}, not {FORMAT}")
-        different = _first_difference(about["scene"], self.scene)
-        if different:
-            key, then, now = different
-            raise CheckpointError(
-                f"the checkpoint {self.path} is of another scene: `{key}` is {now} here, but {then} there"
-            )
+        about, arrays = kept.about, kept.arrays
         for kind, unit in self.units.items():
             if about["guids"][kind] != unit.description.guid:
                 raise CheckpointError(
-                    f"the checkpoint {self.path} is of another {kind}: its GUID is {unit.description.guid} here, but "
+                    f"the checkpoint {kept.path} is of another {kind}: its GUID is {unit.description.guid} here, but "
                     f"{about['guids'][kind]} there"
                 )
         for kind, unit in self.units.items():
@@ -105,7 +122,7 @@ class Checkpoint:
                 unit.deserialize(arrays[f"{kind}_state"].tobytes())
             except UnitError as error:
                 raise CheckpointError(
-                    f"the checkpoint {self.path} is of another build of the {kind}: {error}"
+                    f"the checkpoint {kept.path} is of another build of the {kind}: {error}"
                 ) from error
             for name in EXCHANGED:
                 getattr(unit, name)[:] = arrays[f"{kind}_{name}"]
@@ -148,16 +165,3 @@ def _sync_folder(folder: Path) -> None:
             os.fsync(descriptor)
         finally:
             os.close(descriptor)
-
-
-def _first_difference(then, now, key: str = "") -> tuple[str, str, str] | None:
-    """Dotted path of the first value that differs between two scenes, with both values as JSON; None if they agree."""
-    pairs = None
-    if isinstance(then, dict) and isinstance(now, dict):
-        pairs = [(name, then.get(name), now.get(name)) for name in dict.fromkeys([*then, *now])]
-    elif isinstance(then, list) and isinstance(now, list) and len(then) == len(now):
-        pairs = list(zip(range(len(then)), then, now))
-    if pairs is None:
-        return None if then == now else (key, json.dumps(then), json.dumps(now))
-    found = (_first_difference(a, b, f"{key}.{name}".strip(".")) for name, a, b in pairs)
-    return next(filter(None, found), None)

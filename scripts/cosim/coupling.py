@@ -18,6 +18,7 @@ from array import array
 
 import numpy as np
 
+from .errors import Refusal
 from .unit import Unit
 
 STATION_ROUNDING = 1e-12
@@ -43,7 +44,7 @@ LARGEST_IMBALANCE = 0.5
 """Their difference by what went across, means of the magnitudes, from which a run is stopped: 0.04 in FSI3, 1 where it blows up."""
 
 
-class CouplingError(Exception):
+class CouplingError(Refusal):
     """The units do not fit each other, or the iteration between them did not converge."""
 
 

@@ -4,6 +4,8 @@ Thrust is the force of the fluid on the beam against the stream, or against x in
 in comes from the drive at the root. What is averaged are whole periods of the drive, by the trapezoidal rule.
 """
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from . import statistics
@@ -16,16 +18,15 @@ BALANCE = {"root": "root_power", "load": "load_power", "damping": "damping_power
 ENERGIES = ("energy_elastic", "energy_kinetic", "energy_gravity")
 
 
-def main_axis(recorder: Recorder) -> str | None:
-    """The axis along which the tip would go farthest on a rigid rod, which decides on the periods; None where no root is
-    driven."""
-    extents = {axis: np.ptp(recorder.column(name)) for axis in AXES if (name := f"rigid_tip_u{axis}") in recorder.columns}
+def main_axis(columns: Sequence[str], column: Callable[[str], np.ndarray]) -> str | None:
+    """The axis along which the tip would go farthest on a rigid rod; None where no root is driven."""
+    extents = {axis: np.ptp(column(name)) for axis in AXES if (name := f"rigid_tip_u{axis}") in columns}
     return max(extents, key=extents.get) if extents else None
 
 
 def drive_window(recorder: Recorder, settled: Window) -> Window | None:
     """The last whole periods of the drive, as many as the tip has `settled`; None if there is none."""
-    axis = main_axis(recorder)
+    axis = main_axis(recorder.columns, recorder.column)
     if axis is None or settled.periods == 0:
         return None
     window = statistics.find_window(recorder.column("time"), recorder.column(f"rigid_tip_u{axis}"))
@@ -53,7 +54,7 @@ def evaluate(scene: dict, recorder: Recorder, window: Window | None) -> dict | N
     window = drive_window(recorder, window) if window else None
     if window is None:
         return None
-    time, axis = recorder.column("time"), main_axis(recorder)
+    time, axis = recorder.column("time"), main_axis(recorder.columns, recorder.column)
 
     def mean(name: str) -> float:
         return average(time, recorder.column(name), window)

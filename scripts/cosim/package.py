@@ -30,7 +30,7 @@ def library(kind: str) -> Path:
     prefix = "" if sys.platform == "win32" else "lib"
     path = target / "release" / f"{prefix}fmu_{kind}{fmpy.sharedLibraryExtension}"
     if not path.is_file():
-        raise SceneError(f"the library {path} is not built; `make build` builds it")
+        raise SceneError(f"the library {path} is not built; `make build` or `scripts/fsi.py build SCENE.json` builds it")
     return path
 
 

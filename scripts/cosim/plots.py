@@ -14,6 +14,7 @@ from . import coefficients, flapping, statistics
 from .fields import outline, stations
 from .recorder import Recorder
 from .report import DISPLAY, write_whole
+from .results import Results
 from .scene import reference
 from .unit import Unit
 
@@ -29,29 +30,33 @@ COLOUR_MAP = "RdBu_r"
 SOLID = "0.55"
 
 
-def time_series(folder: Path, recorder: Recorder, name: str) -> None:
-    """Write tip.png, drag.png and lift.png, as far as there is such an output, with the published bands of the scene
-    called `name`."""
+def time_series(folder: Path, runs: dict[str, Recorder | Results], name: str) -> list[Path]:
+    """Write tip.png, drag.png and lift.png, as far as a run has such an output, with the published bands of the scene
+    called `name`; several `runs`, by their labels, over each other. Returns what was written."""
     published = (reference(name) or {}).get("primary", {})
-    for file, columns in (
+    written = []
+    for file, wanted in (
         ("tip", ("tip_ux", "tip_uy", "tip_uz")),
         ("drag", ("drag",)),
         ("lift", ("lift",)),
     ):
-        columns = [column for column in columns if column in recorder.columns]
+        columns = [column for column in wanted if any(column in run.columns for run in runs.values())]
         if columns:
-            figure = _figure_of(recorder, columns, published)
-            _save(figure, folder / f"{file}.png")
+            written.append(_save(_figure_of(runs, columns, published), folder / f"{file}.png"))
+    return written
 
 
-def _figure_of(recorder: Recorder, columns: list[str], published: dict):
-    time = recorder.column("time")
+def _figure_of(runs: dict[str, Recorder | Results], columns: list[str], published: dict):
     figure, axes = plt.subplots(
         len(columns), sharex=True, squeeze=False, figsize=(9, 1.5 + 2 * len(columns)), layout="constrained"
     )
     for axis, column, colour in zip(axes[:, 0], columns, (BLUE, ORANGE, GREEN)):
-        unit, scale = DISPLAY.get(recorder.unit_of[column], (recorder.unit_of[column], 1.0))
-        axis.plot(time, recorder.column(column) * scale, color=colour, linewidth=0.8)
+        having = {label: run for label, run in runs.items() if column in run.columns}
+        unit_of = next(iter(having.values())).unit_of
+        unit, scale = DISPLAY.get(unit_of[column], (unit_of[column], 1.0))
+        for label, run in having.items():
+            look = {"color": colour} if len(runs) == 1 else {"label": label}
+            axis.plot(run.column("time"), run.column(column) * scale, linewidth=0.8, **look)
         band = published.get("quantities", {}).get(column)
         if band and "mean" in band:
             low, high = ((band["mean"] + sign * band["amplitude"]) * scale for sign in (-1, 1))
@@ -59,16 +64,18 @@ def _figure_of(recorder: Recorder, columns: list[str], published: dict):
             axes[0, 0].set_title(f"grey: mean ± amplitude of {published['source']}", fontsize="small")
         axis.set_ylabel(f"{column.replace('_', ' ')} [{unit}]")
         axis.margins(x=0)
+    if len(runs) > 1:
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize="small")
     axes[-1, 0].set_xlabel("time [s]")
     return figure
 
 
-def cylinder(folder: Path, recorder: Recorder, scene: dict, summary: dict) -> None:
+def cylinder(folder: Path, recorder: Recorder | Results, scene: dict, summary: dict) -> list[Path]:
     """Write coefficients.png, cD and cL over time and, where the flow is periodic, against each other, with the
-    published values; nothing if the scene is not a cylinder alone."""
+    published values; nothing if the scene is not a cylinder alone. Returns what was written."""
     scale = coefficients.scale(scene)
     if scale is None or summary["window_s"] is None:
-        return
+        return []
     time, curves = recorder.column("time"), coefficients.series(scale, recorder)
     published = coefficients.published(reference(scene["name"]))
     window = statistics.Window(*summary["window_s"], summary["periods"]).last(statistics.MIN_PERIODS)
@@ -96,10 +103,10 @@ def cylinder(folder: Path, recorder: Recorder, scene: dict, summary: dict) -> No
         axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
         axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
     figure.suptitle("grey: window; dashed: published" if published else "grey: window", fontsize="small")
-    _save(figure, folder / "coefficients.png")
+    return [_save(figure, folder / "coefficients.png")]
 
 
-def driven_root(folder: Path, recorder: Recorder, summary: dict) -> list[Path]:
+def driven_root(folder: Path, recorder: Recorder | Results, summary: dict) -> list[Path]:
     """Write flapping.png, the path of the tip, its way beside that of a rigid rod, forces and power over the periods of the
     window; nothing if no root is driven. Returns what was written."""
     found = summary.get("flapping")
@@ -125,14 +132,15 @@ def driven_root(folder: Path, recorder: Recorder, summary: dict) -> list[Path]:
         forces, title = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
     powers = (("root_power", 1, "in at the root"), ("load_power", 1, "by the loads"), ("damping_power", -1, "by damping"))
     starts = np.searchsorted(phase, np.arange(window.periods + 1))
-    for place, curves, title in (("force", forces, title), ("power", powers, "power")):
+    per_depth = "" if "tip_uz" in recorder.columns else "/m"
+    for place, curves, title, unit in (("force", forces, title, f"N{per_depth}"), ("power", powers, "power", f"W{per_depth}")):
         shown = [curve for curve in curves if curve[0] in recorder.columns and recorder.column(curve[0]).any()]
         for (column, sign, label), colour in zip(shown, (BLUE, ORANGE, GREEN)):
             values = sign * recorder.column(column)[part]
             for begin, end in zip(starts, starts[1:]):
                 look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
                 axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
-        axes[place].set(xlabel="of a period", ylabel=f"[{recorder.unit_of[shown[0][0]]}]", title=title)
+        axes[place].set(xlabel="of a period", ylabel=f"[{unit}]", title=title)
     for axis in axes.values():
         axis.legend(fontsize="small")
     figure.suptitle(f"{window.periods} periods from t = {window.begin:.3g} s, the last one dark", fontsize="small")

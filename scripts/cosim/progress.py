@@ -1,6 +1,7 @@
 """What a run shows while it goes on, and how it is asked to stop."""
 
 import signal
+import threading
 from contextlib import contextmanager
 
 from rich.console import Console
@@ -65,7 +66,11 @@ class Display:
 
 @contextmanager
 def interruptible():
-    """Within it, the first Ctrl-C or SIGTERM only makes the function it gives answer True; a second one kills."""
+    """Within it, the first Ctrl-C or SIGTERM only makes the function it gives answer True; a second one kills. A thread
+    beside the main one gets no signals, so there it always answers False."""
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
     asked = []
     before = {}
 

@@ -5,7 +5,9 @@ import math
 import os
 import platform
 import subprocess
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -33,24 +35,26 @@ FORCES = ("drag", "lift")
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
 """The files that a coupled run leaves in its folder, besides the FMUs."""
 
-FURTHER_FILES = ("coefficients.png", "flapping.png", "vorticity.gif", "phases.png", "iterations.csv", "convergence.csv")
-"""What a cylinder alone and a driven root leave besides, what `animate.py` makes of a run, and what an iterated scheme leaves."""
+FURTHER_FILES = (
+    "coefficients.png", "flapping.png", "vorticity.gif", "phases.png", "motion.png", "iterations.csv", "convergence.csv"
+)  # fmt: skip
+"""What a cylinder alone and a driven root leave besides, what `animate` makes of a run, and what an iterated scheme leaves."""
 
 DISPLAY = {"m": ("mm", 1e3)}
 """Units that people read in another scale."""
 
 
-def main_signal(recorder: Recorder) -> str | None:
-    """The output that decides on the periods: where a root is driven the tip's way along which it goes farthest."""
-    axis = flapping.main_axis(recorder)
+def main_signal(columns: Sequence[str], column: Callable[[str], np.ndarray]) -> str | None:
+    """Which of the recorded `columns` decides on the periods: where a root is driven, the tip along its main axis."""
+    axis = flapping.main_axis(columns, column)
     signals = (f"tip_u{axis}", *MAIN_SIGNALS) if axis else MAIN_SIGNALS
-    return next((signal for signal in signals if signal in recorder.columns), None)
+    return next((signal for signal in signals if signal in columns), None)
 
 
 def evaluate(recorder: Recorder, name: str) -> tuple[dict, statistics.Window | None, float]:
     """`quantities` of the summary for the scene called `name`, their window (None without a signal to take it from)
     and the width of the filter over forces (s)."""
-    time, main = recorder.column("time"), main_signal(recorder)
+    time, main = recorder.column("time"), main_signal(recorder.columns, recorder.column)
     if main is None or time.size < 3:
         return {}, None, 0.0
     window = statistics.find_window(time, recorder.column(main))
@@ -80,7 +84,7 @@ def summarize(scene: dict, units: dict[str, Unit], scheme: Single, recorder: Rec
     quantities, window, width = evaluate(recorder, scene["name"])
     time = recorder.column("time")
     iterations = recorder.column("iterations")[1:]
-    main = main_signal(recorder) if quantities else None
+    main = main_signal(recorder.columns, recorder.column) if quantities else None
     scale = coefficients.scale(scene) if quantities else None
     dimensionless = coefficients.evaluate(scale, recorder, window, width) if scale else {}
     published = reference(scene["name"])
@@ -127,7 +131,7 @@ def summarize(scene: dict, units: dict[str, Unit], scheme: Single, recorder: Rec
             for kind, unit in units.items()
         },
         "versions": {"python": platform.python_version()} | {name: version(name) for name in ("fmpy", "numpy")},
-        "git": _git_revision(),
+        "git": git_revision(),
         "machine": {"cpu": _cpu_model(), "cores": os.cpu_count(), "system": platform.platform()},
     }
 
@@ -147,38 +151,47 @@ def interface(recorder: Recorder) -> dict | None:
     }
 
 
-def clear(folder: Path) -> None:
-    """Remove the results of an earlier run from `folder`, so that all that is found there belongs together."""
-    for name in FILES + FURTHER_FILES:
-        (folder / name).unlink(missing_ok=True)
-
-
 def write(folder: Path, scene: dict, recorder: Recorder, scheme: Single, summary: dict) -> None:
-    """Write scene.json, series.csv, the scheme's logs and summary.json into `folder`; each appears only when it is
-    complete."""
+    """Write scene.json, series.csv, the scheme's logs and summary.json into `folder`, in the place of the results of an
+    earlier run: where one cannot be written those stay, else nothing of theirs does."""
     folder.mkdir(parents=True, exist_ok=True)
 
     def series(path: Path):
         header = ",".join(recorder.columns)
         np.savetxt(path, recorder.table[: recorder.rows], "%.10g", ",", header=header, comments="")
 
-    for name, log in scheme.logs().items():
-        write_whole(
-            folder / f"{name}.csv",
-            lambda path, log=log: np.savetxt(path, log, "%.10g", ",", header=",".join(log.dtype.names), comments=""),
-        )
-
-    write_whole(folder / "scene.json", lambda path: path.write_text(scene_text(scene), encoding="utf-8"))
-    write_whole(folder / "series.csv", series)
     text = json.dumps(_json_numbers(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    write_whole(folder / "summary.json", lambda path: path.write_text(text, encoding="utf-8"))
+    writers = {
+        "scene.json": lambda path: path.write_text(scene_text(scene), encoding="utf-8"),
+        "series.csv": series,
+        "summary.json": lambda path: path.write_text(text, encoding="utf-8"),
+    }
+    for name, log in scheme.logs().items():
+        header = ",".join(log.dtype.names)
+        writers[f"{name}.csv"] = partial(np.savetxt, X=log, fmt="%.10g", delimiter=",", header=header, comments="")
+    write_together(folder, writers)
+    for name in {*FILES, *FURTHER_FILES} - writers.keys():
+        (folder / name).unlink(missing_ok=True)
 
 
-def write_whole(path: Path, writer) -> None:
+def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> None:
+    """Let each of `writers` write a file beside its place in `folder`, then move them all there; where one fails none
+    is moved."""
+    unfinished = {name: folder / f"unfinished-{name}" for name in writers}
+    try:
+        for name, writer in writers.items():
+            writer(unfinished[name])
+    except BaseException:
+        for path in unfinished.values():
+            path.unlink(missing_ok=True)
+        raise
+    for name, path in unfinished.items():
+        path.replace(folder / name)
+
+
+def write_whole(path: Path, writer: Callable[[Path], object]) -> None:
     """Let `writer` write a file beside `path`, then move it there."""
-    unfinished = path.with_name(f"unfinished-{path.name}")
-    writer(unfinished)
-    unfinished.replace(path)
+    write_together(path.parent, {path.name: writer})
 
 
 def print_table(console: Console, summary: dict) -> None:
@@ -229,7 +242,7 @@ def _json_numbers(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _git_revision() -> dict | None:
+def git_revision() -> dict | None:
     """Revision of the working tree and whether it has changes; None outside of git."""
 
     def git(*arguments):

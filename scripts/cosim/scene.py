@@ -4,13 +4,17 @@ What a scene may hold is decided by the units when they are packed (`package.des
 """
 
 import json
+from difflib import get_close_matches
 from pathlib import Path
 
+from .errors import Refusal
+
 ROOT = Path(__file__).resolve().parents[2]
-REFERENCES = ROOT / "scenes" / "references.json"
+SCENES = ROOT / "scenes"
+REFERENCES = SCENES / "references.json"
 
 
-class SceneError(Exception):
+class SceneError(Refusal):
     """A scene or an override that cannot be used; the message names file or key."""
 
 
@@ -19,11 +23,24 @@ def load(path: Path) -> dict:
     try:
         scene = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise SceneError(f"cannot read the scene file {path}: {error.strerror}") from error
+        known = {found.name: found for found in SCENES.glob("*.json")}
+        near = get_close_matches(path.with_suffix(".json").name, known, 1)
+        hint = f"; did you mean {SCENES.name}/{near[0]}?" if near else f"; {SCENES} has the scenes of the project"
+        raise SceneError(f"cannot read the scene file {path}: {error.strerror}{hint}") from error
     except ValueError as error:
         raise SceneError(f"the scene file {path} is not JSON: {error}") from error
     if not isinstance(scene, dict):
         raise SceneError(f"the scene file {path} holds a JSON {type(scene).__name__}, but it must be an object")
+    return scene
+
+
+def customized(path: Path, overrides: list[str] | None, end_time: float | None = None) -> dict:
+    """The scene file with `overrides` (key=value) and another end time, s."""
+    scene = load(path)
+    for assignment in overrides or []:
+        override(scene, assignment)
+    if end_time is not None:
+        override(scene, f"time.end={end_time}")
     return scene
 
 

@@ -14,6 +14,8 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.logging import addLoggerProxy
 
+from .errors import Refusal
+
 FMI_WARNING, FMI_FATAL = 1, 4
 ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")
 """Categories of FMI 2.0 in which a unit says why it failed: some say it only when asked to."""
@@ -21,7 +23,7 @@ ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")
 ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 
 
-class UnitError(Exception):
+class UnitError(Refusal):
     """A unit refused or failed; the message is the unit's own where it gave one."""
 
 
@@ -82,7 +84,7 @@ class Unit:
             raise UnitError(f"{path} cannot be read as an FMU: {error}") from error
         if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
             raise UnitError(f"{path} is not a co-simulation unit of FMI 2.0")
-        self.variables = _variables(self.description)
+        self.variables = variables_of(self.description)
         try:
             self._folder = fmpy.extract(str(path))
             self.fmu = self._call(
@@ -256,7 +258,7 @@ class Unit:
         return UnitError(f"{self.name}: {said or what}")
 
 
-def _variables(description) -> dict[str, Variable]:
+def variables_of(description) -> dict[str, Variable]:
     """The variables of a model description with arrays put together, by name."""
     arrays = defaultdict(dict)
     for scalar in description.modelVariables:

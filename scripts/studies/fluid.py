@@ -4,7 +4,7 @@
     python scripts/studies/fluid.py --list             the cases, what is known of them and what the others will cost
     python scripts/studies/fluid.py --only 'dt/*'      run only those
 
-Every case is a scene of its own, run by scripts/run.py in a process of one thread; the results are collected in
+Every case is a scene of its own, run by scripts/fsi.py in a process of one thread; the results are collected in
 results/fluid-study/results.csv. A case is known there by its scene and the fluid's library, and is run again only when
 one of them has changed. A case that failed stays in the list with its reason.
 """
@@ -277,7 +277,7 @@ def run(case: Case) -> Row:
     scene = case.scene()
     path = folder / "case.json"
     path.write_text(package.scene_text(scene), encoding="utf-8")
-    command = [sys.executable, ROOT / "scripts" / "run.py", path, "--output", folder, "--quiet"]
+    command = [sys.executable, ROOT / "scripts" / "fsi.py", "run", path, "--output", folder, "--quiet"]
     if case.thesis:
         command += ["--fields-every", str(scene["time"]["end"])]
     done = subprocess.run(command, env=os.environ | THREADS, capture_output=True, text=True)

@@ -1,23 +1,18 @@
 """Animation and phases of a run that was made with --fields-every.
 
-    python scripts/run.py scenes/fsi3-325x72.json --fields-every 0.01
-    python scripts/animate.py results/fsi3-325x72
-
-writes vorticity.gif, which goes round without a seam over the last whole periods, and phases.png, four phases of the
-last period, into the result folder.
+vorticity.gif goes round without a seam over the last whole periods, phases.png shows four phases of the last one.
 """
 
 import json
 from pathlib import Path
-from typing import Annotated
 
 import matplotlib.pyplot as plt
 import numpy as np
-import typer
 from PIL import Image
 
-from cosim import fields, plots, statistics
-from cosim.report import MAIN_SIGNALS, write_whole
+from . import fields, plots, statistics
+from .errors import Refusal
+from .report import main_signal, write_whole
 
 PERIODS = 2
 """Whole periods that the animation shows, unless times are asked for."""
@@ -60,7 +55,7 @@ class Frames:
         if not (self.folder / "series.csv").is_file():
             return None
         series = np.genfromtxt(self.folder / "series.csv", delimiter=",", names=True)
-        main = next((name for name in MAIN_SIGNALS if name in series.dtype.names), None)
+        main = main_signal(series.dtype.names, series.__getitem__)
         window = statistics.find_window(series["time"], series[main]) if main else None
         return window if window and window.periods else None
 
@@ -69,19 +64,12 @@ class Frames:
         return np.flatnonzero((self.times >= begin) & (self.times < end)).tolist()
 
 
-def main(
-    folder: Annotated[Path, typer.Argument(exists=True, file_okay=False, help="Result folder of a run.")],
-    begin: Annotated[
-        float | None, typer.Option(help="First time, s; default: two whole periods before the last.")
-    ] = None,
-    end: Annotated[float | None, typer.Option(help="Last time, s.")] = None,
-) -> None:
-    """Write vorticity.gif and phases.png into the result folder."""
+def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
+    """Write vorticity.gif of the times from `begin` to `end` (s) and phases.png into a result folder; returns them."""
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
-        typer.echo(f"error: {folder} holds no fields, which a run writes with --fields-every: {error}", err=True)
-        raise typer.Exit(2) from error
+        raise Refusal(f"{folder} holds no fluid's fields, which a run writes with --fields-every: {error}") from error
     window = frames.window()
     if window:
         looped, last = window.last(PERIODS), window.last(1)
@@ -90,9 +78,9 @@ def main(
     first, stop = looped.begin if begin is None else begin, looped.end if end is None else end
     chosen = frames.between(first, stop)
     if not chosen:
-        typer.echo(f"error: no frames from {first:g} s to {stop:g} s: the run has {frames.times[0]:g} to "
-                   f"{frames.times[-1]:g} s", err=True)  # fmt: skip
-        raise typer.Exit(2)
+        raise Refusal(
+            f"no frames from {first:g} s to {stop:g} s: the run has {frames.times[0]:g} to {frames.times[-1]:g} s"
+        )
     limit = plots.vorticity_limit(
         frames.scene, [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
     )
@@ -101,8 +89,7 @@ def main(
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
     write_whole(folder / "phases.png", lambda path: phases(frames, nearest, limit, path))
     write_whole(folder / "vorticity.gif", lambda path: animation(frames, chosen, limit, path))
-    for name in ("phases.png", "vorticity.gif"):
-        typer.echo(f"{folder / name} ({(folder / name).stat().st_size / 1e6:.1f} MB)")
+    return [folder / "phases.png", folder / "vorticity.gif"]
 
 
 def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
@@ -139,7 +126,3 @@ def animation(frames: Frames, chosen: list[int], limit: float, path: Path) -> No
         images.append(image.quantize(palette=palette, dither=Image.Dither.NONE))
     plt.close(figure)
     images[0].save(path, "GIF", save_all=True, append_images=images[1:], duration=FRAME_MS, loop=0, optimize=True)
-
-
-if __name__ == "__main__":
-    typer.run(main)
