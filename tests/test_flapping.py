@@ -28,9 +28,9 @@ def pitching():
 def record(instantiate):
     """Function that runs a scene and returns what was recorded."""
 
-    def make(scene: dict) -> Recorder:
+    def make(scene: dict, drive=None) -> Recorder:
         units = instantiate(scene)
-        scheme = coupling.couple(units, scene.get("coupling"))
+        scheme = coupling.couple(units, scene.get("coupling"), drive)
         clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
         recorder = Recorder(units, clock.steps)
         outcome = master.run(scheme, clock, recorder)
@@ -76,6 +76,29 @@ def test_stiff_vein_makes_the_forces_of_the_prescribed_motion(pitching, record, 
         scale, difference = np.abs(both[1]).max(), np.abs(both[0] - both[1]).max()
         print(f"{column}: {difference / scale:.2e} of the largest, {scale:.3g}")
         assert difference < 0.01 * scale, f"{column}: {difference} of {scale}"
+
+
+@pytest.mark.parametrize("chosen", [None, {"load": "pressure_jump"}])
+def test_master_drives_the_root_as_the_laws_do(pitching, record, chosen):
+    """Under either load, explicit and iterated."""
+    pitching["time"]["end"] = 0.05
+    if chosen:
+        pitching["coupling"] = chosen
+    by_laws = record(pitching)
+
+    def drive(t: float) -> list[float]:
+        return [0.0, 0.0, 0.0, 0.0, *pitch(pitching, t)]
+
+    by_master = record(pitching | {"rod": pitching["rod"] | {"root_motion": "master"}}, drive)
+    for column in ("tip_uy", "lift", "root_power"):
+        found, expected = by_master.column(column), by_laws.column(column)
+        assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max(), column
+
+
+def test_root_that_nothing_drives_is_refused(pitching, record):
+    pitching["rod"]["root_motion"] = "master"
+    with pytest.raises(coupling.CouplingError, match="leaves the root to the master"):
+        record(pitching)
 
 
 def test_energy_balances_over_a_period(pitching, record):
