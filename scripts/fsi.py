@@ -13,7 +13,7 @@ import sys
 import typer
 from rich.console import Console
 
-from commands import REFUSED, animate, build, dist, inspect, plot, run
+from commands import REFUSED, animate, build, dist, inspect, plot, run, sweep
 from cosim.errors import Refusal
 
 app = typer.Typer(
@@ -29,6 +29,7 @@ for command in (
     inspect.inspect,
     plot.plot,
     animate.animate,
+    sweep.sweep,
     dist.dist,
 ):
     app.command()(command)

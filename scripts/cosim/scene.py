@@ -45,28 +45,34 @@ def customized(path: Path, overrides: list[str] | None, end_time: float | None =
 
 
 def override(scene: dict, assignment: str) -> None:
-    """Set one value of `scene` from `key=value`, e.g. `fluid.box.cells.0=650`.
-
-    The key is a dotted path, in which a number is an index into a list; the value is JSON, or else a string. A last
-    key that does not exist is added: whether it is allowed is for the units to say.
-    """
-    path, equals, text = assignment.partition("=")
-    if not (path and equals):
+    """Set one value of `scene` from `key=value`, e.g. `fluid.box.cells.0=650`; the value is JSON, or else a string."""
+    key, equals, text = assignment.partition("=")
+    if not (key and equals):
         raise SceneError(f"the override `{assignment}` must be of the form key=value")
+    assign(scene, key, json_or_text(text))
+
+
+def json_or_text(text: str):
+    """The value of a JSON text, or else the text itself."""
     try:
-        value = json.loads(text)
+        return json.loads(text)
     except ValueError:
-        value = text
-    *parents, last = [int(key) if key.isdecimal() else key for key in path.split(".")]
+        return text
+
+
+def assign(scene: dict, key: str, value) -> None:
+    """Set one value of `scene` by its dotted path, in which a number is an index into a list. A last key that does not
+    exist is added: whether it is allowed is for the units to say."""
+    *parents, last = [int(part) if part.isdecimal() else part for part in key.split(".")]
     target = scene
     try:
-        for key in parents:
-            target = target[key]
+        for part in parents:
+            target = target[part]
         if isinstance(target, list):
             target[last]  # an index beyond the end is an error, not an addition
         target[last] = value
     except (KeyError, IndexError, TypeError) as error:
-        raise SceneError(f"the override `{assignment}` names a key that the scene does not have") from error
+        raise SceneError(f"the override of `{key}` names a key that the scene does not have") from error
 
 
 def reference(name: str) -> dict | None:

@@ -128,8 +128,7 @@ def _execute(
             if outcome.error is None:
                 plots.vorticity(folder, scene, units, outcome.simulated)
         except OSError as error:
-            errors.print(f"error: the results cannot be written into {folder}: {error.strerror}", markup=False)
-            return FAILED
+            raise Refusal(f"the results cannot be written into {folder}: {error.strerror}") from error
     report.print_table(console, summary)
     console.print(f"results in {folder}", soft_wrap=True)
     if outcome.error is not None:

@@ -1,0 +1,149 @@
+"""Sweeps: a grid of small runs on Dask's workers, what is kept of failures, and what a second sweep does."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import psutil
+import pytest
+from conftest import TOOL, fsi
+from cosim import sweep
+from cosim.scene import SceneError
+from distributed import LocalCluster
+
+pytestmark = [
+    pytest.mark.usefixtures("libraries"),
+    pytest.mark.filterwarnings("default"),  # for those of Dask, whose cluster one test holds in this process
+]
+
+
+@pytest.fixture
+def scene(rod_only, tmp_path):
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(rod_only))
+    return path
+
+
+def table(folder):
+    with open(folder / "sweep.csv", encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(scene, tmp_path):
+    folder = tmp_path / "sweep"
+    command = ["sweep", scene, "--output", folder, "--vary", "rod.gravity=[[0, -2], [0, -4]]", "--vary"]
+    first = fsi(*command, "beam.segments=8,-3")
+    assert first.returncode == 1, first.stderr
+    assert "4 runs, 4 to do" in first.stdout
+    rows = table(folder)
+    assert [(row["rod.gravity"], row["beam.segments"], row["status"]) for row in rows] == [
+        ("[0, -2]", "8", "finished"),
+        ("[0, -2]", "-3", "failed"),
+        ("[0, -4]", "8", "finished"),
+        ("[0, -4]", "-3", "failed"),
+    ]
+    assert "beam.segments" in rows[1]["reason"] and "-3" in rows[1]["reason"]
+    light, heavy = (float(rows[k]["tip_uy_mean"]) for k in (0, 2))
+    assert heavy == pytest.approx(2 * light, rel=1e-3) and light < 0
+    for row in rows[::2]:
+        assert float(row["wall_s"]) > 0 and float(row["cpu_s"]) > 0 and int(row["steps"]) == 100
+        summary = json.loads((folder / row["folder"] / "summary.json").read_text())
+        assert float(row["tip_uy_mean"]) == summary["quantities"]["tip_uy"]["mean"]
+    values = json.loads((folder / "sweep.json").read_text())
+    assert [row["beam.segments"] for row in values] == [8, -3, 8, -3] and values[1]["wall_s"] is not None
+
+    before = {row["folder"]: (folder / row["folder"] / "row.json").stat().st_mtime_ns for row in rows}
+    (folder / rows[2]["folder"] / "row.json").unlink()  # as if the sweep had been stopped before it
+    again = fsi(*command, "beam.segments=8,-3,12")
+    assert again.returncode == 1 and "6 runs, 3 to do" in again.stdout, again.stderr
+    after = {row["folder"]: (folder / row["folder"] / "row.json").stat().st_mtime_ns for row in table(folder)}
+    assert len(after) == 6
+    assert [name for name in before if before[name] == after[name]] == [rows[k]["folder"] for k in (0, 1, 3)]
+
+    retried = fsi(*command, "beam.segments=-3", "--retry-failed")
+    assert "2 runs, 2 to do" in retried.stdout, retried.stderr
+
+
+def test_a_scheduler_is_used_whose_address_is_given(scene, tmp_path):
+    arguments = ["sweep", scene, "--output", tmp_path / "sweep", "--vary", "beam.segments=8", "--scheduler"]
+    options = {"processes": True, "dashboard_address": None}
+    with LocalCluster(n_workers=1, threads_per_worker=1, **options) as cluster:
+        done = fsi(*arguments, cluster.scheduler_address, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert [row["status"] for row in table(tmp_path / "sweep")] == ["finished"]
+
+
+@pytest.mark.parametrize(("workers", "said"), [({"n_workers": 0}, "has no workers"), ({"threads_per_worker": 2}, "--nthreads 1")])
+def test_a_cluster_that_cannot_run_is_said(workers, said, scene, tmp_path):
+    with LocalCluster(**({"n_workers": 1} | workers), processes=False, dashboard_address=None, protocol="tcp://") as cluster:
+        done = fsi("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", cluster.scheduler_address)
+    assert done.returncode == 2 and said in done.stderr, done.stderr
+
+
+def test_a_scheduler_that_does_not_answer_is_said(scene, tmp_path):
+    done = fsi("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", "tcp://127.0.0.1:9")
+    assert done.returncode == 2 and "no scheduler answers at tcp://127.0.0.1:9" in done.stderr, done.stderr
+
+
+def running(process: subprocess.Popen) -> list[psutil.Process]:
+    """Workers of a sweep in which an unpacked FMU is loaded at the moment."""
+    found = []
+    for child in psutil.Process(process.pid).children(recursive=True):
+        try:
+            if "/binaries/" in Path(f"/proc/{child.pid}/maps").read_text():
+                found.append(child)
+        except OSError:
+            pass
+    return found
+
+
+def test_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(scene, tmp_path):
+    folder = tmp_path / "sweep"
+    command = ["sweep", scene, "--output", folder, "--vary", "time.end=1e-3,1e5"]
+    environment = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
+    process = subprocess.Popen([*TOOL, *command], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    deadline = time.monotonic() + 120
+    while not list(folder.glob("*/row.json")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    killed = 0
+    while process.poll() is None and time.monotonic() < deadline:
+        for worker in running(process):
+            worker.send_signal(signal.SIGKILL)
+            worker.wait()
+            killed += 1
+        time.sleep(0.1)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 1, errors
+    assert killed == 2
+    quick, endless = table(folder)
+    assert quick["status"] == "finished"
+    assert (endless["status"], endless["reason"]) == ("killed", "its worker died 2 times")
+
+    again = fsi(*command)
+    assert again.returncode == 1 and "2 runs, 0 to do" in again.stdout, again.stderr
+
+
+@pytest.mark.parametrize(
+    ("variations", "message"),
+    [
+        (["beam.segments"], "must be of the form key=value,value"),
+        (["beam.segments="], "must be of the form key=value,value"),
+        (["beam.segments=8", "beam.segments=16"], "name a key twice"),
+        (["fluid.cylinders.0.radius=1"], "names a key that the scene does not have"),
+    ],
+)
+def test_a_variation_that_leads_nowhere_is_said(variations, message, rod_only):
+    with pytest.raises(SceneError, match=message):
+        sweep.grid([rod_only], [sweep.values(text) for text in variations])
+
+
+def test_several_scenes_and_listed_values_make_one_grid(rod_only, fluid_only):
+    variations = [sweep.values("time.end=0.1,0.2"), sweep.values("name=[\"one\", \"two\"]")]
+    cases = sweep.grid([rod_only, fluid_only], variations)
+    assert len({case.folder for case in cases}) == len(cases) == 8
+    assert cases[1].varied == {"time.end": 0.1, "name": "two"} and cases[1].scene["name"] == "two"
+    assert rod_only["name"] == "falling-rod", "the scene that is varied stays as it was"
