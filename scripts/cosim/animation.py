@@ -106,12 +106,14 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
 
 
 def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
-    """Four frames below each other, with one colour scale."""
-    width, height = plots.size(frames.scene, WIDTH)
+    """Four frames below each other, or two by two where the box is high, with one colour scale."""
+    columns = 2 if plots.size(frames.scene, WIDTH)[1] > WIDTH / 2 else 1
+    _, height = plots.size(frames.scene, WIDTH / columns)
+    rows = len(chosen) // columns
     figure, axes = plt.subplots(
-        len(chosen), sharex=True, figsize=(width, (height - 0.5) * len(chosen) + 0.5), layout="constrained"
+        rows, columns, sharex=True, sharey=True, figsize=(WIDTH, (height - 0.5) * rows + 0.5), layout="constrained"
     )
-    for axis, frame in zip(axes, chosen):
+    for axis, frame in zip(axes.flat, chosen):
         picture = plots.draw_vorticity(axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit)
         axis.set_title(f"t = {frames.times[frame]:.3f} s", fontsize="medium")
         axis.label_outer()
