@@ -15,6 +15,7 @@ IQN-ILS.
 """
 
 from array import array
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -54,10 +55,19 @@ class CouplingError(Refusal):
     """The units do not fit each other, or the iteration between them did not converge."""
 
 
+Drive = Callable[[float], Sequence[float]]
+"""Motion of a root that the master drives: the values at a time (s) of the rod's inputs `root.*`, in their order."""
+
+
+def root_inputs(unit: Unit) -> list[str]:
+    """Names of the inputs with which a master drives the root of `unit`."""
+    return [v.name for v in unit.variables.values() if v.causality == "input" and v.name.startswith("root.")]
+
+
 def connections(source: Unit, target: Unit) -> list[str]:
-    """Names of the quantities that `source` gives to `target`; raises `CouplingError` where an input of `target`
-    finds no output of the same name, number and unit."""
-    names = [v.name for v in target.variables.values() if v.causality == "input"]
+    """Names of the quantities that `source` gives to `target`; raises `CouplingError` where an input of `target`, but those
+    of a driven root, finds no output of the same name, number and unit."""
+    names = [v.name for v in target.variables.values() if v.causality == "input" and not v.name.startswith("root.")]
     for name in names:
         here, there = target.variables[name], source.variables.get(name)
         if there is None or there.causality != "output":
@@ -72,20 +82,22 @@ def connections(source: Unit, target: Unit) -> list[str]:
 
 
 class Single:
-    """One unit alone: every input keeps its start value."""
+    """One unit alone: every input keeps its start value, but those of a root that `drive` moves."""
 
     choice = None
     """What was chosen for the scene, and why, as summary.json shows it."""
 
-    def __init__(self, unit: Unit):
-        unit.connect([], [])
-        self.unit = unit
+    def __init__(self, unit: Unit, drive: Drive | None = None):
+        unit.connect(root_inputs(unit) if drive else [], [])
+        self.unit, self.drive, self.root = unit, drive, unit.inputs
 
     def start(self) -> None:
         self.unit.get()
         self.unit.start()
 
     def step(self, t: float, h: float) -> int:
+        if self.drive:
+            self.root[:] = self.drive(t + h)
         self.unit.step(t, h)
         return 1
 
@@ -104,12 +116,18 @@ class Single:
 class Explicit(Single):
     """Rod and fluid with one exchange a step, the rod first."""
 
-    def __init__(self, rod: Unit, fluid: Unit):
-        self.rod, self.fluid = rod, fluid
-        loads, stations = connections(fluid, rod), connections(rod, fluid)
-        rod.connect(loads, stations)
+    def __init__(self, rod: Unit, fluid: Unit, drive: Drive | None = None):
+        self.rod, self.fluid, self.drive = rod, fluid, drive
+        loads, stations, root = connections(fluid, rod), connections(rod, fluid), root_inputs(rod)
+        if root and drive is None:
+            raise CouplingError(
+                "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of time, or couple the "
+                "units from Python with a drive"
+            )
+        rod.connect(loads + root, stations)
         fluid.connect(stations, loads)
         self.loads, self.stations = fluid.exchanged, rod.exchanged
+        self.taken, self.root = np.split(rod.inputs, [self.loads.size])
         took, gave = rod.slices.get("load.power"), fluid.slices.get("beam.power")
         # Under the pressure jump the two are not the same: it lacks the fluid inside the mask and the viscous traction.
         self.powers = [power.start for power in (took, gave if takes_momentum(rod) else None) if power]
@@ -123,19 +141,25 @@ class Explicit(Single):
         self.fluid.inputs[:] = self.stations
         self.fluid.set()
         self.fluid.get()
-        self.rod.inputs[:] = self.loads
+        self.taken[:] = self.loads
         self.rod.set()
         self.rod.start()
         self.fluid.start()
 
     def step(self, t: float, h: float) -> int:
         """Step both from `t` to `t + h` (s); returns the number of iterations."""
-        self.rod.inputs[:] = self.loads
+        self.take(t + h)
         self.rod.step(t, h)
         self.fluid.inputs[:] = self.stations
         self.fluid.step(t, h)
         self.watch(t + h)
         return 1
+
+    def take(self, t: float) -> None:
+        """Inputs of the rod for its step to `t` (s)."""
+        self.taken[:] = self.loads
+        if self.drive:
+            self.root[:] = self.drive(t)
 
     def watch(self, t: float) -> None:
         """Stop a run whose two sides have come apart, or whose load is noise: what is unstable may well stay finite."""
@@ -169,7 +193,7 @@ class ParallelExplicit(Explicit):
     """Rod and fluid with one exchange a step, each with what the other gave at its beginning."""
 
     def step(self, t: float, h: float) -> int:
-        self.rod.inputs[:] = self.loads
+        self.take(t + h)
         self.fluid.inputs[:] = self.stations
         self.rod.step(t, h)
         self.fluid.step(t, h)
@@ -282,11 +306,12 @@ class Iterated(Explicit):
         self,
         rod: Unit,
         fluid: Unit,
+        drive: Drive | None = None,
         tolerance: float = 1e-4,
         max_iterations: int = 50,
         acceleration: str = "iqn_ils",
     ):
-        super().__init__(rod, fluid)
+        super().__init__(rod, fluid, drive)
         for unit in (rod, fluid):
             if not unit.can_roll_back:
                 raise CouplingError(f"the iterated scheme needs rollback, but the {unit.name} cannot restore its state")
@@ -320,7 +345,7 @@ class Iterated(Explicit):
                 rod.restore()
                 fluid.restore()
             fluid.step(t, h)
-            rod.inputs[:] = self.loads
+            self.take(t + h)
             rod.step(t, h)
             residual = (stations - given)[self.displacement]
             change = float(np.linalg.norm((stations - before)[self.displacement]))
@@ -371,14 +396,15 @@ def takes_momentum(rod: Unit) -> bool:
     return impedance is not None and impedance.causality == "input"
 
 
-def couple(units: dict[str, Unit], coupling: dict | None) -> Single:
+def couple(units: dict[str, Unit], coupling: dict | None, drive: Drive | None = None) -> Single:
     """The units of a scene under its `coupling`; `choice` of what is returned says what was chosen where it does not say.
+    `drive` moves a root that the scene leaves to the master.
 
     The load is chosen by the units, when they are packed. The scheme follows from it: explicit under the momentum load,
     which is implicit by itself; iterated under the pressure jump, which is not.
     """
     if len(units) == 1:
-        return Single(*units.values())
+        return Single(*units.values(), drive)
     rod, fluid = units["rod"], units["fluid"]
     load = "momentum" if takes_momentum(rod) else "pressure_jump"
     scheme, reason = (coupling or {}).get("scheme"), "the scene says so"
@@ -387,11 +413,11 @@ def couple(units: dict[str, Unit], coupling: dict | None) -> Single:
     elif scheme is None:
         scheme, reason = {"iterated": {}}, "the pressure jump holds the added mass, which an explicit scheme leaves a step late"
     if scheme == "explicit":
-        made = Explicit(rod, fluid)
+        made = Explicit(rod, fluid, drive)
     elif scheme == "parallel_explicit":
-        made = ParallelExplicit(rod, fluid)
+        made = ParallelExplicit(rod, fluid, drive)
     else:
-        made = Iterated(rod, fluid, **scheme["iterated"])
+        made = Iterated(rod, fluid, drive, **scheme["iterated"])
     name = scheme if isinstance(scheme, str) else f"iterated, {scheme['iterated'].get('acceleration', 'iqn_ils')}"
     why = rod.variables.get("load.reason")
     made.choice = {
