@@ -68,7 +68,7 @@ record: build $(READY) ## write tests/recorded.json anew: only after a change of
 	PYTHONPATH=scripts $(RUN) tests/record.py
 
 lock: ## pin requirements*.in anew; needs pip-tools
-	for name in requirements requirements-bench requirements-masters requirements-dist; do \
+	for name in requirements requirements-bench requirements-masters requirements-dist requirements-peers; do \
 	pip-compile --generate-hashes --strip-extras --no-header --no-emit-index-url --no-emit-trusted-host \
 	--no-emit-find-links --output-file $$name.lock $$name.in || exit; done
 
@@ -142,4 +142,26 @@ dist: $(DIST_VENV)/.ready $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for
 $(DIST_VENV)/.ready: requirements-dist.lock
 	$(PYTHON) -m venv --clear $(DIST_VENV)
 	$(DIST_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dist.lock
+	touch $@
+
+.PHONY: report report-full
+
+PEERS_VENV := target/report/venv
+REPORT := $(RUN) scripts/report
+
+report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the report (a quarter of an hour on a free machine), write docs/report
+	$(REPORT) measure
+	$(REPORT) leave-out
+	$(REPORT) collect
+	$(REPORT) render
+
+report-full: build $(READY) $(PEERS_VENV)/.ready rod-study fluid-study coupling-study bench-fluid ## the same with all studies anew and the long cases: a day
+	$(REPORT) measure --full
+	$(REPORT) leave-out
+	$(REPORT) collect
+	$(REPORT) render
+
+$(PEERS_VENV)/.ready: requirements-peers.lock
+	$(PYTHON) -m venv --clear $(PEERS_VENV)
+	$(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-peers.lock
 	touch $@

@@ -1,0 +1,62 @@
+"""A scene, run several times in a process of its own: `python worker.py REPEATS < scene.json` prints one JSON object.
+
+One run goes before the others and is not timed; with 0 repeats it is the only one and is timed. What is timed is the loop over the steps, with Python and FMI in it, without
+loading, packing and evaluation; memory is the largest resident set of the process less what it had before the units were loaded.
+"""
+
+import json
+import resource
+import sys
+import tempfile
+from contextlib import ExitStack
+from pathlib import Path
+from time import process_time
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from cosim import coupling, master, package, report
+from cosim.errors import Refusal
+from cosim.recorder import Recorder
+from cosim.unit import Unit
+
+
+def resident() -> float:
+    """Largest resident set of this process so far, MB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def once(scene: dict, fmus: dict[str, Path]) -> tuple[dict, list[float]]:
+    """Summary of a run, and its wall and CPU time, s."""
+    with ExitStack() as stack:
+        clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+        units = {}
+        for kind, path in fmus.items():
+            units[kind] = Unit(path, kind, clock.end)
+            stack.callback(units[kind].close)
+        scheme = coupling.couple(units, scene.get("coupling"))
+        recorder = Recorder(units, clock.steps)
+        begin = process_time()
+        outcome = master.run(scheme, clock, recorder)
+        times = [outcome.wall, process_time() - begin]
+        return report.summarize(scene, units, scheme, recorder, outcome) | {"last": recorder.latest}, times
+
+
+def main() -> None:
+    repeats, scene = int(sys.argv[1]), json.load(sys.stdin)
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            fmus = {kind: package.pack(kind, scene, Path(folder)) for kind in package.kinds(scene)}
+            before = resident()
+            summary, first = once(scene, fmus)
+            memory = resident() - before
+            runs = [once(scene, fmus)[1] for _ in range(repeats)] if summary["error"] is None else []
+        except Refusal as error:
+            print(json.dumps({"error": str(error)}))
+            return
+    kept = ("error", "quantities", "coefficients", "phases_s", "wall_s", "steps", "iterations_mean", "periods", "last")
+    found = {key: summary[key] for key in kept} | {"runs": runs or [first], "memory_mb": memory}
+    print(json.dumps(report._json_numbers(found)))
+
+
+if __name__ == "__main__":
+    main()
