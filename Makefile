@@ -117,11 +117,14 @@ $(BENCH_VENV)/.ready: requirements-bench.lock
 .PHONY: reliability masters-test
 
 reliability: build $(READY) ## mistreat the units at full count and write docs/reliability.md anew, an hour; ARGS="--list", "--only forks"
-	$(RUN) scripts/studies/reliability.py --write $(ARGS)
+	$(RUN) scripts/studies/reliability --write $(ARGS)
 
 MASTERS_VENV := target/masters/venv
 
-masters-test: build $(MASTERS_VENV)/.ready ## run the units in libcosim, Ecos, fmpy's SSP reader and a container FMU
+masters-test: build $(MASTERS_VENV)/.ready ## run the units in libcosim, Ecos, fmpy's SSP reader, a container FMU and the crate fmi
+	LIBCLANG_PATH=$$($(MASTERS_VENV)/bin/python -c "import clang.native; print(*clang.native.__path__)") \
+	BINDGEN_EXTRA_CLANG_ARGS="-I$$(cc -print-file-name=include)" \
+	cargo build --quiet --locked --manifest-path tests/masters/fmi/Cargo.toml --target-dir target/masters/fmi
 	$(MASTERS_VENV)/bin/python -m pytest tests/masters
 
 $(MASTERS_VENV)/.ready: requirements.lock requirements-masters.lock
@@ -143,6 +146,24 @@ $(DIST_VENV)/.ready: requirements-dist.lock
 	$(PYTHON) -m venv --clear $(DIST_VENV)
 	$(DIST_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dist.lock
 	touch $@
+
+.PHONY: fuzz
+
+FUZZ_TARGETS := rod_scene fluid_scene rod_state fluid_state
+
+fuzz: build $(READY) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each; needs nightly and cargo-fuzz
+	$(RUN) fuzz/seeds.py
+	for target in $(FUZZ_TARGETS); do cargo +nightly fuzz run --fuzz-dir fuzz $$target -- \
+	-timeout=30 -max_len=65536 -dict=fuzz/target/scene.dict -print_final_stats=1 $(or $(ARGS),-max_total_time=300) || exit; done
+
+.PHONY: sanitizers
+
+SANITIZERS := --locked --manifest-path tests/sanitizers/Cargo.toml --bins --target-dir target/sanitizers
+
+sanitizers: $(READY) ## call both units under AddressSanitizer and valgrind; needs nightly and valgrind
+	RUSTFLAGS=-Zsanitizer=address cargo +nightly build $(SANITIZERS)/asan --target x86_64-unknown-linux-gnu
+	cargo build $(SANITIZERS)/plain
+	$(RUN) -m pytest tests/sanitizers
 
 .PHONY: report report-full
 

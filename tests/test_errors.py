@@ -86,6 +86,7 @@ def test_another_scene_under_the_same_description_is_refused(kind, small_fsi3, t
     [
         ("fluid.colour=1", ["colour"]),
         ("fluid.threads=0", ["fluid.threads", "is 0", "between 1 and 1024"]),
+        ("fluid.box.cells=[32768,32768]", ["fluid.box.cells", "is [32768, 32768]", "at most 67108864 cells together"]),
         ("fluid.box.cells.1=0", ["fluid.box.cells[1]", "is 0", "at least 8|between 8"]),
         ("fluid.density=-1", ["fluid.density", "-1", "above 0"]),
         ("fluid.density=NaN", ["fluid.density"]),
@@ -101,6 +102,8 @@ def test_another_scene_under_the_same_description_is_refused(kind, small_fsi3, t
             'fluid.sponge={"x": [2, 9], "mean_velocity": {"steady": 1}, "c_eta": 0.1}',
             ["fluid.sponge.x", "[2, 9]", "inside the box"],
         ),
+        ("beam.segments=1000000000000", ["beam.segments", "1000000000000", "between 2 and 65536"]),
+        ("beam.root.on_cylinder.cylinder=5", ["beam.root.on_cylinder.cylinder", "is 5", "1 cylinders, counted from 0"]),
         ("beam.segments=-3", ["beam.segments", "-3"]),
         ("rod.material.plane_strain.poisson_ratio=0.5", ["poisson_ratio", "0.5"]),
         ("time.communication_step=0", ["time.communication_step", "is 0", "above 0"]),

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import fmpy
 import pytest
-import reliability
 from cosim import package
 from lxml import etree
-from reliability import CHECKS, ERROR, OK, Callbacks, Library, Unit, guarded
+from reliability.checks import CHECKS, guarded, unpack
+from reliability.unit import ERROR, OK, STEP, Callbacks, Library, Unit
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)
@@ -21,7 +21,7 @@ both = pytest.mark.parametrize("kind", package.KINDS)
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory, libraries):
     """The unpacked FMUs by kind."""
-    return {kind: reliability.unpack(kind, tmp_path_factory.mktemp(kind)) for kind in package.KINDS}
+    return {kind: unpack(kind, tmp_path_factory.mktemp(kind)) for kind in package.KINDS}
 
 
 @both
@@ -87,7 +87,7 @@ def test_without_a_logger_a_refusal_is_only_a_status(kind, folders):
     library.callbacks = Callbacks()
     unit = Unit(library)
     assert library.DoStep(unit.component, 0.0, -1.0, 0) == ERROR
-    assert library.DoStep(unit.component, 0.0, reliability.STEP, 0) == OK
+    assert library.DoStep(unit.component, 0.0, STEP, 0) == OK
 
 
 @both

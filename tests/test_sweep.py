@@ -5,6 +5,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -13,11 +14,11 @@ import pytest
 from conftest import TOOL, fsi
 from cosim import sweep
 from cosim.scene import SceneError
-from distributed import LocalCluster
+from distributed import Client, LocalCluster
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),
-    pytest.mark.filterwarnings("default"),  # for those of Dask, whose cluster one test holds in this process
+    pytest.mark.filterwarnings("default"),  # for those of Dask, whose clusters some tests hold in this process
 ]
 
 
@@ -28,14 +29,40 @@ def scene(rod_only, tmp_path):
     return path
 
 
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """Address of a scheduler with two workers, started as their users do: nothing of ours is on their path."""
+    folder = tmp_path_factory.mktemp("cluster")
+    file = folder / "scheduler.json"
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+    worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--nthreads", "1", "--nworkers", "2", "--no-dashboard"]
+    processes = []
+    try:
+        for start in (command, worker):
+            quiet = {"cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+            processes.append(subprocess.Popen([*start, "--scheduler-file", file], **quiet))
+        deadline = time.monotonic() + 60
+        while not file.exists() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        address = json.loads(file.read_text())["address"]
+        with Client(address) as client:
+            client.wait_for_workers(2, timeout=60)
+        yield address
+    finally:
+        for process in reversed(processes):
+            process.terminate()
+            process.wait(timeout=60)
+
+
 def table(folder):
     with open(folder / "sweep.csv", encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
-def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(scene, tmp_path):
+def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(scene, cluster, tmp_path):
     folder = tmp_path / "sweep"
-    command = ["sweep", scene, "--output", folder, "--vary", "rod.gravity=[[0, -2], [0, -4]]", "--vary"]
+    command = ["sweep", scene, "--output", folder, "--scheduler", cluster]
+    command += ["--vary", "rod.gravity=[[0, -2], [0, -4]]", "--vary"]
     first = fsi(*command, "beam.segments=8,-3")
     assert first.returncode == 1, first.stderr
     assert "4 runs, 4 to do" in first.stdout
@@ -68,18 +95,10 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
     assert "2 runs, 2 to do" in retried.stdout, retried.stderr
 
 
-def test_a_scheduler_is_used_whose_address_is_given(scene, tmp_path):
-    arguments = ["sweep", scene, "--output", tmp_path / "sweep", "--vary", "beam.segments=8", "--scheduler"]
-    options = {"processes": True, "dashboard_address": None}
-    with LocalCluster(n_workers=1, threads_per_worker=1, **options) as cluster:
-        done = fsi(*arguments, cluster.scheduler_address, cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert [row["status"] for row in table(tmp_path / "sweep")] == ["finished"]
-
-
 @pytest.mark.parametrize(("workers", "said"), [({"n_workers": 0}, "has no workers"), ({"threads_per_worker": 2}, "--nthreads 1")])
 def test_a_cluster_that_cannot_run_is_said(workers, said, scene, tmp_path):
-    with LocalCluster(**({"n_workers": 1} | workers), processes=False, dashboard_address=None, protocol="tcp://") as cluster:
+    options = {"n_workers": 1, "processes": False, "dashboard_address": "127.0.0.1:0", "protocol": "tcp://"}
+    with LocalCluster(**(options | workers)) as cluster:
         done = fsi("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", cluster.scheduler_address)
     assert done.returncode == 2 and said in done.stderr, done.stderr
 
@@ -101,7 +120,7 @@ def running(process: subprocess.Popen) -> list[psutil.Process]:
     return found
 
 
-def test_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(scene, tmp_path):
+def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(scene, tmp_path):
     folder = tmp_path / "sweep"
     command = ["sweep", scene, "--output", folder, "--vary", "time.end=1e-3,1e5"]
     environment = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
@@ -142,7 +161,7 @@ def test_a_variation_that_leads_nowhere_is_said(variations, message, rod_only):
 
 
 def test_several_scenes_and_listed_values_make_one_grid(rod_only, fluid_only):
-    variations = [sweep.values("time.end=0.1,0.2"), sweep.values("name=[\"one\", \"two\"]")]
+    variations = [sweep.values("time.end=0.1,0.2"), sweep.values('name=["one", "two"]')]
     cases = sweep.grid([rod_only, fluid_only], variations)
     assert len({case.folder for case in cases}) == len(cases) == 8
     assert cases[1].varied == {"time.end": 0.1, "name": "two"} and cases[1].scene["name"] == "two"

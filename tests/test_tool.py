@@ -1,14 +1,20 @@
 """The command line as a whole: what each command shows or writes, and what it says when it cannot."""
 
+import hashlib
 import json
 import os
+import resource
 import subprocess
 import sys
 import zipfile
+from contextlib import ExitStack, contextmanager
 
 import pytest
 from conftest import FSI3, fsi, run_scene
+from cosim import delivery, report, simulation
+from cosim.errors import Refusal
 from cosim.scene import ROOT
+from rich.console import Console
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -52,7 +58,8 @@ def test_inspect_shows_what_a_scene_will_do(small_fsi3, tmp_path):
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
     shown = fsi("inspect", path).stdout
-    for part in ("rod and fluid", "20000 steps of 0.0004 s", "160 x 36 cells", "20 segments, 21 stations", "load ", "scheme ", " MB"):
+    sizes = ("20000 steps of 0.0004 s", "160 x 36 cells", "20 segments, 21 stations")
+    for part in ("rod and fluid", *sizes, "load ", "scheme ", " MB"):
         assert part in shown, shown
 
 
@@ -153,8 +160,64 @@ def test_build_without_cargo_says_what_to_install(tmp_path):
     assert done.returncode == 2 and "install Rust" in done.stderr, done.stderr
 
 
+@contextmanager
+def no_file_beyond(size):
+    """A limit on the size of files stands for a disk that gets full."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_results_that_cannot_be_written_leave_the_former_ones(result, rod_only, monkeypatch):
+    folder = result("falling")
+    before = contents(folder)
+    quiet = Console(quiet=True)
+    summarize = report.summarize
+
+    def then_full(*arguments):
+        disk.enter_context(no_file_beyond(2000))  # scene.json has room, series.csv not
+        return summarize(*arguments)
+
+    monkeypatch.setattr(report, "summarize", then_full)
+    with ExitStack() as disk, pytest.raises(Refusal, match=f"results cannot be written into {folder}: File too large"):
+        simulation.run(rod_only, folder, {}, simulation.Keeping(), quiet, quiet)
+    assert contents(folder) == before
+
+
+def test_units_that_cannot_be_packed_or_unpacked_are_said(result, tmp_path):
+    folder = result("falling")
+    before = contents(folder)
+    command = ["run", tmp_path / "scene.json", "--output", folder]
+    with no_file_beyond(2000):
+        packing = fsi(*command)
+        unpacking = fsi(*command, "--rod-fmu", folder / "falling-rod-rod.fmu")
+    assert packing.returncode == unpacking.returncode == 2
+    assert f"cannot write into the result folder {folder}: File too large" in packing.stderr, packing.stderr
+    assert "falling-rod-rod.fmu cannot be unpacked into" in unpacking.stderr, unpacking.stderr
+    assert contents(folder) == before
+
+
 def test_results_that_are_damaged_are_said(result):
     folder = result("falling")
     (folder / "series.csv").write_text("time,tip_uy\n0.0,zero\n")
     done = fsi("plot", folder)
     assert done.returncode == 2 and "are damaged" in done.stderr, done.stderr
+
+
+def test_a_delivery_is_what_its_checksums_and_manifest_say(fsi3, tmp_path, monkeypatch):
+    monkeypatch.setattr(delivery, "OLDEST_GLIBC", (99, 0))  # the libraries of this machine will do
+    folder = tmp_path / "dist"
+    delivery.write(fsi3, folder)
+    sums = dict(line.split("  ")[::-1] for line in (folder / "SHA256SUMS").read_text().splitlines())
+    assert sums == {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.name != "SHA256SUMS"}
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert manifest["files"].keys() | {"manifest.json"} == sums.keys()
+    git = report.git_revision()
+    assert manifest["source_revision"].startswith(git["revision"]) and git["dirty"] == ("-dirty" in manifest["source_revision"])

@@ -1,6 +1,8 @@
 """The FMUs of the shipped FSI3 scene as files: standard, contract, and what is committed of them."""
 
+import re
 import subprocess
+import sys
 import zipfile
 from pathlib import Path
 
@@ -8,7 +10,7 @@ import fmpy
 import numpy as np
 import pytest
 from cosim import coupling, package
-from cosim.scene import ROOT
+from cosim.scene import ROOT, SceneError
 from cosim.unit import ELEMENT
 from fmpy.validation import validate_fmu
 from lxml import etree
@@ -42,6 +44,38 @@ def test_fmu_holds_library_scene_and_description(kind, fsi3, tmp_path):
 def test_packing_twice_gives_the_same_bytes(kind, fsi3, tmp_path):
     first, second = (package.pack(kind, fsi3, tmp_path / folder).read_bytes() for folder in "ab")
     assert first == second
+
+
+SYSTEM = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "libpthread.so.0", "libdl.so.2", "ld-linux-x86-64.so.2"}
+"""Libraries that every Linux has: those of glibc, and that of the C compiler for unwinding."""
+
+
+@both
+@pytest.mark.skipif(sys.platform != "linux", reason="reads the headers of ELF files")
+def test_library_needs_nothing_but_the_system(kind):
+    headers = subprocess.run(["objdump", "-p", package.library(kind)], capture_output=True, text=True, check=True).stdout
+    needed = set(re.findall(r"NEEDED\s+(\S+)", headers))
+    assert "libc.so.6" in needed and needed <= SYSTEM, needed
+    assert re.findall(r"RUNPATH|RPATH", headers) == []
+
+
+def test_fmus_of_several_systems_become_one(fsi3, tmp_path):
+    own = package.pack("rod", fsi3, tmp_path)
+    other = tmp_path / "other.fmu"
+    with zipfile.ZipFile(own) as archive:
+        files = {name: archive.read(name) for name in archive.namelist()}
+    binary = next(name for name in files if name.startswith("binaries/"))
+    foreign = {name: data for name, data in files.items() if name != binary} | {"binaries/other64/fmu_rod.so": b"..."}
+    package.write_archive(other, foreign)
+    with zipfile.ZipFile(package.merge([own, other], tmp_path / "both.fmu")) as archive:
+        assert {name: archive.read(name) for name in archive.namelist()} == files | foreign
+        modes = {info.filename: info.external_attr >> 16 for info in archive.infolist()}
+    assert [name for name, mode in modes.items() if mode == 0o755] == [binary, "binaries/other64/fmu_rod.so"]
+
+    package.write_archive(other, foreign | {"resources/scene.json": b"{}"})
+    with pytest.raises(SceneError, match=r"other\.fmu differs from .* in resources/scene\.json"):
+        package.merge([own, other], tmp_path / "neither.fmu")
+    assert not (tmp_path / "neither.fmu").exists()
 
 
 @both

@@ -78,9 +78,18 @@ impl FluidUnit {
     fn set_parameters(&mut self, parameters: Parameters) -> Result<(), String> {
         self.parameters = parameters;
         let part = self.scene.fluid.as_mut().expect("loading refuses a scene without a fluid");
-        if Parameters::of(part) != parameters {
-            parameters.apply(part);
-            self.fluid = Fluid::new(&self.scene).map_err(|e| e.to_string())?;
+        let own = Parameters::of(part);
+        if own == parameters {
+            return Ok(());
+        }
+        parameters.apply(part);
+        let renewed = self.scene.check().map_err(|e| e.to_string());
+        match renewed.and_then(|()| Fluid::new(&self.scene).map_err(|e| e.to_string())) {
+            Ok(fluid) => self.fluid = fluid,
+            Err(message) => {
+                own.apply(self.scene.fluid.as_mut().expect("it was there"));
+                return Err(message);
+            }
         }
         Ok(())
     }
@@ -303,13 +312,17 @@ impl Model for FluidUnit {
         }
     }
 
-    fn restore(&mut self, state: &State) {
-        self.set_parameters(state.parameters).expect("a state holds parameters that were accepted");
-        self.fluid.restore(&state.fluid);
-        if let (Some(stations), Some(known)) = (self.fluid.stations_mut(), &state.stations) {
-            stations.clone_from(known);
+    fn restore(&mut self, state: &State) -> Result<(), String> {
+        self.set_parameters(state.parameters)?;
+        self.fluid.restore(&state.fluid).map_err(|e| e.to_string())?;
+        if let Some(stations) = self.fluid.stations_mut() {
+            match &state.stations {
+                Some(known) if known.has_shape_of(stations) => stations.copy_from(known),
+                _ => return Err("its stations are not as many as those of this beam".into()),
+            }
         }
         self.publish();
+        Ok(())
     }
 
     /// `vorticity`, `u`, `v` and `p`, in SI units, x the slow axis.

@@ -569,18 +569,27 @@ impl Model for RodUnit {
         }
     }
 
-    fn restore(&mut self, state: &State) {
+    fn restore(&mut self, state: &State) -> Result<(), String> {
         self.parameters = state.parameters;
         self.root = state.root;
-        let result = either!(&mut self.body, rod => state.parameters.apply(rod)).and_then(|()| {
-            self.body.loads().clone_from(&state.loads);
-            match (&mut self.body, &state.rod) {
-                (Body::Planar(rod), BodyState::Planar(state)) => rod.restore(state),
-                (Body::Spatial(rod), BodyState::Spatial(state)) => rod.restore(state),
-                _ => unreachable!("a state of this scene has its dimension"),
+        either!(&mut self.body, rod => state.parameters.apply(rod)).map_err(|e| e.to_string())?;
+        let loads = self.body.loads();
+        for (name, own, known) in [
+            ("force", &mut loads.force, &state.loads.force),
+            ("impedance", &mut loads.impedance, &state.loads.impedance),
+            ("pressure_jump", &mut loads.pressure_jump, &state.loads.pressure_jump),
+        ] {
+            if own.len() != known.len() {
+                return Err(format!("loads.{name} has {} elements, but this rod has {}", known.len(), own.len()));
             }
-        });
-        result.and_then(|()| self.publish()).expect("a saved state was once a valid one");
+            own.copy_from_slice(known);
+        }
+        let result = match (&mut self.body, &state.rod) {
+            (Body::Planar(rod), BodyState::Planar(state)) => rod.restore(state),
+            (Body::Spatial(rod), BodyState::Spatial(state)) => rod.restore(state),
+            _ => return Err("the rod of the state has another number of space dimensions than this one".into()),
+        };
+        result.and_then(|()| self.publish()).map_err(|e| e.to_string())
     }
 }
 

@@ -35,7 +35,7 @@ def sweep(
     """
     scenes = [customized(path, overrides, end_time) for path in scene_files]
     cases = sweeps.grid(scenes, [sweeps.values(text) for text in vary or []])
-    folder = output or ROOT / "results" / f"sweep-{scenes[0].get('name', 'unnamed')}"
+    folder = output or ROOT / "results" / f"sweep-{sweeps.plain_name(scenes[0])}"
     console, _ = simulation.consoles(quiet)
     rows = sweeps.run(
         cases, folder, scheduler, retry_failed, lambda text: console.print(text, markup=False, soft_wrap=True)

@@ -12,7 +12,8 @@ from PIL import Image
 
 from . import fields, plots, statistics
 from .errors import Refusal
-from .report import MAIN_SIGNALS, write_whole
+from .files import write_whole
+from .report import MAIN_SIGNALS
 
 PERIODS = 2
 """Whole periods that the animation shows, unless times are asked for."""

@@ -114,7 +114,7 @@ def show_scene(console: Console, path: Path) -> None:
         size = f"{beam['length']:g} x {beam['thickness']:g} m"
         rows.append(("beam", f"{size}, {beam['segments']} segments, {stations} stations"))
     if scheme.choice:
-        rows += [(what, "{}: {}".format(scheme.choice[what], scheme.choice[f"{what}_reason"])) for what in ("load", "scheme")]
+        rows += [(what, f"{scheme.choice[what]}: {scheme.choice[what + '_reason']}") for what in ("load", "scheme")]
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
     if memory is not None:
         total = memory + recorder.table.nbytes
@@ -148,5 +148,6 @@ def show_results(console: Console, folder: Path) -> None:
         console.print(f"revision {revision}, {summary['machine']['cpu']}", markup=False, soft_wrap=True)
     if stopped:
         about = checkpoint.read(folder).about
-        text = f"checkpoint after {about['done']} steps, {about['wall']:.0f} s of wall time: `scripts/fsi.py resume {folder}` goes on"
+        reached = f"checkpoint after {about['done']} steps, {about['wall']:.0f} s of wall time"
+        text = f"{reached}: `scripts/fsi.py resume {folder}` goes on"
         console.print(text, markup=False, soft_wrap=True)

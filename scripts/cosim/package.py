@@ -15,6 +15,7 @@ from pathlib import Path
 import fmpy
 
 from . import documentation
+from .files import write_whole
 from .scene import ROOT, SceneError
 
 KINDS = ("rod", "fluid")
@@ -76,20 +77,45 @@ def pack(kind: str, scene: dict, folder: Path) -> Path:
     for licence in sorted(ROOT.glob("LICENSE*")):
         contents[f"documentation/licenses/{licence.name}"] = licence.read_bytes()
 
-    return write_archive(folder / f"{scene['name']}-{kind}.fmu", contents, executable=binary)
+    return write_archive(folder / f"{scene['name']}-{kind}.fmu", contents)
 
 
-def write_archive(path: Path, contents: dict[str, bytes], executable: str | None = None) -> Path:
+def merge(sources: list[Path], target: Path) -> Path:
+    """Write an FMU with the binaries of all `sources` to `target` and return its path; raises `SceneError` where they
+    differ in anything else, or in a binary of the same system."""
+    if len(sources) < 2:
+        raise SceneError(f"to merge takes at least two FMUs, but there is {len(sources)}")
+    contents: dict[str, bytes] = {}
+    for path in sources:
+        try:
+            with zipfile.ZipFile(path) as archive:
+                files = {name: archive.read(name) for name in archive.namelist()}
+        except (OSError, zipfile.BadZipFile) as error:
+            raise SceneError(f"{path} cannot be read as an FMU: {error}") from error
+        others = {name for name in contents.keys() ^ files.keys() if not name.startswith("binaries/")}
+        differing = sorted(
+            (others if contents else set())
+            | {name for name in contents.keys() & files.keys() if contents[name] != files[name]}
+        )
+        if differing:
+            raise SceneError(f"{path} differs from {sources[0]} in {', '.join(differing)}: only other binaries are allowed")
+        contents |= files
+    return write_archive(target, contents)
+
+
+def write_archive(path: Path, contents: dict[str, bytes]) -> Path:
     """Write a zip file of `contents` by name and return its path; the same contents give the same bytes."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_suffix(".unfinished")
-    with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-        for name, data in contents.items():
-            entry = zipfile.ZipInfo(name, ARCHIVE_DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if name == executable else 0o644) << 16
-            archive.writestr(entry, data)
-    unfinished.replace(path)
+
+    def writer(unfinished: Path) -> None:
+        with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+            for name, data in contents.items():
+                entry = zipfile.ZipInfo(name, ARCHIVE_DATE)
+                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+                archive.writestr(entry, data)
+
+    write_whole(path, writer)
     return path
 
 

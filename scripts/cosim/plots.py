@@ -12,8 +12,9 @@ from matplotlib.patches import Circle, Polygon
 
 from . import coefficients, statistics
 from .fields import outline, stations
+from .files import write_whole
 from .recorder import Recorder
-from .report import DISPLAY, write_whole
+from .report import DISPLAY
 from .results import Results
 from .scene import reference
 from .unit import Unit

@@ -5,7 +5,6 @@ import math
 import os
 import platform
 import subprocess
-from collections.abc import Callable
 from dataclasses import asdict
 from functools import partial
 from importlib.metadata import version
@@ -17,6 +16,7 @@ from rich.table import Table
 
 from . import coefficients, statistics
 from .coupling import Single
+from .files import write_together
 from .master import Outcome
 from .package import scene_text
 from .recorder import Recorder
@@ -163,26 +163,6 @@ def write(folder: Path, scene: dict, recorder: Recorder, scheme: Single, summary
     write_together(folder, writers)
     for name in {*FILES, *FURTHER_FILES} - writers.keys():
         (folder / name).unlink(missing_ok=True)
-
-
-def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> None:
-    """Let each of `writers` write a file beside its place in `folder`, then move them all there; where one fails none
-    is moved."""
-    unfinished = {name: folder / f"unfinished-{name}" for name in writers}
-    try:
-        for name, writer in writers.items():
-            writer(unfinished[name])
-    except BaseException:
-        for path in unfinished.values():
-            path.unlink(missing_ok=True)
-        raise
-    for name, path in unfinished.items():
-        path.replace(folder / name)
-
-
-def write_whole(path: Path, writer: Callable[[Path], object]) -> None:
-    """Let `writer` write a file beside `path`, then move it there."""
-    write_together(path.parent, {path.name: writer})
 
 
 def print_table(console: Console, summary: dict) -> None:

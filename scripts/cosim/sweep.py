@@ -11,7 +11,9 @@ import hashlib
 import itertools
 import json
 import logging
+import re
 from collections.abc import Callable, Iterable
+from concurrent.futures import CancelledError
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,7 +23,7 @@ from rich.console import Console
 
 from . import package, simulation
 from .errors import Refusal
-from .report import write_whole
+from .files import write_whole
 from .scene import SceneError, assign, json_or_text
 
 ROW = "row.json"
@@ -49,7 +51,12 @@ class Case:
     @property
     def folder(self) -> str:
         digest = hashlib.sha256(package.scene_text(self.scene).encode()).hexdigest()
-        return f"{self.scene.get('name', 'unnamed')}-{digest[:10]}"
+        return f"{plain_name(self.scene)}-{digest[:10]}"
+
+
+def plain_name(scene: dict) -> str:
+    """The name of a scene as a part of a path, whatever it holds: a unit has not seen it yet."""
+    return re.sub(r"[^\w.-]", "_", str(scene.get("name")))
 
 
 def values(text: str) -> tuple[str, list]:
@@ -153,7 +160,7 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None):
                 n_workers=min(CPU_COUNT, len(cases)),
                 threads_per_worker=1,
                 memory_limit=None,
-                dashboard_address=None,
+                dashboard_address="127.0.0.1:0",
                 silence_logs=logging.CRITICAL,
             )
             scheduler = stack.enter_context(cluster)
@@ -175,25 +182,32 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None):
         done = distributed.as_completed()
 
         def hand_out() -> None:
-            for case in itertools.islice(waiting, max(1, len(client.nthreads())) - len(running)):
+            free = max(1, len(client.nthreads())) - len(running)  # below 0 while workers are being started again
+            for case in itertools.islice(waiting, max(0, free)):
                 future = client.submit(task, case.scene, (folder / case.folder).resolve(), pure=False)
                 running[future] = case
                 done.add(future)
 
-        hand_out()
-        while running:
-            future = next(done)
-            case = running.pop(future)
-            error = None if future.cancelled() else future.exception()
-            if future.cancelled():
-                raise Refusal(f"the scheduler at {scheduler} was lost; the same command goes on with what is missing")
+        while True:
+            try:
+                hand_out()
+                if not running:
+                    return
+                future = next(done)
+                case = running.pop(future)
+                if future.cancelled():
+                    raise CancelledError
+                error = future.exception()
+            except (OSError, CancelledError) as lost:
+                raise Refusal(
+                    f"the scheduler at {scheduler} was lost; the same command goes on with what is missing"
+                ) from lost
             if isinstance(error, KilledWorker):
                 yield case, {"status": KILLED, "reason": f"its worker died {error.allowed_failures + 1} times"}
             elif error is not None:
                 yield case, {"status": FAILED, "reason": f"{type(error).__name__}: {error}"}
             else:
                 yield case, future.result()
-            hand_out()
 
 
 def _task(scripts: str) -> Callable[[dict, Path], dict]:

@@ -3,6 +3,7 @@
 import ctypes
 import re
 import shutil
+import tempfile
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
@@ -86,7 +87,11 @@ class Unit:
             raise UnitError(f"{path} is not a co-simulation unit of FMI 2.0")
         self.variables = variables_of(self.description)
         try:
-            self._folder = fmpy.extract(str(path))
+            self._folder = tempfile.mkdtemp()
+            try:
+                fmpy.extract(str(path), self._folder)
+            except OSError as error:
+                raise UnitError(f"{path} cannot be unpacked into {tempfile.gettempdir()}: {error.strerror}") from error
             self.fmu = self._call(
                 FMU2Slave,
                 guid=self.description.guid,

@@ -31,7 +31,7 @@ from matplotlib.lines import Line2D
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim import coefficients, package, statistics
-from cosim.report import write_whole
+from cosim.files import write_whole
 from cosim.scene import ROOT, load, override, reference
 from tables import read, write
 

@@ -1,7 +1,8 @@
-"""Other masters run the units and agree with ours: libcosim, Ecos, fmpy's reader of SSP, and a container FMU.
+"""Other masters run the units and agree with ours: libcosim, Ecos, fmpy's reader of SSP, a container FMU, and the crate fmi.
 
 They need packages of their own: `make masters-test`. libcosim, Ecos and fmpy let both units step from t and exchange
-afterwards; ours and the container let the rod step first. Each is compared with our units in its own order.
+afterwards; the container and the crate fmi let the rod step first. Each is compared with our units in its own order. The pair is
+that of the shipped FSI3 scene, as it is.
 """
 
 import ctypes
@@ -9,14 +10,16 @@ import re
 import subprocess
 import sys
 import zipfile
+from collections import defaultdict
 from pathlib import Path
 
 import fmpy
 import fmpy.ssp.simulation
 import numpy as np
 import pytest
-from cosim import master, package, ssp
-from cosim.unit import Unit
+from cosim import coupling, ssp
+from cosim.scene import ROOT
+from cosim.unit import ELEMENT, Unit
 from lxml import etree
 
 H, STEPS = 2.0**-9, 20
@@ -26,11 +29,16 @@ so that the times of all masters are the same."""
 AGREEMENT = 1e-12
 """Largest difference by the largest value of the same quantity."""
 
+FMI_MASTER = ROOT / "target" / "masters" / "fmi" / "debug" / "fmi-master"
+"""Built from `tests/masters/fmi` by `make masters-test`."""
+
 
 @pytest.fixture
 def scene(request):
-    """The small pair, or one of its units alone."""
-    scene = request.getfixturevalue({"pair": "small_fsi3", "rod": "rod_only", "fluid": "fluid_only"}[request.param])
+    """The shipped pair, or a scene of one unit, whose end has to be later than the last step."""
+    if request.param == "pair":
+        return request.getfixturevalue("fsi3")
+    scene = request.getfixturevalue({"rod": "rod_only", "fluid": "fluid_only"}[request.param])
     scene["time"]["end"] = 1.0
     return scene
 
@@ -38,27 +46,19 @@ def scene(request):
 every_scene = pytest.mark.parametrize("scene", ["pair", "rod", "fluid"], indirect=True)
 
 
-class Parallel(master.Explicit):
-    """Both units step from t with what the other had there."""
-
-    def step(self, t, h):
-        self.rod.inputs[:], self.fluid.inputs[:] = self.loads, self.stations
-        self.rod.step(t, h)
-        self.fluid.step(t, h)
-        return 1
-
-
-def ours(units: dict[str, Unit], order: type[master.Explicit] = Parallel) -> dict[str, np.ndarray]:
+def ours(
+    units: dict[str, Unit], order: type[coupling.Explicit] = coupling.ParallelExplicit
+) -> dict[str, np.ndarray]:
     """Real outputs by `unit.name` at the end of the run."""
-    scheme = order(**units) if len(units) == 2 else master.Single(*units.values())
+    scheme = order(**units) if len(units) == 2 else coupling.Single(*units.values())
     scheme.start()
     for i in range(STEPS):
         scheme.step(i * H, H)
-    return {f"{kind}.{name}": unit.output(name).copy() for kind, unit in units.items() for name in real_outputs(unit)}
+    return {f"{kind}.{name}": unit.read(name) for kind, unit in units.items() for name in real_outputs(unit)}
 
 
 def real_outputs(unit: Unit) -> list[str]:
-    return [name for name in unit.slices if unit.variables[name].kind == "Real"]
+    return [v.name for v in unit.variables.values() if v.causality == "output" and v.kind == "Real"]
 
 
 def assert_agreement(theirs: dict[str, np.ndarray], expected: dict[str, np.ndarray]) -> None:
@@ -79,7 +79,7 @@ def links(units: dict[str, Unit]) -> list[tuple[Unit, Unit, str, int]]:
     return [
         (source, target, name, element)
         for source, target in ((rod, fluid), (fluid, rod))
-        for name in master.connections(source, target)
+        for name in coupling.connections(source, target)
         for element in range(source.variables[name].size)
     ]
 
@@ -151,21 +151,21 @@ def test_ecos_agrees(scene, instantiate, tmp_path, ecospy):
     assert_agreement(ecos_values(ecospy.EcosSimulation(H, structure=structure), units), expected)
 
 
-def test_ssp_follows_its_schema(small_fsi3, tmp_path):
-    with zipfile.ZipFile(ssp.pack(small_fsi3, tmp_path)) as archive:
+def test_ssp_follows_its_schema(fsi3, tmp_path):
+    with zipfile.ZipFile(ssp.pack(fsi3, tmp_path)) as archive:
         description = etree.fromstring(archive.read("SystemStructure.ssd"))
-        assert {"resources/small-fsi3-rod.fmu", "resources/small-fsi3-fluid.fmu"} <= set(archive.namelist())
+        assert {"resources/fsi3-325x72-rod.fmu", "resources/fsi3-325x72-fluid.fmu"} <= set(archive.namelist())
     folder = Path(fmpy.__file__).parent / "ssp" / "schema"
     etree.XMLSchema(file=str(folder / "SystemStructureDescription.xsd")).assertValid(description)
 
 
-def test_ssp_runs_in_ecos(small_fsi3, instantiate, tmp_path, ecospy):
-    path, units = ssp.pack(small_fsi3, tmp_path), instantiate(small_fsi3)
+def test_ssp_runs_in_ecos(fsi3, instantiate, tmp_path, ecospy):
+    path, units = ssp.pack(fsi3, tmp_path), instantiate(fsi3)
     expected = ours(units)
     assert_agreement(ecos_values(ecospy.EcosSimulation(H, ssp_path=str(path)), units), expected)
 
 
-def test_ssp_runs_in_fmpy(small_fsi3, instantiate, tmp_path, monkeypatch):
+def test_ssp_runs_in_fmpy(fsi3, instantiate, tmp_path, monkeypatch):
     def with_start_values(component, *arguments):
         """fmpy starts with 0 at every connector, which is no place for a beam; the standard with the start values."""
         instantiate_fmu(component, *arguments)
@@ -175,7 +175,7 @@ def test_ssp_runs_in_fmpy(small_fsi3, instantiate, tmp_path, monkeypatch):
 
     instantiate_fmu = fmpy.ssp.simulation.instantiate_fmu
     monkeypatch.setattr(fmpy.ssp.simulation, "instantiate_fmu", with_start_values)
-    path, units = ssp.pack(small_fsi3, tmp_path), instantiate(small_fsi3)
+    path, units = ssp.pack(fsi3, tmp_path), instantiate(fsi3)
     result = fmpy.ssp.simulation.simulate_ssp(str(path), stop_time=(STEPS - 0.5) * H, step_size=H)
     assert len(result) == STEPS
     expected = ours(units)
@@ -189,9 +189,9 @@ def test_ssp_runs_in_fmpy(small_fsi3, instantiate, tmp_path, monkeypatch):
     assert_agreement(theirs, expected)
 
 
-def test_container_of_array_ports_agrees_with_the_explicit_scheme(small_fsi3, instantiate, tmp_path):
-    units = instantiate(small_fsi3)
-    files = {kind: f"{small_fsi3['name']}-{kind}.fmu" for kind in units}
+def test_container_of_array_ports_agrees_with_the_explicit_scheme(fsi3, instantiate, tmp_path):
+    units = instantiate(fsi3)
+    files = {kind: f"{fsi3['name']}-{kind}.fmu" for kind in units}
     table = ["rule;from_fmu;from_port;to_fmu;to_port", *(f"FMU;{file};;;" for file in files.values())]
     places = {}
     for source, target, name, element in links(units):
@@ -207,6 +207,21 @@ def test_container_of_array_ports_agrees_with_the_explicit_scheme(small_fsi3, in
     columns = [column for group in places.values() for column in group]
     container = str(tmp_path / "pair.fmu")
     last = fmpy.simulate_fmu(container, stop_time=STEPS * H, output_interval=H, output=columns)[-1]
-    expected = ours(units, master.Explicit)
+    expected = ours(units, coupling.Explicit)
     theirs = {name: np.array([last[column] for column in group]) for name, group in places.items()}
     assert_agreement(theirs, {name: expected[name] for name in places})
+
+
+@every_scene
+def test_crate_fmi_agrees_with_the_explicit_scheme(scene, instantiate, tmp_path):
+    units = instantiate(scene)
+    paths = [tmp_path / f"{scene['name']}-{kind}.fmu" for kind in units]
+    answer = subprocess.run(
+        [FMI_MASTER, repr(H), str(STEPS), *paths], check=True, capture_output=True, text=True, timeout=60
+    )
+    values = defaultdict(list)
+    for line in answer.stdout.splitlines():
+        unit, name, value = line.split()
+        element = ELEMENT.fullmatch(name)
+        values[f"{list(units)[int(unit)]}.{element[1] if element else name}"].append(float(value))
+    assert_agreement({name: np.array(elements) for name, elements in values.items()}, ours(units, coupling.Explicit))

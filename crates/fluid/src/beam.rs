@@ -124,6 +124,12 @@ impl Stations {
         }
     }
 
+    /// Whether there are as many stations as in `other`.
+    pub fn has_shape_of(&self, other: &Self) -> bool {
+        let lengths = |s: &Self| [&s.position, &s.velocity].map(|axes| axes.each_ref().map(Vec::len));
+        lengths(self) == lengths(other)
+    }
+
     /// Become what lies the fraction `s` of the way from `a` to `b`, which are `h` seconds apart: velocity linear,
     /// position the cubic that has the positions and velocities of both ends.
     pub fn interpolate(&mut self, a: &Self, b: &Self, s: f64, h: f64) {
@@ -144,6 +150,12 @@ impl Loads {
     /// No load on `n` stations.
     pub fn none(n: usize) -> Self {
         Self { force: [vec![0.0; n], vec![0.0; n]], impedance: vec![0.0; n] }
+    }
+
+    /// Whether they are for as many stations as `other`.
+    pub fn has_shape_of(&self, other: &Self) -> bool {
+        let lengths = |l: &Self| (l.force.each_ref().map(Vec::len), l.impedance.len());
+        lengths(self) == lengths(other)
     }
 }
 

@@ -70,7 +70,7 @@ impl Grid {
         let range = |[low, high]: [f64; 2], origin: f64, step: f64, count: usize| {
             let first = ((low - origin) / step).ceil() as i64;
             let last = ((high - origin) / step).floor() as i64;
-            first..(last + 1).min(first + count as i64)
+            first..last.saturating_add(1).min(first.saturating_add(count as i64))
         };
         for i in range(x, self.origin[0], self.dx, self.nx) {
             let row = wrap(i, self.nx) * self.ny;
@@ -86,7 +86,7 @@ impl Grid {
         let split = |p: f64, origin: f64, step: f64, count: usize| {
             let q = (p - origin) / step;
             let low = q.floor();
-            (wrap(low as i64, count), wrap(low as i64 + 1, count), q - low)
+            (wrap(low as i64, count), wrap((low as i64).saturating_add(1), count), q - low)
         };
         let (i0, i1, s) = split(x, self.origin[0], self.dx, self.nx);
         let (j0, j1, t) = split(y, self.origin[1], self.dy, self.ny);
@@ -110,7 +110,7 @@ impl Grid {
                 -(s + 1.0) * s * (s - 2.0) / 2.0,
                 (s + 1.0) * s * (s - 1.0) / 6.0,
             ];
-            let point = |k: usize| wrap(low as i64 + k as i64 - 1, count);
+            let point = |k: usize| wrap((low as i64).saturating_add(k as i64 - 1), count);
             std::array::from_fn::<_, 4, _>(|k| (point(k), weights[k]))
         };
         let (columns, rows) = (along(x, self.origin[0], self.dx, self.nx), along(y, self.origin[1], self.dy, self.ny));

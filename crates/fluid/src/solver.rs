@@ -53,6 +53,9 @@ pub enum Error {
     /// The scene has no fluid.
     #[error("the scene `{0}` has no fluid")]
     NoFluid(String),
+    /// A state of another scene, or no state at all.
+    #[error("{0} of the state is not of the size that it has in this scene, or not finite")]
+    State(&'static str),
     /// A step that is no positive number.
     #[error("the step from t = {time} s is {step} s, but it must be a finite number above 0")]
     Step {
@@ -189,6 +192,41 @@ struct MovingBeam {
 }
 
 impl State {
+    /// The first part that a state `own` of the same scene would have otherwise: in another size, or, of the numbers that
+    /// are not fields, not finite.
+    fn misfit(&self, own: &Self) -> Option<&'static str> {
+        let numbers = [self.time, self.per_tau, self.step, self.advection_rate];
+        let sizes = |state: &Self| {
+            let fields =
+                [&state.flow, &state.flow_before].map(|Flow { velocity: [u, v], vorticity }| [u, v, vorticity]);
+            (
+                fields.map(|field| field.map(Vec::len)),
+                state.w.each_ref().map(Vec::len),
+                state.u_hat.each_ref().map(Vec::len),
+            )
+        };
+        let beam = match (&self.beam, &own.beam) {
+            (None, None) => true,
+            (Some(a), Some(b)) => {
+                a.stations.has_shape_of(&b.stations)
+                    && match (&a.loads, &b.loads) {
+                        (None, None) => true,
+                        (Some(a), Some(b)) => a.has_shape_of(b),
+                        _ => false,
+                    }
+            }
+            _ => false,
+        };
+        [
+            ("the time or a step", numbers.iter().all(|number| number.is_finite())),
+            ("a field", sizes(self) == sizes(own)),
+            ("the list of bodies", self.bodies.len() == own.bodies.len()),
+            ("the beam", beam),
+        ]
+        .into_iter()
+        .find_map(|(part, fits)| (!fits).then_some(part))
+    }
+
     /// What one component of the local solve reads.
     fn component(&self, axis: usize) -> Component<'_> {
         let other = 1 - axis;
@@ -414,8 +452,14 @@ impl Fluid {
         &self.state
     }
 
-    /// Go back (or on) to a state of this scene.
-    pub fn restore(&mut self, state: &State) {
+    /// Go back (or on) to a state of this scene; a state that is refused changes nothing.
+    pub fn restore(&mut self, state: &State) -> Result<(), Error> {
+        if let Some(part) = state.misfit(&self.state) {
+            return Err(Error::State(part));
+        }
+        if let Some(beam) = &state.beam {
+            self.check_stations(&beam.stations)?;
+        }
         self.state.clone_from(state);
         if let (Some(beam), Some(known)) = (&mut self.beam, &state.beam) {
             beam.target.copy_from(&known.stations);
@@ -423,6 +467,7 @@ impl Fluid {
         }
         self.total_pressure_is_current = false;
         self.paint_moving_bodies();
+        Ok(())
     }
 
     /// Advance from `t` to `t + h` (s) in equal steps; the stations go from where they are to where they were set.
@@ -432,7 +477,9 @@ impl Fluid {
         if !(t.is_finite() && h.is_finite() && h > 0.0) {
             return Err(Error::Step { time: t, step: h });
         }
-        self.check_stations()?;
+        if let Some(beam) = &self.beam {
+            self.check_stations(&beam.target)?;
+        }
         let largest = self.max_step.min(self.max_cfl / self.state.advection_rate.max(f64::MIN_POSITIVE));
         let mut substeps = (h / largest - 1e-9).ceil().max(1.0);
         if self.rk2.is_some() {
@@ -511,9 +558,8 @@ impl Fluid {
         self.total_pressure_is_current = true;
     }
 
-    fn check_stations(&self) -> Result<(), Error> {
-        let Some(beam) = &self.beam else { return Ok(()) };
-        let Stations { position: [x, y], velocity: [vx, vy] } = &beam.target;
+    fn check_stations(&self, stations: &Stations) -> Result<(), Error> {
+        let Stations { position: [x, y], velocity: [vx, vy] } = stations;
         let far = |p: f64, middle: f64, size: f64| (p - middle).abs() > 1.5 * size;
         let middle = [self.grid.x(self.grid.nx / 2), self.grid.y(self.grid.ny / 2)];
         for k in 0..x.len() {

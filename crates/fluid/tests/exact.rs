@@ -188,7 +188,7 @@ fn restored_state_continues(scheme: TimeScheme) {
     }
     let saved = fluid.state().clone();
     let mut other = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
-    other.restore(&saved);
+    other.restore(&saved).unwrap_or_else(|e| panic!("{e}"));
     for fluid in [&mut fluid, &mut other] {
         for step in 10..20 {
             shake(fluid, step);
@@ -218,7 +218,7 @@ fn announced_loads_are_exerted() {
         let sum = |values: &[f64]| values.iter().sum::<f64>();
         let impedance = sum(&fluid.loads().expect("the scene has a beam").impedance);
         let mut still = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
-        still.restore(&fluid.state().clone());
+        still.restore(&fluid.state().clone()).unwrap_or_else(|e| panic!("{e}"));
         run(&mut still, 1, 2e-3);
         let changes = [3e-3, -2e-3];
         let stations = fluid.stations_mut().expect("the scene has a beam");

@@ -4,6 +4,7 @@
 mod cases;
 
 use cases::{Case, LOG_LINEAR, Outcome, channel, hard_scenes, outcome};
+use fluid::{Error, Fluid, Grid};
 
 const CASE: Case = Case { scheme: "sbdf2", mask: LOG_LINEAR, c_eta: 1e-5, cfl: 0.4, reynolds: 100.0 };
 
@@ -44,5 +45,32 @@ fn what_cannot_go_on_says_why() {
             Outcome::Ok { fastest } | Outcome::Wild { fastest } => panic!("{named}: went through at {fastest} m/s"),
             Outcome::NotFinite => panic!("{named}: a silent NaN"),
         }
+    }
+}
+
+#[test]
+fn a_state_of_another_grid_or_scheme_is_refused_and_changes_nothing() {
+    let make = |case: Case, cells: usize| {
+        let mut scene = channel(case);
+        scene.fluid.as_mut().expect("it has one").domain.cells[0] = cells;
+        Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let mut fluid = make(CASE, 32);
+    let before = fluid.state().clone();
+    for other in [make(CASE, 36), make(Case { scheme: "rk2", ..CASE }, 32)] {
+        let result = fluid.restore(other.state());
+        assert!(matches!(result, Err(Error::State("a field"))), "{result:?}");
+        assert_eq!(fluid.state(), &before);
+    }
+}
+
+#[test]
+fn far_beyond_all_integers_the_periodic_grid_still_has_indices() {
+    let grid = Grid::new(&channel(CASE).fluid.expect("it has one").domain);
+    for p in [1e300, -1e300] {
+        let mut around: Vec<usize> = grid.interpolation([p, p]).into_iter().map(|(index, _)| index).collect();
+        around.extend(grid.cubic_interpolation([p, p]).into_iter().map(|(index, _)| index));
+        grid.for_each_in([p, p], [p, p], |index, _, _| around.push(index));
+        assert!(around.iter().all(|index| *index < grid.nx * grid.ny), "{p}: {around:?}");
     }
 }

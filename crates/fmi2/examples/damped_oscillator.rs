@@ -88,8 +88,9 @@ impl Model for Oscillator {
         self.clone()
     }
 
-    fn restore(&mut self, state: &Self::State) {
+    fn restore(&mut self, state: &Self::State) -> Result<(), String> {
         self.clone_from(state);
+        Ok(())
     }
 }
 

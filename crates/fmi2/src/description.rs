@@ -392,7 +392,9 @@ mod tests {
 
         fn save(&self) {}
 
-        fn restore(&mut self, (): &()) {}
+        fn restore(&mut self, (): &()) -> Result<(), String> {
+            Ok(())
+        }
     }
 
     const PROBE: Probe = Probe { unit: "N/m", start: 1e-7, short: false, u: [0.0; 2] };

@@ -45,37 +45,11 @@ mod x86_64 {
     }
 }
 
-#[cfg(target_arch = "aarch64")]
-use aarch64::{Control, DEFAULT, read, write};
-
-/// FPCR.
-#[cfg(target_arch = "aarch64")]
-mod aarch64 {
-    use std::arch::asm;
-
-    pub type Control = u64;
-
-    /// To nearest, denormal numbers kept, no traps.
-    pub const DEFAULT: Control = 0;
-
-    pub fn read() -> Control {
-        let control: Control;
-        // SAFETY: reading the register has no effect.
-        unsafe { asm!("mrs {}, fpcr", out(reg) control, options(nomem, nostack, preserves_flags)) };
-        control
-    }
-
-    pub fn write(control: Control) {
-        // SAFETY: the value comes from `read` or is the default, so no reserved bit is set.
-        unsafe { asm!("msr fpcr, {}", in(reg) control, options(nomem, nostack, preserves_flags)) };
-    }
-}
-
 /// Other processors are left in the modes of the host.
-#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(not(target_arch = "x86_64"))]
 use other::{Control, DEFAULT, read, write};
 
-#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(not(target_arch = "x86_64"))]
 mod other {
     pub type Control = ();
     pub const DEFAULT: Control = ();

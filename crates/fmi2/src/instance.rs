@@ -256,9 +256,12 @@ impl<M: Model> Instance<M> {
             self.reload()?;
         }
         let snapshot = find(&self.snapshots, handle)?;
-        self.model.restore(&snapshot.model);
-        self.clock = snapshot.clock;
-        Ok(())
+        let result = self.model.restore(&snapshot.model);
+        self.clock = match &result {
+            Ok(()) => snapshot.clock,
+            Err(_) => Clock { mode: Mode::Panicked, ..self.clock },
+        };
+        result.map_err(|message| format!("the state is refused: {message}"))
     }
 
     pub fn free(&mut self, handle: usize) -> Result<(), String> {

@@ -50,8 +50,9 @@
 //!         (self.inflow, self.volume)
 //!     }
 //!
-//!     fn restore(&mut self, state: &Self::State) {
+//!     fn restore(&mut self, state: &Self::State) -> Result<(), String> {
 //!         (self.inflow, self.volume) = *state;
+//!         Ok(())
 //!     }
 //! }
 //!

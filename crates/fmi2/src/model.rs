@@ -52,8 +52,9 @@ pub trait Model: Sized + 'static {
     fn save(&self) -> Self::State;
 
     /// Puts a state back. It may come from another instance or process and meet a model that was only loaded: what
-    /// [`initialise`](Model::initialise) computes must be in the state, or be recomputed here.
-    fn restore(&mut self, state: &Self::State);
+    /// [`initialise`](Model::initialise) computes must be in the state, or be recomputed here. What was made by somebody else
+    /// may be no state of this model: after an error the glue lets nothing but another state or `fmi2Reset` happen.
+    fn restore(&mut self, state: &Self::State) -> Result<(), String>;
 
     /// Directional derivative of outputs with respect to inputs: `derivative = (d unknown / d known) seed`. `seed` and
     /// `derivative` hold the spans' elements one after the other.

@@ -28,7 +28,7 @@ impl fmt::Display for Mode {
             Mode::StepComplete => "step complete",
             Mode::Terminated => "terminated",
             Mode::Error => "error",
-            Mode::Panicked => "error after a panic",
+            Mode::Panicked => "error after a panic or a refused state",
         })
     }
 }

@@ -17,6 +17,9 @@ use serde::{Deserialize, Serialize};
 const FAILING: f64 = 13.0;
 const PANICKING: f64 = 666.0;
 
+/// A state with this input is refused.
+const FOREIGN: f64 = 4711.0;
+
 /// dy/dt = gain u + bias, with one variable of each kind and type around it.
 #[derive(Clone, Serialize, Deserialize)]
 struct Integrator {
@@ -113,8 +116,12 @@ impl Model for Integrator {
         self.clone()
     }
 
-    fn restore(&mut self, state: &Self) {
+    fn restore(&mut self, state: &Self) -> Result<(), String> {
         self.clone_from(state);
+        if state.u[0] == FOREIGN {
+            return Err(format!("u[1] = {FOREIGN} is foreign"));
+        }
+        Ok(())
     }
 
     /// d(dy/dt)/du = gain.
@@ -589,6 +596,17 @@ fn a_state_brings_back_time_inputs_and_outputs() {
     assert_eq!(state, first, "a state that exists is overwritten");
     assert_eq!([fmu.step(0.2, 0.1), fmu.restore(state)], [OK; 2]);
     assert_eq!(fmu.get([TIME]), [0.2]);
+}
+
+#[test]
+fn after_a_state_that_the_model_refuses_only_another_state_helps() {
+    let fmu = Fmu::initialised();
+    let (mut good, mut bad) = (null_mut(), null_mut());
+    assert_eq!([fmu.save(&mut good), fmu.set(&U[..1], &[FOREIGN]), fmu.save(&mut bad)], [OK; 3]);
+    fmu.assert_refused(fmu.restore(bad), &["the state is refused: u[1] = 4711 is foreign"]);
+    fmu.assert_refused(fmu.step(0.0, 0.1), &["error after a panic or a refused state"]);
+    assert_eq!([fmu.restore(good), fmu.step(0.0, 0.1)], [OK; 2]);
+    assert_eq!(fmu.get([U[0]]), [0.0]);
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub struct Beam {
     pub length: f64,
     /// Thickness, m.
     pub thickness: f64,
-    /// Number of segments; there are `segments + 1` stations, the first at the root.
+    /// Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root.
     pub segments: usize,
     /// Direction of each segment at rest against that at the root, rad, positive to the left: `[segments]`; absent for
     /// a straight beam. In two dimensions only: a curved rod in space needs a material frame and its twist.
@@ -51,7 +51,9 @@ impl Check for Beam {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
         above(&format!("{key}.length"), self.length, 0.0)?;
         above(&format!("{key}.thickness"), self.thickness, 0.0)?;
-        require(self.segments >= 2, &format!("{key}.segments"), self.segments, || "it must be at least 2".into())?;
+        require((2..=65536).contains(&self.segments), &format!("{key}.segments"), self.segments, || {
+            "it must be between 2 and 65536".into()
+        })?;
         let angles = &self.rest_angles;
         if !angles.is_empty() {
             let key = format!("{key}.rest_angles");

@@ -59,6 +59,9 @@ fn is_one(threads: &usize) -> bool {
     *threads == 1
 }
 
+/// Most cells of a grid: 8192 x 8192, for which the fluid takes about 8.5 GB.
+const MOST_CELLS: usize = 1 << 26;
+
 /// The periodic box and its grid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -67,7 +70,8 @@ pub struct FluidBox {
     pub x: [f64; 2],
     /// From where to where along y, m.
     pub y: [f64; 2],
-    /// Number of grid points along x and y; at least 8 each, fast for products of small primes.
+    /// Number of grid points along x and y; at least 8 each, together at most 67108864, fast for products
+    /// of small primes.
     pub cells: [usize; 2],
 }
 
@@ -288,6 +292,10 @@ impl Check for Fluid {
             })?;
             finite(&format!("{key}.initial_velocity[{axis}]"), self.initial_velocity[axis])?;
         }
+        let [nx, ny] = self.domain.cells;
+        require(nx * ny <= MOST_CELLS, &format!("{key}.box.cells"), format!("[{nx}, {ny}]"), || {
+            format!("it must be at most {MOST_CELLS} cells together")
+        })?;
         let within = |key: &str, [low, high]: [f64; 2], outer: [f64; 2]| {
             interval(key, [low, high])?;
             require(outer[0] <= low && high <= outer[1], key, format!("[{low}, {high}]"), || {

@@ -138,6 +138,12 @@ impl Scene {
         self.fluid.check_at("fluid")?;
         self.beam.check_at("beam")?;
         self.rod.check_at("rod")?;
+        if let Some(Beam { root: Root::OnCylinder { cylinder, .. }, .. }) = &self.beam {
+            let count = self.fluid.as_ref().map_or(0, |f| f.cylinders.len());
+            require(*cylinder < count, "beam.root.on_cylinder.cylinder", cylinder, || {
+                format!("the scene has {count} cylinders, counted from 0")
+            })?;
+        }
 
         if let Some(rod) = &self.rod {
             let Some(beam) = &self.beam else {
@@ -175,12 +181,6 @@ impl Scene {
                     || format!("the beam must lie inside the box x {:?}, y {:?}", fluid.domain.x, fluid.domain.y),
                 )?;
             }
-        }
-        if let Some(Beam { root: Root::OnCylinder { cylinder, .. }, .. }) = &self.beam {
-            let count = self.fluid.as_ref().map_or(0, |f| f.cylinders.len());
-            require(*cylinder < count, "beam.root.on_cylinder.cylinder", cylinder, || {
-                format!("the scene has {count} cylinders, counted from 0")
-            })?;
         }
         self.check_coupling()
     }

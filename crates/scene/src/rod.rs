@@ -70,7 +70,8 @@ pub struct Section {
     /// Axial stiffness EA, N.
     pub axial_stiffness: f64,
     /// Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles to the rod.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    // Not skipped where absent: the section is part of serialized states, whose format has no names.
+    #[serde(default)]
     pub shear_stiffness: Option<f64>,
 }
 
