@@ -14,7 +14,6 @@ from cosim.scene import ROOT, SCENES, load
 from .cases import QUANTITIES, TOLERANCE, references
 from .measure import unit_of
 from .store import Row
-from .values import values_of
 
 
 SAMPLES = 240
@@ -150,14 +149,16 @@ def cited() -> Iterator[Row]:
                       wall_s=wall, source="cited", reason="wall time a simulated second")  # fmt: skip
 
 
-def flat(scene: dict, prefix: str = "") -> dict[str, str]:
-    """Values of a scene by dotted key, as JSON."""
-    found = {}
-    for key, value in scene.items():
-        if isinstance(value, dict):
-            found |= flat(value, f"{prefix}{key}.")
-        else:
-            found[prefix + key] = json.dumps(value)
+def changes_between(shipped: dict, own: dict, prefix: str = "") -> list[str]:
+    """What `fsi.py run --set` has to be given to make one scene of the other; a part with other keys is named as a whole."""
+    found = []
+    for key in [*own, *(key for key in shipped if key not in own)]:
+        before, after = shipped.get(key), own.get(key)
+        both = isinstance(before, dict) and isinstance(after, dict)
+        if both and (set(after) <= set(before) or set(before) <= set(after)):
+            found += changes_between(before, after, f"{prefix}{key}.")
+        elif before != after:
+            found.append(f"{prefix}{key}={json.dumps(after, separators=(',', ':'))}")
     return found
 
 
@@ -166,12 +167,9 @@ def fsi3(folder: Path) -> tuple[list[Row], dict]:
     summary, scene = (json.loads((folder / name).read_text(encoding="utf-8")) for name in ("summary.json", "scene.json"))
     nx, ny = scene["fluid"]["box"]["cells"]
     base = SCENES / f"fsi3-{nx}x{ny}.json"
-    shipped = flat(load(base if base.is_file() else SCENES / "fsi3-650x144.json"))
-    own = flat(scene)
-    own.pop("name"), own.pop("description", None)
-    changes = [f"{key}={value}" for key, value in own.items() if shipped.get(key) != value]
-    if not base.is_file():
-        changes = []
+    shipped = load(base) if base.is_file() else scene
+    named = ("$schema", "name", "description")
+    changes = changes_between(*({k: v for k, v in of.items() if k not in named} for of in (shipped, scene)))
     setting = f"{nx} x {ny}" + "".join(f", {change}" for change in changes)
     sets = " ".join(f"--set '{change}'" for change in changes)
     rows = []
@@ -216,4 +214,3 @@ def everything(data: dict, folders: list[Path]) -> None:
         found = [row for row in found if (row.case, row.method, row.setting) not in timed]
         kept = [row for row in kept if (row.case, row.method, row.setting) not in keys - timed] + found
     data["rows"] = kept + [row for part in (rod, fluid, coupling, speed, cited) for row in part()]
-    data["values"] = values_of(data["rows"])

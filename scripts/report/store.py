@@ -9,8 +9,10 @@ from dataclasses import asdict, dataclass, fields
 from importlib.metadata import version
 from pathlib import Path
 
-from cosim.report import _cpu_model, git_revision, write_together
+from cosim.report import cpu_model, git_revision, write_together
 from cosim.scene import ROOT
+
+from .values import values_of
 
 DOCS = ROOT / "docs" / "report"
 
@@ -62,7 +64,7 @@ def machine() -> dict:
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     compiler = subprocess.run(["rustc", "--version"], capture_output=True, text=True).stdout.strip()
     return {
-        "cpu": _cpu_model(),
+        "cpu": cpu_model(),
         "cores": os.cpu_count(),
         "memory_gb": round(memory / 1e9, 1),
         "system": platform.system(),
@@ -106,8 +108,10 @@ def text_of(data: dict) -> str:
 
 
 def save(data: dict, folder: Path = DOCS) -> None:
-    """Write results.json and results.csv."""
+    """Write results.json, with `values` made of the rows as they are written, and results.csv."""
     folder.mkdir(parents=True, exist_ok=True)
+    data["rows"] = [Row(**rounded(asdict(row))) for row in data["rows"]]
+    data["values"] = values_of(data["rows"])
 
     def table(path: Path) -> None:
         with open(path, "w", encoding="utf-8", newline="") as file:

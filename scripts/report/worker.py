@@ -55,7 +55,7 @@ def main() -> None:
             return
     kept = ("error", "quantities", "coefficients", "phases_s", "wall_s", "steps", "iterations_mean", "periods", "last")
     found = {key: summary[key] for key in kept} | {"runs": runs or [first], "memory_mb": memory}
-    print(json.dumps(report._json_numbers(found)))
+    print(json.dumps(report.json_numbers(found)))
 
 
 if __name__ == "__main__":
