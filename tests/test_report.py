@@ -24,7 +24,7 @@ def test_documents_show_what_the_results_have(data):
 
 
 def test_every_number_of_the_documents_is_marked():
-    for path in documents.paths():
+    for path in documents.paths(documents.WHOLE):
         assert documents.unmarked(path.read_text(encoding="utf-8")) == [], path
 
 

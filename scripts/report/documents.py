@@ -12,8 +12,11 @@ from cosim.scene import ROOT
 
 from .values import text_of
 
-DOCUMENTS = ("README.md",)
-"""Documents whose numbers are marked, besides docs/report."""
+DOCUMENTS = ("README.md", "docs/fluid.md")
+"""Documents with marks, besides docs/report, which is written as a whole."""
+
+WHOLE = ("README.md",)
+"""Those of them that have no number without a mark."""
 
 NUMBER = re.compile(r"<!--n:([^>]*?)-->(.*?)<!---->")
 TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.S)
@@ -47,5 +50,5 @@ def unmarked(text: str) -> list[str]:
     return [found for found in UNMARKED.findall(text) if found not in FREE]
 
 
-def paths() -> list[Path]:
-    return [ROOT / name for name in DOCUMENTS]
+def paths(names: tuple[str, ...] = DOCUMENTS) -> list[Path]:
+    return [ROOT / name for name in names]

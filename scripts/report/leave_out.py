@@ -71,6 +71,20 @@ def base_of(name: str, scene: dict) -> dict:
     return scene
 
 
+def absent(scene: dict) -> list[str]:
+    """Parts that a scene can have and this one has not."""
+    fluid, rod, beam = (scene.get(name) or {} for name in ("fluid", "rod", "beam"))
+    root = beam.get("root", {}).get("at", {}).get("direction", [0.0, 0.0])
+    material = next(iter(rod.get("material", {"": {}}).values()))
+    there = {
+        "fluid": fluid, "channel": fluid.get("channel"), "inflow": fluid.get("inflow"), "mean flow": fluid.get("mean_flow"),
+        "sponge": fluid.get("sponge"), "cylinders": fluid.get("cylinders"), "probes": fluid.get("probes"), "beam": beam, "rod": rod,
+        "root motion": rod.get("root_motion"), "third dimension": len(root) == 3, "gravity": rod.get("gravity"), "damping": rod.get("damping"),
+        "shear": material.get("shear_factor"), "rest shape": beam.get("rest_angles"), "coupling": scene.get("coupling"),
+    }  # fmt: skip
+    return [name for name, part in there.items() if not part]
+
+
 def sizes(scene: dict) -> tuple[int, int]:
     """Bytes of the XML descriptions and scalar variables of a scene's FMUs."""
     texts = [package.describe(kind, scene) for kind in package.kinds(scene)]
@@ -101,6 +115,8 @@ def measure() -> list[Row]:
         def row(setting: str, quantity: str, value: float, unit: str, **more) -> None:
             rows.append(Row(CASE, path.stem, setting, quantity, value, unit, command=command, **more))
 
+        missing = absent(scene)
+        row("as shipped", "absent parts", len(missing), "1", reason=", ".join(missing))
         known = {}
 
         def base(of: dict) -> tuple[dict, tuple[int, int]]:

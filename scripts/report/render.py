@@ -7,7 +7,7 @@ from pathlib import Path
 from cosim.scene import reference
 
 from . import documents, figures, leave_out
-from .cases import SCHEMES
+from .cases import QUANTITIES, SCHEMES
 from .convergence import MOST_ORDER, limit
 from .store import DOCS, Row
 
@@ -23,6 +23,19 @@ MAIN = {"rod-static": "tip_uy.mean", "csm3": "tip_uy.frequency_hz", "cylinder-2d
 def markdown(header: list[str], rows: list[list]) -> list[str]:
     lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
     return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
+
+
+MASKS = {
+    "wall target `curvature`": "grid/2D-2-curvature-{}",
+    "the same, grid aside (900: half a cell both ways; 600: a quarter both ways)": "aside",
+    "`shear`": "grid/2D-2-shear-{}",
+    "`none`: the bare profile": "grid/2D-2-none-{}",
+    "cosine, half-width a cell, C_eta = 1e-4 s": "grid/2D-2-cosine-{}",
+    "cosine, uncorrected": "grid/2D-2-cosine-uncorrected-{}",
+    "sharp, C_eta = 1e-4 s": "grid/2D-2-sharp-{}",
+    "thesis: Heun, sharp, uncorrected, C_eta = 1e-3 s, two-thirds rule": "thesis/{}",
+}
+"""Lines of the table in docs/fluid.md and the names of their cases."""
 
 
 def wall_of(row: Row) -> str:
@@ -62,6 +75,24 @@ class Report:
         rows = [["reference (FeatFlow, level 4)", *self.fsi3_reference()]]
         rows += [[name, *self.fsi3_cells(grid)] for grid, name in commands.items()]
         return markdown(["", "ux", "uy", "drag", "lift"], rows)
+
+    def masks(self) -> list[str]:
+        """Errors of 2D-2 by mask and grid, from the fluid's study."""
+        cells: dict[str, dict[str, Row]] = {}
+        for row in self.of("cylinder-2d2", source="docs/fluid/results.csv"):
+            if row.error is not None:
+                cells.setdefault(row.setting.split(", ", 1)[1], {})[row.quantity] = row
+
+        def cell(name: str) -> str:
+            errors = (100 * cells[name][quantity].error for quantity in QUANTITIES["cylinder-2d2"]) if name in cells else ()
+            return " / ".join(f"{error:.{1 if abs(error) >= 10 else 2}f}" for error in errors)
+
+        grids = (450, 600, 800, 900, 1100)
+        table = []
+        for label, name in MASKS.items():
+            aside = {600: "offset/2D-2-curvature-0.25-0.25", 900: "offset/2D-2-curvature-900"}
+            table.append([label, *(cell(aside.get(nx, "") if name == "aside" else name.format(nx)) for nx in grids)])
+        return markdown(["mask", *(f"{nx} x {nx // 5}" for nx in grids)], table)
 
     def fsi3_settings(self) -> list[str]:
         return list(dict.fromkeys(row.setting for row in self.of("fsi3", method="one change")))
@@ -201,8 +232,9 @@ class Report:
 
     def leave_out(self) -> list[str]:
         text = ["## 3. What a scene leaves out", "",
-                "Each part is put into the scene so that it has no effect; the numbers are what it adds to XML, variables, memory (largest resident "
-                "set), and CPU time a step, and the largest relative change of tip and forces. The library is the same file for every scene: a "
+                *markdown(["scene", "has not"], [[row.method, row.reason] for row in self.of(leave_out.CASE, quantity="absent parts")]), "",
+                "None of these has a variable, an array or a loop there. Each of the following parts is put into the scene so that it has no effect; the numbers are what it adds to XML, variables, memory (growth of the resident "
+                "set), and CPU time a step (quartiles of the repeats are up to a tenth apart on this machine), and the largest relative change of tip and forces. The library is the same file for every scene: a "
                 "part that is left out saves nothing of the binary's size.", ""]  # fmt: skip
         table = []
         for scene in dict.fromkeys(row.method for row in self.of(leave_out.CASE)):
@@ -241,7 +273,8 @@ class Report:
                     continue
                 found = {row.quantity: row.value for row in self.of(f"phases {case}", method=setting[0], setting=setting[1])}
                 table.append([case, *setting, *(f"{100 * found[k]:.0f} %" if k in found else "" for k in ("rod", "fluid", "exchange_and_python"))])
-        text += ["Of a run (exchange through FMI and Python together; output is written after the run and is not in it):", "",
+        text += ["Of a run (exchange through FMI and Python together, and the pressure of probes, which is made when it is read; output is written after the run "
+                 "and is not in it):", "",
                  *markdown(["case", "method", "setting", "rod", "fluid", "FMI and Python"], table), ""]  # fmt: skip
         return text
 
@@ -314,7 +347,7 @@ class Report:
 
 
 def tables(report: Report) -> dict:
-    return {"fsi3": report.fsi3_readme}
+    return {"fsi3": report.fsi3_readme, "cylinder-2d2-masks": report.masks}
 
 
 def everything(data: dict, check: bool) -> list[Path]:

@@ -1,7 +1,7 @@
 """A scene, run several times in a process of its own: `python worker.py REPEATS < scene.json` prints one JSON object.
 
 One run goes before the others and is not timed; with 0 repeats it is the only one and is timed. What is timed is the loop over the steps, with Python and FMI in it, without
-loading, packing and evaluation; memory is the largest resident set of the process less what it had before the units were loaded.
+loading, packing and evaluation; memory is what the resident set has grown by from before the units are loaded to the end of that first run.
 """
 
 import json
@@ -21,13 +21,15 @@ from cosim.unit import Unit
 
 
 def resident() -> float:
-    """Largest resident set of this process so far, MB."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    """Resident set of this process, MB."""
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize() / 1e6
 
 
 def once(scene: dict, fmus: dict[str, Path]) -> tuple[dict, list[float]]:
-    """Summary of a run, and its wall and CPU time, s."""
+    """Summary of a run with the memory it has added, and its wall and CPU time, s."""
     with ExitStack() as stack:
+        before = resident()
         clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
         units = {}
         for kind, path in fmus.items():
@@ -38,7 +40,9 @@ def once(scene: dict, fmus: dict[str, Path]) -> tuple[dict, list[float]]:
         begin = process_time()
         outcome = master.run(scheme, clock, recorder)
         times = [outcome.wall, process_time() - begin]
-        return report.summarize(scene, units, scheme, recorder, outcome) | {"last": recorder.latest}, times
+        memory = resident() - before
+        summary = report.summarize(scene, units, scheme, recorder, outcome)
+        return summary | {"last": recorder.latest, "memory_mb": memory}, times
 
 
 def main() -> None:
@@ -46,15 +50,13 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         try:
             fmus = {kind: package.pack(kind, scene, Path(folder)) for kind in package.kinds(scene)}
-            before = resident()
             summary, first = once(scene, fmus)
-            memory = resident() - before
             runs = [once(scene, fmus)[1] for _ in range(repeats)] if summary["error"] is None else []
         except Refusal as error:
             print(json.dumps({"error": str(error)}))
             return
-    kept = ("error", "quantities", "coefficients", "phases_s", "wall_s", "steps", "iterations_mean", "periods", "last")
-    found = {key: summary[key] for key in kept} | {"runs": runs or [first], "memory_mb": memory}
+    kept = ("error", "quantities", "coefficients", "phases_s", "wall_s", "steps", "iterations_mean", "periods", "last", "memory_mb")
+    found = {key: summary[key] for key in kept} | {"runs": runs or [first]}
     print(json.dumps(report.json_numbers(found)))
 
 
