@@ -15,7 +15,7 @@ TOLERANCE = {"rod-static": 1e-6, "csm3": 1e-5, "cfd3": 0.02, "cylinder-2d1": 1e-
 """Within which another machine gets a value again, relative to its scale: rounding of another libm grows with the wake."""
 
 SCENE = {"rod-static": "csm1", "csm3": "csm3", "cylinder-2d1": "cylinder-2d1-450x90",
-         "cylinder-2d2": "cylinder-2d2-900x180", "fsi3": "fsi3-325x72", "cfd3": "cfd3-650x144"}  # fmt: skip
+         "cylinder-2d2": "cylinder-2d2-900x180", "fsi3": "fsi3-325x72", "cfd3": "cfd3-650x144", "cost": "fsi3-325x72"}  # fmt: skip
 
 FAMILY = SCENE | {"cylinder-2d1": "cylinder-2d1", "cylinder-2d2": "cylinder-2d2", "fsi3": "fsi3", "cfd3": "cfd3"}
 """Names in scenes/references.json."""
@@ -30,6 +30,9 @@ QUANTITIES = {
 }
 
 SHIPPED = {"fsi3-325x72": 4e-4, "fsi3-650x144": 2e-4, "fsi3-1300x288": 1.25e-4}
+
+COST_STEPS = 200
+"""Communication steps of the runs that only tell what a step costs."""
 
 SCHEMES = {"trapezoid": "trapezoid", "generalised-α 0.5": {"generalised_alpha": {"rho_inf": 0.5}}, "BDF2": "bdf2", "TR-BDF2": "tr_bdf2"}
 
@@ -136,4 +139,12 @@ def cases() -> Iterator[Case]:
         changes = {"fluid.box.cells": cells, "time.communication_step": step, "fluid.time_stepping.max_step": step}
         quick = cells[0] == 325
         yield Case("fsi3", "momentum load", f"{cells[0]} x {cells[1]}", cells[0], step, changes, repeats=3 if quick else 0, quick=quick)
+    short = {"time.end": COST_STEPS * 4e-4}
+    for n in (21, 42, 84, 168):
+        yield Case("cost", "stations", f"{n} segments", n, 4e-4, short | {"beam.segments": n}, repeats=9)
+    yield Case("cost", "bar still", "42 segments", 42, 4e-4, short | {"rod": None, "coupling": None}, repeats=9)
+    for nx, ny in ((160, 36), (325, 72), (640, 144), (1280, 288)):
+        changes = {"fluid.box.cells": [nx, ny], "time.communication_step": 1e-4, "fluid.time_stepping.max_step": 1e-4,
+                   "time.end": COST_STEPS * 1e-4}  # fmt: skip
+        yield Case("cost", "grid", f"{nx} x {ny}", nx * ny, 1e-4, changes, repeats=5)
     yield Case("cfd3", "bar held still", "650 x 144", 650, 2e-4, repeats=0, quick=False)

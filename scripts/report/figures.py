@@ -170,15 +170,24 @@ def maps(path: Path, rows: list[Row]) -> None:
     save(fig, path)
 
 
+def exponent(points: list[tuple[float, float]]) -> float:
+    """Slope of the straight line through the logarithms."""
+    x, y = np.log(np.array(points)).T
+    return np.polyfit(x, y, 1)[0]
+
+
 def cost(path: Path, groups: dict[str, tuple[str, list[tuple[float, float]]]]) -> None:
     """Cost over size with the fitted exponent. `groups`: name → (label of x, points)."""
-    fig, axes = plt.subplots(1, len(groups), figsize=(4.2 * len(groups), 3.8), layout="constrained", squeeze=False)
-    for axis, (name, (xlabel, points)) in zip(axes[0], groups.items()):
+    fig, axes = plt.subplots(-(-len(groups) // 3), 3, figsize=(12, 3.6 * -(-len(groups) // 3)), layout="constrained", squeeze=False)
+    for axis in axes.flat[len(groups) :]:
+        axis.set_visible(False)
+    for axis, (name, (xlabel, points)) in zip(axes.flat, groups.items()):
         x, y = map(np.array, zip(*sorted(points)))
         slope, offset = np.polyfit(np.log(x), np.log(y), 1)
         axis.plot(x, y, "o", color=COLOURS[0])
         axis.plot(x, np.exp(offset) * x**slope, "--", color=COLOURS[1], label=f"exponent {slope:.2f}")
-        axis.set(xscale="log", yscale="log", xlabel=xlabel, ylabel="µs", title=name)
+        axis.set(xscale="log", yscale="log", xlabel=xlabel, ylabel="µs")
+        axis.set_title(name, fontsize=9)
         few_labels(axis.xaxis)
         axis.grid(True, which="major", linewidth=0.4, alpha=0.6)
         axis.legend(fontsize=8)

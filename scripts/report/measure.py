@@ -60,6 +60,8 @@ def measure(case: Case) -> list[Row]:
         failed.reason = found["error"]
         return [failed]
     wall, cpu = (quartiles([run[i] for run in found["runs"]]) for i in (0, 1))
+    if case.case == "cost":
+        return cost(case, found, wall, cpu)
     values, published, limit = values_of(case, found), references(case.case), case.limit()
     rows = []
     for name in QUANTITIES[case.case]:
@@ -77,10 +79,19 @@ def measure(case: Case) -> list[Row]:
             repeats=len(found["runs"]), command=shown(case), tolerance=None if case.peer else TOLERANCE[case.case],
         ))  # fmt: skip
     for phase, seconds in (found.get("phases_s") or {}).items():
-        share = seconds / found["wall_s"]
+        share = seconds / sum(found["phases_s"].values())
         rows.append(Row(f"phases {case.case}", case.method, case.setting, phase, share, "share of wall time", size=case.size,
                         step=case.step, command=shown(case)))  # fmt: skip
     return rows
+
+
+def cost(case: Case, found: dict, wall: tuple, cpu: tuple) -> list[Row]:
+    """µs a step: the median CPU time of the whole, the shortest wall times of the parts."""
+    shared = {"unit": "µs", "size": case.size, "step": case.step, "command": shown(case)}
+    micro = 1e6 / found["steps"]
+    rows = [Row(case.case, case.method, case.setting, "step", cpu[1] * micro, wall_s=wall[1], wall_q1=wall[0], wall_q3=wall[2], cpu_s=cpu[1],
+                cpu_q1=cpu[0], cpu_q3=cpu[2], repeats=len(found["runs"]), **shared)]  # fmt: skip
+    return rows + [Row(case.case, case.method, case.setting, phase, seconds * micro, **shared) for phase, seconds in found["phases_s"].items()]
 
 
 def unit_of(quantity: str) -> str:

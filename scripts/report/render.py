@@ -261,11 +261,27 @@ class Report:
         rod = [(row.size, row.value) for row in self.of("rod-cost", method="iteration_2d") if row.size >= 64]
         groups["a step of the fluid"] = ("points of the grid", fluid)
         groups["a Newton iteration of the rod in the plane"] = ("segments n", rod)
+        for title, quantity, method, x in (
+            ("a step of FSI3, all of it", "step", "grid", "points of the grid"),
+            ("a step of FSI3, the rod's part", "rod", "stations", "segments"),
+        ):
+            points = [(row.size, row.value) for row in self.of("cost", method=method, quantity=quantity)]
+            if points:
+                groups[title] = (x, points)
         figures.cost(self.folder / "cost.png", groups)
-        text = ["## Where the time goes", "", "![cost](cost.png)", ""]
+        text = ["## Where the time goes", "", "![cost](cost.png)", "", "Fitted exponents: " +
+                "; ".join(f"{name} {figures.exponent(points):.2f} in the {x}" for name, (x, points) in groups.items()) + ".", ""]
         rows = self.of("phases of a fluid step")
         text += ["A step of the fluid, FSI3 on 650 x 144 points (`make bench-fluid`):", "",
                  *markdown(["phase", "µs"], [[row.quantity, f"{row.value:.0f}"] for row in rows]), ""]  # fmt: skip
+        table = []
+        for method, setting in dict.fromkeys((row.method, row.setting) for row in self.of("cost")):
+            found = {row.quantity: row.value for row in self.of("cost", method=method, setting=setting)}
+            parts = ("step", "rod", "exchange_and_python")
+            table.append([method, setting, *(f"{found[part]:.0f}" if part in found else "" for part in parts)])
+        text += ["A step of FSI3 by number of stations (325 x 72 points), with the bar still, and by grid (steps of 0.1 ms), µs: median CPU time of the step, shortest wall times of rod and exchange; "
+                 "the rest is the fluid:", "",
+                 *markdown(["varied", "setting", "step", "rod", "FMI and Python"], table), ""]  # fmt: skip
         table = []
         for case in ("rod-static", "csm3", "cylinder-2d1", "cylinder-2d2", "fsi3"):
             for setting in dict.fromkeys((row.method, row.setting) for row in self.of(f"phases {case}")):

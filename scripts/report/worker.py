@@ -1,6 +1,7 @@
 """A scene, run several times in a process of its own: `python worker.py REPEATS < scene.json` prints one JSON object.
 
-One run goes before the others and is not timed; with 0 repeats it is the only one and is timed. What is timed is the loop over the steps, with Python and FMI in it, without
+One run goes before the others and is not timed; with 0 repeats it is the only one and is timed. Phases are the shortest of the
+timed runs, each for itself. What is timed is the loop over the steps, with Python and FMI in it, without
 loading, packing and evaluation; memory is what the resident set has grown by from before the units are loaded to the end of that first run.
 """
 
@@ -51,12 +52,14 @@ def main() -> None:
         try:
             fmus = {kind: package.pack(kind, scene, Path(folder)) for kind in package.kinds(scene)}
             summary, first = once(scene, fmus)
-            runs = [once(scene, fmus)[1] for _ in range(repeats)] if summary["error"] is None else []
+            more = [once(scene, fmus) for _ in range(repeats)] if summary["error"] is None else []
         except Refusal as error:
             print(json.dumps({"error": str(error)}))
             return
     kept = ("error", "quantities", "coefficients", "phases_s", "wall_s", "steps", "iterations_mean", "periods", "last", "memory_mb")
-    found = {key: summary[key] for key in kept} | {"runs": runs or [first]}
+    timed = more or [(summary, first)]
+    found = {key: summary[key] for key in kept} | {"runs": [times for _, times in timed]}
+    found["phases_s"] = {phase: min(run["phases_s"][phase] for run, _ in timed) for phase in summary["phases_s"]}
     print(json.dumps(report.json_numbers(found)))
 
 
