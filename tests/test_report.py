@@ -9,7 +9,12 @@ from cosim.scene import ROOT
 from report import cases, convergence, documents, measure, render, store
 from report.values import values_of
 
-SMALLEST = ("rod-static/rod/n = 32", "rod-static/rod with shear/n = 8", "csm3/BDF2/n = 32, H = 0.008 s", "cylinder-2d1/wall target/300 x 60")
+SMALLEST = (
+    "rod-static/rod/n = 32",
+    "rod-static/rod with shear/n = 8",
+    "csm3/BDF2/n = 32, H = 0.008 s",
+    "cylinder-2d1/wall target/300 x 60",
+)
 """Cases that are measured anew: seconds each. test_fsi3.py runs FSI3."""
 
 
@@ -42,7 +47,11 @@ def test_values_and_table_of_rows_agree_with_the_rows(data):
 @pytest.mark.parametrize("name", SMALLEST)
 def test_a_committed_value_comes_out_again(libraries, data, name):
     case = next(case for case in cases.cases() if case.name == name)
-    committed = {row.quantity: row for row in data["rows"] if (row.case, row.method, row.setting) == (case.case, case.method, case.setting)}
+    committed = {
+        row.quantity: row
+        for row in data["rows"]
+        if (row.case, row.method, row.setting) == (case.case, case.method, case.setting)
+    }
     command = [sys.executable, str(ROOT / "scripts" / "report" / "worker.py"), "0"]
     done = subprocess.run(command, input=json.dumps(case.scene()), capture_output=True, text=True, check=True)
     found = measure.values_of(case, json.loads(done.stdout))
@@ -53,11 +62,17 @@ def test_a_committed_value_comes_out_again(libraries, data, name):
 
 def test_fsi3_of_the_report_is_the_one_that_is_recorded(data):
     settled = json.loads((ROOT / "tests" / "recorded.json").read_text())["settled"]
-    rows = [row for row in data["rows"] if row.case == "fsi3" and row.setting == "325 x 72" and row.method == "momentum load"]
+    rows = [
+        row
+        for row in data["rows"]
+        if row.case == "fsi3" and row.setting == "325 x 72" and row.method == "momentum load"
+    ]
     assert len(rows) == len(cases.QUANTITIES["fsi3"])
     for row in rows:
         name, what = row.quantity.split(".")
-        assert row.value == pytest.approx(settled[name][what], abs=row.tolerance * settled[name]["amplitude"], rel=0.01), row.quantity
+        assert row.value == pytest.approx(
+            settled[name][what], abs=row.tolerance * settled[name]["amplitude"], rel=0.01
+        ), row.quantity
 
 
 def test_extrapolation_finds_a_limit_and_its_order():

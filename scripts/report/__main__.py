@@ -1,8 +1,8 @@
 """The report: `python scripts/report measure`, `collect FOLDER`, `render`; `make report` does all.
 
-    python scripts/report measure --only 'rod-static/*'    measure these anew, leave the other rows of results.json
-    python scripts/report collect results                   take the studies' tables, and the FSI3 runs in results/, into it
-    python scripts/report render                            write docs/report and the marked numbers of the documents from it
+python scripts/report measure --only 'rod-static/*'    measure these anew, leave the other rows of results.json
+python scripts/report collect results                   take the studies' tables, and the FSI3 runs in results/, into it
+python scripts/report render                            write docs/report and the marked numbers of the documents from it
 """
 
 import sys
@@ -17,7 +17,9 @@ sys.path[0] = str(Path(__file__).parents[1])
 
 from report import cases, collect, leave_out, measure as measuring, render as rendering, store
 
-app = typer.Typer(add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, help="The report of docs/report.")
+app = typer.Typer(
+    add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, help="The report of docs/report."
+)
 
 
 def known() -> dict:
@@ -62,7 +64,9 @@ def leave_out_command() -> None:
 
 @app.command("collect")
 def collect_command(
-    folders: Annotated[list[Path] | None, typer.Argument(help="Result folders of `fsi.py run`, by their scene's name.")] = None,
+    folders: Annotated[
+        list[Path] | None, typer.Argument(help="Result folders of `fsi.py run`, by their scene's name.")
+    ] = None,
 ) -> None:
     """Take in the tables of the studies and the summaries of runs."""
     data = known()
@@ -71,7 +75,9 @@ def collect_command(
 
 
 @app.command()
-def render(check: Annotated[bool, typer.Option("--check", help="Write nothing; fail if a document would change.")] = False) -> None:
+def render(
+    check: Annotated[bool, typer.Option("--check", help="Write nothing; fail if a document would change.")] = False,
+) -> None:
     """Write pages, figures and marked numbers from results.json alone."""
     changed = rendering.everything(store.load(), check)
     for path in changed:

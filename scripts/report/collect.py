@@ -45,22 +45,63 @@ def rod() -> Iterator[Row]:
     for row in rows_of(folder / "order_in_n.csv"):
         if row["plane"] == "xz":
             setting = f"g = {row['gravity']}, n = {row['n']}"
-            yield Row("rod-elastica", row["calibration"], setting, "tip", discretisation=float(row["error"]), size=float(row["n"]),
-                      command=command, source="docs/rod/order_in_n.csv")  # fmt: skip
+            yield Row(
+                "rod-elastica",
+                row["calibration"],
+                setting,
+                "tip",
+                discretisation=float(row["error"]),
+                size=float(row["n"]),
+                command=command,
+                source="docs/rod/order_in_n.csv",
+            )
     for row in rows_of(folder / "order_in_dt.csv"):
-        yield Row(f"rod-swing, {row['case']}", row["scheme"], f"dt = {float(row['dt']):g} s", "tip", discretisation=float(row["error"]),
-                  step=float(row["dt"]), wall_s=float(row["seconds"]), command=command, source="docs/rod/order_in_dt.csv")  # fmt: skip
+        yield Row(
+            f"rod-swing, {row['case']}",
+            row["scheme"],
+            f"dt = {float(row['dt']):g} s",
+            "tip",
+            discretisation=float(row["error"]),
+            step=float(row["dt"]),
+            wall_s=float(row["seconds"]),
+            command=command,
+            source="docs/rod/order_in_dt.csv",
+        )
     for row in rows_of(folder / "runtime.csv"):
         for name in ("iteration_2d", "iteration_3d", "banded", "sparse", "dense"):
             if row[name]:
-                yield Row("rod-cost", name, f"n = {row['n']}", "time of one", float(row[name]) * 1e6, "µs", size=float(row["n"]),
-                          command=command, source="docs/rod/runtime.csv")  # fmt: skip
+                yield Row(
+                    "rod-cost",
+                    name,
+                    f"n = {row['n']}",
+                    "time of one",
+                    float(row[name]) * 1e6,
+                    "µs",
+                    size=float(row["n"]),
+                    command=command,
+                    source="docs/rod/runtime.csv",
+                )
     for row in rows_of(folder / "extreme.csv"):
         setting = ", ".join(f"{name} = {float(row[name]):g}" for name in ("n", "k_e", "EI", "dt"))
-        yield Row("map rod", "TR-BDF2", setting, "outcome", size=float(row["n"]), step=float(row["dt"]),
-                  **ended(row["result"]), source="docs/rod/extreme.csv")  # fmt: skip
+        yield Row(
+            "map rod",
+            "TR-BDF2",
+            setting,
+            "outcome",
+            size=float(row["n"]),
+            step=float(row["dt"]),
+            **ended(row["result"]),
+            source="docs/rod/extreme.csv",
+        )
     for row in rows_of(folder / "situations.csv"):
-        yield Row("map rod situations", row["scheme"], row["situation"], "outcome", **ended(row["result"]), source="docs/rod/situations.csv")
+        yield Row(
+            "map rod situations",
+            row["scheme"],
+            row["situation"],
+            "outcome",
+            **ended(row["result"]),
+            source="docs/rod/situations.csv",
+        )
 
 
 def ended(result: str) -> dict[str, str]:
@@ -76,8 +117,13 @@ def fluid() -> Iterator[Row]:
         case, group = f"cylinder-{row['flow'].lower().replace('-', '')}", row["case"].partition("/")[0]
         published = references(case)
         setting = f"{row['nx']} x {row['ny']}, {row['case']}"
-        shared = {"size": float(row["nx"]), "step": float(row["dt"]), "wall_s": number(row["wall_s"]), "source": "docs/fluid/results.csv",
-                  "command": f"make fluid-study ARGS=\"--only '{row['case']}'\""}  # fmt: skip
+        shared = {
+            "size": float(row["nx"]),
+            "step": float(row["dt"]),
+            "wall_s": number(row["wall_s"]),
+            "source": "docs/fluid/results.csv",
+            "command": f"make fluid-study ARGS=\"--only '{row['case']}'\"",
+        }
         method = f"{group}: {row['mask']}, {row['scheme']}"
         if row["result"] != "ok":
             yield Row(case, method, setting, "all", outcome="error", reason=row["result"], **shared)
@@ -85,7 +131,17 @@ def fluid() -> Iterator[Row]:
             value = number(row[quantity])
             if value is not None and row["result"] == "ok":
                 expected, scale = published[quantity]
-                yield Row(case, method, setting, quantity, value, unit_of(quantity), expected, (value - expected) / scale, **shared)
+                yield Row(
+                    case,
+                    method,
+                    setting,
+                    quantity,
+                    value,
+                    unit_of(quantity),
+                    expected,
+                    (value - expected) / scale,
+                    **shared,
+                )
     yield from fluid_map((ROOT / "docs" / "fluid" / "stability.md").read_text(encoding="utf-8"))
 
 
@@ -103,14 +159,22 @@ def fluid_map(text: str) -> Iterator[Row]:
             header = cells
             continue
         fixed = 2 if header[0] == "Re" else 1
-        where = ", ".join(f"{name} {cell}" if name != "scene" else cell for name, cell in zip(header[:fixed], cells[:fixed]))
+        where = ", ".join(
+            f"{name} {cell}" if name != "scene" else cell for name, cell in zip(header[:fixed], cells[:fixed])
+        )
         for name, cell in zip(header[fixed:], cells[fixed:]):
-            row = Row("map fluid", method, f"{where}, {name}", "largest speed", source="docs/fluid/stability.md", unit="m/s")
+            row = Row(
+                "map fluid", method, f"{where}, {name}", "largest speed", source="docs/fluid/stability.md", unit="m/s"
+            )
             letter = re.match(r"([A-Z]) at", cell)
             if letter:
                 row.outcome, row.reason = "error", f"{cell}: {reasons.get(letter[1], '')}"
             elif cell.startswith("**wild**"):
-                row.outcome, row.reason, row.value = "bad", "wild: ten times the inflow or more", float(cell.split()[-1])
+                row.outcome, row.reason, row.value = (
+                    "bad",
+                    "wild: ten times the inflow or more",
+                    float(cell.split()[-1]),
+                )
             else:
                 row.value = float(cell)
             yield row
@@ -120,10 +184,26 @@ def coupling() -> Iterator[Row]:
     """docs/fsi3/stability.csv."""
     for row in rows_of(ROOT / "docs" / "fsi3" / "stability.csv"):
         setting = f"density ratio {float(row['ratio']):g}, C_eta {float(row['c_eta']):g}, H {float(row['step']):g}, to {float(row['end']):g} s"
-        reason = row["message"] if row["outcome"] == "error" else f"noise of the lift {float(row['noise']):.2f}" if row["outcome"] == "bad" else ""
-        yield Row("map coupling", row["scheme"], setting, "noise of the lift", number(row["noise"]), step=float(row["step"]),
-                  wall_s=number(row["wall_s"]), outcome=row["outcome"], reason=reason, source="docs/fsi3/stability.csv",
-                  command=f"make coupling-study ARGS=\"--only '{row['cell']}'\"")  # fmt: skip
+        reason = (
+            row["message"]
+            if row["outcome"] == "error"
+            else f"noise of the lift {float(row['noise']):.2f}"
+            if row["outcome"] == "bad"
+            else ""
+        )
+        yield Row(
+            "map coupling",
+            row["scheme"],
+            setting,
+            "noise of the lift",
+            number(row["noise"]),
+            step=float(row["step"]),
+            wall_s=number(row["wall_s"]),
+            outcome=row["outcome"],
+            reason=reason,
+            source="docs/fsi3/stability.csv",
+            command=f"make coupling-study ARGS=\"--only '{row['cell']}'\"",
+        )
 
 
 def speed() -> Iterator[Row]:
@@ -131,12 +211,29 @@ def speed() -> Iterator[Row]:
     text = (ROOT / "docs" / "fluid-speed.md").read_text(encoding="utf-8")
     part = text.split("Where the time of a step goes", 1)[1].split("A step on one", 1)[0]
     for phase, micro in re.findall(r"^\| ([^|]+) \| (\d+) \|", part, re.M):
-        yield Row("phases of a fluid step", "FSI3, the bar swinging", "650 x 144", phase, float(micro), "µs", source="docs/fluid-speed.md",
-                  command="make bench-fluid")  # fmt: skip
+        yield Row(
+            "phases of a fluid step",
+            "FSI3, the bar swinging",
+            "650 x 144",
+            phase,
+            float(micro),
+            "µs",
+            source="docs/fluid-speed.md",
+            command="make bench-fluid",
+        )
     for scene, grid, micro in re.findall(r"^\| ([\w-]+) \| (\d+x\d+) \| \d+ \| (\d+) \|", text, re.M):
         nx, ny = map(int, grid.split("x"))
-        yield Row("cost of a fluid step", scene, f"{nx} x {ny}", "step", float(micro), "µs", size=nx * ny, source="docs/fluid-speed.md",
-                  command="make bench-fluid")  # fmt: skip
+        yield Row(
+            "cost of a fluid step",
+            scene,
+            f"{nx} x {ny}",
+            "step",
+            float(micro),
+            "µs",
+            size=nx * ny,
+            source="docs/fluid-speed.md",
+            command="make bench-fluid",
+        )
 
 
 def cited() -> Iterator[Row]:
@@ -145,8 +242,20 @@ def cited() -> Iterator[Row]:
         for quantity, value in (values or {"wall time": None}).items():
             expected, scale = published.get(quantity, (None, None))
             error = (value - expected) / scale if expected is not None and value is not None else None
-            yield Row("fsi3", method, setting, quantity, value, unit_of(quantity) if value else "", expected, error, size=size,
-                      wall_s=wall, source="cited", reason="wall time a simulated second")  # fmt: skip
+            yield Row(
+                "fsi3",
+                method,
+                setting,
+                quantity,
+                value,
+                unit_of(quantity) if value else "",
+                expected,
+                error,
+                size=size,
+                wall_s=wall,
+                source="cited",
+                reason="wall time a simulated second",
+            )
 
 
 def changes_between(shipped: dict, own: dict, prefix: str = "") -> list[str]:
@@ -164,7 +273,9 @@ def changes_between(shipped: dict, own: dict, prefix: str = "") -> list[str]:
 
 def fsi3(folder: Path) -> tuple[list[Row], dict]:
     """Rows and series of a finished run of an FSI3 scene."""
-    summary, scene = (json.loads((folder / name).read_text(encoding="utf-8")) for name in ("summary.json", "scene.json"))
+    summary, scene = (
+        json.loads((folder / name).read_text(encoding="utf-8")) for name in ("summary.json", "scene.json")
+    )
     nx, ny = scene["fluid"]["box"]["cells"]
     base = SCENES / f"fsi3-{nx}x{ny}.json"
     shipped = load(base) if base.is_file() else scene
@@ -178,13 +289,38 @@ def fsi3(folder: Path) -> tuple[list[Row], dict]:
         name, what = quantity.split(".")
         value = summary["quantities"][name][what]
         expected, scale = published[quantity]
-        rows.append(Row("fsi3", "momentum load" if not changes else "one change", setting, quantity, value, unit_of(quantity), expected,
-                        (value - expected) / scale, size=nx, step=scene["time"]["communication_step"],
-                        wall_s=summary["wall_s"], repeats=1, command=f"python scripts/fsi.py run scenes/fsi3-{nx}x{ny}.json {sets}".strip(),
-                        tolerance=TOLERANCE["fsi3"], source="run of scripts/fsi.py"))  # fmt: skip
+        rows.append(
+            Row(
+                "fsi3",
+                "momentum load" if not changes else "one change",
+                setting,
+                quantity,
+                value,
+                unit_of(quantity),
+                expected,
+                (value - expected) / scale,
+                size=nx,
+                step=scene["time"]["communication_step"],
+                wall_s=summary["wall_s"],
+                repeats=1,
+                command=f"python scripts/fsi.py run scenes/fsi3-{nx}x{ny}.json {sets}".strip(),
+                tolerance=TOLERANCE["fsi3"],
+                source="run of scripts/fsi.py",
+            )
+        )
     for phase, seconds in summary["phases_s"].items():
-        rows.append(Row("phases fsi3", "momentum load", setting, phase, seconds / summary["wall_s"], "share of wall time", size=nx,
-                        source="run of scripts/fsi.py"))  # fmt: skip
+        rows.append(
+            Row(
+                "phases fsi3",
+                "momentum load",
+                setting,
+                phase,
+                seconds / summary["wall_s"],
+                "share of wall time",
+                size=nx,
+                source="run of scripts/fsi.py",
+            )
+        )
     return rows, {} if changes else {setting: series(folder)}
 
 

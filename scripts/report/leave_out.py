@@ -77,11 +77,23 @@ def absent(scene: dict) -> list[str]:
     root = beam.get("root", {}).get("at", {}).get("direction", [0.0, 0.0])
     material = next(iter(rod.get("material", {"": {}}).values()))
     there = {
-        "fluid": fluid, "channel": fluid.get("channel"), "inflow": fluid.get("inflow"), "mean flow": fluid.get("mean_flow"),
-        "sponge": fluid.get("sponge"), "cylinders": fluid.get("cylinders"), "probes": fluid.get("probes"), "beam": beam, "rod": rod,
-        "root motion": rod.get("root_motion"), "third dimension": len(root) == 3, "gravity": rod.get("gravity"), "damping": rod.get("damping"),
-        "shear": material.get("shear_factor"), "rest shape": beam.get("rest_angles"), "coupling": scene.get("coupling"),
-    }  # fmt: skip
+        "fluid": fluid,
+        "channel": fluid.get("channel"),
+        "inflow": fluid.get("inflow"),
+        "mean flow": fluid.get("mean_flow"),
+        "sponge": fluid.get("sponge"),
+        "cylinders": fluid.get("cylinders"),
+        "probes": fluid.get("probes"),
+        "beam": beam,
+        "rod": rod,
+        "root motion": rod.get("root_motion"),
+        "third dimension": len(root) == 3,
+        "gravity": rod.get("gravity"),
+        "damping": rod.get("damping"),
+        "shear": material.get("shear_factor"),
+        "rest shape": beam.get("rest_angles"),
+        "coupling": scene.get("coupling"),
+    }
     return [name for name, part in there.items() if not part]
 
 
@@ -94,7 +106,9 @@ def sizes(scene: dict) -> tuple[int, int]:
 def run(scene: dict) -> dict:
     """What worker.py says of a scene, with the median and quartiles of its CPU time."""
     command = [sys.executable, ROOT / "scripts" / "report" / "worker.py", str(REPEATS)]
-    done = subprocess.run(command, input=json.dumps(scene), env=os.environ | THREADS, capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        command, input=json.dumps(scene), env=os.environ | THREADS, capture_output=True, text=True, check=True
+    )
     found = json.loads(done.stdout)
     if found["error"]:
         raise Refusal(found["error"])
@@ -126,8 +140,12 @@ def measure() -> list[Row]:
             return known[text]
 
         found, (xml, variables) = base(scene)
-        for quantity, value, unit in (("xml", xml, "B"), ("variables", variables, "1"), ("memory", found["memory_mb"], "MB"),
-                                      ("cpu per step", found["cpu"][1] / steps * 1e6, "µs")):  # fmt: skip
+        for quantity, value, unit in (
+            ("xml", xml, "B"),
+            ("variables", variables, "1"),
+            ("memory", found["memory_mb"], "MB"),
+            ("cpu per step", found["cpu"][1] / steps * 1e6, "µs"),
+        ):
             row("as shipped", quantity, value, unit, repeats=REPEATS)
         for name, added in parts(scene):
             try:
@@ -137,7 +155,9 @@ def measure() -> list[Row]:
                 rows.append(Row(CASE, path.stem, name, "all", outcome="error", reason=str(error), command=command))
                 continue
             columns = [c for c in ROD_COLUMNS + FLUID_COLUMNS if c in without["last"]]
-            change = max(abs(with_it["last"][c] - without["last"][c]) / (abs(without["last"][c]) or 1.0) for c in columns)
+            change = max(
+                abs(with_it["last"][c] - without["last"][c]) / (abs(without["last"][c]) or 1.0) for c in columns
+            )
             row(name, "xml", more_xml - xml, "B more")
             row(name, "variables", more_variables - variables, "more")
             row(name, "memory", with_it["memory_mb"] - without["memory_mb"], "MB more")

@@ -36,16 +36,36 @@ def values_of(case: Case, found: dict) -> dict[str, float | None]:
         return found["values"]
     if found["coefficients"]:
         return found["coefficients"]["values"]
-    return {f"{q}.{what}": part[what] for q, part in found["quantities"].items() for what in ("mean", "amplitude", "frequency_hz")}
+    return {
+        f"{q}.{what}": part[what]
+        for q, part in found["quantities"].items()
+        for what in ("mean", "amplitude", "frequency_hz")
+    }
 
 
 def measure(case: Case) -> list[Row]:
     """Rows of a case; one row with the reason if it failed."""
     given = None if case.peer else json.dumps(case.scene())
-    failed = Row(case.case, case.method, case.setting, "all", size=case.size, step=case.step, outcome="error", command=shown(case))
+    failed = Row(
+        case.case,
+        case.method,
+        case.setting,
+        "all",
+        size=case.size,
+        step=case.step,
+        outcome="error",
+        command=shown(case),
+    )
     try:
-        done = subprocess.run(case.command(), input=given, env=os.environ | THREADS, capture_output=True, text=True,
-                              timeout=LONGEST, cwd=ROOT)  # fmt: skip
+        done = subprocess.run(
+            case.command(),
+            input=given,
+            env=os.environ | THREADS,
+            capture_output=True,
+            text=True,
+            timeout=LONGEST,
+            cwd=ROOT,
+        )
     except subprocess.TimeoutExpired:
         failed.reason = f"no end after {LONGEST:g} s"
         return [failed]
@@ -70,18 +90,45 @@ def measure(case: Case) -> list[Row]:
             continue
         expected, scale = published.get(name, (None, None))
         exact = limit.get(name)
-        rows.append(Row(
-            case.case, case.method, case.setting, name, value, unit_of(name),
-            expected, (value - expected) / scale if expected is not None else None,
-            (value - exact) / abs(exact) if exact is not None else None,
-            size=found.get("dofs", case.size), step=case.step,
-            wall_s=wall[1], wall_q1=wall[0], wall_q3=wall[2], cpu_s=cpu[1], cpu_q1=cpu[0], cpu_q3=cpu[2],
-            repeats=len(found["runs"]), command=shown(case), tolerance=None if case.peer else TOLERANCE[case.case],
-        ))  # fmt: skip
+        rows.append(
+            Row(
+                case.case,
+                case.method,
+                case.setting,
+                name,
+                value,
+                unit_of(name),
+                expected,
+                (value - expected) / scale if expected is not None else None,
+                (value - exact) / abs(exact) if exact is not None else None,
+                size=found.get("dofs", case.size),
+                step=case.step,
+                wall_s=wall[1],
+                wall_q1=wall[0],
+                wall_q3=wall[2],
+                cpu_s=cpu[1],
+                cpu_q1=cpu[0],
+                cpu_q3=cpu[2],
+                repeats=len(found["runs"]),
+                command=shown(case),
+                tolerance=None if case.peer else TOLERANCE[case.case],
+            )
+        )
     for phase, seconds in (found.get("phases_s") or {}).items():
         share = seconds / sum(found["phases_s"].values())
-        rows.append(Row(f"phases {case.case}", case.method, case.setting, phase, share, "share of wall time", size=case.size,
-                        step=case.step, command=shown(case)))  # fmt: skip
+        rows.append(
+            Row(
+                f"phases {case.case}",
+                case.method,
+                case.setting,
+                phase,
+                share,
+                "share of wall time",
+                size=case.size,
+                step=case.step,
+                command=shown(case),
+            )
+        )
     return rows
 
 
@@ -89,9 +136,27 @@ def cost(case: Case, found: dict, wall: tuple, cpu: tuple) -> list[Row]:
     """µs a step: the median CPU time of the whole, the shortest wall times of the parts."""
     shared = {"unit": "µs", "size": case.size, "step": case.step, "command": shown(case)}
     micro = 1e6 / found["steps"]
-    rows = [Row(case.case, case.method, case.setting, "step", cpu[1] * micro, wall_s=wall[1], wall_q1=wall[0], wall_q3=wall[2], cpu_s=cpu[1],
-                cpu_q1=cpu[0], cpu_q3=cpu[2], repeats=len(found["runs"]), **shared)]  # fmt: skip
-    return rows + [Row(case.case, case.method, case.setting, phase, seconds * micro, **shared) for phase, seconds in found["phases_s"].items()]
+    rows = [
+        Row(
+            case.case,
+            case.method,
+            case.setting,
+            "step",
+            cpu[1] * micro,
+            wall_s=wall[1],
+            wall_q1=wall[0],
+            wall_q3=wall[2],
+            cpu_s=cpu[1],
+            cpu_q1=cpu[0],
+            cpu_q3=cpu[2],
+            repeats=len(found["runs"]),
+            **shared,
+        )
+    ]
+    return rows + [
+        Row(case.case, case.method, case.setting, phase, seconds * micro, **shared)
+        for phase, seconds in found["phases_s"].items()
+    ]
 
 
 def unit_of(quantity: str) -> str:

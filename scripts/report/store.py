@@ -97,9 +97,16 @@ def text_of(data: dict) -> str:
     for key, part in data.items():
         if key == "rows":
             rows = [{k: v for k, v in asdict(row).items() if v != DEFAULTS[k]} for row in part]
-            body = "[\n" + ",\n".join(json.dumps(rounded(row), ensure_ascii=False, allow_nan=False) for row in rows) + "\n]"
+            body = (
+                "[\n"
+                + ",\n".join(json.dumps(rounded(row), ensure_ascii=False, allow_nan=False) for row in rows)
+                + "\n]"
+            )
         elif isinstance(part, dict):
-            items = (f"{json.dumps(k)}: {json.dumps(rounded(v), ensure_ascii=False, allow_nan=False)}" for k, v in part.items())
+            items = (
+                f"{json.dumps(k)}: {json.dumps(rounded(v), ensure_ascii=False, allow_nan=False)}"
+                for k, v in part.items()
+            )
             body = "{\n" + ",\n".join(items) + "\n}"
         else:
             body = json.dumps(part)
@@ -117,7 +124,9 @@ def save(data: dict, folder: Path = DOCS) -> None:
         with open(path, "w", encoding="utf-8", newline="") as file:
             out = csv.writer(file, lineterminator="\n")
             out.writerow(NAMES)
-            out.writerows([["" if v is None else v for v in rounded(list(asdict(row).values()))] for row in data["rows"]])
+            out.writerows(
+                [["" if v is None else v for v in rounded(list(asdict(row).values()))] for row in data["rows"]]
+            )
 
     text = text_of(data)
     write_together(folder, {"results.json": lambda path: path.write_text(text, encoding="utf-8"), "results.csv": table})

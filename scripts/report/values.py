@@ -52,11 +52,20 @@ def values_of(rows: list[Row]) -> dict[str, dict]:
             factor, unit = SCALE.get(row.unit, (1.0, row.unit))
             key = f"{row.case}.{row.method}.{row.setting}.{row.quantity}".replace(" ", "")
             put(key, row.value * factor, unit, 4, row, row.tolerance)
-    still = [row for row in rows if row.case == "cfd3" and row.quantity in ("drag.mean", "lift.amplitude", "lift.frequency_hz")]
+    still = [
+        row
+        for row in rows
+        if row.case == "cfd3" and row.quantity in ("drag.mean", "lift.amplitude", "lift.frequency_hz")
+    ]
     if still:
         put("cfd3.most", 100 * max(abs(row.error) for row in still), "%", 1, still[0])
-    shares = [row.value for row in rows if row.case == "phases fsi3" and row.quantity == "exchange_and_python"
-              and row.setting in ("325 x 72", "650 x 144", "1300 x 288")]  # fmt: skip
+    shares = [
+        row.value
+        for row in rows
+        if row.case == "phases fsi3"
+        and row.quantity == "exchange_and_python"
+        and row.setting in ("325 x 72", "650 x 144", "1300 x 288")
+    ]
     if shares:
         row = next(row for row in rows if row.case == "phases fsi3")
         put("fsi3.exchange.least", 100 * min(shares), "%", 0, row)
@@ -64,7 +73,13 @@ def values_of(rows: list[Row]) -> dict[str, dict]:
     for name in ("rod", "fluid", "coupling"):
         cells = [row.outcome for row in rows if row.case.split(" situations")[0] == f"map {name}"]
         for outcome in ("ok", "error", "bad"):
-            values[f"map.{name}.{outcome}"] = {"value": cells.count(outcome), "unit": "cells", "digits": 0, "command": "", "tolerance": None}
+            values[f"map.{name}.{outcome}"] = {
+                "value": cells.count(outcome),
+                "unit": "cells",
+                "digits": 0,
+                "command": "",
+                "tolerance": None,
+            }
     return values
 
 

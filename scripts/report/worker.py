@@ -56,7 +56,18 @@ def main() -> None:
         except Refusal as error:
             print(json.dumps({"error": str(error)}))
             return
-    kept = ("error", "quantities", "coefficients", "phases_s", "wall_s", "steps", "iterations_mean", "periods", "last", "memory_mb")
+    kept = (
+        "error",
+        "quantities",
+        "coefficients",
+        "phases_s",
+        "wall_s",
+        "steps",
+        "iterations_mean",
+        "periods",
+        "last",
+        "memory_mb",
+    )
     timed = more or [(summary, first)]
     found = {key: summary[key] for key in kept} | {"runs": [times for _, times in timed]}
     found["phases_s"] = {phase: min(run["phases_s"][phase] for run, _ in timed) for phase in summary["phases_s"]}

@@ -14,8 +14,21 @@ from time import perf_counter, process_time
 
 import numpy as np
 from netgen.occ import Circle, OCCGeometry, Rectangle
-from ngsolve import (BilinearForm, CoefficientFunction, FESpace, GridFunction, Grad, H1, InnerProduct, Mesh,
-                     SetNumThreads, VectorH1, div, dx, y)  # fmt: skip
+from ngsolve import (
+    BilinearForm,
+    CoefficientFunction,
+    FESpace,
+    GridFunction,
+    Grad,
+    H1,
+    InnerProduct,
+    Mesh,
+    SetNumThreads,
+    VectorH1,
+    div,
+    dx,
+    y,
+)
 
 NU, WIDTH = 1e-3, 0.41
 STEP_BY_SIZE, END = 1e-2, 6.0  # s/m, s
@@ -74,7 +87,9 @@ def steady(size: float) -> dict:
         if update.Norm() < 1e-10 * flow.vec.Norm():
             break
     form.Apply(flow.vec, residual)
-    cd, cl = (-500 * InnerProduct(residual, field) for field in unit_fields(space))  # 2/(Ubar² D) with Ubar = 0.2, D = 0.1
+    cd, cl = (
+        -500 * InnerProduct(residual, field) for field in unit_fields(space)
+    )  # 2/(Ubar² D) with Ubar = 0.2, D = 0.1
     mesh, pressure = space.mesh, flow.components[1]
     dp = pressure(mesh(0.15 - 2e-5, 0.2)) - pressure(mesh(0.25 + 2e-5, 0.2))
     return {"dofs": space.ndof, "values": {"cd_mean": cd, "cl_mean": cl, "dp_mean": dp}}

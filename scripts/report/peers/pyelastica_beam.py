@@ -24,9 +24,16 @@ class System(ea.BaseSystemCollection, ea.Constraints, ea.Forcing, ea.Damping):
 def rod_of(elements: int) -> ea.CosseratRod:
     radius = H / np.sqrt(3)  # the radius of a disc with the plate's inertia to mass
     rod = ea.CosseratRod.straight_rod(
-        elements, np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0]), LENGTH, radius,
-        density=RHO * H / (np.pi * radius**2), youngs_modulus=PLATE, shear_modulus=E / (2 * (1 + NU)),
-    )  # fmt: skip
+        elements,
+        np.zeros(3),
+        np.array([1.0, 0, 0]),
+        np.array([0, 0, 1.0]),
+        LENGTH,
+        radius,
+        density=RHO * H / (np.pi * radius**2),
+        youngs_modulus=PLATE,
+        shear_modulus=E / (2 * (1 + NU)),
+    )
     shear, bending = SHEAR * E / (2 * (1 + NU)) * H, PLATE * H**3 / 12
     for i, stiffness in enumerate((shear, shear, PLATE * H)):
         rod.shear_matrix[i, i, :] = stiffness
@@ -65,8 +72,11 @@ def evaluated(case: str, time, ux, uy) -> dict:
     up = np.nonzero((uy[:-1] < mean) & (uy[1:] >= mean))[0]
     at = time[up] + (mean - uy[up]) / (uy[up + 1] - uy[up]) * (time[up + 1] - time[up])
     window = slice(up[0], up[-1])
-    return {"tip_uy.mean": (uy[window].max() + uy[window].min()) / 2, "tip_uy.amplitude": np.ptp(uy[window]) / 2,
-            "tip_uy.frequency_hz": (len(at) - 1) / (at[-1] - at[0])}  # fmt: skip
+    return {
+        "tip_uy.mean": (uy[window].max() + uy[window].min()) / 2,
+        "tip_uy.amplitude": np.ptp(uy[window]) / 2,
+        "tip_uy.frequency_hz": (len(at) - 1) / (at[-1] - at[0]),
+    }
 
 
 def main() -> None:
