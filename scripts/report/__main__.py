@@ -29,6 +29,12 @@ def known() -> dict:
     return {"machine": {}, "values": {}, "series": {}, "rows": []}
 
 
+def here() -> tuple[str, dict]:
+    """The record of this machine and these versions, and its key."""
+    about = store.machine() | {"date": date.today().isoformat()}
+    return f"{about['date']}, {(about['git'] or {'revision': 'no git'})['revision'][:9]}", about
+
+
 @app.command()
 def measure(
     only: Annotated[str, typer.Option(metavar="PATTERN", help="Only the cases of this name.")] = "*",
@@ -41,11 +47,13 @@ def measure(
         for case in chosen:
             typer.echo(case.name)
         return
-    about = store.machine() | {"date": date.today().isoformat()}
+    key, about = here()
     for case in chosen:
         rows = measuring.measure(case)
         data = known()  # read only now: nothing that came meanwhile may be lost
-        data["machine"]["measured"] = about
+        data["machine"][key] = about
+        for row in rows:
+            row.machine = key
         mine = {(row.case, row.method, row.setting) for row in rows} | {(case.case, case.method, case.setting)}
         data["rows"] = [row for row in data["rows"] if (row.case, row.method, row.setting) not in mine] + rows
         store.save(data)
@@ -56,8 +64,12 @@ def measure(
 @app.command("leave-out")
 def leave_out_command() -> None:
     """Measure what each shipped scene's missing parts would cost."""
+    key, about = here()
     rows = leave_out.measure()
     data = known()  # read only now: nothing that came meanwhile may be lost
+    data["machine"][key] = about
+    for row in rows:
+        row.machine = key
     data["rows"] = [row for row in data["rows"] if row.case != leave_out.CASE] + rows
     store.save(data)
 

@@ -339,12 +339,23 @@ def series(folder: Path) -> dict:
     return found
 
 
+def record(folder: Path) -> tuple[str, dict]:
+    """Machine and versions of a finished run, and their key."""
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    about = summary["machine"] | {"packages": summary["versions"], "git": summary["git"]}
+    return f"runs, {summary['git']['revision'][:9]}" if summary["git"] else "runs, no git", about
+
+
 def everything(data: dict, folders: list[Path]) -> None:
     """Replace what was imported before; runs stay where no folder has them anew, and do not replace what was measured."""
     kept = [row for row in data["rows"] if row.source in ("measured", "run of scripts/fsi.py")]
     timed = {(row.case, row.method, row.setting) for row in kept if row.source == "measured"}
     for folder in folders:
         found, lines = fsi3(folder)
+        key, about = record(folder)
+        data["machine"][key] = about
+        for row in found:
+            row.machine = key
         data["series"] |= lines
         keys = {(row.case, row.method, row.setting) for row in found}
         found = [row for row in found if (row.case, row.method, row.setting) not in timed]

@@ -186,7 +186,8 @@ class Report:
 
     def error_time(self) -> list[str]:
         text = ["## 1. Error against run time", ""]
-        machine = self.data["machine"]["measured"]
+        records = Counter(row.machine for row in self.rows if row.source == "measured")
+        machine = self.data["machine"][records.most_common(1)[0][0]]
         text += [
             f"Measured on {machine['cpu']}, {machine['cores']} cores, {machine['system']}, load {machine['load_at_start']} at the start, "
             f"{machine['rustc'].split(' (')[0]}, Python {machine['python']}; one thread. Wall and CPU time of the loop over the steps, medians "

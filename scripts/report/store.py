@@ -51,6 +51,8 @@ class Row:
     command: str = ""
     tolerance: float | None = None
     """Relative, within which another machine gets the value again; None where nothing is asked."""
+    machine: str = ""
+    """Key of the record of machine and versions in results.json; empty for what a study has and what is cited."""
     source: str = "measured"
     """`measured` by the report's command, the file of the study that it is from, or `cited`."""
 
@@ -128,5 +130,7 @@ def save(data: dict, folder: Path = DOCS) -> None:
                 [["" if v is None else v for v in rounded(list(asdict(row).values()))] for row in data["rows"]]
             )
 
+    used = {row.machine for row in data["rows"]}
+    data["machine"] = {key: about for key, about in data["machine"].items() if key in used}
     text = text_of(data)
     write_together(folder, {"results.json": lambda path: path.write_text(text, encoding="utf-8"), "results.csv": table})
