@@ -2,7 +2,8 @@
 
 python scripts/report measure --only 'rod-static/*'    measure these anew, leave the other rows of results.json
 python scripts/report collect results                   take the studies' tables, and the FSI3 runs in results/, into it
-python scripts/report render                            write docs/report and the marked numbers of the documents from it
+python scripts/report render                            write docs/report and the marked numbers of the documents
+from it
 """
 
 import sys

@@ -12,7 +12,8 @@ from . import elastica
 PEERS_PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
 
 TOLERANCE = {"rod-static": 1e-6, "csm3": 1e-5, "cfd3": 0.02, "cylinder-2d1": 1e-4, "cylinder-2d2": 1e-3, "fsi3": 0.02}
-"""Within which another machine gets a value again, relative to its scale: rounding of another libm grows with the wake."""
+"""Within which another machine gets a value again, relative to its scale: rounding of another libm grows with the
+wake."""
 
 SCENE = {
     "rod-static": "csm1",

@@ -183,7 +183,8 @@ def fluid_map(text: str) -> Iterator[Row]:
 def coupling() -> Iterator[Row]:
     """docs/fsi3/stability.csv."""
     for row in rows_of(ROOT / "docs" / "fsi3" / "stability.csv"):
-        setting = f"density ratio {float(row['ratio']):g}, C_eta {float(row['c_eta']):g}, H {float(row['step']):g}, to {float(row['end']):g} s"
+        ratio, c_eta, step, end = (float(row[name]) for name in ("ratio", "c_eta", "step", "end"))
+        setting = f"density ratio {ratio:g}, C_eta {c_eta:g}, H {step:g}, to {end:g} s"
         reason = (
             row["message"]
             if row["outcome"] == "error"
@@ -259,7 +260,8 @@ def cited() -> Iterator[Row]:
 
 
 def changes_between(shipped: dict, own: dict, prefix: str = "") -> list[str]:
-    """What `fsi.py run --set` has to be given to make one scene of the other; a part with other keys is named as a whole."""
+    """What `fsi.py run --set` has to be given to make one scene of the other; a part with other keys is named as a
+    whole."""
     found = []
     for key in [*own, *(key for key in shipped if key not in own)]:
         before, after = shipped.get(key), own.get(key)
@@ -347,7 +349,8 @@ def record(folder: Path) -> tuple[str, dict]:
 
 
 def everything(data: dict, folders: list[Path]) -> None:
-    """Replace what was imported before; runs stay where no folder has them anew, and do not replace what was measured."""
+    """Replace what was imported before; runs stay where no folder has them anew, and do not replace what was
+    measured."""
     kept = [row for row in data["rows"] if row.source in ("measured", "run of scripts/fsi.py")]
     timed = {(row.case, row.method, row.setting) for row in kept if row.source == "measured"}
     for folder in folders:

@@ -1,6 +1,7 @@
 """Numbers in Markdown that come from results.json.
 
-`<!--n:KEY-->1.23<!---->` is a number, and everything between `<!--table:NAME-->` and `<!--end-->` a table; both are invisible in
+`<!--n:KEY-->1.23<!---->` is a number, and everything between `<!--table:NAME-->` and `<!--end-->` a table; both are
+invisible in
 what is shown, and are written anew by `make report` or `python scripts/report render`.
 """
 

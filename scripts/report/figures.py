@@ -59,7 +59,8 @@ def few_labels(axis) -> None:
 
 
 def error_time(path: Path, rows: list[Row], quantities: tuple[str, ...], kind: str = "error") -> None:
-    """Error over wall time (above) and CPU time (below), a column for each quantity. Failed runs are crosses at the upper edge."""
+    """Error over wall time (above) and CPU time (below), a column for each quantity. Failed runs are crosses at the
+    upper edge."""
     methods = list(dict.fromkeys(row.method for row in rows))
     fig, axes = plt.subplots(
         2, len(quantities), figsize=(3.7 * len(quantities), 6.4), layout="constrained", squeeze=False, sharey="col"

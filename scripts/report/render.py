@@ -1,6 +1,7 @@
 """docs/report and the marked numbers of the documents, from results.json alone."""
 
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 
@@ -189,17 +190,21 @@ class Report:
         records = Counter(row.machine for row in self.rows if row.source == "measured")
         machine = self.data["machine"][records.most_common(1)[0][0]]
         text += [
-            f"Measured on {machine['cpu']}, {machine['cores']} cores, {machine['system']}, load {machine['load_at_start']} at the start, "
-            f"{machine['rustc'].split(' (')[0]}, Python {machine['python']}; one thread. Wall and CPU time of the loop over the steps, medians "
-            "of repeats after a warm-up, bars from quartile to quartile. The machine was shared with other work: **CPU time is the one to "
-            "compare**; wall times of rows from the studies (which have no CPU time) are of other days. PyElastica's and NGSolve's times "
+            f"Measured on {machine['cpu']}, {machine['cores']} cores, {machine['system']}, "
+            f"{machine['rustc'].split(' (')[0]}, Python {machine['python']}; one thread. Wall and CPU time of the "
+            f"loop over the steps, medians "
+            "of repeats after a warm-up, bars from quartile to quartile. The machine was shared with other work: "
+            "**CPU time is the one to "
+            "compare**; wall times of rows from the studies (which have no CPU time) are of other days. PyElastica's "
+            "and NGSolve's times "
             "include what they need to set up, and not imports and compilation.",
             "",
         ]
         for case, title, kind in (
             (
                 "rod-static",
-                "The rod at rest (CSM1's bar without the set-back of the clamp) against the exact beam of Reissner: discretisation error",
+                "The rod at rest (CSM1's bar without the set-back of the clamp) against the exact beam of Reissner: "
+                "discretisation error",
                 "discretisation",
             ),
             ("rod-static", "The same against CSM1 of Turek and Hron: discretisation and model error together", "error"),
@@ -210,7 +215,7 @@ class Report:
         ):
             name = f"{case.replace('-', '_')}_{kind}.png"
             rows = self.plotted(case)
-            figures.error_time(self.folder / name, rows, figures.quantities_of(case), kind)
+            self.draw(figures.error_time, name, rows, figures.quantities_of(case), kind)
             failed = sorted({(row.method, row.setting, row.reason[:120]) for row in rows if row.outcome != "ok"})
             text += [f"**{title}**", "", f"![{title}]({name})", ""]
             text += [f"- failed: {method}, {setting}: {reason}" for method, setting, reason in failed] + [""] * bool(
@@ -220,8 +225,10 @@ class Report:
         text += [
             "### Orders and extrapolations",
             "",
-            "Order and extrapolation are those of the last three values. *Discretisation* is the finest value against the extrapolated "
-            "one, *model* the extrapolated one against the published value: for the cylinder what penalization leaves, for the rod what a beam "
+            "Order and extrapolation are those of the last three values. *Discretisation* is the finest value against "
+            "the extrapolated "
+            "one, *model* the extrapolated one against the published value: for the cylinder what penalization "
+            "leaves, for the rod what a beam "
             "is not of a two-dimensional body. Where a sequence is not asymptotic there is no extrapolation.",
             "",
         ]
@@ -267,8 +274,9 @@ class Report:
         return markdown(["case", "method", "setting", "quantity", "error", "of", "CPU, s", "wall, s", "runs"], table)
 
     def fsi3(self) -> list[str]:
-        figures.bands(
-            self.folder / "fsi3_bands.png",
+        self.draw(
+            figures.bands,
+            "fsi3_bands.png",
             {g: self.data["series"][g] for g in SHIPPED if g in self.data["series"]},
             reference("fsi3")["spread"]["quantities"],
         )
@@ -286,7 +294,8 @@ class Report:
             "",
             "![two periods](fsi3_bands.png)",
             "",
-            "Vorticity at four phases of a period, 325 x 72 (`fsi.py run scenes/fsi3-325x72.json --fields-every 0.005`, `fsi.py animate`):",
+            "Vorticity at four phases of a period, 325 x 72 (`fsi.py run scenes/fsi3-325x72.json --fields-every "
+            "0.005`, `fsi.py animate`):",
             "",
             "![four phases](fsi3_phases.png)",
             "",
@@ -316,7 +325,7 @@ class Report:
         return text
 
     def stability(self) -> list[str]:
-        figures.maps(self.folder / "maps.png", self.rows)
+        self.draw(figures.maps, "maps.png", self.rows)
         text = ["## 2. Stability on stiff and extreme cases", "", "![maps](maps.png)", ""]
         table, bad = [], []
         for name, what in (
@@ -332,7 +341,8 @@ class Report:
         text += [
             *markdown(["map", "over", "cells", "ok", "error", "bad", "from"], table),
             "",
-            "*ok*: it went to the end and what came out is sound; *error*: it stopped and said why; *bad*: neither. Every cell with its "
+            "*ok*: it went to the end and what came out is sound; *error*: it stopped and said why; *bad*: neither. "
+            "Every cell with its "
             "reason is in [results.csv](results.csv).",
             "",
             f"**Bad cells are left: {len(bad)}.**",
@@ -364,8 +374,11 @@ class Report:
                 [[row.method, row.reason] for row in self.of(leave_out.CASE, quantity="absent parts")],
             ),
             "",
-            "None of these has a variable, an array or a loop there. Each of the following parts is put into the scene so that it has no effect; the numbers are what it adds to XML, variables, memory (growth of the resident "
-            "set), and CPU time a step (quartiles of the repeats are up to a tenth apart on this machine), and the largest relative change of tip and forces. The library is the same file for every scene: a "
+            "None of these has a variable, an array or a loop there. Each of the following parts is put into the "
+            "scene so that it has no effect; the numbers are what it adds to XML, variables, memory (growth of the "
+            "resident "
+            "set), and CPU time a step (quartiles of the repeats are up to a tenth apart on this machine), and the "
+            "largest relative change of tip and forces. The library is the same file for every scene: a "
             "part that is left out saves nothing of the binary's size.",
             "",
         ]
@@ -401,8 +414,10 @@ class Report:
             *text,
             *markdown(header, table),
             "",
-            "Not comparable this way, because they cannot be there without an effect: a second beam (a scene has one), a beam beside the flow "
-            "(it is a body wherever it stands), inflow together with mean flow (refused), a filter that does nothing, shear of a rod in space "
+            "Not comparable this way, because they cannot be there without an effect: a second beam (a scene has "
+            "one), a beam beside the flow "
+            "(it is a body wherever it stands), inflow together with mean flow (refused), a filter that does nothing, "
+            "shear of a rod in space "
             "(the model is for the plane).",
             "",
         ]
@@ -420,7 +435,7 @@ class Report:
             points = [(row.size, row.value) for row in self.of("cost", method=method, quantity=quantity)]
             if points:
                 groups[title] = (x, points)
-        figures.cost(self.folder / "cost.png", groups)
+        self.draw(figures.cost, "cost.png", groups)
         text = [
             "## Where the time goes",
             "",
@@ -444,7 +459,8 @@ class Report:
             parts = ("step", "rod", "exchange_and_python")
             table.append([method, setting, *(f"{found[part]:.0f}" if part in found else "" for part in parts)])
         text += [
-            "A step of FSI3 by number of stations (325 x 72 points), with the bar still, and by grid (steps of 0.1 ms), µs: median CPU time of the step, shortest wall times of rod and exchange; "
+            "A step of FSI3 by number of stations (325 x 72 points), with the bar still, and by grid (steps of 0.1 "
+            "ms), µs: median CPU time of the step, shortest wall times of rod and exchange; "
             "the rest is the fluid:",
             "",
             *markdown(["varied", "setting", "step", "rod", "FMI and Python"], table),
@@ -469,7 +485,8 @@ class Report:
                     ]
                 )
         text += [
-            "Of a run (exchange through FMI and Python together, and the pressure of probes, which is made when it is read; output is written after the run "
+            "Of a run (exchange through FMI and Python together, and the pressure of probes, which is made when it is "
+            "read; output is written after the run "
             "and is not in it):",
             "",
             *markdown(["case", "method", "setting", "rod", "fluid", "FMI and Python"], table),
@@ -478,7 +495,8 @@ class Report:
         return text
 
     def beaten(self) -> list[str]:
-        """CPU time of ours and of the peers for the largest error over all quantities of a case: a single one may pass through zero."""
+        """CPU time of ours and of the peers for the largest error over all quantities of a case: a single one may
+        pass through zero."""
         lines = []
         for case in MAIN:
             kind = "discretisation" if case == "rod-static" else "error"
@@ -505,7 +523,8 @@ class Report:
             if not enough:
                 verdict = "**ours does not reach the peer's error on the grids measured here**"
             elif mine[1] < best[1]:
-                verdict = f"ours is at least as exact in 1/{best[1] / mine[1]:.{0 if best[1] > 10 * mine[1] else 1}f} of the CPU time"
+                share = best[1] / mine[1]
+                verdict = f"ours is at least as exact in 1/{share:.{0 if share > 10 else 1}f} of the CPU time"
             else:
                 verdict = f"ours needs {mine[1] / best[1]:.1f} times the CPU time for that error"
             lines.append(f"- {case}: {said(best)}; {said(mine)}: {verdict}.")
@@ -529,13 +548,15 @@ class Report:
         pj = [row for row in self.of("phases of a fluid step")]
         lines = [
             f"- FSI3 on 1300 x 288 is more than 2 % from FeatFlow's finest level in: {', '.join(off) or 'nothing'}.",
-            f"- {len(loose)} of {len(sequences)} sequences are not asymptotic; where they are not there is no extrapolated value.",
+            f"- {len(loose)} of {len(sequences)} sequences are not asymptotic; where they are not there is no "
+            f"extrapolated value.",
             f"- {bad} cells of the maps are bad: they went on and said nothing (section 2).",
             *(
                 f"- {case} by penalization, finest grid measured: {self.errors(case)}."
                 for case in ("cylinder-2d1", "cylinder-2d2")
             ),
-            "- Wall times were taken on a machine with other work on it; rows that were taken in from studies have no CPU time and no quartiles.",
+            "- Wall times were taken on a machine with other work on it; rows that were taken in from studies have no "
+            "CPU time and no quartiles.",
             "- Phases of a step are known for the fluid in one scene"
             + (f" ({len(pj)} phases)" if pj else "")
             + "; those of the rod, and what stations' motion adds, are not split further.",
@@ -546,30 +567,38 @@ class Report:
             "",
             *lines,
             "",
-            "Beside the peers, measured in the same run, largest error over the quantities of each case (at rest: of discretisation) and CPU time. "
-            "NGSolve solves 2D-1 by Newton's method for the steady flow, where ours marches to it; PyElastica is explicit and has a step for stability:",
+            "Beside the peers, measured in the same run, largest error over the quantities of each case (at rest: of "
+            "discretisation) and CPU time. "
+            "NGSolve solves 2D-1 by Newton's method for the steady flow, where ours marches to it; PyElastica is "
+            "explicit and has a step for stability:",
             "",
             *self.beaten(),
             "",
         ]
 
-    def write(self, name: str, lines: list[str]) -> None:
-        (self.folder / name).write_text("\n".join(lines).rstrip("\n") + "\n", encoding="utf-8")
+    def draw(self, drawing: Callable, name: str, *arguments) -> None:
+        """Let `drawing` write a figure beside the pages, if there is to be one."""
+        if self.drawn:
+            drawing(DOCS / name, *arguments)
 
-    def pages(self, folder: Path) -> None:
-        self.folder = folder
+    def write(self, name: str, lines: list[str]) -> None:
+        self.pages[DOCS / name] = "\n".join(lines).rstrip("\n") + "\n"
+
+    def made(self, drawn: bool) -> dict[Path, str]:
+        """All pages by their path; figures are written if `drawn`."""
+        self.drawn, self.pages = drawn, {}
         head = [
             "# Report",
             "",
-            "Error against run time, stability, and what a scene leaves out. `make report` measures the short form and writes this page, "
-            "`make report-full` everything. All numbers are in [results.json](results.json) and [results.csv](results.csv), one row each, with the "
-            "command that gives it; those of README.md come from there by `python scripts/report render`.",
+            "Error against run time, stability, and what a scene leaves out. `make report` measures the short form and "
+            "writes this page, `make report-full` everything. All numbers are in [results.json](results.json) and "
+            "[results.csv](results.csv), one row each, with the command that gives it; the marked numbers of README.md "
+            "and docs/fluid.md come from there by `python scripts/report render`.",
             "",
         ]
-        self.write(
-            "README.md",
-            head + self.missed() + self.error_time() + self.fsi3() + self.stability() + self.leave_out() + self.cost(),
-        )
+        parts = (self.missed, self.error_time, self.fsi3, self.stability, self.leave_out, self.cost)
+        self.write("README.md", head + [line for part in parts for line in part()])
+        return self.pages
 
 
 def tables(report: Report) -> dict:
@@ -577,16 +606,14 @@ def tables(report: Report) -> dict:
 
 
 def everything(data: dict, check: bool) -> list[Path]:
-    """Write what has changed; with `check` only tell. Pictures are written and not compared: other fonts draw other pixels."""
-    report, changed = Report(data), []
-    for path in documents.paths():
-        before = path.read_text(encoding="utf-8")
-        after = documents.filled(before, data["values"], tables(report))
-        if after != before:
-            changed.append(path)
-            if not check:
-                path.write_text(after, encoding="utf-8")
+    """Write what has changed; with `check` only tell. Figures are not compared: other fonts draw other pixels."""
+    report = Report(data)
+    texts = {
+        path: documents.filled(path.read_text(encoding="utf-8"), data["values"], tables(report))
+        for path in documents.paths()
+    } | report.made(drawn=not check)
+    changed = [path for path, text in texts.items() if not path.is_file() or path.read_text(encoding="utf-8") != text]
     if not check:
-        report.pages(DOCS)
-        changed.append(DOCS / "README.md")
+        for path in changed:
+            path.write_text(texts[path], encoding="utf-8")
     return changed

@@ -31,7 +31,8 @@ class Row:
     unit: str = ""
     reference: float | None = None
     error: float | None = None
-    """(value - reference) / scale of the reference, relative; scale: |reference|, or the amplitude of an oscillation."""
+    """(value - reference) / scale of the reference, relative; scale: |reference|, or the amplitude of an
+    oscillation."""
     discretisation: float | None = None
     """The same against the limit of the model, where that is known: the exact solution, or an extrapolation."""
     size: float | None = None

@@ -1,8 +1,10 @@
 """A scene, run several times in a process of its own: `python worker.py REPEATS < scene.json` prints one JSON object.
 
-One run goes before the others and is not timed; with 0 repeats it is the only one and is timed. Phases are the shortest of the
+One run goes before the others and is not timed; with 0 repeats it is the only one and is timed. Phases are the
+shortest of the
 timed runs, each for itself. What is timed is the loop over the steps, with Python and FMI in it, without
-loading, packing and evaluation; memory is what the resident set has grown by from before the units are loaded to the end of that first run.
+loading, packing and evaluation; memory is what the resident set has grown by from before the units are loaded to the
+end of that first run.
 """
 
 import json

@@ -2,9 +2,12 @@
 
     python ngsolve_cylinder.py 2d1 0.05 1        flow, mesh size in m (a sixth of it on the cylinder), repeats
 
-2D-1 is Newton's method for the steady equations. 2D-2 is SBDF2, viscous and pressure terms implicit, convection extrapolated, with
-one factorisation (step 0.01 s/m times the mesh size, 6 s from a parabolic start, last five lift periods). Forces are the residual of the momentum equation tested with
-a velocity that is one on the cylinder. Prints one JSON object; wall and CPU time are those of the solution, with mesh and
+2D-1 is Newton's method for the steady equations. 2D-2 is SBDF2, viscous and pressure terms implicit, convection
+extrapolated, with
+one factorisation (step 0.01 s/m times the mesh size, 6 s from a parabolic start, last five lift periods). Forces are
+the residual of the momentum equation tested with
+a velocity that is one on the cylinder. Prints one JSON object; wall and CPU time are those of the solution, with
+mesh and
 factorisation, without imports.
 """
 

@@ -1,8 +1,10 @@
 """The bar of CSM1 and CSM3 by PyElastica (Cosserat rod, explicit), for comparison only.
 
-    python pyelastica_beam.py csm3 16 1          csm1 (damped until it rests) or csm3 (swinging for 10 s), elements, repeats
+    python pyelastica_beam.py csm3 16 1          csm1 (damped until it rests) or csm3 (swinging for 10 s), elements,
+    repeats
 
-Its rods are round: mass, axial, shear and bending stiffness and the turning inertia are set to those of the plate per metre of depth. The
+Its rods are round: mass, axial, shear and bending stiffness and the turning inertia are set to those of the plate
+per metre of depth. The
 step is 0.3 of the time in which a wave passes an element. Prints one JSON object.
 """
 
