@@ -100,6 +100,13 @@ fluid-study: build $(READY) ## run what is missing of the fluid's study (hours),
 coupling-study: build $(READY) ## run what is missing of the map of the coupling's stability, write docs/fsi3/stability.md
 	$(RUN) scripts/studies/coupling.py $(ARGS)
 
+.PHONY: vein-study
+
+vein-study: build $(READY) ## the vein's sweep over stiffness, its limits and convergence (an hour of one core), write docs/vein
+	$(FSI) sweep scenes/vein-forward-384x192.json --end-time 8 --output results/vein-flexibility \
+	--vary rod.material.section.bending_stiffness=0.5,1,2,4,8,16,32,64,128
+	$(RUN) scripts/studies/vein.py $(ARGS)
+
 BENCH_VENV := target/fluid-bench/venv
 
 .PHONY: bench-fluid

@@ -13,7 +13,7 @@ import sys
 import typer
 from rich.console import Console
 
-from commands import REFUSED, animate, build, dist, inspect, plot, run, sweep
+from commands import REFUSED, animate, build, dist, inspect, merge, plot, run, sweep
 from cosim.errors import Refusal
 
 app = typer.Typer(
@@ -31,6 +31,7 @@ for command in (
     animate.animate,
     sweep.sweep,
     dist.dist,
+    merge.merge,
 ):
     app.command()(command)
 

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
 use fmi2::{Description, Log, Model, Span};
-use rod::{Error, Exchange, Loads, Rod, Root, Sensitivity, Statistics};
+use rod::{Drive, Error, Exchange, Loads, Rod, Root, Sensitivity, Statistics};
 use scene::{RootMotion, Scene, Section};
 use serde::{Deserialize, Serialize};
 
@@ -28,6 +28,10 @@ struct RodUnit {
     tip_velocity: [f64; 3],
     /// What the loads did: force, power and work.
     exchange: Exchange<3>,
+    /// What a driven root did, the displacement that the tip would have on a rigid rod, and what the damping takes.
+    drive: Drive<3>,
+    rigid_tip: [f64; 3],
+    damping_power: f64,
     elastic_energy: f64,
     kinetic_energy: f64,
     gravity_energy: f64,
@@ -197,6 +201,14 @@ impl RodUnit {
             let Exchange { force, power, work } = rod.state().exchange;
             self.exchange = Exchange { power, work, ..Exchange::none() };
             force.iter().enumerate().for_each(|(axis, force)| self.exchange.force[axis] = *force);
+            if rod.root.is_some() {
+                let Drive { force, moment, power, work } = rod.state().drive;
+                self.drive = Drive { moment, power, work, ..Drive::none() };
+                force.iter().enumerate().for_each(|(axis, force)| self.drive.force[axis] = *force);
+                let rigid_tip = rod.rigid_tip_displacement();
+                self.rigid_tip[..rigid_tip.len()].copy_from_slice(&rigid_tip);
+                self.damping_power = rod.damping_power();
+            }
             let energy = rod.energy()?;
             self.elastic_energy = energy.stretching + energy.bending;
             self.kinetic_energy = energy.kinetic;
@@ -250,6 +262,52 @@ impl RodUnit {
             list.extend(along("root.direction_rate.", "1/s", "Rate of the direction at the root", direction_rate));
         }
         list
+    }
+
+    /// What a driven root puts in.
+    fn drive_outputs(&self) -> Vec<Variable> {
+        let planar = matches!(self.body, Body::Planar(_));
+        let per = |unit: &str, planar_unit: &str| if planar { planar_unit.to_string() } else { unit.to_string() };
+        let axes = || AXES.iter().take(if planar { 2 } else { 3 }).enumerate();
+        let rigid_tip: [fn(&mut Self) -> &[f64]; 3] =
+            [|m| from_ref(&m.rigid_tip[0]), |m| from_ref(&m.rigid_tip[1]), |m| from_ref(&m.rigid_tip[2])];
+        let force: [fn(&mut Self) -> &[f64]; 3] =
+            [|m| from_ref(&m.drive.force[0]), |m| from_ref(&m.drive.force[1]), |m| from_ref(&m.drive.force[2])];
+        let moment: [fn(&mut Self) -> &[f64]; 3] =
+            [|m| from_ref(&m.drive.moment[0]), |m| from_ref(&m.drive.moment[1]), |m| from_ref(&m.drive.moment[2])];
+        let mut list = Vec::new();
+        list.extend(axes().map(|(d, axis)| {
+            let text = "Displacement that the tip would have on a rigid rod";
+            Real::output(format!("rigid_tip.u{axis}"), "m", text, rigid_tip[d])
+        }));
+        list.extend(axes().map(|(d, axis)| {
+            let text = format!("Force along {axis} with which the root is driven");
+            Real::output(format!("root.force_{axis}"), &per("N", "N/m"), text, force[d])
+        }));
+        let text = "Moment about the root with which it is driven";
+        if planar {
+            list.push(Real::output("root.moment", "N.m/m", text, moment[2]));
+        } else {
+            list.extend(axes().map(|(d, axis)| Real::output(format!("root.moment_{axis}"), "N.m", text, moment[d])));
+        }
+        list.extend([
+            Real::output("root.power", &per("W", "W/m"), "Power of both at the end of the step", |m| {
+                from_ref(&m.drive.power)
+            }),
+            Real::output(
+                "root.work",
+                &per("J", "J/m"),
+                "Their work since the start: the sum of power times step",
+                |m| from_ref(&m.drive.work),
+            ),
+            Real::output(
+                "damping.power",
+                &per("W", "W/m"),
+                "Power that the damping takes at the end of the step",
+                |m| from_ref(&m.damping_power),
+            ),
+        ]);
+        list.into_iter().map(|output| output.depends_on(&[])).collect()
     }
 
     /// Where the root is at time `t`: position, velocity, direction and its rate; `None` where it is still.
@@ -307,6 +365,9 @@ impl Model for RodUnit {
             tip_displacement: [0.0; 3],
             tip_velocity: [0.0; 3],
             exchange: Exchange::none(),
+            drive: Drive::none(),
+            rigid_tip: [0.0; 3],
+            damping_power: 0.0,
             elastic_energy: 0.0,
             kinetic_energy: 0.0,
             gravity_energy: 0.0,
@@ -446,6 +507,9 @@ impl Model for RodUnit {
             Real::output("load.power", &per("W", "W/m"), power, |m| from_ref(&m.exchange.power)).depends_on(&[]),
             Real::output("load.work", &per("J", "J/m"), work, |m| from_ref(&m.exchange.work)).depends_on(&[]),
         ]);
+        if self.scene.rod.as_ref().is_some_and(|rod| rod.root_motion.is_some()) {
+            list.extend(self.drive_outputs());
+        }
         if self.scene.load().is_some() {
             list.extend([
                 Text::local("load.name", "Load that the rod takes from the fluid", |m| from_ref(&m.load[0])).constant(),

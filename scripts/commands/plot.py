@@ -27,6 +27,7 @@ def plot(
     written = plots.time_series(target, results.labelled(runs), runs[0].scene["name"])
     if len(runs) == 1:
         written += plots.cylinder(target, runs[0], runs[0].scene, runs[0].summary)
+        written += plots.driven_root(target, runs[0], runs[0].summary)
     if not written:
         raise Refusal(f"{', '.join(map(str, folders))}: no tip, drag or lift was recorded")
     for path in written:

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Circle, Polygon
 
-from . import coefficients, statistics
+from . import coefficients, flapping, statistics
 from .fields import outline, stations
 from .files import write_whole
 from .recorder import Recorder
@@ -105,6 +105,47 @@ def cylinder(folder: Path, recorder: Recorder | Results, scene: dict, summary: d
         axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
     figure.suptitle("grey: window; dashed: published" if published else "grey: window", fontsize="small")
     return [_save(figure, folder / "coefficients.png")]
+
+
+def driven_root(folder: Path, recorder: Recorder | Results, summary: dict) -> list[Path]:
+    """Write flapping.png, the path of the tip, its way beside that of a rigid rod, forces and power over the periods of the
+    window; nothing if no root is driven. Returns what was written."""
+    found = summary.get("flapping")
+    if not found:
+        return []
+    time, main, window = recorder.column("time"), found["axis"], statistics.Window(*found["window_s"], found["periods"])
+    part = window.of(time)
+    phase = (time[part] - window.begin) * window.periods / (window.end - window.begin)
+    other = max((axis for axis in flapping.AXES if axis != main and f"tip_u{axis}" in recorder.columns),
+                key=lambda axis: np.ptp(recorder.column(f"tip_u{axis}")[part]))  # fmt: skip
+    figure, axes = plt.subplot_mosaic([["path", "tip"], ["force", "power"]], figsize=(11, 7.5), layout="constrained")
+    for name, colour, label in (("rigid_tip", "0.6", "rigid"), ("tip", BLUE, "tip")):
+        along, across = (recorder.column(f"{name}_u{axis}")[part] for axis in (main, other))
+        axes["path"].plot(across, along, color=colour, linewidth=0.8, label=label)
+        axes["tip"].plot(phase, along, color=colour, linewidth=0.8, label=label)
+    axes["path"].set(xlabel=f"tip u{other} [m]", ylabel=f"tip u{main} [m]", title="path of the tip", aspect="equal")
+    axes["path"].set_adjustable("datalim")
+    axes["tip"].set(xlabel="periods", ylabel=f"tip u{main} [m]", title="beside a rigid rod")
+
+    if "beam_drag" in recorder.columns:
+        forces, title = (("beam_drag", -1, "against x"), ("beam_lift", 1, "along y")), "force of the fluid"
+    else:
+        forces, title = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
+    powers = (("root_power", 1, "in at the root"), ("load_power", 1, "by the loads"), ("damping_power", -1, "by damping"))
+    starts = np.searchsorted(phase, np.arange(window.periods + 1))
+    per_depth = "" if "tip_uz" in recorder.columns else "/m"
+    for place, curves, title, unit in (("force", forces, title, f"N{per_depth}"), ("power", powers, "power", f"W{per_depth}")):
+        shown = [curve for curve in curves if curve[0] in recorder.columns and recorder.column(curve[0]).any()]
+        for (column, sign, label), colour in zip(shown, (BLUE, ORANGE, GREEN)):
+            values = sign * recorder.column(column)[part]
+            for begin, end in zip(starts, starts[1:]):
+                look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
+                axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
+        axes[place].set(xlabel="of a period", ylabel=f"[{unit}]", title=title)
+    for axis in axes.values():
+        axis.legend(fontsize="small")
+    figure.suptitle(f"{window.periods} periods from t = {window.begin:.3g} s, the last one dark", fontsize="small")
+    return [_save(figure, folder / "flapping.png")]
 
 
 def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) -> None:

@@ -5,6 +5,7 @@ import math
 import os
 import platform
 import subprocess
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from functools import partial
 from importlib.metadata import version
@@ -14,7 +15,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from . import coefficients, statistics
+from . import coefficients, flapping, statistics
 from .coupling import Single
 from .files import write_together
 from .master import Outcome
@@ -35,18 +36,26 @@ FORCES = ("drag", "lift")
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
 """The files that a coupled run leaves in its folder, besides the FMUs."""
 
-FURTHER_FILES = ("coefficients.png", "vorticity.gif", "phases.png", "iterations.csv", "convergence.csv")
-"""What a cylinder alone leaves besides, what `animate` makes of a run, and what an iterated scheme leaves."""
+FURTHER_FILES = (
+    "coefficients.png", "flapping.png", "vorticity.gif", "phases.png", "motion.png", "iterations.csv", "convergence.csv"
+)  # fmt: skip
+"""What a cylinder alone and a driven root leave besides, what `animate` makes of a run, and what an iterated scheme leaves."""
 
 DISPLAY = {"m": ("mm", 1e3)}
 """Units that people read in another scale."""
 
 
+def main_signal(columns: Sequence[str], column: Callable[[str], np.ndarray]) -> str | None:
+    """Which of the recorded `columns` decides on the periods: where a root is driven, the tip along its main axis."""
+    axis = flapping.main_axis(columns, column)
+    signals = (f"tip_u{axis}", *MAIN_SIGNALS) if axis else MAIN_SIGNALS
+    return next((signal for signal in signals if signal in columns), None)
+
+
 def evaluate(recorder: Recorder, name: str) -> tuple[dict, statistics.Window | None, float]:
     """`quantities` of the summary for the scene called `name`, their window (None without a signal to take it from)
     and the width of the filter over forces (s)."""
-    time = recorder.column("time")
-    main = next((signal for signal in MAIN_SIGNALS if signal in recorder.columns), None)
+    time, main = recorder.column("time"), main_signal(recorder.columns, recorder.column)
     if main is None or time.size < 3:
         return {}, None, 0.0
     window = statistics.find_window(time, recorder.column(main))
@@ -76,7 +85,7 @@ def summarize(scene: dict, units: dict[str, Unit], scheme: Single, recorder: Rec
     quantities, window, width = evaluate(recorder, scene["name"])
     time = recorder.column("time")
     iterations = recorder.column("iterations")[1:]
-    main = next((signal for signal in MAIN_SIGNALS if signal in quantities), None)
+    main = main_signal(recorder.columns, recorder.column) if quantities else None
     scale = coefficients.scale(scene) if quantities else None
     dimensionless = coefficients.evaluate(scale, recorder, window, width) if scale else {}
     published = reference(scene["name"])
@@ -93,6 +102,7 @@ def summarize(scene: dict, units: dict[str, Unit], scheme: Single, recorder: Rec
         }
         if dimensionless
         else None,
+        "flapping": flapping.evaluate(scene, recorder, window),
         "window_s": [window.begin, window.end] if window else None,
         "periods": window.periods if window else 0,
         "amplitude_drift": statistics.drift(time, recorder.column(main), window) if main else None,
@@ -187,6 +197,9 @@ def print_table(console: Console, summary: dict) -> None:
         expected = found["reference"].get(name)
         cells = [f"{v:.6g}" if v is not None else "–" for v in (value, expected)]
         table.add_row(name.replace("_", " "), *cells, difference(value, expected))
+    for name, value in (summary["flapping"] or {}).items():
+        if isinstance(value, float):
+            table.add_row(name.replace("_", " "), f"{value:.4g}", "–", "")
     console.print(table)
     if summary["window_s"]:
         begin, end = summary["window_s"]

@@ -124,6 +124,7 @@ def _execute(
                 fields.clear(folder)
             plots.time_series(folder, {scene["name"]: recorder}, scene["name"])
             plots.cylinder(folder, recorder, scene, summary)
+            plots.driven_root(folder, recorder, summary)
             if outcome.error is None:
                 plots.vorticity(folder, scene, units, outcome.simulated)
         except OSError as error:

@@ -113,6 +113,7 @@ def one(scene: dict, folder: Path) -> dict:
         for name, quantity in summary["quantities"].items():
             result |= {f"{name}_{what}": quantity[what] for what in STATISTICS}
         result |= (summary["coefficients"] or {}).get("values", {})
+        result |= {name: value for name, value in (summary["flapping"] or {}).items() if isinstance(value, float)}
     except (Refusal, OSError) as error:
         status, reason = FAILED, str(error)
     return {"status": status, "reason": reason, "wall_s": perf_counter() - wall, "cpu_s": process_time() - cpu} | result

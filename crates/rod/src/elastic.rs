@@ -26,6 +26,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{SMatrix, SVector, Vector2};
 
+use crate::root::cross;
 use crate::shear::Shear;
 
 /// A point, velocity or force.
@@ -257,6 +258,21 @@ impl<const D: usize> Elastic<D> {
             (gradient, block) = (new_gradient, new_block);
         }
         Ok(())
+    }
+
+    /// What the clamp holds the shape `x`, `[n + 1]`, with: ∂U/∂x_0, N, and the moment e × ∂U/∂e, N m, e being the edge
+    /// along the clamp's direction; `moments` as in [`Elastic::gradient`].
+    pub(crate) fn clamp_reaction(
+        &self,
+        x: &[Vector<D>],
+        moments: &mut [f64],
+    ) -> Result<(Vector<D>, [f64; 3]), BadShape> {
+        self.find_moments(x, moments)?;
+        let (clamped, first, second) = (self.clamped_edge(), Edge::between(x[0], x[1]), Edge::between(x[1], x[2]));
+        let (by_clamped, by_first) = self.vertex_gradient(0, clamped, first, self.clamp, moments.first())?;
+        let (by_first_again, _) = self.vertex_gradient(1, first, second, self.bending, moments.get(1))?;
+        let tension = first.t * (self.axial * (first.l - self.segment_length));
+        Ok((-(tension + by_first + by_first_again), cross(&(clamped.t * clamped.l), &by_clamped)))
     }
 
     /// Derivatives of the energy of the vertex at `node` by the edges before and after it.

@@ -28,4 +28,4 @@ pub use crate::parameters::{Loads, Parameters};
 pub use crate::rod::{Energy, Rod};
 pub use crate::root::Root;
 pub use crate::sensitivity::Sensitivity;
-pub use crate::state::{Exchange, State};
+pub use crate::state::{Drive, Exchange, State};

@@ -6,9 +6,9 @@ use crate::banded::Banded;
 use crate::elastic::{BadShape, Elastic, FOLD, Vector};
 use crate::newton::{Balance, Failure, Imbalance, Newton, Statistics};
 use crate::parameters::{Loads, Parameters};
-use crate::root::{Clamp, Root};
+use crate::root::{Clamp, Root, cross};
 use crate::scheme::{StepRule, TRAPEZOID_PART};
-use crate::state::{Exchange, State};
+use crate::state::{Drive, Exchange, State};
 use crate::{Error, sensitivity};
 
 /// A step that fails is halved at most this many times.
@@ -164,12 +164,32 @@ impl<const D: usize> Rod<D> {
         (self.state.positions[tip] - self.rest[tip]).into()
     }
 
+    /// Displacement that the tip would have on a rigid rod, m.
+    pub fn rigid_tip_displacement(&self) -> [f64; D] {
+        let tip = self.parameters.segments;
+        let (at_rest, direction) = (Vector::from(self.parameters.direction).normalize(), self.state.direction);
+        let arm = self.rest[tip] - self.rest[0];
+        let mut turned = direction * arm.dot(&at_rest);
+        if D == 2 {
+            // A curved rest shape, which only the plane has, is off to the left as well.
+            let left = at_rest[0] * arm[1] - at_rest[1] * arm[0];
+            (turned[0], turned[1]) = (turned[0] - left * direction[1], turned[1] + left * direction[0]);
+        }
+        (self.state.positions[0] + turned - self.rest[tip]).into()
+    }
+
+    /// Power that the damping takes, W.
+    pub fn damping_power(&self) -> f64 {
+        let squares = self.state.velocities.iter().zip(&self.tributary).map(|(v, l)| l * v.norm_squared());
+        self.parameters.damping * squares.sum::<f64>()
+    }
+
     /// Energies of the state.
     pub fn energy(&self) -> Result<Energy, Error> {
         let elastic = self.elastic.energy(&self.state.positions).map_err(|shape| self.error(shape.into()))?;
         let gravity = Vector::from(self.parameters.gravity);
         let (mut kinetic, mut potential) = (0.0, 0.0);
-        for k in 1..self.rest.len() {
+        for k in 0..self.rest.len() {
             let m = self.mass(k);
             kinetic += 0.5 * m * self.state.velocities[k].norm_squared();
             potential -= m * gravity.dot(&(self.state.positions[k] - self.rest[0]));
@@ -285,6 +305,9 @@ impl<const D: usize> Rod<D> {
             self.last = None;
         }
         self.sum_up_loads(duration);
+        if clamp.is_some() {
+            self.sum_up_drive(duration)?;
+        }
         self.publish();
         Ok(())
     }
@@ -307,6 +330,25 @@ impl<const D: usize> Rod<D> {
         }
         let work = self.state.exchange.work + power * duration;
         self.state.exchange = Exchange { force: sum, power, work };
+    }
+
+    /// What the clamp did to the rod in the step of `duration` seconds that has just been made.
+    ///
+    /// Node 0 belongs to the rod: the drive accelerates its mass, and what the loads do there goes through the drive.
+    fn sum_up_drive(&mut self, duration: f64) -> Result<(), Error> {
+        let reaction = self.elastic.clamp_reaction(&self.state.positions, &mut self.newton.moments);
+        let (mut force, moment) = reaction.map_err(|shape| self.error(shape.into()))?;
+        let State { velocities, accelerations, direction, direction_rate, .. } = &self.state;
+        let v = velocities[0];
+        force += accelerations[0] * self.mass(0) + v * (self.parameters.damping * self.tributary[0]) - self.force[0];
+        if let Some(impedance) = self.loads.impedance.first() {
+            force += (v - self.before.velocities[0]) * *impedance;
+        }
+        let turning = cross(direction, direction_rate).into_iter().zip(moment).map(|(omega, m)| omega * m);
+        let power = force.dot(&v) + turning.sum::<f64>();
+        let work = self.state.drive.work + power * duration;
+        self.state.drive = Drive { force, moment, power, work };
+        Ok(())
     }
 
     /// Where the next step takes the clamp; `None` where it is still.

@@ -66,6 +66,12 @@ impl<const D: usize> Clamp<D> {
     }
 }
 
+/// a × b, in two dimensions with only the last component.
+pub(crate) fn cross<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> [f64; 3] {
+    let component = |i: usize, j: usize| if i < D && j < D { a[i] * b[j] - a[j] * b[i] } else { 0.0 };
+    [component(1, 2), component(2, 0), component(0, 1)]
+}
+
 /// `vector` with length 1 and the rate that this has.
 fn unit<const D: usize>(vector: Vector<D>, rate: Vector<D>) -> (Vector<D>, Vector<D>) {
     let norm = vector.norm();

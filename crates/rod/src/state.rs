@@ -40,6 +40,8 @@ pub struct State<const D: usize> {
     pub largest_energy: f64,
     /// What the loads did.
     pub exchange: Exchange<D>,
+    /// What a driven root did.
+    pub drive: Drive<D>,
 }
 
 /// What the loads did to the rod: nodal forces with their impedance and pressure jump, without gravity.
@@ -57,6 +59,26 @@ impl<const D: usize> Exchange<D> {
     /// Nothing yet.
     pub fn none() -> Self {
         Self { force: Vector::zeros(), power: 0.0, work: 0.0 }
+    }
+}
+
+/// What the clamp does to the rod while it is driven; 0 where the root is still.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drive<const D: usize> {
+    /// Force at the end of the last step, N: it carries the loads on node 0 and moves its mass as well.
+    pub force: Vector<D>,
+    /// Moment about the root there, N m; in two dimensions only the last component.
+    pub moment: [f64; 3],
+    /// Power of both there, W.
+    pub power: f64,
+    /// Their work since the start, J: the sum of power times step.
+    pub work: f64,
+}
+
+impl<const D: usize> Drive<D> {
+    /// Nothing yet.
+    pub fn none() -> Self {
+        Self { force: Vector::zeros(), moment: [0.0; 3], power: 0.0, work: 0.0 }
     }
 }
 
@@ -78,6 +100,7 @@ impl<const D: usize> State<D> {
             lowest_energy: 0.0,
             largest_energy: 0.0,
             exchange: Exchange::none(),
+            drive: Drive::none(),
         }
     }
 
@@ -114,6 +137,7 @@ impl<const D: usize> State<D> {
         self.last_step = other.last_step;
         (self.lowest_energy, self.largest_energy) = (other.lowest_energy, other.largest_energy);
         self.exchange = other.exchange;
+        self.drive = other.drive;
     }
 
     /// Each array must have `nodes` entries, all numbers be finite, and last step and largest energy not be negative.
@@ -149,6 +173,10 @@ impl<const D: usize> State<D> {
         let Exchange { force, power, work } = self.exchange;
         if force.iter().chain([&power, &work]).any(|number| !number.is_finite()) {
             return Err(Error::value("state.exchange", format!("{:?}", self.exchange), "finite"));
+        }
+        let Drive { force, moment, power, work } = self.drive;
+        if force.iter().chain(&moment).chain([&power, &work]).any(|number| !number.is_finite()) {
+            return Err(Error::value("state.drive", format!("{:?}", self.drive), "finite"));
         }
         if !self.lowest_energy.is_finite() {
             return Err(Error::value("state.lowest_energy", self.lowest_energy, "finite"));

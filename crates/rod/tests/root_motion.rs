@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use common::{SCHEMES, turek_hron_bar, unit_rod};
+use common::{SCHEMES, total_energy, turek_hron_bar, unit_rod};
 use rod::{Error, Parameters, Rod, Root};
 use scene::{RodScheme, RootLaws, Rotation, TimeLaw};
 
@@ -60,6 +60,78 @@ fn base_excitation_has_the_transfer_function_of_the_cantilever() {
             let found = transfer(b, pitch);
             assert!((found / exact - 1.0).abs() < 5e-3, "b = {b}, pitch {pitch}: {found} against {exact}");
         }
+    }
+}
+
+/// What the root puts in, less what the damping takes, is what the rod's energy gains: a soft rod of moderate extension
+/// that heaves and pitches widely, in the plane and in space, over its second period.
+#[test]
+fn power_at_the_root_becomes_energy_or_goes_into_damping() {
+    fn missing<const D: usize>(scheme: RodScheme, steps: u32) -> f64 {
+        let law = |amplitude, phase| TimeLaw::Sine { mean: 0.0, amplitude, frequency: 0.4, phase, ramp: 2.5 };
+        let axis = if D == 2 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 1.0] };
+        let rotations = vec![Rotation { angle: law(0.9, 0.5), axis }];
+        let laws = RootLaws { x: law(0.2, 1.0), y: law(0.4, 0.0), rotations, ..RootLaws::default() };
+        let mut gravity = [0.0; D];
+        gravity[1] = -1.0;
+        let mut rod = Rod::new(Parameters { damping: 2.0, gravity, ..unit_rod::<D>(16, 200.0, scheme) }).unwrap();
+        rod.place(root_at(&laws, 0.0)).unwrap();
+        let dt = 2.5 / f64::from(steps);
+        let (mut energy, mut work, mut damped, mut exchanged) = (0.0, 0.0, 0.0, 0.0);
+        for step in 1..=2 * steps {
+            rod.root = Some(root_at(&laws, dt * f64::from(step)));
+            rod.step(dt).unwrap();
+            if step == steps {
+                (energy, work, damped, exchanged) = (total_energy(&rod), rod.state().drive.work, 0.0, 0.0);
+            }
+            damped += rod.damping_power() * dt;
+            exchanged += rod.state().drive.power.abs() * dt;
+        }
+        let gained = total_energy(&rod) - energy;
+        (rod.state().drive.work - work - gained - damped) / exchanged
+    }
+    for scheme in SCHEMES {
+        for (space, [coarse, fine]) in [
+            ("plane", [400, 800].map(|steps| missing::<2>(scheme, steps))),
+            ("space", [400, 800].map(|steps| missing::<3>(scheme, steps))),
+        ] {
+            println!("{scheme:?}, {space}: {coarse:.2e} and with half the step {fine:.2e} of the work exchanged");
+            assert!(fine.abs() < 1e-2 && fine.abs() < 0.6 * coarse.abs(), "{scheme:?}, {space}: {coarse}, {fine}");
+        }
+    }
+}
+
+/// A nearly rigid rod: the force is that on its mass centre, the moment that on its inertia about the root.
+#[test]
+fn drive_of_a_stiff_rod_is_that_of_a_rigid_one() {
+    let (frequency, amplitude) = (1.0, 0.8);
+    let law = TimeLaw::Sine { mean: 0.0, amplitude, frequency, phase: 0.0, ramp: 1.0 };
+    let laws = RootLaws { rotations: vec![Rotation { angle: law, axis: [0.0, 0.0, 1.0] }], ..RootLaws::default() };
+    let mut stiff = unit_rod::<2>(32, 1e7, RodScheme::Bdf2);
+    stiff.section.bending_stiffness = 1e6;
+    let mut rod = Rod::new(stiff).unwrap();
+    let dt = 2e-4;
+    for step in 1..=10_000 {
+        let t = dt * f64::from(step);
+        rod.root = Some(root_at(&laws, t));
+        rod.step(dt).unwrap();
+        let (angle, _) = laws.rotations[0].angle.value_and_rate(t);
+        let rate = |t: f64| laws.rotations[0].angle.value_and_rate(t).1;
+        let (omega, alpha) = (rate(t), (rate(t + 1e-6) - rate(t - 1e-6)) / 2e-6);
+        if step % 500 != 0 {
+            continue;
+        }
+        let (sin, cos) = angle.sin_cos();
+        let force = [-alpha * sin - omega * omega * cos, alpha * cos - omega * omega * sin].map(|a| 0.5 * a);
+        let drive = rod.state().drive;
+        let largest = amplitude * (TAU * frequency).powi(2);
+        for (found, exact) in drive.force.iter().zip(force) {
+            assert!((found - exact).abs() < 2e-3 * largest, "force at t = {t}: {found} against {exact}");
+        }
+        let moment = drive.moment[2];
+        assert!((moment - alpha / 3.0).abs() < 2e-3 * largest, "moment at t = {t}: {moment} against {}", alpha / 3.0);
+        let [x, y] = rod.rigid_tip_displacement();
+        assert!((x - (cos - 1.0)).abs() < 1e-12 && (y - sin).abs() < 1e-12, "rigid tip at t = {t}: {x}, {y}");
     }
 }
 
