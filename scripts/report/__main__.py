@@ -63,15 +63,19 @@ def measure(
 
 
 @app.command("leave-out")
-def leave_out_command() -> None:
+def leave_out_command(
+    only: Annotated[str, typer.Option(metavar="PATTERN", help="Only the scenes of this name.")] = "*",
+) -> None:
     """Measure what each shipped scene's missing parts would cost."""
     key, about = here()
-    rows = leave_out.measure()
+    rows = leave_out.measure(only)
     data = known()  # read only now: nothing that came meanwhile may be lost
     data["machine"][key] = about
     for row in rows:
         row.machine = key
-    data["rows"] = [row for row in data["rows"] if row.case != leave_out.CASE] + rows
+    scenes = {row.method for row in rows}
+    kept = [row for row in data["rows"] if row.case != leave_out.CASE or row.method not in scenes]
+    data["rows"] = kept + rows
     store.save(data)
 
 

@@ -10,7 +10,8 @@ def tip(length: float, weight: float, bending: float, axial: float, shear: float
     """Displacement of the tip (m) of a horizontal beam that weighs `weight` (N/m) downwards; stiffnesses EI (N m²),
     EA, GA_s (N).
 
-    The force in the section is known, −weight (L − s) upwards; theta' = M/EI and M' = −(r' × N) are integrated from the root by
+    The force in the section is known, −weight (L − s) upwards; theta' = M/EI and
+    M' = −(r' × N) are integrated from the root by
     Runge and Kutta's rule, and M(0) is found by Newton's method such that M(L) = 0.
     """
 

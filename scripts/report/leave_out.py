@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from fnmatch import fnmatch
 
 from cosim import package
 from cosim.errors import Refusal
@@ -29,46 +30,56 @@ FLUID_COLUMNS = ("drag", "lift")
 
 def parts(scene: dict) -> Iterator[tuple[str, dict]]:
     """What can be added to `scene` without an effect: what it is called and the scene that has it."""
+    fluid, rod = scene.get("fluid"), scene.get("rod")
 
     def changed() -> dict:
         return json.loads(json.dumps(scene))
 
-    if scene.get("rod"):
+    if rod and "root_motion" not in rod:
         added = changed()
         added["rod"]["root_motion"] = {"laws": {}}
         yield "root in prescribed motion, standing still", added
-    if scene.get("rod") and not scene.get("fluid"):
-        added = changed()
-        added["rod"]["root_motion"] = "master"
-        yield "root driven by the master, standing still", added
-        added = changed()
-        added["rod"]["material"]["plane_strain"].pop("shear_factor", None)
-        added["rod"]["gravity"].append(0.0)
-        for key in ("position", "direction"):
-            added["beam"]["root"]["at"][key].append(0.0)
+        if not fluid:
+            added = changed()
+            added["rod"]["root_motion"] = "master"
+            yield "root driven by the master, standing still", added
+    if rod and not fluid and len(scene["beam"]["root"]["at"]["direction"]) == 2:
+        added = without_shear(scene)
+        for vector in (
+            *(added["beam"]["root"]["at"][key] for key in ("position", "direction")),
+            added["rod"]["gravity"],
+        ):
+            vector.append(0.0)
         yield "third dimension (without shear)", added
-    if scene.get("fluid"):
-        end = scene["fluid"]["box"]["x"][1]
-        added = changed()
-        added["fluid"]["sponge"] = {"x": [end - 0.2, end], "mean_velocity": {"steady": 0.0}, "c_eta": WEAK}
-        yield f"sponge of C_eta = {WEAK:g} s", added
-        added = changed()
-        added["fluid"]["cylinders"][0]["motion"] = {}
-        if not scene.get("beam"):  # a beam stands on a still one
+    if fluid:
+        end, low = fluid["box"]["x"][1], fluid["box"]["y"][0]
+        if "sponge" not in fluid:
+            added = changed()
+            added["fluid"]["sponge"] = {"x": [end - 0.2, end], "mean_velocity": {"steady": 0.0}, "c_eta": WEAK}
+            yield f"sponge of C_eta = {WEAK:g} s", added
+        # A beam stands on a still one.
+        if fluid.get("cylinders") and not scene.get("beam") and "motion" not in fluid["cylinders"][0]:
+            added = changed()
+            added["fluid"]["cylinders"][0]["motion"] = {}
             yield "cylinder in motion, standing still", added
         added = changed()
+        middle = (low + fluid["box"]["y"][1]) / 2
         added["fluid"].setdefault("probes", []).extend(
-            {"name": f"unused{i}", "position": [1.0 + 0.1 * i, 0.2]} for i in range(4)
+            {"name": f"unused{i}", "position": [end - 0.1 * (i + 1), middle]} for i in range(4)
         )
         yield "four probes, read at every step", added
 
 
-def base_of(name: str, scene: dict) -> dict:
-    """What a part is compared with: the scene, without shear for the third dimension, which has none."""
-    if "without shear" in name:
-        scene = json.loads(json.dumps(scene))
-        scene["rod"]["material"]["plane_strain"].pop("shear_factor", None)
+def without_shear(scene: dict) -> dict:
+    """A copy of `scene` whose rod has no shear: in space it has none."""
+    scene = json.loads(json.dumps(scene))
+    scene["rod"]["material"].get("plane_strain", {}).pop("shear_factor", None)
     return scene
+
+
+def base_of(name: str, scene: dict) -> dict:
+    """What a part is compared with."""
+    return without_shear(scene) if "without shear" in name else scene
 
 
 def absent(scene: dict) -> list[str]:
@@ -76,6 +87,7 @@ def absent(scene: dict) -> list[str]:
     fluid, rod, beam = (scene.get(name) or {} for name in ("fluid", "rod", "beam"))
     root = beam.get("root", {}).get("at", {}).get("direction", [0.0, 0.0])
     material = next(iter(rod.get("material", {"": {}}).values()))
+    shear = material.get("shear_factor") or material.get("shear_stiffness")
     there = {
         "fluid": fluid,
         "channel": fluid.get("channel"),
@@ -90,9 +102,9 @@ def absent(scene: dict) -> list[str]:
         "third dimension": len(root) == 3,
         "gravity": rod.get("gravity"),
         "damping": rod.get("damping"),
-        "shear": material.get("shear_factor"),
+        "shear": shear,
         "rest shape": beam.get("rest_angles"),
-        "coupling": scene.get("coupling"),
+        "coupling": fluid and rod,
     }
     return [name for name, part in there.items() if not part]
 
@@ -115,11 +127,11 @@ def run(scene: dict) -> dict:
     return found | {"cpu": quartiles([cpu for _, cpu in found["runs"]])}
 
 
-def measure() -> list[Row]:
-    """Rows of all shipped scenes: their own numbers, and for each part what it adds."""
+def measure(only: str) -> list[Row]:
+    """Rows of the shipped scenes whose names match: their own numbers, and for each part what it adds."""
     rows = []
     for path in sorted(SCENES.glob("*.json")):
-        if path.name == "references.json":
+        if path.name == "references.json" or not fnmatch(path.stem, only):
             continue
         scene = load(path)
         steps = STEPS["fluid" if scene.get("fluid") else "rod"]
