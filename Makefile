@@ -172,7 +172,7 @@ sanitizers: $(READY) ## call both units under AddressSanitizer and valgrind; nee
 	cargo build $(SANITIZERS)/plain
 	$(RUN) -m pytest tests/sanitizers
 
-.PHONY: report report-full
+.PHONY: report report-full report-pictures
 
 PEERS_VENV := target/report/venv
 REPORT := $(RUN) scripts/report
@@ -183,11 +183,17 @@ report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the rep
 	$(REPORT) collect
 	$(REPORT) render
 
-report-full: build $(READY) $(PEERS_VENV)/.ready rod-study fluid-study coupling-study bench-fluid ## the same with all studies anew and the long cases: a day
+report-full: build $(READY) $(PEERS_VENV)/.ready rod-study fluid-study coupling-study bench-fluid report-pictures ## the same with all studies anew and the long cases: a day
 	$(REPORT) measure --full
 	$(REPORT) leave-out
 	$(REPORT) collect
 	$(REPORT) render
+
+report-pictures: build $(READY) ## the vorticity of FSI3 at four phases and over a period, for docs/report
+	$(FSI) run scenes/fsi3-325x72.json --output results/report-pictures --fields-every 0.005 --quiet
+	$(FSI) animate results/report-pictures --begin 7.7875 --end 7.9602
+	cp results/report-pictures/phases.png docs/report/fsi3_phases.png
+	cp results/report-pictures/vorticity.gif docs/report/fsi3_vorticity.gif
 
 $(PEERS_VENV)/.ready: requirements-peers.lock
 	$(PYTHON) -m venv --clear $(PEERS_VENV)

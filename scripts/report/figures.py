@@ -55,7 +55,7 @@ def few_labels(axis) -> None:
     )
     axis.set_minor_formatter(NullFormatter())
     if decades <= 2:
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.3g}"))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def error_time(path: Path, rows: list[Row], quantities: tuple[str, ...], kind: str = "error") -> None:

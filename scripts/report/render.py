@@ -295,8 +295,7 @@ class Report:
             "",
             "![two periods](fsi3_bands.png)",
             "",
-            "Vorticity at four phases of a period, 325 x 72 (`fsi.py run scenes/fsi3-325x72.json --fields-every "
-            "0.005`, `fsi.py animate`):",
+            "Vorticity at four phases of a period, 325 x 72 (`make report-pictures`):",
             "",
             "![four phases](fsi3_phases.png)",
             "",
