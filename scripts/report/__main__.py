@@ -16,6 +16,7 @@ import typer
 
 sys.path[0] = str(Path(__file__).parents[1])
 
+from cosim.scene import ROOT
 from report import cases, collect, leave_out, measure as measuring, render as rendering, store
 
 app = typer.Typer(
@@ -98,7 +99,7 @@ def render(
     """Write pages, figures and marked numbers from results.json alone."""
     changed = rendering.everything(store.load(), check)
     for path in changed:
-        typer.echo(f"{'would change' if check else 'wrote'} {path}")
+        typer.echo(f"{'would change' if check else 'wrote'} {path.relative_to(ROOT)}")
     raise typer.Exit(1 if check and changed else 0)
 
 

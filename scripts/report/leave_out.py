@@ -19,7 +19,7 @@ CASE = "leave-out"
 STEPS = {"rod": 400, "fluid": 60}
 """Communication steps of a run, of scenes without and with a fluid."""
 
-REPEATS = 5
+REPEATS = 3
 
 WEAK = 1e9
 """Relaxation time of a sponge that does nothing, s."""

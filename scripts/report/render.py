@@ -257,8 +257,8 @@ class Report:
             *markdown(["mask", "grid", "C_eta, s", *map(figures.label, names)], table),
             "",
             "CSM3's mean and amplitude are the extremes of a motion with several modes: they jump from one crest to "
-            "another with step and n, which is why its sequences do not settle. On the cylinder the wall keeps its place "
-            "within a few hundredths of a cell only ([fluid.md](../fluid.md)), and differently on each grid.",
+            "another with step and n, which is why its sequences do not settle. On the cylinder the wall keeps its "
+            "place within a few hundredths of a cell only ([fluid.md](../fluid.md)), and differently on each grid.",
         ]
 
     def plotted(self, case: str) -> list[Row]:
