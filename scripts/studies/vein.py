@@ -251,7 +251,8 @@ def write_docs(rows: dict[str, dict[str, str]]) -> None:
     """Tables and figures of the cases that there are."""
     DOCS.mkdir(parents=True, exist_ok=True)
     ran = {case.name: case for case in cases() if case.name in rows and case.series.is_file()}
-    write_rows(DOCS / "vein.csv", [{k: v for k, v in row.items() if k != "key"} for name, row in rows.items() if name in ran or name.startswith("parts/")])
+    kept = [row for name, row in rows.items() if name in ran or name.startswith("parts/")]
+    write_rows(DOCS / "vein.csv", [{name: value for name, value in row.items() if name != "key"} for row in kept])
     names = lambda group: [name for name in ran if name.startswith(f"{group}/")]
     number = lambda name, column, digits=4: f"{float(rows[name][column]):.{digits}g}" if rows[name].get(column) else ""
     percent = lambda name, column: f"{100 * float(rows[name][column]):+.2g} %" if rows[name].get(column) else ""
