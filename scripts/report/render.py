@@ -401,7 +401,7 @@ class Report:
             "None of these has a variable, an array or a loop there. Each of the following parts is put into the "
             "scene so that it has no effect; the numbers are what it adds to XML, variables, memory (growth of the "
             "resident "
-            "set), and CPU time a step (quartiles of the repeats are up to a tenth apart on this machine), and the "
+            "set), and CPU time a step (one and the same scene gives up to a fifth more or less on this machine), and the "
             "largest relative change of tip and forces. The library is the same file for every scene: a "
             "part that is left out saves nothing of the binary's size.",
             "",
