@@ -401,7 +401,8 @@ class Report:
             "None of these has a variable, an array or a loop there. Each of the following parts is put into the "
             "scene so that it has no effect; the numbers are what it adds to XML, variables, memory (growth of the "
             "resident "
-            "set), and CPU time a step (one and the same scene gives up to a fifth more or less on this machine), and the "
+            "set), and CPU time a step (one and the same scene gives up to a fifth more or less on this machine), and "
+            "the "
             "largest relative change of tip and forces. The library is the same file for every scene: a "
             "part that is left out saves nothing of the binary's size.",
             "",
@@ -591,7 +592,8 @@ class Report:
             "",
             *lines,
             "",
-            "Beside the peers, measured in the same run, largest error over the quantities of each case (at rest: of "
+            "Beside the peers, measured by the same command on the same machine, largest error over the quantities of "
+            "each case (at rest: of "
             "discretisation) and CPU time. "
             "NGSolve solves 2D-1 by Newton's method for the steady flow, where ours marches to it; PyElastica is "
             "explicit and has a step for stability:",
