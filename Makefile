@@ -68,7 +68,7 @@ record: build $(READY) ## write tests/recorded.json anew: only after a change of
 	PYTHONPATH=scripts $(RUN) tests/record.py
 
 lock: ## pin requirements*.in anew; needs pip-tools
-	for name in requirements requirements-bench requirements-masters requirements-dist; do \
+	for name in requirements requirements-bench requirements-masters requirements-dist requirements-peers; do \
 	pip-compile --generate-hashes --strip-extras --no-header --no-emit-index-url --no-emit-trusted-host \
 	--no-emit-find-links --output-file $$name.lock $$name.in || exit; done
 
@@ -171,3 +171,31 @@ sanitizers: $(READY) ## call both units under AddressSanitizer and valgrind; nee
 	RUSTFLAGS=-Zsanitizer=address cargo +nightly build $(SANITIZERS)/asan --target x86_64-unknown-linux-gnu
 	cargo build $(SANITIZERS)/plain
 	$(RUN) -m pytest tests/sanitizers
+
+.PHONY: report report-full report-pictures
+
+PEERS_VENV := target/report/venv
+REPORT := $(RUN) scripts/report
+
+report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the report (a quarter of an hour on a free machine), write docs/report
+	$(REPORT) measure
+	$(REPORT) leave-out
+	$(REPORT) collect
+	$(REPORT) render
+
+report-full: build $(READY) $(PEERS_VENV)/.ready rod-study fluid-study coupling-study bench-fluid report-pictures ## the same with all studies anew and the long cases: a day
+	$(REPORT) measure --full
+	$(REPORT) leave-out
+	$(REPORT) collect
+	$(REPORT) render
+
+report-pictures: build $(READY) ## the vorticity of FSI3 at four phases and over a period, for docs/report
+	$(FSI) run scenes/fsi3-325x72.json --output results/report-pictures --fields-every 0.005 --quiet
+	$(FSI) animate results/report-pictures --begin 7.7875 --end 7.9602
+	cp results/report-pictures/phases.png docs/report/fsi3_phases.png
+	cp results/report-pictures/vorticity.gif docs/report/fsi3_vorticity.gif
+
+$(PEERS_VENV)/.ready: requirements-peers.lock
+	$(PYTHON) -m venv --clear $(PEERS_VENV)
+	$(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-peers.lock
+	touch $@

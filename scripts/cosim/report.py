@@ -133,7 +133,7 @@ def summarize(scene: dict, units: dict[str, Unit], scheme: Single, recorder: Rec
         },
         "versions": {"python": platform.python_version()} | {name: version(name) for name in ("fmpy", "numpy")},
         "git": git_revision(),
-        "machine": {"cpu": _cpu_model(), "cores": os.cpu_count(), "system": platform.platform()},
+        "machine": {"cpu": cpu_model(), "cores": os.cpu_count(), "system": platform.platform()},
     }
 
 
@@ -161,7 +161,7 @@ def write(folder: Path, scene: dict, recorder: Recorder, scheme: Single, summary
         header = ",".join(recorder.columns)
         np.savetxt(path, recorder.table[: recorder.rows], "%.10g", ",", header=header, comments="")
 
-    text = json.dumps(_json_numbers(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    text = json.dumps(json_numbers(summary), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     writers = {
         "scene.json": lambda path: path.write_text(scene_text(scene), encoding="utf-8"),
         "series.csv": series,
@@ -214,12 +214,12 @@ def print_table(console: Console, summary: dict) -> None:
     console.print(f"{reached} in {summary['wall_s']:.1f} s of wall time ({phases})", soft_wrap=True)
 
 
-def _json_numbers(value):
+def json_numbers(value):
     """`value` with null for the numbers that JSON does not have: a run that failed can leave infinities."""
     if isinstance(value, dict):
-        return {key: _json_numbers(part) for key, part in value.items()}
+        return {key: json_numbers(part) for key, part in value.items()}
     if isinstance(value, list):
-        return [_json_numbers(part) for part in value]
+        return [json_numbers(part) for part in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
@@ -235,7 +235,8 @@ def git_revision() -> dict | None:
         return None
 
 
-def _cpu_model() -> str:
+def cpu_model() -> str:
+    """What the system calls the processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))

@@ -1,0 +1,137 @@
+"""results.json and results.csv of docs/report: one schema for everything that was measured, imported or cited."""
+
+import csv
+import json
+import os
+import platform
+import subprocess
+from dataclasses import asdict, dataclass, fields
+from importlib.metadata import version
+from pathlib import Path
+
+from cosim.report import cpu_model, git_revision, write_together
+from cosim.scene import ROOT
+
+from .values import values_of
+
+DOCS = ROOT / "docs" / "report"
+
+
+@dataclass
+class Row:
+    """One quantity of one case; what does not apply is None."""
+
+    case: str
+    """What is solved: rod-static, csm3, cylinder-2d1, cylinder-2d2, fsi3, or the name of a map or of another table."""
+    method: str
+    setting: str
+    """What tells this run from others of the method."""
+    quantity: str
+    value: float | None = None
+    unit: str = ""
+    reference: float | None = None
+    error: float | None = None
+    """(value - reference) / scale of the reference, relative; scale: |reference|, or the amplitude of an
+    oscillation."""
+    discretisation: float | None = None
+    """The same against the limit of the model, where that is known: the exact solution, or an extrapolation."""
+    size: float | None = None
+    """Segments of the rod, points of the grid along x, degrees of freedom of a peer."""
+    step: float | None = None
+    """s."""
+    wall_s: float | None = None
+    wall_q1: float | None = None
+    wall_q3: float | None = None
+    cpu_s: float | None = None
+    cpu_q1: float | None = None
+    cpu_q3: float | None = None
+    repeats: int | None = None
+    outcome: str = "ok"
+    """`ok`, `error` (it said so) or `bad` (it did not)."""
+    reason: str = ""
+    command: str = ""
+    tolerance: float | None = None
+    """Relative, within which another machine gets the value again; None where nothing is asked."""
+    machine: str = ""
+    """Key of the record of machine and versions in results.json; empty for what a study has and what is cited."""
+    source: str = "measured"
+    """`measured` by the report's command, the file of the study that it is from, or `cited`."""
+
+
+NAMES = [field.name for field in fields(Row)]
+DEFAULTS = {field.name: field.default for field in fields(Row)}
+
+
+def machine() -> dict:
+    """Machine and versions of a measurement."""
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    compiler = subprocess.run(["rustc", "--version"], capture_output=True, text=True).stdout.strip()
+    return {
+        "cpu": cpu_model(),
+        "cores": os.cpu_count(),
+        "memory_gb": round(memory / 1e9, 1),
+        "system": platform.system(),
+        "load_at_start": round(os.getloadavg()[0], 1),
+        "python": platform.python_version(),
+        "rustc": compiler,
+        "packages": {name: version(name) for name in ("fmpy", "numpy")},
+        "git": git_revision(),
+    }
+
+
+def load(folder: Path = DOCS) -> dict:
+    """results.json with `rows` as `Row`s."""
+    data = json.loads((folder / "results.json").read_text(encoding="utf-8"))
+    return data | {"rows": [Row(**row) for row in data["rows"]]}
+
+
+def rounded(value):
+    """Numbers with eight digits: what is beyond is noise, and makes the file twice as long."""
+    if isinstance(value, float):
+        return float(f"{value:.8g}")
+    if isinstance(value, dict):
+        return {key: rounded(part) for key, part in value.items()}
+    return [rounded(part) for part in value] if isinstance(value, list) else value
+
+
+def text_of(data: dict) -> str:
+    """results.json: a line for each row, value and series; a Row has no entry for what is as by default."""
+    lines = []
+    for key, part in data.items():
+        if key == "rows":
+            rows = [{k: v for k, v in asdict(row).items() if v != DEFAULTS[k]} for row in part]
+            body = (
+                "[\n"
+                + ",\n".join(json.dumps(rounded(row), ensure_ascii=False, allow_nan=False) for row in rows)
+                + "\n]"
+            )
+        elif isinstance(part, dict):
+            items = (
+                f"{json.dumps(k)}: {json.dumps(rounded(v), ensure_ascii=False, allow_nan=False)}"
+                for k, v in part.items()
+            )
+            body = "{\n" + ",\n".join(items) + "\n}"
+        else:
+            body = json.dumps(part)
+        lines.append(f"{json.dumps(key)}: {body}")
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def save(data: dict, folder: Path = DOCS) -> None:
+    """Write results.json, with `values` made of the rows as they are written, and results.csv."""
+    folder.mkdir(parents=True, exist_ok=True)
+    data["rows"] = [Row(**rounded(asdict(row))) for row in data["rows"]]
+    data["values"] = values_of(data["rows"])
+
+    def table(path: Path) -> None:
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            out = csv.writer(file, lineterminator="\n")
+            out.writerow(NAMES)
+            out.writerows(
+                [["" if v is None else v for v in rounded(list(asdict(row).values()))] for row in data["rows"]]
+            )
+
+    used = {row.machine for row in data["rows"]}
+    data["machine"] = {key: about for key, about in data["machine"].items() if key in used}
+    text = text_of(data)
+    write_together(folder, {"results.json": lambda path: path.write_text(text, encoding="utf-8"), "results.csv": table})

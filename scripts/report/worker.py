@@ -1,0 +1,82 @@
+"""A scene, run several times in a process of its own: `python worker.py REPEATS < scene.json` prints one JSON object.
+
+One run goes before the others and is not timed; with 0 repeats it is the only one and is timed. Phases are the
+shortest of the
+timed runs, each for itself. What is timed is the loop over the steps, with Python and FMI in it, without
+loading, packing and evaluation; memory is what the resident set has grown by from before the units are loaded to the
+end of that first run.
+"""
+
+import ctypes
+import json
+import resource
+import sys
+import tempfile
+from contextlib import ExitStack
+from pathlib import Path
+from time import process_time
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from cosim import coupling, master, package, report
+from cosim.errors import Refusal
+from cosim.recorder import Recorder
+from cosim.unit import Unit
+
+
+def resident() -> float:
+    """Resident set of this process, MB, without what is free: packing has had the units' memory before."""
+    ctypes.CDLL(None).malloc_trim(0)
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize() / 1e6
+
+
+def once(scene: dict, fmus: dict[str, Path]) -> tuple[dict, list[float]]:
+    """Summary of a run with the memory it has added, and its wall and CPU time, s."""
+    with ExitStack() as stack:
+        before = resident()
+        clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+        units = {}
+        for kind, path in fmus.items():
+            units[kind] = Unit(path, kind, clock.end)
+            stack.callback(units[kind].close)
+        scheme = coupling.couple(units, scene.get("coupling"))
+        recorder = Recorder(units, clock.steps)
+        begin = process_time()
+        outcome = master.run(scheme, clock, recorder)
+        times = [outcome.wall, process_time() - begin]
+        memory = resident() - before
+        summary = report.summarize(scene, units, scheme, recorder, outcome)
+        return summary | {"last": recorder.latest, "memory_mb": memory}, times
+
+
+def main() -> None:
+    repeats, scene = int(sys.argv[1]), json.load(sys.stdin)
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            fmus = {kind: package.pack(kind, scene, Path(folder)) for kind in package.kinds(scene)}
+            summary, first = once(scene, fmus)
+            more = [once(scene, fmus) for _ in range(repeats)] if summary["error"] is None else []
+        except Refusal as error:
+            print(json.dumps({"error": str(error)}))
+            return
+    kept = (
+        "error",
+        "quantities",
+        "coefficients",
+        "phases_s",
+        "wall_s",
+        "steps",
+        "iterations_mean",
+        "periods",
+        "last",
+        "memory_mb",
+    )
+    timed = more or [(summary, first)]
+    found = {key: summary[key] for key in kept} | {"runs": [times for _, times in timed]}
+    found["phases_s"] = {phase: min(run["phases_s"][phase] for run, _ in timed) for phase in summary["phases_s"]}
+    print(json.dumps(report.json_numbers(found)))
+
+
+if __name__ == "__main__":
+    main()
