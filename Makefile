@@ -177,7 +177,7 @@ sanitizers: $(READY) ## call both units under AddressSanitizer and valgrind; nee
 PEERS_VENV := target/report/venv
 REPORT := $(RUN) scripts/report
 
-report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the report (a quarter of an hour on a free machine), write docs/report
+report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine), write docs/report
 	$(REPORT) measure
 	$(REPORT) leave-out
 	$(REPORT) collect
