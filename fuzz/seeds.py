@@ -14,7 +14,7 @@ sys.path[:0] = [str(FUZZ.parent / "scripts"), str(FUZZ.parent / "scripts" / "stu
 from cosim import package
 from cosim.scene import REFERENCES, ROOT, load
 from cosim.unit import Unit
-from reliability import SCENE, STEP
+from reliability.unit import SCENE, STEP
 
 HEADER = 62
 """Bytes before the payload of a serialized state, which the target puts there itself (`crates/fmi2/src/snapshot.rs`)."""
