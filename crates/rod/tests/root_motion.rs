@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use common::{SCHEMES, total_energy, turek_hron_bar, unit_rod};
 use rod::{Error, Parameters, Rod, Root};
-use scene::{RodScheme, RootLaws, Rotation, TimeLaw};
+use scene::{RodScheme, RootLaws, Rotation, Section, TimeLaw};
 
 /// The root of a rod along x at the origin, moved by `laws`.
 fn root_at<const D: usize>(laws: &RootLaws, t: f64) -> Root<D> {
@@ -67,14 +67,16 @@ fn base_excitation_has_the_transfer_function_of_the_cantilever() {
 /// that heaves and pitches widely, in the plane and in space, over its second period.
 #[test]
 fn power_at_the_root_becomes_energy_or_goes_into_damping() {
-    fn missing<const D: usize>(scheme: RodScheme, steps: u32) -> f64 {
+    fn missing<const D: usize>(scheme: RodScheme, steps: u32, shear_stiffness: Option<f64>) -> f64 {
         let law = |amplitude, phase| TimeLaw::Sine { mean: 0.0, amplitude, frequency: 0.4, phase, ramp: 2.5 };
         let axis = if D == 2 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 1.0] };
         let rotations = vec![Rotation { angle: law(0.9, 0.5), axis }];
         let laws = RootLaws { x: law(0.2, 1.0), y: law(0.4, 0.0), rotations, ..RootLaws::default() };
         let mut gravity = [0.0; D];
         gravity[1] = -1.0;
-        let mut rod = Rod::new(Parameters { damping: 2.0, gravity, ..unit_rod::<D>(16, 200.0, scheme) }).unwrap();
+        let rod = unit_rod::<D>(16, 200.0, scheme);
+        let section = Section { shear_stiffness, ..rod.section };
+        let mut rod = Rod::new(Parameters { damping: 2.0, gravity, section, ..rod }).unwrap();
         rod.place(root_at(&laws, 0.0)).unwrap();
         let dt = 2.5 / f64::from(steps);
         let (mut energy, mut work, mut damped, mut exchanged) = (0.0, 0.0, 0.0, 0.0);
@@ -92,8 +94,9 @@ fn power_at_the_root_becomes_energy_or_goes_into_damping() {
     }
     for scheme in SCHEMES {
         for (space, [coarse, fine]) in [
-            ("plane", [400, 800].map(|steps| missing::<2>(scheme, steps))),
-            ("space", [400, 800].map(|steps| missing::<3>(scheme, steps))),
+            ("plane", [400, 800].map(|steps| missing::<2>(scheme, steps, None))),
+            ("plane, with shear", [400, 800].map(|steps| missing::<2>(scheme, steps, Some(60.0)))),
+            ("space", [400, 800].map(|steps| missing::<3>(scheme, steps, None))),
         ] {
             println!("{scheme:?}, {space}: {coarse:.2e} and with half the step {fine:.2e} of the work exchanged");
             assert!(fine.abs() < 1e-2 && fine.abs() < 0.6 * coarse.abs(), "{scheme:?}, {space}: {coarse}, {fine}");
