@@ -27,6 +27,18 @@ class Keeping:
     """Simulated time between fields, s."""
 
 
+def assemble(
+    scene: dict, fmus: dict[str, Path], stack: ExitStack
+) -> tuple[dict[str, Unit], coupling.Single, master.Clock, Recorder]:
+    """The packed units of `scene`, coupled and ready to step, with clock and recorder; `stack` closes them."""
+    clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+    units = {}
+    for kind, path in fmus.items():
+        units[kind] = Unit(path, kind, clock.end)
+        stack.callback(units[kind].close)
+    return units, coupling.couple(units, scene.get("coupling")), clock, Recorder(units, clock.steps)
+
+
 def consoles(quiet: bool) -> tuple[Console, Console]:
     """Where a run prints what it does, and what went wrong."""
     return Console(quiet=quiet, highlight=False), Console(stderr=True, highlight=False, soft_wrap=True)
@@ -83,16 +95,10 @@ def _execute(
         errors.print(f"warning: {message}", markup=False)
 
     with ExitStack() as stack:
-        clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-        units = {}
-        for kind, path in fmus.items():
-            units[kind] = Unit(path, kind, clock.end)
-            stack.callback(units[kind].close)
-        scheme = coupling.couple(units, scene.get("coupling"))
+        units, scheme, clock, recorder = assemble(scene, fmus, stack)
         if scheme.choice:
             text = "load {load}: {load_reason}\nscheme {scheme}: {scheme_reason}".format(**scheme.choice)
             console.print(text, soft_wrap=True)
-        recorder = Recorder(units, clock.steps)
 
         done, wall, saved, watchers = 0, 0.0, None, []
         if keeping.checkpoint_every is not None:

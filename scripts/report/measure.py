@@ -79,9 +79,8 @@ def measure(case: Case) -> list[Row]:
     if found.get("error"):
         failed.reason = found["error"]
         return [failed]
-    wall, cpu = (quartiles([run[i] for run in found["runs"]]) for i in (0, 1))
     if case.case == "cost":
-        return cost(case, found, wall, cpu)
+        return cost(case, found)
     values, published, limit = values_of(case, found), references(case.case), case.limit()
     rows = []
     for name in QUANTITIES[case.case]:
@@ -103,13 +102,7 @@ def measure(case: Case) -> list[Row]:
                 (value - exact) / abs(exact) if exact is not None else None,
                 size=found.get("dofs", case.size),
                 step=case.step,
-                wall_s=wall[1],
-                wall_q1=wall[0],
-                wall_q3=wall[2],
-                cpu_s=cpu[1],
-                cpu_q1=cpu[0],
-                cpu_q3=cpu[2],
-                repeats=len(found["runs"]),
+                **times(found),
                 command=shown(case),
                 tolerance=None if case.peer else TOLERANCE[case.case],
             )
@@ -132,7 +125,14 @@ def measure(case: Case) -> list[Row]:
     return rows
 
 
-def cost(case: Case, found: dict, wall: tuple, cpu: tuple) -> list[Row]:
+def times(found: dict) -> dict[str, float]:
+    """What a row says of the time that its runs took: medians and quartiles, s."""
+    wall, cpu = (quartiles([run[i] for run in found["runs"]]) for i in (0, 1))
+    names = ("wall_q1", "wall_s", "wall_q3", "cpu_q1", "cpu_s", "cpu_q3")
+    return dict(zip(names, (*wall, *cpu))) | {"repeats": len(found["runs"])}
+
+
+def cost(case: Case, found: dict) -> list[Row]:
     """µs a step: the median CPU time of the whole, the shortest wall times of the parts."""
     shared = {"unit": "µs", "size": case.size, "step": case.step, "command": shown(case)}
     micro = 1e6 / found["steps"]
@@ -142,14 +142,8 @@ def cost(case: Case, found: dict, wall: tuple, cpu: tuple) -> list[Row]:
             case.method,
             case.setting,
             "step",
-            cpu[1] * micro,
-            wall_s=wall[1],
-            wall_q1=wall[0],
-            wall_q3=wall[2],
-            cpu_s=cpu[1],
-            cpu_q1=cpu[0],
-            cpu_q3=cpu[2],
-            repeats=len(found["runs"]),
+            statistics.median(run[1] for run in found["runs"]) * micro,
+            **times(found),
             **shared,
         )
     ]

@@ -18,10 +18,8 @@ from time import process_time
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from cosim import coupling, master, package, report
+from cosim import master, package, report, simulation
 from cosim.errors import Refusal
-from cosim.recorder import Recorder
-from cosim.unit import Unit
 
 
 def resident() -> float:
@@ -35,13 +33,7 @@ def once(scene: dict, fmus: dict[str, Path]) -> tuple[dict, list[float]]:
     """Summary of a run with the memory it has added, and its wall and CPU time, s."""
     with ExitStack() as stack:
         before = resident()
-        clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-        units = {}
-        for kind, path in fmus.items():
-            units[kind] = Unit(path, kind, clock.end)
-            stack.callback(units[kind].close)
-        scheme = coupling.couple(units, scene.get("coupling"))
-        recorder = Recorder(units, clock.steps)
+        units, scheme, clock, recorder = simulation.assemble(scene, fmus, stack)
         begin = process_time()
         outcome = master.run(scheme, clock, recorder)
         times = [outcome.wall, process_time() - begin]
