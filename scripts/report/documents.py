@@ -17,7 +17,7 @@ DOCUMENTS = tuple(
 )
 """Documents with marks; docs/report and the studies' pages are written as a whole."""
 
-WHOLE = tuple(ROOT / name for name in ("README.md", "docs/fsi3.md"))
+WHOLE = tuple(ROOT / name for name in ("README.md", "docs/fsi3.md", "docs/fsi3/thesis.md", "docs/coupling.md"))
 """Those of them that have no number without a mark."""
 
 NUMBER = re.compile(r"<!--n:([^>]*?)-->(.*?)<!---->")
