@@ -87,8 +87,8 @@ ROD_STUDY := cargo run --release --locked --manifest-path crates/rod/study/Cargo
 
 rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
 	$(ROD_STUDY) -- docs/rod
-	$(RUN) scripts/studies/rod.py docs/rod
-	$(RUN) scripts/studies/clamp.py docs/rod
+	$(RUN) scripts/studies/clamp.py
+	$(RUN) scripts/studies/rod.py
 
 bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
 	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
