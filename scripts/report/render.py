@@ -285,10 +285,9 @@ class Report:
             "Every cell with its "
             "reason is in [results.csv](results.csv).",
             "",
-            f"**Bad cells are left: {len(bad)}.**",
+            f"Bad cells are left: {len(bad)}.",
             "",
-            *markdown(["map", "method", "cell", "why"], bad),
-            "",
+            *((*markdown(["map", "method", "cell", "why"], bad), "") if bad else ()),
         ]
         errors = [
             [row.case, row.method, row.setting, row.reason[:110]]
@@ -502,7 +501,7 @@ class Report:
             f"- FSI3 on 1300 x 288 is more than 2 % from FeatFlow's finest level in: {', '.join(off) or 'nothing'}.",
             f"- {len(loose)} of {len(sequences)} sequences are not asymptotic; where they are not there is no "
             f"extrapolated value.",
-            f"- {bad} cells of the maps are bad: they went on and said nothing (section 2).",
+            *([f"- {bad} cells of the maps are bad: they went on and said nothing (section 2)."] if bad else []),
             *(
                 f"- {case} by penalization, finest grid measured: {self.errors(case)}."
                 for case in ("cylinder-2d1", "cylinder-2d2")
