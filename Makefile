@@ -96,7 +96,10 @@ bench-rod: ## benchmark a Newton iteration of the rod and its solver against fae
 fluid-study: build $(READY) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
 	$(RUN) scripts/studies/fluid.py $(ARGS)
 
-.PHONY: coupling-study
+.PHONY: fsi3-study coupling-study
+
+fsi3-study: build $(READY) ## make what is missing of the runs of FSI3 in docs/fsi3.md (an hour and a half of one core), write docs/fsi3
+	$(RUN) scripts/studies/fsi3.py $(ARGS)
 
 coupling-study: build $(READY) ## run what is missing of the map of the coupling's stability, write docs/fsi3/stability.md
 	$(RUN) scripts/studies/coupling.py $(ARGS)

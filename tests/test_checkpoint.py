@@ -16,7 +16,7 @@ from cosim.recorder import Recorder
 pytestmark = pytest.mark.usefixtures("libraries")
 
 ITERATED = {"load": "pressure_jump", "scheme": {"iterated": {"max_iterations": 50}}}
-TIMES = ("wall_s", "wall_s_per_simulated_s", "phases_s")
+TIMES = ("wall_s", "cpu_s", "wall_s_per_simulated_s", "phases_s")
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from time import perf_counter
+from time import perf_counter, process_time
 
 from .coupling import CouplingError, Single
 from .recorder import Recorder
@@ -39,6 +39,8 @@ class Outcome:
     """Time reached, s."""
     wall: float
     """Wall time of the loop, s."""
+    cpu: float | None
+    """Its processor time, s; None of a run that was resumed."""
     completed: bool
     error: str | None
 
@@ -58,7 +60,7 @@ def run(
     so far. Each of `watchers` is called at the start and after every step with the number of steps done, the
     simulated time and the wall time (s).
     """
-    begin = perf_counter() - wall
+    begin, cpu = perf_counter() - wall, process_time() if done == 0 else None
     reached, error = clock.step(done)[0] if done < clock.steps else clock.end, None
     try:
         if done == 0:
@@ -77,4 +79,5 @@ def run(
                 watch(done, reached, perf_counter() - begin)
     except (UnitError, CouplingError) as failure:
         error = str(failure)
-    return Outcome(done, reached, perf_counter() - begin, done == clock.steps, error)
+    used = None if cpu is None else process_time() - cpu
+    return Outcome(done, reached, perf_counter() - begin, used, done == clock.steps, error)

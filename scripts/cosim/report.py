@@ -118,6 +118,7 @@ def summarize(scene: dict, units: dict[str, Unit], scheme: Single, recorder: Rec
         "interface": interface(recorder),
         "simulated_s": outcome.simulated,
         "wall_s": outcome.wall,
+        "cpu_s": outcome.cpu,
         "wall_s_per_simulated_s": outcome.wall / outcome.simulated if outcome.simulated else None,
         "steps": outcome.steps,
         "iterations_mean": float(iterations.mean()) if iterations.size else None,
