@@ -160,12 +160,9 @@ $(DIST_VENV)/.ready: requirements-dist.lock
 
 .PHONY: fuzz
 
-FUZZ_TARGETS := rod_scene fluid_scene rod_state fluid_state
-
-fuzz: build $(READY) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each; needs nightly and cargo-fuzz
+fuzz: build $(READY) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each, write docs/fuzz.csv; needs nightly and cargo-fuzz
 	$(RUN) fuzz/seeds.py
-	for target in $(FUZZ_TARGETS); do cargo +nightly fuzz run --fuzz-dir fuzz $$target -- \
-	-timeout=30 -max_len=65536 -dict=fuzz/target/scene.dict -print_final_stats=1 $(or $(ARGS),-max_total_time=300) || exit; done
+	$(RUN) fuzz/run.py $(ARGS)
 
 .PHONY: sanitizers
 

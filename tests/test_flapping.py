@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-import vein_limits
-
 from cosim import coupling, flapping, statistics
+from studies import vein_limits
 
 
 @pytest.fixture

@@ -25,14 +25,13 @@ import typer
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-import tables
-import vein_limits
 from cosim import flapping, master, package, simulation, statistics
 from cosim.files import write_whole
 from cosim.report import evaluate
 from cosim.scene import ROOT, load, override
 from cosim.unit import Unit
-from vein_limits import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
+from studies import tables, vein_limits
+from studies.vein_limits import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
 
 RESULTS = ROOT / "results" / "vein-study"
 DOCS = ROOT / "docs" / "vein"
@@ -145,12 +144,10 @@ def cases() -> list[Case]:
 def run(case: Case) -> dict:
     """Run a case, keep its series, and return its row."""
     scene = case.built()
-    before = process_time()
     recorder, scheme, outcome = vein_limits.execute(scene, RESULTS, rigid=case.prescribed)
-    cpu = process_time() - before
     recorded = {name: recorder.column(name) for name in recorder.columns}
     write_whole(case.series, lambda path: np.savez_compressed(path.open("wb"), **recorded))
-    row = {"case": case.name, "key": case.key, "wall_s": round(outcome.wall, 1), "cpu_s": round(cpu, 1), "steps": outcome.steps}
+    row = {"case": case.name, "key": case.key, "wall_s": round(outcome.wall, 1), "cpu_s": round(outcome.cpu, 1), "steps": outcome.steps}
     time, group = recorded["time"], case.name.split("/")[0]
     row["iterations"] = round(float(recorded["iterations"][1:].mean()), 2)
     if group == "coupling":
