@@ -106,7 +106,7 @@ coupling-study: build $(READY) ## run what is missing of the map of the coupling
 
 .PHONY: vein-study
 
-vein-study: build $(READY) ## the vein's sweep over stiffness, its limits and convergence (an hour of one core), write docs/vein
+vein-study: build $(READY) ## the vein's sweep over stiffness, its limits, couplings and convergence (a quarter of an hour of one core), write docs/vein
 	$(FSI) sweep scenes/vein-forward-384x192.json --end-time 8 --output results/vein-flexibility \
 	--vary rod.material.section.bending_stiffness=0.5,1,2,4,8,16,32,64,128
 	$(RUN) scripts/studies/vein.py $(ARGS)
@@ -127,7 +127,7 @@ $(BENCH_VENV)/.ready: requirements-bench.lock
 
 .PHONY: reliability masters-test
 
-reliability: build $(READY) ## mistreat the units at full count and write docs/reliability.md anew, an hour; ARGS="--list", "--only forks"
+reliability: build $(READY) ## mistreat the units at full count and write docs/reliability.csv anew, an hour; ARGS="--list", "--only forks"
 	$(RUN) scripts/studies/reliability --write $(ARGS)
 
 MASTERS_VENV := target/masters/venv

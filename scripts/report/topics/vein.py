@@ -21,6 +21,7 @@ NAMES = {
 """The shipped scenes, as the page calls them, and their cases."""
 
 SHIPPED_CYLINDER = "cylinder/460x100"
+"""The shipped scene of the oscillating cylinder."""
 
 UNITS = {
     "thrust": "N/m",
@@ -59,7 +60,7 @@ def rows() -> Iterator[Row]:
         if error := row.pop("error"):
             shared |= {"outcome": "error", "reason": error}
         yield from line("vein.csv", "run", name, row, **shared)
-        if name in cases:
+        if name in (*NAMES.values(), SHIPPED_CYLINDER):
             spent = shared["cpu_s"] / cases[name].built()["time"]["end"]
             yield from line("vein.csv", "run", name, {"cpu_by_simulated": str(spent)}, command=shared["command"])
         if name == NAMES["hover"]:
@@ -137,10 +138,10 @@ def values(rows: Rows) -> Iterator[tuple[str, Value]]:
         return group("flexibility", quantity, *(f"EI = {ei}" for ei in stiffness))
 
     yield "vein.flexibility.thrust", change(*bending("thrust", 16, 128), ".0f")
-    for quantity, key, form, unit, scale in (("efficiency", "efficiency", ".1f", "%", 100), ("phase_lag_deg", "lag", ".0f", "°", 1)):
-        best = sorted(bending(quantity, 8, 16), key=lambda row: row.value)
-        yield f"vein.flexibility.{key}.least", value(best[0], form, unit, scale)
-        yield f"vein.flexibility.{key}.most", value(best[1], form, unit, scale)
+    lags = sorted(bending("phase_lag_deg", 8, 16), key=lambda row: row.value)
+    yield "vein.flexibility.lag.least", value(lags[0], ".0f")
+    yield "vein.flexibility.lag.most", value(lags[1], ".0f")
+    yield "vein.flexibility.efficiency", value(min(bending("efficiency", 8, 16), key=lambda row: row.value), ".1f", "%", 100)
     yield "vein.flexibility.efficiency.stiff", value(*bending("efficiency", 128), ".1f", "%", 100)
 
     yield "vein.stiff.rms", value(largest(group("stiff limit", "rms")), ".2f", "%", 100)
@@ -189,10 +190,10 @@ def values(rows: Rows) -> Iterator[tuple[str, Value]]:
     yield "vein.momentum.tip", value(of(momentum, "tip_uy"), ".3f")
     yield "vein.jump.long_step.stops", value(of(f"{jump}-8e-4", "reached_s"), ".2f")
     yield "vein.thick.stops", value(of(study.THICK, "reached_s"), ".2f")
-    yield "vein.thick.residual", value(of(study.THICK, "residual"), ".1e")
+    yield "vein.thick.residual", value(of(study.THICK, "residual"), ".2g", "%", 100)
     yield "vein.thick.loose.stops", value(of(f"{study.THICK}-tolerance-1e-3", "reached_s"), ".2f")
-    for key, moved in (("smallest", "1e-13"), ("small", "1e-09")):
-        yield f"vein.jumps.{key}", value(rows.one("vein", "jumps", moved, "largest"), ".1f", "%", 100)
+    small = group("jumps", "largest", "1e-13", "1e-12", "1e-11", "1e-10", "1e-09")
+    yield "vein.jumps", value(largest(small), ".1f", "%", 100)
     for key, grid in (("coarse", "128x96"), ("fine", "192x144")):
         yield f"vein.noise.{key}", value(of(f"noise/{grid}", "noise"), ".1f", "%", 100)
 
@@ -237,7 +238,7 @@ def convergence(rows: Rows) -> list[str]:
             name = pair[0].setting.split("/")[1].replace("x", " x ")
             last = pair[0] is found[0][-1]
             cells = [f"{row.value:.4g}" if last else f"{100 * (row.value / of[-1].value - 1):+.1f}" for row, of in zip(pair, found)]
-            half.append([name if group == "grid" else f"{float(name):.0e}", *cells])
+            half.append([name if group == "grid" else name, *cells])
         halves.append(half)
     table = [[*left, "", *right] for left, right in zip(*halves)]
     return markdown(["grid", "thrust", "tip", "", "step, s", "thrust", "tip"], table)
