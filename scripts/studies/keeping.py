@@ -53,7 +53,8 @@ def measure(name: str, folder: Path) -> dict:
         for _ in range(REPEATS):
             timed("checkpoint", saved.save, clock.steps, 0.0)
         size = (folder / checkpoint.FILE).stat().st_size
-    return {"scene": name} | {f"{what}_ms": round(min(times), 3) for what, times in spent.items()} | {"checkpoint_mb": round(size / 1e6, 2)}
+    times = {f"{what}_ms": round(min(found), 3) for what, found in spent.items()}
+    return {"scene": name} | times | {"checkpoint_mb": round(size / 1e6, 2)}
 
 
 def main() -> None:

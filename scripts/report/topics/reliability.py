@@ -45,7 +45,10 @@ def tables(rows: Rows) -> dict[str, Callable[[], list[str]]]:
 
 
 def checks(rows: Rows) -> list[str]:
-    table = [[f"`{row.method}`", row.setting, f"{row.value:,.0f}", row.reason, f"{row.wall_s:.0f}"] for row in rows.of("reliability")]
+    table = [
+        [f"`{row.method}`", row.setting, f"{row.value:,.0f}", row.reason, f"{row.wall_s:.0f}"]
+        for row in rows.of("reliability")
+    ]
     return markdown(["check", "unit", "cases", "result", "time, s"], table)
 
 

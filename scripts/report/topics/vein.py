@@ -55,8 +55,8 @@ def rows() -> Iterator[Row]:
     cases = {case.name: case for case in study.cases()}
     for row in csv_rows(study.DOCS / "vein.csv"):
         name = row["case"]
-        shared = {"command": command("parts" if name.startswith("parts/") else name)}
-        shared |= {time: number(row.pop(time)) for time in ("wall_s", "cpu_s")}
+        shared = {time: number(row.pop(time)) for time in ("wall_s", "cpu_s")}
+        shared |= {"command": command("parts" if name.startswith("parts/") else name)}
         if error := row.pop("error"):
             shared |= {"outcome": "error", "reason": error}
         yield from line("vein.csv", "run", name, row, **shared)
@@ -66,7 +66,8 @@ def rows() -> Iterator[Row]:
         if name == NAMES["hover"]:
             drive = load(SCENES / f"{study.HOVER}.json")["rod"]["root_motion"]["laws"]["y"]["sine"]
             pressure = (2 * np.pi * drive["frequency"] * drive["amplitude"]) ** 2 / 2
-            yield from line("vein.csv", "run", name, {"lift_coefficient": str(float(row["thrust"]) / pressure)}, **shared)
+            coefficient = float(row["thrust"]) / pressure
+            yield from line("vein.csv", "run", name, {"lift_coefficient": str(coefficient)}, **shared)
     for row in csv_rows(study.DOCS / "flexibility.csv"):
         stiffness = float(row.pop(study.STIFFNESS))
         varied = SWEEP.format(study.STIFFNESS, f"{stiffness:g}")
@@ -113,7 +114,8 @@ def values(rows: Rows) -> Iterator[tuple[str, Value]]:
         return rows.one("vein", "run", name, quantity)
 
     def group(method: str, quantity: str, *settings: str) -> list[Row]:
-        return [row for row in rows.of("vein", method=method, quantity=quantity) if not settings or row.setting in settings]
+        found = rows.of("vein", method=method, quantity=quantity)
+        return [row for row in found if not settings or row.setting in settings]
 
     def largest(found: list[Row], field: str = "value") -> Row:
         return max(found, key=lambda row: abs(getattr(row, field)))
@@ -141,7 +143,8 @@ def values(rows: Rows) -> Iterator[tuple[str, Value]]:
     lags = sorted(bending("phase_lag_deg", 8, 16), key=lambda row: row.value)
     yield "vein.flexibility.lag.least", value(lags[0], ".0f")
     yield "vein.flexibility.lag.most", value(lags[1], ".0f")
-    yield "vein.flexibility.efficiency", value(min(bending("efficiency", 8, 16), key=lambda row: row.value), ".1f", "%", 100)
+    best = min(bending("efficiency", 8, 16), key=lambda row: row.value)
+    yield "vein.flexibility.efficiency", value(best, ".1f", "%", 100)
     yield "vein.flexibility.efficiency.stiff", value(*bending("efficiency", 128), ".1f", "%", 100)
 
     yield "vein.stiff.rms", value(largest(group("stiff limit", "rms")), ".2f", "%", 100)
@@ -237,7 +240,8 @@ def convergence(rows: Rows) -> list[str]:
         for pair in zip(*found):
             name = pair[0].setting.split("/")[1].replace("x", " x ")
             last = pair[0] is found[0][-1]
-            cells = [f"{row.value:.4g}" if last else f"{100 * (row.value / of[-1].value - 1):+.1f}" for row, of in zip(pair, found)]
+            off = [f"{100 * (row.value / of[-1].value - 1):+.1f}" for row, of in zip(pair, found)]
+            cells = [f"{row.value:.4g}" for row in pair] if last else off
             half.append([name if group == "grid" else name, *cells])
         halves.append(half)
     table = [[*left, "", *right] for left, right in zip(*halves)]
