@@ -6,7 +6,8 @@
     python scripts/studies/vein.py --only 'dt/*'   run only those
 
 A case is known in results/vein-study/results.csv by its scene and the libraries, and is run again only when one of them has
-changed. Its series is kept beside that table. Cases that were never run here stay in docs/vein/*.csv as they are.
+changed. Its series is kept beside that table. Cases that were never run here stay in docs/vein/*.csv as they are. The limits and the jumps, which
+take seconds, are run each time (`--only limits`, `--only jumps`).
 """
 
 import csv
