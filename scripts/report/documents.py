@@ -15,13 +15,30 @@ from .store import Value
 DOCUMENTS = tuple(
     ROOT / name
     for name in (
-        "docs/vein.md", "docs/tutorial.md", "docs/running.md", "docs/reliability.md",
-        "README.md", "docs/fsi3.md", "docs/fsi3/thesis.md", "docs/coupling.md", "docs/fluid.md",
+        "README.md",
+        "docs/fsi3.md",
+        "docs/fsi3/thesis.md",
+        "docs/coupling.md",
+        "docs/fluid.md",
+        "docs/vein.md",
+        "docs/running.md",
+        "docs/reliability.md",
+        "docs/tutorial.md",
     )
-)  # fmt: skip
+)
 """Documents with marks; docs/report and the studies' pages are written as a whole."""
 
-WHOLE = tuple(ROOT / name for name in ("README.md", "docs/vein.md", "docs/tutorial.md", "docs/running.md", "docs/reliability.md"))
+WHOLE = tuple(
+    ROOT / name
+    for name in (
+        "README.md",
+        "docs/fsi3.md",
+        "docs/vein.md",
+        "docs/running.md",
+        "docs/reliability.md",
+        "docs/tutorial.md",
+    )
+)
 """Those of them that have no number without a mark."""
 
 NUMBER = re.compile(r"<!--n:([^>]*?)-->(.*?)<!---->")
@@ -45,8 +62,10 @@ UNSEEN = (
     re.compile(r"^    .*$", re.M),
     re.compile(r"!\[[^\]]*\]"),
     re.compile(r"\]\([^)]*\)"),
+    re.compile(r"\b(?:[Ee]qs?\.|[Tt]ables?|[Ff]igures?|[Ss]ections?|[Cc]hapters?) [\d.]+(?:(?:,| to| and| –) [\d.]+)*"),
 )
-"""Where numbers need no mark: settings and commands stand in code, links and pictures have them in names."""
+"""Where numbers need no mark: settings and commands stand in code, links and pictures have them in names, other texts
+in what they are cited by."""
 
 
 def filled(text: str, values: dict[str, Value], tables: dict[str, Callable[[], list[str]]]) -> str:
