@@ -106,7 +106,7 @@ coupling-study: build $(READY) ## run what is missing of the map of the coupling
 
 .PHONY: vein-study
 
-vein-study: build $(READY) ## the vein's sweep over stiffness, its limits and convergence (an hour of one core), write docs/vein
+vein-study: build $(READY) ## the vein's sweep over stiffness, its limits, couplings and convergence (a quarter of an hour of one core), write docs/vein
 	$(FSI) sweep scenes/vein-forward-384x192.json --end-time 8 --output results/vein-flexibility \
 	--vary rod.material.section.bending_stiffness=0.5,1,2,4,8,16,32,64,128
 	$(RUN) scripts/studies/vein.py $(ARGS)
@@ -127,7 +127,7 @@ $(BENCH_VENV)/.ready: requirements-bench.lock
 
 .PHONY: reliability masters-test
 
-reliability: build $(READY) ## mistreat the units at full count and write docs/reliability.md anew, an hour; ARGS="--list", "--only forks"
+reliability: build $(READY) ## mistreat the units at full count and write docs/reliability.csv anew, an hour; ARGS="--list", "--only forks"
 	$(RUN) scripts/studies/reliability --write $(ARGS)
 
 MASTERS_VENV := target/masters/venv
@@ -160,12 +160,9 @@ $(DIST_VENV)/.ready: requirements-dist.lock
 
 .PHONY: fuzz
 
-FUZZ_TARGETS := rod_scene fluid_scene rod_state fluid_state
-
-fuzz: build $(READY) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each; needs nightly and cargo-fuzz
+fuzz: build $(READY) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each, write docs/fuzz.csv; needs nightly and cargo-fuzz
 	$(RUN) fuzz/seeds.py
-	for target in $(FUZZ_TARGETS); do cargo +nightly fuzz run --fuzz-dir fuzz $$target -- \
-	-timeout=30 -max_len=65536 -dict=fuzz/target/scene.dict -print_final_stats=1 $(or $(ARGS),-max_total_time=300) || exit; done
+	$(RUN) fuzz/run.py $(ARGS)
 
 .PHONY: sanitizers
 

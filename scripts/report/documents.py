@@ -13,13 +13,23 @@ from cosim.scene import ROOT
 from .store import Value
 
 DOCUMENTS = tuple(
-    ROOT / name for name in ("README.md", "docs/fsi3.md", "docs/fsi3/thesis.md", "docs/coupling.md", "docs/fluid.md", "docs/rod.md")
+    ROOT / name
+    for name in (
+        "README.md",
+        "docs/coupling.md",
+        "docs/fluid.md",
+        "docs/fsi3.md",
+        "docs/fsi3/thesis.md",
+        "docs/reliability.md",
+        "docs/rod.md",
+        "docs/running.md",
+        "docs/tutorial.md",
+        "docs/vein.md",
+    )
 )
 """Documents with marks; docs/report and the studies' pages are written as a whole."""
 
-WHOLE = tuple(
-    ROOT / name for name in ("README.md", "docs/fsi3.md", "docs/fsi3/thesis.md", "docs/coupling.md", "docs/rod.md")
-)
+WHOLE = tuple(path for path in DOCUMENTS if path.name != "fluid.md")
 """Those of them that have no number without a mark."""
 
 NUMBER = re.compile(r"<!--n:([^>]*?)-->(.*?)<!---->")

@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from ..store import Row, Rows, Value
-from . import coupling, fluid, fsi3, rod, speed
+from . import coupling, fluid, fsi3, reliability, rod, running, speed, vein
 
-TOPICS = (fsi3, rod, fluid, speed, coupling)
+TOPICS = (fsi3, rod, fluid, speed, coupling, vein, running, reliability)
 
 
 def _of_each(part: str) -> Iterator[Callable]:

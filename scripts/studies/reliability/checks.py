@@ -1,4 +1,4 @@
-"""All checks, each in a process of its own, and the table of docs/reliability.md."""
+"""All checks, each in a process of its own, and docs/reliability.csv of them."""
 
 import csv
 import io
@@ -83,13 +83,12 @@ def guarded(name: str, kind: str, folder: Path, count: int, timeout: float, targ
     return answers.get()
 
 
-BEGIN, END = "<!-- measured -->\n", "<!-- end -->\n"
 RESULTS = ROOT / "docs" / "reliability.csv"
 FIELDS = ("check", "unit", "cases", "result", "seconds")
 
 
 def record(row: dict) -> None:
-    """Put a result in the place of the former one of its check and unit, and write the table anew."""
+    """Put a result in the place of the former one of its check and unit, of docs/reliability.csv."""
     known = {}
     if RESULTS.is_file():
         with open(RESULTS, encoding="utf-8", newline="") as file:
@@ -102,20 +101,12 @@ def record(row: dict) -> None:
     writer.writerows(rows)
     write_whole(RESULTS, lambda path: path.write_text(text.getvalue(), encoding="utf-8"))
 
-    table = "| check | unit | cases | result | time, s |\n|---|---|---|---|---|\n"
-    for row in rows:
-        table += f"| `{row['check']}` | {row['unit']} | {int(row['cases']):,} | {row['result']} | {row['seconds']} |\n"
-    page = RESULTS.with_suffix(".md")
-    before, rest = page.read_text(encoding="utf-8").split(BEGIN)
-    after = rest.split(END)[1]
-    write_whole(page, lambda path: path.write_text(before + BEGIN + table + END + after, encoding="utf-8"))
-
 
 def main(
     only: Annotated[list[str] | None, typer.Option(help="Checks to run; default: all.")] = None,
     share: Annotated[float, typer.Option(help="Part of the full count.")] = 1.0,
     list_: Annotated[bool, typer.Option("--list", help="Name the checks and end.")] = False,
-    write: Annotated[bool, typer.Option(help="Put the results into the table of docs/reliability.md.")] = False,
+    write: Annotated[bool, typer.Option(help="Put the results into docs/reliability.csv.")] = False,
 ) -> None:
     """Run the reliability checks."""
     if list_:
