@@ -2,9 +2,11 @@
 
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from cosim.scene import reference
+from studies.fsi3 import COSINE, PRESSURE_JUMP
 
 from . import documents, figures, leave_out, topics
 from .cases import QUANTITIES, SCHEMES
@@ -34,6 +36,14 @@ def wall_of(row: Row) -> str:
         f" ({row.wall_q1:.3g} – {row.wall_q3:.3g})" if row.wall_q1 and row.repeats != 1 else ""
     )
 
+
+FSI3_METHODS = {
+    "bare profile": "fluid.mask.log_linear.target=none",
+    "cosine mask": COSINE,
+    "two-thirds filter": "fluid.filter=two_thirds",
+    "pressure jump, iterated": PRESSURE_JUMP,
+}
+"""Changes of FSI3 that have a line of their own beside the shipped scenes."""
 
 PHASES = ("rod", "fluid", "fmi", "python", "recording", "exchange_and_python", "output")
 
@@ -183,7 +193,11 @@ class Report:
 
     def plotted(self, case: str) -> list[Row]:
         if case == "fsi3":
-            return [row for row in self.of("fsi3") if row.method in ("momentum load", "FLUSI")]
+            rows = [row for row in self.of("fsi3") if row.method in ("momentum load", "FLUSI")]
+            for name, change in FSI3_METHODS.items():
+                changed = self.of("fsi3", method="one change")
+                rows += [replace(row, method=name) for row in changed if row.setting.endswith(f", {change}")]
+            return rows
         rows = self.of(case)
         if case.startswith("cylinder"):
             rows = [
