@@ -1,9 +1,8 @@
 """The report: `python scripts/report measure`, `collect FOLDER`, `render`; `make report` does all.
 
 python scripts/report measure --only 'rod-static/*'    measure these anew, leave the other rows of results.json
-python scripts/report collect results                   take the studies' tables, and the FSI3 runs in results/, into it
+python scripts/report collect                           take the studies' tables under docs/ into it
 python scripts/report render                            write docs/report and the marked numbers of the documents
-from it
 """
 
 import sys
@@ -17,7 +16,7 @@ import typer
 sys.path[0] = str(Path(__file__).parents[1])
 
 from cosim.scene import ROOT
-from report import cases, collect, leave_out, measure as measuring, render as rendering, store
+from report import cases, collect, leave_out, measure as measuring, render as rendering, store, topics
 
 app = typer.Typer(
     add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, help="The report of docs/report."
@@ -28,7 +27,7 @@ def known() -> dict:
     """results.json, or the beginning of it."""
     if (store.DOCS / "results.json").is_file():
         return store.load()
-    return {"machine": {}, "values": {}, "series": {}, "rows": []}
+    return {"machine": {}, "values": {}, "series": {}, "rows": store.Rows()}
 
 
 def here() -> tuple[str, dict]:
@@ -58,7 +57,7 @@ def measure(
             row.machine = key
         mine = {(row.case, row.method, row.setting) for row in rows} | {(case.case, case.method, case.setting)}
         data["rows"] = [row for row in data["rows"] if (row.case, row.method, row.setting) not in mine] + rows
-        store.save(data)
+        store.save(data, topics.values)
         first = rows[0]
         typer.echo(f"{case.name:60} {first.outcome} {first.reason} {first.wall_s or 0:.3g} s")
 
@@ -77,19 +76,15 @@ def leave_out_command(
     scenes = {row.method for row in rows}
     kept = [row for row in data["rows"] if row.case != leave_out.CASE or row.method not in scenes]
     data["rows"] = kept + rows
-    store.save(data)
+    store.save(data, topics.values)
 
 
 @app.command("collect")
-def collect_command(
-    folders: Annotated[
-        list[Path] | None, typer.Argument(help="Result folders of `fsi.py run`, by their scene's name.")
-    ] = None,
-) -> None:
-    """Take in the tables of the studies and the summaries of runs."""
+def collect_command() -> None:
+    """Take in what the studies left under docs/."""
     data = known()
-    collect.everything(data, folders or [])
-    store.save(data)
+    collect.everything(data)
+    store.save(data, topics.values)
 
 
 @app.command()

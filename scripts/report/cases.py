@@ -34,12 +34,12 @@ QUANTITIES = {
     "cylinder-2d1": ("cd_mean", "cl_mean", "dp_mean"),
     "cylinder-2d2": ("cd_max", "cl_peak_to_peak", "st"),
     "fsi3": tuple(
-        f"{q}.{what}" for q in ("tip_ux", "tip_uy", "drag", "lift") for what in ("mean", "amplitude", "frequency_hz")
+        f"{q}.{what}"
+        for q in ("tip_ux", "tip_uy", "drag", "lift")
+        for what in ("mean", "amplitude", "frequency_hz", "fit")
     ),
-    "cfd3": ("drag.mean", "drag.amplitude", "lift.mean", "lift.amplitude", "lift.frequency_hz"),
+    "cfd3": ("drag.mean", "drag.amplitude", "drag.fit", "lift.mean", "lift.amplitude", "lift.fit", "lift.frequency_hz"),
 }
-
-SHIPPED = {"fsi3-325x72": 4e-4, "fsi3-650x144": 2e-4, "fsi3-1300x288": 1.25e-4}
 
 COST_STEPS = 200
 """Communication steps of the runs that only tell what a step costs."""
@@ -180,20 +180,7 @@ def cases() -> Iterator[Case]:
                 quick=quick,
                 repeats=1,
             )
-    for name, step in SHIPPED.items():
-        cells = [int(part) for part in name.split("-")[1].split("x")]
-        changes = {"fluid.box.cells": cells, "time.communication_step": step, "fluid.time_stepping.max_step": step}
-        quick = cells[0] == 325
-        yield Case(
-            "fsi3",
-            "momentum load",
-            f"{cells[0]} x {cells[1]}",
-            cells[0],
-            step,
-            changes,
-            repeats=3 if quick else 0,
-            quick=quick,
-        )
+    yield Case("fsi3", "momentum load", "325 x 72", 325, 4e-4)
     short = {"time.end": COST_STEPS * 4e-4}
     for n in (21, 42, 84, 168):
         yield Case("cost", "stations", f"{n} segments", n, 4e-4, short | {"beam.segments": n}, repeats=9)
@@ -206,4 +193,3 @@ def cases() -> Iterator[Case]:
             "time.end": COST_STEPS * 1e-4,
         }
         yield Case("cost", "grid", f"{nx} x {ny}", nx * ny, 1e-4, changes, repeats=5)
-    yield Case("cfd3", "bar held still", "650 x 144", 650, 2e-4, repeats=0, quick=False)

@@ -1,8 +1,7 @@
 """Numbers in Markdown that come from results.json.
 
 `<!--n:KEY-->1.23<!---->` is a number, and everything between `<!--table:NAME-->` and `<!--end-->` a table; both are
-invisible in
-what is shown, and are written anew by `make report` or `python scripts/report render`.
+invisible in what is shown, and are written anew by `make report` or `python scripts/report render`.
 """
 
 import re
@@ -11,33 +10,52 @@ from pathlib import Path
 
 from cosim.scene import ROOT
 
-from .values import text_of
+from .store import Value
 
-DOCUMENTS = ("README.md", "docs/fluid.md")
-"""Documents with marks, besides docs/report, which is written as a whole."""
+DOCUMENTS = tuple(
+    ROOT / name for name in ("README.md", "docs/fsi3.md", "docs/fsi3/thesis.md", "docs/coupling.md", "docs/fluid.md")
+)
+"""Documents with marks; docs/report and the studies' pages are written as a whole."""
 
-WHOLE = ("README.md",)
+WHOLE = tuple(ROOT / name for name in ("README.md",))
 """Those of them that have no number without a mark."""
 
 NUMBER = re.compile(r"<!--n:([^>]*?)-->(.*?)<!---->")
 TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.S)
 
-UNMARKED = re.compile(r"\d+\.\d+|\d[\d.]* ?%")
-"""What must not stand outside of a mark: decimal numbers and percentages."""
+UNITS = "%|°|mm|cm|m|µs|ms|s|h|Hz|kHz|N|kN|W|MB|GB|kB|times|minutes|hours|cells"
+
+FIGURE = r"[-+±]?(?:\d+\.\d+(?:e-?\d+)?|\d+e-?\d+)"
+
+UNMARKED = re.compile(rf"(?<![\w.-])(?:{FIGURE}(?: ?(?:{UNITS})(?![\w/]))?|\d+ ?(?:{UNITS})(?![\w/]))")
+"""What must not stand outside of a mark: decimal numbers, powers of ten, and numbers with a unit."""
 
 FREE = {"3.11", "2.0"}
 """Decimal numbers that are names: of Python and of FMI."""
 
+UNSEEN = (
+    TABLE,
+    NUMBER,
+    re.compile(r"```.*?```", re.S),
+    re.compile(r"`[^`]*`"),
+    re.compile(r"^    .*$", re.M),
+    re.compile(r"!\[[^\]]*\]"),
+    re.compile(r"\]\([^)]*\)"),
+)
+"""Where numbers need no mark: settings and commands stand in code, links and pictures have them in names."""
 
-def filled(text: str, values: dict[str, dict], tables: dict[str, Callable[[], list[str]]]) -> str:
-    """`text` with its marked numbers and tables as results.json has them."""
+
+def filled(text: str, values: dict[str, Value], tables: dict[str, Callable[[], list[str]]]) -> str:
+    """`text` with its marked numbers and tables as they are now."""
 
     def number(match: re.Match) -> str:
         if match[1] not in values:
-            raise KeyError(f"results.json has no value called {match[1]}")
-        return f"<!--n:{match[1]}-->{text_of(values[match[1]])}<!---->"
+            raise KeyError(f"there is no value called {match[1]}")
+        return f"<!--n:{match[1]}-->{values[match[1]]}<!---->"
 
     def table(match: re.Match) -> str:
+        if match[1] not in tables:
+            raise KeyError(f"there is no table called {match[1]}")
         lines = tables[match[1]]()
         return f"<!--table:{match[1]}-->\n" + "\n".join(lines) + "\n<!--end-->"
 
@@ -45,11 +63,13 @@ def filled(text: str, values: dict[str, dict], tables: dict[str, Callable[[], li
 
 
 def unmarked(text: str) -> list[str]:
-    """Numbers of a document that no mark covers; code, links and commands do not count."""
-    for pattern in (TABLE, NUMBER, re.compile(r"```.*?```", re.S), re.compile(r"`[^`]*`"), re.compile(r"\]\([^)]*\)")):
+    """Numbers of a document that no mark covers."""
+    for pattern in UNSEEN:
         text = pattern.sub("", text)
     return [found for found in UNMARKED.findall(text) if found not in FREE]
 
 
-def paths(names: tuple[str, ...] = DOCUMENTS) -> list[Path]:
-    return [ROOT / name for name in names]
+def used() -> tuple[set[str], set[str]]:
+    """Keys of the numbers and names of the tables in all documents."""
+    texts = [path.read_text(encoding="utf-8") for path in DOCUMENTS]
+    return tuple({match[1] for text in texts for match in pattern.finditer(text)} for pattern in (NUMBER, TABLE))

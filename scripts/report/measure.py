@@ -37,9 +37,9 @@ def values_of(case: Case, found: dict) -> dict[str, float | None]:
     if found["coefficients"]:
         return found["coefficients"]["values"]
     return {
-        f"{q}.{what}": part[what]
+        f"{q}.{what}": value
         for q, part in found["quantities"].items()
-        for what in ("mean", "amplitude", "frequency_hz")
+        for what, value in (part | {"fit": (part["fit"] or {}).get("amplitude")}).items()
     }
 
 

@@ -4,17 +4,13 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-
 from cosim.scene import reference
 
-from . import documents, figures, leave_out
+from . import documents, figures, leave_out, topics
 from .cases import QUANTITIES, SCHEMES
 from .convergence import MOST_ORDER, limit
-from .store import DOCS, Row
-from .values import SIMULATED
-
-GRIDS = ("325 x 72", "650 x 144", "960 x 216", "1300 x 288")
-SHIPPED = ("325 x 72", "650 x 144", "1300 x 288")
+from .store import DOCS, Row, Rows, Value, markdown
+from .topics.fsi3 import GRIDS, SHIPPED, SIMULATED, cells, reference_cells
 
 PEERS = ("PyElastica", "NGSolve, Taylor–Hood")
 
@@ -25,24 +21,6 @@ MAIN = {
     "cylinder-2d2": "cl_peak_to_peak",
 }
 """The quantity by which methods are compared in one line."""
-
-
-def markdown(header: list[str], rows: list[list]) -> list[str]:
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
-
-
-MASKS = {
-    "wall target `curvature`": "grid/2D-2-curvature-{}",
-    "the same, grid aside (900: half a cell both ways; 600: a quarter both ways)": "aside",
-    "`shear`": "grid/2D-2-shear-{}",
-    "`none`: the bare profile": "grid/2D-2-none-{}",
-    "cosine, half-width a cell, C_eta = 1e-4 s": "grid/2D-2-cosine-{}",
-    "cosine, uncorrected": "grid/2D-2-cosine-uncorrected-{}",
-    "sharp, C_eta = 1e-4 s": "grid/2D-2-sharp-{}",
-    "thesis: Heun, sharp, uncorrected, C_eta = 1e-3 s, two-thirds rule": "thesis/{}",
-}
-"""Lines of the table in docs/fluid.md and the names of their cases."""
 
 
 def c_eta_of(setting: str) -> str:
@@ -63,65 +41,7 @@ class Report:
     def __init__(self, data: dict):
         self.data, self.rows = data, data["rows"]
 
-    def of(self, case: str, **fixed) -> list[Row]:
-        return [row for row in self.rows if row.case == case and all(getattr(row, k) == v for k, v in fixed.items())]
-
-    # FSI3
-
-    def fsi3_cells(self, setting: str, method: str = "momentum load") -> list[str]:
-        found = {row.quantity: row for row in self.of("fsi3", method=method, setting=setting)}
-
-        def value(quantity: str, digits: int, published: bool = False) -> str:
-            row = found[quantity]
-            number = row.reference if published else row.value
-            return f"{number * (1e3 if row.unit == 'm' else 1):.{digits}f}"
-
-        cells = [
-            f"{value(f'{q}.mean', 2)} ± {value(f'{q}.amplitude', 2)} [{value(f'{q}.frequency_hz', 2)}]"
-            for q in ("tip_ux", "tip_uy")
-        ]
-        return cells + [f"{value(f'{q}.mean', 1)} ± {value(f'{q}.amplitude', 1)}" for q in ("drag", "lift")]
-
-    def fsi3_reference(self) -> list[str]:
-        q = reference("fsi3")["primary"]["quantities"]
-        cells = [
-            f"{1e3 * q[n]['mean']:.2f} ± {1e3 * q[n]['amplitude']:.2f} [{q[n]['frequency_hz']:.2f}]"
-            for n in ("tip_ux", "tip_uy")
-        ]
-        return cells + [
-            f"{q['drag']['mean']:.1f} ± {q['drag']['amplitude']:.2f}",
-            f"{q['lift']['mean']:.2f} ± {q['lift']['amplitude']:.2f}",
-        ]
-
-    def fsi3_readme(self) -> list[str]:
-        commands = {
-            "1300 x 288": "`make fsi3 GRID=1300x288`",
-            "650 x 144": "`make fsi3 GRID=650x144`",
-            "325 x 72": "`make fsi3` (325 x 72)",
-        }
-        rows = [["reference (FeatFlow, level 4)", *self.fsi3_reference()]]
-        rows += [[name, *self.fsi3_cells(grid)] for grid, name in commands.items()]
-        return markdown(["", "ux", "uy", "drag", "lift"], rows)
-
-    def masks(self) -> list[str]:
-        """Errors of 2D-2 by mask and grid, from the fluid's study."""
-        cells: dict[str, dict[str, Row]] = {}
-        for row in self.of("cylinder-2d2", source="docs/fluid/results.csv"):
-            if row.error is not None:
-                cells.setdefault(row.setting.split(", ", 1)[1], {})[row.quantity] = row
-
-        def cell(name: str) -> str:
-            errors = (
-                (100 * cells[name][quantity].error for quantity in QUANTITIES["cylinder-2d2"]) if name in cells else ()
-            )
-            return " / ".join(f"{error:.{1 if abs(error) >= 10 else 2}f}" for error in errors)
-
-        grids = (450, 600, 800, 900, 1100)
-        table = []
-        for label, name in MASKS.items():
-            aside = {600: "offset/2D-2-curvature-0.25-0.25", 900: "offset/2D-2-curvature-900"}
-            table.append([label, *(cell(aside.get(nx, "") if name == "aside" else name.format(nx)) for nx in grids)])
-        return markdown(["mask", *(f"{nx} x {nx // 5}" for nx in grids)], table)
+        self.of = self.rows.of
 
     def fsi3_settings(self) -> list[str]:
         return list(dict.fromkeys(row.setting for row in self.of("fsi3", method="one change")))
@@ -305,11 +225,11 @@ class Report:
             {g: self.data["series"][g] for g in SHIPPED if g in self.data["series"]},
             reference("fsi3")["spread"]["quantities"],
         )
-        rows = [["FeatFlow, level 4", *self.fsi3_reference(), ""]]
+        rows = [["FeatFlow, level 4", *reference_cells(), ""]]
         for grid in GRIDS:
             row = next(iter(self.of("fsi3", method="momentum load", setting=grid, quantity="tip_uy.amplitude")), None)
             if row:
-                rows.append([grid, *self.fsi3_cells(grid), f"{row.wall_s / SIMULATED:.1f}"])
+                rows.append([grid, *cells(self.rows, grid), f"{row.wall_s / SIMULATED:.1f}"])
         text = [
             "### FSI3 in the reference bands",
             "",
@@ -344,7 +264,7 @@ class Report:
         ]
         changes = self.fsi3_settings()
         if changes:
-            table = [[f"`{setting}`", *self.fsi3_cells(setting, "one change")] for setting in changes]
+            table = [[f"`{setting}`", *cells(self.rows, setting, "one change")] for setting in changes]
             text += ["One change at a time:", "", *markdown(["", "ux", "uy", "drag", "lift"], table), ""]
         return text
 
@@ -567,7 +487,7 @@ class Report:
         """What is not met, from the numbers."""
         bad = sum(row.outcome == "bad" for row in self.rows if row.case.startswith("map"))
         finest = {row.quantity: row for row in self.of("fsi3", method="momentum load", setting="1300 x 288")}
-        off = [f"{figures.label(q)} {100 * row.error:+.1f} %" for q, row in finest.items() if abs(row.error) > 0.02]
+        off = [f"{figures.label(q)} {100 * row.error:+.1f} %" for q, row in finest.items() if row.error is not None and abs(row.error) > 0.02]
         sequences = self.sequences()
         loose = [row for row in sequences if row[-1].startswith("not")]
         pj = [row for row in self.of("phases of a fluid step")]
@@ -618,8 +538,8 @@ class Report:
             "",
             "Error against run time, stability, and what a scene leaves out. `make report` measures the short form and "
             "writes this page, `make report-full` everything. All numbers are in [results.json](results.json) and "
-            "[results.csv](results.csv), one row each, with the command that gives it; the marked numbers of README.md "
-            "and docs/fluid.md come from there by `python scripts/report render`.",
+            "[results.csv](results.csv), one row each, with the command that gives it; the marked numbers of the other "
+            "documents come from there by `python scripts/report render`.",
             "",
         ]
         parts = (self.missed, self.error_time, self.fsi3, self.stability, self.leave_out, self.cost)
@@ -627,17 +547,12 @@ class Report:
         return self.pages
 
 
-def tables(report: Report) -> dict:
-    return {"fsi3": report.fsi3_readme, "cylinder-2d2-masks": report.masks}
-
-
 def everything(data: dict, check: bool) -> list[Path]:
     """Write what has changed; with `check` only tell. Figures are not compared: other fonts draw other pixels."""
-    report = Report(data)
-    texts = {
-        path: documents.filled(path.read_text(encoding="utf-8"), data["values"], tables(report))
-        for path in documents.paths()
-    } | report.made(drawn=not check)
+    values = {key: Value(**value) for key, value in data["values"].items()}
+    tables = topics.tables(data["rows"])
+    texts = {path: documents.filled(path.read_text(encoding="utf-8"), values, tables) for path in documents.DOCUMENTS}
+    texts |= topics.pages() | Report(data).made(drawn=not check)
     changed = [path for path, text in texts.items() if not path.is_file() or path.read_text(encoding="utf-8") != text]
     if not check:
         for path in changed:

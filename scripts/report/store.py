@@ -1,18 +1,19 @@
 """results.json and results.csv of docs/report: one schema for everything that was measured, imported or cited."""
 
+from __future__ import annotations
+
 import csv
 import json
 import os
 import platform
 import subprocess
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from importlib.metadata import version
 from pathlib import Path
 
 from cosim.report import cpu_model, git_revision, write_together
 from cosim.scene import ROOT
-
-from .values import values_of
 
 DOCS = ROOT / "docs" / "report"
 
@@ -58,8 +59,59 @@ class Row:
     """`measured` by the report's command, the file of the study that it is from, or `cited`."""
 
 
+class Rows(list):
+    """All rows, to be asked for some."""
+
+    def of(self, case: str, **fixed) -> Rows:
+        """Those of a case whose other fields are as given."""
+        return Rows(row for row in self if row.case == case and all(getattr(row, k) == v for k, v in fixed.items()))
+
+    def one(self, case: str, method: str, setting: str, quantity: str) -> Row:
+        """The only one; a KeyError that names what is missing."""
+        found = self.of(case, method=method, setting=setting, quantity=quantity)
+        if len(found) != 1:
+            raise KeyError(f"results.json has {len(found)} rows for {case}/{method}/{setting}/{quantity}")
+        return found[0]
+
+
+@dataclass
+class Value:
+    """A number that documents show."""
+
+    value: float
+    form: str
+    """Format, such as `.2f`."""
+    unit: str
+    command: str
+    """That gives it again; empty for what is cited."""
+
+    def __str__(self) -> str:
+        return format(self.value, self.form)
+
+
+def value(row: Row, form: str, unit: str | None = None, scale: float = 1.0, field: str = "value") -> Value:
+    """A field of a row, times `scale`, in `unit` (that of the row unless given)."""
+    return Value(scale * getattr(row, field), form, row.unit if unit is None else unit, row.command)
+
+
 NAMES = [field.name for field in fields(Row)]
 DEFAULTS = {field.name: field.default for field in fields(Row)}
+
+
+def csv_rows(path: Path) -> list[dict[str, str]]:
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def number(text: str) -> float | None:
+    """A cell of a CSV."""
+    return float(text) if text else None
+
+
+def markdown(header: list[str], rows: list[list]) -> list[str]:
+    """Lines of a table."""
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
 
 
 def machine() -> dict:
@@ -80,9 +132,9 @@ def machine() -> dict:
 
 
 def load(folder: Path = DOCS) -> dict:
-    """results.json with `rows` as `Row`s."""
+    """results.json with `rows` as `Rows`."""
     data = json.loads((folder / "results.json").read_text(encoding="utf-8"))
-    return data | {"rows": [Row(**row) for row in data["rows"]]}
+    return data | {"rows": Rows(Row(**row) for row in data["rows"])}
 
 
 def rounded(value):
@@ -117,11 +169,11 @@ def text_of(data: dict) -> str:
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def save(data: dict, folder: Path = DOCS) -> None:
+def save(data: dict, values_of: Callable[[Rows], dict[str, Value]], folder: Path = DOCS) -> None:
     """Write results.json, with `values` made of the rows as they are written, and results.csv."""
     folder.mkdir(parents=True, exist_ok=True)
-    data["rows"] = [Row(**rounded(asdict(row))) for row in data["rows"]]
-    data["values"] = values_of(data["rows"])
+    data["rows"] = Rows(Row(**rounded(asdict(row))) for row in data["rows"])
+    data["values"] = {key: asdict(value) for key, value in values_of(data["rows"]).items()}
 
     def table(path: Path) -> None:
         with open(path, "w", encoding="utf-8", newline="") as file:

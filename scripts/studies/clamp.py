@@ -14,7 +14,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from tables import write
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from studies.tables import write
 
 LENGTH = 6.0
 """Of the plate, in thicknesses."""

@@ -242,14 +242,22 @@ def main(
         rows[cell.name] = {name: "" if value is None else value for name, value in asdict(row).items()}
         table(RESULTS / "results.csv", list(rows.values()))
         typer.echo(f"{cell.name:48} {row.outcome} {row.message[:90]} ({row.wall_s} s)")
-    write_docs([rows[cell.name] for cell in everything if cell.name in rows], len(everything))
+    write_docs([rows[cell.name] for cell in everything if cell.name in rows])
 
 
-def write_docs(rows: list[dict], all_cells: int) -> None:
-    """docs/fsi3/stability.md and stability.csv."""
+def write_docs(rows: list[dict]) -> None:
+    """docs/fsi3/stability.csv and stability.md."""
     DOCS.mkdir(parents=True, exist_ok=True)
     kept = [{name: value for name, value in row.items() if name != "key"} for row in rows]
     table(DOCS / "stability.csv", kept)
+    for path, text in pages().items():
+        write_whole(path, lambda new: new.write_text(text, encoding="utf-8"))
+
+
+def pages() -> dict[Path, str]:
+    """docs/fsi3/stability.md, of stability.csv."""
+    with open(DOCS / "stability.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
     text = [
         "# Which coupling holds where",
         "",
@@ -271,8 +279,8 @@ def write_docs(rows: list[dict], all_cells: int) -> None:
             at = {float(row["c_eta"]): row for row in members if float(row["ratio"]) == ratio}
             text.append(f"| {ratio:g} | " + " | ".join(shown(at.get(c)) for c in c_etas) + " |")
     counts = {what: sum(row["outcome"] == what for row in rows) for what in ("ok", "error", "bad")}
-    text += ["", f"{len(rows)} of {all_cells} cells were run: " + ", ".join(f"{n} {what}" for what, n in counts.items()) + "."]
-    write_whole(DOCS / "stability.md", lambda path: path.write_text("\n".join(text) + "\n", encoding="utf-8"))
+    text += ["", f"{len(rows)} of {len(list(cells()))} cells were run: " + ", ".join(f"{n} {what}" for what, n in counts.items()) + "."]
+    return {DOCS / "stability.md": "\n".join(text) + "\n"}
 
 
 def shown(row: dict | None) -> str:

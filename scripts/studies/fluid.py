@@ -33,7 +33,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from cosim import coefficients, package, statistics
 from cosim.files import write_whole
 from cosim.scene import ROOT, load, override, reference
-from tables import read, write
+from studies.tables import read, write
 
 RESULTS = ROOT / "results" / "fluid-study"
 DOCS = ROOT / "docs" / "fluid"

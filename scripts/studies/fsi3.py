@@ -185,6 +185,8 @@ def runs() -> Iterator[Run]:
 def settled(summary: dict) -> dict[str, float]:
     """Statistics over the summary's own window, in SI units; what a signal does not have is left out."""
     found = {"periods": summary["periods"], "amplitude_drift": summary["amplitude_drift"]}
+    if summary["window_s"]:
+        found["window.begin"], found["window.end"] = summary["window_s"]
     if summary["interface"]:
         found["imbalance"] = summary["interface"]["imbalance"]
     for name in QUANTITIES:
@@ -196,6 +198,15 @@ def settled(summary: dict) -> dict[str, float]:
         if part["fit"]:
             found[f"{name}.fit"] = part["fit"]["amplitude"]
     return {key: value for key, value in found.items() if value is not None}
+
+
+def largest(series: np.ndarray) -> dict[str, float]:
+    """The largest CFL number, and the mean magnitude of the difference of the powers on both sides by that of the fluid's."""
+    found = {"cfl": series["cfl"].max()}
+    if "load_power" in series.dtype.names:
+        gave = series["beam_power"]
+        found["powers"] = np.abs(series["load_power"] - gave).mean() / np.abs(gave).mean()
+    return found
 
 
 def extremes(series: np.ndarray) -> dict[str, float]:
@@ -284,7 +295,7 @@ def kept(run: Run) -> dict | None:
         "cpu_s": summary["cpu_s"],
         "phases_s": summary["phases_s"],
         "machine": summary["machine"] | {"packages": summary["versions"], "git": summary["git"]},
-        "quantities": settled(summary) | FURTHER.get(group, lambda _: {})(series),
+        "quantities": settled(summary) | largest(series) | FURTHER.get(group, lambda _: {})(series),
     }
     if group == "grid":
         found["series"] = last_periods(series)

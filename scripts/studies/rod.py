@@ -6,7 +6,10 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
-from tables import exponent, figure, grouped, read, write
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from studies.tables import exponent, figure, grouped, read, write
 
 THESIS_CONDITION = {
     (5e4, 1e-3): [527168.64, 6301043.05, 60404887.40, 530612724.29, 4606965436.28],

@@ -24,7 +24,7 @@ import typer
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-import tables
+from studies import tables
 from cosim import coupling, flapping, master, package, statistics
 from cosim.recorder import Recorder
 from cosim.files import write_whole
