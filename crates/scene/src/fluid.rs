@@ -377,7 +377,11 @@ impl Check for Fluid {
         let TimeStepping { max_cfl, scheme, .. } = self.time_stepping;
         above(&format!("{key}.time_stepping.max_cfl"), max_cfl, 0.0)?;
         require(max_cfl <= scheme.largest_cfl(), &format!("{key}.time_stepping.max_cfl"), max_cfl, || {
-            format!("it must be at most {} with the scheme {}: above, advection is unstable", scheme.largest_cfl(), scheme.name())
+            format!(
+                "it must be at most {} with the scheme {}: above, advection is unstable",
+                scheme.largest_cfl(),
+                scheme.name()
+            )
         })?;
         require((1..=1024).contains(&self.threads), &format!("{key}.threads"), self.threads, || {
             "it must be between 1 and 1024".into()
