@@ -13,11 +13,11 @@ from cosim.scene import ROOT
 from .store import Value
 
 DOCUMENTS = tuple(
-    ROOT / name for name in ("README.md", "docs/fsi3.md", "docs/fsi3/thesis.md", "docs/coupling.md", "docs/fluid.md")
+    ROOT / name for name in ("README.md", "docs/fsi3.md", "docs/fsi3/thesis.md", "docs/coupling.md", "docs/fluid.md", "docs/fluid-speed.md")
 )
 """Documents with marks; docs/report and the studies' pages are written as a whole."""
 
-WHOLE = tuple(ROOT / name for name in ("README.md",))
+WHOLE = tuple(ROOT / name for name in ("README.md", "docs/fluid.md", "docs/fluid-speed.md"))
 """Those of them that have no number without a mark."""
 
 NUMBER = re.compile(r"<!--n:([^>]*?)-->(.*?)<!---->")

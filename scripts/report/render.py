@@ -10,6 +10,7 @@ from . import documents, figures, leave_out, topics
 from .cases import QUANTITIES, SCHEMES
 from .convergence import MOST_ORDER, limit
 from .store import DOCS, Row, Rows, Value, markdown
+from .topics import speed
 from .topics.fsi3 import GRIDS, SHIPPED, SIMULATED, cells, reference_cells
 
 PEERS = ("PyElastica", "NGSolve, Taylor–Hood")
@@ -369,7 +370,7 @@ class Report:
 
     def cost(self) -> list[str]:
         groups = {}
-        fluid = [(row.size, row.value) for row in self.of("cost of a fluid step")]
+        fluid = [(row.size, row.value) for row in self.of("cost of a fluid step", quantity="step")]
         rod = [(row.size, row.value) for row in self.of("rod-cost", method="iteration_2d") if row.size >= 64]
         groups["a step of the fluid"] = ("points of the grid", fluid)
         groups["a Newton iteration of the rod in the plane"] = ("segments n", rod)
@@ -391,11 +392,10 @@ class Report:
             + ".",
             "",
         ]
-        rows = self.of("phases of a fluid step")
         text += [
-            "A step of the fluid, FSI3 on 650 x 144 points (`make bench-fluid`):",
+            "A step of the fluid, bars swinging (`make bench-fluid`), µs of processor time, and shares:",
             "",
-            *markdown(["phase", "µs"], [[row.quantity, f"{row.value:.0f}"] for row in rows]),
+            *speed.phases(self.rows),
             "",
         ]
         table = []
@@ -490,7 +490,6 @@ class Report:
         off = [f"{figures.label(q)} {100 * row.error:+.1f} %" for q, row in finest.items() if row.error is not None and abs(row.error) > 0.02]
         sequences = self.sequences()
         loose = [row for row in sequences if row[-1].startswith("not")]
-        pj = [row for row in self.of("phases of a fluid step")]
         lines = [
             f"- FSI3 on 1300 x 288 is more than 2 % from FeatFlow's finest level in: {', '.join(off) or 'nothing'}.",
             f"- {len(loose)} of {len(sequences)} sequences are not asymptotic; where they are not there is no "
@@ -500,11 +499,8 @@ class Report:
                 f"- {case} by penalization, finest grid measured: {self.errors(case)}."
                 for case in ("cylinder-2d1", "cylinder-2d2")
             ),
-            "- Wall times were taken on a machine with other work on it; rows that were taken in from studies have no "
-            "CPU time and no quartiles.",
-            "- Phases of a step are known for the fluid in one scene"
-            + (f" ({len(pj)} phases)" if pj else "")
-            + "; those of the rod, and what stations' motion adds, are not split further.",
+            "- Wall times were taken on a machine with other work on it; long rows that were taken in from studies ran "
+            "once and have no quartiles.",
             "- FLUSI, deal.II and nutils are cited, not run: they do not install from a registry.",
         ]
         return [

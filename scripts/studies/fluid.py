@@ -14,6 +14,7 @@ import csv
 import hashlib
 import json
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -206,6 +207,9 @@ def cases() -> Iterator[Case]:
     for c_eta in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
         for mask in ("curvature", "cosine", "cosine, uncorrected", "sharp"):
             yield at("2D-2", 450, f"c_eta/{mask.replace(', ', '-')}-{c_eta:g}", mask=mask, c_eta=c_eta)
+    for nx in (600, 900):
+        yield at("2D-2", nx, f"hard/curvature-{nx}-1e-06", c_eta=1e-6)
+    yield at("2D-2", 600, "hard/curvature-600-0.0001", c_eta=1e-4)
     for truncation in ("none", "two_thirds"):
         for nx in (450, 600):
             yield at("2D-2", nx, f"filter/{truncation}-{nx}", filter=truncation)
@@ -541,6 +545,7 @@ GROUPS = (
     ("grid", "Convergence in the grid", "The step is proportional to the cell."),
     ("dt", "Convergence in the step", "`max_cfl` is the largest that the scheme allows, and divides no step."),
     ("c_eta", "Convergence in C_eta", "One grid, one step."),
+    ("hard", "C_eta on finer grids", "The default mask."),
     ("filter", "The filter", "The default mask."),
     ("offset", "The grid's place", "The box is shifted by parts of a cell against the cylinder."),
 )
@@ -559,6 +564,56 @@ def tables() -> dict[Path, str]:
     for name, title, note in GROUPS:
         made |= error_tables(name, title, group(rows, name), note)
     return {DOCS / f"{name}.md": text for name, text in made.items()}
+
+
+STABILITY = """# Stability of the fluid
+
+Written by `make fluid-measures` into stability.csv.
+
+The cylinder in a channel of Schäfer and Turek on 200 x 40 points, density 1, mean inflow 1 m/s that starts by a jump at
+t = 0, up to t = 2 s, in steps of at most 0.01 s and the given CFL number. Each cell: the largest speed in m/s at the end of
+any communication step of 0.01 s where the run went through with everything finite (the peak of the inflow is 1.5 m/s), or the
+letter of the error, below. What is 10 m/s or more, or not finite, would be **bad**. A CFL number of 1 is above the limit of both
+schemes ([fluid.md](../fluid.md)).
+"""
+
+
+def stability(rows: list[dict]) -> str:
+    """The page of the map of stability."""
+    letters: dict[str, tuple[str, str]] = {}
+
+    def cell(row: dict) -> str:
+        if row["outcome"] == "ok":
+            return f"{row['speed']:.1f}"
+        if row["outcome"] == "bad":
+            return f"**bad** {row['message']}" + (f", {row['speed']:.0f}" if row["speed"] else "")
+        # One letter for each kind of message, with the numbers of its first case.
+        kind = re.sub(r"[-+\d.e]+", "", row["message"])
+        letter, _ = letters.setdefault(kind, (chr(ord("A") + len(letters)), row["message"]))
+        return letter if row["time"] is None else f"{letter} at {row['time']:.2f} s"
+
+    text = [STABILITY]
+    maps = [row for row in rows if row["scene"] is None]
+    for name in dict.fromkeys(row["group"] for row in maps):
+        part = [row for row in maps if row["group"] == name]
+        c_etas = list(dict.fromkeys(row["c_eta"] for row in part))
+        lines: dict[tuple, dict] = {}
+        for row in part:
+            lines.setdefault((row["reynolds"], row["cfl"]), {})[row["c_eta"]] = cell(row)
+        header = ["Re", "CFL", *(f"C_eta {c_eta:.0e}" for c_eta in c_etas)]
+        cells = [[f"{re_:g}", f"{cfl:g}", *(found[c_eta] for c_eta in c_etas)] for (re_, cfl), found in lines.items()]
+        text += [f"## {name}", "", *markdown(header, cells), ""]
+    hard: dict[str, dict] = {}
+    for row in rows:
+        if row["scene"] is not None:
+            hard.setdefault(row["scene"], {})[row["reynolds"]] = cell(row)
+    text += ["## Hard scenes", "", "The same channel, log-linear mask, C_eta = 1e-5 s, CFL 0.4.", ""]
+    text += [*markdown(["scene", "Re 20", "Re 1e4"], [[name, found[20.0], found[1e4]] for name, found in hard.items()]), ""]
+    counts = {what: sum(row["outcome"] == what for row in rows) for what in ("ok", "error", "bad")}
+    text += [f"{counts['ok']} runs went through, {counts['error']} ended in an error, {counts['bad']} were bad."]
+    for letter, message in letters.values():
+        text += ["", f"{letter} (first case): {message}"]
+    return "\n".join(text) + "\n"
 
 
 def pages() -> dict[Path, str]:
