@@ -17,7 +17,7 @@ DOCUMENTS = tuple(
 )
 """Documents with marks; docs/report and the studies' pages are written as a whole."""
 
-WHOLE = tuple(ROOT / name for name in ("README.md", "docs/fluid.md", "docs/fluid-speed.md"))
+WHOLE = tuple(ROOT / name for name in ("README.md", "docs/fsi3.md", "docs/fluid.md", "docs/fluid-speed.md"))
 """Those of them that have no number without a mark."""
 
 NUMBER = re.compile(r"<!--n:([^>]*?)-->(.*?)<!---->")
@@ -41,8 +41,10 @@ UNSEEN = (
     re.compile(r"^    .*$", re.M),
     re.compile(r"!\[[^\]]*\]"),
     re.compile(r"\]\([^)]*\)"),
+    re.compile(r"\b(?:[Ee]qs?\.|[Tt]ables?|[Ff]igures?|[Ss]ections?|[Cc]hapters?) [\d.]+(?:(?:,| to| and| –) [\d.]+)*"),
 )
-"""Where numbers need no mark: settings and commands stand in code, links and pictures have them in names."""
+"""Where numbers need no mark: settings and commands stand in code, links and pictures have them in names, other texts
+in what they are cited by."""
 
 
 def filled(text: str, values: dict[str, Value], tables: dict[str, Callable[[], list[str]]]) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 from cosim.scene import reference
-from studies.fsi3 import COARSE, FINE, RUNS, VARIED
+from studies.fsi3 import COARSE, COSINE, FINE, NO_SHEAR, PRESSURE_JUMP, RUNS, VARIED
 
 from ..cases import QUANTITIES, TOLERANCE, references
 from ..measure import unit_of
@@ -247,34 +247,132 @@ def tables(rows: Rows) -> dict[str, Callable[[], list[str]]]:
 
 # Values
 
+AMPLITUDES = ("tip_ux.amplitude", "tip_uy.amplitude", "drag.amplitude", "lift.amplitude")
+MAIN = (*AMPLITUDES, "tip_ux.mean", "tip_uy.frequency_hz", "drag.mean")
+"""What is compared in one number: the means of uy and lift are near 0."""
+
 
 def values(rows: Rows) -> Iterator[tuple[str, Value]]:
     def of(grid: str, quantity: str) -> Row:
         return rows.one("fsi3", "momentum load", grid, quantity)
 
-    for grid, quantity, form in (
-        ("1300 x 288", "lift.amplitude", ".1f"),
-        ("1300 x 288", "tip_ux.amplitude", ".0f"),
-        ("1300 x 288", "drag.amplitude", ".0f"),
-        ("325 x 72", "tip_uy.amplitude", ".0f"),
-        ("325 x 72", "tip_uy.frequency_hz", ".0f"),
-        ("325 x 72", "drag.mean", ".0f"),
-        ("325 x 72", "lift.amplitude", ".0f"),
-    ):
-        yield f"fsi3.{grid.replace(' ', '')}.{quantity}.error", value(of(grid, quantity), form, "%", 100, "error")
+    def changed(group: str, change: str, quantity: str) -> Row:
+        return rows.one("fsi3", "one change", f"{base_of(group)}, {change}", quantity)
+
+    def by(group: str, change: str, quantity: str) -> float:
+        """What a change makes of a quantity, relative."""
+        return changed(group, change, quantity).value / of(base_of(group), quantity).value - 1
+
+    def percent(number: float, form: str, row: Row) -> Value:
+        return Value(100 * number, form, "%", row.command)
+
+    for grid in ("325 x 72", "650 x 144", "1300 x 288"):
+        for quantity, form in ERRORS[grid].items():
+            row = of(grid, quantity)
+            yield f"fsi3.{grid.replace(' ', '')}.{quantity}.error", percent(abs(off(row)), form, row)
     finest = [of("1300 x 288", quantity) for quantity in ("tip_uy.amplitude", "tip_uy.frequency_hz", "drag.mean")]
-    yield "fsi3.1300x288.uy_f_drag.error", value(most(finest), ".1f", "%", 100, "error")
+    yield "fsi3.1300x288.uy_f_drag.error", percent(max(abs(off(row)) for row in finest), ".1f", finest[0])
     for grid in SHIPPED:
         row = of(grid, "tip_uy.amplitude")
         seconds = row.cpu_s / SIMULATED
         yield f"fsi3.{grid.replace(' ', '')}.time", Value(seconds, ".1f" if seconds < 20 else ".0f", "s", row.command)
     shares = [rows.one("phases fsi3", "momentum load", grid, "exchange_and_python") for grid in SHIPPED]
-    for name, row in (("least", min(shares, key=lambda row: row.value)), ("most", max(shares, key=lambda row: row.value))):
+    for name, row in (("least", min(shares, key=value_of)), ("most", max(shares, key=value_of))):
         yield f"fsi3.exchange.{name}", value(row, ".0f", "%", 100)
+
+    periods = [rows.one("fsi3, the run", "momentum load", grid, "periods") for grid in GRIDS[1:]]
+    for name, row in (("least", min(periods, key=value_of)), ("most", max(periods, key=value_of))):
+        yield f"fsi3.periods.{name}", value(row, ".0f")
+    steps = [rows.one("fsi3, the run", "momentum load", grid, "cfl") for grid in SHIPPED]
+    for name, row in (("least", min(steps, key=value_of)), ("most", max(steps, key=value_of))):
+        yield f"fsi3.cfl.{name}", value(row, ".2f")
+    last = {quantity: (of("960 x 216", quantity), of("1300 x 288", quantity)) for quantity in MAIN}
+    row = last["drag.mean"][1]
+    yield "fsi3.last.most", percent(max(abs(fine.value / coarse.value - 1) for coarse, fine in last.values()), ".1f", row)
+    for name, quantity, form, scale, unit in (
+        ("uy", "tip_uy.amplitude", ".3f", 1e3, "mm"),
+        ("f", "tip_uy.frequency_hz", ".3f", 1.0, "Hz"),
+        ("drag", "drag.mean", ".1f", 1.0, "N/m"),
+        ("lift", "lift.amplitude", ".1f", 1.0, "N/m"),
+    ):
+        coarse, fine = last[quantity]
+        yield f"fsi3.last.{name}", Value(scale * abs(fine.value - coarse.value), form, unit, fine.command)
+
+    for grid in ("650 x 144", "1300 x 288"):
+        for quantity in ("drag.mean", "lift.amplitude", "lift.frequency_hz"):
+            row = rows.one("cfd3", "bar held still", grid, quantity)
+            yield f"cfd3.{grid.replace(' ', '')}.{quantity}", percent(off(row), "+.1f", row)
     still = [rows.one("cfd3", "bar held still", "650 x 144", q) for q in ("drag.mean", "lift.amplitude", "lift.frequency_hz")]
-    yield "cfd3.most", value(most(still), ".1f", "%", 100, "error")
+    yield "cfd3.most", percent(max(abs(off(row)) for row in still), ".1f", still[0])
+
+    row = changed("fine", NO_SHEAR, "lift.amplitude")
+    for name, quantity in (("f", "tip_uy.frequency_hz"), ("lift", "lift.amplitude")):
+        yield f"fsi3.shear.{name}", percent(1 / (1 + by("fine", NO_SHEAR, quantity)) - 1, "+.1f", row)
+        yield f"fsi3.no_shear.{name}.error", percent(off(changed("fine", NO_SHEAR, quantity)), ".1f", row)
+    row, base = changed("coarse", PRESSURE_JUMP, "lift.amplitude"), of("325 x 72", "lift.amplitude")
+    yield "fsi3.pressure_jump.lift", percent(by("coarse", PRESSURE_JUMP, "lift.amplitude"), ".0f", row)
+    yield "fsi3.pressure_jump.fit", percent(by("coarse", PRESSURE_JUMP, "lift.fit"), ".0f", row)
+    yield "fsi3.pressure_jump.cost", Value(row.cpu_s / base.cpu_s, ".1f", "times", row.command)
+
+    long = partial(rows.one, "fsi3, the run", "one change", f"325 x 72, {LONG}")
+    yield "fsi3.long.begin", value(long("window.begin"), ".1f")
+    yield "fsi3.long.end", value(long("window.end"), ".1f")
+    yield "fsi3.long.drift", value(long("amplitude_drift"), "+.1f", "%", 100)
+
+    harmless = [abs(by(group, change, q)) for group, change in HARMLESS for q in ("tip_uy.amplitude", "tip_uy.frequency_hz")]
+    yield "fsi3.harmless", percent(max(harmless), ".1f", of("650 x 144", "drag.mean"))
+    costs = [
+        max(by(group, change, q) for q in ("tip_uy.amplitude", "drag.mean")) for group in ("coarse", "fine") for change in BOUNDARY
+    ]
+    yield "fsi3.boundary.least", percent(min(costs), ".0f", of("650 x 144", "drag.mean"))
+    yield "fsi3.boundary.most", percent(max(costs), ".0f", of("650 x 144", "drag.mean"))
+    soft, hard = (changed("fine", f"fluid.mask.log_linear.c_eta={c_eta}", "drag.mean") for c_eta in ("1e-4", "1e-6"))
+    yield "fsi3.c_eta.drag", percent((hard.value / soft.value) ** 0.5 - 1, "+.1f", hard)
+    all_hard = [changed("fine", "fluid.mask.log_linear.c_eta=1e-6", quantity) for quantity in MAIN]
+    yield "fsi3.c_eta.hard", percent(max(abs(off(row)) for row in all_hard), ".1f", hard)
+    heavy = "rod.material.plane_strain.density=1050"
+    for name, quantity in (("f", "tip_uy.frequency_hz"), ("lift", "lift.amplitude")):
+        yield f"fsi3.heavy.{name}", percent(by("fine", heavy, quantity), "+.1f", changed("fine", heavy, quantity))
 
 
-def most(rows: list[Row]) -> Row:
-    """The row with the largest error."""
-    return max(rows, key=lambda row: abs(row.error))
+ERRORS = {
+    "325 x 72": {"tip_uy.amplitude": ".0f", "tip_uy.frequency_hz": ".0f", "drag.mean": ".0f", "lift.amplitude": ".0f"},
+    "650 x 144": {
+        "tip_uy.amplitude": ".1f",
+        "tip_uy.frequency_hz": ".1f",
+        "drag.mean": ".1f",
+        "lift.amplitude": ".1f",
+        "tip_ux.mean": ".1f",
+        "tip_ux.amplitude": ".1f",
+    },
+    "1300 x 288": {
+        "tip_uy.amplitude": ".1f",
+        "tip_uy.frequency_hz": ".1f",
+        "drag.mean": ".1f",
+        "lift.amplitude": ".1f",
+        "tip_ux.mean": ".0f",
+        "tip_ux.amplitude": ".0f",
+        "drag.amplitude": ".0f",
+    },
+}
+"""Quantities whose distance from the published value is told, and how."""
+
+LONG = "time.end=30"
+
+HARMLESS = (
+    *(("coarse", change) for change in ("time.communication_step=2e-4", "time.communication_step=1e-4", "beam.segments=84")),
+    ("coarse", 'rod.scheme={"generalised_alpha":{"rho_inf":0.5}}'),
+    *(("fine", ", ".join(changes)) for changes in VARIED[FINE] if changes[0].startswith("fluid.box")),
+    ("fine", "beam.segments=60"),
+)
+BOUNDARY = ("fluid.filter=two_thirds", "fluid.mask.log_linear.target=none", COSINE)
+"""Changes that move little, and those of the boundary."""
+
+
+def off(row: Row) -> float:
+    """Relative distance from the published value."""
+    return row.value / row.reference - 1
+
+
+def value_of(row: Row) -> float:
+    return row.value
