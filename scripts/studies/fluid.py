@@ -48,7 +48,7 @@ COST = {"sbdf2": 25e-9, "rk2": 50e-9}
 TIMED = ("grid", "thesis")
 """Groups whose cases run several times where they are short: five times up to 10 s, three times up to 40 s."""
 
-LARGEST_CFL = {"sbdf2": 0.45, "rk2": 0.65}
+LARGEST_CFL = {"sbdf2": 0.4, "rk2": 0.6}
 """That a scene may have."""
 
 SCENES = {"2D-1": "cylinder-2d1-450x90", "2D-2": "cylinder-2d2-900x180"}

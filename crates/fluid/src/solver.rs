@@ -493,7 +493,9 @@ impl Fluid {
         Ok(())
     }
 
-    /// Advance from `t` to `t + h` (s) in equal steps; the stations go from where they are to where they were set.
+    /// Advance from `t` to `t + h` (s); the stations go from where they are to where they were set.
+    ///
+    /// The steps are equal, but those that are left are divided anew where the flow has become too fast for them on the way.
     ///
     /// What is refused leaves the state as it was; after [`Error::Diverged`] only [`Self::restore`] helps.
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
@@ -525,18 +527,29 @@ impl Fluid {
         if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
             beam.from.copy_from(&known.stations);
         }
-        let substeps = substeps as u32;
-        let dt = h / f64::from(substeps);
-        for substep in 1..=substeps {
-            let fraction = f64::from(substep) / f64::from(substeps);
+        // The shares of `h` that are done, and that were done when what was left was last divided into `substeps`.
+        let (mut done, mut divided, mut substep) = (0.0, 0.0, 0.0);
+        let mut dt = h / substeps;
+        while done < 1.0 {
+            let rate = self.state.advection_rate;
+            if substep > 0.0 && rate * dt > self.max_cfl {
+                let left = h * (1.0 - done);
+                (divided, substep, substeps) = (done, 0.0, (left * rate / self.max_cfl).ceil());
+                if substeps > MAX_SUBSTEPS {
+                    return Err(Error::Diverged { time: self.state.time, cfl: rate * dt, step: dt });
+                }
+                dt = left / substeps;
+            }
+            substep += 1.0;
+            done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
             if let (Some(beam), Some(known)) = (&self.beam, &mut self.state.beam) {
-                if substep == substeps {
+                if done == 1.0 {
                     known.stations.copy_from(&beam.target);
                 } else {
-                    known.stations.interpolate(&beam.from, &beam.target, fraction, h);
+                    known.stations.interpolate(&beam.from, &beam.target, done, h);
                 }
             }
-            self.step(dt, t + fraction * h, mark)?;
+            self.step(dt, t + done * h, mark)?;
         }
         self.look();
         mark(Phase::Look);

@@ -53,7 +53,7 @@ fn what_cannot_go_on_says_why() {
 /// Heun's method went wild at Re 1e4 and a CFL number of 1 without a word.
 #[test]
 fn unstable_cfl_numbers_are_refused_and_the_largest_allowed_goes_through() {
-    for (scheme, mask, largest) in [("sbdf2", LOG_LINEAR, 0.45), ("rk2", ("sharp", ""), 0.65)] {
+    for (scheme, mask, largest) in [("sbdf2", LOG_LINEAR, 0.4), ("rk2", ("sharp", ""), 0.6)] {
         let case = Case { scheme, mask, c_eta: 1e-2, cfl: 1.0, reynolds: 1e4 };
         let error = channel(case).expect_err("a CFL number of 1 is unstable");
         let named = ["fluid.time_stepping.max_cfl", "1", scheme, &largest.to_string()];
@@ -61,6 +61,17 @@ fn unstable_cfl_numbers_are_refused_and_the_largest_allowed_goes_through() {
         let ended = outcome(channel(Case { cfl: largest, ..case }), 100);
         assert!(matches!(ended, Outcome::Ok { .. }), "{scheme}: {ended:?}");
     }
+}
+
+/// At the beginning of the communication step the fluid is at rest and would let every step be of 0.01 s.
+#[test]
+fn steps_are_divided_anew_where_the_flow_becomes_too_fast_within_a_communication_step() {
+    let mut scene = channel(CASE).unwrap_or_else(|e| panic!("{e}"));
+    scene.time.communication_step = 0.1;
+    let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    fluid.advance(0.0, 0.1).unwrap_or_else(|e| panic!("{e}"));
+    assert!(fluid.cfl() < 1.1 * CASE.cfl, "CFL number {}", fluid.cfl());
+    assert_eq!(fluid.time(), 0.1);
 }
 
 #[test]

@@ -253,8 +253,8 @@ pub enum Filter {
 pub struct TimeStepping {
     /// Largest step, s.
     pub max_step: f64,
-    /// Largest CFL number max(|u|/dx + |v|/dy) dt; smaller steps are taken where it would be exceeded. At most 0.45 with
-    /// sbdf2 and 0.65 with rk2: above, advection is unstable.
+    /// Largest CFL number max(|u|/dx + |v|/dy) dt; smaller steps are taken where it would be exceeded. At most 0.4 with
+    /// sbdf2 and 0.6 with rk2: above, advection is unstable.
     pub max_cfl: f64,
     /// How a step is made.
     #[serde(default)]
@@ -276,11 +276,11 @@ impl TimeScheme {
     /// Largest CFL number that a scene may ask for.
     ///
     /// Both schemes are weakly unstable for advection without viscosity. Up to these numbers the fastest growing wave under the
-    /// smooth filter grows by less than 70 % in a step.
+    /// smooth filter grows by half in a step (52 %).
     pub fn largest_cfl(self) -> f64 {
         match self {
-            Self::Sbdf2 => 0.45,
-            Self::Rk2 => 0.65,
+            Self::Sbdf2 => 0.4,
+            Self::Rk2 => 0.6,
         }
     }
 
