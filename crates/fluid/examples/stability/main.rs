@@ -10,7 +10,7 @@ use scene::Scene;
 const C_ETA: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
 const REYNOLDS: [f64; 5] = [1.0, 20.0, 100.0, 1e3, 1e4];
 /// Up to the limit of the two-step scheme, and beyond.
-const CFL: [f64; 5] = [0.1, 0.25, 0.4, 1.0];
+const CFL: [f64; 4] = [0.1, 0.25, 0.4, 1.0];
 /// The same for Heun's method.
 const CFL_RK2: [f64; 4] = [0.1, 0.25, 0.6, 1.0];
 
