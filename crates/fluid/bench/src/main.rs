@@ -60,14 +60,10 @@ impl<const N: usize> Times<N> {
 
     /// `a / b`: ratio of the shortest times, and the median of the turns' ratios.
     pub fn ratio(&self, a: usize, b: usize) -> [f64; 2] {
-        [self.shortest(a) / self.shortest(b), median(self.0.iter().map(|turn| turn[a] / turn[b]).collect())]
+        let mut ratios: Vec<_> = self.0.iter().map(|turn| turn[a] / turn[b]).collect();
+        ratios.sort_by(f64::total_cmp);
+        [self.shortest(a) / self.shortest(b), ratios[ratios.len() / 2]]
     }
-}
-
-/// The median of some numbers.
-pub fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 /// The file that is written.
