@@ -4,10 +4,10 @@ mod common;
 #[path = "common/measures.rs"]
 mod measures;
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use common::{run, scene};
-use fluid::fft::Fft2;
+use fluid::fft::{Complex64, Fft2};
 use fluid::{Fluid, Loads};
 use measures::{
     BEAM, CYLINDER_IN_CHANNEL, added_mass, aliased, arrays, flux_error, made_by_advection, noise, resolved_noise,
@@ -25,6 +25,33 @@ fn the_taylor_green_vortex_decays_with_second_order_in_time() {
         let order = (coarse / fine).log2();
         assert!(fine < limit, "{scheme:?}: error {fine} with 160 steps");
         assert!((order - 2.0).abs() < 0.1, "{scheme:?}: order {order}: errors {coarse} and {fine}");
+    }
+}
+
+/// Largest growth in a step, over all waves that the smooth filter leaves, of advection without viscosity at a CFL number.
+fn growth(scheme: TimeScheme, cfl: f64) -> f64 {
+    let waves = (1..=1000).map(|k| f64::from(k) / 1000.0);
+    let grown = waves.map(|k| {
+        let z = Complex64::new(0.0, PI * k * cfl);
+        let factor = match scheme {
+            TimeScheme::Rk2 => (1.0 + z + 0.5 * z * z).norm(),
+            // 3/2 g² − 2 g + 1/2 = z (2 g − 1)
+            TimeScheme::Sbdf2 => {
+                let (half, last) = ((2.0 + 2.0 * z) / 3.0, (0.5 + z) / 1.5);
+                let root = (half * half - last).sqrt();
+                (half + root).norm().max((half - root).norm())
+            }
+        };
+        factor * (-36.0 * k.powi(36)).exp()
+    });
+    grown.fold(0.0, f64::max)
+}
+
+#[test]
+fn the_largest_cfl_numbers_of_both_schemes_have_the_same_growth() {
+    for scheme in [TimeScheme::Sbdf2, TimeScheme::Rk2] {
+        let growth = growth(scheme, scheme.largest_cfl());
+        assert!((1.5..1.55).contains(&growth), "{scheme:?}: {growth} in a step");
     }
 }
 

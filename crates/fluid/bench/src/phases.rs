@@ -48,9 +48,13 @@ pub fn of_step(mut step: impl FnMut(&mut dyn FnMut(Phase))) -> ([f64; PHASES.len
         steps.push((spent, start.elapsed().as_secs_f64()));
     }
     steps.sort_by(|(_, a), (_, b)| a.total_cmp(b));
-    steps.truncate(steps.len().div_ceil(4));
-    let mean = |of: &dyn Fn(&([f64; PHASES.len()], f64)) -> f64| steps.iter().map(of).sum::<f64>() / steps.len() as f64;
-    (std::array::from_fn(|phase| mean(&|(spent, _)| spent[phase])), mean(&|(_, whole)| *whole))
+    let fastest = &steps[..steps.len().div_ceil(4)];
+    let (mut phases, mut whole) = ([0.0; PHASES.len()], 0.0);
+    for (spent, time) in fastest {
+        phases.iter_mut().zip(spent).for_each(|(sum, time)| *sum += time / fastest.len() as f64);
+        whole += time / fastest.len() as f64;
+    }
+    (phases, whole)
 }
 
 /// What the projection takes: the passes along x with it, less those without, s.
