@@ -122,7 +122,7 @@ class Report:
             f"loop over the steps, medians "
             "of repeats after a warm-up, bars from quartile to quartile. The machine was shared with other work: "
             "**CPU time is the one to "
-            "compare**; wall times of rows from the studies (which have no CPU time) are of other days. PyElastica's "
+            "compare**; wall times of rows from the studies are of other days. PyElastica's "
             "and NGSolve's times "
             "include what they need to set up, and not imports and compilation.",
             "",

@@ -73,6 +73,7 @@ def values(rows: Rows) -> Iterator[tuple[str, Value]]:
         yield f"speed.point.{name}", Value(point[grid] / point[beside], ".1f", "1", "make bench-fluid")
     for (_, grid), cells in found(rows, "threads").items():
         yield f"speed.threads.{grid.split()[0]}", value(cells["wall, one/two"], ".1f")
+        yield f"speed.threads.{grid.split()[0]}.work", value(cells["processor, one/two"], ".1f")
     for (_, grid), cells in found(rows, "motion").items():
         times = [row.value for what, row in cells.items() if what.endswith("bar")]
         yield f"speed.motion.{grid.split()[0]}", Value(100 * (max(times) / min(times) - 1), ".0f", "%", "make bench-fluid")
