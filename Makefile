@@ -87,8 +87,8 @@ ROD_STUDY := cargo run --release --locked --manifest-path crates/rod/study/Cargo
 
 rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
 	$(ROD_STUDY) -- docs/rod
-	$(RUN) scripts/studies/rod.py docs/rod
-	$(RUN) scripts/studies/clamp.py docs/rod
+	$(RUN) scripts/studies/clamp.py
+	$(RUN) scripts/studies/rod.py
 
 bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
 	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
@@ -181,17 +181,16 @@ sanitizers: $(READY) ## call both units under AddressSanitizer and valgrind; nee
 PEERS_VENV := target/report/venv
 REPORT := $(RUN) scripts/report
 
+STUDIES := rod-study fluid-measures fluid-study bench-fluid fsi3-study coupling-study vein-study
+
 report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine), write docs/report
-	$(REPORT) measure
+	$(REPORT) measure $(ARGS)
 	$(REPORT) leave-out
 	$(REPORT) collect
 	$(REPORT) render
 
-report-full: build $(READY) $(PEERS_VENV)/.ready rod-study fluid-measures fluid-study coupling-study bench-fluid report-pictures ## the same with all studies anew and the long cases: a day
-	$(REPORT) measure --full
-	$(REPORT) leave-out
-	$(REPORT) collect
-	$(REPORT) render
+report-full: $(STUDIES) report-pictures ## the same with the long cases, and what is missing of every study: half a day of one core
+	$(MAKE) report ARGS=--full
 
 report-pictures: build $(READY) ## the vorticity of FSI3 at four phases and over a period, for docs/report
 	$(FSI) run scenes/fsi3-325x72.json --output results/report-pictures --fields-every 0.005 --quiet

@@ -213,7 +213,7 @@ impl RodUnit {
             self.elastic_energy = energy.stretching + energy.bending;
             self.kinetic_energy = energy.kinetic;
             self.gravity_energy = energy.gravity;
-            let Statistics { iterations, substeps, rescues, negative_pivots } = rod.statistics();
+            let Statistics { iterations, substeps, rescues, negative_pivots, .. } = rod.statistics();
             self.newton = [iterations, substeps, rescues, negative_pivots]
                 .map(|count| i32::try_from(count).unwrap_or(i32::MAX));
         });
@@ -556,11 +556,11 @@ impl Model for RodUnit {
         }
         let span = || format!("in the step from t = {t} s to {} s", t + h);
         self.body.step(h).and_then(|()| self.publish()).map_err(|e| format!("{e}, {}", span()))?;
-        let Statistics { iterations, substeps, rescues, negative_pivots } = self.body.statistics();
-        if rescues > 0 || negative_pivots > 0 {
+        let Statistics { iterations, substeps, halvings, rescues, negative_pivots } = self.body.statistics();
+        if rescues > 0 || negative_pivots > 0 || halvings > 0 {
             log.info(format_args!(
-                "{rescues} solves needed shift and line search, {substeps} sub-steps, {iterations} Newton iterations, \
-                 {negative_pivots} negative pivots, {}",
+                "{rescues} solves needed shift and line search, {substeps} sub-steps after {halvings} halvings, {iterations} \
+                 Newton iterations, {negative_pivots} negative pivots, {}",
                 span()
             ));
         }

@@ -16,7 +16,7 @@ import typer
 sys.path[0] = str(Path(__file__).parents[1])
 
 from cosim.scene import ROOT
-from report import cases, collect, leave_out, measure as measuring, render as rendering, store, topics
+from report import cases, collect, leave_out, measure as measuring, render as rendering, store
 
 app = typer.Typer(
     add_completion=False, no_args_is_help=True, pretty_exceptions_enable=False, help="The report of docs/report."
@@ -57,7 +57,7 @@ def measure(
             row.machine = key
         mine = {(row.case, row.method, row.setting) for row in rows} | {(case.case, case.method, case.setting)}
         data["rows"] = [row for row in data["rows"] if (row.case, row.method, row.setting) not in mine] + rows
-        store.save(data, topics.values)
+        store.save(data)
         first = rows[0]
         typer.echo(f"{case.name:60} {first.outcome} {first.reason} {first.wall_s or 0:.3g} s")
 
@@ -76,15 +76,15 @@ def leave_out_command(
     scenes = {row.method for row in rows}
     kept = [row for row in data["rows"] if row.case != leave_out.CASE or row.method not in scenes]
     data["rows"] = kept + rows
-    store.save(data, topics.values)
+    store.save(data)
 
 
 @app.command("collect")
 def collect_command() -> None:
-    """Take in what the studies left under docs/."""
+    """Take in what the studies left under docs/, and make the numbers that documents show."""
     data = known()
     collect.everything(data)
-    store.save(data, topics.values)
+    store.save(data)
 
 
 @app.command()

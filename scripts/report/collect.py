@@ -1,7 +1,9 @@
-"""Takes what the studies left under docs/ into results.json."""
+"""Takes what the studies left under docs/ into results.json, and makes the numbers that documents show."""
+
+from dataclasses import asdict
 
 from . import topics
-from .store import Rows
+from .store import Row, Rows, rounded
 from .topics import fsi3
 
 
@@ -11,6 +13,7 @@ def everything(data: dict) -> None:
     measured = Rows(row for row in data["rows"] if row.source == "measured")
     keys = {(row.case, row.method, row.setting) for row in measured}
     found = [row for row in topics.rows() if (row.case, row.method, row.setting) not in keys]
-    data["rows"] = Rows(measured + found)
+    data["rows"] = Rows(Row(**rounded(asdict(row))) for row in measured + found)
+    data["values"] = {key: asdict(value) for key, value in topics.values(data["rows"]).items()}
     data["machine"] |= fsi3.machines()
     data["series"] = fsi3.series()

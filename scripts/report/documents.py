@@ -13,11 +13,20 @@ from cosim.scene import ROOT
 from .store import Value
 
 DOCUMENTS = tuple(
-    ROOT / name for name in ("README.md", "docs/fsi3.md", "docs/fsi3/thesis.md", "docs/coupling.md", "docs/fluid.md", "docs/fluid-speed.md")
+    ROOT / name
+    for name in (
+        "README.md",
+        "docs/fsi3.md",
+        "docs/fsi3/thesis.md",
+        "docs/coupling.md",
+        "docs/fluid.md",
+        "docs/fluid-speed.md",
+        "docs/rod.md",
+    )
 )
 """Documents with marks; docs/report and the studies' pages are written as a whole."""
 
-WHOLE = tuple(ROOT / name for name in ("README.md", "docs/fsi3.md", "docs/fluid.md", "docs/fluid-speed.md"))
+WHOLE = DOCUMENTS
 """Those of them that have no number without a mark."""
 
 NUMBER = re.compile(r"<!--n:([^>]*?)-->(.*?)<!---->")

@@ -107,16 +107,17 @@ def measure(case: Case) -> list[Row]:
                 tolerance=None if case.peer else TOLERANCE[case.case],
             )
         )
-    for phase, seconds in (found.get("phases_s") or {}).items():
-        share = seconds / sum(found["phases_s"].values())
+    phases = found.get("phases_s") or {}
+    loop = sum(seconds for phase, seconds in phases.items() if phase != "output")
+    for phase, seconds in phases.items():
         rows.append(
             Row(
                 f"phases {case.case}",
                 case.method,
                 case.setting,
                 phase,
-                share,
-                "share of wall time",
+                seconds / loop,
+                "by wall time of the loop",
                 size=case.size,
                 step=case.step,
                 command=shown(case),

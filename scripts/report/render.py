@@ -36,6 +36,9 @@ def wall_of(row: Row) -> str:
     )
 
 
+PHASES = ("rod", "fluid", "fmi", "python", "recording", "exchange_and_python", "output")
+
+
 class Report:
     """What the pages are made of."""
 
@@ -43,9 +46,6 @@ class Report:
         self.data, self.rows = data, data["rows"]
 
         self.of = self.rows.of
-
-    def fsi3_settings(self) -> list[str]:
-        return list(dict.fromkeys(row.setting for row in self.of("fsi3", method="one change")))
 
     # Pages
 
@@ -230,13 +230,13 @@ class Report:
         for grid in GRIDS:
             row = next(iter(self.of("fsi3", method="momentum load", setting=grid, quantity="tip_uy.amplitude")), None)
             if row:
-                rows.append([grid, *cells(self.rows, grid), f"{row.wall_s / SIMULATED:.1f}"])
+                rows.append([grid, *cells(self.rows, grid), f"{row.cpu_s / SIMULATED:.1f}"])
         text = [
             "### FSI3 in the reference bands",
             "",
-            *markdown(["", "ux", "uy", "drag", "lift", "wall s a simulated s"], rows),
+            *markdown(["", "ux", "uy", "drag", "lift", "CPU s a simulated s"], rows),
             "",
-            "Mean ± amplitude [frequency], mm, N/m, Hz.",
+            "Mean ± amplitude [frequency], mm, N/m, Hz. What one change at a time does is in [fsi3.md](../fsi3.md).",
             "",
             "![two periods](fsi3_bands.png)",
             "",
@@ -263,10 +263,6 @@ class Report:
             *markdown(["", "value", "wall s a simulated s"], table),
             "",
         ]
-        changes = self.fsi3_settings()
-        if changes:
-            table = [[f"`{setting}`", *cells(self.rows, setting, "one change")] for setting in changes]
-            text += ["One change at a time:", "", *markdown(["", "ux", "uy", "drag", "lift"], table), ""]
         return text
 
     def stability(self) -> list[str]:
@@ -290,10 +286,9 @@ class Report:
             "Every cell with its "
             "reason is in [results.csv](results.csv).",
             "",
-            f"**Bad cells are left: {len(bad)}.**",
+            f"Bad cells are left: {len(bad)}.",
             "",
-            *markdown(["map", "method", "cell", "why"], bad),
-            "",
+            *((*markdown(["map", "method", "cell", "why"], bad), "") if bad else ()),
         ]
         errors = [
             [row.case, row.method, row.setting, row.reason[:110]]
@@ -393,6 +388,13 @@ class Report:
             "",
         ]
         text += [
+            "A Newton iteration of the rod (residual, matrix, solve, update), and the banded solve in it, µs (`make "
+            "rod-study`):",
+            "",
+            *markdown(["n", "in space", "of that the solve", "in the plane"], self.iterations()),
+            "",
+        ]
+        text += [
             "A step of the fluid, bars swinging (`make bench-fluid`), µs of processor time, and shares:",
             "",
             *speed.phases(self.rows),
@@ -401,14 +403,14 @@ class Report:
         table = []
         for method, setting in dict.fromkeys((row.method, row.setting) for row in self.of("cost")):
             found = {row.quantity: row.value for row in self.of("cost", method=method, setting=setting)}
-            parts = ("step", "rod", "exchange_and_python")
-            table.append([method, setting, *(f"{found[part]:.0f}" if part in found else "" for part in parts)])
+            parts = ("step", "rod", "fmi", "python", "recording")
+            table.append([method, setting, *(f"{found[part]:.1f}" if part in found else "" for part in parts)])
         text += [
             "A step of FSI3 by number of stations (325 x 72 points), with the bar still, and by grid (steps of 0.1 "
-            "ms), µs: median CPU time of the step, shortest wall times of rod and exchange; "
+            "ms), µs: median CPU time of the step, shortest wall times of its parts; "
             "the rest is the fluid:",
             "",
-            *markdown(["varied", "setting", "step", "rod", "FMI and Python"], table),
+            *markdown(["varied", "setting", "step", "rod", "FMI", "Python", "recording"], table),
             "",
         ]
         table = []
@@ -423,21 +425,24 @@ class Report:
                     [
                         case,
                         *setting,
-                        *(
-                            f"{100 * found[k]:.0f} %" if k in found else ""
-                            for k in ("rod", "fluid", "exchange_and_python")
-                        ),
+                        *(f"{100 * found[k]:.1f} %" if k in found else "" for k in PHASES),
                     ]
                 )
         text += [
-            "Of a run (exchange through FMI and Python together, and the pressure of probes, which is made when it is "
-            "read; output is written after the run "
-            "and is not in it):",
+            "Of a run, by the wall time of its loop: the units' steps; their inputs and outputs through FMI (with the "
+            "pressure of probes, which is made when it is read); the master's own Python; the table that it keeps; and, "
+            "after the loop, writing the tables. Runs of the study have the middle three as one, exchange and Python:",
             "",
-            *markdown(["case", "method", "setting", "rod", "fluid", "FMI and Python"], table),
+            *markdown(["case", "method", "setting", *(phase.replace("_", " ") for phase in PHASES)], table),
             "",
         ]
         return text
+
+    def iterations(self) -> list[list]:
+        found = {(row.method, row.size): row.value for row in self.of("rod-cost")}
+        sizes = sorted(size for method, size in found if method == "banded")
+        methods = ("iteration_3d", "banded", "iteration_2d")
+        return [[f"{size:.0f}", *(f"{found[method, size]:.3g}" for method in methods)] for size in sizes]
 
     def beaten(self) -> list[str]:
         """CPU time of ours and of the peers for the largest error over all quantities of a case: a single one may
@@ -490,17 +495,18 @@ class Report:
         off = [f"{figures.label(q)} {100 * row.error:+.1f} %" for q, row in finest.items() if row.error is not None and abs(row.error) > 0.02]
         sequences = self.sequences()
         loose = [row for row in sequences if row[-1].startswith("not")]
+        timed = {(row.case, row.method, row.setting): row for row in self.rows if row.cpu_s}.values()
+        once = [row for row in timed if (row.repeats or 1) < 3]
         lines = [
             f"- FSI3 on 1300 x 288 is more than 2 % from FeatFlow's finest level in: {', '.join(off) or 'nothing'}.",
             f"- {len(loose)} of {len(sequences)} sequences are not asymptotic; where they are not there is no "
             f"extrapolated value.",
-            f"- {bad} cells of the maps are bad: they went on and said nothing (section 2).",
+            *([f"- {bad} cells of the maps are bad: they went on and said nothing (section 2)."] if bad else []),
             *(
                 f"- {case} by penalization, finest grid measured: {self.errors(case)}."
                 for case in ("cylinder-2d1", "cylinder-2d2")
             ),
-            "- Wall times were taken on a machine with other work on it; long rows that were taken in from studies ran "
-            "once and have no quartiles.",
+            f"- {len(once)} of {len(timed)} runs with a time were made once: without quartiles.",
             "- FLUSI, deal.II and nutils are cited, not run: they do not install from a registry.",
         ]
         return [

@@ -7,7 +7,6 @@ import json
 import os
 import platform
 import subprocess
-from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields
 from importlib.metadata import version
 from pathlib import Path
@@ -169,11 +168,9 @@ def text_of(data: dict) -> str:
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
-def save(data: dict, values_of: Callable[[Rows], dict[str, Value]], folder: Path = DOCS) -> None:
-    """Write results.json, with `values` made of the rows as they are written, and results.csv."""
+def save(data: dict, folder: Path = DOCS) -> None:
+    """Write results.json and results.csv."""
     folder.mkdir(parents=True, exist_ok=True)
-    data["rows"] = Rows(Row(**rounded(asdict(row))) for row in data["rows"])
-    data["values"] = {key: asdict(value) for key, value in values_of(data["rows"]).items()}
 
     def table(path: Path) -> None:
         with open(path, "w", encoding="utf-8", newline="") as file:

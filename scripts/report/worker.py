@@ -3,7 +3,7 @@
 One run goes before the others and is not timed; with 0 repeats it is the only one and is timed. Phases are the
 shortest of the
 timed runs, each for itself. What is timed is the loop over the steps, with Python and FMI in it, without
-loading, packing and evaluation; memory is what the resident set has grown by from before the units are loaded to the
+loading, packing and evaluation; `output` is what writing the tables takes after it. Memory is what the resident set has grown by from before the units are loaded to the
 end of that first run.
 """
 
@@ -12,9 +12,10 @@ import json
 import resource
 import sys
 import tempfile
+from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
-from time import process_time
+from time import perf_counter, process_time
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -29,16 +30,37 @@ def resident() -> float:
     return pages * resource.getpagesize() / 1e6
 
 
+def timed(call: Callable, seconds: dict[str, float], phase: str) -> Callable:
+    """`call`, whose wall time is added to `seconds[phase]`."""
+
+    def wrapped(*arguments):
+        begin = perf_counter()
+        result = call(*arguments)
+        seconds[phase] += perf_counter() - begin
+        return result
+
+    return wrapped
+
+
 def once(scene: dict, fmus: dict[str, Path]) -> tuple[dict, list[float]]:
     """Summary of a run with the memory it has added, and its wall and CPU time, s."""
     with ExitStack() as stack:
         before = resident()
         units, scheme, clock, recorder = simulation.assemble(scene, fmus, stack)
+        seconds = {"fmi": 0.0, "recording": 0.0, "output": 0.0}
+        for unit in units.values():
+            unit.set, unit.get = (timed(call, seconds, "fmi") for call in (unit.set, unit.get))
+        recorder.record = timed(recorder.record, seconds, "recording")
         begin = process_time()
         outcome = master.run(scheme, clock, recorder)
         times = [outcome.wall, process_time() - begin]
         memory = resident() - before
         summary = report.summarize(scene, units, scheme, recorder, outcome)
+        with tempfile.TemporaryDirectory() as folder:
+            timed(report.write, seconds, "output")(Path(folder), scene, recorder, scheme, summary)
+        phases = summary["phases_s"]
+        phases["python"] = phases.pop("exchange_and_python") - seconds["fmi"] - seconds["recording"]
+        phases |= seconds
         return summary | {"last": recorder.latest, "memory_mb": memory}, times
 
 

@@ -5,11 +5,13 @@ elasticity on nine-node quadrilaterals. Away from the ends its sections turn and
 
     theta = M (x + d)/EI,    theta = P (l (x + d) - x²/2)/EI,    w' = theta + P/(k G h),
 
-with the mean turning theta and the mean displacement w of a section. `clamp_setback` is d, `shear_factor` is k. Writes FOLDER/clamp.md:
+with the mean turning theta and the mean displacement w of a section. `clamp_setback` is d, `shear_factor` is k. Writes docs/rod/clamp.csv and
+clamp.md:
 
-    python scripts/studies/clamp.py docs/rod
+    python scripts/studies/clamp.py
 """
 
+import csv
 import sys
 from pathlib import Path
 
@@ -17,7 +19,10 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from studies.tables import write
+from cosim.scene import ROOT
+from studies.tables import page, read
+
+DOCS = ROOT / "docs" / "rod"
 
 LENGTH = 6.0
 """Of the plate, in thicknesses."""
@@ -103,18 +108,31 @@ def measure(radius: float, poisson: float, along: int, across: int) -> tuple[flo
     return by_moment, by_force, (1 + poisson) / (6 * (1 - poisson**2) * sheared)
 
 
-def main(folder: Path) -> None:
+def pages() -> dict[Path, str]:
+    """docs/rod/clamp.md, of clamp.csv."""
+    header = ["wall", "Poisson's ratio", "elements", "d/h by the moment", "d/h by the force", "k", "10/(12 − ν)"]
+    rows = []
+    for row in read(DOCS, "clamp"):
+        numbers = [f"{row[name]:.4f}" for name in ("by_moment", "by_force", "shear_factor")]
+        rows.append([row["wall"], row["poisson"], row["elements"], *numbers, f"{10 / (12 - row['poisson']):.4f}"])
+    note = "Linear elasticity in plane strain; the plate is 6 h long. Made by `python scripts/studies/clamp.py`."
+    return {DOCS / "clamp.md": page("The clamp of a plate and its shear", header, rows, note)}
+
+
+def main() -> None:
     rows = []
     for radius, wall in ((np.inf, "straight"), (2.5, "cylinder, R = 2.5 h")):
         for poisson in (0.0, 0.3, 0.4):
             for along, across in ((24, 6), (36, 8)):
-                by_moment, by_force, factor = measure(radius, poisson, along, across)
-                numbers = [f"{by_moment:.4f}", f"{by_force:.4f}", f"{factor:.4f}", f"{10 / (12 - poisson):.4f}"]
+                numbers = (f"{number:.8f}" for number in measure(radius, poisson, along, across))
                 rows.append([wall, poisson, f"{along} x {across}", *numbers])
-    header = ["wall", "Poisson's ratio", "elements", "d/h by the moment", "d/h by the force", "k", "10/(12 − ν)"]
-    note = "Linear elasticity in plane strain; the plate is 6 h long. Made by `python scripts/studies/clamp.py docs/rod`."
-    write(folder, "clamp", "The clamp of a plate and its shear", header, rows, note)
+    with open(DOCS / "clamp.csv", "w", encoding="utf-8", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(["wall", "poisson", "elements", "by_moment", "by_force", "shear_factor"])
+        out.writerows(rows)
+    for path, text in pages().items():
+        path.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

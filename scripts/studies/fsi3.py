@@ -9,6 +9,7 @@ Every run has a folder in results/fsi3-study. It is made again only where its sc
 
 import json
 import os
+import shutil
 import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor
@@ -124,6 +125,9 @@ PIECE, TREND = 0.02, 4
 LARGE = 1.0
 """Velocity of the tip, m/s, up to which a wave grows exponentially."""
 
+PICTURES = ("tip.png", "drag.png", "lift.png", "vorticity.png")
+"""Of the run on 650 x 144, for docs/fsi3."""
+
 SAMPLES, SHOWN_PERIODS = 240, 2
 """Points of the series that are kept of each grid, and the periods that they span."""
 
@@ -147,8 +151,7 @@ class Run:
         return f"scripts/fsi.py run scenes/{self.scene}.json{sets}"
 
     def case(self) -> sweep.Case:
-        scene = customized(SCENES / f"{self.scene}.json", [*self.changes, f"name={self.folder.name}"])
-        return sweep.grid([scene], [])[0]
+        return sweep.grid([customized(SCENES / f"{self.scene}.json", list(self.changes))], [])[0]
 
 
 def runs() -> Iterator[Run]:
@@ -238,7 +241,7 @@ def waves(series: np.ndarray) -> dict[str, float]:
         return {}
     rate = np.polyfit(starts[: len(sizes)], np.log(sizes), 1)[0]
     reached = starts[len(sizes) - 1] + PIECE
-    return {"growth": rate, "growth.to": reached, "growth.size": sizes[-1], "growth.largest": max(sizes), "growth.frequency_hz": strongest}
+    return {"growth": rate, "growth.to": reached, "growth.size": sizes[-1], "growth.frequency_hz": strongest}
 
 
 def exchange(series: np.ndarray) -> dict[str, float]:
@@ -272,7 +275,12 @@ def last_periods(series: np.ndarray) -> dict[str, list[float]]:
     return {key: np.asarray(value).tolist() for key, value in found.items()}
 
 
-FURTHER: dict[str, Callable[[np.ndarray], dict[str, float]]] = {"thesis": extremes, "waves": waves, "exchange": exchange}
+FURTHER: dict[str, Callable[[np.ndarray], dict[str, float]]] = {
+    "grid": lambda series: extremes(series) | waves(series),
+    "thesis": extremes,
+    "waves": waves,
+    "exchange": exchange,
+}
 """What is made of the series of a group's runs, besides the summary."""
 
 
@@ -319,7 +327,7 @@ def known(run: Run) -> bool:
 
 
 def write_runs() -> None:
-    """docs/fsi3/runs.json: a line for each run that was made."""
+    """docs/fsi3/runs.json, a line for each run that was made, and the pictures of one of them."""
 
     def shortened(value):
         if isinstance(value, float):
@@ -328,6 +336,10 @@ def write_runs() -> None:
             return {key: shortened(part) for key, part in value.items()}
         return [shortened(part) for part in value] if isinstance(value, list) else value
 
+    for name in PICTURES:
+        shown = RESULTS / "grid_650x144" / name
+        if shown.is_file():
+            write_whole(RUNS.parent / name, lambda path: shutil.copy(shown, path))
     made = [json.dumps(shortened(found), ensure_ascii=False) for found in map(kept, runs()) if found]
     write_whole(RUNS, lambda path: path.write_text("[\n" + ",\n".join(made) + "\n]\n", encoding="utf-8"))
 

@@ -29,14 +29,19 @@ def read(folder: Path, name: str) -> list[dict]:
         return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]
 
 
-def write(folder: Path, name: str, title: str, header: list[str], rows: list[list], note: str = "") -> None:
-    """One table as NAME.md."""
+def page(title: str, header: list[str], rows: list[list], note: str = "") -> str:
+    """One table as a page of its own."""
     lines = [f"# {title}", ""]
     if note:
         lines += [note, ""]
     lines += ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
     lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
-    (folder / f"{name}.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return "\n".join(lines) + "\n"
+
+
+def write(folder: Path, name: str, *of_page) -> None:
+    """One table as NAME.md."""
+    (folder / f"{name}.md").write_text(page(*of_page), encoding="utf-8")
 
 
 def exponent(x, y) -> float:

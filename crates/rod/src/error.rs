@@ -1,5 +1,7 @@
 //! Errors of the rod.
 
+use scene::RodScheme;
+
 use crate::rod::LARGEST_GAIN;
 
 /// Why a rod could not be built, loaded, restored or stepped.
@@ -59,22 +61,24 @@ pub enum Error {
         /// Iterations of all attempts.
         iterations: usize,
     },
-    /// Generalised-α gains energy from nothing, also with smaller sub-steps.
+    /// The trapezoid or generalised-α gains energy from nothing, also with smaller sub-steps.
     #[error(
-        "generalised_alpha with rho_inf = {rho_inf} gains energy: while only constant forces work on the rod, its energy less \
-         their work must not rise by more than {:.3e} J (1 % of the largest kinetic or elastic energy), but it would from \
-         {lowest:.6e} J to {energy:.6e} J, also in the smallest sub-steps; tr_bdf2 does not gain, a smaller rho_inf or a \
-         smaller step may help", LARGEST_GAIN * largest
+        "{} gains energy: while only constant forces work on the rod, its energy less their work must not rise by more than \
+         {:.3e} J (1 % of the largest kinetic or elastic energy), but it would from {reference:.6e} J to {energy:.6e} J, also in \
+         sub-steps of {dt:.3e} s; tr_bdf2 does not gain, {}a smaller step may help",
+        name(scheme), LARGEST_GAIN * largest, if *scheme == RodScheme::Trapezoid { "" } else { "a smaller rho_inf or " }
     )]
     EnergyGain {
-        /// Spectral radius of the scheme at infinite frequency.
-        rho_inf: f64,
-        /// Lowest energy less the work of the loads since these last changed, J.
-        lowest: f64,
+        /// The scheme.
+        scheme: RodScheme,
+        /// Energy less the work of the loads that it must not rise above, J: [`crate::State::reference_energy`].
+        reference: f64,
         /// The same at the end of the sub-step that failed, J.
         energy: f64,
         /// Largest kinetic or elastic energy since then, J.
         largest: f64,
+        /// Length of that sub-step, s.
+        dt: f64,
     },
     /// The rod folds back on itself.
     #[error(
@@ -106,6 +110,14 @@ pub enum Error {
         /// The plane's other axis.
         axis: char,
     },
+}
+
+/// A watched scheme as scenes name it.
+fn name(scheme: &RodScheme) -> String {
+    match scheme {
+        RodScheme::GeneralisedAlpha { rho_inf } => format!("generalised_alpha with rho_inf = {rho_inf}"),
+        RodScheme::Trapezoid | RodScheme::TrBdf2 | RodScheme::Bdf2 => "trapezoid".into(),
+    }
 }
 
 impl Error {

@@ -54,6 +54,8 @@ pub struct Statistics {
     pub iterations: usize,
     /// Sub-steps.
     pub substeps: usize,
+    /// Sub-steps that failed, or would have gained energy, and were made half as long.
+    pub halvings: usize,
     /// Solves that plain Newton did not finish, so that shift and line search had to.
     pub rescues: usize,
     /// Largest number of negative pivots in a Newton matrix: above 0 it warns that the step is too long.
@@ -76,10 +78,11 @@ pub(crate) enum Failure {
     BadShape(BadShape),
     /// A rise of energy less the work of constant loads, J.
     Gain {
-        rho_inf: f64,
-        lowest: f64,
+        reference: f64,
         energy: f64,
         largest: f64,
+        /// In a sub-step of this length, s.
+        dt: f64,
     },
 }
 

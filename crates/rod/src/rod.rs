@@ -15,7 +15,7 @@ use crate::{Error, sensitivity};
 const HALVINGS: u32 = 6;
 /// Most steps of `max_step` that one call may ask for.
 const MAX_STEPS: f64 = 1e5;
-/// Largest rise of energy under constant loads, by the largest energy, with generalised-α.
+/// Largest rise of energy under constant loads, by the largest energy, with the trapezoid and generalised-α.
 pub(crate) const LARGEST_GAIN: f64 = 0.01;
 /// A strain, and turning angle per node, whose energy is nothing but rounding.
 const NO_STRAIN: f64 = 1e-10;
@@ -292,7 +292,10 @@ impl<const D: usize> Rod<D> {
                         size *= 2;
                     }
                 }
-                Err(_) if size > 1 => size /= 2,
+                Err(_) if size > 1 => {
+                    self.statistics.halvings += 1;
+                    size /= 2;
+                }
                 Err(failure) => {
                     self.state.copy_from(&self.before);
                     self.elastic.direction = self.state.direction;
@@ -413,14 +416,9 @@ impl<const D: usize> Rod<D> {
     fn substep(&mut self, span: Span, clamp: Option<&Clamp<D>>) -> Result<(), Failure> {
         let last_step = self.state.last_step;
         match self.parameters.scheme {
-            RodScheme::Trapezoid => self.stage(StepRule::trapezoid(span.dt), 1.0, span, clamp)?,
+            RodScheme::Trapezoid => self.watched_stage(StepRule::trapezoid(span.dt), span, clamp)?,
             RodScheme::GeneralisedAlpha { rho_inf } => {
-                self.before_substep.copy_from(&self.state);
-                self.stage(StepRule::generalised_alpha(rho_inf, span.dt), 1.0, span, clamp)?;
-                if let Err(gain) = self.watch_energy(rho_inf, span.largest_gain) {
-                    self.state.copy_from(&self.before_substep);
-                    return Err(gain);
-                }
+                self.watched_stage(StepRule::generalised_alpha(rho_inf, span.dt), span, clamp)?;
             }
             RodScheme::Bdf2 => self.stage(StepRule::bdf2(span.dt, last_step), 1.0, span, clamp)?,
             RodScheme::TrBdf2 => {
@@ -440,37 +438,63 @@ impl<const D: usize> Rod<D> {
         Ok(())
     }
 
-    /// Fail where the energy less the work of the loads has risen while only constant forces worked on the rod; nothing else
-    /// bounds that of generalised-α outside linear problems.
+    /// A whole sub-step by a `rule` that does not bound the energy outside linear problems: fails where the energy less the
+    /// work of the loads rises while only constant forces work on the rod. On failure the state is as before.
     ///
     /// The first sub-step under new loads blends two levels of them: the second is the first to compare with.
-    fn watch_energy(&mut self, rho_inf: f64, largest_gain: f64) -> Result<(), Failure> {
-        let before = &self.before_substep;
-        let constant = self.root.is_none()
-            && before.last_step > 0.0
-            && self.force[1..] == before.loads[1..]
+    fn watched_stage(&mut self, rule: StepRule, span: Span, clamp: Option<&Clamp<D>>) -> Result<(), Failure> {
+        let constant = clamp.is_none()
+            && self.state.last_step > 0.0
+            && self.force[1..] == self.state.loads[1..]
             && self.loads.impedance.iter().all(|&impedance| impedance == 0.0);
         if !constant {
+            self.stage(rule, 1.0, span, clamp)?;
             self.state.largest_energy = 0.0;
             return Ok(());
         }
+        self.before_substep.copy_from(&self.state);
+        self.stage(rule, 1.0, span, clamp)?;
+        let watched = self.watch_energy(span);
+        if watched.is_err() {
+            self.state.copy_from(&self.before_substep);
+        }
+        watched
+    }
+
+    /// Fail where the energy less the work of the loads is above its reference, or bring that up to date.
+    ///
+    /// The trapezoid gives back what its oscillating energy has lost: its reference is the first energy, of which only the
+    /// damping takes. That of generalised-α, which dissipates, is the lowest.
+    fn watch_energy(&mut self, span: Span) -> Result<(), Failure> {
         let shape = self.elastic.energy(&self.state.positions)?;
         let elastic = shape.stretching + shape.bending;
-        let (mut kinetic, mut work) = (0.0, 0.0);
+        let (mut kinetic, mut work, mut mean_squares) = (0.0, 0.0, 0.0);
         for (k, force) in self.force.iter().enumerate().skip(1) {
-            kinetic += 0.5 * self.mass(k) * self.state.velocities[k].norm_squared();
+            let (v, v_before) = (self.state.velocities[k], self.before_substep.velocities[k]);
+            kinetic += 0.5 * self.mass(k) * v.norm_squared();
             work += force.dot(&(self.state.positions[k] - self.rest[0]));
+            mean_squares += 0.25 * self.tributary[k] * (v + v_before).norm_squared();
         }
         let energy = kinetic + elastic - work;
+        let damped = self.parameters.damping * mean_squares * span.dt;
         let Elastic { axial, bending, segment_length, .. } = &self.elastic;
         let segments = self.parameters.segments as f64;
         let noise = 0.5 * segments * (axial * segment_length.powi(2) + bending) * NO_STRAIN.powi(2);
-        let lowest = if before.largest_energy == 0.0 { energy } else { before.lowest_energy };
-        let largest = before.largest_energy.max(kinetic).max(elastic).max(noise);
-        if energy > lowest + largest_gain * largest {
-            return Err(Failure::Gain { rho_inf, lowest, energy, largest });
+        let conserving = self.parameters.scheme == RodScheme::Trapezoid;
+        let State { reference_energy, largest_energy, .. } = &mut self.state;
+        let reference = if *largest_energy == 0.0 {
+            energy
+        } else if conserving {
+            *reference_energy - damped
+        } else {
+            *reference_energy
+        };
+        let largest = largest_energy.max(kinetic).max(elastic).max(noise);
+        if energy > reference + span.largest_gain * largest {
+            return Err(Failure::Gain { reference, energy, largest, dt: span.dt });
         }
-        (self.state.lowest_energy, self.state.largest_energy) = (lowest.min(energy), largest);
+        *reference_energy = if conserving { reference } else { reference.min(energy) };
+        *largest_energy = largest;
         Ok(())
     }
 
@@ -598,8 +622,8 @@ impl<const D: usize> Rod<D> {
             Failure::NotConverged(Imbalance { residual, tolerance, rounding }) => {
                 Error::NotConverged { residual, tolerance, rounding, iterations: self.statistics.iterations }
             }
-            Failure::Gain { rho_inf, lowest, energy, largest } => {
-                Error::EnergyGain { rho_inf, lowest, energy, largest }
+            Failure::Gain { reference, energy, largest, dt } => {
+                Error::EnergyGain { scheme: self.parameters.scheme, reference, energy, largest, dt }
             }
             Failure::BadShape(BadShape::Fold { node }) => {
                 Error::FoldBack { node, limit: FOLD * self.elastic.segment_length.powi(2) }

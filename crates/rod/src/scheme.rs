@@ -25,8 +25,8 @@
 //!
 //! The trapezoid does not damp axial waves that the step leaves unresolved: with the bar of CSM3 in 32 segments, each an
 //! axial spring k_e on a mass m, it held for 60 s at dt √(k_e/m) = 75 and gained energy from 370 on. Generalised-α with
-//! ρ = 0.5 and 0.8 and BDF2 lost energy up to 1.5e5, the stiffest tried. Where a rod folds, generalised-α may gain too: its
-//! energy is watched ([`crate::Error::EnergyGain`]).
+//! ρ = 0.5 and 0.8 and BDF2 lost energy up to 1.5e5, the stiffest tried. Where a rod folds, generalised-α may gain too. The
+//! energy of both is watched ([`crate::Error::EnergyGain`]).
 //!
 //! BDF2 takes its first step by backward Euler, whose local error is of second order, and does so again after a step
 //! that is more than [`LARGEST_RATIO`] times as long as the one before.

@@ -34,9 +34,10 @@ pub struct State<const D: usize> {
     pub direction_rate: Vector<D>,
     /// Length of the last step, s; 0 where there was none, so that the next step is a first step.
     pub last_step: f64,
-    /// Lowest energy less the work of the loads since these last changed, J (generalised-α must not rise above it).
-    pub lowest_energy: f64,
-    /// Largest kinetic or elastic energy since then, J; 0 where there is no lowest energy, as after a change of the shape.
+    /// Energy less the work of the loads that it must not rise above while these are constant, J: the lowest since they last
+    /// changed (generalised-α), or the first less what the damping has taken (trapezoid).
+    pub reference_energy: f64,
+    /// Largest kinetic or elastic energy since then, J; 0 where there is no reference, as after a change of the shape.
     pub largest_energy: f64,
     /// What the loads did.
     pub exchange: Exchange<D>,
@@ -97,7 +98,7 @@ impl<const D: usize> State<D> {
             direction_rate: Vector::zeros(),
             positions,
             last_step: 0.0,
-            lowest_energy: 0.0,
+            reference_energy: 0.0,
             largest_energy: 0.0,
             exchange: Exchange::none(),
             drive: Drive::none(),
@@ -135,7 +136,7 @@ impl<const D: usize> State<D> {
         self.direction = other.direction;
         self.direction_rate = other.direction_rate;
         self.last_step = other.last_step;
-        (self.lowest_energy, self.largest_energy) = (other.lowest_energy, other.largest_energy);
+        (self.reference_energy, self.largest_energy) = (other.reference_energy, other.largest_energy);
         self.exchange = other.exchange;
         self.drive = other.drive;
     }
@@ -178,8 +179,8 @@ impl<const D: usize> State<D> {
         if force.iter().chain(&moment).chain([&power, &work]).any(|number| !number.is_finite()) {
             return Err(Error::value("state.drive", format!("{:?}", self.drive), "finite"));
         }
-        if !self.lowest_energy.is_finite() {
-            return Err(Error::value("state.lowest_energy", self.lowest_energy, "finite"));
+        if !self.reference_energy.is_finite() {
+            return Err(Error::value("state.reference_energy", self.reference_energy, "finite"));
         }
         if !(self.largest_energy.is_finite() && self.largest_energy >= 0.0) {
             return Err(Error::value("state.largest_energy", self.largest_energy, "a finite number of at least 0 J"));

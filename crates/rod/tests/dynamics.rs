@@ -5,7 +5,7 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::{GENERALISED_ALPHA, SCHEMES, total_energy, turek_hron_bar, unit_rod};
-use rod::{Error, Parameters, Rod};
+use rod::{Error, Parameters, Rod, Root};
 use scene::{RodScheme, Section};
 
 /// Roots of 1 + cos b cosh b = 0: natural frequencies of a cantilever are b² sqrt(EI/µ)/L².
@@ -83,34 +83,51 @@ fn csm3_agrees_with_the_published_bar_within_a_percent() {
     }
 }
 
-/// Change of the total energy in 60 s of CSM3 by its largest part, the energy in gravity; ends where a gain reaches 0.34.
-fn energy_drift(scheme: RodScheme, dt: f64) -> f64 {
-    let mut rod = Rod::new(Parameters { scheme, ..turek_hron_bar(1.4e6, 2.0, 32) }).unwrap();
-    let (mut scale, mut drift) = (0.0_f64, 0.0);
+/// The bar of CSM3 in 32 segments.
+fn csm3(scheme: RodScheme) -> Rod<2> {
+    Rod::new(Parameters { scheme, ..turek_hron_bar(1.4e6, 2.0, 32) }).unwrap()
+}
+
+/// Change of the total energy in 60 s by its largest part, the energy in gravity, and halvings; ends where a gain reaches 0.34.
+fn energy_drift(mut rod: Rod<2>, dt: f64) -> (f64, usize) {
+    let (mut scale, mut drift, mut halvings) = (0.0_f64, 0.0, 0);
     for _ in 0..(60.0 / dt).round() as usize {
         rod.step(dt).unwrap();
+        halvings += rod.statistics().halvings;
         scale = scale.max(rod.energy().unwrap().gravity.abs());
         drift = total_energy(&rod) / scale;
         if drift >= 0.34 {
             break;
         }
     }
-    drift
+    (drift, halvings)
 }
 
 #[test]
 fn default_scheme_loses_less_than_a_percent_of_energy_in_a_minute_of_csm3() {
-    let drift = energy_drift(RodScheme::default(), 1e-2);
+    let (drift, _) = energy_drift(csm3(RodScheme::default()), 1e-2);
     assert!(-1e-2 < drift && drift <= 0.0, "{drift}");
 }
 
-/// Not for the thesis' rule: at twice that step it gains a third, and more if it is let go on.
+/// Not for the thesis' rule: at twice that step it gains a third, and more if it is let go on. So it does here under a root
+/// that is driven, but to where it is: what else may work on such a rod is not known, and its energy is not watched.
 #[test]
 fn trapezoid_gains_a_third_of_energy_in_a_minute_of_csm3() {
-    let drift = energy_drift(RodScheme::Trapezoid, 2e-2);
-    assert!(drift >= 0.34, "{drift}");
-    let default = energy_drift(RodScheme::default(), 2e-2);
+    let mut unwatched = csm3(RodScheme::Trapezoid);
+    let &Parameters { root: position, direction, .. } = unwatched.parameters();
+    unwatched.root = Some(Root { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
+    let (drift, halvings) = energy_drift(unwatched, 2e-2);
+    assert!(drift >= 0.34 && halvings == 0, "{drift}, {halvings} halvings");
+    let (default, _) = energy_drift(csm3(RodScheme::default()), 2e-2);
     assert!(-1e-2 < default && default <= 0.0, "default scheme: {default}");
+}
+
+#[test]
+fn trapezoid_holds_its_energy_in_a_minute_of_csm3_where_it_is_watched() {
+    let (resolved, halvings) = energy_drift(csm3(RodScheme::Trapezoid), 1e-2);
+    assert!(resolved.abs() < 1e-5 && halvings == 0, "{resolved}, {halvings} halvings");
+    let (coarse, halvings) = energy_drift(csm3(RodScheme::Trapezoid), 2e-2);
+    assert!(coarse.abs() < 1e-2 && halvings > 0, "{coarse}, {halvings} halvings");
 }
 
 /// A tip force A sin²(πt/2) on a rod with four soft segments, up to t = 1.
@@ -202,7 +219,7 @@ fn dissipative_schemes_never_gain_energy_on_a_stiff_rod() {
 }
 
 /// Largest rise, by the largest kinetic or elastic energy, of energy less the work of the present loads above the lowest
-/// since a call of the closure changed them; counts from the third step after that.
+/// since a call of the closure changed them, with the trapezoid above the first; counts from the third step after that.
 fn largest_rise<const D: usize>(
     rod: &mut Rod<D>,
     dt: f64,
@@ -227,7 +244,8 @@ fn largest_rise<const D: usize>(
         let total = total_energy(rod) - work;
         largest = largest.max(energy.kinetic).max(energy.stretching + energy.bending);
         if since > 2 {
-            lowest = lowest.min(total);
+            let conserving = rod.parameters().scheme == RodScheme::Trapezoid;
+            lowest = if conserving && since > 3 { lowest } else { lowest.min(total) };
             rise = rise.max((total - lowest) / largest);
         }
     }
@@ -235,21 +253,21 @@ fn largest_rise<const D: usize>(
 }
 
 /// The beam of the thesis, section 2.4.1, in units of its length, without weight.
-fn calm_rod(rho_inf: f64) -> Rod<3> {
+fn calm_rod(scheme: RodScheme) -> Rod<3> {
     let section =
         Section { line_density: 0.0571, bending_stiffness: 0.0259, axial_stiffness: 95.18, shear_stiffness: None };
-    let scheme = RodScheme::GeneralisedAlpha { rho_inf };
     let mut rod = Rod::new(Parameters { section, ..unit_rod(64, 1.0, scheme) }).unwrap();
     rod.loads.force = vec![0.0; 3 * 65];
     rod
 }
 
 /// The tip is pushed through the root and let go, in steps that do not resolve its axial waves: unwatched, rho_inf = 0.8
-/// gained 77 % here.
+/// gained 77 % here, and the trapezoid as much as there was.
 #[test]
-fn generalised_alpha_does_not_gain_energy_where_the_rod_folds_back() {
-    for rho_inf in [0.5, 0.8, 0.95, 1.0] {
-        let mut rod = calm_rod(rho_inf);
+fn watched_schemes_do_not_gain_energy_where_the_rod_folds_back() {
+    let generalised_alpha = [0.5, 0.8, 0.95, 1.0].map(|rho_inf| RodScheme::GeneralisedAlpha { rho_inf });
+    for scheme in generalised_alpha.into_iter().chain([RodScheme::Trapezoid]) {
+        let mut rod = calm_rod(scheme);
         let mut substeps = 0;
         let result = largest_rise(&mut rod, 2e-2, 400, |rod, step| {
             substeps = substeps.max(rod.statistics().substeps);
@@ -258,10 +276,10 @@ fn generalised_alpha_does_not_gain_energy_where_the_rod_folds_back() {
             step == 0 || step == 200
         });
         match result {
-            Ok(rise) => assert!(rise <= 0.01 && substeps > 1, "{rho_inf}: a rise of {rise}, {substeps} sub-steps"),
+            Ok(rise) => assert!(rise <= 0.01 && substeps > 1, "{scheme:?}: a rise of {rise}, {substeps} sub-steps"),
             Err(error) => {
                 let message = error.to_string();
-                assert!(message.contains("gains energy") && message.contains("tr_bdf2"), "{rho_inf}: {message}");
+                assert!(message.contains("gains energy") && message.contains("tr_bdf2"), "{scheme:?}: {message}");
             }
         }
     }
@@ -270,24 +288,55 @@ fn generalised_alpha_does_not_gain_energy_where_the_rod_folds_back() {
 /// A blow that the smallest sub-step does not resolve.
 #[test]
 fn step_that_would_gain_energy_ends_with_an_error_and_the_state_as_it_was() {
-    let mut rod = calm_rod(0.9);
+    let mut rod = calm_rod(RodScheme::GeneralisedAlpha { rho_inf: 0.9 });
     (rod.loads.force[64], rod.loads.force[2 * 65 - 1]) = (-1e4, 100.0);
     let error = largest_rise(&mut rod, 0.1, 100, |_, _| false).unwrap_err();
-    assert!(matches!(error, Error::EnergyGain { rho_inf: 0.9, .. }), "{error}");
+    assert!(matches!(error, Error::EnergyGain { scheme: RodScheme::GeneralisedAlpha { rho_inf: 0.9 }, .. }), "{error}");
+}
+
+/// A state that says it began with less than it has.
+#[test]
+fn trapezoid_that_has_gained_energy_ends_with_an_error_that_gives_it() {
+    let mut rod = csm3(RodScheme::Trapezoid);
+    (0..30).for_each(|_| rod.step(6.4e-3).unwrap());
+    let mut state = rod.state().clone();
+    state.reference_energy -= 0.02 * state.largest_energy;
+    rod.restore(&state).unwrap();
+    let message = rod.step(6.4e-3).unwrap_err().to_string();
+    assert_eq!(rod.state(), &state);
+    let reference = format!("from {:.6e} J to ", state.reference_energy);
+    for part in ["trapezoid gains energy", &reference, "in sub-steps of 1.000e-4 s", "tr_bdf2", "smaller step"] {
+        assert!(message.contains(part), "no {part:?} in {message:?}");
+    }
+}
+
+/// What the damping takes is not there to be gained again.
+#[test]
+fn reference_of_the_trapezoid_follows_the_damping() {
+    let damping = 0.4;
+    let mut rod = Rod::new(Parameters { damping, ..unit_rod::<2>(32, 1e4, RodScheme::Trapezoid) }).unwrap();
+    bend_into_mode(&mut rod, CANTILEVER[0], 1e-3);
+    let start = total_energy(&rod);
+    for step in 0..1000 {
+        rod.step(5e-3).unwrap();
+        let (energy, reference) = (total_energy(&rod), rod.state().reference_energy);
+        assert!(step == 0 || (energy - reference).abs() < 1e-5 * start, "step {step}: {energy} against {reference}");
+    }
+    assert!(total_energy(&rod) < 0.2 * start, "{} J after {start} J", total_energy(&rod));
 }
 
 /// Thirty periods of CSM3 at a sixtieth of a period.
 #[test]
 fn free_swing_with_little_dissipation_is_not_stopped() {
-    for rho_inf in [0.0, 0.5, 0.8, 0.95] {
-        let scheme = RodScheme::GeneralisedAlpha { rho_inf };
-        let mut rod = Rod::new(Parameters { scheme, ..turek_hron_bar(1.4e6, 2.0, 32) }).unwrap();
+    let generalised_alpha = [0.0, 0.5, 0.8, 0.95].map(|rho_inf| RodScheme::GeneralisedAlpha { rho_inf });
+    for scheme in generalised_alpha.into_iter().chain([RodScheme::Trapezoid]) {
+        let mut rod = csm3(scheme);
         let mut substeps = 0;
         let rise = largest_rise(&mut rod, 1.5e-2, 1800, |rod, _| {
             substeps = substeps.max(rod.statistics().substeps);
             false
         });
-        assert!(rise.unwrap() < 1e-3 && substeps == 1, "{rho_inf}: {substeps} sub-steps");
+        assert!(rise.unwrap() < 1e-3 && substeps == 1, "{scheme:?}: {substeps} sub-steps");
     }
 }
 

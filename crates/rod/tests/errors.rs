@@ -163,7 +163,7 @@ fn bad_states_are_named() {
         (edit(|s| s.positions[0][1] = 0.1), ["state.positions[0] is [0.25, 0.1]", "the root's position"]),
         (edit(|s| s.velocities[0][1] = 0.1), ["state.velocities[0] is [0.0, 0.1]", "0 at the clamp"]),
         (edit(|s| s.last_step = -1.0), ["state.last_step is -1", "at least 0"]),
-        (edit(|s| s.lowest_energy = f64::INFINITY), ["state.lowest_energy is inf", "finite"]),
+        (edit(|s| s.reference_energy = f64::INFINITY), ["state.reference_energy is inf", "finite"]),
         (edit(|s| s.largest_energy = -1.0), ["state.largest_energy is -1", "at least 0 J"]),
         (edit(|s| s.positions[2] = s.positions[0]), ["folds back at node 1", "must be above"]),
     ] {

@@ -1,11 +1,24 @@
 """FSI3: docs/fsi3.md, docs/fsi3/thesis.md, and what the README has of them."""
 
 import json
+import textwrap
 from collections.abc import Callable, Iterator
 from functools import partial
 
 from cosim.scene import reference
-from studies.fsi3 import COARSE, COSINE, FINE, NO_SHEAR, PRESSURE_JUMP, RUNS, VARIED
+from studies.fsi3 import (
+    COARSE,
+    COSINE,
+    FINE,
+    NO_SHEAR,
+    PRESSURE_JUMP,
+    QUANTITIES as QUANTITIES_OF_A_RUN,
+    RAMP,
+    RUNS,
+    THESIS_RUNS,
+    VARIED,
+    WAVES,
+)
 
 from ..cases import QUANTITIES, TOLERANCE, references
 from ..measure import unit_of
@@ -24,6 +37,13 @@ CITED = (
     ("nutils", "as cited", None, 5300.0, {}),
 )
 """Other solvers of FSI3, not measured here: wall time a simulated second, s."""
+
+THESIS = {
+    "level 1": {"drag": (1107, 430), "lift": (506, -543), "tip_uy": (32.2e-3, -14.1e-3)},
+    "level 2": {"drag": (719, 356), "lift": (276, -330), "tip_uy": (39.9e-3, -34.4e-3), "frequency": 5.555},
+}
+"""Table 4.2 of the thesis: largest and smallest values from t = 1.1 to 4.375 s, N/m and m; the frequency is in its
+text, Hz."""
 
 SOURCE = "docs/fsi3/runs.json"
 
@@ -94,10 +114,10 @@ def rows() -> Iterator[Row]:
                     tolerance=TOLERANCE[case],
                     **shared,
                 )
-            elif group not in PLACES or "." not in quantity or quantity.startswith("window"):
+            elif group not in PLACES or quantity.split(".")[0] not in QUANTITIES_OF_A_RUN or "," in quantity:
                 about = case if group not in PLACES else f"{case}, the run"
                 yield Row(about, method, setting, quantity, number, unit_of(quantity), **shared)
-        if group == "iterations" and run["iterations"]:
+        if run["iterations"] not in (None, 1.0):
             yield Row(case, method, setting, "iterations a step", run["iterations"], "1", **shared)
         yield Row(f"{case}, the run", method, setting, "reached", run["reached"], "s", **shared)
         if group == "grid":
@@ -108,13 +128,23 @@ def rows() -> Iterator[Row]:
                     setting,
                     phase,
                     seconds / run["wall_s"],
-                    "share of wall time",
+                    "by wall time of the loop",
                     size=run["cells"][0],
                     command=run["command"],
                     machine=machine_of(run),
                     source=SOURCE,
                 )
     yield from cited()
+    yield from thesis_rows()
+
+
+def thesis_rows() -> Iterator[Row]:
+    for level, found in THESIS.items():
+        for quantity, numbers in found.items():
+            named = {"": numbers} if quantity == "frequency" else dict(zip((".max", ".min"), numbers))
+            for what, number in named.items():
+                unit = "Hz" if quantity == "frequency" else unit_of(quantity)
+                yield Row("fsi3, thesis", "as printed", level, f"{quantity}{what}", number, unit, source="cited")
 
 
 def base_of(group: str) -> str:
@@ -235,6 +265,93 @@ def changes(rows: Rows, group: str) -> list[str]:
     return markdown(["change", *HEADER[1:]], table)
 
 
+LEVELS = {"level 1": ("none", "325 x 72"), "level 2": ("level 2", "650 x 144")}
+"""Name of the thesis' runs, and their grids."""
+
+
+def pairs(numbers: dict[str, tuple[float, float]]) -> list[str]:
+    """Largest / smallest drag, lift and uy (mm)."""
+    scaled = {name: [1e3 * v if name == "tip_uy" else v for v in pair] for name, pair in numbers.items()}
+    return [f"{high:.{1 if name == 'tip_uy' else 0}f} / {low:.{1 if name == 'tip_uy' else 0}f}" for name, (high, low) in scaled.items()]
+
+
+def extremes_of(rows: Rows, case: str, method: str, grid: str, begin: float) -> list[str]:
+    def of(name: str, what: str) -> float:
+        return rows.one(case, method, grid, f"{name}.{what}, from {begin:g} s").value
+
+    return pairs({name: (of(name, "max"), of(name, "min")) for name in ("drag", "lift", "tip_uy")})
+
+
+def published_extremes() -> list[str]:
+    q = reference("fsi3")["primary"]["quantities"]
+    return pairs({n: (q[n]["mean"] + q[n]["amplitude"], q[n]["mean"] - q[n]["amplitude"]) for n in ("drag", "lift", "tip_uy")})
+
+
+def thesis_extremes(rows: Rows) -> list[str]:
+    """Largest and smallest values over the thesis' window, printed and here."""
+    table = []
+    for level, (name, grid) in LEVELS.items():
+        printed = THESIS[level]
+        cells = pairs({name: printed[name] for name in ("drag", "lift", "tip_uy")})
+        table.append([f"thesis, {level}", *cells, printed.get("frequency", "")])
+        frequency = str(value(rows.one("fsi3, thesis", name, grid, "tip_uy.frequency_hz"), ".2f"))
+        table.append([f"here, {level}", *extremes_of(rows, "fsi3, thesis", name, grid, 1.1), frequency])
+    table.append(["here, level 2, from 3.5 s on", *extremes_of(rows, "fsi3, thesis", name, grid, 3.5), frequency])
+    q = reference("fsi3")["primary"]["quantities"]
+    table.append(["reference", *published_extremes(), f"{q['tip_uy']['frequency_hz']:.2f}"])
+    return markdown(["", "drag [N/m]", "lift [N/m]", "uy [mm]", "f [Hz]"], table)
+
+
+def thesis_changes(rows: Rows) -> list[str]:
+    """One change of the thesis' settings at a time: extremes, and the settled motion."""
+
+    def settled(q: dict[str, float]) -> list[str]:
+        uy = f"{1e3 * q['tip_uy.mean']:.1f} ± {1e3 * q['tip_uy.amplitude']:.1f} [{q['tip_uy.frequency_hz']:.2f}]"
+        return [uy, *(f"{q[f'{n}.mean']:.0f} ± {q[f'{n}.amplitude']:.0f}" for n in ("drag", "lift"))]
+
+    table = []
+    for name, changed in THESIS_RUNS.items():
+        if name != "level 2":
+            q = {row.quantity: row.value for row in rows.of("fsi3, thesis", method=name)}
+            label = ", ".join(f"`{change}`" for change in changed) or "none"
+            table.append([label, *extremes_of(rows, "fsi3, thesis", name, GRIDS[0], 1.1), *settled(q)])
+    q = {row.quantity: row.value for row in rows.of("fsi3", method="momentum load", setting=GRIDS[0])}
+    label = "the shipped `scenes/fsi3-325x72.json`"
+    table.append([label, *extremes_of(rows, "fsi3, the run", "momentum load", GRIDS[0], 1.1), *settled(q)])
+    q = {f"{n}.{what}": v for n, part in reference("fsi3")["primary"]["quantities"].items() for what, v in part.items()}
+    table.append(["reference", *published_extremes(), *settled(q)])
+    return markdown(["change", "drag", "lift", "uy", "settled uy", "drag", "lift"], table)
+
+
+def thesis_waves(rows: Rows) -> list[str]:
+    """Growth of short waves, and how the runs end."""
+    table = []
+    for name, changed in WAVES.items():
+        if name == "bdf2, iterated":
+            continue
+        grid = GRIDS[1] if name == "level 2" else GRIDS[0]
+        ended = rows.one("fsi3, waves, the run", name, grid, "reached")
+        growth = {row.quantity: row.value for row in rows.of("fsi3, waves", method=name)}
+        rate, there = "too fast for a rate", ""
+        if "growth" in growth:
+            rate = f"{growth['growth']:.1f} /s to {growth['growth.to']:.2f} s"
+            there = f"{1e3 * growth['growth.size']:.1f} mm/s at {growth['growth.frequency_hz']:.0f} Hz"
+        label = "a ramp of 2 s" if RAMP[0] in changed else ", ".join(f"`{c}`" for c in changed if not c.startswith("time.end"))
+        outcome = f"{ended.value:.3f} s: {reason_of(ended)}" if ended.outcome == "error" else f"holds (to {ended.value:g} s)"
+        table.append([label or "none, with the scene's own `bdf2`", rate, there, outcome])
+    return markdown(["change", "growth", "what is there then", "the run ends"], table)
+
+
+def reason_of(row: Row) -> str:
+    """The kind of an error, in a few words."""
+    kinds = {"singular": "a projected angle is singular", "converge": "no convergence", "unstable": "the load is unstable"}
+    return next((said for word, said in kinds.items() if word in row.reason), row.reason[:60])
+
+
+def thesis_error(rows: Rows) -> list[str]:
+    return ["", *textwrap.wrap(rows.one("fsi3, waves, the run", "none", GRIDS[0], "reached").reason, 120, initial_indent="    ", subsequent_indent="    "), ""]
+
+
 def tables(rows: Rows) -> dict[str, Callable[[], list[str]]]:
     return {
         "fsi3": partial(readme, rows),
@@ -242,6 +359,10 @@ def tables(rows: Rows) -> dict[str, Callable[[], list[str]]]:
         "cfd3": partial(still, rows),
         "fsi3-coarse": partial(changes, rows, "coarse"),
         "fsi3-fine": partial(changes, rows, "fine"),
+        "thesis-extremes": partial(thesis_extremes, rows),
+        "thesis-changes": partial(thesis_changes, rows),
+        "thesis-waves": partial(thesis_waves, rows),
+        "thesis-error": partial(thesis_error, rows),
     }
 
 
@@ -276,9 +397,10 @@ def values(rows: Rows) -> Iterator[tuple[str, Value]]:
         row = of(grid, "tip_uy.amplitude")
         seconds = row.cpu_s / SIMULATED
         yield f"fsi3.{grid.replace(' ', '')}.time", Value(seconds, ".1f" if seconds < 20 else ".0f", "s", row.command)
-    shares = [rows.one("phases fsi3", "momentum load", grid, "exchange_and_python") for grid in SHIPPED]
-    for name, row in (("least", min(shares, key=value_of)), ("most", max(shares, key=value_of))):
-        yield f"fsi3.exchange.{name}", value(row, ".0f", "%", 100)
+    insides = [[rows.one("phases fsi3", "momentum load", grid, unit) for unit in ("rod", "fluid")] for grid in SHIPPED]
+    shares = sorted((1 - rod.value - fluid.value, fluid) for rod, fluid in insides)
+    for name, (share, row) in (("least", shares[0]), ("most", shares[-1])):
+        yield f"fsi3.exchange.{name}", percent(share, ".0f", row)
 
     periods = [rows.one("fsi3, the run", "momentum load", grid, "periods") for grid in GRIDS[1:]]
     for name, row in (("least", min(periods, key=value_of)), ("most", max(periods, key=value_of))):
@@ -333,6 +455,19 @@ def values(rows: Rows) -> Iterator[tuple[str, Value]]:
     heavy = "rod.material.plane_strain.density=1050"
     for name, quantity in (("f", "tip_uy.frequency_hz"), ("lift", "lift.amplitude")):
         yield f"fsi3.heavy.{name}", percent(by("fine", heavy, quantity), "+.1f", changed("fine", heavy, quantity))
+
+    for level, (name, grid) in LEVELS.items():
+        for quantity in ("drag.max", "lift.max", "lift.min"):
+            row = rows.one("fsi3, thesis", name, grid, f"{quantity}, from 1.1 s")
+            printed = rows.one("fsi3, thesis", "as printed", level, quantity)
+            yield f"fsi3.thesis.{name.replace(' ', '')}.{quantity}", percent(row.value / printed.value - 1, "+.0f", row)
+    yield "fsi3.thesis.cfl", value(rows.one("fsi3, thesis", "none", GRIDS[0], "cfl"), ".3f")
+    yield "fsi3.thesis.frequency", value(rows.one("fsi3, waves", "none", GRIDS[0], "growth.frequency_hz"), ".1f", "kHz", 1e-3)
+    yield "fsi3.thesis.iterations", value(rows.one("fsi3, waves", "bdf2, iterated", GRIDS[0], "iterations a step"), ".1f")
+    size = rows.one("fsi3, the run", "momentum load", GRIDS[0], "growth.size")
+    yield "fsi3.thesis.shipped", value(size, ".0f", "mm/s", 1e3)
+    row = rows.one("fsi3, the run", "momentum load", GRIDS[0], "growth.frequency_hz")
+    yield "fsi3.thesis.shipped.frequency", value(row, ".0f")
 
 
 ERRORS = {

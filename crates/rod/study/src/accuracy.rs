@@ -1,13 +1,14 @@
 //! Accuracy: deflection, orders of convergence, bending models, energy.
 
 use std::f64::consts::{FRAC_PI_4, PI};
+use std::path::Path;
 use std::time::Instant;
 
 use rod::{Parameters, Rod};
-use scene::{Bending, Calibration, RodScheme};
+use scene::{Bending, Calibration, Material, RodScheme, Scene};
 
 use crate::Table;
-use crate::rods::{SCHEMES, csm3, elastica, thesis_beam, total_energy};
+use crate::rods::{SCHEMES, csm3, elastica, thesis_beam, total_energy, unwatched};
 
 fn calibrations() -> [(&'static str, Calibration); 3] {
     [
@@ -139,31 +140,91 @@ pub fn bending_models() -> Table {
     table
 }
 
-/// Total energy in 60 s of CSM3 from rest, relative to the largest energy in gravity, every 0.2 s.
+/// CSM1 at rest and CSM3 over ten periods of 0.91 s, (max ± min)/2 of each averaged, as the scenes are shipped and without
+/// shear and set-back: tip, m, and frequency, Hz, from the first to the last crossing of the mean.
+pub fn csm() -> Table {
+    let mut table = Table::new("scene,rod,quantity,value");
+    for (rod_is, stiff) in [("as shipped", false), ("without shear and set-back", true)] {
+        let built = |name: &str| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../scenes").join(name);
+            let mut scene = Scene::from_file(&path).expect("a shipped scene");
+            let rod = scene.rod.as_mut().expect("a scene with a rod");
+            if stiff && let Material::PlaneStrain { shear_factor, .. } = &mut rod.material {
+                (*shear_factor, rod.clamp_setback) = (None, 0.0);
+            }
+            Rod::<2>::from_scene(&scene).expect("a shipped scene")
+        };
+        let mut rod = built("csm1.json");
+        rod.solve_static().expect("a beam under its weight has an equilibrium");
+        let at_rest = rod.tip_displacement();
+        table.push(&[&"csm1", &rod_is, &"tip_ux.mean", &at_rest[0]]);
+        table.push(&[&"csm1", &rod_is, &"tip_uy.mean", &at_rest[1]]);
+
+        let (dt, periods, steps) = (1e-3, 10, 910);
+        let mut rod = built("csm3.json");
+        let tips: Vec<[f64; 2]> = (0..periods * steps)
+            .map(|_| {
+                rod.step(dt).expect("an easy step");
+                rod.tip_displacement()
+            })
+            .collect();
+        for (d, name) in ["tip_ux", "tip_uy"].into_iter().enumerate() {
+            let extremes = |of_period: &[[f64; 2]]| {
+                let values = || of_period.iter().map(|tip| tip[d]);
+                (values().fold(f64::MIN, f64::max), values().fold(f64::MAX, f64::min))
+            };
+            for (what, sign) in [("mean", 1.0), ("amplitude", -1.0)] {
+                let half = |(high, low): (f64, f64)| 0.5 * (high + sign * low);
+                let average = tips.chunks(steps).map(|part| half(extremes(part))).sum::<f64>() / periods as f64;
+                table.push(&[&"csm3", &rod_is, &format!("{name}.{what}"), &average]);
+            }
+            let (high, low) = extremes(&tips);
+            table.push(&[&"csm3", &rod_is, &format!("{name}.highest"), &high]);
+            let mean = 0.5 * (high + low);
+            let crossings: Vec<f64> = tips
+                .windows(2)
+                .enumerate()
+                .filter(|(_, pair)| pair[0][d] < mean && pair[1][d] >= mean)
+                .map(|(k, pair)| dt * (k as f64 + (mean - pair[0][d]) / (pair[1][d] - pair[0][d])))
+                .collect();
+            let frequency = (crossings.len() - 1) as f64 / (crossings[crossings.len() - 1] - crossings[0]);
+            table.push(&[&"csm3", &rod_is, &format!("{name}.frequency_hz"), &frequency]);
+        }
+    }
+    table
+}
+
+/// Total energy in 60 s of CSM3 from rest, relative to the largest energy in gravity, every 0.2 s, with the highest until
+/// then and the sub-steps that were halved; the trapezoid also unwatched.
 pub fn csm3_energy() -> Table {
-    let mut table = Table::new("scheme,n,dt,time,energy");
-    for (name, scheme) in SCHEMES {
+    let mut table = Table::new("scheme,n,dt,time,energy,highest,halvings");
+    let watched = SCHEMES.map(|(name, scheme)| (name, scheme, true));
+    for (name, scheme, watch) in [("trapezoid, unwatched", RodScheme::Trapezoid, false)].into_iter().chain(watched) {
         for (n, dt) in [(32, 0.02), (32, 0.01), (128, 0.01), (128, 0.005)] {
-            let mut rod = Rod::new(csm3(n, scheme)).expect("these parameters are good");
+            let rod = Rod::new(csm3(n, scheme)).expect("these parameters are good");
+            let mut rod = if watch { rod } else { unwatched(rod) };
             let every = (0.2 / dt) as usize;
             let mut scale = 0.0_f64;
-            let mut energies = Vec::new();
+            let (mut energies, mut highest, mut halvings) = (Vec::new(), 0.0_f64, 0);
             for step in 1..=(60.0 / dt) as usize {
                 if rod.step(dt).is_err() {
                     break;
                 }
+                highest = highest.max(total_energy(&rod));
+                halvings += rod.statistics().halvings;
                 scale = scale.max(rod.energy().map_or(0.0, |energy| energy.gravity.abs()));
                 // A gain of as much as there is says enough.
                 let gained = total_energy(&rod) > scale;
                 if gained || step % every == 0 {
-                    energies.push((step as f64 * dt, total_energy(&rod)));
+                    energies.push((step as f64 * dt, total_energy(&rod), highest, halvings));
                 }
                 if gained {
                     break;
                 }
             }
-            for (time, energy) in energies {
-                table.push(&[&name, &n, &dt, &format!("{time:.1}"), &format!("{:.3e}", energy / scale)]);
+            for (time, energy, highest, halvings) in energies {
+                let relative = |energy: f64| format!("{:.3e}", energy / scale);
+                table.push(&[&name, &n, &dt, &format!("{time:.1}"), &relative(energy), &relative(highest), &halvings]);
             }
         }
     }

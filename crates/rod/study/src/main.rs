@@ -17,13 +17,14 @@ use std::process::exit;
 /// Name of a CSV file, and what computes its first line and rows.
 type Study = (&'static str, fn() -> Table);
 
-const STUDIES: [Study; 9] = [
+const STUDIES: [Study; 10] = [
     ("condition", condition::table),
     ("runtime", runtime::table),
     ("deflection", accuracy::deflection),
     ("order_in_n", accuracy::order_in_n),
     ("order_in_dt", accuracy::order_in_dt),
     ("bending_models", accuracy::bending_models),
+    ("csm", accuracy::csm),
     ("csm3_energy", accuracy::csm3_energy),
     ("extreme", extreme::table),
     ("situations", extreme::situations),

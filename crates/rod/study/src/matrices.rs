@@ -15,7 +15,8 @@ pub fn newton_matrix(n: usize) -> Banded {
     let mut rod = Rod::new(diagonal).expect("these parameters are good");
     (0..5).for_each(|_| rod.step(DT).expect("an easy step"));
     let mut matrix = rod.stiffness().expect("a shape that steps have reached");
-    matrix.shift(4.0 * 0.0571 / n as f64 / (DT * DT));
+    let inertia = 4.0 * 0.0571 / n as f64 / (DT * DT);
+    (0..matrix.order()).for_each(|j| matrix.column_mut(j)[0] += inertia);
     matrix
 }
 

@@ -1,6 +1,6 @@
 //! Rods and the exact solution that several studies use.
 
-use rod::Parameters;
+use rod::{Parameters, Rod, Root};
 use scene::{Bending, Calibration, Material, RodScheme, Section};
 
 /// Schemes by name.
@@ -47,11 +47,24 @@ pub fn thesis_beam<const D: usize>(segments: usize) -> Parameters<D> {
 pub fn csm3(segments: usize, scheme: RodScheme) -> Parameters<2> {
     Parameters {
         length: 0.35,
-        section: Material::PlaneStrain { density: 1000.0, youngs_modulus: 1.4e6, poisson_ratio: 0.4, shear_factor: None }.section(0.02),
+        section: Material::PlaneStrain {
+            density: 1000.0,
+            youngs_modulus: 1.4e6,
+            poisson_ratio: 0.4,
+            shear_factor: None,
+        }
+        .section(0.02),
         gravity: [0.0, -2.0],
         scheme,
         ..thesis_beam(segments)
     }
+}
+
+/// The same rod with nothing watched: its root is driven, but to where it is.
+pub fn unwatched(mut rod: Rod<2>) -> Rod<2> {
+    let &Parameters { root: position, direction, .. } = rod.parameters();
+    rod.root = Some(Root { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
+    rod
 }
 
 /// Shape (x, y) of the exact elastica, clamped along x, under `weight` per length at rest along −y, at `points` + 1 equal
@@ -100,6 +113,6 @@ pub fn elastica(length: f64, weight: f64, bending: f64, axial: f64, points: usiz
 }
 
 /// Kinetic, elastic and gravity energy together, J.
-pub fn total_energy<const D: usize>(rod: &rod::Rod<D>) -> f64 {
+pub fn total_energy<const D: usize>(rod: &Rod<D>) -> f64 {
     rod.energy().map_or(f64::NAN, |e| e.kinetic + e.stretching + e.bending + e.gravity)
 }
