@@ -83,7 +83,7 @@ $(READY): requirements.lock
 
 ROD_STUDY := cargo run --release --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
 
-.PHONY: rod-study bench-rod fluid-study
+.PHONY: rod-study bench-rod fluid-study fluid-measures
 
 rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
 	$(ROD_STUDY) -- docs/rod
@@ -115,10 +115,10 @@ BENCH_VENV := target/fluid-bench/venv
 
 .PHONY: bench-fluid
 
-bench-fluid: $(BENCH_VENV)/.ready ## compare the fluid's speed with FFTW's and write the tables in docs/fluid-speed.md anew
+bench-fluid: $(BENCH_VENV)/.ready ## compare the fluid's speed with FFTW's, by phase and by threads, write docs/fluid/speed.csv
 	FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)" \
 	cargo run --release --locked --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench -- \
-	docs/fluid-speed.md
+	docs/fluid/speed.csv
 
 $(BENCH_VENV)/.ready: requirements-bench.lock
 	$(PYTHON) -m venv --clear $(BENCH_VENV)
@@ -178,7 +178,7 @@ sanitizers: $(READY) ## call both units under AddressSanitizer and valgrind; nee
 PEERS_VENV := target/report/venv
 REPORT := $(RUN) scripts/report
 
-STUDIES := rod-study fluid-study bench-fluid fsi3-study coupling-study vein-study
+STUDIES := rod-study fluid-measures fluid-study bench-fluid fsi3-study coupling-study vein-study
 
 report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine), write docs/report
 	$(REPORT) measure $(ARGS)

@@ -42,7 +42,7 @@ FLUID_ONLY = {
         "inflow": {"x": [-1.0, -0.8], "profile": "uniform", "mean_velocity": {"steady": 1.0}, "c_eta": 1e-2},
         "cylinders": [{"center": [0.0, 0.0], "radius": 0.15}],
         "mask": {"cosine": {"c_eta": 1e-2, "half_width": 1.0}},
-        "time_stepping": {"max_step": 1e-3, "max_cfl": 0.5},
+        "time_stepping": {"max_step": 1e-3, "max_cfl": 0.4},
     },
 }
 """A cylinder in the middle of a uniform stream that starts at once."""

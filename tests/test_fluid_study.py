@@ -34,6 +34,14 @@ def test_an_offset_moves_the_grid_by_parts_of_a_cell():
     assert moved["cylinders"] == still["cylinders"] and moved["channel"] == still["channel"]
 
 
+@pytest.mark.parametrize(
+    ("name", "cpu", "runs"),
+    [("grid/a", 9.0, 5), ("thesis/a", 39.0, 3), ("grid/a", 41.0, 1), ("dt/a", 1.0, 1)],
+)
+def test_short_cases_that_are_drawn_over_time_run_several_times(name, cpu, runs):
+    assert fluid.repeats(fluid.Case(name, "2D-2", 100, 1e-3), cpu) == runs
+
+
 @pytest.fixture
 def small(monkeypatch, tmp_path):
     """The study with two cases, of which one cannot run, in folders of its own; returns the list of what was run."""
@@ -59,6 +67,10 @@ def test_a_case_is_run_once_and_a_failed_one_keeps_its_reason(small, tmp_path, m
         rows = {row["case"]: row for row in csv.DictReader(file)}
     assert rows["grid/good"]["result"] == "ok" and float(rows["grid/good"]["cd_mean"]) > 0
     assert rows["grid/good"]["nx"] == "100" and float(rows["grid/good"]["flow_rate"]) > 0
+    assert rows["grid/good"]["repeats"] == "5"
+    for clock in ("wall", "cpu"):
+        q1, median, q3 = (float(rows["grid/good"][f"{clock}_{name}"]) for name in ("q1", "s", "q3"))
+        assert 0 < q1 <= median <= q3, clock
     assert "c_eta" in rows["grid/bad"]["result"] and rows["grid/bad"]["cd_mean"] == ""
     made = {path.name for path in (tmp_path / "docs").iterdir()}
     assert {"results.csv", "thesis_3_3.md", "thesis_3_4.md", "grid.md", "grid_2d2.png", "work_2d2.png"} <= made

@@ -29,7 +29,7 @@ def test_documents_show_what_the_results_have(data):
 
 
 def test_every_number_of_the_documents_is_marked():
-    for path in documents.WHOLE:
+    for path in documents.DOCUMENTS:
         assert documents.unmarked(path.read_text(encoding="utf-8")) == [], path
 
 

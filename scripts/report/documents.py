@@ -18,6 +18,7 @@ DOCUMENTS = tuple(
         "README.md",
         "docs/coupling.md",
         "docs/fluid.md",
+        "docs/fluid-speed.md",
         "docs/fsi3.md",
         "docs/fsi3/thesis.md",
         "docs/reliability.md",
@@ -28,9 +29,6 @@ DOCUMENTS = tuple(
     )
 )
 """Documents with marks; docs/report and the studies' pages are written as a whole."""
-
-WHOLE = tuple(path for path in DOCUMENTS if path.name != "fluid.md")
-"""Those of them that have no number without a mark."""
 
 NUMBER = re.compile(r"<!--n:([^>]*?)-->(.*?)<!---->")
 TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.S)

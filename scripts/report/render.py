@@ -12,6 +12,7 @@ from . import documents, figures, leave_out, topics
 from .cases import QUANTITIES, SCHEMES
 from .convergence import MOST_ORDER, limit
 from .store import DOCS, Row, Rows, Value, markdown
+from .topics import speed
 from .topics.fsi3 import GRIDS, SHIPPED, SIMULATED, cells, reference_cells
 
 PEERS = ("PyElastica", "NGSolve, Taylor–Hood")
@@ -131,7 +132,7 @@ class Report:
             f"loop over the steps, medians "
             "of repeats after a warm-up, bars from quartile to quartile. The machine was shared with other work: "
             "**CPU time is the one to "
-            "compare**; wall times of rows from the studies (which have no CPU time) are of other days. PyElastica's "
+            "compare**; wall times of rows from the studies are of other days. PyElastica's "
             "and NGSolve's times "
             "include what they need to set up, and not imports and compilation.",
             "",
@@ -378,7 +379,7 @@ class Report:
 
     def cost(self) -> list[str]:
         groups = {}
-        fluid = [(row.size, row.value) for row in self.of("cost of a fluid step")]
+        fluid = [(row.size, row.value) for row in self.of("cost of a fluid step", quantity="step")]
         rod = [(row.size, row.value) for row in self.of("rod-cost", method="iteration_2d") if row.size >= 64]
         groups["a step of the fluid"] = ("points of the grid", fluid)
         groups["a Newton iteration of the rod in the plane"] = ("segments n", rod)
@@ -407,11 +408,10 @@ class Report:
             *markdown(["n", "in space", "of that the solve", "in the plane"], self.iterations()),
             "",
         ]
-        rows = self.of("phases of a fluid step")
         text += [
-            "A step of the fluid, FSI3 on 650 x 144 points (`make bench-fluid`):",
+            "A step of the fluid, bars swinging (`make bench-fluid`), µs of processor time, and shares:",
             "",
-            *markdown(["phase", "µs"], [[row.quantity, f"{row.value:.0f}"] for row in rows]),
+            *speed.phases(self.rows),
             "",
         ]
         table = []

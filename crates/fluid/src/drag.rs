@@ -65,11 +65,11 @@ pub enum DragProfile {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallTarget {
     /// Weight of the mirror image at the surface.
-    mirror: f64,
+    pub mirror: f64,
     /// Weight of the second difference.
-    curvature: f64,
+    pub curvature: f64,
     /// Where the second difference's part ends in the solid, cells.
-    depth: f64,
+    pub depth: f64,
     /// Size of a cell, and arm of the second difference, m.
     pub cell: f64,
 }
@@ -399,9 +399,6 @@ mod tests {
                 let (target, shift) = calibrate(e_fold, wanted).expect("there is one");
                 let (wall, flux) = shear_flow(e_fold, &target);
                 let (slip, bent_flux) = bent_flow(e_fold, &target);
-                println!(
-                    "e-fold {e_fold}, {wanted:?}: {target:.4?}, shift {shift:.4}, slip {slip:.4}, its flux {bent_flux:.4}"
-                );
                 assert!((wall - shift).abs() < 1e-12 && flux.abs() < 1e-9, "e-fold {e_fold}: {wall}, {flux}");
                 if wanted == scene::WallTarget::Curvature {
                     assert!(

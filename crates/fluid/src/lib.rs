@@ -25,4 +25,4 @@ mod zone;
 
 pub use beam::{Exchange, Loads, Stations};
 pub use grid::Grid;
-pub use solver::{Error, Fluid, Force, State};
+pub use solver::{Error, Fluid, Force, Phase, State};

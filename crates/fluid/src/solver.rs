@@ -47,6 +47,29 @@ const BLOCK: usize = 256;
 /// More of the fluid's own steps than this in one communication step are taken for divergence.
 const MAX_SUBSTEPS: f64 = 1e5;
 
+/// Parts of a two-step step, in their order, for [`Fluid::advance_marking`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// The moving bodies are painted where they are.
+    Paint,
+    /// Bodies with a wall target look at the flow.
+    Look,
+    /// The local solve.
+    Solve,
+    /// The velocities of bodies and zones are added.
+    Velocities,
+    /// The forces on the bodies are summed up.
+    Forces,
+    /// Two transforms along y.
+    Forward,
+    /// Five transforms along x, and the projection.
+    Rows,
+    /// Three transforms back along y, and the CFL number.
+    Back,
+    /// The loads on the stations for the coming step.
+    Loads,
+}
+
 /// Why the fluid refused or could not go on.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -362,7 +385,7 @@ impl Fluid {
         } else {
             // In no time viscosity does nothing: what is left of the solve is the projection.
             self.hold_mean_flow();
-            self.solve_wave_by_wave(f64::MIN_POSITIVE);
+            self.solve_wave_by_wave(f64::MIN_POSITIVE, &mut |_| ());
         }
     }
 
@@ -470,10 +493,17 @@ impl Fluid {
         Ok(())
     }
 
-    /// Advance from `t` to `t + h` (s) in equal steps; the stations go from where they are to where they were set.
+    /// Advance from `t` to `t + h` (s); the stations go from where they are to where they were set.
+    ///
+    /// The steps are equal, but those that are left are divided anew where the flow has become too fast for them on the way.
     ///
     /// What is refused leaves the state as it was; after [`Error::Diverged`] only [`Self::restore`] helps.
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
+        self.advance_marking(t, h, &mut |_| ())
+    }
+
+    /// [`Self::advance`] with a call of `mark` at the end of each phase of the two-step scheme, for a clock.
+    pub fn advance_marking(&mut self, t: f64, h: f64, mark: &mut impl FnMut(Phase)) -> Result<(), Error> {
         if !(t.is_finite() && h.is_finite() && h > 0.0) {
             return Err(Error::Step { time: t, step: h });
         }
@@ -497,21 +527,34 @@ impl Fluid {
         if let (Some(beam), Some(known)) = (&mut self.beam, &self.state.beam) {
             beam.from.copy_from(&known.stations);
         }
-        let substeps = substeps as u32;
-        let dt = h / f64::from(substeps);
-        for substep in 1..=substeps {
-            let fraction = f64::from(substep) / f64::from(substeps);
+        // The shares of `h` that are done, and that were done when what was left was last divided into `substeps`.
+        let (mut done, mut divided, mut substep) = (0.0, 0.0, 0.0);
+        let mut dt = h / substeps;
+        while done < 1.0 {
+            let rate = self.state.advection_rate;
+            if substep > 0.0 && rate * dt > self.max_cfl {
+                let left = h * (1.0 - done);
+                (divided, substep, substeps) = (done, 0.0, (left * rate / self.max_cfl).ceil());
+                if substeps > MAX_SUBSTEPS {
+                    return Err(Error::Diverged { time: self.state.time, cfl: rate * dt, step: dt });
+                }
+                dt = left / substeps;
+            }
+            substep += 1.0;
+            done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
             if let (Some(beam), Some(known)) = (&self.beam, &mut self.state.beam) {
-                if substep == substeps {
+                if done == 1.0 {
                     known.stations.copy_from(&beam.target);
                 } else {
-                    known.stations.interpolate(&beam.from, &beam.target, fraction, h);
+                    known.stations.interpolate(&beam.from, &beam.target, done, h);
                 }
             }
-            self.step(dt, t + fraction * h)?;
+            self.step(dt, t + done * h, mark)?;
         }
         self.look();
+        mark(Phase::Look);
         self.predict_loads();
+        mark(Phase::Loads);
         Ok(())
     }
 
@@ -605,16 +648,20 @@ impl Fluid {
     }
 
     /// One step of size `dt` to the time `end`; the stations are already there.
-    fn step(&mut self, dt: f64, end: f64) -> Result<(), Error> {
+    fn step(&mut self, dt: f64, end: f64, mark: &mut impl FnMut(Phase)) -> Result<(), Error> {
         if self.rk2.is_some() {
             return self.step_rk2(dt, end);
         }
         let scheme = Differences::new(dt, self.state.step);
         self.state.time = end;
         self.paint_moving_bodies();
+        mark(Phase::Paint);
         self.look();
+        mark(Phase::Look);
         self.solve_locally(&scheme);
+        mark(Phase::Solve);
         self.add_body_velocities(|rate| 1.0 / (scheme.c[0] + rate));
+        mark(Phase::Velocities);
         self.sum_up_forces(dt, |fluid, cell| {
             [0, 1].map(|axis| {
                 let (_, g) = fluid.state.component(axis).right_side(&scheme, cell.index);
@@ -622,8 +669,9 @@ impl Fluid {
                 cell.rate * (u_star - cell.velocity[axis])
             })
         });
+        mark(Phase::Forces);
         self.hold_mean_flow();
-        self.solve_wave_by_wave(scheme.tau);
+        self.solve_wave_by_wave(scheme.tau, mark);
         std::mem::swap(&mut self.state.w, &mut self.w);
         (self.state.step, self.state.per_tau) = (dt, scheme.c[0]);
         self.finish_step(dt)
@@ -699,12 +747,13 @@ impl Fluid {
     ///
     /// Between the two passes along y, each row of modes goes through both transforms along x and the projection while
     /// it is in the cache.
-    fn solve_wave_by_wave(&mut self, tau: f64) {
+    fn solve_wave_by_wave(&mut self, tau: f64, mark: &mut impl FnMut(Phase)) {
         let State { flow, flow_before, advection_rate, .. } = &mut self.state;
         std::mem::swap(flow, flow_before);
         let [u_hat, v_hat, omega_hat] = &mut self.spectra;
         let (fft, nx, ny) = (&self.fft, self.grid.nx, self.grid.ny);
         fft.forward_along_y([&self.w[0], &self.w[1]], [&mut *u_hat, &mut *v_hat], &mut self.scratch);
+        mark(Phase::Forward);
 
         self.projection.set_viscosity(tau * self.nu);
         let projection = &self.projection;
@@ -724,6 +773,8 @@ impl Fluid {
                 fft.inverse_along_x(omega, omega_hat, line);
             }
         });
+
+        mark(Phase::Rows);
 
         let Flow { velocity: [u, v], vorticity } = flow;
         let [u_hat, v_hat, omega_hat] = &self.spectra;
@@ -749,5 +800,6 @@ impl Fluid {
         // A transform spreads what is not a number to every point: the first tells of all.
         let finite = (u[0] + v[0]).is_finite();
         *advection_rate = if finite { f64::from_bits(largest.into_inner()) } else { f64::NAN };
+        mark(Phase::Back);
     }
 }

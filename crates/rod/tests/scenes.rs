@@ -12,7 +12,7 @@ fn scene(root: &str, load: Option<&str>) -> Scene {
                 "box": {{ "x": [0, 2.5], "y": [0, 0.5], "cells": [320, 64] }},
                 "cylinders": [{{ "center": [0.25, 0.25], "radius": 0.0625 }}],
                 "mask": {{ "cosine": {{ "c_eta": 1e-4, "half_width": 1 }} }},
-                "filter": "smooth", "time_stepping": {{ "max_step": 2e-4, "max_cfl": 0.5 }}
+                "filter": "smooth", "time_stepping": {{ "max_step": 2e-4, "max_cfl": 0.4 }}
             }},
             "coupling": {{ "load": "{load}" }},"#
         )

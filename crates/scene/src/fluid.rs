@@ -253,7 +253,8 @@ pub enum Filter {
 pub struct TimeStepping {
     /// Largest step, s.
     pub max_step: f64,
-    /// Largest CFL number max(|u|/dx + |v|/dy) dt; smaller steps are taken where it would be exceeded.
+    /// Largest CFL number max(|u|/dx + |v|/dy) dt; smaller steps are taken where it would be exceeded. At most 0.4 with
+    /// sbdf2 and 0.6 with rk2: above, advection is unstable.
     pub max_cfl: f64,
     /// How a step is made.
     #[serde(default)]
@@ -269,6 +270,26 @@ pub enum TimeScheme {
     Sbdf2,
     /// Heun's method, drag explicit, viscosity exact (thesis eq. 3.15 – 3.18): steps above C_eta are divided.
     Rk2,
+}
+
+impl TimeScheme {
+    /// Largest CFL number that a scene may ask for.
+    ///
+    /// Both schemes are weakly unstable for advection without viscosity. Up to these numbers the fastest growing wave under the
+    /// smooth filter grows by half in a step (52 %).
+    pub fn largest_cfl(self) -> f64 {
+        match self {
+            Self::Sbdf2 => 0.4,
+            Self::Rk2 => 0.6,
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sbdf2 => "sbdf2",
+            Self::Rk2 => "rk2",
+        }
+    }
 }
 
 impl Mask {
@@ -353,7 +374,15 @@ impl Check for Fluid {
         self.cylinders.check_at(&format!("{key}.cylinders"))?;
         self.mask.check_at(&format!("{key}.mask"))?;
         above(&format!("{key}.time_stepping.max_step"), self.time_stepping.max_step, 0.0)?;
-        above(&format!("{key}.time_stepping.max_cfl"), self.time_stepping.max_cfl, 0.0)?;
+        let TimeStepping { max_cfl, scheme, .. } = self.time_stepping;
+        above(&format!("{key}.time_stepping.max_cfl"), max_cfl, 0.0)?;
+        require(max_cfl <= scheme.largest_cfl(), &format!("{key}.time_stepping.max_cfl"), max_cfl, || {
+            format!(
+                "it must be at most {} with the scheme {}: above, advection is unstable",
+                scheme.largest_cfl(),
+                scheme.name()
+            )
+        })?;
         require((1..=1024).contains(&self.threads), &format!("{key}.threads"), self.threads, || {
             "it must be between 1 and 1024".into()
         })

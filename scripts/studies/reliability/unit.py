@@ -30,7 +30,7 @@ SCENE = {
         "initial_velocity": [1.0, 0.0],
         "inflow": {"x": [0.0, 0.1], "profile": "uniform", "mean_velocity": {"steady": 1.0}, "c_eta": 1e-2},
         "mask": {"cosine": {"c_eta": 1e-3, "half_width": 1.0}},
-        "time_stepping": {"max_step": STEP, "max_cfl": 0.5},
+        "time_stepping": {"max_step": STEP, "max_cfl": 0.3},
     },
     "coupling": {"load": "momentum"},
 }

@@ -1,11 +1,12 @@
 //! How fast the fluid is beside FFTW in the same run, on one core.
 //!
-//! `fluid-bench FILE.md` replaces what follows the line `## Measured` of the file. `FFTW_LIBRARY` is the path of FFTW 3.
+//! `fluid-bench FILE.csv` writes `table,scene,grid,what,value,unit`. `FFTW_LIBRARY` is the path of FFTW 3.
 //!
 //! What is compared takes turns, so that what else runs on the machine meets both, and the times are processor times of
-//! the thread. A ratio is that of the shortest times; in brackets the median of the ratios of neighbouring times.
+//! the thread. A ratio is that of the shortest times; beside it stands the median of the ratios of neighbouring times.
 
 mod fftw;
+mod motion;
 mod phases;
 
 use std::fmt::Write;
@@ -14,8 +15,8 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 use fftw::Fftw;
-use fluid::Fluid;
 use fluid::fft::Fft2;
+use fluid::{Fluid, Phase, Stations};
 use scene::{Scene, TimeLaw};
 
 /// How long a row of a table is measured.
@@ -57,11 +58,34 @@ impl<const N: usize> Times<N> {
         self.0.iter().map(|turn| turn[which]).fold(f64::INFINITY, f64::min)
     }
 
-    /// `a / b`: ratio of the shortest times, and in brackets the median of the turns' ratios.
-    pub fn ratio(&self, a: usize, b: usize) -> String {
+    /// `a / b`: ratio of the shortest times, and the median of the turns' ratios.
+    pub fn ratio(&self, a: usize, b: usize) -> [f64; 2] {
         let mut ratios: Vec<_> = self.0.iter().map(|turn| turn[a] / turn[b]).collect();
         ratios.sort_by(f64::total_cmp);
-        format!("{:.2} ({:.2})", self.shortest(a) / self.shortest(b), ratios[ratios.len() / 2])
+        [self.shortest(a) / self.shortest(b), ratios[ratios.len() / 2]]
+    }
+}
+
+/// The file that is written.
+pub struct Table(String);
+
+impl Table {
+    /// One number.
+    pub fn row(&mut self, table: &str, scene: &str, [nx, ny]: [usize; 2], what: &str, value: f64, unit: &str) {
+        writeln!(self.0, "{table},{scene},{nx} x {ny},\"{what}\",{value:.6},{unit}")
+            .expect("a string takes everything");
+        eprintln!("{table}, {scene}, {nx} x {ny}, {what}: {value:.3} {unit}");
+    }
+
+    /// A time in seconds, as microseconds.
+    pub fn time(&mut self, table: &str, scene: &str, cells: [usize; 2], what: &str, seconds: f64) {
+        self.row(table, scene, cells, what, 1e6 * seconds, "µs");
+    }
+
+    /// A ratio of shortest times, and its median over the turns.
+    fn ratio(&mut self, table: &str, scene: &str, cells: [usize; 2], what: &str, [shortest, median]: [f64; 2]) {
+        self.row(table, scene, cells, what, shortest, "1");
+        self.row(table, scene, cells, &format!("{what}, median"), median, "1");
     }
 }
 
@@ -70,15 +94,8 @@ pub fn noise(c: usize) -> f64 {
     (c as f64 * 0.618_033_988_749_894_9).fract() - 0.5
 }
 
-/// Microseconds.
-pub fn us(seconds: f64) -> String {
-    format!("{:.0}", 1e6 * seconds)
-}
-
-fn pairs(fftw: &Fftw, text: &mut String) -> std::fmt::Result {
-    writeln!(text, "One pair of transforms, forward and back, µs:\n")?;
-    writeln!(text, "| grid | FFTW | ours | ours/FFTW | without the upper third of the modes in y | that/FFTW |")?;
-    writeln!(text, "|---|---|---|---|---|---|")?;
+/// One pair of transforms, forward and back.
+fn pairs(fftw: &Fftw, table: &mut Table) {
     for [nx, ny] in SIZES {
         let theirs = fftw.plan(nx, ny);
         let field: Vec<_> = (0..nx * ny).map(noise).collect();
@@ -97,67 +114,96 @@ fn pairs(fftw: &Fftw, text: &mut String) -> std::fmt::Result {
             theirs.inverse();
         };
         let times = Times::take([&mut whole, &mut other, &mut pruned]);
-        let [ours, theirs, pruned] = [0, 1, 2].map(|which| us(times.shortest(which)));
-        let (ratio, pruned_ratio) = (times.ratio(0, 1), times.ratio(2, 1));
-        writeln!(text, "| {nx}x{ny} | {theirs} | {ours} | {ratio} | {pruned} | {pruned_ratio} |")?;
+        for (which, what) in ["ours", "FFTW", "pruned"].into_iter().enumerate() {
+            table.time("pair", "", [nx, ny], what, times.shortest(which));
+        }
+        table.ratio("pair", "", [nx, ny], "ours/FFTW", times.ratio(0, 1));
+        table.ratio("pair", "", [nx, ny], "pruned/FFTW", times.ratio(2, 1));
     }
-    Ok(())
 }
 
-/// A flow of a shipped scene past its ramp, in which the bar, where there is one, swings.
+/// A flow of a shipped scene past its ramp, in which the bar, where there is one, swings about its place.
 pub struct Flow {
     fluid: Fluid,
+    /// Stations at rest, where there are some.
+    rest: Option<Stations>,
+    length: f64,
     step: f64,
     steps: u32,
 }
 
 impl Flow {
-    /// A scene on a grid, and some steps of it.
+    /// A scene, and some steps of it.
     pub fn new(scene: &Scene, step: f64) -> Self {
         let mut scene = scene.clone();
         let fluid = scene.fluid.as_mut().expect("the scene has a fluid");
-        let inflow = fluid.inflow.as_mut().expect("the fluid has an inflow");
-        if let TimeLaw::CosineRamp { value, .. } = inflow.mean_velocity {
+        if let Some(inflow) = &mut fluid.inflow
+            && let TimeLaw::CosineRamp { value, .. } = inflow.mean_velocity
+        {
             inflow.mean_velocity = TimeLaw::Steady(value);
         }
-        let mut flow = Self { fluid: Fluid::new(&scene).unwrap_or_else(|error| panic!("{error}")), step, steps: 0 };
+        let fluid = Fluid::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+        let (rest, length) = (fluid.stations().cloned(), scene.beam.as_ref().map_or(0.0, |beam| beam.length));
+        let mut flow = Self { fluid, rest, length, step, steps: 0 };
         (0..100).for_each(|_| flow.step());
         flow
     }
 
     /// One step.
     pub fn step(&mut self) {
+        self.step_marking(&mut |_| ());
+    }
+
+    /// One step, with a call at the end of each of its phases.
+    pub fn step_marking(&mut self, mark: &mut impl FnMut(Phase)) {
+        let omega = 30.0;
+        let phase = omega * f64::from(self.steps + 1) * self.step;
+        let amplitude = 0.086 * self.length;
+        self.bend(|s| amplitude * s * s * phase.sin(), |s| amplitude * s * s * omega * phase.cos());
+        self.advance(mark);
+    }
+
+    /// Put the bar off its rest: deflection (m) and velocity (m/s) over the share of the length.
+    pub fn bend(&mut self, deflection: impl Fn(f64) -> f64, velocity: impl Fn(f64) -> f64) {
+        let (Some(rest), Some(stations)) = (&self.rest, self.fluid.stations_mut()) else { return };
+        let last = (rest.len() - 1) as f64;
+        for k in 0..rest.len() {
+            let s = k as f64 / last;
+            stations.position[1][k] = rest.position[1][k] + deflection(s);
+            stations.velocity[1][k] = velocity(s);
+        }
+    }
+
+    /// Advance by a step with the bar where it was put.
+    pub fn advance(&mut self, mark: &mut impl FnMut(Phase)) {
         let time = f64::from(self.steps) * self.step;
         self.steps += 1;
-        if let Some(stations) = self.fluid.stations_mut() {
-            let (amplitude, omega) = (0.03, 30.0);
-            let last = (stations.len() - 1) as f64;
-            for k in 0..stations.len() {
-                let shape = amplitude * (k as f64 / last).powi(2);
-                stations.position[1][k] = 0.2 + shape * (omega * (time + self.step)).sin();
-                stations.velocity[1][k] = shape * omega * (omega * (time + self.step)).cos();
-            }
-        }
-        self.fluid.advance(time, self.step).unwrap_or_else(|error| panic!("{error}"));
+        self.fluid.advance_marking(time, self.step, mark).unwrap_or_else(|error| panic!("{error}"));
         let cfl = self.fluid.cfl();
         assert!(cfl < 0.4, "the step was divided: CFL number {cfl}");
     }
 }
 
-/// A shipped scene with another grid.
-pub fn scene(name: &str, cells: [usize; 2]) -> Scene {
+/// A shipped scene.
+pub fn shipped(name: &str) -> Scene {
     let path = format!("{}/../../../scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    let mut scene = Scene::from_file(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
+    Scene::from_file(path.as_ref()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A shipped scene with another grid.
+fn scene(name: &str, cells: [usize; 2]) -> Scene {
+    let mut scene = shipped(name);
     scene.fluid.as_mut().expect("the scene has a fluid").domain.cells = cells;
     scene
 }
 
-fn steps(fftw: &Fftw, text: &mut String) -> std::fmt::Result {
-    writeln!(
-        text,
-        "\nA step, beside FFTW's time for the five transforms that it has (two forward, three back), µs:\n"
-    )?;
-    writeln!(text, "| scene | grid | five of FFTW | step | step/FFTW |\n|---|---|---|---|---|")?;
+/// Grid of a scene.
+pub fn cells(scene: &Scene) -> [usize; 2] {
+    scene.fluid.as_ref().expect("the scene has a fluid").domain.cells
+}
+
+/// A step, beside FFTW's time for the five transforms that it has (two forward, three back).
+fn steps(fftw: &Fftw, table: &mut Table) {
     let scenes = [
         ("fsi3-325x72", [325, 72], 2e-4),
         ("fsi3-325x72", [320, 72], 2e-4),
@@ -174,21 +220,14 @@ fn steps(fftw: &Fftw, text: &mut String) -> std::fmt::Result {
             (0..3).for_each(|_| theirs.inverse());
         };
         let times = Times::take([&mut || flow.step(), &mut five]);
-        let [ours, theirs] = [0, 1].map(|which| us(times.shortest(which)));
-        writeln!(text, "| {name} | {nx}x{ny} | {theirs} | {ours} | {} |", times.ratio(0, 1))?;
+        table.time("step", name, [nx, ny], "step", times.shortest(0));
+        table.time("step", name, [nx, ny], "five of FFTW", times.shortest(1));
+        table.ratio("step", name, [nx, ny], "step/FFTW", times.ratio(0, 1));
     }
-    Ok(())
 }
 
-fn threads(text: &mut String) -> std::fmt::Result {
-    writeln!(
-        text,
-        "\nA step on one and on two threads, µs of wall time, and of processor time of the calling thread:\n"
-    )?;
-    writeln!(
-        text,
-        "| grid | one | two | one/two | processor time one | two | one/two |\n|---|---|---|---|---|---|---|"
-    )?;
+/// A step on one and on two threads: wall time, and processor time of the calling thread.
+fn threads(table: &mut Table) {
     for (name, cells) in [("fsi3-650x144", [650, 144]), ("cylinder-2d2-900x180", [1100, 220])] {
         let [mut one, mut two] = [1, 2].map(|threads| {
             let mut scene = scene(name, cells);
@@ -201,14 +240,12 @@ fn threads(text: &mut String) -> std::fmt::Result {
         });
         let processor = Times::take([&mut || one.step(), &mut || two.step()]);
         assert!(one.fluid.state() == two.fluid.state(), "{name}: two threads give other bits than one");
-        write!(text, "| {}x{} |", cells[0], cells[1])?;
-        for times in [wall, processor] {
-            let [first, second] = [0, 1].map(|which| us(times.shortest(which)));
-            write!(text, " {first} | {second} | {} |", times.ratio(0, 1))?;
+        for (clock, times) in [("wall", wall), ("processor", processor)] {
+            table.time("threads", name, cells, &format!("{clock}, one"), times.shortest(0));
+            table.time("threads", name, cells, &format!("{clock}, two"), times.shortest(1));
+            table.ratio("threads", name, cells, &format!("{clock}, one/two"), times.ratio(0, 1));
         }
-        writeln!(text)?;
     }
-    Ok(())
 }
 
 fn fail(message: &str) -> ! {
@@ -220,17 +257,14 @@ fn main() {
     let Some(path) = std::env::args().nth(1) else { fail("give the file to write to") };
     let library = std::env::var("FFTW_LIBRARY").unwrap_or_else(|_| fail("FFTW_LIBRARY is not set"));
     let fftw = Fftw::load(&library).unwrap_or_else(|error| fail(&format!("cannot load FFTW: {error}")));
-    let page = std::fs::read_to_string(&path).unwrap_or_else(|error| fail(&format!("cannot read {path}: {error}")));
-    let Some((before, _)) = page.split_once("\n## Measured\n") else { fail(&format!("{path} has no `## Measured`")) };
-    let mut text = format!("{before}\n## Measured\n\nBeside {} (planned by measuring). ", fftw.version());
-    text.push_str("Times are the shortest; ratios are those of the shortest times and, in brackets, medians.\n\n");
-    pairs(&fftw, &mut text)
-        .and_then(|()| steps(&fftw, &mut text))
-        .and_then(|()| phases::table(&mut text))
-        .and_then(|()| threads(&mut text))
-        .expect("a string takes everything");
-    print!("{}", &text[before.len()..]);
-    let written =
-        std::fs::write(format!("{path}.new"), &text).and_then(|()| std::fs::rename(format!("{path}.new"), &path));
+    let mut table = Table("table,scene,grid,what,value,unit\n".into());
+    table.row("about", &fftw.version(), [0, 0], "FFTW, planned by measuring", 1.0, "1");
+    pairs(&fftw, &mut table);
+    steps(&fftw, &mut table);
+    phases::measure(&mut table);
+    motion::measure(&mut table);
+    threads(&mut table);
+    let new = format!("{path}.new");
+    let written = std::fs::write(&new, &table.0).and_then(|()| std::fs::rename(&new, &path));
     written.unwrap_or_else(|error| fail(&format!("cannot write {path}: {error}")));
 }

@@ -1,100 +1,90 @@
-//! Where the time of a step goes: its phases one by one, from the same parts that the step is made of.
+//! Where the time of a step goes: its phases in the step itself, over the fastest quarter of many steps.
 
-use std::cell::RefCell;
-use std::fmt::Write;
+use std::time::Instant;
 
-use fluid::Grid;
+use cpu_time::ThreadTime;
 use fluid::fft::Fft2;
-use fluid::kernel::{Component, Differences, advection_rate, solve};
 use fluid::projection::Projection;
+use fluid::{Grid, Phase};
+use scene::Scene;
 
-use crate::{Flow, Times, noise, scene, us};
+use crate::{Flow, TIME, Table, Times, cells, shipped};
 
-/// The table for FSI3 on 650 x 144 points.
-pub fn table(text: &mut String) -> std::fmt::Result {
-    let with_bar = scene("fsi3-650x144", [650, 144]);
-    let mut without = with_bar.clone();
-    (without.beam, without.rod, without.coupling) = (None, None, None);
-    let fluid = with_bar.fluid.as_ref().expect("the scene has a fluid");
-    let grid = Grid::new(&fluid.domain);
-    let (nx, ny) = (grid.nx, grid.ny);
-    let mut projection = Projection::new(&grid, fluid.filter);
-    let fft = Fft2::new(nx, ny, projection.modes());
-    let buffers = RefCell::new(([fft.scratch()], [fft.spectrum(), fft.spectrum(), fft.spectrum()]));
-    let fields: Vec<Vec<f64>> = (0..8).map(|shift| (shift..shift + grid.len()).map(noise).collect()).collect();
-    let [mut wx, mut wy, mut vorticity] = [(); 3].map(|()| fields[0].clone());
-    projection.set_viscosity(1e-8);
+const PHASES: [(Phase, &str); 9] = [
+    (Phase::Paint, "painting of the moving bodies"),
+    (Phase::Look, "wall target"),
+    (Phase::Solve, "local solve"),
+    (Phase::Velocities, "velocities of bodies and zones"),
+    (Phase::Forces, "forces on the bodies"),
+    (Phase::Forward, "transforms, two along y"),
+    (Phase::Rows, "transforms along x and projection"),
+    (Phase::Back, "transforms, three back along y, and the CFL number"),
+    (Phase::Loads, "loads and impedance of the stations"),
+];
 
-    let scheme = Differences::new(1e-4, 1e-4);
-    let component = |axis: usize| Component {
-        u: &fields[axis],
-        u_before: &fields[2 + axis],
-        w: &fields[4 + axis],
-        per_tau: scheme.c[0],
-        omega: &fields[6],
-        omega_before: &fields[7],
-        other: &fields[1 - axis],
-        other_before: &fields[3 - axis],
-        sign: 1.0,
-    };
-    let rate = vec![0.0; grid.len()];
-    let (mut a, mut b) = (wx.clone(), wy.clone());
-    let mut local = || {
-        for start in (0..grid.len()).step_by(256) {
-            let points = start..(start + 256).min(grid.len());
-            solve(&component(0).points(points.clone()), &scheme, &rate[points.clone()], &mut a[points.clone()]);
-            solve(&component(1).points(points.clone()), &scheme, &rate[points.clone()], &mut b[points]);
-        }
-    };
-    let mut forward = || {
-        let (scratch, [u_hat, v_hat, _]) = &mut *buffers.borrow_mut();
-        fft.forward_along_y([&fields[0], &fields[1]], [u_hat, v_hat], scratch);
-    };
-    let mut waves = || {
-        let ([scratch], spectra) = &mut *buffers.borrow_mut();
-        let ([u, v, omega], line) = (&mut scratch.rows, &mut scratch.line);
-        let [u_rows, v_rows, omega_rows] = spectra.each_mut().map(|spectrum| spectrum.chunks_exact_mut(nx));
-        for (row, ((u_hat, v_hat), omega_hat)) in u_rows.zip(v_rows).zip(omega_rows).enumerate() {
-            fft.forward_along_x(u_hat, u, line);
-            fft.forward_along_x(v_hat, v, line);
-            projection.project(row, u, v, omega);
-            fft.inverse_along_x(u, u_hat, line);
-            fft.inverse_along_x(v, v_hat, line);
-            fft.inverse_along_x(omega, omega_hat, line);
-        }
-    };
-    let mut largest = 0.0_f64;
-    let mut inverse = || {
-        let ([scratch], [u_hat, v_hat, omega_hat]) = &mut *buffers.borrow_mut();
-        for columns in fft.blocks(0..nx) {
-            let points = columns.start * ny..columns.end * ny;
-            let [u, v, omega] = [&mut wx, &mut wy, &mut vorticity].map(|field| &mut field[points.clone()]);
-            fft.inverse_along_y(u_hat, columns.clone(), u, scratch);
-            fft.inverse_along_y(v_hat, columns.clone(), v, scratch);
-            fft.inverse_along_y(omega_hat, columns, omega, scratch);
-            largest = largest.max(advection_rate(1.0, 1.0, u, v));
-        }
-    };
-    let (mut bar, mut bare) = (Flow::new(&with_bar, 1e-4), Flow::new(&without, 1e-4));
-    let phases = Times::take([&mut local, &mut forward, &mut waves, &mut inverse]);
-    let [local, forward, waves, inverse] = [0, 1, 2, 3].map(|phase| phases.shortest(phase));
-    let steps = Times::take([&mut || bar.step(), &mut || bare.step()]);
-    let (step, bare) = (steps.shortest(0), steps.shortest(1));
-    std::hint::black_box((&a, &b, &vorticity, largest));
+const SCENES: [(&str, f64); 5] = [
+    ("fsi3-325x72", 2e-4),
+    ("fsi3-650x144", 1e-4),
+    ("fsi3-1300x288", 5e-5),
+    ("cylinder-2d2-900x180", 1e-4),
+    ("vein-forward-384x192", 5e-4),
+];
 
-    writeln!(text, "\nWhere the time of a step goes: FSI3 on 650 x 144 points, the bar swinging:\n")?;
-    writeln!(text, "| phase | µs | share |\n|---|---|---|")?;
-    let rows = [
-        ("local solve", local),
-        ("forward along y, two", forward),
-        ("along x, two forward and three back, with the projection", waves),
-        ("back along y, three, with the CFL number", inverse),
-        ("the bar: painting, drag, loads (step with it less step without)", step - bare),
-        ("still bodies, inflow (what is left)", bare - local - forward - waves - inverse),
-        ("the step", step),
-    ];
-    for (name, seconds) in rows {
-        writeln!(text, "| {name} | {} | {:.0} % |", us(seconds), 100.0 * seconds / step)?;
+/// Processor times of the phases of a step in the order of [`PHASES`], and of the whole step, s: means over the fastest
+/// quarter of the steps, so that the phases add up and what else runs on the machine counts little.
+pub fn of_step(mut step: impl FnMut(&mut dyn FnMut(Phase))) -> ([f64; PHASES.len()], f64) {
+    let (begin, mut steps) = (Instant::now(), Vec::new());
+    while begin.elapsed() < TIME || steps.len() < 20 {
+        let mut spent = [0.0; PHASES.len()];
+        let start = ThreadTime::now();
+        let mut last = 0.0;
+        step(&mut |phase| {
+            let now = start.elapsed().as_secs_f64();
+            let which = PHASES.iter().position(|(known, _)| *known == phase).expect("all phases are listed");
+            spent[which] += now - last;
+            last = now;
+        });
+        steps.push((spent, start.elapsed().as_secs_f64()));
     }
-    Ok(())
+    steps.sort_by(|(_, a), (_, b)| a.total_cmp(b));
+    let fastest = &steps[..steps.len().div_ceil(4)];
+    let (mut phases, mut whole) = ([0.0; PHASES.len()], 0.0);
+    for (spent, time) in fastest {
+        phases.iter_mut().zip(spent).for_each(|(sum, time)| *sum += time / fastest.len() as f64);
+        whole += time / fastest.len() as f64;
+    }
+    (phases, whole)
+}
+
+/// What the projection takes, s: row by row in the cache, as it does between the transforms along x.
+fn projection(scene: &Scene) -> f64 {
+    let fluid = scene.fluid.as_ref().expect("the scene has a fluid");
+    let grid = Grid::new(&fluid.domain);
+    let mut projection = Projection::new(&grid, fluid.filter);
+    projection.set_viscosity(1e-8);
+    let fft = Fft2::new(grid.nx, grid.ny, projection.modes());
+    let (mut scratch, rows) = (fft.scratch(), fft.spectrum().len() / grid.nx);
+    let [u, v, omega] = &mut scratch.rows;
+    let times = Times::take([&mut || (0..rows).for_each(|row| projection.project(row, u, v, omega))]);
+    times.shortest(0)
+}
+
+/// The rows of all scenes, the bars swinging.
+pub fn measure(table: &mut Table) {
+    for (name, step) in SCENES {
+        let scene = shipped(name);
+        let mut flow = Flow::new(&scene, step);
+        let (spent, whole) = of_step(|mark| flow.step_marking(&mut |phase| mark(phase)));
+        let projection = projection(&scene);
+        for ((phase, what), seconds) in PHASES.into_iter().zip(spent) {
+            if phase == Phase::Rows {
+                table.time("phases", name, cells(&scene), "transforms, five along x", seconds - projection);
+                table.time("phases", name, cells(&scene), "projection", projection);
+            } else {
+                table.time("phases", name, cells(&scene), what, seconds);
+            }
+        }
+        table.time("phases", name, cells(&scene), "rest", whole - spent.iter().sum::<f64>());
+        table.time("phases", name, cells(&scene), "step", whole);
+    }
 }

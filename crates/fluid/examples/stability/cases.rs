@@ -3,19 +3,20 @@
 use fluid::Fluid;
 use scene::Scene;
 
-/// Faster than this many inflow velocities is no flow any more.
+/// Faster than this (m/s) is no flow any more: the peak of the inflow is 1.5 m/s.
 const TOO_FAST: f64 = 10.0;
 
 /// How a run ended.
+#[derive(Debug)]
 pub enum Outcome {
-    /// To the end, everything finite, at most this many inflow velocities fast.
+    /// To the end, everything finite, at most this fast at the end of any communication step, m/s.
     Ok { fastest: f64 },
-    /// To the end and finite, but this many inflow velocities fast.
+    /// To the end and finite, but this fast, m/s.
     Wild { fastest: f64 },
     /// To the end, but with something that is not a number.
     NotFinite,
-    /// Refused or given up, with the message.
-    Error(String),
+    /// Refused (at no time) or given up, with the message.
+    Error { time: Option<f64>, message: String },
 }
 
 /// What is varied for the cylinder in a channel.
@@ -37,13 +38,13 @@ pub struct Case<'a> {
 pub const LOG_LINEAR: (&str, &str) = ("log_linear", "");
 
 /// The Schäfer–Turek channel on 200 x 40 points, started by a jump of the inflow from 0 to 1 m/s.
-pub fn channel(case: Case) -> Scene {
+pub fn channel(case: Case) -> Result<Scene, String> {
     let cylinders = r#"[{ "center": [0.2, 0.2], "radius": 0.05 }]"#;
     channel_with(case, cylinders, r#"{ "steady": 1.0 }"#)
 }
 
 /// The same with other cylinders and another inflow.
-pub fn channel_with(case: Case, cylinders: &str, inflow: &str) -> Scene {
+pub fn channel_with(case: Case, cylinders: &str, inflow: &str) -> Result<Scene, String> {
     let Case { scheme, mask: (kind, keys), c_eta, cfl, reynolds } = case;
     let text = format!(
         r#"{{ "name": "stability", "time": {{ "end": 3.0, "communication_step": 0.01 }}, "fluid": {{
@@ -57,36 +58,36 @@ pub fn channel_with(case: Case, cylinders: &str, inflow: &str) -> Scene {
         0.1 / reynolds,
         c_eta.max(1e-4),
     );
-    Scene::from_json(&text).unwrap_or_else(|e| panic!("{e}"))
+    Scene::from_json(&text).map_err(|e| e.to_string())
 }
 
 /// Bodies and inflows that are hard on a solver, each with its name.
-pub fn hard_scenes(case: Case) -> Vec<(&'static str, Scene)> {
+pub fn hard_scenes(case: Case) -> Result<Vec<(&'static str, Scene)>, String> {
     let steady = r#"{ "steady": 1.0 }"#;
     let with = |cylinders: &str| channel_with(case, cylinders, steady);
-    vec![
+    Ok(vec![
         (
             "cylinders that touch both walls",
-            with(r#"[{ "center": [0.2, 0.05], "radius": 0.05 }, { "center": [0.5, 0.37], "radius": 0.06 }]"#),
+            with(r#"[{ "center": [0.2, 0.05], "radius": 0.05 }, { "center": [0.5, 0.37], "radius": 0.06 }]"#)?,
         ),
         (
             "two cylinders a third of a cell apart",
-            with(r#"[{ "center": [0.2, 0.1475], "radius": 0.05 }, { "center": [0.2, 0.2525], "radius": 0.05 }]"#),
+            with(r#"[{ "center": [0.2, 0.1475], "radius": 0.05 }, { "center": [0.2, 0.2525], "radius": 0.05 }]"#)?,
         ),
-        ("a cylinder that blocks two thirds of the channel", with(r#"[{ "center": [0.3, 0.2], "radius": 0.137 }]"#)),
+        ("a cylinder that blocks two thirds of the channel", with(r#"[{ "center": [0.3, 0.2], "radius": 0.137 }]"#)?),
         (
             "a cylinder that leaves through the end of the box and comes in again",
             with(
                 r#"[{ "center": [1.8, 0.2], "radius": 0.05, "motion": { "x": { "table":
                 { "times": [0.0, 0.5, 3.0], "values": [0.0, 0.3, 3.4] } } } }]"#,
-            ),
+            )?,
         ),
         (
             "a cylinder that swings through the wall",
             with(
                 r#"[{ "center": [0.4, 0.2], "radius": 0.05, "motion": { "y": { "sine":
                 { "amplitude": 0.25, "frequency": 1.0 } } } }]"#,
-            ),
+            )?,
         ),
         (
             "an inflow that jumps to its reverse within a millisecond",
@@ -94,30 +95,36 @@ pub fn hard_scenes(case: Case) -> Vec<(&'static str, Scene)> {
                 case,
                 r#"[{ "center": [0.2, 0.2], "radius": 0.05 }]"#,
                 r#"{ "table": { "times": [1.0, 1.001], "values": [1.0, -1.0] } }"#,
-            ),
+            )?,
         ),
-    ]
+    ])
 }
 
 /// Run a scene for a number of communication steps.
-pub fn outcome(scene: &Scene, steps: usize) -> Outcome {
-    let run = || {
-        let mut fluid = Fluid::new(scene).map_err(|e| e.to_string())?;
-        let h = scene.time.communication_step;
-        for step in 0..steps {
-            fluid.advance(h * step as f64, h).map_err(|e| e.to_string())?;
-        }
-        let (u, v) = (fluid.velocity(0), fluid.velocity(1));
-        let fastest =
-            u.iter().zip(v).map(|(u, v)| u.hypot(*v)).fold(0.0, |most: f64, u| if u > most { u } else { most });
-        let finite = u.iter().chain(v).chain(fluid.vorticity()).all(|u| u.is_finite());
-        let force = fluid.force();
-        Ok((finite && fluid.pressure().iter().chain(&force).all(|p| p.is_finite()), fastest))
+pub fn outcome(scene: Result<Scene, String>, steps: usize) -> Outcome {
+    let refused = |message| Outcome::Error { time: None, message };
+    let scene = match scene {
+        Ok(scene) => scene,
+        Err(message) => return refused(message),
     };
-    match run() {
-        Ok((true, fastest)) if fastest < TOO_FAST => Outcome::Ok { fastest },
-        Ok((true, fastest)) => Outcome::Wild { fastest },
-        Ok((false, _)) => Outcome::NotFinite,
-        Err(message) => Outcome::Error(message),
+    let mut fluid = match Fluid::new(&scene) {
+        Ok(fluid) => fluid,
+        Err(error) => return refused(error.to_string()),
+    };
+    let (h, mut fastest) = (scene.time.communication_step, 0.0_f64);
+    for step in 0..steps {
+        if let Err(error) = fluid.advance(h * step as f64, h) {
+            return Outcome::Error { time: Some(fluid.time()), message: error.to_string() };
+        }
+        let speeds = fluid.velocity(0).iter().zip(fluid.velocity(1)).map(|(u, v)| u.hypot(*v));
+        fastest = speeds.fold(fastest, |most, speed| if speed > most { speed } else { most });
+    }
+    let numbers = [fluid.velocity(0), fluid.velocity(1), fluid.vorticity(), &fluid.force()].concat();
+    if numbers.iter().chain(&fluid.pressure()).any(|number| !number.is_finite()) {
+        Outcome::NotFinite
+    } else if fastest < TOO_FAST {
+        Outcome::Ok { fastest }
+    } else {
+        Outcome::Wild { fastest }
     }
 }

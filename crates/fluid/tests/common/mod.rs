@@ -7,7 +7,7 @@ use scene::Scene;
 pub fn scene(fluid: &str, rest: &str) -> Scene {
     let text = format!(
         r#"{{ "name": "test", "time": {{ "end": 1.0, "communication_step": 0.01 }}, "fluid": {{
-            "density": 1000.0, "time_stepping": {{ "max_step": 1.0, "max_cfl": 1.0 }},
+            "density": 1000.0, "time_stepping": {{ "max_step": 1.0, "max_cfl": 0.4 }},
             "mask": {{ "cosine": {{ "c_eta": 1e-4, "half_width": 1.0 }} }}, {fluid} }} {rest} }}"#
     );
     Scene::from_json(&text).unwrap_or_else(|e| panic!("{e}"))
