@@ -98,7 +98,7 @@ fluid-study: build $(READY) ## run what is missing of the fluid's study (hours),
 
 .PHONY: fsi3-study coupling-study
 
-fsi3-study: build $(READY) ## make what is missing of the runs of FSI3 in docs/fsi3.md (an hour and a half of one core), write docs/fsi3
+fsi3-study: build $(READY) ## make what is missing of the runs of FSI3 in docs/fsi3.md (an hour of one core), write docs/fsi3
 	$(RUN) scripts/studies/fsi3.py $(ARGS)
 
 coupling-study: build $(READY) ## run what is missing of the map of the coupling's stability, write docs/fsi3/stability.md

@@ -3,7 +3,6 @@
 python fuzz/run.py -max_total_time=60       options are libFuzzer's; `make fuzz` does it
 """
 
-import csv
 import re
 import subprocess
 import sys
@@ -12,7 +11,7 @@ from pathlib import Path
 FUZZ = Path(__file__).resolve().parent
 sys.path.insert(0, str(FUZZ.parent / "scripts"))
 
-from cosim.files import write_whole
+from cosim.files import write_csv
 
 TARGETS = ("rod_state", "fluid_state", "rod_scene", "fluid_scene")
 TABLE = FUZZ.parent / "docs" / "fuzz.csv"
@@ -38,14 +37,7 @@ def run(target: str, options: list[str]) -> dict:
 
 def main(options: list[str]) -> int:
     rows = [run(target, options) for target in TARGETS]
-
-    def writer(path: Path) -> None:
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            out = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-            out.writeheader()
-            out.writerows(rows)
-
-    write_whole(TABLE, writer)
+    write_csv(TABLE, rows)
     return any(row["found"] != "nothing" for row in rows)
 
 

@@ -7,7 +7,6 @@ from cosim import coupling, master
 from cosim.recorder import Recorder
 from cosim.report import interface
 from cosim.scene import load
-from cosim.unit import Variable
 from test_master import AddedMass, Fake, Spring
 
 

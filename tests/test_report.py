@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from cosim.files import rounded
 from cosim.scene import ROOT
 from report import cases, convergence, documents, measure, render, store, topics
 
@@ -45,7 +46,7 @@ def test_every_kind_of_number_is_seen(text):
 def test_values_and_table_of_rows_agree_with_the_rows(data):
     """results.csv and `values` are made of the same rows as results.json."""
     values = {key: dataclasses.asdict(value) for key, value in topics.values(data["rows"]).items()}
-    assert store.rounded(values) == data["values"]
+    assert rounded(values) == data["values"]
     with open(store.DOCS / "results.csv", encoding="utf-8") as file:
         assert sum(1 for _ in file) == len(data["rows"]) + 1
 

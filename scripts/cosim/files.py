@@ -1,5 +1,6 @@
 """Files that appear only when they are complete."""
 
+import csv
 from collections.abc import Callable
 from pathlib import Path
 
@@ -22,3 +23,24 @@ def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -
 def write_whole(path: Path, writer: Callable[[Path], object]) -> None:
     """Let `writer` write a file beside `path`, then move it there."""
     write_together(path.parent, {path.name: writer})
+
+
+def write_csv(path: Path, rows: list[dict]) -> None:
+    """Write a table; columns are in the order in which the rows name them first."""
+
+    def writer(path: Path) -> None:
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            table = csv.DictWriter(file, list(dict.fromkeys(name for row in rows for name in row)), lineterminator="\n")
+            table.writeheader()
+            table.writerows(rows)
+
+    write_whole(path, writer)
+
+
+def rounded(value):
+    """Numbers with eight digits, anywhere in `value`: what is beyond is noise, and makes a file twice as long."""
+    if isinstance(value, float):
+        return float(f"{value:.8g}")
+    if isinstance(value, dict):
+        return {key: rounded(part) for key, part in value.items()}
+    return [rounded(part) for part in value] if isinstance(value, list) else value

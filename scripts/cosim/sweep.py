@@ -6,7 +6,6 @@ sweep that is started again goes by. Dask starts a run again whose worker died, 
 """
 
 import copy
-import csv
 import hashlib
 import itertools
 import json
@@ -23,7 +22,7 @@ from rich.console import Console
 
 from . import package, simulation
 from .errors import Refusal
-from .files import write_whole
+from .files import write_csv, write_whole
 from .scene import SceneError, assign, json_or_text
 
 ROW = "row.json"
@@ -232,13 +231,12 @@ def _collect(folder: Path, rows: dict[str, dict | None]) -> None:
     table = [row for row in rows.values() if row]
     columns = list(dict.fromkeys(column for row in table for column in row if column != "key"))
 
-    def write_csv(path: Path) -> None:
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            writer = csv.DictWriter(file, columns, extrasaction="ignore", lineterminator="\n")
-            writer.writeheader()
-            for row in table:
-                writer.writerow({name: json.dumps(v) if isinstance(v, (list, dict)) else v for name, v in row.items()})
-
-    write_whole(folder / "sweep.csv", write_csv)
+    write_csv(
+        folder / "sweep.csv",
+        [
+            {name: json.dumps(v) if isinstance(v, (list, dict)) else v for name, v in row.items() if name != "key"}
+            for row in table
+        ],
+    )
     text = json.dumps([{name: row.get(name) for name in columns} for row in table], indent=2) + "\n"
     write_whole(folder / "sweep.json", lambda path: path.write_text(text, encoding="utf-8"))

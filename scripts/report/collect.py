@@ -2,8 +2,10 @@
 
 from dataclasses import asdict
 
+from cosim.files import rounded
+
 from . import topics
-from .store import Row, Rows, rounded
+from .store import Row, Rows
 from .topics import fsi3
 
 

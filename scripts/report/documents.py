@@ -6,7 +6,6 @@ invisible in what is shown, and are written anew by `make report` or `python scr
 
 import re
 from collections.abc import Callable
-from pathlib import Path
 
 from cosim.scene import ROOT
 

@@ -11,7 +11,7 @@ from studies.fsi3 import COSINE, PRESSURE_JUMP
 from . import documents, figures, leave_out, topics
 from .cases import QUANTITIES, SCHEMES
 from .convergence import MOST_ORDER, limit
-from .store import DOCS, Row, Rows, Value, markdown
+from .store import DOCS, Row, Value, markdown
 from .topics import speed
 from .topics.fsi3 import GRIDS, SHIPPED, SIMULATED, cells, reference_cells
 

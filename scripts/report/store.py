@@ -11,7 +11,8 @@ from dataclasses import asdict, dataclass, fields
 from importlib.metadata import version
 from pathlib import Path
 
-from cosim.report import cpu_model, git_revision, write_together
+from cosim.files import rounded, write_together
+from cosim.report import cpu_model, git_revision
 from cosim.scene import ROOT
 
 DOCS = ROOT / "docs" / "report"
@@ -134,15 +135,6 @@ def load(folder: Path = DOCS) -> dict:
     """results.json with `rows` as `Rows`."""
     data = json.loads((folder / "results.json").read_text(encoding="utf-8"))
     return data | {"rows": Rows(Row(**row) for row in data["rows"])}
-
-
-def rounded(value):
-    """Numbers with eight digits: what is beyond is noise, and makes the file twice as long."""
-    if isinstance(value, float):
-        return float(f"{value:.8g}")
-    if isinstance(value, dict):
-        return {key: rounded(part) for key, part in value.items()}
-    return [rounded(part) for part in value] if isinstance(value, list) else value
 
 
 def text_of(data: dict) -> str:

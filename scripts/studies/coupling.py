@@ -25,7 +25,7 @@ import typer
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim import coupling, master, package
-from cosim.files import write_whole
+from cosim.files import write_csv, write_whole
 from cosim.recorder import Recorder
 from cosim.report import interface
 from cosim.scene import ROOT, SceneError, load, override
@@ -176,18 +176,6 @@ def known() -> dict[str, dict[str, str]]:
         return {row["cell"]: row for row in csv.DictReader(file)}
 
 
-def table(path: Path, rows: list[dict]) -> None:
-    """Write rows as CSV."""
-
-    def writer(path: Path) -> None:
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            out = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-            out.writeheader()
-            out.writerows(rows)
-
-    write_whole(path, writer)
-
-
 def run(cell: Cell) -> Row:
     """Run a cell."""
     scene = cell.scene()
@@ -240,7 +228,7 @@ def main(
         row = run(cell)
         rows = known()
         rows[cell.name] = {name: "" if value is None else value for name, value in asdict(row).items()}
-        table(RESULTS / "results.csv", list(rows.values()))
+        write_csv(RESULTS / "results.csv", list(rows.values()))
         typer.echo(f"{cell.name:48} {row.outcome} {row.message[:90]} ({row.wall_s} s)")
     write_docs([rows[cell.name] for cell in everything if cell.name in rows])
 
@@ -249,7 +237,7 @@ def write_docs(rows: list[dict]) -> None:
     """docs/fsi3/stability.csv and stability.md."""
     DOCS.mkdir(parents=True, exist_ok=True)
     kept = [{name: value for name, value in row.items() if name != "key"} for row in rows]
-    table(DOCS / "stability.csv", kept)
+    write_csv(DOCS / "stability.csv", kept)
     for path, text in pages().items():
         write_whole(path, lambda new: new.write_text(text, encoding="utf-8"))
 

@@ -33,7 +33,7 @@ from matplotlib.lines import Line2D
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim import coefficients, package, statistics
-from cosim.files import write_whole
+from cosim.files import write_csv, write_whole
 from cosim.scene import ROOT, load, override, reference
 from report.store import markdown
 from studies.tables import read
@@ -280,14 +280,7 @@ def keep(row: Row) -> None:
     cells = asdict(row)
     values = cells.pop("values")
     rows[row.case] = cells | {name: values.get(name) for name in coefficients.NAMES}
-
-    def writer(path: Path) -> None:
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            table = csv.DictWriter(file, list(rows[row.case]))
-            table.writeheader()
-            table.writerows(rows.values())
-
-    write_whole(RESULTS / "results.csv", writer)
+    write_csv(RESULTS / "results.csv", list(rows.values()))
 
 
 def folder_of(case: Case) -> Path:

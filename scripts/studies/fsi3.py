@@ -24,7 +24,7 @@ import typer
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim import statistics, sweep
-from cosim.files import write_whole
+from cosim.files import rounded, write_whole
 from cosim.scene import ROOT, SCENES, customized
 
 RESULTS = ROOT / "results" / "fsi3-study"
@@ -329,18 +329,11 @@ def known(run: Run) -> bool:
 def write_runs() -> None:
     """docs/fsi3/runs.json, a line for each run that was made, and the pictures of one of them."""
 
-    def shortened(value):
-        if isinstance(value, float):
-            return float(f"{value:.8g}")
-        if isinstance(value, dict):
-            return {key: shortened(part) for key, part in value.items()}
-        return [shortened(part) for part in value] if isinstance(value, list) else value
-
     for name in PICTURES:
         shown = RESULTS / "grid_650x144" / name
         if shown.is_file():
             write_whole(RUNS.parent / name, lambda path: shutil.copy(shown, path))
-    made = [json.dumps(shortened(found), ensure_ascii=False) for found in map(kept, runs()) if found]
+    made = [json.dumps(rounded(found), ensure_ascii=False) for found in map(kept, runs()) if found]
     write_whole(RUNS, lambda path: path.write_text("[\n" + ",\n".join(made) + "\n]\n", encoding="utf-8"))
 
 

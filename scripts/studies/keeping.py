@@ -5,7 +5,6 @@
 Shortest wall times of a step, a frame and a checkpoint, in one process, on the disk that `results` is on.
 """
 
-import csv
 import sys
 from contextlib import ExitStack
 from pathlib import Path
@@ -16,7 +15,7 @@ import typer
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim import checkpoint, fields, package, simulation
-from cosim.files import write_whole
+from cosim.files import write_csv
 from cosim.scene import ROOT, SCENES, load
 
 RESULTS, TABLE = ROOT / "results" / "keeping", ROOT / "docs" / "running.csv"
@@ -61,14 +60,7 @@ def main() -> None:
     """Measure on each grid of FSI3."""
     RESULTS.mkdir(parents=True, exist_ok=True)
     rows = [measure(name, RESULTS) for name in NAMES]
-
-    def writer(path: Path) -> None:
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            out = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-            out.writeheader()
-            out.writerows(rows)
-
-    write_whole(TABLE, writer)
+    write_csv(TABLE, rows)
     fields.clear(RESULTS)
     checkpoint.clear(RESULTS)
 

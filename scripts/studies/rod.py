@@ -5,7 +5,6 @@ from collections import Counter, defaultdict
 from functools import partial
 from pathlib import Path
 
-import numpy as np
 from matplotlib.ticker import FixedLocator, NullFormatter, StrMethodFormatter
 
 sys.path.insert(0, str(Path(__file__).parents[1]))

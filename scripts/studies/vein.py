@@ -27,7 +27,7 @@ import typer
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from cosim import flapping, master, package, simulation, statistics
-from cosim.files import write_whole
+from cosim.files import write_csv, write_whole
 from cosim.report import evaluate
 from cosim.scene import ROOT, load, override
 from cosim.unit import Unit
@@ -250,18 +250,6 @@ def read(path: Path) -> dict[str, dict[str, str]]:
         return {row["case"]: row for row in csv.DictReader(file)}
 
 
-def write_rows(path: Path, rows: list[dict]) -> None:
-    columns = list(dict.fromkeys(name for row in rows for name in row))
-
-    def writer(path: Path) -> None:
-        with open(path, "w", encoding="utf-8", newline="") as file:
-            out = csv.DictWriter(file, columns, lineterminator="\n", restval="")
-            out.writeheader()
-            out.writerows(rows)
-
-    write_whole(path, writer)
-
-
 def main(
     only: Annotated[str, typer.Option(help="Run only the cases whose names match, such as 'dt/*'.")] = "*",
     listing: Annotated[bool, typer.Option("--list", help="List the cases and run nothing.")] = False,
@@ -276,17 +264,17 @@ def main(
         elif not there and fnmatch(case.name, only):
             row = run(case)
             rows = read(table) | {case.name: row}
-            write_rows(table, list(rows.values()))
+            write_csv(table, list(rows.values()))
             typer.echo(f"{case.name:48} {row['cpu_s']} s")
     if listing:
         return
     if fnmatch("parts", only) and f"parts/{next(iter(PARTS))}" not in rows:
         rows = read(table) | {row["case"]: row for row in measure_parts()}
-        write_rows(table, list(rows.values()))
+        write_csv(table, list(rows.values()))
     if fnmatch("limits", only):
-        write_rows(DOCS / "limits.csv", measure_limits())
+        write_csv(DOCS / "limits.csv", measure_limits())
     if fnmatch("jumps", only):
-        write_rows(DOCS / "jumps.csv", measure_jumps())
+        write_csv(DOCS / "jumps.csv", measure_jumps())
     write_docs(rows)
 
 
@@ -294,12 +282,12 @@ def write_docs(rows: dict[str, dict]) -> None:
     """The tables of docs/vein with what is new in `rows`, its figures and its pages."""
     every = [case.name for case in cases()] + [f"parts/{name}" for name in PARTS]
     rows = {name: {k: v for k, v in row.items() if k != "key"} for name, row in (read(DOCS / "vein.csv") | rows).items()}
-    write_rows(DOCS / "vein.csv", [rows[name] for name in every if name in rows])
+    write_csv(DOCS / "vein.csv", [rows[name] for name in every if name in rows])
     ran = {case.name: dict(np.load(case.series)) for case in cases() if case.series.is_file()}
     if (SWEEP / "sweep.csv").is_file():
         flexibility()
     if {"stiff/coupled", "stiff/prescribed"} <= ran.keys():
-        write_rows(DOCS / "stiff.csv", stiff_limit(ran["stiff/coupled"], ran["stiff/prescribed"]))
+        write_csv(DOCS / "stiff.csv", stiff_limit(ran["stiff/coupled"], ran["stiff/prescribed"]))
     names = [case.name for case in cases() if case.name.startswith("cylinder/")]
     if all(name in ran for name in names):
         oscillating_cylinder({name: ran[name] for name in names})
@@ -311,7 +299,7 @@ def flexibility() -> None:
     """Thrust, efficiency, tip and phase lag over the stiffness of the vein in a stream."""
     rows = sorted(tables.read(SWEEP, "sweep"), key=lambda row: row[STIFFNESS])
     columns = ("thrust", "power_in", "efficiency", "tip_amplitude", "tip_by_rigid_tip", "phase_lag_deg")
-    write_rows(DOCS / "flexibility.csv", [{name: row[name] for name in (STIFFNESS, *columns)} for row in rows])
+    write_csv(DOCS / "flexibility.csv", [{name: row[name] for name in (STIFFNESS, *columns)} for row in rows])
     stiffness = [row[STIFFNESS] for row in rows]
     figure, axes = tables.plt.subplots(1, 3, figsize=(12, 3.6), layout="constrained")
     shown = {"thrust": "thrust [N/m]", "efficiency": "efficiency", "phase_lag_deg": "phase lag of the tip [degrees]"}
@@ -356,7 +344,7 @@ def oscillating_cylinder(ran: dict[str, dict]) -> None:
             "noise_largest": np.abs(noise).max() / amplitude, "noise_rms": noise.std() / amplitude,
             "lift": np.abs(series["lift"][part]).max() / amplitude,
         })  # fmt: skip
-    write_rows(DOCS / "cylinder.csv", rows)
+    write_csv(DOCS / "cylinder.csv", rows)
     axes, save = tables.figure(DOCS, "cylinder", ("time [s]", "drag [N/m]"), log=False)
     for grid, (time, drag) in curves.items():
         axes.plot(time, drag, linewidth=0.8, label=grid)

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from cosim.scene import ROOT
 from studies import rod as study
 from studies.tables import exponent, grouped
 

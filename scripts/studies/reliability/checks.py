@@ -1,7 +1,6 @@
 """All checks, each in a process of its own, and docs/reliability.csv of them."""
 
 import csv
-import io
 import multiprocessing
 import tempfile
 import time
@@ -14,7 +13,7 @@ import fmpy
 import typer
 
 from cosim import package
-from cosim.files import write_whole
+from cosim.files import write_csv
 from cosim.scene import ROOT
 
 from .calls import sequences
@@ -95,11 +94,7 @@ def record(row: dict) -> None:
             known = {(old["check"], old["unit"]): old for old in csv.DictReader(file)}
     known[row["check"], row["unit"]] = row
     rows = [known[name, kind] for name in CHECKS for kind in package.KINDS if (name, kind) in known]
-    text = io.StringIO()
-    writer = csv.DictWriter(text, FIELDS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    write_whole(RESULTS, lambda path: path.write_text(text.getvalue(), encoding="utf-8"))
+    write_csv(RESULTS, rows)
 
 
 def main(
