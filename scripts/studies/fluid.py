@@ -46,7 +46,7 @@ COST = {"sbdf2": 25e-9, "rk2": 50e-9}
 """Wall time for a step and a point, s: for the estimate in the list only."""
 
 TIMED = ("grid", "thesis")
-"""Groups whose cases run several times where they are short: five times up to 10 s, three times up to 40 s."""
+"""Groups whose cases run several times where they are short: five times up to 10 s, three times up to 20 s."""
 
 LARGEST_CFL = {"sbdf2": 0.4, "rk2": 0.6}
 """That a scene may have."""
@@ -310,7 +310,7 @@ def simulate(case: Case) -> dict | str:
 
 def repeats(case: Case, cpu: float) -> int:
     """How often a case runs that takes `cpu` seconds."""
-    if case.name.partition("/")[0] not in TIMED or cpu > 40:
+    if case.name.partition("/")[0] not in TIMED or cpu > 20:
         return 1
     return 5 if cpu <= 10 else 3
 
