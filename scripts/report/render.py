@@ -398,7 +398,8 @@ class Report:
             "",
             "Fitted exponents: "
             + "; ".join(f"{name} {figures.exponent(points):.2f} in the {x}" for name, (x, points) in groups.items())
-            + ".",
+            + f"; the bar's part of a step of the fluid {Value(**self.data['values']['speed.motion.650.exponent'])} in the "
+            "distance that its stations move in it (650 x 144, [fluid-speed.md](../fluid-speed.md)).",
             "",
         ]
         text += [
