@@ -182,7 +182,7 @@ REPORT := $(RUN) scripts/report
 
 STUDIES := rod-study fluid-measures fluid-study bench-fluid fsi3-study coupling-study vein-study
 
-report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine), write docs/report
+report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the report (seven minutes on a free machine), write docs/report
 	$(REPORT) measure $(ARGS)
 	$(REPORT) leave-out
 	$(REPORT) collect

@@ -55,7 +55,7 @@ def few_labels(axis) -> None:
     )
     axis.set_minor_formatter(NullFormatter())
     if decades <= 2:
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value / 1e3:g} k" if value >= 1e4 else f"{value:g}"))
 
 
 def error_time(path: Path, rows: list[Row], quantities: tuple[str, ...], kind: str = "error") -> None:
@@ -205,7 +205,7 @@ MAPS = (
     ("map rod", None, "dt", "k_e", "rod, worst over n and EI"),
     ("map rod", None, "n", "EI", "rod, worst over $k_e$ and step"),
     ("map fluid", "Backward differences, log-linear mask", "CFL", "Re", "fluid, worst over $C_\\eta$"),
-    ("map fluid", "Heun's method, sharp mask", "C_eta", "Re", "fluid, Heun's method, sharp mask"),
+    ("map fluid", "Heun's method, sharp mask", "C_eta", "CFL", "fluid, Heun's method, worst over Re"),
     ("map coupling", "default", "C_eta", "density ratio", "coupling: the default"),
     ("map coupling", "pressure jump", "C_eta", "density ratio", "coupling: pressure jump, explicit"),
 )
@@ -265,6 +265,8 @@ def cost(path: Path, groups: dict[str, tuple[str, list[tuple[float, float]]]]) -
         axis.plot(x, y, "o", color=COLOURS[0])
         axis.plot(x, np.exp(offset) * x**slope, "--", color=COLOURS[1], label=f"exponent {slope:.2f}")
         axis.set(xscale="log", yscale="log", xlabel=xlabel, ylabel="µs")
+        if max(y) < 2 * min(y):
+            axis.set_ylim(min(y) / 3, max(y) * 3)  # what does not depend on x shall look like it
         axis.set_title(name, fontsize=9)
         few_labels(axis.xaxis)
         axis.grid(True, which="major", linewidth=0.4, alpha=0.6)
