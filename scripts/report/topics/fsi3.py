@@ -96,8 +96,7 @@ def rows() -> Iterator[Row]:
             "machine": machine_of(run),
             "source": SOURCE,
         }
-        if run["error"]:
-            shared |= {"outcome": "error", "reason": run["error"]}
+        ended = {"outcome": "error", "reason": run["error"]} if run["error"] else {}
         published = references(case) if group in PLACES else {}
         for quantity, number in run["quantities"].items():
             if group in PLACES and quantity in QUANTITIES[case]:
@@ -119,7 +118,7 @@ def rows() -> Iterator[Row]:
                 yield Row(about, method, setting, quantity, number, unit_of(quantity), **shared)
         if run["iterations"] not in (None, 1.0):
             yield Row(case, method, setting, "iterations a step", run["iterations"], "1", **shared)
-        yield Row(f"{case}, the run", method, setting, "reached", run["reached"], "s", **shared)
+        yield Row(f"{case}, the run", method, setting, "reached", run["reached"], "s", **shared, **ended)
         if group == "grid":
             for phase, seconds in run["phases_s"].items():
                 yield Row(
