@@ -225,13 +225,14 @@ def json_numbers(value):
 
 
 def git_revision() -> dict | None:
-    """Revision of the working tree and whether files of it have changed; None outside of git."""
+    """Revision of the working tree and whether files of it but documents have changed; None outside of git."""
 
     def git(*arguments):
         return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
 
     try:
-        return {"revision": git("rev-parse", "HEAD"), "dirty": bool(git("status", "--porcelain", "--untracked-files=no"))}
+        changed = git("status", "--porcelain", "--untracked-files=no", "--", ":!docs", ":!README.md")
+        return {"revision": git("rev-parse", "HEAD"), "dirty": bool(changed)}
     except (OSError, subprocess.CalledProcessError):
         return None
 
