@@ -1,4 +1,4 @@
-"""The report: `python scripts/report measure`, `collect FOLDER`, `render`; `make report` does all.
+"""The report: `python scripts/report measure`, `leave-out`, `collect`, `render`; `make report` does all.
 
 python scripts/report measure --only 'rod-static/*'    measure these anew, leave the other rows of results.json
 python scripts/report collect                           take the studies' tables under docs/ into it

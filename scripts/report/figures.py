@@ -246,12 +246,6 @@ def maps(path: Path, rows: list[Row]) -> None:
     save(fig, path)
 
 
-def exponent(points: list[tuple[float, float]]) -> float:
-    """Slope of the straight line through the logarithms."""
-    x, y = np.log(np.array(points)).T
-    return np.polyfit(x, y, 1)[0]
-
-
 def cost(path: Path, groups: dict[str, tuple[str, list[tuple[float, float]]]]) -> None:
     """Cost over size with the fitted exponent. `groups`: name → (label of x, points)."""
     fig, axes = plt.subplots(

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from cosim.scene import reference
 from studies.fsi3 import COSINE, PRESSURE_JUMP
+from studies.tables import exponent, markdown
 
 from . import documents, figures, leave_out, topics
 from .cases import QUANTITIES, SCHEMES
 from .convergence import MOST_ORDER, limit
-from .store import DOCS, Row, Value, markdown
-from .topics import speed
+from .store import DOCS, Row, Value
 from .topics import speed
 from .topics.fsi3 import GRIDS, SHIPPED, SIMULATED, cells, reference_cells
 
@@ -393,9 +393,8 @@ class Report:
             points = [(row.size, row.value) for row in self.of("cost", method=method, quantity=quantity)]
             if points:
                 groups[title] = (x, points)
-        bar = speed.jumps(speed.found(self.rows, "motion")["fsi3-650x144", "650 x 144"], "bar")
-        moved = [(jump, row.value) for jump, row in bar.items() if jump > 0]
-        groups["the bar in a step of the fluid, 650 x 144"] = ("cells that its stations move in it", moved)
+        bar = speed.found(self.rows, "motion")["fsi3-650x144", "650 x 144"]
+        groups["the bar in a step of the fluid, 650 x 144"] = ("cells that its stations move in it", speed.moved(bar))
         self.draw(figures.cost, "cost.png", groups)
         text = [
             "## Where the time goes",
@@ -403,7 +402,7 @@ class Report:
             "![cost](cost.png)",
             "",
             "Fitted exponents: "
-            + "; ".join(f"{name} {figures.exponent(points):.2f} in the {x}" for name, (x, points) in groups.items())
+            + "; ".join(f"{name} {exponent(*zip(*points)):.2f} in the {x}" for name, (x, points) in groups.items())
             + " ([fluid-speed.md](../fluid-speed.md) has more).",
             "",
         ]

@@ -108,12 +108,6 @@ def number(text: str) -> float | None:
     return float(text) if text else None
 
 
-def markdown(header: list[str], rows: list[list]) -> list[str]:
-    """Lines of a table."""
-    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
-
-
 def machine() -> dict:
     """Machine and versions of a measurement."""
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

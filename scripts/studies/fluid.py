@@ -35,8 +35,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from cosim import coefficients, package, statistics
 from cosim.files import write_csv, write_whole
 from cosim.scene import ROOT, load, override, reference
-from report.store import markdown
-from studies.tables import read
+from studies.tables import markdown, read
 
 RESULTS = ROOT / "results" / "fluid-study"
 DOCS = ROOT / "docs" / "fluid"

@@ -29,19 +29,18 @@ def read(folder: Path, name: str) -> list[dict]:
         return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]
 
 
+def markdown(header: list[str], rows: list[list]) -> list[str]:
+    """Lines of a table."""
+    lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
+    return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
+
+
 def page(title: str, header: list[str], rows: list[list], note: str = "") -> str:
     """One table as a page of its own."""
     lines = [f"# {title}", ""]
     if note:
         lines += [note, ""]
-    lines += ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
-    lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
-    return "\n".join(lines) + "\n"
-
-
-def write(folder: Path, name: str, *of_page) -> None:
-    """One table as NAME.md."""
-    (folder / f"{name}.md").write_text(page(*of_page), encoding="utf-8")
+    return "\n".join(lines + markdown(header, rows)) + "\n"
 
 
 def exponent(x, y) -> float:

@@ -8,8 +8,9 @@ from pathlib import Path
 from cosim.scene import ROOT
 from studies import coupling as study
 from studies.fsi3 import ACCELERATIONS, EXCHANGE_STEPS, EXCHANGE_WINDOWS, RATIOS
+from studies.tables import markdown
 
-from ..store import Row, Rows, Value, csv_rows, markdown, number, value
+from ..store import Row, Rows, Value, csv_rows, number, value
 
 
 def rows() -> Iterator[Row]:

@@ -6,10 +6,11 @@ from pathlib import Path
 
 from cosim.scene import ROOT
 from studies import fluid as study
+from studies.tables import markdown
 
 from ..cases import QUANTITIES, references
 from ..measure import unit_of
-from ..store import Row, Rows, Value, csv_rows, markdown, number, value
+from ..store import Row, Rows, Value, csv_rows, number, value
 
 MASKS = {
     "wall target `curvature`": "grid/2D-2-curvature-{}",

@@ -19,10 +19,11 @@ from studies.fsi3 import (
     VARIED,
     WAVES,
 )
+from studies.tables import markdown
 
 from ..cases import QUANTITIES, TOLERANCE, references
 from ..measure import unit_of
-from ..store import Row, Rows, Value, markdown, value
+from ..store import Row, Rows, Value, value
 
 SIMULATED = 8.0
 """End of the FSI3 scenes, s."""

@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 from cosim.scene import ROOT
+from studies.tables import markdown
 
-from ..store import Row, Rows, csv_rows, markdown
+from ..store import Row, Rows, csv_rows
 
 DOCS = ROOT / "docs"
 

@@ -4,11 +4,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from studies import rod as study
-from studies.tables import exponent, grouped
+from studies.tables import exponent, grouped, markdown
 
 from ..cases import references
 from ..measure import unit_of
-from ..store import Row, Rows, Value, csv_rows, markdown, number, value
+from ..store import Row, Rows, Value, csv_rows, number, value
 
 COMMAND = "make rod-study"
 SCHEMES = {"trapezoid": 1, "generalised-alpha 0.5": 1, "generalised-alpha 0.8": 1, "BDF2": 1, "TR-BDF2": 2}

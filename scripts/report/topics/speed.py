@@ -3,10 +3,10 @@
 from collections.abc import Callable, Iterator
 from functools import partial
 
-import numpy as np
 from cosim.scene import ROOT
+from studies.tables import exponent, markdown
 
-from ..store import Row, Rows, Value, csv_rows, markdown, value
+from ..store import Row, Rows, Value, csv_rows, value
 
 SOURCE = "docs/fluid/speed.csv"
 
@@ -77,7 +77,7 @@ def values(rows: Rows) -> Iterator[tuple[str, Value]]:
     for (_, grid), cells in found(rows, "motion").items():
         times = [row.value for what, row in cells.items() if what.endswith("bar")]
         yield f"speed.motion.{grid.split()[0]}", Value(100 * (max(times) / min(times) - 1), ".0f", "%", "make bench-fluid")
-        yield f"speed.motion.{grid.split()[0]}.exponent", Value(exponent(cells), ".2f", "1", "make bench-fluid")
+        yield f"speed.motion.{grid.split()[0]}.exponent", Value(exponent(*zip(*moved(cells))), ".2f", "1", "make bench-fluid")
 
 
 def between(key: str, rows: list[Row], form: str) -> Iterator[tuple[str, Value]]:
@@ -96,10 +96,9 @@ def jumps(cells: dict[str, Row], what: str) -> dict[float, Row]:
     return {float(name.split()[0]): row for name, row in cells.items() if name.endswith(what)}
 
 
-def exponent(cells: dict[str, Row]) -> float:
-    """Of the bar's time over the distance of the jump."""
-    points = [(jump, row.value) for jump, row in jumps(cells, "bar").items() if jump > 0]
-    return np.polyfit(*np.log(np.array(points)).T, 1)[0]
+def moved(cells: dict[str, Row]) -> list[tuple[float, float]]:
+    """Distance of the jump, cells, and the bar's time, where it moves."""
+    return [(jump, row.value) for jump, row in jumps(cells, "bar").items() if jump > 0]
 
 
 # Tables

@@ -9,8 +9,9 @@ import numpy as np
 from cosim.scene import SCENES, load
 from studies import vein as study
 from studies.vein_limits import CANTILEVER, PITCHING
+from studies.tables import markdown
 
-from ..store import Row, Rows, Value, csv_rows, markdown, number, value
+from ..store import Row, Rows, Value, csv_rows, number, value
 
 NAMES = {
     "pitching": f"scene/{PITCHING}",
