@@ -60,7 +60,7 @@ bindings-check: $(READY) ## compare crates/fmi2/src/sys.rs with what the officia
 	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi2/src/sys.rs
 
 schema: ## write modelDescription/scene.schema.json anew
-	cargo run --quiet --locked -p scene --example schema > modelDescription/scene.schema.json.new
+	cargo run --quiet --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
 
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
@@ -151,7 +151,7 @@ DIST_TARGET := x86_64-unknown-linux-gnu
 DIST_VENV := target/dist/venv
 
 dist: $(DIST_VENV)/.ready $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for any Linux with glibc 2.17, checksums and manifest, into dist/
-	PATH="$(abspath $(DIST_VENV))/bin:$$PATH" cargo zigbuild --release --locked --package fmu-rod --package fmu-fluid \
+	PATH="$(abspath $(DIST_VENV))/bin:$$PATH" cargo zigbuild --release --locked --package nervure-fmu-rod --package nervure-fmu-fluid \
 	--target $(DIST_TARGET).2.17 --target-dir target/dist
 	CARGO_TARGET_DIR=target/dist/$(DIST_TARGET) $(FSI) dist $(SCENE) dist
 

@@ -8,7 +8,7 @@ mod measures;
 
 use std::fmt::Write;
 
-use fluid::drag::DragProfile;
+use nervure_fluid::drag::DragProfile;
 use measures::{
     added_mass, aliased, arrays, flux_error, made_by_advection, noise, resolved_noise, taylor_green_error, walls,
 };

@@ -7,8 +7,8 @@ mod measures;
 use std::f64::consts::{PI, TAU};
 
 use common::{run, scene};
-use fluid::fft::{Complex64, Fft2};
-use fluid::{Fluid, Loads};
+use nervure_fluid::fft::{Complex64, Fft2};
+use nervure_fluid::{Fluid, Loads};
 use measures::{
     BEAM, CYLINDER_IN_CHANNEL, added_mass, aliased, arrays, flux_error, made_by_advection, noise, resolved_noise,
     taylor_green_error, walls,

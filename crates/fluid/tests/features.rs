@@ -5,7 +5,7 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use common::{run, scene};
-use fluid::Fluid;
+use nervure_fluid::Fluid;
 use scene::{Mask, Scene, TimeScheme};
 
 const SCHEMES: [TimeScheme; 2] = [TimeScheme::Sbdf2, TimeScheme::Rk2];

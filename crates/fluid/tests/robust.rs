@@ -4,7 +4,7 @@
 mod cases;
 
 use cases::{Case, LOG_LINEAR, Outcome, channel, hard_scenes, outcome};
-use fluid::{Error, Fluid, Grid};
+use nervure_fluid::{Error, Fluid, Grid};
 
 const CASE: Case = Case { scheme: "sbdf2", mask: LOG_LINEAR, c_eta: 1e-5, cfl: 0.4, reynolds: 100.0 };
 

@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
-use fmi2::{Description, Log, Model};
+use nervure_fmi2::{Description, Log, Model};
 use serde::{Deserialize, Serialize};
 
-type Real = fmi2::Real<Oscillator>;
-type Variable = fmi2::Variable<Oscillator>;
+type Real = nervure_fmi2::Real<Oscillator>;
+type Variable = nervure_fmi2::Variable<Oscillator>;
 
 /// A mass on a spring and a damper. All of it is state, so it saves itself.
 #[derive(Clone, Serialize, Deserialize)]
@@ -94,4 +94,4 @@ impl Model for Oscillator {
     }
 }
 
-fmi2::export_fmu!(Oscillator);
+nervure_fmi2::export_fmu!(Oscillator);

@@ -7,8 +7,8 @@ use std::path::Path;
 use std::ptr::{null, null_mut};
 use std::slice::{from_mut, from_ref};
 
-use fmi2::sys::*;
-use fmi2::{Description, Log, Model, Span, Variable};
+use nervure_fmi2::sys::*;
+use nervure_fmi2::{Description, Log, Model, Span, Variable};
 use serde::{Deserialize, Serialize};
 
 // ---------------------------------------------------------------- the model
@@ -74,10 +74,10 @@ impl Model for Integrator {
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
-        type Real = fmi2::Real<Integrator>;
-        type Integer = fmi2::Integer<Integrator>;
-        type Boolean = fmi2::Boolean<Integrator>;
-        type Text = fmi2::Text<Integrator>;
+        type Real = nervure_fmi2::Real<Integrator>;
+        type Integer = nervure_fmi2::Integer<Integrator>;
+        type Boolean = nervure_fmi2::Boolean<Integrator>;
+        type Text = nervure_fmi2::Text<Integrator>;
         vec![
             Real::time(),
             Real::parameter("gain", "1", "Gain", |m| from_mut(&mut m.gain)).above(0.0),
@@ -153,7 +153,7 @@ impl Model for Integrator {
     }
 }
 
-fmi2::export_fmu!(Integrator);
+nervure_fmi2::export_fmu!(Integrator);
 
 const TIME: u32 = 0;
 const GAIN: u32 = 1;

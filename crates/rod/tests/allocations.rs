@@ -3,7 +3,7 @@
 mod common;
 
 use common::{SCHEMES, turek_hron_bar};
-use rod::{Parameters, Rod};
+use nervure_rod::{Parameters, Rod};
 
 #[test]
 fn step_allocates_nothing() {

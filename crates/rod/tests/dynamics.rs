@@ -5,7 +5,7 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::{GENERALISED_ALPHA, SCHEMES, total_energy, turek_hron_bar, unit_rod};
-use rod::{Error, Parameters, Rod, Root};
+use nervure_rod::{Error, Parameters, Rod, Root};
 use scene::{RodScheme, Section};
 
 /// Roots of 1 + cos b cosh b = 0: natural frequencies of a cantilever are b² sqrt(EI/µ)/L².

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{turek_hron_bar, unit_rod};
-use rod::{Error, Loads, Parameters, Rod, State};
+use nervure_rod::{Error, Loads, Parameters, Rod, State};
 use scene::{Bending, Calibration, RodScheme, Section};
 
 fn bar() -> Parameters<2> {

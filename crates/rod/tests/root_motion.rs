@@ -5,7 +5,7 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use common::{SCHEMES, total_energy, turek_hron_bar, unit_rod};
-use rod::{Error, Parameters, Rod, Root};
+use nervure_rod::{Error, Parameters, Rod, Root};
 use scene::{RodScheme, RootLaws, Rotation, Section, TimeLaw};
 
 /// The root of a rod along x at the origin, moved by `laws`.

@@ -1,6 +1,6 @@
 //! Rods made from scenes.
 
-use rod::{Error, Loads, Rod};
+use nervure_rod::{Error, Loads, Rod};
 use scene::Scene;
 
 /// A scene with the given `beam.root`, and with `fluid` and `coupling` where there is a load.

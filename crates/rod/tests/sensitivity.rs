@@ -3,7 +3,7 @@
 mod common;
 
 use common::{SCHEMES, turek_hron_bar, unit_rod};
-use rod::{Error, Loads, Parameters, Rod};
+use nervure_rod::{Error, Loads, Parameters, Rod};
 
 /// Central differences of a step from the state that `rod` is in, in the direction of `change`.
 fn differences<const D: usize>(rod: &Rod<D>, change: &Loads, h: f64) -> [Vec<f64>; 2] {

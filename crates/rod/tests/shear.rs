@@ -4,7 +4,7 @@ mod common;
 
 use common::unit_rod;
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector4};
-use rod::{Parameters, Rod};
+use nervure_rod::{Parameters, Rod};
 use scene::{RodScheme, Section};
 
 /// GA_s of a rod with length and bending stiffness 1 whose shear counts: a twentieth of the tip's deflection.

@@ -5,7 +5,7 @@ mod common;
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use common::{elastica_tip, turek_hron_bar, unit_rod};
-use rod::{Parameters, Rod};
+use nervure_rod::{Parameters, Rod};
 use scene::{Bending, Calibration, RodScheme, Section};
 
 /// The bar of CSM1: 2 m/s² on 0.35 m.

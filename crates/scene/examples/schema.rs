@@ -1,5 +1,5 @@
 //! Prints the JSON Schema of scene files.
 
 fn main() {
-    print!("{}", scene::Scene::json_schema());
+    print!("{}", nervure_scene::Scene::json_schema());
 }

@@ -1,6 +1,6 @@
 //! Runs that try the fluid's stability, and how they end. The stability table and a test share them.
 
-use fluid::Fluid;
+use nervure_fluid::Fluid;
 use scene::Scene;
 
 /// Faster than this (m/s) is no flow any more: the peak of the inflow is 1.5 m/s.

@@ -2,8 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use fluid::Fluid;
-use fluid::fft::{Complex64, Fft2};
+use nervure_fluid::Fluid;
+use nervure_fluid::fft::{Complex64, Fft2};
 use scene::{Filter, Mask, TimeScheme, WallTarget};
 
 use crate::common::{run, scene};

@@ -1,6 +1,6 @@
 //! What the tests of the fluid share.
 
-use fluid::Fluid;
+use nervure_fluid::Fluid;
 use scene::Scene;
 
 /// A scene from the parts of its fluid and what else it has.

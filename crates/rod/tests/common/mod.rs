@@ -1,7 +1,7 @@
 //! Rods and exact solutions that several tests share.
 #![allow(dead_code, reason = "each test file uses its own part")]
 
-use rod::{Parameters, Rod};
+use nervure_rod::{Parameters, Rod};
 use scene::{Bending, Calibration, Material, RodScheme, Section};
 
 pub const GENERALISED_ALPHA: RodScheme = RodScheme::GeneralisedAlpha { rho_inf: 0.5 };
