@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 FUZZ = Path(__file__).resolve().parent
-sys.path.insert(0, str(FUZZ.parent / "scripts"))
+sys.path.insert(0, str(FUZZ.parent / "studies"))
 
-from cosim.files import write_csv
+from nervure.files import write_csv
 
 TARGETS = ("rod_state", "fluid_state", "rod_scene", "fluid_scene")
 TABLE = FUZZ.parent / "docs" / "fuzz.csv"

@@ -9,11 +9,12 @@ import tempfile
 from pathlib import Path
 
 FUZZ = Path(__file__).resolve().parent
-sys.path[:0] = [str(FUZZ.parent / "scripts"), str(FUZZ.parent / "scripts" / "studies")]
+sys.path[:0] = [str(FUZZ.parent / "studies")]
 
-from cosim import package
-from cosim.scene import REFERENCES, ROOT, load
-from cosim.unit import Unit
+from nervure.pack import package
+from nervure.resources import ROOT
+from nervure.scene import REFERENCES, load
+from nervure.unit import Unit
 from reliability.unit import SCENE, STEP
 
 HEADER = 62

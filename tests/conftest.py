@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from cosim import coupling, package
-from cosim.scene import ROOT, load
-from cosim.unit import Unit
+from nervure import coupling
+from nervure.pack import package
+from nervure.resources import ROOT
+from nervure.scene import load
+from nervure.unit import Unit
 
 FSI3 = ROOT / "scenes" / "fsi3-325x72.json"
 SCENES = sorted(set((ROOT / "scenes").glob("*.json")) - {ROOT / "scenes" / "references.json"})
@@ -107,13 +109,13 @@ def start(instantiate):
     return make
 
 
-TOOL = [sys.executable, ROOT / "scripts" / "fsi.py"]
+TOOL = [sys.executable, "-m", "nervure"]
 
 
-def fsi(*arguments, **keywords) -> subprocess.CompletedProcess:
-    """Run `scripts/fsi.py` as its users do."""
+def nervure(*arguments, **keywords) -> subprocess.CompletedProcess:
+    """Run the command as its users do."""
     return subprocess.run([*TOOL, *arguments], capture_output=True, text=True, **keywords)
 
 
 def run_scene(scene: Path, *arguments, **keywords) -> subprocess.CompletedProcess:
-    return fsi("run", scene, *arguments, **keywords)
+    return nervure("run", scene, *arguments, **keywords)

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from cosim import coefficients, statistics
-from cosim.recorder import Recorder
-from cosim.scene import ROOT, load, override, reference
+from nervure.evaluate import coefficients, statistics
+from nervure.recorder import Recorder
+from nervure.resources import ROOT
+from nervure.scene import load, override, reference
 
 
 @pytest.fixture

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from conftest import FSI3
-from cosim import coupling, master
-from cosim.recorder import Recorder
-from cosim.report import interface
-from cosim.scene import load
+from nervure import coupling, master
+from nervure.recorder import Recorder
+from nervure.report import interface
+from nervure.scene import load
 from test_master import AddedMass, Fake, Spring
 
 

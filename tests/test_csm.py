@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 from conftest import run_scene
-from cosim.scene import ROOT, reference
+from nervure.resources import ROOT
+from nervure.scene import reference
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

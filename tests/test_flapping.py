@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from cosim import coupling, flapping, statistics
+from nervure import coupling
+from nervure.evaluate import flapping, statistics
 from studies import vein_limits
 
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 from conftest import FSI3
-from cosim.report import FILES
-from cosim.scene import load, reference
+from nervure.report import FILES
+from nervure.scene import load, reference
 from record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
 
 EARLY_TOLERANCE = 1e-6

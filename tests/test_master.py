@@ -4,9 +4,9 @@ import copy
 
 import numpy as np
 import pytest
-from cosim import coupling, master
-from cosim.recorder import Recorder
-from cosim.unit import UnitError, Variable
+from nervure import coupling, master
+from nervure.recorder import Recorder
+from nervure.unit import UnitError, Variable
 
 
 class Fake:

@@ -8,9 +8,10 @@ import sys
 import numpy as np
 import pytest
 from conftest import run_scene
-from cosim import coupling, master, package
-from cosim.scene import ROOT
-from cosim.unit import Unit
+from nervure import coupling, master
+from nervure.pack import package
+from nervure.resources import ROOT
+from nervure.unit import Unit
 from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import fmpy
 import pytest
-from cosim import package
+from nervure.pack import package
 from lxml import etree
 from reliability.checks import CHECKS, guarded, unpack
 from reliability.unit import ERROR, OK, STEP, Callbacks, Library, Unit

@@ -6,8 +6,8 @@ import subprocess
 import sys
 
 import pytest
-from cosim.files import rounded
-from cosim.scene import ROOT
+from nervure.files import rounded
+from nervure.resources import ROOT
 from report import cases, convergence, documents, measure, render, store, topics
 
 SMALLEST = (

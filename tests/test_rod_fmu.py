@@ -5,8 +5,8 @@ import ctypes
 
 import numpy as np
 import pytest
-from cosim import package
-from cosim.unit import UnitError
+from nervure.pack import package
+from nervure.unit import UnitError
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 

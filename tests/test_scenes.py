@@ -5,9 +5,11 @@ import json
 import jsonschema
 import pytest
 from conftest import SCENES
-from cosim import coefficients, package
-from cosim.report import QUANTITIES
-from cosim.scene import REFERENCES, ROOT, load, reference
+from nervure.evaluate import coefficients
+from nervure.pack import package
+from nervure.report import QUANTITIES
+from nervure.resources import ROOT
+from nervure.scene import REFERENCES, load, reference
 
 every_scene = pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import psutil
 import pytest
-from conftest import TOOL, fsi
-from cosim import sweep
-from cosim.scene import SceneError
+from conftest import TOOL, nervure
+from nervure import sweep
+from nervure.scene import SceneError
 from distributed import Client, LocalCluster
 
 pytestmark = [
@@ -63,7 +63,7 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
     folder = tmp_path / "sweep"
     command = ["sweep", scene, "--output", folder, "--scheduler", cluster]
     command += ["--vary", "rod.gravity=[[0, -2], [0, -4]]", "--vary"]
-    first = fsi(*command, "beam.segments=8,-3")
+    first = nervure(*command, "beam.segments=8,-3")
     assert first.returncode == 1, first.stderr
     assert "4 runs, 4 to do" in first.stdout
     rows = table(folder)
@@ -85,13 +85,13 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
 
     before = {row["folder"]: (folder / row["folder"] / "row.json").stat().st_mtime_ns for row in rows}
     (folder / rows[2]["folder"] / "row.json").unlink()  # as if the sweep had been stopped before it
-    again = fsi(*command, "beam.segments=8,-3,12")
+    again = nervure(*command, "beam.segments=8,-3,12")
     assert again.returncode == 1 and "6 runs, 3 to do" in again.stdout, again.stderr
     after = {row["folder"]: (folder / row["folder"] / "row.json").stat().st_mtime_ns for row in table(folder)}
     assert len(after) == 6
     assert [name for name in before if before[name] == after[name]] == [rows[k]["folder"] for k in (0, 1, 3)]
 
-    retried = fsi(*command, "beam.segments=-3", "--retry-failed")
+    retried = nervure(*command, "beam.segments=-3", "--retry-failed")
     assert "2 runs, 2 to do" in retried.stdout, retried.stderr
 
 
@@ -99,12 +99,12 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
 def test_a_cluster_that_cannot_run_is_said(workers, said, scene, tmp_path):
     options = {"n_workers": 1, "processes": False, "dashboard_address": "127.0.0.1:0", "protocol": "tcp://"}
     with LocalCluster(**(options | workers)) as cluster:
-        done = fsi("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", cluster.scheduler_address)
+        done = nervure("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", cluster.scheduler_address)
     assert done.returncode == 2 and said in done.stderr, done.stderr
 
 
 def test_a_scheduler_that_does_not_answer_is_said(scene, tmp_path):
-    done = fsi("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", "tcp://127.0.0.1:9")
+    done = nervure("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", "tcp://127.0.0.1:9")
     assert done.returncode == 2 and "no scheduler answers at tcp://127.0.0.1:9" in done.stderr, done.stderr
 
 
@@ -142,7 +142,7 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
     assert quick["status"] == "finished"
     assert (endless["status"], endless["reason"]) == ("killed", "its worker died 2 times")
 
-    again = fsi(*command)
+    again = nervure(*command)
     assert again.returncode == 1 and "2 runs, 0 to do" in again.stdout, again.stderr
 
 

@@ -10,10 +10,11 @@ import zipfile
 from contextlib import ExitStack, contextmanager
 
 import pytest
-from conftest import FSI3, fsi, run_scene
-from cosim import delivery, report, simulation
-from cosim.errors import Refusal
-from cosim.scene import ROOT
+from conftest import FSI3, nervure, run_scene
+from nervure import report, simulation
+from nervure.pack import delivery
+from nervure.errors import Refusal
+from nervure.resources import ROOT
 from rich.console import Console
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -35,20 +36,20 @@ def result(rod_only, tmp_path):
 
 def test_nothing_heavy_is_loaded_before_it_is_needed():
     heavy = {"matplotlib", "h5py", "PIL", "dask", "distributed"}
-    code = f"import fsi, sys; sys.exit(str({heavy} & set(sys.modules)) if {heavy} & set(sys.modules) else 0)"
+    code = f"import nervure, sys; sys.exit(str({heavy} & set(sys.modules)) if {heavy} & set(sys.modules) else 0)"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT / "scripts", capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
 def test_build_packs_the_units_of_a_scene(tmp_path):
-    done = fsi("build", FSI3, "--output", tmp_path)
+    done = nervure("build", FSI3, "--output", tmp_path)
     assert done.returncode == 0, done.stderr
     packed = [tmp_path / f"fsi3-325x72-{kind}.fmu" for kind in ("rod", "fluid")]
     assert done.stdout.split() == [str(path) for path in packed] and all(map(zipfile.is_zipfile, packed))
 
 
 def test_build_writes_descriptions_alone(tmp_path):
-    assert fsi("build", FSI3, "--descriptions", tmp_path).returncode == 0
+    assert nervure("build", FSI3, "--descriptions", tmp_path).returncode == 0
     assert {path.name for path in tmp_path.iterdir()} == {"fmu_rod.xml", "fmu_fluid.xml"}
     assert (tmp_path / "fmu_rod.xml").read_bytes() == (ROOT / "modelDescription" / "fmu_rod.xml").read_bytes()
 
@@ -57,7 +58,7 @@ def test_inspect_shows_what_a_scene_will_do(small_fsi3, tmp_path):
     del small_fsi3["coupling"]
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
-    shown = fsi("inspect", path).stdout
+    shown = nervure("inspect", path).stdout
     sizes = ("20000 steps of 0.0004 s", "160 x 36 cells", "20 segments, 21 stations")
     for part in ("rod and fluid", *sizes, "load ", "scheme ", " MB"):
         assert part in shown, shown
@@ -65,10 +66,10 @@ def test_inspect_shows_what_a_scene_will_do(small_fsi3, tmp_path):
 
 def test_inspect_shows_a_unit_by_arrays_and_a_run_as_it_printed_it(result):
     folder = result("falling")
-    shown = fsi("inspect", folder / "falling-rod-rod.fmu").stdout
+    shown = nervure("inspect", folder / "falling-rod-rod.fmu").stdout
     for part in ("falling-rod.rod", "canGetAndSetFMUstate True", "force_x[1 … 17]", "N/m", "x[1 … 17]"):
         assert part in shown, shown
-    shown = fsi("inspect", folder).stdout
+    shown = nervure("inspect", folder).stdout
     for part in ("tip_uy amplitude", "100 steps to t = 0.01 s", "revision"):
         assert part in shown, shown
 
@@ -77,16 +78,16 @@ def test_plot_draws_the_same_from_the_table_as_the_run_did(result):
     folder = result("falling")
     first = (folder / "tip.png").read_bytes()
     (folder / "tip.png").unlink()
-    done = fsi("plot", folder)
+    done = nervure("plot", folder)
     assert done.returncode == 0, done.stderr
     assert (folder / "tip.png").read_bytes() == first
 
 
 def test_plot_lays_several_runs_over_each_other(result, tmp_path):
     folders = result("falling"), result("floating", "--set", "rod.gravity=[0, 0]")
-    none = fsi("plot", *folders)
+    none = nervure("plot", *folders)
     assert none.returncode == 2 and "--output" in none.stderr, none.stderr
-    done = fsi("plot", *folders, "--output", tmp_path / "both")
+    done = nervure("plot", *folders, "--output", tmp_path / "both")
     assert done.returncode == 0, done.stderr
     assert {path.name for path in (tmp_path / "both").iterdir()} == {"tip.png"}
     assert (tmp_path / "both" / "tip.png").read_bytes() != (folders[0] / "tip.png").read_bytes()
@@ -105,10 +106,10 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
     process.kill()
     process.wait()
     path.unlink()
-    shown = fsi("inspect", first)
+    shown = nervure("inspect", first)
     assert "checkpoint after" in shown.stdout, shown.stderr
     moved = first.rename(tmp_path / "moved")
-    done = fsi("resume", moved)
+    done = nervure("resume", moved)
     assert done.returncode == 0, done.stderr
     assert json.loads((moved / "summary.json").read_text())["simulated_s"] == pytest.approx(3.0)
     assert (moved / "fields.vtkhdf").exists() and not (moved / "checkpoint.npz").exists()
@@ -127,7 +128,7 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
         (["run", FSI3, "--rod-fmu", "nowhere.fmu"], ["--rod-fmu", "nowhere.fmu", "does not exist"]),
         (["run", FSI3, "--output", "EMPTY", "--rod-fmu", "FILE"], ["FILE cannot be read as an FMU"]),
         (["resume", "EMPTY"], ["there is no checkpoint", "--checkpoint-every"]),
-        (["plot", "EMPTY"], ["holds no results", "scene.json", "scripts/fsi.py run"]),
+        (["plot", "EMPTY"], ["holds no results", "scene.json", "nervure run"]),
         (["inspect", "EMPTY"], ["holds no results"]),
         (["inspect", "nowhere.fmu"], ["nowhere.fmu cannot be read as an FMU"]),
         (["animate", "EMPTY"], ["--fields-every"]),
@@ -142,7 +143,7 @@ def test_what_cannot_be_used_is_said_with_what_to_do(arguments, said, tmp_path):
     empty.mkdir()
     file.write_text("neither a folder nor an FMU")
     places = [str(a).replace("EMPTY", str(empty)).replace("FILE", str(file)) for a in arguments]
-    done = fsi(*places, cwd=ROOT, env=os.environ | {"COLUMNS": "300"})
+    done = nervure(*places, cwd=ROOT, env=os.environ | {"COLUMNS": "300"})
     assert done.returncode == 2, done.stderr
     for part in said:
         assert part.replace("FILE", str(file)) in done.stderr, done.stderr
@@ -151,12 +152,12 @@ def test_what_cannot_be_used_is_said_with_what_to_do(arguments, said, tmp_path):
 
 
 def test_libraries_that_are_not_built_are_said(tmp_path):
-    done = fsi("run", FSI3, "--output", tmp_path, env=os.environ | {"CARGO_TARGET_DIR": str(tmp_path)})
-    assert done.returncode == 2 and "is not built; `make build` or `scripts/fsi.py build" in done.stderr, done.stderr
+    done = nervure("run", FSI3, "--output", tmp_path, env=os.environ | {"CARGO_TARGET_DIR": str(tmp_path)})
+    assert done.returncode == 2 and "is not built; `make build` or `nervure build" in done.stderr, done.stderr
 
 
 def test_build_without_cargo_says_what_to_install(tmp_path):
-    done = fsi("build", FSI3, "--output", tmp_path, env=os.environ | {"PATH": str(tmp_path)})
+    done = nervure("build", FSI3, "--output", tmp_path, env=os.environ | {"PATH": str(tmp_path)})
     assert done.returncode == 2 and "install Rust" in done.stderr, done.stderr
 
 
@@ -196,8 +197,8 @@ def test_units_that_cannot_be_packed_or_unpacked_are_said(result, tmp_path):
     before = contents(folder)
     command = ["run", tmp_path / "scene.json", "--output", folder]
     with no_file_beyond(2000):
-        packing = fsi(*command)
-        unpacking = fsi(*command, "--rod-fmu", folder / "falling-rod-rod.fmu")
+        packing = nervure(*command)
+        unpacking = nervure(*command, "--rod-fmu", folder / "falling-rod-rod.fmu")
     assert packing.returncode == unpacking.returncode == 2
     assert f"cannot write into the result folder {folder}: File too large" in packing.stderr, packing.stderr
     assert "falling-rod-rod.fmu cannot be unpacked into" in unpacking.stderr, unpacking.stderr
@@ -207,7 +208,7 @@ def test_units_that_cannot_be_packed_or_unpacked_are_said(result, tmp_path):
 def test_results_that_are_damaged_are_said(result):
     folder = result("falling")
     (folder / "series.csv").write_text("time,tip_uy\n0.0,zero\n")
-    done = fsi("plot", folder)
+    done = nervure("plot", folder)
     assert done.returncode == 2 and "are damaged" in done.stderr, done.stderr
 
 

@@ -4,8 +4,8 @@ import json
 import re
 import subprocess
 
-from cosim.results import Results
-from cosim.scene import ROOT
+from nervure.results import Results
+from nervure.resources import ROOT
 
 TUTORIAL = ROOT / "docs" / "tutorial.md"
 

@@ -9,9 +9,11 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from cosim import coupling, package
-from cosim.scene import ROOT, SceneError
-from cosim.unit import ELEMENT
+from nervure import coupling
+from nervure.pack import package
+from nervure.resources import ROOT
+from nervure.scene import SceneError
+from nervure.unit import ELEMENT
 from fmpy.validation import validate_fmu
 from lxml import etree
 

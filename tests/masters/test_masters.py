@@ -17,9 +17,10 @@ import fmpy
 import fmpy.ssp.simulation
 import numpy as np
 import pytest
-from cosim import coupling, ssp
-from cosim.scene import ROOT
-from cosim.unit import ELEMENT, Unit
+from nervure import coupling
+from nervure.pack import ssp
+from nervure.resources import ROOT
+from nervure.unit import ELEMENT, Unit
 from lxml import etree
 
 H, STEPS = 2.0**-9, 20

@@ -6,7 +6,7 @@
 import subprocess
 
 import pytest
-from cosim.scene import ROOT
+from nervure.resources import ROOT
 
 BUILDS = ROOT / "target" / "sanitizers"
 TOOLS = {

@@ -1,0 +1,88 @@
+"""What a run shows while it goes on, and how it is asked to stop."""
+
+import signal
+import threading
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn
+
+from nervure.recorder import Recorder
+from nervure.report import DISPLAY
+
+TERMINAL_INTERVAL = 0.2
+"""Wall time between two updates in a terminal, s."""
+
+FILE_INTERVAL = 10.0
+"""Wall time between two lines where the output is no terminal, s."""
+
+SHOWN = (("tip_ux", "tip_uy"), ("drag", "lift"))
+"""What is shown besides the times: the first of these that there is."""
+
+
+class Display:
+    """Shows simulated time, wall time, time left and the tip (or the forces, where there is no rod)."""
+
+    def __init__(self, console: Console, recorder: Recorder, end: float, quiet: bool):
+        self.recorder, self.end, self.console = recorder, end, console
+        self.shown = next((names for names in SHOWN if names[0] in recorder.columns), ())
+        self.bar = None
+        if quiet:
+            self.interval = float("inf")
+        elif console.is_terminal:
+            self.interval = TERMINAL_INTERVAL
+            self.bar = Progress(BarColumn(), TextColumn("{task.description}"), console=console, transient=True)
+            self.task = self.bar.add_task("", total=end)
+        else:
+            self.interval = FILE_INTERVAL
+        self.next = self.interval
+
+    def __enter__(self):
+        if self.bar:
+            self.bar.start()
+        return self
+
+    def __exit__(self, *_):
+        if self.bar:
+            self.bar.stop()
+
+    def show(self, _steps: int, time: float, wall: float) -> None:
+        """Called after every step with the simulated time and the wall time, s; cheap unless it is time to show."""
+        if wall < self.next or time == 0.0:
+            return
+        self.next = wall + self.interval
+        latest = self.recorder.latest
+        values = []
+        for name in self.shown:
+            unit, scale = DISPLAY.get(self.recorder.unit_of[name], (self.recorder.unit_of[name], 1.0))
+            values.append(f"{name} {latest[name] * scale:.2f} {unit}")
+        left = wall * (self.end - time) / time
+        text = ", ".join([f"t {time:.3f} of {self.end:g} s", f"wall {wall:.0f} s, {left:.0f} s left", *values])
+        if self.bar:
+            self.bar.update(self.task, completed=time, description=text)
+        else:
+            self.console.print(text)
+
+
+@contextmanager
+def interruptible():
+    """Within it, the first Ctrl-C or SIGTERM only makes the function it gives answer True; a second one kills. A thread
+    beside the main one gets no signals, so there it always answers False."""
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    asked = []
+    before = {}
+
+    def ask(number, _frame):
+        asked.append(number)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        before[number] = signal.signal(number, ask)
+    try:
+        yield lambda: bool(asked)
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
