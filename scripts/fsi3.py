@@ -27,7 +27,8 @@ class Unit:
         self.folder = fmpy.extract(path)
         model = description.coSimulation.modelIdentifier
         self.fmu = FMU2Slave(
-            guid=description.guid, modelIdentifier=model, instanceName=model, unzipDirectory=self.folder)  # fmt: skip
+            guid=description.guid, modelIdentifier=model, instanceName=model, unzipDirectory=self.folder
+        )
         self.fmu.instantiate()
         self.fmu.setupExperiment(startTime=0.0, stopTime=stop_time)
         self.fmu.enterInitializationMode()
