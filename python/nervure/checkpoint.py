@@ -12,16 +12,18 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from nervure.coupling import Single
 from nervure.errors import Refusal
 from nervure.recorder import Recorder
+from nervure.scene import Scene
 from nervure.unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
-FORMAT = 3
+FORMAT = 4
 
 EXCHANGED = ("inputs", "outputs", "integers")
 """The arrays of a unit that the next step or the next row may need."""
@@ -36,7 +38,7 @@ class Kept:
     """What a checkpoint holds."""
 
     path: Path
-    about: dict
+    about: dict[str, Any]
     """The scene, its set-up, the units' GUIDs, steps done and times."""
     arrays: dict[str, np.ndarray]
 
@@ -66,8 +68,8 @@ class Checkpoint:
     def __init__(
         self,
         folder: Path,
-        scene: dict,
-        setup: dict,
+        scene: Scene,
+        setup: dict[str, Any],
         units: dict[str, Unit],
         scheme: Single,
         recorder: Recorder,
@@ -78,7 +80,7 @@ class Checkpoint:
                     f"a checkpoint needs units that serialize their state, which the {unit.name} does not offer"
                 )
         self.path = folder / FILE
-        self.about = {"format": FORMAT, "scene": scene, "setup": setup}
+        self.about = {"format": FORMAT, "scene": scene.document(), "setup": setup}
         self.units, self.scheme, self.recorder = units, scheme, recorder
 
     def save(self, done: int, wall: float) -> None:

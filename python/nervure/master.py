@@ -31,7 +31,7 @@ class Clock:
 
 
 @dataclass
-class Outcome:
+class RunStatus:
     """How a run ended and what it cost."""
 
     steps: int
@@ -53,7 +53,7 @@ def run(
     stopping: Callable[[], bool] = lambda: False,
     done: int = 0,
     wall: float = 0.0,
-) -> Outcome:
+) -> RunStatus:
     """Step to the end of `clock`, or until `stopping` says so or a unit fails.
 
     A run that begins with step `done` > 0 goes on from there: its units are in that state, and it has cost `wall` (s)
@@ -80,4 +80,4 @@ def run(
     except (UnitError, CouplingError) as failure:
         error = str(failure)
     used = None if cpu is None else process_time() - cpu
-    return Outcome(done, reached, perf_counter() - begin, used, done == clock.steps, error)
+    return RunStatus(done, reached, perf_counter() - begin, used, done == clock.steps, error)

@@ -6,8 +6,9 @@ from pathlib import Path
 import fmpy
 from lxml import etree
 
+from nervure.errors import SceneError
 from nervure.pack import package
-from nervure.scene import SceneError
+from nervure.scene import Scene
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -44,12 +45,12 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
 
 
-def pack(scene: dict, folder: Path) -> Path:
+def pack(scene: Scene, folder: Path) -> Path:
     """Write the units of `scene` and `NAME.ssp` with both of them into `folder` and return the path of the latter."""
     kinds = package.kinds(scene)
     if len(kinds) < 2:
-        raise SceneError(f"the scene {scene['name']} has only one unit, the {kinds[0]}: there is nothing to connect")
+        raise SceneError(f"the scene {scene.name} has only one unit, the {kinds[0]}: there is nothing to connect")
     fmus = {kind: package.pack(kind, scene, folder) for kind in kinds}
-    contents = {"SystemStructure.ssd": structure(scene["name"], fmus, scene["time"]["end"])}
+    contents = {"SystemStructure.ssd": structure(scene.name, fmus, scene.time.end)}
     contents |= {f"resources/{path.name}": path.read_bytes() for path in fmus.values()}
-    return package.write_archive(folder / f"{scene['name']}.ssp", contents)
+    return package.write_archive(folder / f"{scene.name}.ssp", contents)

@@ -8,7 +8,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
 from nervure.recorder import Recorder
-from nervure.report import DISPLAY
+from nervure.show import shown_in
 
 TERMINAL_INTERVAL = 0.2
 """Wall time between two updates in a terminal, s."""
@@ -54,7 +54,7 @@ class Display:
         latest = self.recorder.latest
         values = []
         for name in self.shown:
-            unit, scale = DISPLAY.get(self.recorder.unit_of[name], (self.recorder.unit_of[name], 1.0))
+            unit, scale = shown_in(self.recorder.unit_of[name])
             values.append(f"{name} {latest[name] * scale:.2f} {unit}")
         left = wall * (self.end - time) / time
         text = ", ".join([f"t {time:.3f} of {self.end:g} s", f"wall {wall:.0f} s, {left:.0f} s left", *values])
