@@ -230,3 +230,8 @@ impl Scene {
         stations
     }
 }
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
