@@ -23,15 +23,14 @@ from pydantic import Field
 from nervure.scene.part import Flag, Integer, Part, Real
 '''
 
-WIDTH = 116
+WIDTH = 120
 SCALARS = {"number": "Real", "integer": "Integer", "string": "str", "boolean": "Flag", "null": "None"}
 
 
 def docstring(text: str, indent: str = "") -> str:
     """`text` as a docstring."""
-    lines = textwrap.wrap(text, WIDTH - len(indent), break_long_words=False)
-    closing = f"\n{indent}" if len(lines) > 1 and len(lines[-1]) > WIDTH - len(indent) - 3 else ""
-    return f'{indent}"""' + f"\n{indent}".join(lines) + f'{closing}"""\n'
+    whole = textwrap.wrap(f'"""{text}"""', WIDTH - len(indent), break_long_words=False)
+    return "".join(f"{indent}{line}\n" for line in whole)
 
 
 class Writer:
@@ -85,8 +84,7 @@ class Writer:
     def part(self, schema: Schema) -> str:
         """The class of an object."""
         return f"class {schema['title']}(Part):\n" + (
-            docstring(schema["description"], "    ")
-            + "".join(f"\n{line}" for line in self.fields(schema))
+            docstring(schema["description"], "    ") + "".join(f"\n{line}" for line in self.fields(schema))
         )
 
     def fields(self, schema: Schema) -> Iterator[str]:
@@ -102,7 +100,7 @@ class Writer:
     def default(self, schema: Schema, value: Any) -> str:
         """The expression of a field's default."""
         if isinstance(value, dict):
-            return f"Field(default_factory=lambda: {self.made(schema, value)})" if value else "Field(default_factory=dict)"
+            return f"Field(default_factory={f'lambda: {self.made(schema, value)}' if value else 'dict'})"
         if isinstance(value, list):
             return repr(tuple(value)) if value else "Field(default_factory=list)"
         return json.dumps(value) if isinstance(value, str) else repr(value)

@@ -7,7 +7,8 @@ import zipfile
 import pytest
 from conftest import FSI3, run_scene
 from nervure.pack import package
-from nervure.scene import SceneError, load, override
+from nervure.errors import SceneError
+from nervure.scene import load, override
 from nervure.unit import Unit, UnitError
 
 pytestmark = pytest.mark.usefixtures("libraries")

@@ -73,12 +73,12 @@ def still():
 
 
 @pytest.fixture
-def own(tmp_path):
+def own(tmp_path, packed):
     """Function that makes our own FMU of a scene, or that of examples/, and returns its path."""
 
     def make(kind: str, scene: dict, foreign: bool):
         if not foreign:
-            return package.pack(kind, scene, tmp_path)
+            return packed(kind, scene)
         path, fmu = tmp_path / "to-pack.json", tmp_path / f"{scene['name']}-foreign-{kind}.fmu"
         path.write_text(json.dumps(scene))
         command = [sys.executable, ROOT / "examples" / "pack.py", ROOT / "examples" / EXAMPLES[kind], path, fmu]

@@ -11,15 +11,20 @@ from pathlib import Path
 
 import psutil
 import pytest
-from conftest import TOOL, nervure
+from conftest import TOOL
 from nervure import sweep
-from nervure.scene import SceneError
+from nervure.errors import SceneError
 from distributed import Client, LocalCluster
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),
     pytest.mark.filterwarnings("default"),  # for those of Dask, whose clusters some tests hold in this process
 ]
+
+
+def nervure(*arguments):
+    """Run the command in a process of its own, whose workers begin as its users' do."""
+    return subprocess.run([*TOOL, *arguments], capture_output=True, text=True)
 
 
 @pytest.fixture

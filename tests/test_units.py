@@ -12,7 +12,7 @@ import pytest
 from nervure import coupling
 from nervure.pack import package
 from nervure.resources import ROOT
-from nervure.scene import SceneError
+from nervure.errors import SceneError
 from nervure.unit import ELEMENT
 from fmpy.validation import validate_fmu
 from lxml import etree

@@ -1,10 +1,10 @@
 """Checkpoints: all that a run needs to go on where it was, in one file.
 
-The file is an uncompressed NumPy archive (a zip file, whose checksums show damage): the scene and how it was set up, the
-units' serialized states and what was last exchanged, the memory of the coupling scheme, the clock, and every row
-recorded so far. The rows are
-rewritten each time: the table has a limit (`recorder.MAX_ROWS`) and is about as large as the state of a fluid, and with
-one file there is one moment, the renaming, at which the new checkpoint takes the place of the old.
+The file is an uncompressed NumPy archive (a zip file, whose checksums show damage): the scene and how it was set up,
+the units' serialized states and what was last exchanged, the memory of the coupling scheme, the clock, and every row
+recorded so far. The rows are rewritten each time: the table has a limit (`recorder.MAX_ROWS`) and is about as large as
+the state of a fluid, and with one file there is one moment, the renaming, at which the new checkpoint takes the place
+of the old.
 """
 
 import json
@@ -48,8 +48,8 @@ def read(folder: Path) -> Kept:
     path = folder / FILE
     if not path.is_file():
         raise CheckpointError(
-            f"there is no checkpoint {path} to resume from: a run leaves one if it has --checkpoint-every and is stopped "
-            "before its end"
+            f"there is no checkpoint {path} to resume from: a run leaves one if it has --checkpoint-every and is "
+            "stopped before its end"
         )
     try:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
@@ -101,7 +101,7 @@ class Checkpoint:
         unfinished = self.path.with_name(f"unfinished-{FILE}")
         try:
             with open(unfinished, "wb") as file:
-                np.savez(file, **arrays)
+                np.savez(file, allow_pickle=False, **arrays)
                 file.flush()
                 os.fsync(file.fileno())
             unfinished.replace(self.path)

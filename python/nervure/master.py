@@ -9,6 +9,9 @@ from nervure.coupling import CouplingError, Single
 from nervure.recorder import Recorder
 from nervure.unit import UnitError
 
+Watcher = Callable[[int, float, float], None]
+"""Called at the start and after every step with the number of steps done, the simulated time and the wall time (s)."""
+
 STEP_ROUNDING = 1e-9
 """Part of a step by which the end time may exceed a whole number of steps without one more step being made."""
 
@@ -44,12 +47,17 @@ class RunStatus:
     completed: bool
     error: str | None
 
+    @property
+    def stopped(self) -> bool:
+        """Whether it was asked to stop."""
+        return not self.completed and self.error is None
+
 
 def run(
     scheme: Single,
     clock: Clock,
     recorder: Recorder,
-    watchers: Sequence[Callable[[int, float, float], None]] = (),
+    watchers: Sequence[Watcher] = (),
     stopping: Callable[[], bool] = lambda: False,
     done: int = 0,
     wall: float = 0.0,
@@ -57,8 +65,7 @@ def run(
     """Step to the end of `clock`, or until `stopping` says so or a unit fails.
 
     A run that begins with step `done` > 0 goes on from there: its units are in that state, and it has cost `wall` (s)
-    so far. Each of `watchers` is called at the start and after every step with the number of steps done, the
-    simulated time and the wall time (s).
+    so far.
     """
     begin, cpu = perf_counter() - wall, process_time() if done == 0 else None
     reached, error = clock.step(done)[0] if done < clock.steps else clock.end, None

@@ -76,4 +76,4 @@ class Recorder:
     @property
     def latest(self) -> dict[str, float]:
         """The last row."""
-        return dict(zip(self.columns, self.table[self.rows - 1].tolist()))
+        return dict(zip(self.columns, self.table[self.rows - 1].tolist(), strict=True))

@@ -22,7 +22,8 @@ FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lif
 FURTHER_FILES = (
     "coefficients.png", "flapping.png", "vorticity.gif", "phases.png", "motion.png", "iterations.csv", "convergence.csv"
 )  # fmt: skip
-"""What a cylinder alone and a driven root leave besides, what `animate` makes of a run, and what an iterated scheme leaves."""
+"""What a cylinder alone and a driven root leave besides, what `animate` makes of a run, and what an iterated scheme
+leaves."""
 
 
 @dataclass(frozen=True)

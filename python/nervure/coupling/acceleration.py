@@ -3,7 +3,8 @@
 import numpy as np
 
 FIRST_RELAXATION = 0.1
-"""Part of the residual that is taken where nothing is known yet: small enough for an added mass ten times the rod's own."""
+"""Part of the residual that is taken where nothing is known yet: small enough for an added mass ten times the rod's
+own."""
 
 AITKEN_START = (FIRST_RELAXATION, 0.5)
 """Range of Aitken's relaxation at the start of a step. Within it the last one of the step before is kept."""
@@ -20,9 +21,9 @@ class Aitken:
 
     columns = deleted = dropped = 0
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.relaxation = FIRST_RELAXATION
-        self.last_residual = None
+        self.last_residual: np.ndarray | None = None
 
     def begin(self) -> None:
         """A new step begins."""
@@ -38,7 +39,8 @@ class Aitken:
 
     def guess(self, given: np.ndarray, answer: np.ndarray) -> np.ndarray:
         """The next guess of the stations."""
-        return given + self.relaxation * (answer - given)
+        relaxed: np.ndarray = given + self.relaxation * (answer - given)
+        return relaxed
 
     def memory(self) -> dict[str, np.ndarray]:
         return {"relaxation": np.array([self.relaxation])}
@@ -50,10 +52,10 @@ class Aitken:
 class IqnIls:
     """Interface quasi-Newton by least squares (Degroote, Bathe & Vierendeels 2009, Comput. Struct. 87, 793).
 
-    With differences of neighbouring iterations V = [r_i - r_{i-1}] and W = [x~_i - x~_{i-1}], those of former steps too, the
-    next guess is x~ + c W where c makes |r + c V| least. V holds displacements only: they are all that is asked
-    to agree, and a velocity is no length. A QR decomposition, youngest differences first, finds c and those that say nothing
-    new, which are deleted (Haelterman et al. 2016, Comput. Struct. 171, 9).
+    With differences of neighbouring iterations V = [r_i - r_{i-1}] and W = [x~_i - x~_{i-1}], those of former steps
+    too, the next guess is x~ + c W where c makes |r + c V| least. V holds displacements only: they are all that is
+    asked to agree, and a velocity is no length. A QR decomposition, youngest differences first, finds c and those that
+    say nothing new, which are deleted (Haelterman et al. 2016, Comput. Struct. 171, 9).
     """
 
     def __init__(self, displacements: int, stations: int):
@@ -63,6 +65,8 @@ class IqnIls:
         """Step in which each difference was found."""
         self.step = 0
         self.deleted = self.dropped = 0
+        self.last: tuple[np.ndarray, np.ndarray] | None = None
+        """Residual and answer of the iteration before, within a step."""
 
     @property
     def columns(self) -> int:
@@ -84,14 +88,17 @@ class IqnIls:
         self.last = residual, answer.copy()
 
     def guess(self, given: np.ndarray, answer: np.ndarray) -> np.ndarray:
+        assert self.last, "a residual comes before a guess"
         residual, _ = self.last
         while self.columns:
             q, r = np.linalg.qr(self.v.T)
             new = np.abs(np.diagonal(r)) > FILTER * np.linalg.norm(self.v, axis=1)
             if new.all():
-                return answer + np.linalg.solve(r, -(q.T @ residual)) @ self.w
+                found: np.ndarray = answer + np.linalg.solve(r, -(q.T @ residual)) @ self.w
+                return found
             self.deleted += self._keep(new)
-        return given + FIRST_RELAXATION * (answer - given)
+        relaxed: np.ndarray = given + FIRST_RELAXATION * (answer - given)
+        return relaxed
 
     def _keep(self, kept: np.ndarray) -> int:
         """Forget the other differences; returns their number."""

@@ -10,8 +10,8 @@ Iterated: from a guess of the stations x at t + H,
 
     fluid.step(x)  →  loads  →  rod.step(loads)  →  stations x~,   residual r = x~ - x
 
-until r is small; before every repetition both units are put back to t. What makes the next guess is Aitken's relaxation or
-IQN-ILS.
+until r is small; before every repetition both units are put back to t. What makes the next guess is Aitken's relaxation
+or IQN-ILS.
 """
 
 from array import array
@@ -38,8 +38,8 @@ def root_inputs(unit: Unit) -> list[str]:
 
 
 def connections(source: Unit, target: Unit) -> list[str]:
-    """Names of the quantities that `source` gives to `target`; raises `CouplingError` where an input of `target`, but those
-    of a driven root, finds no output of the same name, number and unit."""
+    """Names of the quantities that `source` gives to `target`; raises `CouplingError` where an input of `target`, but
+    those of a driven root, finds no output of the same name, number and unit."""
     names = [v.name for v in target.variables.values() if v.causality == "input" and not v.name.startswith("root.")]
     for name in names:
         here, there = target.variables[name], source.variables.get(name)
@@ -104,8 +104,8 @@ class Explicit(Single):
         loads, stations, root = connections(fluid, rod), connections(rod, fluid), root_inputs(rod)
         if root and drive is None:
             raise CouplingError(
-                "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of time, or couple the "
-                "units from Python with a drive"
+                "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of time, "
+                "or couple the units from Python with a drive"
             )
         rod.connect(loads + root, stations)
         fluid.connect(stations, loads)
@@ -163,7 +163,8 @@ class ParallelExplicit(Explicit):
 
 ITERATIONS = ("step", "total_iterations", "iterations", "columns", "deleted", "dropped")
 CONVERGENCE = ("step", "iteration", "residual")
-"""Columns of iterations.csv and convergence.csv; the residual is relative to the change of the displacements in the step."""
+"""Columns of iterations.csv and convergence.csv; the residual is relative to the change of the displacements in the
+step."""
 
 
 class Iterated(Explicit):
@@ -190,13 +191,13 @@ class Iterated(Explicit):
         self.acceleration: Aitken | IqnIls = (
             Aitken() if options.acceleration == "aitken" else IqnIls(self.displacement.size, self.stations.size)
         )
-        self.last_stations = None
+        self.last_stations: np.ndarray | None = None
         self.iterations, self.convergence = array("d"), array("d")
 
     def step(self, t: float, h: float) -> int:
         rod, fluid, stations, given = self.rod, self.fluid, self.stations, self.fluid.inputs
         before = stations.copy()
-        rounding = STATION_ROUNDING * np.linalg.norm(before[self.displacement])
+        rounding = STATION_ROUNDING * float(np.linalg.norm(before[self.displacement]))
         number = len(self.iterations) // len(ITERATIONS) + 1
         self.acceleration.begin()
         rod.save()
@@ -235,7 +236,9 @@ class Iterated(Explicit):
         self.iterations.extend((number, total + iterations, iterations, a.columns, a.deleted, a.dropped))
 
     def memory(self) -> dict[str, np.ndarray]:
-        own = {name: np.array(log) for name, log in (("iterations", self.iterations), ("convergence", self.convergence))}
+        own = {
+            name: np.array(log) for name, log in (("iterations", self.iterations), ("convergence", self.convergence))
+        }
         if self.last_stations is not None:
             own["last_stations"] = self.last_stations
         return own | self.acceleration.memory()
@@ -249,6 +252,6 @@ class Iterated(Explicit):
         """The steps that were made, and every iteration, one that did not converge included."""
         tables = ("iterations", ITERATIONS, self.iterations), ("convergence", CONVERGENCE, self.convergence)
         return {
-            name: np.rec.fromarrays(np.array(rows).reshape(-1, len(columns)).T, names=",".join(columns))
+            name: np.array(rows).reshape(-1, len(columns)).view([(column, float) for column in columns]).ravel()
             for name, columns, rows in tables
         }

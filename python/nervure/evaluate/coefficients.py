@@ -48,7 +48,9 @@ def scale(scene: Scene) -> Scale | None:
         return next(near, None)
 
     ahead = np.sign(velocity) * radius
-    return Scale(fluid.density * velocity**2 * radius, abs(velocity) / (2 * radius), column(x - ahead), column(x + ahead))
+    return Scale(
+        fluid.density * velocity**2 * radius, abs(velocity) / (2 * radius), column(x - ahead), column(x + ahead)
+    )
 
 
 def final_value(law: TimeLaw) -> float | None:
@@ -62,7 +64,7 @@ def series(scale: Scale, record: Record, width: float = 0.0) -> dict[str, np.nda
     """cD and cL over time, and dp (Pa) where there are probes, under a box filter of `width` (s)."""
     time = record.column("time")
     found = {name: record.column(force) / scale.force for name, force in (("cd", "drag"), ("cl", "lift"))}
-    if scale.front in record.columns and scale.back in record.columns:
+    if scale.front and scale.back:
         found["dp"] = record.column(scale.front) - record.column(scale.back)
     return {name: statistics.box_filter(time, values, width) for name, values in found.items()}
 

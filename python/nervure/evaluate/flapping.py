@@ -1,7 +1,7 @@
 """What a driven root does with its rod: thrust, lift, power, efficiency, tip path and phase lag, as cycle averages.
 
-Thrust is the force of the fluid on the beam against the stream, or against x in still fluid; lift is that along y. Power
-in comes from the drive at the root. What is averaged are whole periods of the drive, by the trapezoidal rule.
+Thrust is the force of the fluid on the beam against the stream, or against x in still fluid; lift is that along y.
+Power in comes from the drive at the root. What is averaged are whole periods of the drive, by the trapezoidal rule.
 """
 
 from collections.abc import Callable, Sequence
@@ -71,7 +71,13 @@ def stream(scene: Scene, window: Window) -> np.ndarray | None:
     if scene.fluid is None:
         return None
     flow, inflow = scene.fluid.mean_flow, scene.fluid.inflow
-    along = [_steady(flow.x, window), _steady(flow.y, window)] if flow else [_steady(inflow.mean_velocity, window), 0.0] if inflow else []
+    along = (
+        [_steady(flow.x, window), _steady(flow.y, window)]
+        if flow
+        else [_steady(inflow.mean_velocity, window), 0.0]
+        if inflow
+        else []
+    )
     velocity = [value for value in along if value is not None]
     return np.array(velocity) if len(velocity) == 2 and any(velocity) else None
 
@@ -85,7 +91,8 @@ def _steady(law: TimeLaw, window: Window) -> float | None:
 
 
 def evaluate(scene: Scene, record: Record, settled: Window) -> Flapping | None:
-    """What the root does with its rod, where the tip is `settled`; None where no root is driven or over less than a period."""
+    """What the root does with its rod, where the tip is `settled`; None where no root is driven or over less than a
+    period."""
     window = drive_window(record, settled)
     axis = main_axis(record.columns, record.column)
     if window is None or axis is None:
@@ -102,7 +109,10 @@ def evaluate(scene: Scene, record: Record, settled: Window) -> Flapping | None:
         ahead = np.array([-1.0, 0.0]) if velocity is None else -velocity / np.linalg.norm(velocity)
         fluid = {"thrust": float(force @ ahead), "lift": float(force[1])}
         if velocity is not None:
-            fluid |= {"stream": tuple(velocity.tolist()), "efficiency": float(-force @ velocity) / power if power else None}
+            fluid |= {
+                "stream": tuple(velocity.tolist()),
+                "efficiency": float(-force @ velocity) / power if power else None,
+            }
         else:
             fluid["thrust_by_power"] = fluid["thrust"] / power if power else None
     tip, rigid = (harmonic(time, record.column(f"{name}_u{axis}"), window) for name in ("tip", "rigid_tip"))
@@ -120,8 +130,8 @@ def evaluate(scene: Scene, record: Record, settled: Window) -> Flapping | None:
 
 
 def balance(record: Record, window: Window) -> dict[str, float | None]:
-    """Work over `window`, J: of the root, of the loads, what the damping took and what the rod's energy gained; `missing` is
-    the first two less the last two, relative to the magnitudes of the root's."""
+    """Work over `window`, J: of the root, of the loads, what the damping took and what the rod's energy gained;
+    `missing` is the first two less the last two, relative to the magnitudes of the root's."""
     time = record.column("time")
     length = window.end - window.begin
     work = {name: length * average(time, record.column(column), window) for name, column in BALANCE.items()}

@@ -211,7 +211,8 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
             statistics="mean = (max + min) / 2 and amplitude = (max - min) / 2 over the window, frequency by upward "
             f"crossings of the mean; forces under a box filter of {width * 1e3:.3g} ms; `fit`: the same of the "
             f"least-squares fit of {statistics.HARMONICS} harmonics",
-            amplitude_drift=f"change of the amplitude of {main} from the first to the second half of the window, relative",
+            amplitude_drift=f"change of the amplitude of {main} from the first to the second half of the window, "
+            "relative",
         ),
         interface=interface(recorder),
         simulated_s=status.simulated,

@@ -27,7 +27,7 @@ def glibc(library: Path) -> tuple[int, int]:
 def revision() -> str | None:
     """The source's commit, with `-dirty` after it where files differ from it; None outside of git."""
     found = git_revision()
-    return found and found.revision + ("-dirty" if found.dirty else "")
+    return found.revision + ("-dirty" if found.dirty else "") if found else None
 
 
 def describe(path: Path) -> dict[str, int | str]:

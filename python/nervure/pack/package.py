@@ -63,7 +63,9 @@ def merge(sources: list[Path], target: Path) -> Path:
             | {name for name in contents.keys() & files.keys() if contents[name] != files[name]}
         )
         if differing:
-            raise SceneError(f"{path} differs from {sources[0]} in {', '.join(differing)}: only other binaries are allowed")
+            raise SceneError(
+                f"{path} differs from {sources[0]} in {', '.join(differing)}: only other binaries are allowed"
+            )
         contents |= files
     return write_archive(target, contents)
 

@@ -16,7 +16,9 @@ SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 
 def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     """SystemStructure.ssd of the units `fmus` by name: every input is connected with the output of the same name."""
-    root = etree.Element(f"{{{SSD}}}SystemStructureDescription", nsmap={"ssd": SSD, "ssc": SSC}, version="1.0", name=name)
+    root = etree.Element(
+        f"{{{SSD}}}SystemStructureDescription", nsmap={"ssd": SSD, "ssc": SSC}, version="1.0", name=name
+    )
     # A name of SSP is an identifier in some readers.
     system = etree.SubElement(root, f"{{{SSD}}}System", name=re.sub(r"\W", "_", name))
     elements = etree.SubElement(system, f"{{{SSD}}}Elements")
@@ -24,7 +26,11 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     inputs: list[tuple[str, str]] = []
     for unit, path in fmus.items():
         component = etree.SubElement(
-            elements, f"{{{SSD}}}Component", name=unit, type="application/x-fmu-sharedlibrary", source=f"resources/{path.name}"
+            elements,
+            f"{{{SSD}}}Component",
+            name=unit,
+            type="application/x-fmu-sharedlibrary",
+            source=f"resources/{path.name}",
         )
         connectors = etree.SubElement(component, f"{{{SSD}}}Connectors")
         for variable in fmpy.read_model_description(str(path), validate=False).modelVariables:
@@ -42,7 +48,7 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
             ends = {"startElement": source, "startConnector": variable, "endElement": unit, "endConnector": variable}
             etree.SubElement(connections, f"{{{SSD}}}Connection", **ends)
     etree.SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=repr(float(end)))
-    return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+    return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True))
 
 
 def pack(scene: Scene, folder: Path) -> Path:

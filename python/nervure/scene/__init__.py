@@ -1,8 +1,8 @@
 """Scenes: read from a file or by the name of a shipped one, changed by dotted keys, and then objects with types.
 
-What values a scene may have is decided by its units, not here. So a scene that does not fit the types is shown to them, and they
-say what is wrong with it. A scene is written as it was given: its text has no defaults, which would otherwise become
-part of every result and stay there when a later version has better ones.
+What values a scene may have is decided by its units, not here. So a scene that does not fit the types is shown to them,
+and they say what is wrong with it. A scene is written as it was given: its text has no defaults, which would otherwise
+become part of every result and stay there when a later version has better ones.
 """
 
 import json
@@ -19,7 +19,8 @@ from nervure.resources import SCENES
 from nervure.scene.part import Part
 from nervure.scene.types import Scene
 
-__all__ = ["Document", "Part", "Scene", "SceneError", "assign", "document", "find", "json_or_text", "kinds", "load", "override", "read", "text", "typed"]  # fmt: skip
+__all__ = ["Document", "Part", "Scene", "SceneError", "assign", "document", "find", "json_or_text", "kinds", "load"]
+__all__ += ["override", "read", "text", "typed"]
 
 Document = dict[str, Any]
 """A scene as JSON has it, which no unit need have seen."""
@@ -103,6 +104,8 @@ def json_or_text(value: str) -> Any:
 def assign(scene: Document, key: str, value: Any) -> None:
     """Set one value of `scene` by its dotted path, in which a number is an index into a list. A last key that does not
     exist is added: whether it is allowed is for the units to say."""
+    parents: list[Any]
+    last: Any
     *parents, last = [int(part) if part.isdecimal() else part for part in key.split(".")]
     target: Any = scene
     try:

@@ -131,8 +131,8 @@ class Inflow(Part):
 
 
 class Sponge(Part):
-    """Zone across the box in which the flow is drawn to `(profile(y) · law(t), 0)` at the rate `sin²(π (x − x_0)/(x_1
-    − x_0)) / c_eta`, which takes out what comes in and reflects little of it."""
+    """Zone across the box in which the flow is drawn to `(profile(y) · law(t), 0)` at the rate `sin²(π (x − x_0)/(x_1 −
+    x_0)) / c_eta`, which takes out what comes in and reflects little of it."""
 
     x: tuple[Real, Real]
     """From where to where along x, m."""
@@ -181,7 +181,8 @@ class Cylinder(Part):
 
 
 class Sharp(Part):
-    """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it should."""
+    """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it
+    should."""
 
     c_eta: Real
     """Relaxation time C_eta, s."""
@@ -191,10 +192,12 @@ class Sharp(Part):
 
 
 class MaskSharp(Part):
-    """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it should."""
+    """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it
+    should."""
 
     sharp: Sharp
-    """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it should."""
+    """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it
+    should."""
 
 
 class Cosine(Part):
@@ -221,11 +224,11 @@ class MaskCosine(Part):
 
 
 WallTarget = Literal["none", "shear", "curvature"]
-"""What a body draws the fluid at its surface to, and thereby which flows along a wall are right to the order of a
-cell. `none`: The body's own velocity: no-slip is where it should be in linear shear, but the smooth profile lets a
-flux through. `shear`: Inside, weakly, the mirror image of the flow outside: no flux beyond that of linear shear
-either. `curvature`: Besides, at the surface, what the second difference of the flow outside asks for: no slip where
-a pressure gradient bends the velocity profile either."""
+"""What a body draws the fluid at its surface to, and thereby which flows along a wall are right to the order of a cell.
+`none`: The body's own velocity: no-slip is where it should be in linear shear, but the smooth profile lets a flux
+through. `shear`: Inside, weakly, the mirror image of the flow outside: no flux beyond that of linear shear either.
+`curvature`: Besides, at the surface, what the second difference of the flow outside asks for: no slip where a pressure
+gradient bends the velocity profile either."""
 
 
 class LogLinear(Part):
@@ -236,8 +239,8 @@ class LogLinear(Part):
     """Smallest relaxation time, s, reached inside the solid."""
 
     e_fold: Real = 0.25
-    """Length of e-fold growth in grid cells. A quarter is the shortest that the grid resolves: the wall keeps its
-    place to 0.03 cells wherever the grid lies."""
+    """Length of e-fold growth in grid cells. A quarter is the shortest that the grid resolves: the wall keeps its place
+    to 0.03 cells wherever the grid lies."""
 
     target: WallTarget = "curvature"
     """What the cylinders and the beam draw the fluid at their surface to."""
@@ -263,8 +266,8 @@ ellipse of two thirds (thesis eq. 3.14). `none`: None."""
 
 TimeScheme = Literal["sbdf2", "rk2"]
 """How the fluid makes a step. `sbdf2`: Two-step backward differences, drag and viscosity implicit: the step is limited
-by advection alone. `rk2`: Heun's method, drag explicit, viscosity exact (thesis eq. 3.15 – 3.18): steps above C_eta
-are divided."""
+by advection alone. `rk2`: Heun's method, drag explicit, viscosity exact (thesis eq. 3.15 – 3.18): steps above C_eta are
+divided."""
 
 
 class TimeStepping(Part):
@@ -391,12 +394,13 @@ class Beam(Part):
     """Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root."""
 
     rest_angles: list[Real] = Field(default_factory=list)
-    """Direction of each segment at rest against that at the root, rad, positive to the left: `[segments]`; absent for
-    a straight beam. In two dimensions only: a curved rod in space needs a material frame and its twist."""
+    """Direction of each segment at rest against that at the root, rad, positive to the left: `[segments]`; absent for a
+    straight beam. In two dimensions only: a curved rod in space needs a material frame and its twist."""
 
 
 class PlaneStrain(Part):
-    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 − ν²)."""
+    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
+    ν²)."""
 
     density: Real
     """Density, kg/m³."""
@@ -413,10 +417,12 @@ class PlaneStrain(Part):
 
 
 class MaterialPlaneStrain(Part):
-    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 − ν²)."""
+    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
+    ν²)."""
 
     plane_strain: PlaneStrain
-    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 − ν²)."""
+    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
+    ν²)."""
 
 
 class Section(Part):
@@ -449,9 +455,8 @@ Material = MaterialPlaneStrain | MaterialSection
 
 Bending = Literal["invariant", "projected"]
 """What bending energy depends on. `invariant`: The true turning angle ψ between neighbouring segments, by 2 tan(ψ/2)
-(Bergou et al. 2008): the same in every frame. `projected`: Angles of the segments' projections into the planes xy
-and xz (thesis eqs. 2.1 and 2.4): depends on the frame and is singular where a projection vanishes, which is an
-error."""
+(Bergou et al. 2008): the same in every frame. `projected`: Angles of the segments' projections into the planes xy and
+xz (thesis eqs. 2.1 and 2.4): depends on the frame and is singular where a projection vanishes, which is an error."""
 
 
 class Thesis(Part):
@@ -510,8 +515,8 @@ class RootMotionLaws(Part):
 
 
 RootMotion = Literal["master"] | RootMotionLaws
-"""Prescribed motion of the root. `master`: The master sets the root's position, direction and their rates at the end
-of each of its steps."""
+"""Prescribed motion of the root. `master`: The master sets the root's position, direction and their rates at the end of
+each of its steps."""
 
 
 class GeneralisedAlpha(Part):
@@ -532,8 +537,8 @@ RodScheme = Literal["trapezoid", "tr_bdf2", "bdf2"] | RodSchemeGeneralisedAlpha
 """Time scheme of the rod; all are of second order. `trapezoid`: The trapezoidal rule of the thesis (eq. 2.7); no
 numerical dissipation, not safe for stiff axial modes. `tr_bdf2`: Trapezoid to 2 − √2 of the step, then two-step
 backward differences over the rest (Bank et al. 1985; Hosea & Shampine 1996): as dissipative where it must be, least
-where it need not, two solves a step. `bdf2`: Two-step backward differences: dissipative, and the same formula as
-the fluid's, so that a coupled step is consistent."""
+where it need not, two solves a step. `bdf2`: Two-step backward differences: dissipative, and the same formula as the
+fluid's, so that a coupled step is consistent."""
 
 
 class Rod(Part):
@@ -570,14 +575,13 @@ class Rod(Part):
 
 Load = Literal["momentum", "pressure_jump"]
 """What the fluid does to the rod. `momentum`: Momentum that the penalization takes from the fluid, with its impedance;
-the rod then carries only the difference between its own mass and that of the fluid it displaces. `pressure_jump`:
-Jump of the static pressure across the beam (thesis eq. 4.2); the rod carries its whole mass."""
+the rod then carries only the difference between its own mass and that of the fluid it displaces. `pressure_jump`: Jump
+of the static pressure across the beam (thesis eq. 4.2); the rod carries its whole mass."""
 
 
 Acceleration = Literal["aitken", "iqn_ils"]
 """What brings the next guess of an iteration from the residuals. `aitken`: Relaxation by Aitken's formula (Küttler &
-Wall 2008). `iqn_ils`: Interface quasi-Newton with the inverse Jacobian from least squares (Degroote et al. 2009).
-"""
+Wall 2008). `iqn_ils`: Interface quasi-Newton with the inverse Jacobian from least squares (Degroote et al. 2009)."""
 
 
 class Iterated(Part):
@@ -602,15 +606,15 @@ class CouplingSchemeIterated(Part):
 
 CouplingScheme = Literal["explicit", "parallel_explicit"] | CouplingSchemeIterated
 """How often the two sides are asked within one communication step. `explicit`: Once, one after the other: first the
-rod, then the fluid with the rod's new state (serial, Gauss–Seidel). `parallel_explicit`: Once, side by side: both
-step from what was known at the beginning (parallel, Jacobi)."""
+rod, then the fluid with the rod's new state (serial, Gauss–Seidel). `parallel_explicit`: Once, side by side: both step
+from what was known at the beginning (parallel, Jacobi)."""
 
 
 class Guards(Part):
-    """When a run with the scheme `explicit` or `parallel_explicit` is stopped as unstable, by the powers that cross
-    the interface: what is unstable may well stay finite. A guard of `null` is off. Where the scene has this key the
-    guards are for the units of others too; they need the outputs `load.power` of the rod and, under the load
-    `momentum`, `beam.power` of the fluid."""
+    """When a run with the scheme `explicit` or `parallel_explicit` is stopped as unstable, by the powers that cross the
+    interface: what is unstable may well stay finite. A guard of `null` is off. Where the scene has this key the guards
+    are for the units of others too; they need the outputs `load.power` of the rod and, under the load `momentum`,
+    `beam.power` of the fluid."""
 
     window_steps: Integer = 500
     """Steps over which means of the magnitudes fade, and before which nothing is stopped; at least 1."""
@@ -640,8 +644,8 @@ class Coupling(Part):
     `iterated` under `pressure_jump`."""
 
     guards: Guards | None = None
-    """When an explicit run is stopped as unstable; absent: as with `{}` where both units are those of this project,
-    not at all where one is another's."""
+    """When an explicit run is stopped as unstable; absent: as with `{}` where both units are those of this project, not
+    at all where one is another's."""
 
 
 class PublishedQuantity(Part):

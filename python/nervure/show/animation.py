@@ -6,6 +6,7 @@ alone has motion.png in their place: where it was over the last whole period.
 
 import json
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -46,11 +47,11 @@ class Frames:
     def __init__(self, folder: Path):
         self.folder = folder
         alone = not (folder / fields.FLUID).exists() and (folder / fields.BEAM).exists()
-        self.fluid = None if alone else h5py.File(folder / fields.FLUID)
-        first = h5py.File(folder / fields.BEAM) if alone else self.fluid
+        self.fluid: Any = None if alone else h5py.File(folder / fields.FLUID)
+        first: Any = h5py.File(folder / fields.BEAM) if alone else self.fluid
         self.scene = typed(json.loads(first[fields.SCENE][()]))
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
-        self.beam = h5py.File(folder / fields.BEAM)["VTKHDF"] if self.scene.beam else None
+        self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if self.scene.beam else None
 
     @property
     def flow(self) -> Fluid:
@@ -60,12 +61,14 @@ class Frames:
         return self.scene.fluid
 
     def vorticity(self, frame: int) -> np.ndarray:
-        return self.fluid["VTKHDF/PointData/vorticity"][frame].T
+        stored: np.ndarray = self.fluid["VTKHDF/PointData/vorticity"][frame]
+        return stored.T
 
     def points(self, frame: int) -> np.ndarray:
         """Outline of the beam in the plane, its centre line in space, `[n, 3]`."""
         n = self.beam["NumberOfPoints"][0]
-        return self.beam["Points"][frame * n : (frame + 1) * n]
+        points: np.ndarray = self.beam["Points"][frame * n : (frame + 1) * n]
+        return points
 
     def outline(self, frame: int) -> np.ndarray | None:
         return None if self.beam is None else self.points(frame)[:, :2]
@@ -75,7 +78,7 @@ class Frames:
         if not (self.folder / "series.csv").is_file():
             return None
         series = np.genfromtxt(self.folder / "series.csv", delimiter=",", names=True)
-        main = main_signal(series.dtype.names, series.__getitem__)
+        main = main_signal(series.dtype.names or (), series.__getitem__)
         window = statistics.find_window(series["time"], series[main]) if main else None
         return window if window and window.periods else None
 
@@ -85,8 +88,8 @@ class Frames:
 
 
 def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
-    """Write vorticity.gif of the times from `begin` to `end` (s) and phases.png into a result folder, or motion.png of a rod
-    alone; returns them."""
+    """Write vorticity.gif of the times from `begin` to `end` (s) and phases.png into a result folder, or motion.png of
+    a rod alone; returns them."""
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
@@ -142,12 +145,14 @@ def motion(frames: Frames, chosen: list[int], path: Path) -> None:
     tip = shapes[:, -1] if in_space else shapes[:, shapes.shape[1] // 2 - 1 : shapes.shape[1] // 2 + 1].mean(axis=1)
     shown = np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int))
     colours = colormaps["viridis"](np.linspace(0, 0.95, len(shown)))
-    for axis, (across, up) in zip(axes[0], sides):
+    for axis, (across, up) in zip(axes[0], sides, strict=True):
         axis.plot(tip[:, across], tip[:, up], color="0.5", linewidth=0.8)
-        for number, colour in zip(shown, colours):
+        for number, colour in zip(shown, colours, strict=True):
             axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
         axis.set(xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]", aspect="equal")
-    figure.suptitle(f"t = {frames.times[chosen[0]]:.3f} s (dark) to {frames.times[chosen[-1]]:.3f} s", fontsize="medium")
+    figure.suptitle(
+        f"t = {frames.times[chosen[0]]:.3f} s (dark) to {frames.times[chosen[-1]]:.3f} s", fontsize="medium"
+    )
     figure.savefig(path, dpi=150)
 
 

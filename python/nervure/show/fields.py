@@ -7,6 +7,7 @@ compressed; what was not reached is a hole, which takes no room on the disk. Val
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class Fields:
         self.units, self.scene = units, scene
         self.stride = max(1, round(interval / clock.communication_step))
         frames, known = clock.steps // self.stride + 1, done // self.stride + 1 if done else 0
-        shows = scene.fluid if "fluid" in units and units["fluid"].field("u") is not None else None
+        shows = scene.fluid if "fluid" in units and units["fluid"].shown_field("u") is not None else None
         if not shows and not scene.beam:
             raise SceneError("--fields-every needs a beam or a fluid that shows its fields (fmu_field)")
         self.files: list[Grid | Beam] = []
@@ -100,7 +101,7 @@ class Series:
             self.steps.attrs["NSteps"] = 0
             self.times = self.steps.create_dataset("Values", (0,), float, maxshape=(frames,), chunks=(frames,))
 
-    def _continue(self, h5py, scene: Scene, frames: int, known: int) -> None:
+    def _continue(self, h5py: Any, scene: Scene, frames: int, known: int) -> None:
         try:
             self.file = h5py.File(self.path, "r+")
             self.root = self.file["VTKHDF"]
@@ -118,7 +119,7 @@ class Series:
     def _kind(self, name: str) -> None:
         self.root.attrs["Type"] = np.bytes_(name)
 
-    def _place(self, group, name: str, shape: tuple[int, ...]):
+    def _place(self, group: Any, name: str, shape: tuple[int, ...]) -> Any:
         """A dataset of single precision whose room is laid out now and filled later."""
         import h5py
 

@@ -120,7 +120,10 @@ def show_scene(console: Console, path: Path) -> None:
         rows.append(("beam", f"{size}, {beam.segments} segments, {stations} stations"))
     if scheme.choice:
         chosen = scheme.choice
-        rows += [("load", f"{chosen.load}: {chosen.load_reason}"), ("scheme", f"{chosen.scheme}: {chosen.scheme_reason}")]
+        rows += [
+            ("load", f"{chosen.load}: {chosen.load_reason}"),
+            ("scheme", f"{chosen.scheme}: {chosen.scheme_reason}"),
+        ]
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
     if memory is not None:
         total = memory + recorder.table.nbytes

@@ -1,7 +1,9 @@
 """Pictures of a run: tip, drag and lift over time, and the vorticity around the solids at its end."""
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -57,7 +59,9 @@ def over_time(runs: Mapping[str, Record], columns: Sequence[str], reference: Ref
             axis.plot(run.column("time"), run.column(column) * scale, linewidth=0.8, **look)
         band = reference.quantities.get(column) if reference else None
         if reference and band and band.mean is not None and band.amplitude is not None:
-            axis.axhspan((band.mean - band.amplitude) * scale, (band.mean + band.amplitude) * scale, color="0.85", zorder=0)
+            axis.axhspan(
+                (band.mean - band.amplitude) * scale, (band.mean + band.amplitude) * scale, color="0.85", zorder=0
+            )
             axes[0, 0].set_title(f"grey: mean ± amplitude of {reference.source}", fontsize="small")
         axis.set_ylabel(f"{column.replace('_', ' ')} [{unit or '1'}]")
         axis.margins(x=0)
@@ -79,7 +83,7 @@ def cylinder(folder: Path, record: Record, scene: Scene, summary: Summary) -> li
     part = window.of(time)
     if window.periods:
         lines: tuple[str, ...] = ("max", "min")
-        layout = [["cd", "orbit"], ["cl", "orbit"]]
+        layout: list[Any] = [["cd", "orbit"], ["cl", "orbit"]]
     else:
         lines, layout = ("mean",), [["cd"], ["cl"]]
     figure = Figure(figsize=(12 if window.periods else 8, 5), layout="constrained")
@@ -105,8 +109,8 @@ def cylinder(folder: Path, record: Record, scene: Scene, summary: Summary) -> li
 
 
 def driven_root(folder: Path, record: Record, summary: Summary) -> list[Path]:
-    """Write flapping.png, the path of the tip, its way beside that of a rigid rod, forces and power over the periods of the
-    window; nothing if no root is driven. Returns what was written."""
+    """Write flapping.png, the path of the tip, its way beside that of a rigid rod, forces and power over the periods of
+    the window; nothing if no root is driven. Returns what was written."""
     found = summary.flapping
     if found is None:
         return []
@@ -126,17 +130,24 @@ def driven_root(folder: Path, record: Record, summary: Summary) -> list[Path]:
     axes["tip"].set(xlabel="periods", ylabel=f"tip u{main} [m]", title="tip and rigid rod")
 
     if "beam_drag" in record.columns:
-        forces, title = (("beam_drag", -1, "against x"), ("beam_lift", 1, "along y")), "force of the fluid"
+        forces, told = [("beam_drag", -1, "thrust"), ("beam_lift", 1, "lift")], "force of the fluid"
     else:
-        forces, title = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
-    powers = (("root_power", 1, "in at the root"), ("load_power", 1, "by the loads"), ("damping_power", -1, "by damping"))
+        forces, told = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
+    powers = [
+        ("root_power", 1, "in at the root"),
+        ("load_power", 1, "by the loads"),
+        ("damping_power", -1, "by damping"),
+    ]
     starts = np.searchsorted(phase, np.arange(window.periods + 1))
     per_depth = "" if "tip_uz" in record.columns else "/m"
-    for place, curves, title, unit in (("force", forces, title, f"N{per_depth}"), ("power", powers, "power", f"W{per_depth}")):
+    for place, curves, title, unit in (
+        ("force", forces, told, f"N{per_depth}"),
+        ("power", powers, "power", f"W{per_depth}"),
+    ):
         shown = [curve for curve in curves if curve[0] in record.columns and record.column(curve[0]).any()]
-        for (column, sign, label), colour in zip(shown, (BLUE, ORANGE, GREEN)):
+        for (column, sign, label), colour in zip(shown, COLOURS, strict=False):
             values = sign * record.column(column)[part]
-            for begin, end in zip(starts, starts[1:]):
+            for begin, end in pairwise(starts):
                 look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
                 axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
         axes[place].set(xlabel="t/T", ylabel=f"[{unit}]", title=title)
@@ -149,7 +160,7 @@ def driven_root(folder: Path, record: Record, summary: Summary) -> list[Path]:
 def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -> None:
     """Write vorticity.png of the fluid at `time` (s), with the cylinders that stand still and the beam where it is
     now; nothing if the fluid shows no field."""
-    field = units["fluid"].field("vorticity") if "fluid" in units else None
+    field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
     corners = outline(stations(units), scene.beam.thickness) if scene.beam else None
@@ -161,9 +172,7 @@ def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -
     _save(figure, folder / "vorticity.png")
 
 
-def draw_vorticity(
-    axis: Axes, fluid: Fluid, field: np.ndarray, corners: np.ndarray | None, limit: float
-) -> AxesImage:
+def draw_vorticity(axis: Axes, fluid: Fluid, field: np.ndarray, corners: np.ndarray | None, limit: float) -> AxesImage:
     """Draw a vorticity `field`, `[nx, ny]`, with the solids, the colours from -`limit` to `limit` (1/s); `corners` are
     those of the beam."""
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
