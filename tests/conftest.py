@@ -6,11 +6,13 @@ import io
 import os
 import subprocess
 import sys
+import zipfile
 from contextlib import ExitStack, chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest.mock import patch
 
 import pytest
+
 from nervure import coupling
 from nervure.cli.main import main
 from nervure.pack import package
@@ -84,6 +86,12 @@ def rod_only():
 @pytest.fixture
 def fluid_only():
     return copy.deepcopy(FLUID_ONLY)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def packing_is_quick():
+    """FMUs of the tests are not compressed, which would take longer than most runs."""
+    package.COMPRESSION = zipfile.ZIP_STORED
 
 
 @pytest.fixture(scope="session")

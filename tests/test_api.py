@@ -4,12 +4,13 @@ import json
 import signal
 
 import numpy as np
-import nervure
 import pytest
+from rich.console import Console
+
+import nervure
 from nervure import simulation
 from nervure.scene import typed
 from nervure.unit import Unit
-from rich.console import Console
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

@@ -10,6 +10,7 @@ import zipfile
 import numpy as np
 import pytest
 from conftest import TOOL, nervure, run_scene
+
 from nervure import checkpoint
 from nervure.recorder import Recorder
 from nervure.scene import typed

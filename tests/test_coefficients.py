@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from nervure.evaluate import coefficients, statistics
 from nervure.recorder import Recorder
 from nervure.scene import load, override, read, typed
@@ -49,7 +50,9 @@ def test_a_known_oscillation_gives_its_own_coefficients(scene):
         "lift": 0.05 * np.sin(2 * np.pi * 3 * time),
     }
     made = recorder(columns)
-    found = coefficients.evaluate(coefficients.scale(typed(scene)), made, statistics.find_window(time, columns["lift"]), 0.0)
+    found = coefficients.evaluate(
+        coefficients.scale(typed(scene)), made, statistics.find_window(time, columns["lift"]), 0.0
+    )
     expected = {"cd_max": 3.232, "cd_min": 3.168, "cd_mean": 3.2, "cl_max": 1.0, "cl_min": -1.0, "cl_peak_to_peak": 2.0}
     assert {name: found[name] for name in expected} == pytest.approx(expected, rel=1e-4)
     assert found["cl_mean"] == pytest.approx(0, abs=1e-3)

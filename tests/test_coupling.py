@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from conftest import FSI3
+from test_master import AddedMass, Fake, Spring
+
 from nervure import coupling, master
 from nervure.coupling.acceleration import WINDOWS_REUSED
-from nervure.recorder import Recorder
 from nervure.evaluate.summary import interface
+from nervure.recorder import Recorder
 from nervure.scene import read
 from nervure.scene.types import Coupling, Guards
-from test_master import AddedMass, Fake, Spring
 
 WINDOW = Guards().window_steps
 
@@ -149,7 +150,7 @@ def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not()
         fluid = Powered("fluid", ["x", "y", "vx", "vy"], ["pressure_jump"], "beam.power", lambda i: 0.0)
         return coupling.Explicit(rod, fluid, guards=guards)
 
-    swing, noise = lambda i: np.sin(0.05 * i), lambda i: np.cos(3.1 * i)  # noqa: E731
+    swing, noise = lambda i: np.sin(0.05 * i), lambda i: np.cos(3.1 * i)
     assert steps_made(made(lambda i: swing(i) + 0.1 * noise(i)), 3000) == (3000, "")
     assert steps_made(made(lambda i: 1e-15 * noise(i)), 3000) == (3000, "")
     stopped, said = steps_made(made(lambda i: swing(i) + (i > 1000) * noise(i)), 3000)
@@ -169,7 +170,9 @@ def test_scheme_follows_the_load_that_the_rod_takes():
     made = coupling.couple({"rod": Spring(), "fluid": AddedMass()}, None)
     assert isinstance(made.acceleration, coupling.IqnIls), made.choice
     assert made.choice.load == "pressure_jump" and made.choice.scheme == "iterated, iqn_ils"
-    made = coupling.couple({"rod": Spring(), "fluid": AddedMass()}, Coupling(scheme={"iterated": {"acceleration": "aitken"}}))
+    made = coupling.couple(
+        {"rod": Spring(), "fluid": AddedMass()}, Coupling(scheme={"iterated": {"acceleration": "aitken"}})
+    )
     assert isinstance(made.acceleration, coupling.Aitken) and made.choice.scheme_reason == "the scene says so"
 
 
@@ -184,8 +187,9 @@ def test_parallel_exchange_gives_the_fluid_the_stations_of_the_step_before():
 
 
 def fsi3_run(start, step):
-    """Half a second of FSI3 with a start-up of 0.2 s, exchanging every `step` seconds; its segments are more than half as long as the bar
-    is thick, for with shorter ones a zigzag of theirs comes up for some steps at a time (docs/coupling.md)."""
+    """Half a second of FSI3 with a start-up of 0.2 s, exchanging every `step` seconds; its segments are more than half
+    as long as the bar is thick, for with shorter ones a zigzag of theirs comes up for some steps at a time
+    (docs/coupling.md)."""
     scene = read(FSI3)
     scene["beam"]["segments"] = 30
     scene["time"] = {"end": 0.5, "communication_step": step}

@@ -4,6 +4,7 @@ import json
 
 import pytest
 from conftest import run_scene
+
 from nervure.scene import load
 
 pytestmark = pytest.mark.usefixtures("libraries")

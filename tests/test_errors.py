@@ -6,8 +6,9 @@ import zipfile
 
 import pytest
 from conftest import FSI3, run_scene
-from nervure.pack import package
+
 from nervure.errors import SceneError
+from nervure.pack import package
 from nervure.scene import load, override
 from nervure.unit import Unit, UnitError
 

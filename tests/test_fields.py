@@ -9,11 +9,12 @@ import h5py
 import numpy as np
 import pytest
 from conftest import TOOL, nervure, run_scene
+from PIL import Image
+
 from nervure import master
-from nervure.show import fields
 from nervure.errors import SceneError
 from nervure.scene import typed
-from PIL import Image
+from nervure.show import fields
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

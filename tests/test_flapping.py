@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+import vein_limits
+
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
 from nervure.scene import typed
-import vein_limits
 
 
 @pytest.fixture

@@ -4,9 +4,12 @@ import json
 
 import pytest
 from conftest import FSI3
+from record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
+
 from nervure.results import FILES
 from nervure.scene import load
-from record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
+
+pytestmark = pytest.mark.xdist_group("fsi3")
 
 EARLY_TOLERANCE = 1e-6
 """Relative to the largest recorded value: another machine's libm differs in the last bit, and before the wake sways
@@ -21,8 +24,8 @@ COARSE_GRID = {
     "drag": {"mean": 0.16},
     "lift": {"amplitude": 0.08},
 }
-"""Largest relative distance from the published values on this grid, whose cells are 8 mm against a bar of 20 mm: 8.3, 6.0, 13
-and 4.7 % in `docs/fsi3.md`. The cosine mask has 4.5 % in the frequency, but 16, 22 and 11 % in the others."""
+"""Largest relative distance from the published values on this grid, whose cells are 8 mm against a bar of 20 mm: 8.3,
+6.0, 13 and 4.7 % in `docs/fsi3.md`. The cosine mask has 4.5 % in the frequency, but 16, 22 and 11 % in the others."""
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ import copy
 
 import numpy as np
 import pytest
+
 from nervure import coupling, master
 from nervure.recorder import Recorder
 from nervure.scene.types import Iterated

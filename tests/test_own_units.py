@@ -8,12 +8,13 @@ import sys
 import numpy as np
 import pytest
 from conftest import run_scene
+from fmpy.validation import validate_fmu
+from pythonfmu.builder import FmuBuilder
+
 from nervure import coupling, master
 from nervure.pack import package
 from nervure.resources import ROOT
 from nervure.unit import Unit
-from fmpy.validation import validate_fmu
-from pythonfmu.builder import FmuBuilder
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),

@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 from conftest import FSI3, TOOL, run_scene
+
 from nervure.pack import package
 
 TABLES = ("scene.json", "series.csv", "summary.json")

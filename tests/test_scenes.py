@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 import scene_types
 from conftest import SCENES
-from nervure.evaluate import coefficients
-from nervure.pack import package
-from nervure.evaluate.summary import QUANTITIES
-from nervure.resources import ROOT
+
 from nervure.errors import SceneError
+from nervure.evaluate import coefficients
+from nervure.evaluate.summary import QUANTITIES
+from nervure.pack import package
+from nervure.resources import ROOT
 from nervure.scene import document, kinds, load, read, text, types
 
 every_scene = pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)

@@ -10,14 +10,15 @@ import zipfile
 from contextlib import ExitStack, contextmanager
 
 import pytest
-from conftest import FSI3, nervure, run_scene
+from conftest import FSI3, TOOL, nervure, run_scene
+from rich.console import Console
+
 from nervure import results, simulation
-from nervure.pack import delivery
 from nervure.errors import Refusal
+from nervure.pack import delivery
 from nervure.provenance import git_revision
 from nervure.resources import ROOT
 from nervure.scene import typed
-from rich.console import Console
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -38,7 +39,9 @@ def result(rod_only, tmp_path):
 
 def test_nothing_heavy_is_loaded_before_it_is_needed():
     heavy = {"numpy", "pydantic", "fmpy", "matplotlib", "h5py", "PIL", "dask", "distributed"}
-    code = f"import nervure.cli.main, sys; sys.exit(str({heavy} & set(sys.modules)) if {heavy} & set(sys.modules) else 0)"
+    code = (
+        f"import nervure.cli.main, sys; sys.exit(str({heavy} & set(sys.modules)) if {heavy} & set(sys.modules) else 0)"
+    )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
@@ -101,8 +104,10 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(fluid_only))
     first = tmp_path / "first"
-    command = [sys.executable, ROOT / "scripts" / "fsi.py", "run", path, "--output", first, "--set", "time.end=3.0"]
-    process = subprocess.Popen([*command, "--checkpoint-every", "0.001", "--fields-every", "1.0"], stdout=subprocess.DEVNULL)
+    command = [*TOOL, "run", path, "--output", first, "--set", "time.end=3.0"]
+    process = subprocess.Popen(
+        [*command, "--checkpoint-every", "0.001", "--fields-every", "1.0"], stdout=subprocess.DEVNULL
+    )
     while not (first / "checkpoint.npz").exists() and process.poll() is None:
         pass
     process.kill()
@@ -219,8 +224,12 @@ def test_a_delivery_is_what_its_checksums_and_manifest_say(fsi3, tmp_path, monke
     folder = tmp_path / "dist"
     delivery.write(typed(fsi3), folder)
     sums = dict(line.split("  ")[::-1] for line in (folder / "SHA256SUMS").read_text().splitlines())
-    assert sums == {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.name != "SHA256SUMS"}
+    assert sums == {
+        p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.name != "SHA256SUMS"
+    }
     manifest = json.loads((folder / "manifest.json").read_text())
     assert manifest["files"].keys() | {"manifest.json"} == sums.keys()
     git = git_revision()
-    assert manifest["source_revision"].startswith(git.revision) and git.dirty == ("-dirty" in manifest["source_revision"])
+    assert manifest["source_revision"].startswith(git.revision) and git.dirty == (
+        "-dirty" in manifest["source_revision"]
+    )

@@ -4,8 +4,8 @@ import json
 import re
 import subprocess
 
-from nervure.results import Results
 from nervure.resources import ROOT
+from nervure.results import Results
 
 TUTORIAL = ROOT / "docs" / "tutorial.md"
 

@@ -15,6 +15,8 @@ from nervure.scene import Document, Scene, document, kinds, text
 
 __all__ = ["KINDS", "describe", "kinds", "library", "merge", "pack", "write_archive"]
 
+COMPRESSION = zipfile.ZIP_DEFLATED
+
 ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
 """Date of every file in an FMU, so that the same scene and library give the same bytes."""
 
@@ -75,10 +77,10 @@ def write_archive(path: Path, contents: dict[str, bytes]) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
 
     def writer(unfinished: Path) -> None:
-        with zipfile.ZipFile(unfinished, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+        with zipfile.ZipFile(unfinished, "w", compresslevel=1) as archive:
             for name, data in contents.items():
                 entry = zipfile.ZipInfo(name, ARCHIVE_DATE)
-                entry.compress_type = zipfile.ZIP_DEFLATED
+                entry.compress_type = COMPRESSION
                 entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
                 archive.writestr(entry, data)
 
