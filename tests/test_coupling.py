@@ -163,6 +163,30 @@ def test_a_burst_at_the_start_is_no_instability():
     assert steps_made(coupling.Explicit(*powered(burst, lambda i: 1.0), guards=Guards()), 2000)[0] == 2000
 
 
+def test_a_guard_can_be_off():
+    apart = powered(lambda i: (-1) ** i, lambda i: 1.0)
+    assert steps_made(coupling.Explicit(*apart, guards=Guards(window_steps=10)), 100)[0] == 9
+    off = Guards(window_steps=10, largest_imbalance=None)
+    assert steps_made(coupling.Explicit(*apart, guards=off), 100) == (100, "")
+
+
+def test_guards_are_on_unless_a_unit_is_foreign_or_the_scene_says_so():
+    def watch(given, foreign):
+        rod, fluid = powered(float, float)
+        return coupling.couple({"rod": rod, "fluid": fluid}, given, foreign=foreign).watch
+
+    assert watch(None, False).guards == Guards()
+    assert watch(None, True) is None and watch(Coupling(load="momentum"), True) is None
+    assert watch(Coupling(guards={"window_steps": 7}), True).guards.window_steps == 7
+
+
+def test_guards_that_a_unit_has_no_powers_for_are_refused():
+    rod, fluid = powered(float, float)
+    fluid.power = "power"
+    with pytest.raises(coupling.CouplingError, match="need the output `beam.power`, which the fluid does not have"):
+        coupling.couple({"rod": rod, "fluid": fluid}, Coupling(guards=Guards()), foreign=True)
+
+
 def test_scheme_follows_the_load_that_the_rod_takes():
     rod, fluid = powered(float, float)
     made = coupling.couple({"rod": rod, "fluid": fluid}, Coupling())
