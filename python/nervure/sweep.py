@@ -47,12 +47,9 @@ REPORTED = ("simulated_s", "steps", "periods", "amplitude_drift", "iterations_me
 class Case:
     """A run of a sweep."""
 
-    scene: Document
-    """Which may be one that a unit refuses: that is then the result."""
-    varied: dict[str, Any]
-    """What differs from the scene it was made of, by dotted keys."""
-    key: str
-    """Digest of the scene and of its units' libraries: a row with the same key needs no other run."""
+    scene: Document  # Which may be one that a unit refuses: that is then the result
+    varied: dict[str, Any]  # What differs from the scene it was made of, by dotted keys
+    key: str  # Digest of the scene and of its units' libraries: a row with the same key needs no other run
 
     @property
     def folder(self) -> str:
