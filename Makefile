@@ -12,7 +12,7 @@ READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
 
-.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test python-test bindings-check schema descriptions record lock clean
+.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test python-test package-check bindings-check schema descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -54,6 +54,9 @@ rust-test:
 
 python-test: build $(READY_DEV)
 	$(RUN) -m pytest tests
+
+package-check: ## package every crate as a registry would take it and build it from there (two minutes)
+	cargo package --workspace --allow-dirty --locked --target-dir target/package-check
 
 bindings-check: $(READY_DEV) ## compare crates/fmi2/src/sys.rs with what the official headers give
 	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \

@@ -87,7 +87,7 @@ def test_committed_model_description_is_what_the_library_writes(kind, fsi3):
 
 
 def test_committed_schema_is_what_the_scene_types_give():
-    command = ["cargo", "run", "--quiet", "--locked", "-p", "scene", "--example", "schema"]
+    command = ["cargo", "run", "--quiet", "--locked", "-p", "nervure-scene", "--example", "schema"]
     generated = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     committed = (ROOT / "modelDescription" / "scene.schema.json").read_text(encoding="utf-8")
     assert committed == generated, "`make schema` writes it anew"
