@@ -163,11 +163,13 @@ fn each_station_is_announced_its_own_load_impedance_and_moment() {
         let arm = |axis: usize, k: usize| position[axis][k] - position[axis][0];
         let announced: f64 = (0..n).map(|k| arm(0, k) * force[1][k] - arm(1, k) * force[0][k]).sum();
         let exerted = fluid.force_on_beam().expect("it has a beam").moment;
-        assert!((exerted / announced - 1.0).abs() < 1e-9, "{mask:?}: announced {announced} N m/m, exerted {exerted}");
+        // The tail of the mask beyond the tip has a longer arm than the section that takes its load.
+        assert!((exerted / announced - 1.0).abs() < 1e-6, "{mask:?}: announced {announced} N m/m, exerted {exerted}");
     }
 }
 
-/// Heun's drag at the end of a step has felt half of the step: `rho a (1 − dt a/2)` but for the pressure's part in it.
+/// Heun's drag at the end of a step has felt half of the step: `rho a (1 − dt a/2)` where the fluid follows the body
+/// freely. The pressure holds most of it back, so that the load falls by no less than announced.
 #[test]
 fn the_impedance_of_rk2_is_that_of_its_drag() {
     let h = 1e-3;
@@ -184,6 +186,6 @@ fn the_impedance_of_rk2_is_that_of_its_drag() {
         fluid.exchange().expect("it has a beam").force[1]
     });
     let exerted = -(moved - still) / 0.01;
-    // Without the half step it would be 4/3 of that, with its sign turned 5/3.
-    assert!((announced / exerted - 1.0).abs() < 0.15, "announced {announced} kg/(m s), exerted {exerted}");
+    // dt a is 1/2: free to follow, the fluid would leave three quarters of the drag.
+    assert!((0.75..1.0).contains(&(announced / exerted)), "announced {announced} kg/(m s), exerted {exerted}");
 }
