@@ -1,10 +1,7 @@
-//! A body as the cells in which it drags the fluid, and the force that this costs.
+//! A body as the cells in which it drags the fluid.
 
-use serde::{Deserialize, Serialize};
-
-use crate::drag::{Look, WallTarget};
 use crate::grid::Grid;
-use crate::solver::Force;
+use crate::wall::{Sample, WallTarget};
 
 /// One cell of a body.
 #[derive(Clone, Copy, Debug)]
@@ -21,10 +18,10 @@ pub struct Cell {
     pub gain: [f64; 2],
 }
 
-/// A cell whose body draws the fluid to something else than its own velocity: `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`,
-/// summed over points, with t along the surface and n across.
+/// A cell with a wall target: its body draws the fluid to `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`, summed over
+/// points, with t along the surface and n across.
 #[derive(Clone, Copy, Debug)]
-struct Drawn {
+struct Targeted {
     /// Which of the cells.
     cell: usize,
     /// Velocity of the body there, m/s.
@@ -41,8 +38,8 @@ struct Drawn {
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
     cells: Vec<Cell>,
-    drawn: Vec<Drawn>,
-    /// Grid points that the drawn cells look at, and their weights along and across the surface.
+    targeted: Vec<Targeted>,
+    /// Grid points at which those cells sample the flow, and their weights along and across the surface.
     points: Vec<(usize, [f64; 2])>,
 }
 
@@ -50,7 +47,7 @@ impl Cells {
     /// Forget all.
     pub fn clear(&mut self) {
         self.cells.clear();
-        self.drawn.clear();
+        self.targeted.clear();
         self.points.clear();
     }
 
@@ -69,36 +66,37 @@ impl Cells {
         normal: [f64; 2],
         grid: &Grid,
     ) {
-        let looks = target.looks(distance);
+        let samples = target.samples(distance);
         let number = self.cells.len().wrapping_sub(1);
-        let Some(cell) = self.cells.last_mut().filter(|_| looks.iter().any(|look| look.weight != [0.0; 2])) else {
+        let Some(cell) = self.cells.last_mut().filter(|_| samples.iter().any(|sample| sample.weight != [0.0; 2]))
+        else {
             return;
         };
         let mut sum = [0.0; 2];
-        for Look { off, weight } in looks.into_iter().filter(|look| look.weight != [0.0; 2]) {
+        for Sample { off, weight } in samples.into_iter().filter(|sample| sample.weight != [0.0; 2]) {
             let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
             self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
             sum = [sum[0] + weight[0], sum[1] + weight[1]];
         }
         cell.gain = [0, 1].map(|axis| 1.0 - sum[0] * normal[1 - axis].powi(2) - sum[1] * normal[axis].powi(2));
         let body = cell.velocity;
-        self.drawn.push(Drawn { cell: number, body, normal, weight: sum, points_end: self.points.len() });
+        self.targeted.push(Targeted { cell: number, body, normal, weight: sum, points_end: self.points.len() });
     }
 
-    /// Look at the flow around the drawn cells anew.
-    pub fn look(&mut self, flow: &[Vec<f64>; 2]) {
+    /// Sample the flow around the cells with a wall target.
+    pub fn sample(&mut self, flow: &[Vec<f64>; 2]) {
         let mut begin = 0;
-        for drawn in &self.drawn {
-            let ([u, v], [nx, ny]) = (drawn.body, drawn.normal);
-            let mut along = -drawn.weight[0] * (nx * v - ny * u);
-            let mut across = -drawn.weight[1] * (nx * u + ny * v);
-            for &(point, weight) in &self.points[begin..drawn.points_end] {
+        for targeted in &self.targeted {
+            let ([u, v], [nx, ny]) = (targeted.body, targeted.normal);
+            let mut along = -targeted.weight[0] * (nx * v - ny * u);
+            let mut across = -targeted.weight[1] * (nx * u + ny * v);
+            for &(point, weight) in &self.points[begin..targeted.points_end] {
                 let (u, v) = (flow[0][point], flow[1][point]);
                 along += weight[0] * (nx * v - ny * u);
                 across += weight[1] * (nx * u + ny * v);
             }
-            self.cells[drawn.cell].velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
-            begin = drawn.points_end;
+            self.cells[targeted.cell].velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
+            begin = targeted.points_end;
         }
     }
 
@@ -107,31 +105,9 @@ impl Cells {
         self.cells.iter()
     }
 
-    /// Whether some cells draw the fluid to something else than the body's own velocity.
-    pub fn follow_the_flow(&self) -> bool {
-        !self.drawn.is_empty()
-    }
-}
-
-/// Momentum that the fluid displaced by a body would have, per metre of depth.
-///
-/// It is taken over the true section, so that neither the mask's width nor its way through the grid enters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Displaced {
-    /// Momentum, kg/s.
-    pub momentum: [f64; 2],
-    /// Angular momentum about the point that the body's moment is taken about, kg m/s.
-    pub angular: f64,
-    /// Cross product of that point's velocity and the momentum, N m/m.
-    pub transport: f64,
-}
-
-impl Displaced {
-    /// Its rate of change over `dt` seconds, as a force and a moment.
-    pub fn rate_of_change(&self, before: &Self, dt: f64) -> Force {
-        let force = [0, 1].map(|axis| (self.momentum[axis] - before.momentum[axis]) / dt);
-        let moment = (self.angular - before.angular) / dt + 0.5 * (self.transport + before.transport);
-        Force { force, moment }
+    /// Whether some cells have a wall target.
+    pub fn have_targets(&self) -> bool {
+        !self.targeted.is_empty()
     }
 }
 

@@ -8,41 +8,11 @@
 //! with e along and m normal to the segment. Loads go back through the transpose of this map, so that the power of the
 //! station loads is that of the drag on the section.
 
-use scene::Scene;
-use serde::{Deserialize, Serialize};
-
-use crate::body::{Cell, Cells, Displaced};
-use crate::drag::DragProfile;
+use super::cells::{Cell, Cells};
+use super::stations::{Loads, Stations};
+use crate::force::Displaced;
 use crate::grid::Grid;
-
-/// Positions and velocities of the stations, root to tip.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Stations {
-    /// Positions, m, per axis.
-    pub position: [Vec<f64>; 2],
-    /// Velocities, m/s, per axis.
-    pub velocity: [Vec<f64>; 2],
-}
-
-/// Loads on the stations, root to tip.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Loads {
-    /// Force on each station, N per metre of depth, per axis.
-    pub force: [Vec<f64>; 2],
-    /// Rate at which the force falls with the station's velocity, kg/(m s).
-    pub impedance: Vec<f64>,
-}
-
-/// What the fluid did to the beam, by the drag on its cells.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Exchange {
-    /// Sum of the drag in the last step, N per metre of depth.
-    pub force: [f64; 2],
-    /// Its power, with the velocity of the section at the end of the step, W per metre of depth.
-    pub power: f64,
-    /// Its work since the start, J per metre of depth: the sum of power times step.
-    pub work: f64,
-}
+use crate::wall::DragProfile;
 
 /// Where in the beam a cell lies.
 #[derive(Clone, Copy, Debug)]
@@ -94,68 +64,6 @@ impl Frame {
             let v = &stations.velocity[axis];
             (1.0 - t) * v[k] + t * v[k + 1] - self.omega * place.height * self.along[axis]
         })
-    }
-}
-
-impl Stations {
-    /// Stations of a scene's beam at rest.
-    pub fn at_rest(scene: &Scene, beam: &scene::Beam) -> Self {
-        let rest = scene.beam_stations(beam);
-        let component = |axis: usize| rest.iter().map(|p| p[axis]).collect::<Vec<_>>();
-        let zero = vec![0.0; rest.len()];
-        Self { position: [component(0), component(1)], velocity: [zero.clone(), zero] }
-    }
-
-    /// Number of stations.
-    pub fn len(&self) -> usize {
-        self.position[0].len()
-    }
-
-    /// Whether there is no station.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Become `other`, which has as many stations; unlike `clone_from` this allocates nothing.
-    pub fn copy_from(&mut self, other: &Self) {
-        for axis in 0..2 {
-            self.position[axis].copy_from_slice(&other.position[axis]);
-            self.velocity[axis].copy_from_slice(&other.velocity[axis]);
-        }
-    }
-
-    /// Whether there are as many stations as in `other`.
-    pub fn has_shape_of(&self, other: &Self) -> bool {
-        let lengths = |s: &Self| [&s.position, &s.velocity].map(|axes| axes.each_ref().map(Vec::len));
-        lengths(self) == lengths(other)
-    }
-
-    /// Become what lies the fraction `s` of the way from `a` to `b`, which are `h` seconds apart: velocity linear,
-    /// position the cubic that has the positions and velocities of both ends.
-    pub fn interpolate(&mut self, a: &Self, b: &Self, s: f64, h: f64) {
-        for axis in 0..2 {
-            for k in 0..self.len() {
-                let (p0, p1) = (a.position[axis][k], b.position[axis][k]);
-                let (v0, v1) = (a.velocity[axis][k], b.velocity[axis][k]);
-                self.velocity[axis][k] = v0 + s * (v1 - v0);
-                let (m0, m1) = (h * v0, h * v1);
-                self.position[axis][k] =
-                    p0 + s * (m0 + s * (3.0 * (p1 - p0) - 2.0 * m0 - m1 + s * (2.0 * (p0 - p1) + m0 + m1)));
-            }
-        }
-    }
-}
-
-impl Loads {
-    /// No load on `n` stations.
-    pub fn none(n: usize) -> Self {
-        Self { force: [vec![0.0; n], vec![0.0; n]], impedance: vec![0.0; n] }
-    }
-
-    /// Whether they are for as many stations as `other`.
-    pub fn has_shape_of(&self, other: &Self) -> bool {
-        let lengths = |l: &Self| (l.force.each_ref().map(Vec::len), l.impedance.len());
-        lengths(self) == lengths(other)
     }
 }
 
@@ -258,7 +166,7 @@ impl Beam {
         let reach = 0.5 * self.thickness + self.profile.reach();
         let last = self.frames.len() - 1;
         let root = [stations.position[0][0], stations.position[1][0]];
-        // Past a station, towards the outside of the bend, what lies between the normals of both its segments belongs to it.
+        // Past a station, outside of the bend, what lies between the normals of both its segments belongs to it.
         let wedge = |k: usize| {
             let [[ax, ay], [bx, by]] = [&self.frames[k - 1], &self.frames[k]].map(|frame| frame.along);
             let (sine, cosine) = (ax * by - ay * bx, ax * bx + ay * by);

@@ -2,9 +2,10 @@
 
 use std::f64::consts::PI;
 
-use crate::body::{Cells, Displaced};
-use crate::drag::DragProfile;
+use super::cells::Cells;
+use crate::force::Displaced;
 use crate::grid::Grid;
+use crate::wall::DragProfile;
 
 /// A cylinder and the cells in which it drags the fluid.
 pub struct Cylinder {

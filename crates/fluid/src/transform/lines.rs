@@ -11,7 +11,8 @@ use std::sync::Arc;
 
 use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 
-use crate::quad::{Arithmetic, Complex4, Kernel, LANES, Quad, run, splat};
+use super::quad::{Complex4, Quad};
+use crate::simd::{Arithmetic, Kernel, LANES, run, splat};
 
 /// A line longer than this is transformed in parts, so that a part with its input stays in the first cache.
 const LONG: usize = 384;

@@ -12,11 +12,12 @@ use std::array::from_fn;
 use std::ops::Range;
 
 use pulp::f64x4 as Four;
-pub use rustfft::num_complex::Complex64;
+use rustfft::num_complex::Complex64;
 
-use crate::lines::Lines;
-pub use crate::quad::Quad;
-use crate::quad::{Arithmetic, Complex4, Kernel, LANES, run, splat};
+use super::lines::Lines;
+use super::quad::{Complex4, Quad};
+use crate::simd::{Arithmetic, Kernel, LANES, run, splat};
+use crate::threads::on_threads;
 
 /// Columns that are transformed together.
 const BLOCK: usize = 2 * LANES;
@@ -61,12 +62,6 @@ impl Fft2 {
     /// A spectrum of zeros.
     pub fn spectrum(&self) -> Vec<Quad> {
         vec![Quad::default(); self.rows * self.nx]
-    }
-
-    /// Mode `i` in x and `j` in y of a spectrum.
-    pub fn mode(&self, spectrum: &[Quad], i: usize, j: usize) -> Complex64 {
-        let quad = &spectrum[j / LANES * self.nx + i];
-        Complex64::new(quad.re[j % LANES], quad.im[j % LANES])
     }
 
     /// The columns in at most `parts` ranges that can be transformed apart, to the same bits however many.
@@ -179,23 +174,6 @@ impl Fft2 {
         self.y.forward::<false>(lines, modes, line);
         run(Unpair { modes, rows: self.rows, store });
     }
-}
-
-/// Do `work` with each of the parts on a thread of its own, with the first on this one.
-///
-/// Threads that end with the phase leave nothing behind when the library is unloaded or the process forks.
-pub fn on_threads<T: Send>(parts: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
-    let mut parts = parts.peekable();
-    let Some(first) = parts.next() else { return };
-    if parts.peek().is_none() {
-        // A scope allocates, one thread must not.
-        return work(first);
-    }
-    std::thread::scope(|scope| {
-        let work = &work;
-        parts.for_each(|part| drop(scope.spawn(move || work(part))));
-        work(first);
-    });
 }
 
 /// Rows to columns.
@@ -372,7 +350,8 @@ mod tests {
             let (mut spectrum, mut scratch) = (fft.spectrum(), fft.scratch());
             fft.forward(&field, &mut spectrum, &mut scratch);
             for (i, j) in (0..nx).flat_map(|i| (0..=ny / 2).map(move |j| (i, j))) {
-                let value = fft.mode(&spectrum, i, j);
+                let quad = &spectrum[j / LANES * nx + i];
+                let value = Complex64::new(quad.re[j % LANES], quad.im[j % LANES]);
                 let expected = if (i, j) == (p, q) {
                     Complex64::from_polar(0.5 * (nx * ny) as f64, 0.3)
                 } else {
