@@ -9,10 +9,11 @@ from pathlib import Path
 
 import fmpy
 import pytest
-from nervure.pack import package
 from lxml import etree
 from reliability.checks import CHECKS, guarded, unpack
 from reliability.unit import ERROR, OK, STEP, Callbacks, Library, Unit
+
+from nervure.pack import package
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)
