@@ -142,7 +142,7 @@ $(BENCH_VENV)/.ready: requirements/bench.lock
 .PHONY: reliability masters-test
 
 reliability: build $(READY_DEV) ## mistreat the units at full count and write docs/reliability.csv anew, an hour; ARGS="--list", "--only forks"
-	$(RUN) studies/reliability --write $(ARGS)
+	$(RUN) -m studies.reliability $(ARGS)
 
 MASTERS_VENV := target/masters/venv
 
@@ -175,8 +175,7 @@ $(DIST_VENV)/.ready: requirements/dist.lock
 .PHONY: fuzz
 
 fuzz: build $(READY_DEV) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each, write docs/fuzz.csv; needs nightly and cargo-fuzz
-	$(RUN) fuzz/seeds.py
-	$(RUN) fuzz/run.py $(ARGS)
+	$(RUN) -m fuzz $(ARGS)
 
 .PHONY: sanitizers
 

@@ -1,187 +1,175 @@
-"""The FMUs as files, through the C functions alone."""
+"""The FMUs as files, through their C functions alone, and the processes in which they are tried."""
 
-import _ctypes
 import ctypes
 import hashlib
+import json
 import math
+import multiprocessing
+import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import fmpy
-
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 OK, WARNING, DISCARD, ERROR = range(4)
-STEP = 2e-4
-"""Communication step, s."""
-
-SCENE = {
-    "name": "reliability",
-    "time": {"end": 1.0, "communication_step": STEP},
-    "beam": {
-        "root": {"at": {"position": [0.25, 0.2], "direction": [1.0, 0.0]}},
-        "length": 0.35,
-        "thickness": 0.06,
-        "segments": 6,
-    },
-    "rod": {"material": {"plane_strain": {"density": 2000.0, "youngs_modulus": 1.4e6, "poisson_ratio": 0.4}}},
-    "fluid": {
-        "density": 1000.0,
-        "kinematic_viscosity": 1e-3,
-        "box": {"x": [0.0, 0.8], "y": [0.0, 0.4], "cells": [32, 16]},
-        "initial_velocity": [1.0, 0.0],
-        "inflow": {"x": [0.0, 0.1], "profile": "uniform", "mean_velocity": {"steady": 1.0}, "c_eta": 1e-2},
-        "mask": {"cosine": {"c_eta": 1e-3, "half_width": 1.0}},
-        "time_stepping": {"max_step": STEP, "max_cfl": 0.3},
-    },
-    "coupling": {"load": "momentum"},
-}
+SCENE = json.loads(Path(__file__).with_name("scene.json").read_text(encoding="utf-8"))
 """A thick flag in a stream, small enough for a million cases."""
-
+STEP = SCENE["time"]["communication_step"]
 INPUTS = {"rod": ("force_x", "force_y"), "fluid": ("x", "y", "vx", "vy")}
 """Inputs that the checks change."""
 
 
-class Callbacks(ctypes.Structure):
-    """`fmi2CallbackFunctions`."""
-
-    logger_type = ctypes.CFUNCTYPE(None, *[ctypes.c_char_p] * 2, ctypes.c_int, *[ctypes.c_char_p] * 2)
-    _fields_ = [("logger", logger_type)] + [(name, ctypes.c_void_p) for name in ("allocate", "free", "done", "own")]
+def array(kind: Any, values: Sequence[Any]) -> ctypes.Array:
+    return (kind * len(values))(*values)
 
 
-POINTER, SIZE, REAL, TEXT, INT = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_char_p, ctypes.c_int
-VALUES = [POINTER, POINTER, SIZE, POINTER]
-SIGNATURES = {
-    "SetDebugLogging": [POINTER, INT, SIZE, POINTER],
-    "SetupExperiment": [POINTER, INT, REAL, REAL, INT, REAL],
-    **dict.fromkeys(("EnterInitializationMode", "ExitInitializationMode", "Terminate", "Reset", "CancelStep"), [POINTER]),
-    **{f"{way}{kind}": VALUES for way in ("Get", "Set") for kind in ("Real", "Integer", "Boolean", "String")},
-    "GetFMUstate": [POINTER, POINTER],
-    "SetFMUstate": [POINTER, POINTER],
-    "FreeFMUstate": [POINTER, POINTER],
-    "SerializedFMUstateSize": [POINTER, POINTER, POINTER],
-    "SerializeFMUstate": [POINTER, POINTER, POINTER, SIZE],
-    "DeSerializeFMUstate": [POINTER, POINTER, SIZE, POINTER],
-    "GetDirectionalDerivative": [POINTER, POINTER, SIZE, POINTER, SIZE, POINTER, POINTER],
-    "SetRealInputDerivatives": [POINTER, POINTER, SIZE, POINTER, POINTER],
-    "GetRealOutputDerivatives": [POINTER, POINTER, SIZE, POINTER, POINTER],
-    "DoStep": [POINTER, REAL, REAL, INT],
-    **{f"Get{kind}Status": [POINTER, INT, POINTER] for kind in ("", "Real", "Integer", "Boolean", "String")},
-}
-"""Argument types of the functions that act on an instance and return a status."""
+def reals(references: Sequence[int], values: Sequence[float] | None = None) -> tuple[ctypes.Array, int, ctypes.Array]:
+    """Arguments of GetReal and SetReal after the instance."""
+    room = array(ctypes.c_double, [math.nan] * len(references) if values is None else values)
+    return array(ctypes.c_uint, references), len(references), room
 
 
 class Library:
-    """An unpacked FMU with its library loaded."""
+    """An unpacked FMU with its library loaded; fmpy makes the prototypes of the C functions."""
 
     def __init__(self, kind: str, folder: Path):
-        self.kind = kind
+        self.kind, self.folder = kind, folder
         self.description = fmpy.read_model_description(str(folder), validate=False)
-        self.guid = self.description.guid.encode()
-        self.resources = (folder / "resources").as_uri().encode()
-        self.path = folder / "binaries" / fmpy.platform / f"fmu_{kind}{fmpy.sharedLibraryExtension}"
-        self.references = {variable.name: variable.valueReference for variable in self.description.modelVariables}
+        self.variables = self.description.modelVariables
+        self.inputs, self.outputs = self.references("input", INPUTS[kind]), self.references("output")
+        self.stations = self.references("output", INPUTS["fluid"])
+        self.resources: bytes | None = (folder / "resources").as_uri().encode()
         self.messages: list[str] = []
-        self.logger = Callbacks.logger_type(lambda _, name, status, category, text: self.messages.append(text.decode()))
-        self.callbacks = Callbacks(logger=self.logger)
+        log = fmi2CallbackLoggerTYPE(lambda *said: self.messages.append(said[-1].decode()))
+        self.callbacks = fmi2CallbackFunctions(logger=log)
+        self.slowest = 0.0
+        """Time of the slowest call, s."""
         self.load()
 
-    def load(self) -> None:
-        self.dll = ctypes.CDLL(str(self.path))
-        for name, arguments in SIGNATURES.items():
-            function = self.dll[f"fmi2{name}"]
-            function.argtypes, function.restype = arguments, ctypes.c_int
-            setattr(self, name, function)
-        self.instantiate = self.dll["fmi2Instantiate"]
-        self.instantiate.argtypes = [TEXT, INT, TEXT, TEXT, POINTER, INT, INT]
-        self.instantiate.restype = POINTER
-        self.free = self.dll["fmi2FreeInstance"]
-        self.free.argtypes, self.free.restype = [POINTER], None
-
-    def unload(self) -> None:
-        for name in (*SIGNATURES, "instantiate", "free"):
-            delattr(self, name)
-        handle = self.dll._handle
-        del self.dll
-        _ctypes.dlclose(handle)
-
-    def new(self) -> int:
-        component = self.instantiate(b"unit", 1, self.guid, self.resources, ctypes.byref(self.callbacks), 0, 0)
-        assert component, self.messages[-1:]
-        return component
-
-    def array(self, causality: str, names: tuple[str, ...] | None = None) -> tuple[ctypes.Array, int]:
+    def references(self, causality: str, names: Sequence[str] = ()) -> list[int]:
         """Value references of the Real variables of a causality, of the given arrays only if there are any."""
-        references = [
-            variable.valueReference
-            for variable in self.description.modelVariables
-            if variable.causality == causality
-            and variable.type == "Real"
-            and (names is None or variable.name.split("[")[0] in names)
-        ]
-        return (ctypes.c_uint * len(references))(*references), len(references)
+        variables = [v for v in self.variables if v.causality == causality and v.type == "Real"]
+        return [v.valueReference for v in variables if not names or v.name.split("[")[0] in names]
 
-    @property
-    def outputs(self) -> tuple[ctypes.Array, int]:
-        return self.array("output")
+    def load(self) -> None:
+        self.fmu = FMU2Slave(guid="", modelIdentifier=f"fmu_{self.kind}", unzipDirectory=str(self.folder))
+        self.functions = self.fmu._functions
+
+    def call(self, name: str, *arguments: object) -> Any:
+        begin = time.perf_counter()
+        status = self.functions[f"fmi2{name}"](*arguments)
+        self.slowest = max(self.slowest, time.perf_counter() - begin)
+        return status
+
+    def instantiate(self) -> int | None:
+        guid = self.description.guid.encode()
+        return self.call("Instantiate", b"unit", 1, guid, self.resources, self.callbacks, 0, 0)
 
 
 class Unit:
-    """An instance that is ready for its first step at t = 0."""
+    """An instance; with `start`, it is ready for its first step at t = 0."""
 
     def __init__(self, library: Library, start: bool = True):
-        self.library, self.component, self.steps = library, library.new(), 0
-        self.references, self.size = library.array("input", INPUTS[library.kind])
-        self.outputs, self.output_size = library.outputs
-        self.rest = (REAL * self.size)()
+        self.library, self.component, self.steps = library, library.instantiate(), 0
+        assert self.component, library.messages[-1:]
         if start:
-            self.do("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-            self.do("EnterInitializationMode")
-            self.do("GetReal", self.references, self.size, self.rest)
-            self.do("ExitInitializationMode")
+            self.start()
 
-    def do(self, name: str, *arguments) -> None:
-        status = getattr(self.library, name)(self.component, *arguments)
+    def start(self) -> None:
+        self.enter()
+        self.rest = list(self.read(self.library.inputs))
+        self.do("ExitInitializationMode")
+
+    def enter(self) -> None:
+        """Enter initialization mode."""
+        self.do("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
+        self.do("EnterInitializationMode")
+
+    def call(self, name: str, *arguments: object) -> int:
+        return self.library.call(name, self.component, *arguments)
+
+    def do(self, name: str, *arguments: object) -> None:
+        """Call a function that must not fail."""
+        status = self.call(name, *arguments)
         assert status == OK, f"{name} returned {status}: {self.library.messages[-1:]}"
 
-    def step(self) -> None:
-        """One step under inputs that follow from the number of the step."""
-        load = 1e-4 * math.sin(self.steps + 1.0)
-        values = (REAL * self.size)(*[rest + load * (1 + k % 3) for k, rest in enumerate(self.rest)])
-        self.do("SetReal", self.references, self.size, values)
+    def read(self, references: Sequence[int]) -> ctypes.Array:
+        arguments = reals(references)
+        self.do("GetReal", *arguments)
+        return arguments[2]
+
+    def step(self, load: float | None = None) -> None:
+        """One step with a load on the inputs, which else follows from the number of the step."""
+        load = 1e-4 * math.sin(self.steps + 1.0) if load is None else load
+        values = [rest + load * (1 + k % 3) for k, rest in enumerate(self.rest)]
+        self.do("SetReal", *reals(self.library.inputs, values))
         self.do("DoStep", self.steps * STEP, STEP, 1)
         self.steps += 1
 
-    def bits(self) -> bytes:
-        values = (REAL * self.output_size)()
-        self.do("GetReal", self.outputs, self.output_size, values)
-        return bytes(values)
-
-    def run(self, steps: int) -> bytes:
-        """Everything that the outputs were after each of so many steps."""
+    def run(self, loads: int | Sequence[float]) -> bytes:
+        """Digest of all outputs after each of so many steps, or under each of these loads."""
         digest = hashlib.sha256()
-        for _ in range(steps):
-            self.step()
-            digest.update(self.bits())
+        for load in [None] * loads if isinstance(loads, int) else loads:
+            self.step(load)
+            digest.update(self.read(self.library.outputs))
         return digest.digest()
 
-    def state(self) -> ctypes.c_void_p:
-        handle = POINTER()
-        self.do("GetFMUstate", ctypes.byref(handle))
+    def keep(self) -> ctypes.c_void_p:
+        """Handle of the state."""
+        handle = ctypes.c_void_p()
+        self.do("GetFMUstate", handle)
         return handle
 
     def serialize(self) -> bytes:
-        handle, size = self.state(), SIZE()
-        self.do("SerializedFMUstateSize", handle, ctypes.byref(size))
+        handle, size = self.keep(), ctypes.c_size_t()
+        self.do("SerializedFMUstateSize", handle, size)
         buffer = ctypes.create_string_buffer(size.value)
         self.do("SerializeFMUstate", handle, buffer, size)
-        self.do("FreeFMUstate", ctypes.byref(handle))
+        self.do("FreeFMUstate", handle)
         return buffer.raw
 
+    def deserialize(self, data: bytes) -> tuple[int, ctypes.c_void_p]:
+        """Status of the call, and the handle of the state."""
+        handle, buffer = ctypes.c_void_p(), (ctypes.c_char * len(data)).from_buffer_copy(data)
+        return self.call("DeSerializeFMUstate", buffer, len(data), handle), handle
+
     def restore(self, data: bytes, steps: int) -> None:
-        handle = POINTER()
-        self.do("DeSerializeFMUstate", data, len(data), ctypes.byref(handle))
+        status, handle = self.deserialize(data)
+        assert status == OK, self.library.messages[-1:]
         self.do("SetFMUstate", handle)
-        self.do("FreeFMUstate", ctypes.byref(handle))
+        self.do("FreeFMUstate", handle)
         self.steps = steps
 
     def close(self) -> None:
-        self.library.free(self.component)
+        self.library.call("FreeInstance", self.component)
+
+
+def tried(check: Callable[[Library, int], str], kind: str, folder: Path, count: int) -> str:
+    return check(Library(kind, folder), count)
+
+
+def child(method: str, timeout: float, target: Callable[..., object], *arguments: object) -> Any:
+    """What `target` returns in a process of its own by `method` (fork, spawn); AssertionError where it fails, crashes
+    or has not ended after `timeout` (s)."""
+    context = multiprocessing.get_context(method)
+    answers = context.SimpleQueue()
+    process = context.Process(target=_answer, args=(answers, target, *arguments))
+    process.start()
+    process.join(timeout)
+    code = process.exitcode
+    process.kill()
+    process.join()
+    assert code is not None, f"hung: no end after {timeout:.0f} s"
+    assert code == 0, f"crashed with exit code {code}"
+    well, answer = answers.get()
+    assert well, answer
+    return answer
+
+
+def _answer(answers: Any, target: Callable[..., object], *arguments: object) -> None:
+    try:
+        answers.put((True, target(*arguments)))
+    except AssertionError as error:
+        answers.put((False, str(error)))
