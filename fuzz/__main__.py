@@ -17,7 +17,7 @@ from nervure.scene import REFERENCES, load
 
 from studies.reliability.__main__ import unpack
 from studies.reliability.trials import HEADER
-from studies.reliability.unit import SCENE, Library, Unit
+from studies.reliability.unit import SCENE, FMU2Unit
 
 FUZZ = ROOT / "fuzz"
 TARGETS = ("rod_state", "fluid_state", "rod_scene", "fluid_scene")
@@ -38,7 +38,7 @@ def write_seeds() -> None:
     for kind in package.KINDS:
         files[f"corpus/{kind}_scene/flag"] = package.scene_text(SCENE).encode()
         with TemporaryDirectory() as folder:
-            unit = Unit(Library(kind, unpack(kind, Path(folder))))
+            unit = FMU2Unit(kind, unpack(kind, Path(folder))).new()
             for step in range(4):
                 files[f"corpus/{kind}_state/steps-{step}"] = unit.serialize()[HEADER:]
                 unit.step()

@@ -1,6 +1,5 @@
 """The checks of docs/reliability.md with few cases, and how the units use what their host gives them."""
 
-import ctypes
 import os
 import shutil
 import time
@@ -9,7 +8,7 @@ import pytest
 from nervure.pack import package
 
 from studies.reliability.__main__ import CHECKS, unpack
-from studies.reliability.unit import ERROR, OK, STEP, Library, Unit, child, tried
+from studies.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)
@@ -40,36 +39,36 @@ def test_odd_folder_names_and_read_only_files_are_no_obstacle(kind, folders, tmp
     shutil.copytree(folders[kind], folder)
     for path in [*folder.rglob("*"), folder]:
         path.chmod(0o555 if path.is_dir() else 0o444)
-    library = Library(kind, folder)
-    assert b"%25" in library.resources
-    assert Unit(library).run(2) == Unit(Library(kind, folders[kind])).run(2)
+    assert "%25" in folder.as_uri()
+    assert FMU2Unit(kind, folder).new().run(2) == FMU2Unit(kind, folders[kind]).new().run(2)
     for path in [folder, *folder.rglob("*")]:
         path.chmod(0o755)
 
 
 @both
 def test_without_a_resource_location_the_reason_is_logged(kind, folders):
-    library = Library(kind, folders[kind])
-    for library.resources in (None, b""):
-        assert library.instantiate() is None
+    library = FMU2Unit(kind, folders[kind])
+    for location in (None, b""):
+        assert library.fmi2Instantiate(b"unit", 1, library.guid.encode(), location, library.log, 0, 0) is None
         assert "needs its resources folder with scene.json" in library.messages[-1]
 
 
 @both
 def test_a_good_run_is_silent_until_events_are_asked_for(kind, folders):
-    library = Library(kind, folders[kind])
-    Unit(library).run(3)
+    library = FMU2Unit(kind, folders[kind])
+    library.new().run(3)
     assert library.messages == []
-    unit = Unit(library, start=False)
-    unit.do("SetDebugLogging", 1, 1, (ctypes.c_char_p * 1)(b"logEvents"))
-    unit.start()
+    unit = library.new(start=False)
+    unit.setDebugLogging(True, ["logEvents"])
+    unit.enter()
+    unit.exitInitializationMode()
     assert "stations, start at t = 0 s" in library.messages[-1]
 
 
 @both
 def test_without_a_logger_a_refusal_is_only_a_status(kind, folders):
-    library = Library(kind, folders[kind])
-    library.callbacks = type(library.callbacks)()
-    unit = Unit(library)
+    library = FMU2Unit(kind, folders[kind])
+    library.log = type(library.log)()
+    unit = library.new()
     assert unit.call("DoStep", 0.0, -1.0, 0) == ERROR
     assert unit.call("DoStep", 0.0, STEP, 0) == OK

@@ -6,7 +6,7 @@ import random
 from collections.abc import Sequence
 from typing import Any
 
-from .unit import DISCARD, ERROR, OK, STEP, Library, Unit, array
+from .unit import DISCARD, ERROR, INPUTS, OK, STEP, FMU2Unit
 
 CALLS = 50
 """Calls of one sequence."""
@@ -48,8 +48,8 @@ NOWHERE = 0xDEAD_BEEF_0000
 class Calls:
     """One instance under random calls, with what the standard says of it beside it."""
 
-    def __init__(self, library: Library, chance: random.Random):
-        self.library, self.chance, self.unit = library, chance, Unit(library, start=False)
+    def __init__(self, unit: FMU2Unit, chance: random.Random):
+        self.unit, self.chance = unit, chance
         self.progress: tuple[str, float, float | None] = (INSTANTIATED, 0.0, None)
         """State, time and stop time."""
         self.handles: dict[int | None, tuple] = {}
@@ -62,20 +62,20 @@ class Calls:
         name = chance.choice(OFTEN) if chance.random() < 0.5 else chance.choice(list(ALLOWED))
         if name == "Reset" and chance.random() < 0.7:  # it loads the model again, the slowest of all calls
             return
-        types = self.library.functions[f"fmi2{name}"].argtypes
+        types = self.unit._functions[f"fmi2{name}"].argtypes[1:]
         arguments, good, right = self.arguments(name, types)
         passed = list(arguments)
-        pointers = [k for k, kind in enumerate(types[1:]) if issubclass(kind, ctypes._Pointer)]
+        pointers = [k for k, kind in enumerate(types) if issubclass(kind, ctypes._Pointer)]
         if pointers and chance.random() < 0.08:
             k = chance.choice(pointers)
             passed[k] = None
             right = name == "FreeFMUstate" or right and getattr(arguments[k], "_length_", 1) == 0
         component = None if chance.random() < 0.02 else self.unit.component
         expected = good if component and before[0] in ALLOWED[name] and right else ERROR
-        status = self.library.call(name, component, *passed)
+        status = self.unit._functions[f"fmi2{name}"](component, *passed)
         assert status == expected, (
             f"fmi2{name}{passed} of {component} after {before} with {'right' if right else 'wrong'} arguments returned "
-            f"{status}, not {expected}: {self.library.messages[-1:]}"
+            f"{status}, not {expected}: {self.unit.messages[-1:]}"
         )
         if status == OK and passed == arguments:
             self.follow(name, arguments)
@@ -89,14 +89,17 @@ class Calls:
         chosen = self.chance.choices(pool, k=self.chance.randrange(5)) if pool else []
         wrong = self.fault(*foreign, 10_000, 0xFFFF_FFFF)
         chosen += [] if wrong is None else [wrong]
-        return array(ctypes.c_uint, chosen), len(chosen), wrong is None
+        return (ctypes.c_uint * len(chosen))(*chosen), len(chosen), wrong is None
 
     def arguments(self, name: str, types: list) -> tuple[list, int, bool]:
-        """Arguments after the instance, the status if they are right and in season, and whether they are right."""
-        chance, choice, library = self.chance, self.chance.choice, self.library
-        state, time, stop = self.progress
-        flags, parameters = library.description.coSimulation, library.references("parameter")
-        handle = choice([None, 1, NOWHERE, self.freed])
+        """Arguments after the instance, the status that right ones have in an allowed state, and whether they are right."""
+        unit, chance, choice, size = self.unit, self.chance, self.chance.choice, ctypes.c_size_t()
+        (state, time, stop), flags, parameters = (
+            self.progress,
+            unit.description.coSimulation,
+            unit.references("parameter"),
+        )
+        handle, stations = choice([None, 1, NOWHERE, self.freed]), unit.references("output", INPUTS["fluid"])
         if self.handles and not self.fault(True):
             handle = choice(list(self.handles))
         known = handle in self.handles
@@ -104,12 +107,12 @@ class Calls:
             case "SetDebugLogging":
                 wrong = self.fault([b"logNothing"], [None], [b"\xff"]) or []
                 names = wrong + chance.choices([b"logEvents", b"logAll", b"logStatusError"], k=chance.randrange(3))
-                return [chance.randrange(2), len(names), array(ctypes.c_char_p, names)], OK, not wrong
+                return [chance.randrange(2), len(names), (types[2]._type_ * len(names))(*names)], OK, not wrong
             case "SetupExperiment":
                 fault = self.fault("start", "stop")
                 start = choice(WILD if fault == "start" else (0.0, 0.0, 1.5, -2.0))
-                bad, fine = (*WILD, start, start - 1.0), (None, start + 5 * STEP, start + 1.0)
-                stop = choice(bad if fault == "stop" else fine)
+                wrong, right = (*WILD, start, start - 1.0), (None, start + 5 * STEP, start + 1.0)
+                stop = choice(wrong if fault == "stop" else right)
                 return [1, 1e-6, start, int(stop is not None), stop or 0.0], OK, not fault
             case "DoStep":
                 fault = self.fault("time", "step")
@@ -126,55 +129,53 @@ class Calls:
                 self.chosen = handle
                 return [ctypes.c_void_p(handle)], OK, known or handle is None
             case "SerializedFMUstateSize":
-                return [handle, ctypes.c_size_t()], OK, known
+                return [handle, size], OK, known
             case "SerializeFMUstate":
-                size = ctypes.c_size_t()
                 if known:
-                    self.unit.do("SerializedFMUstateSize", handle, size)
+                    unit.call("SerializedFMUstateSize", handle, size)
                 buffer, cut = ctypes.create_string_buffer(size.value), size.value and self.fault(True)
                 return [handle, buffer, chance.randrange(size.value) if cut else size.value], OK, known and not cut
             case "DeSerializeFMUstate":
                 data, self.chosen = choice(self.stored or [(b"", None)])
-                buffer, cut = (ctypes.c_char * len(data)).from_buffer_copy(data), self.fault(True)
-                size = chance.randrange(len(data)) if data and cut else len(data)
-                return [buffer, size, ctypes.c_void_p()], OK, size == len(data) > 0
+                buffer, cut = (ctypes.c_char * len(data)).from_buffer_copy(data), data and self.fault(True)
+                return (
+                    [buffer, chance.randrange(len(data)) if cut else len(data), ctypes.c_void_p()],
+                    OK,
+                    data and not cut,
+                )
             case "GetDirectionalDerivative":
-                unknown, n, right = self.references(library.stations, parameters)
-                inputs, m, also = self.references(library.inputs, parameters)
+                unknown, n, right = self.references(stations, parameters)
+                inputs, m, also = self.references(unit.inputs, parameters)
                 # The rod has derivatives of the step that it made last; where there is none, it says so.
                 right = right and also and flags.providesDirectionalDerivative and self.stepped
-                return [unknown, n, inputs, m, (types[5]._type_ * m)(), (types[6]._type_ * n)()], OK, right
+                return [unknown, n, inputs, m, (types[4]._type_ * m)(), (types[5]._type_ * n)()], OK, right
             case "SetRealInputDerivatives" | "GetRealOutputDerivatives":
-                pool, foreign, able = library.stations, parameters, flags.maxOutputDerivativeOrder == 1
+                pool, foreign, able = stations, parameters, flags.maxOutputDerivativeOrder == 1
                 if name[0] == "S":
-                    pool, foreign, able = library.inputs, library.outputs, flags.canInterpolateInputs
-                references, size, right = self.references(pool, foreign)
-                order = self.fault(0, 2, -1) if size else None
-                orders = array(ctypes.c_int, [1 if order is None else order] * size)
-                return [references, size, orders, (types[4]._type_ * size)()], OK, right and able and order is None
+                    pool, foreign, able = unit.inputs, unit.outputs, flags.canInterpolateInputs
+                references, n, right = self.references(pool, foreign)
+                order = self.fault(0, 2, -1) if n else None
+                orders = (types[2]._type_ * n)(*[1 if order is None else order] * n)
+                return [references, n, orders, (types[3]._type_ * n)()], OK, right and able and order is None
             case _ if name.endswith("Status"):
                 kind = choice([*range(4), -1, 99])
-                return [kind, types[2]._type_()], OK if kind == ANSWERED.get(name) else DISCARD, True
+                return [kind, types[1]._type_()], OK if kind == ANSWERED.get(name) else DISCARD, True
             case _ if name[3:] in KINDS:
-                causalities = ("input", "parameter") if state in STATES[:2] else ("input",)
-                pool = {
-                    v.valueReference: v.start
-                    for v in library.variables
-                    if v.type == name[3:] and (name[0] == "G" or v.causality in causalities)
-                }
-                foreign = [v.valueReference for v in library.variables if v.valueReference not in pool]
-                references, size, right = self.references(list(pool), foreign)
-                values = (types[3]._type_ * size)()
+                usable = {"input", "parameter"} if state in STATES[:2] else {"input"}
+                fit = [v for v in unit.variables if v.type == name[3:] and (name[0] == "G" or v.causality in usable)]
+                starts = {v.valueReference: v.start for v in fit}
+                foreign = [v.valueReference for v in unit.variables if v.valueReference not in starts]
+                references, n, right = self.references(list(starts), foreign)
+                values, wrong = (types[2]._type_ * n)(), None
                 if name == "GetReal":
-                    values[:] = [math.nan] * size
-                elif name == "SetReal" and size:
-                    values[:] = [float(pool.get(r) or 0.0) * (1 + 1e-4 * chance.random()) for r in references]
+                    values[:] = [math.nan] * n
+                elif name == "SetReal" and n:
+                    values[:] = [float(starts.get(r) or 0.0) * (1 + 1e-4 * chance.random()) for r in references]
                     wrong = self.fault(*WILD)
-                    if wrong is not None:
-                        values[chance.randrange(size)], right = wrong, False
+                    values[0] = values[0] if wrong is None else wrong
                 elif name == "SetString":
-                    values[:] = [b"text"] * size
-                return [references, size, values], OK, right
+                    values[:] = [b"text"] * n
+                return [references, n, values], OK, right and wrong is None
         return [], OK, True
 
     def follow(self, name: str, arguments: list) -> None:
@@ -205,15 +206,15 @@ class Calls:
                 self.handles[place.value] = self.chosen
 
 
-def sequences(library: Library, count: int) -> str:
+def sequences(unit: FMU2Unit, count: int) -> str:
     """Random calls with NULL, wrong-size and out-of-range arguments: the status of each is the standard's."""
     for seed in range(count):
-        calls = Calls(library, random.Random(seed))
+        calls = Calls(unit.new(start=False), random.Random(seed))
         try:
             for _ in range(CALLS):
                 calls.random_call()
         except AssertionError as error:
             raise AssertionError(f"sequence {seed}: {error}") from None
         calls.unit.close()
-        library.messages.clear()
+        unit.messages.clear()
     return f"{count * CALLS} calls, every status the one expected"

@@ -8,7 +8,7 @@ import resource
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from mmap import mmap
 from pathlib import Path
@@ -20,7 +20,7 @@ from nervure.pack import package
 from nervure.recorder import Recorder
 from nervure.unit import Unit
 
-from .unit import SCENE, STEP, Library
+from .unit import SCENE, STEP, FMU2Unit
 
 LONGEST = 100
 """Steps of a run that is killed again and again; then it begins anew."""
@@ -40,9 +40,10 @@ class Run:
     def __init__(self, kind: str, folder: Path):
         self.unit, self.folder = Unit(package.pack(kind, SCENE, folder), kind, 1.0), folder
         self.scheme, self.recorder = coupling.Single(self.unit), Recorder({kind: self.unit}, LONGEST + 1)
+        self.kept = checkpoint.Checkpoint(folder, SCENE, {}, {kind: self.unit}, self.scheme, self.recorder)
         self.scheme.start()
         self.recorder.record(0, 0.0, 0)
-        self.save(0)
+        self.kept.save(0, 0.0)
         self.start = checkpoint.read(folder)
         self.outputs, self.tables = [self.unit.outputs.copy()], [dict.fromkeys(TABLES)]
         for done in range(1, LONGEST + 2):
@@ -51,42 +52,36 @@ class Run:
             self.outputs.append(self.unit.outputs.copy())
             self.tables.append({name: (folder / name).read_bytes() for name in TABLES})
 
-    def kept(self) -> checkpoint.Checkpoint:
-        return checkpoint.Checkpoint(self.folder, SCENE, {}, {self.unit.name: self.unit}, self.scheme, self.recorder)
-
     def step(self, done: int) -> None:
         """Make step number `done`, counted from 1."""
         self.scheme.step((done - 1) * STEP, STEP)
         self.recorder.record(done, done * STEP, 1)
 
-    def save(self, done: int) -> None:
-        self.kept().save(done, 0.0)
-
-    def write(self, done: int) -> None:
+    def write(self, done: int, _: float = 0.0) -> None:
         report.write(self.folder, SCENE, self.recorder, self.scheme, {"steps": done})
 
     def begin(self, folder: Path) -> None:
         """Be at the start again, with nothing but its checkpoint in `folder`."""
-        self.folder = folder
+        self.folder, self.kept.path = folder, folder / checkpoint.FILE
         folder.mkdir(exist_ok=True)
         for path in folder.iterdir():
             path.unlink()
-        self.kept().restore(self.start)
-        self.save(0)
+        self.kept.restore(self.start)
+        self.kept.save(0, 0.0)
 
     def go_on(self, progress: mmap) -> None:
         """Make steps from the checkpoint on, and say of which the files were begun and written."""
-        for done in range(self.kept().restore(checkpoint.read(self.folder))[0] + 1, LONGEST + 1):
+        for done in range(self.kept.restore(checkpoint.read(self.folder))[0] + 1, LONGEST + 1):
             self.step(done)
             progress[0] = done
-            self.save(done)
+            self.kept.save(done, 0.0)
             self.write(done)
             progress[1] = done
 
     def check(self, saved: range, written: range) -> tuple[int, int]:
         """The checkpoint must be of one of the steps `saved`, and one step from it that of the run to which nothing
         happens; the tables must be of one of the steps `written`. Returns of which steps they are."""
-        done = self.kept().restore(checkpoint.read(self.folder))[0]
+        done = self.kept.restore(checkpoint.read(self.folder))[0]
         assert done in saved, f"the checkpoint is of step {done}, not of {saved}"
         found = {name: (self.folder / name).read_bytes() if (self.folder / name).exists() else None for name in TABLES}
         for name in TABLES:
@@ -98,11 +93,11 @@ class Run:
         return done, json.loads(found["summary.json"] or '{"steps": 0}')["steps"]
 
 
-def kills(library: Library, count: int) -> str:
+def kills(unit: FMU2Unit, count: int) -> str:
     """SIGKILL while checkpoint and results are written: the old or the new ones load, and the run goes on from them."""
     chance, progress, inside, done = random.Random(5), mmap(-1, 2), 0, LONGEST
     with TemporaryDirectory() as place:
-        run = Run(library.kind, Path(place))
+        run = Run(unit.kind, Path(place))
         for case in range(count):
             if done > LONGEST // 2:
                 run.begin(Path(place, "run"))
@@ -122,47 +117,47 @@ def kills(library: Library, count: int) -> str:
     return f"old or new, and on to the same bits; {inside} were killed within a file"
 
 
-def full_disks(library: Library, count: int) -> str:
+def full_disks(unit: FMU2Unit, count: int) -> str:
     """A disk that gets full while checkpoint and results are written: the old or the new ones load, nothing half-written."""
     chance = random.Random(6)
     with ExitStack() as stack:
         place = Path(stack.enter_context(TemporaryDirectory()))
         disk = place / "disk"
         disk.mkdir()
-        run = Run(library.kind, place)
+        run = Run(unit.kind, place)
         stack.callback(run.unit.close)
-        refused = filled(run, place / "run", chance, count, limited)
+        refused = filled(run, place / "run", None, chance, count)
         said = f"limit on the size of files: {refused} writes refused, {2 * count - refused} made"
         mount = ["mount", "-t", "tmpfs", "-o", f"size={DISK}", "tmpfs", str(disk)]
         if subprocess.run(mount, check=False, capture_output=True).returncode:
             return f"{said}; no full disk, which takes the right to mount one"
         stack.callback(subprocess.run, ["umount", "-l", str(disk)], check=True)
-        refused = filled(run, disk, chance, count, crowded)
+        refused = filled(run, disk, disk, chance, count)
         return f"{said}; full tmpfs: {refused} refused, {2 * count - refused} made; old or new after each"
 
 
-def filled(run: Run, folder: Path, chance: random.Random, count: int, scarce: Callable) -> int:
-    """Write checkpoint and results `count` times where room is `scarce`; returns how many of both were refused."""
+def filled(run: Run, folder: Path, disk: Path | None, chance: random.Random, count: int) -> int:
+    """Write checkpoint and results `count` times where room is scarce; returns how many of both were refused."""
     refused, saved = 0, LONGEST
     for _ in range(count):
         if saved == LONGEST:
             run.begin(folder)
             run.step(1)
-            run.save(1)
+            run.kept.save(1, 0.0)
             run.write(1)
             run.step(2)
             saved = written = 1
         done, before = saved + 1, {path.name: path.read_bytes() for path in folder.iterdir()}
-        for write, files in ((run.save, (checkpoint.FILE,)), (run.write, TABLES)):
+        for write, files in ((run.kept.save, (checkpoint.FILE,)), (run.write, TABLES)):
             try:
-                with scarce(folder, chance.uniform(0.0, 1.5), [len(before[name]) for name in files]):
-                    write(done)
+                with scarce(disk, chance.uniform(0.0, 1.5), [len(before[name]) for name in files]):
+                    write(done, 0.0)
             except OSError:
                 refused += 1
                 changed = [name for name in files if (folder / name).read_bytes() != before[name]]
                 assert not changed, f"step {done}: {', '.join(changed)} changed, though the write was refused"
             else:
-                saved, written = (done, written) if write == run.save else (saved, done)
+                saved, written = (done, written) if write == run.kept.save else (saved, done)
         left = {path.name for path in folder.iterdir()}
         assert left == before.keys(), f"step {done}: {sorted(left ^ before.keys())} is left"
         run.check(range(saved, saved + 1), range(written, written + 1))
@@ -170,23 +165,19 @@ def filled(run: Run, folder: Path, chance: random.Random, count: int, scarce: Ca
 
 
 @contextmanager
-def limited(_: Path, share: float, sizes: list[int]) -> Iterator[None]:
-    """No file may be longer than `share` of the longest one."""
+def scarce(disk: Path | None, share: float, sizes: list[int]) -> Iterator[None]:
+    """`disk` has about `share` of the room left that files of these sizes take; without one, none may be longer than
+    `share` of the longest."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (int(share * max(sizes)), hard))
     try:
+        if disk:
+            free = os.statvfs(disk)
+            room = int(share * sum(-(-size // free.f_frsize) for size in sizes))
+            (disk / "filler").write_bytes(bytes(max(0, free.f_bavail - room) * free.f_frsize))
+        else:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (int(share * max(sizes)), hard))
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-
-
-@contextmanager
-def crowded(folder: Path, share: float, sizes: list[int]) -> Iterator[None]:
-    """The disk of `folder` has about `share` of the room left that the files take on it."""
-    filler, disk = folder / "filler", os.statvfs(folder)
-    needed = sum(-(-size // disk.f_frsize) for size in sizes)
-    filler.write_bytes(bytes(max(0, disk.f_bavail - int(share * needed)) * disk.f_frsize))
-    try:
-        yield
-    finally:
-        filler.unlink()
+        if disk:
+            (disk / "filler").unlink()
