@@ -29,18 +29,21 @@ def hostile(library: FMU2Unit, count: int) -> str:
     everything = [v.valueReference for v in library.variables if v.type == "Real"]
     inputs, parameters, saved = library.references("input"), library.references("parameter"), unit.getFMUstate()
     for case in range(count):
-        step, changed = STEP, chance.sample(inputs, chance.choice([1, 2, len(inputs)]))
+        step, changed = STEP, []
         if case % 5 == 4:  # a parameter of a new instance
             unit.close()
             unit, changed = library.new(start=False), [chance.choice(parameters)]
             unit.enter()
         else:
             unit.setFMUstate(saved)
-        if case % 5 == 3:
-            step, changed = chance.choice(STEPS), []
+            if case % 5 == 3:
+                step = chance.choice(STEPS)
+            else:
+                changed = chance.sample(inputs, chance.choice([1, 2, len(inputs)]))
+        values = [chance.choice(HOSTILE)] * len(changed) if changed else []
         end, begin = "refused", time.perf_counter()
         try:
-            unit.setReal(changed, [chance.choice(HOSTILE)] * len(changed))
+            unit.setReal(changed, values)
             if case % 5 == 4:
                 unit.exitInitializationMode()
             end = "failed"
