@@ -48,9 +48,10 @@ test: rust-test bindings-check python-test ## everything that has to pass
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench --all-targets --locked -- -D warnings
-	cargo test --workspace --locked
+	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo test --workspace --tests --locked
+	cargo test --workspace --doc --locked
 
 python-test: build $(READY_DEV)
 	$(RUN) -m pytest tests
