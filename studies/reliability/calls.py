@@ -10,12 +10,8 @@ from .unit import DISCARD, ERROR, INPUTS, OK, STEP, FMU2Unit
 
 CALLS = 50
 """Calls of one sequence."""
-STATES = INSTANTIATED, INITIALIZATION, COMPLETE, TERMINATED = (
-    "instantiated",
-    "initialization",
-    "complete",
-    "terminated",
-)
+STATES = ("instantiated", "initialization", "complete", "terminated")
+INSTANTIATED, INITIALIZATION, COMPLETE, TERMINATED = STATES
 KINDS = ("Real", "Integer", "Boolean", "String")
 ALLOWED = {
     **dict.fromkeys(("SetDebugLogging", "Reset", "SetFMUstate", "FreeFMUstate", "GetFMUstate"), STATES),
@@ -32,15 +28,7 @@ ALLOWED = {
 NEXT = {"EnterInitializationMode": INITIALIZATION, "ExitInitializationMode": COMPLETE, "Terminate": TERMINATED}
 ANSWERED = {"GetRealStatus": 2, "GetBooleanStatus": 3}
 """Kinds of status that the units know: the last successful time and whether they terminated."""
-OFTEN = (
-    "SetupExperiment",
-    "EnterInitializationMode",
-    "ExitInitializationMode",
-    "DoStep",
-    "DoStep",
-    "SetReal",
-    "GetReal",
-)
+OFTEN = ("SetupExperiment", *list(NEXT)[:2], "DoStep", "DoStep", "SetReal", "GetReal")
 WILD = (math.nan, math.inf, -math.inf)
 NOWHERE = 0xDEAD_BEEF_0000
 
@@ -54,6 +42,8 @@ class Calls:
         """State, time and stop time."""
         self.handles: dict[int | None, tuple] = {}
         self.stored: list[tuple[bytes, tuple]] = []
+        self.chosen: Any = None
+        """The handle that is freed, or the progress at the stored state that is read."""
         self.freed, self.stepped = 1, False
 
     def random_call(self) -> None:
@@ -63,13 +53,14 @@ class Calls:
         if name == "Reset" and chance.random() < 0.7:  # it loads the model again, the slowest of all calls
             return
         types = self.unit._functions[f"fmi2{name}"].argtypes[1:]
-        arguments, good, right = self.arguments(name, types)
+        arguments, right = self.arguments(name, types)
         passed = list(arguments)
         pointers = [k for k, kind in enumerate(types) if issubclass(kind, ctypes._Pointer)]
         if pointers and chance.random() < 0.08:
             k = chance.choice(pointers)
             passed[k] = None
             right = name == "FreeFMUstate" or right and getattr(arguments[k], "_length_", 1) == 0
+        good = DISCARD if name.endswith("Status") and arguments[0] != ANSWERED.get(name) else OK
         component = None if chance.random() < 0.02 else self.unit.component
         expected = good if component and before[0] in ALLOWED[name] and right else ERROR
         status = self.unit._functions[f"fmi2{name}"](component, *passed)
@@ -91,15 +82,12 @@ class Calls:
         chosen += [] if wrong is None else [wrong]
         return (ctypes.c_uint * len(chosen))(*chosen), len(chosen), wrong is None
 
-    def arguments(self, name: str, types: list) -> tuple[list, int, bool]:
-        """Arguments after the instance, the status that right ones have in an allowed state, and whether they are right."""
+    def arguments(self, name: str, types: list) -> tuple[list, bool]:
+        """Arguments after the instance, and whether they are right."""
         unit, chance, choice, size = self.unit, self.chance, self.chance.choice, ctypes.c_size_t()
-        (state, time, stop), flags, parameters = (
-            self.progress,
-            unit.description.coSimulation,
-            unit.references("parameter"),
-        )
-        handle, stations = choice([None, 1, NOWHERE, self.freed]), unit.references("output", INPUTS["fluid"])
+        (state, time, stop), flags = self.progress, unit.description.coSimulation
+        parameters, stations = unit.references("parameter"), unit.references("output", INPUTS["fluid"])
+        handle = choice([None, 1, NOWHERE, self.freed])
         if self.handles and not self.fault(True):
             handle = choice(list(self.handles))
         known = handle in self.handles
@@ -107,48 +95,45 @@ class Calls:
             case "SetDebugLogging":
                 wrong = self.fault([b"logNothing"], [None], [b"\xff"]) or []
                 names = wrong + chance.choices([b"logEvents", b"logAll", b"logStatusError"], k=chance.randrange(3))
-                return [chance.randrange(2), len(names), (types[2]._type_ * len(names))(*names)], OK, not wrong
+                return [chance.randrange(2), len(names), (types[2]._type_ * len(names))(*names)], not wrong
             case "SetupExperiment":
                 fault = self.fault("start", "stop")
                 start = choice(WILD if fault == "start" else (0.0, 0.0, 1.5, -2.0))
                 wrong, right = (*WILD, start, start - 1.0), (None, start + 5 * STEP, start + 1.0)
                 stop = choice(wrong if fault == "stop" else right)
-                return [1, 1e-6, start, int(stop is not None), stop or 0.0], OK, not fault
+                return [1, 1e-6, start, int(stop is not None), stop or 0.0], not fault
             case "DoStep":
                 fault = self.fault("time", "step")
                 h = choice((*WILD, 0.0, -STEP)) if fault == "step" else STEP * choice([0.5, 1.0, 2.0])
                 t = choice((*WILD, time + 0.5 * h, time - h, 1e300)) if fault == "time" else time
                 too_far = stop is not None and t + h > stop + 1e-9 * max(abs(t), h)
-                return [t, h, chance.randrange(2)], OK, not (fault or too_far)
+                return [t, h, chance.randrange(2)], not (fault or too_far)
             case "GetFMUstate":  # into no place, into that of another state, or into one that does not exist
                 place = ctypes.c_void_p(choice([None, None, handle]))
-                return [place], OK, place.value is None or known
+                return [place], place.value is None or known
             case "SetFMUstate":
-                return [handle], OK, known
+                return [handle], known
             case "FreeFMUstate":
                 self.chosen = handle
-                return [ctypes.c_void_p(handle)], OK, known or handle is None
+                return [ctypes.c_void_p(handle)], known or handle is None
             case "SerializedFMUstateSize":
-                return [handle, size], OK, known
+                return [handle, size], known
             case "SerializeFMUstate":
                 if known:
                     unit.call("SerializedFMUstateSize", handle, size)
                 buffer, cut = ctypes.create_string_buffer(size.value), size.value and self.fault(True)
-                return [handle, buffer, chance.randrange(size.value) if cut else size.value], OK, known and not cut
+                return [handle, buffer, chance.randrange(size.value) if cut else size.value], known and not cut
             case "DeSerializeFMUstate":
                 data, self.chosen = choice(self.stored or [(b"", None)])
                 buffer, cut = (ctypes.c_char * len(data)).from_buffer_copy(data), data and self.fault(True)
-                return (
-                    [buffer, chance.randrange(len(data)) if cut else len(data), ctypes.c_void_p()],
-                    OK,
-                    data and not cut,
-                )
+                size.value = chance.randrange(len(data)) if cut else len(data)
+                return [buffer, size, ctypes.c_void_p()], bool(data) and not cut
             case "GetDirectionalDerivative":
                 unknown, n, right = self.references(stations, parameters)
                 inputs, m, also = self.references(unit.inputs, parameters)
                 # The rod has derivatives of the step that it made last; where there is none, it says so.
                 right = right and also and flags.providesDirectionalDerivative and self.stepped
-                return [unknown, n, inputs, m, (types[4]._type_ * m)(), (types[5]._type_ * n)()], OK, right
+                return [unknown, n, inputs, m, (types[4]._type_ * m)(), (types[5]._type_ * n)()], right
             case "SetRealInputDerivatives" | "GetRealOutputDerivatives":
                 pool, foreign, able = stations, parameters, flags.maxOutputDerivativeOrder == 1
                 if name[0] == "S":
@@ -156,10 +141,9 @@ class Calls:
                 references, n, right = self.references(pool, foreign)
                 order = self.fault(0, 2, -1) if n else None
                 orders = (types[2]._type_ * n)(*[1 if order is None else order] * n)
-                return [references, n, orders, (types[3]._type_ * n)()], OK, right and able and order is None
+                return [references, n, orders, (types[3]._type_ * n)()], right and able and order is None
             case _ if name.endswith("Status"):
-                kind = choice([*range(4), -1, 99])
-                return [kind, types[1]._type_()], OK if kind == ANSWERED.get(name) else DISCARD, True
+                return [choice([*range(4), -1, 99]), types[1]._type_()], True
             case _ if name[3:] in KINDS:
                 usable = {"input", "parameter"} if state in STATES[:2] else {"input"}
                 fit = [v for v in unit.variables if v.type == name[3:] and (name[0] == "G" or v.causality in usable)]
@@ -175,8 +159,8 @@ class Calls:
                     values[0] = values[0] if wrong is None else wrong
                 elif name == "SetString":
                     values[:] = [b"text"] * n
-                return [references, n, values], OK, right and wrong is None
-        return [], OK, True
+                return [references, n, values], right and wrong is None
+        return [], True
 
     def follow(self, name: str, arguments: list) -> None:
         """What the standard says of the instance after a call with status OK."""

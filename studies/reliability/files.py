@@ -31,6 +31,10 @@ DISK = 1 << 20
 """Size of the disk that gets full, bytes."""
 
 
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
 class Run:
     """A unit alone that writes a checkpoint and its results after every step, as a run does at intervals and at its end.
 
@@ -45,12 +49,12 @@ class Run:
         self.recorder.record(0, 0.0, 0)
         self.kept.save(0, 0.0)
         self.start = checkpoint.read(folder)
-        self.outputs, self.tables = [self.unit.outputs.copy()], [dict.fromkeys(TABLES)]
+        self.outputs, self.tables = [self.unit.outputs.copy()], [{}]
         for done in range(1, LONGEST + 2):
             self.step(done)
             self.write(done)
             self.outputs.append(self.unit.outputs.copy())
-            self.tables.append({name: (folder / name).read_bytes() for name in TABLES})
+            self.tables.append({name: data for name, data in contents(folder).items() if name in TABLES})
 
     def step(self, done: int) -> None:
         """Make step number `done`, counted from 1."""
@@ -83,14 +87,14 @@ class Run:
         happens; the tables must be of one of the steps `written`. Returns of which steps they are."""
         done = self.kept.restore(checkpoint.read(self.folder))[0]
         assert done in saved, f"the checkpoint is of step {done}, not of {saved}"
-        found = {name: (self.folder / name).read_bytes() if (self.folder / name).exists() else None for name in TABLES}
+        found = contents(self.folder)
         for name in TABLES:
-            assert found[name] in [self.tables[k][name] for k in written], f"{name} is not that of a step in {written}"
+            allowed = [self.tables[k].get(name) for k in written]
+            assert found.get(name) in allowed, f"{name} is not that of a step in {written}"
         self.step(done + 1)
-        assert np.array_equal(self.unit.outputs, self.outputs[done + 1]), (
-            f"step {done + 1} is another one after the checkpoint"
-        )
-        return done, json.loads(found["summary.json"] or '{"steps": 0}')["steps"]
+        same = np.array_equal(self.unit.outputs, self.outputs[done + 1])
+        assert same, f"step {done + 1} is another one after the checkpoint"
+        return done, json.loads(found["summary.json"])["steps"] if "summary.json" in found else 0
 
 
 def kills(unit: FMU2Unit, count: int) -> str:
@@ -143,23 +147,23 @@ def filled(run: Run, folder: Path, disk: Path | None, chance: random.Random, cou
         if saved == LONGEST:
             run.begin(folder)
             run.step(1)
-            run.kept.save(1, 0.0)
-            run.write(1)
-            run.step(2)
-            saved = written = 1
-        done, before = saved + 1, {path.name: path.read_bytes() for path in folder.iterdir()}
-        for write, files in ((run.kept.save, (checkpoint.FILE,)), (run.write, TABLES)):
+            saved = written = 0
+        done, before = saved + 1, contents(folder)
+        for write, files in (
+            (run.kept.save, {checkpoint.FILE: before[checkpoint.FILE]}),
+            (run.write, run.tables[done]),
+        ):
             try:
-                with scarce(disk, chance.uniform(0.0, 1.5), [len(before[name]) for name in files]):
+                with scarce(disk, chance.uniform(0.0, 1.5), [len(data) for data in files.values()]):
                     write(done, 0.0)
             except OSError:
-                refused += 1
-                changed = [name for name in files if (folder / name).read_bytes() != before[name]]
+                refused, after = refused + 1, contents(folder)
+                changed = [name for name in files if after.get(name) != before.get(name)]
                 assert not changed, f"step {done}: {', '.join(changed)} changed, though the write was refused"
             else:
                 saved, written = (done, written) if write == run.kept.save else (saved, done)
-        left = {path.name for path in folder.iterdir()}
-        assert left == before.keys(), f"step {done}: {sorted(left ^ before.keys())} is left"
+        left = contents(folder).keys() - {checkpoint.FILE, *TABLES}
+        assert not left, f"step {done}: {sorted(left)} is left"
         run.check(range(saved, saved + 1), range(written, written + 1))
     return refused
 
