@@ -48,9 +48,10 @@ test: lint rust-test bindings-check python-test ## everything that has to pass
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench --all-targets --locked -- -D warnings
-	cargo test --workspace --locked
+	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo test --workspace --tests --locked
+	cargo test --workspace --doc --locked
 
 LINTED := python examples scripts tests modelDescription hatch_build.py
 
@@ -154,7 +155,7 @@ $(BENCH_VENV)/.ready: requirements/bench.lock
 .PHONY: reliability masters-test
 
 reliability: build $(READY_DEV) ## mistreat the units at full count and write docs/reliability.csv anew, an hour; ARGS="--list", "--only forks"
-	$(RUN) studies/reliability --write $(ARGS)
+	$(RUN) -m studies.reliability $(ARGS)
 
 MASTERS_VENV := target/masters/venv
 
@@ -187,8 +188,7 @@ $(DIST_VENV)/.ready: requirements/dist.lock
 .PHONY: fuzz
 
 fuzz: build $(READY_DEV) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each, write docs/fuzz.csv; needs nightly and cargo-fuzz
-	$(RUN) fuzz/seeds.py
-	$(RUN) fuzz/run.py $(ARGS)
+	$(RUN) -m fuzz $(ARGS)
 
 .PHONY: sanitizers
 

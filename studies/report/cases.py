@@ -84,7 +84,7 @@ class Case:
 
     def command(self) -> list[str]:
         if self.peer:
-            script = ROOT / "scripts" / "report" / "peers" / self.peer[0]
+            script = ROOT / "studies" / "peers" / self.peer[0]
             return [str(PEERS_PYTHON), str(script), *self.peer[1:], str(self.repeats)]
         return [sys.executable, str(ROOT / "scripts" / "report" / "worker.py"), str(self.repeats)]
 

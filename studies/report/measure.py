@@ -20,7 +20,7 @@ LONGEST = 3600.0
 def shown(case: Case) -> str:
     """A command that repeats the case."""
     if case.peer:
-        return f"target/report/venv/bin/python scripts/report/peers/{' '.join(case.peer)} {case.repeats}"
+        return f"target/report/venv/bin/python studies/peers/{' '.join(case.peer)} {case.repeats}"
     return f"python scripts/report measure --only {shlex.quote(case.name)}"
 
 
