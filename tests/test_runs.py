@@ -99,7 +99,9 @@ def test_guards_of_the_scene_are_for_foreign_units_too(small_fsi3, packed, tmp_p
     small_fsi3["coupling"]["guards"] = {"window_steps": 5, "largest_imbalance": 1e-6}
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
-    done = run_scene(path, "--output", tmp_path / "results", "--rod-fmu", packed("rod", small_fsi3), "--end-time", "0.01")
+    done = run_scene(
+        path, "--output", tmp_path / "results", "--rod-fmu", packed("rod", small_fsi3), "--end-time", "0.01"
+    )
     assert done.returncode == 1 and "over the last 5 steps the power that the rod took" in done.stderr, done.stderr
 
 
