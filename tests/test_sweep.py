@@ -18,7 +18,6 @@ from nervure import sweep
 from nervure.errors import SceneError
 
 pytestmark = [
-    pytest.mark.xdist_group("sweep"),
     pytest.mark.usefixtures("libraries"),
     pytest.mark.filterwarnings("default"),  # for those of Dask, whose clusters some tests hold in this process
 ]
