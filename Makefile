@@ -2,21 +2,22 @@
 
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 GRID ?= 325x72
-SCENE ?= scenes/fsi3-$(GRID).json
+SCENE ?= fsi3-$(GRID)
 RESULTS ?= results/fsi3-$(GRID)
 ARGS ?=
 
 VENV := .venv
 RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
-FSI := $(RUN) scripts/fsi.py
+READY_DEV := $(VENV)/.ready-dev
+NERVURE := $(VENV)/bin/nervure
 
-.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test python-test bindings-check schema descriptions record lock clean
+.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check bindings-check schema descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
 
-fsi3: SCENE := scenes/fsi3-$(GRID).json
+fsi3: SCENE := fsi3-$(GRID)
 fsi3: run ## run the FSI3 benchmark, GRID=325x72 (default), 650x144 or 1300x288; results in results/fsi3-GRID
 
 comma := ,
@@ -24,94 +25,118 @@ on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(1)-$(
 
 cylinder: GRID := 900x180
 cylinder: build $(READY) ## run the cylinder 2D-2, GRID=900x180 (default) or another; results in results/cylinder-2d2-GRID
-	$(FSI) run scenes/cylinder-2d2-900x180.json $(call on_grid,cylinder-2d2) $(ARGS)
+	$(NERVURE) run cylinder-2d2-900x180 $(call on_grid,cylinder-2d2) $(ARGS)
 
 cylinder-2d1: GRID := 450x90
 cylinder-2d1: build $(READY) ## run the cylinder 2D-1, the same for the steady flow at Re 20
-	$(FSI) run scenes/cylinder-2d1-450x90.json $(call on_grid,cylinder-2d1) $(ARGS)
+	$(NERVURE) run cylinder-2d1-450x90 $(call on_grid,cylinder-2d1) $(ARGS)
 
 animation: $(READY) ## vorticity.gif and phases.png of RESULTS=results/NAME, whose run had --fields-every
-	$(FSI) animate $(RESULTS)
+	$(NERVURE) animate $(RESULTS)
 
 run: build $(READY) ## run SCENE=scenes/NAME.json; more options by ARGS="--end-time 1 --set key=value"
-	$(FSI) run $(SCENE) $(ARGS)
+	$(NERVURE) run $(SCENE) $(ARGS)
 
 units: $(READY) ## only pack the FMUs of SCENE=scenes/NAME.json, into results/NAME
-	$(FSI) build $(SCENE)
+	$(NERVURE) build $(SCENE)
 
 build: ## build the libraries of both units
 	cargo build --release --locked
 
-test: rust-test bindings-check python-test ## everything that has to pass
+test: lint rust-test bindings-check python-test ## everything that has to pass
 
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench --all-targets --locked -- -D warnings
-	cargo test --workspace --locked
+	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo test --workspace --tests --locked
+	cargo test --workspace --doc --locked
 
-python-test: build $(READY)
-	$(RUN) -m pytest tests
+LINTED := python examples scripts tests hatch_build.py
 
-bindings-check: $(READY) ## compare crates/fmi2/src/sys.rs with what the official headers give
+lint: $(READY_DEV) ## check style, types and layers of the Python side
+	$(RUN) -m ruff check $(LINTED)
+	$(RUN) -m ruff format --check $(LINTED)
+	$(RUN) -m mypy
+	$(VENV)/bin/lint-imports
+
+python-test: build $(READY_DEV) ## the tests in Python, in two processes
+	$(RUN) -m pytest --numprocesses 2 --dist loadgroup
+
+package-check: ## package every crate as a registry would take it and build it from there (two minutes)
+	cargo package --workspace --allow-dirty --locked --target-dir target/package-check
+
+bindings-check: $(READY_DEV) ## compare crates/fmi2/src/sys.rs with what the official headers give
 	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \
 	cargo run --quiet --locked --target-dir target/bindgen --manifest-path crates/fmi2/bindgen/Cargo.toml -- --check \
 	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi2/src/sys.rs
 
-schema: ## write modelDescription/scene.schema.json anew
+schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the classes of scenes in Python anew
 	cargo run --quiet --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
+	$(RUN) python/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
-	$(FSI) build scenes/fsi3-325x72.json --descriptions modelDescription
+	$(NERVURE) build fsi3-325x72 --descriptions modelDescription
 
-record: build $(READY) ## write tests/recorded.json anew: only after a change of the physics that is meant
-	PYTHONPATH=scripts $(RUN) tests/record.py
+record: build $(READY_DEV) ## write tests/recorded.json anew: only after a change of the physics that is meant
+	$(RUN) tests/record.py
 
-lock: ## pin requirements*.in anew; needs pip-tools
-	for name in requirements requirements-bench requirements-masters requirements-dist requirements-peers; do \
-	pip-compile --generate-hashes --strip-extras --no-header --no-emit-index-url --no-emit-trusted-host \
-	--no-emit-find-links --output-file $$name.lock $$name.in || exit; done
+COMPILE := pip-compile --quiet --generate-hashes --strip-extras --no-header --allow-unsafe --no-emit-index-url \
+	--no-emit-trusted-host --no-emit-find-links
+
+lock: ## pin the packages of pyproject.toml and requirements/*.in anew; needs pip-tools
+	$(COMPILE) --build-deps-for wheel --output-file requirements/run.lock pyproject.toml
+	$(COMPILE) --build-deps-for wheel --extra dev --output-file requirements/dev.lock pyproject.toml
+	for name in bench masters dist peers; do $(COMPILE) --output-file requirements/$$name.lock requirements/$$name.in || exit; done
 
 clean: ## remove everything that was built; results stay
 	cargo clean
 	rm -rf $(VENV)
 
-$(READY): requirements.lock
+PIP_INSTALL = -m pip install --quiet --disable-pip-version-check
+LOCKED = $(PIP_INSTALL) --require-hashes -r
+
+$(READY): requirements/run.lock pyproject.toml
 	$(PYTHON) -m venv --clear $(VENV)
-	$(RUN) -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(RUN) $(LOCKED) requirements/run.lock
+	$(RUN) $(PIP_INSTALL) --no-deps --no-build-isolation --editable .
+	touch $@
+
+$(READY_DEV): requirements/dev.lock $(READY)
+	$(RUN) $(LOCKED) requirements/dev.lock
 	touch $@
 
 ROD_STUDY := cargo run --release --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
 
 .PHONY: rod-study bench-rod fluid-study fluid-measures
 
-rod-study: $(READY) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
+rod-study: $(READY_DEV) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
 	$(ROD_STUDY) -- docs/rod
-	$(RUN) scripts/studies/clamp.py
-	$(RUN) scripts/studies/rod.py
+	$(RUN) studies/clamp.py
+	$(RUN) studies/rod.py
 
 bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
 	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
 
-fluid-study: build $(READY) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
-	$(RUN) scripts/studies/fluid.py $(ARGS)
+fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
+	$(RUN) studies/fluid.py $(ARGS)
 
 .PHONY: fsi3-study coupling-study
 
-fsi3-study: build $(READY) ## make what is missing of the runs of FSI3 in docs/fsi3.md (an hour of one core), write docs/fsi3
-	$(RUN) scripts/studies/fsi3.py $(ARGS)
+fsi3-study: build $(READY_DEV) ## make what is missing of the runs of FSI3 in docs/fsi3.md (an hour of one core), write docs/fsi3
+	$(RUN) studies/fsi3.py $(ARGS)
 
-coupling-study: build $(READY) ## run what is missing of the map of the coupling's stability, write docs/fsi3/stability.md
-	$(RUN) scripts/studies/coupling.py $(ARGS)
+coupling-study: build $(READY_DEV) ## run what is missing of the map of the coupling's stability, write docs/fsi3/stability.md
+	$(RUN) studies/coupling.py $(ARGS)
 
 .PHONY: vein-study
 
-vein-study: build $(READY) ## the vein's sweep over stiffness, its limits, couplings and convergence (a quarter of an hour of one core), write docs/vein
-	$(FSI) sweep scenes/vein-forward-384x192.json --end-time 8 --output results/vein-flexibility \
+vein-study: build $(READY_DEV) ## the vein's sweep over stiffness, its limits, couplings and convergence (a quarter of an hour of one core), write docs/vein
+	$(NERVURE) sweep vein-forward-384x192 --end-time 8 --output results/vein-flexibility \
 	--vary rod.material.section.bending_stiffness=0.5,1,2,4,8,16,32,64,128
-	$(RUN) scripts/studies/vein.py $(ARGS)
+	$(RUN) studies/vein.py $(ARGS)
 
 BENCH_VENV := target/fluid-bench/venv
 
@@ -122,15 +147,15 @@ bench-fluid: $(BENCH_VENV)/.ready ## compare the fluid's speed with FFTW's, by p
 	cargo run --release --locked --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench -- \
 	docs/fluid/speed.csv
 
-$(BENCH_VENV)/.ready: requirements-bench.lock
+$(BENCH_VENV)/.ready: requirements/bench.lock
 	$(PYTHON) -m venv --clear $(BENCH_VENV)
-	$(BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-bench.lock
+	$(BENCH_VENV)/bin/python $(LOCKED) requirements/bench.lock
 	touch $@
 
 .PHONY: reliability masters-test
 
-reliability: build $(READY) ## mistreat the units at full count and write docs/reliability.csv anew, an hour; ARGS="--list", "--only forks"
-	$(RUN) scripts/studies/reliability --write $(ARGS)
+reliability: build $(READY_DEV) ## mistreat the units at full count and write docs/reliability.csv anew, an hour; ARGS="--list", "--only forks"
+	$(RUN) -m studies.reliability $(ARGS)
 
 MASTERS_VENV := target/masters/venv
 
@@ -140,9 +165,9 @@ masters-test: build $(MASTERS_VENV)/.ready ## run the units in libcosim, Ecos, f
 	cargo build --quiet --locked --manifest-path tests/masters/fmi/Cargo.toml --target-dir target/masters/fmi
 	$(MASTERS_VENV)/bin/python -m pytest tests/masters
 
-$(MASTERS_VENV)/.ready: requirements.lock requirements-masters.lock
+$(MASTERS_VENV)/.ready: requirements/dev.lock requirements/masters.lock
 	$(PYTHON) -m venv --clear $(MASTERS_VENV)
-	$(MASTERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock -r requirements-masters.lock
+	$(MASTERS_VENV)/bin/python $(LOCKED) requirements/dev.lock -r requirements/masters.lock
 	touch $@
 
 .PHONY: dist
@@ -153,24 +178,23 @@ DIST_VENV := target/dist/venv
 dist: $(DIST_VENV)/.ready $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for any Linux with glibc 2.17, checksums and manifest, into dist/
 	PATH="$(abspath $(DIST_VENV))/bin:$$PATH" cargo zigbuild --release --locked --package nervure-fmu-rod --package nervure-fmu-fluid \
 	--target $(DIST_TARGET).2.17 --target-dir target/dist
-	CARGO_TARGET_DIR=target/dist/$(DIST_TARGET) $(FSI) dist $(SCENE) dist
+	CARGO_TARGET_DIR=target/dist/$(DIST_TARGET) $(NERVURE) dist $(SCENE) dist
 
-$(DIST_VENV)/.ready: requirements-dist.lock
+$(DIST_VENV)/.ready: requirements/dist.lock
 	$(PYTHON) -m venv --clear $(DIST_VENV)
-	$(DIST_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dist.lock
+	$(DIST_VENV)/bin/python $(LOCKED) requirements/dist.lock
 	touch $@
 
 .PHONY: fuzz
 
-fuzz: build $(READY) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each, write docs/fuzz.csv; needs nightly and cargo-fuzz
-	$(RUN) fuzz/seeds.py
-	$(RUN) fuzz/run.py $(ARGS)
+fuzz: build $(READY_DEV) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each, write docs/fuzz.csv; needs nightly and cargo-fuzz
+	$(RUN) -m fuzz $(ARGS)
 
 .PHONY: sanitizers
 
 SANITIZERS := --locked --manifest-path tests/sanitizers/Cargo.toml --bins --target-dir target/sanitizers
 
-sanitizers: $(READY) ## call both units under AddressSanitizer and valgrind; needs nightly and valgrind
+sanitizers: $(READY_DEV) ## call both units under AddressSanitizer and valgrind; needs nightly and valgrind
 	RUSTFLAGS=-Zsanitizer=address cargo +nightly build $(SANITIZERS)/asan --target x86_64-unknown-linux-gnu
 	cargo build $(SANITIZERS)/plain
 	$(RUN) -m pytest tests/sanitizers
@@ -178,11 +202,11 @@ sanitizers: $(READY) ## call both units under AddressSanitizer and valgrind; nee
 .PHONY: report report-full report-pictures
 
 PEERS_VENV := target/report/venv
-REPORT := $(RUN) scripts/report
+REPORT := $(RUN) studies/report
 
 STUDIES := rod-study fluid-measures fluid-study bench-fluid fsi3-study coupling-study vein-study
 
-report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the report (seven minutes on a free machine), write docs/report
+report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (seven minutes on a free machine), write docs/report
 	$(REPORT) measure $(ARGS)
 	$(REPORT) leave-out
 	$(REPORT) collect
@@ -191,13 +215,13 @@ report: build $(READY) $(PEERS_VENV)/.ready ## measure the short form of the rep
 report-full: $(STUDIES) report-pictures ## the same with the long cases, and what is missing of every study: half a day of one core
 	$(MAKE) report ARGS=--full
 
-report-pictures: build $(READY) ## the vorticity of FSI3 at four phases and over a period, for docs/report
-	$(FSI) run scenes/fsi3-325x72.json --output results/report-pictures --fields-every 0.005 --quiet
-	$(FSI) animate results/report-pictures --begin 7.7875 --end 7.9602
+report-pictures: build $(READY_DEV) ## the vorticity of FSI3 at four phases and over a period, for docs/report
+	$(NERVURE) run fsi3-325x72 --output results/report-pictures --fields-every 0.005 --quiet
+	$(NERVURE) animate results/report-pictures --begin 7.7875 --end 7.9602
 	cp results/report-pictures/phases.png docs/report/fsi3_phases.png
 	cp results/report-pictures/vorticity.gif docs/report/fsi3_vorticity.gif
 
-$(PEERS_VENV)/.ready: requirements-peers.lock
+$(PEERS_VENV)/.ready: requirements/peers.lock
 	$(PYTHON) -m venv --clear $(PEERS_VENV)
-	$(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-peers.lock
+	$(PEERS_VENV)/bin/python $(LOCKED) requirements/peers.lock
 	touch $@

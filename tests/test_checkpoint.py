@@ -9,9 +9,11 @@ import zipfile
 
 import numpy as np
 import pytest
-from conftest import TOOL, fsi, run_scene
-from cosim import checkpoint
-from cosim.recorder import Recorder
+from conftest import TOOL, nervure, run_scene
+
+from nervure import checkpoint
+from nervure.recorder import Recorder
+from nervure.scene import typed
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -68,7 +70,7 @@ def saved(fluid_only, start, tmp_path):
     for i in range(3):
         scheme.step(i * 1e-3, 1e-3)
         recorder.record(i, i * 1e-3, 1)
-    kept = checkpoint.Checkpoint(tmp_path, fluid_only, {}, {"fluid": scheme.unit}, scheme, recorder)
+    kept = checkpoint.Checkpoint(tmp_path, typed(fluid_only), {}, {"fluid": scheme.unit}, scheme, recorder)
     kept.save(3, 0.5)
     return kept
 
@@ -81,7 +83,7 @@ def test_a_killed_run_goes_on_as_if_nothing_had_been(kind, scenes, tmp_path):
     assert run_scene(path, "--output", whole).returncode == 0
     assert stop(path, parts, signal.SIGKILL) == -signal.SIGKILL
     assert not (parts / "summary.json").exists()
-    done = fsi("resume", parts)
+    done = nervure("resume", parts)
     assert done.returncode == 0, done.stderr
     assert results(parts) == results(whole)
     assert not (parts / checkpoint.FILE).exists(), "a run that has reached its end leaves no checkpoint"
@@ -99,7 +101,7 @@ def test_an_interrupted_run_writes_where_it_was_and_another_run_does_not_replace
     before = {file.name: file.read_bytes() for file in folder.iterdir()}
     done = run_scene(path, "--output", folder, "--set", "fluid.density=2.0")
     assert done.returncode == 2, done.stderr
-    assert f"`scripts/fsi.py resume {folder}` goes on" in done.stderr, done.stderr
+    assert f"`nervure resume {folder}` goes on" in done.stderr, done.stderr
     assert before == {file.name: file.read_bytes() for file in folder.iterdir()}
 
 
@@ -112,14 +114,14 @@ def test_a_run_that_failed_keeps_its_last_checkpoint(scenes, tmp_path):
     first = run_scene(path, "--output", folder, "--checkpoint-every", "0")
     assert first.returncode == 1 and "less than a right angle" in first.stderr, first.stderr
     series = (folder / "series.csv").read_bytes()
-    again = fsi("resume", folder)
+    again = nervure("resume", folder)
     assert again.returncode == 1 and again.stderr == first.stderr
     assert (folder / "series.csv").read_bytes() == series
 
 
 def test_nothing_to_resume_is_said(rod_only, tmp_path):
     assert run_scene_of(rod_only, tmp_path).returncode == 0
-    done = fsi("resume", tmp_path / "results")
+    done = nervure("resume", tmp_path / "results")
     assert done.returncode == 2 and "there is no checkpoint" in done.stderr, done.stderr
     assert "--checkpoint-every" in done.stderr, done.stderr
 

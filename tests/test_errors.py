@@ -6,9 +6,11 @@ import zipfile
 
 import pytest
 from conftest import FSI3, run_scene
-from cosim import package
-from cosim.scene import SceneError, load, override
-from cosim.unit import Unit, UnitError
+
+from nervure.errors import SceneError
+from nervure.pack import package
+from nervure.scene import load, override
+from nervure.unit import Unit, UnitError
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)

@@ -8,10 +8,13 @@ import time
 import h5py
 import numpy as np
 import pytest
-from conftest import TOOL, fsi, run_scene
-from cosim import fields, master
-from cosim.scene import SceneError
+from conftest import TOOL, nervure, run_scene
 from PIL import Image
+
+from nervure import master
+from nervure.errors import SceneError
+from nervure.scene import typed
+from nervure.show import fields
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -21,7 +24,7 @@ def write(scene, start, folder, interval):
     scheme = start(scene)
     units = {"rod": scheme.rod, "fluid": scheme.fluid} if hasattr(scheme, "rod") else {scheme.unit.name: scheme.unit}
     clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-    kept = fields.Fields(folder, scene, units, clock, interval, 0)
+    kept = fields.Fields(folder, typed(scene), units, clock, interval, 0)
     watch = kept.watch(pytest.fail)
     watch(0, 0.0, 0.0)
     for i in range(clock.steps):
@@ -85,9 +88,9 @@ def test_a_rod_in_space_is_a_line(rod_only, start, tmp_path):
 
 def test_a_scene_without_anything_to_show_is_refused(fluid_only, instantiate, tmp_path):
     unit = instantiate(fluid_only)["fluid"]
-    unit.field = lambda _name: None
+    unit.shown_field = lambda _name: None
     with pytest.raises(SceneError, match="--fields-every needs a beam or a fluid that shows its fields"):
-        fields.Fields(tmp_path, fluid_only, {"fluid": unit}, master.Clock(1.0, 0.1), 0.1, 0)
+        fields.Fields(tmp_path, typed(fluid_only), {"fluid": unit}, master.Clock(1.0, 0.1), 0.1, 0)
 
 
 def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(small_fsi3, tmp_path):
@@ -117,10 +120,10 @@ def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(smal
         assert (data[:known] == expected[name][2][:known]).all()
 
     gone = (parts / fields.BEAM).rename(parts / "elsewhere")
-    other = fsi("resume", parts)
+    other = nervure("resume", parts)
     assert other.returncode == 2 and "cannot be continued" in other.stderr, other.stderr
     gone.rename(parts / fields.BEAM)
-    done = fsi("resume", parts)
+    done = nervure("resume", parts)
     assert done.returncode == 0, done.stderr
     for name in fields.FILES:
         for found, wanted in zip(frames(parts, name), expected[name]):
@@ -133,19 +136,19 @@ def test_an_animation_shows_the_frames_of_the_times_asked_for(small_fsi3, tmp_pa
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
     assert run_scene(path, "--output", tmp_path / "results", "--fields-every", "0.002").returncode == 0
-    done = fsi("animate", tmp_path / "results", "--begin", "0.009", "--end", "0.017")
+    done = nervure("animate", tmp_path / "results", "--begin", "0.009", "--end", "0.017")
     assert done.returncode == 0, done.stderr
     with Image.open(tmp_path / "results" / "vorticity.gif") as film, Image.open(tmp_path / "results" / "phases.png"):
         assert film.n_frames == 4 and film.info["loop"] == 0
         colours = {colour for _, colour in film.convert("RGB").getcolors(1 << 20)}
     assert any(r > b + 50 for r, _, b in colours) and any(b > r + 50 for r, _, b in colours), "both signs are seen"
 
-    none = fsi("animate", tmp_path / "results", "--begin", "7", "--end", "8")
+    none = nervure("animate", tmp_path / "results", "--begin", "7", "--end", "8")
     assert none.returncode == 2 and "the run has 0 to 0.02 s" in none.stderr, none.stderr
 
 
 def test_a_folder_without_fields_is_said(tmp_path):
-    done = fsi("animate", tmp_path)
+    done = nervure("animate", tmp_path)
     assert done.returncode == 2 and "--fields-every" in done.stderr, done.stderr
 
 

@@ -4,8 +4,9 @@ import csv
 
 import fluid
 import pytest
-from cosim import package
-from cosim.scene import reference
+
+from nervure.pack import package
+from nervure.scene import reference
 
 CASES = list(fluid.cases())
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from cosim import statistics
+
+from nervure.evaluate import statistics
 
 TIME = np.arange(0, 8, 2e-4)
 FREQUENCY, MEAN, AMPLITUDE = 5.46, 1.47, 34.99

@@ -11,15 +11,22 @@ from pathlib import Path
 
 import psutil
 import pytest
-from conftest import TOOL, fsi
-from cosim import sweep
-from cosim.scene import SceneError
+from conftest import TOOL
 from distributed import Client, LocalCluster
 
+from nervure import sweep
+from nervure.errors import SceneError
+
 pytestmark = [
+    pytest.mark.xdist_group("sweep"),
     pytest.mark.usefixtures("libraries"),
     pytest.mark.filterwarnings("default"),  # for those of Dask, whose clusters some tests hold in this process
 ]
+
+
+def nervure(*arguments):
+    """Run the command in a process of its own, whose workers begin as its users' do."""
+    return subprocess.run([*TOOL, *arguments], capture_output=True, text=True)
 
 
 @pytest.fixture
@@ -34,8 +41,26 @@ def cluster(tmp_path_factory):
     """Address of a scheduler with two workers, started as their users do: nothing of ours is on their path."""
     folder = tmp_path_factory.mktemp("cluster")
     file = folder / "scheduler.json"
-    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
-    worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--nthreads", "1", "--nworkers", "2", "--no-dashboard"]
+    command = [
+        sys.executable,
+        "-m",
+        "distributed.cli.dask_scheduler",
+        "--host",
+        "127.0.0.1",
+        "--port",
+        "0",
+        "--no-dashboard",
+    ]
+    worker = [
+        sys.executable,
+        "-m",
+        "distributed.cli.dask_worker",
+        "--nthreads",
+        "1",
+        "--nworkers",
+        "2",
+        "--no-dashboard",
+    ]
     processes = []
     try:
         for start in (command, worker):
@@ -63,7 +88,7 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
     folder = tmp_path / "sweep"
     command = ["sweep", scene, "--output", folder, "--scheduler", cluster]
     command += ["--vary", "rod.gravity=[[0, -2], [0, -4]]", "--vary"]
-    first = fsi(*command, "beam.segments=8,-3")
+    first = nervure(*command, "beam.segments=8,-3")
     assert first.returncode == 1, first.stderr
     assert "4 runs, 4 to do" in first.stdout
     rows = table(folder)
@@ -85,26 +110,28 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
 
     before = {row["folder"]: (folder / row["folder"] / "row.json").stat().st_mtime_ns for row in rows}
     (folder / rows[2]["folder"] / "row.json").unlink()  # as if the sweep had been stopped before it
-    again = fsi(*command, "beam.segments=8,-3,12")
+    again = nervure(*command, "beam.segments=8,-3,12")
     assert again.returncode == 1 and "6 runs, 3 to do" in again.stdout, again.stderr
     after = {row["folder"]: (folder / row["folder"] / "row.json").stat().st_mtime_ns for row in table(folder)}
     assert len(after) == 6
     assert [name for name in before if before[name] == after[name]] == [rows[k]["folder"] for k in (0, 1, 3)]
 
-    retried = fsi(*command, "beam.segments=-3", "--retry-failed")
+    retried = nervure(*command, "beam.segments=-3", "--retry-failed")
     assert "2 runs, 2 to do" in retried.stdout, retried.stderr
 
 
-@pytest.mark.parametrize(("workers", "said"), [({"n_workers": 0}, "has no workers"), ({"threads_per_worker": 2}, "--nthreads 1")])
+@pytest.mark.parametrize(
+    ("workers", "said"), [({"n_workers": 0}, "has no workers"), ({"threads_per_worker": 2}, "--nthreads 1")]
+)
 def test_a_cluster_that_cannot_run_is_said(workers, said, scene, tmp_path):
     options = {"n_workers": 1, "processes": False, "dashboard_address": "127.0.0.1:0", "protocol": "tcp://"}
     with LocalCluster(**(options | workers)) as cluster:
-        done = fsi("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", cluster.scheduler_address)
+        done = nervure("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", cluster.scheduler_address)
     assert done.returncode == 2 and said in done.stderr, done.stderr
 
 
 def test_a_scheduler_that_does_not_answer_is_said(scene, tmp_path):
-    done = fsi("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", "tcp://127.0.0.1:9")
+    done = nervure("sweep", scene, "--output", tmp_path / "sweep", "--scheduler", "tcp://127.0.0.1:9")
     assert done.returncode == 2 and "no scheduler answers at tcp://127.0.0.1:9" in done.stderr, done.stderr
 
 
@@ -124,7 +151,9 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
     folder = tmp_path / "sweep"
     command = ["sweep", scene, "--output", folder, "--vary", "time.end=1e-3,1e5"]
     environment = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
-    process = subprocess.Popen([*TOOL, *command], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [*TOOL, *command], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     deadline = time.monotonic() + 120
     while not list(folder.glob("*/row.json")) and time.monotonic() < deadline:
         time.sleep(0.1)
@@ -142,7 +171,7 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
     assert quick["status"] == "finished"
     assert (endless["status"], endless["reason"]) == ("killed", "its worker died 2 times")
 
-    again = fsi(*command)
+    again = nervure(*command)
     assert again.returncode == 1 and "2 runs, 0 to do" in again.stdout, again.stderr
 
 

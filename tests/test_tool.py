@@ -10,11 +10,15 @@ import zipfile
 from contextlib import ExitStack, contextmanager
 
 import pytest
-from conftest import FSI3, fsi, run_scene
-from cosim import delivery, report, simulation
-from cosim.errors import Refusal
-from cosim.scene import ROOT
+from conftest import FSI3, TOOL, nervure, run_scene
 from rich.console import Console
+
+from nervure import results, simulation
+from nervure.errors import Refusal
+from nervure.pack import delivery
+from nervure.provenance import git_revision
+from nervure.resources import ROOT
+from nervure.scene import typed
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -34,21 +38,23 @@ def result(rod_only, tmp_path):
 
 
 def test_nothing_heavy_is_loaded_before_it_is_needed():
-    heavy = {"matplotlib", "h5py", "PIL", "dask", "distributed"}
-    code = f"import fsi, sys; sys.exit(str({heavy} & set(sys.modules)) if {heavy} & set(sys.modules) else 0)"
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT / "scripts", capture_output=True, text=True)
+    heavy = {"numpy", "pydantic", "fmpy", "matplotlib", "h5py", "PIL", "dask", "distributed"}
+    code = (
+        f"import nervure.cli.main, sys; sys.exit(str({heavy} & set(sys.modules)) if {heavy} & set(sys.modules) else 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
 def test_build_packs_the_units_of_a_scene(tmp_path):
-    done = fsi("build", FSI3, "--output", tmp_path)
+    done = nervure("build", FSI3, "--output", tmp_path)
     assert done.returncode == 0, done.stderr
     packed = [tmp_path / f"fsi3-325x72-{kind}.fmu" for kind in ("rod", "fluid")]
     assert done.stdout.split() == [str(path) for path in packed] and all(map(zipfile.is_zipfile, packed))
 
 
 def test_build_writes_descriptions_alone(tmp_path):
-    assert fsi("build", FSI3, "--descriptions", tmp_path).returncode == 0
+    assert nervure("build", FSI3, "--descriptions", tmp_path).returncode == 0
     assert {path.name for path in tmp_path.iterdir()} == {"fmu_rod.xml", "fmu_fluid.xml"}
     assert (tmp_path / "fmu_rod.xml").read_bytes() == (ROOT / "modelDescription" / "fmu_rod.xml").read_bytes()
 
@@ -57,7 +63,7 @@ def test_inspect_shows_what_a_scene_will_do(small_fsi3, tmp_path):
     del small_fsi3["coupling"]
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
-    shown = fsi("inspect", path).stdout
+    shown = nervure("inspect", path).stdout
     sizes = ("20000 steps of 0.0004 s", "160 x 36 cells", "20 segments, 21 stations")
     for part in ("rod and fluid", *sizes, "load ", "scheme ", " MB"):
         assert part in shown, shown
@@ -65,10 +71,10 @@ def test_inspect_shows_what_a_scene_will_do(small_fsi3, tmp_path):
 
 def test_inspect_shows_a_unit_by_arrays_and_a_run_as_it_printed_it(result):
     folder = result("falling")
-    shown = fsi("inspect", folder / "falling-rod-rod.fmu").stdout
+    shown = nervure("inspect", folder / "falling-rod-rod.fmu").stdout
     for part in ("falling-rod.rod", "canGetAndSetFMUstate True", "force_x[1 … 17]", "N/m", "x[1 … 17]"):
         assert part in shown, shown
-    shown = fsi("inspect", folder).stdout
+    shown = nervure("inspect", folder).stdout
     for part in ("tip_uy amplitude", "100 steps to t = 0.01 s", "revision"):
         assert part in shown, shown
 
@@ -77,16 +83,16 @@ def test_plot_draws_the_same_from_the_table_as_the_run_did(result):
     folder = result("falling")
     first = (folder / "tip.png").read_bytes()
     (folder / "tip.png").unlink()
-    done = fsi("plot", folder)
+    done = nervure("plot", folder)
     assert done.returncode == 0, done.stderr
     assert (folder / "tip.png").read_bytes() == first
 
 
 def test_plot_lays_several_runs_over_each_other(result, tmp_path):
     folders = result("falling"), result("floating", "--set", "rod.gravity=[0, 0]")
-    none = fsi("plot", *folders)
+    none = nervure("plot", *folders)
     assert none.returncode == 2 and "--output" in none.stderr, none.stderr
-    done = fsi("plot", *folders, "--output", tmp_path / "both")
+    done = nervure("plot", *folders, "--output", tmp_path / "both")
     assert done.returncode == 0, done.stderr
     assert {path.name for path in (tmp_path / "both").iterdir()} == {"tip.png"}
     assert (tmp_path / "both" / "tip.png").read_bytes() != (folders[0] / "tip.png").read_bytes()
@@ -98,17 +104,19 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(fluid_only))
     first = tmp_path / "first"
-    command = [sys.executable, ROOT / "scripts" / "fsi.py", "run", path, "--output", first, "--set", "time.end=3.0"]
-    process = subprocess.Popen([*command, "--checkpoint-every", "0.001", "--fields-every", "1.0"], stdout=subprocess.DEVNULL)
+    command = [*TOOL, "run", path, "--output", first, "--set", "time.end=3.0"]
+    process = subprocess.Popen(
+        [*command, "--checkpoint-every", "0.001", "--fields-every", "1.0"], stdout=subprocess.DEVNULL
+    )
     while not (first / "checkpoint.npz").exists() and process.poll() is None:
         pass
     process.kill()
     process.wait()
     path.unlink()
-    shown = fsi("inspect", first)
+    shown = nervure("inspect", first)
     assert "checkpoint after" in shown.stdout, shown.stderr
     moved = first.rename(tmp_path / "moved")
-    done = fsi("resume", moved)
+    done = nervure("resume", moved)
     assert done.returncode == 0, done.stderr
     assert json.loads((moved / "summary.json").read_text())["simulated_s"] == pytest.approx(3.0)
     assert (moved / "fields.vtkhdf").exists() and not (moved / "checkpoint.npz").exists()
@@ -117,7 +125,7 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["run", "scenes/fsi3-325x73.json"], ["scenes/fsi3-325x73.json", "did you mean scenes/fsi3-325x72.json?"]),
+        (["run", "scenes/fsi3-325x73.json"], ["scenes/fsi3-325x73.json", "did you mean fsi3-325x72?"]),
         (["run", "nowhere/qqq.json"], ["cannot read the scene file nowhere/qqq.json", "scenes"]),
         (["inspect", "nowhere/qqq.json"], ["cannot read the scene file"]),
         (["run", FSI3, "--output", "EMPTY", "--set", "fluid.colour=red"], ["colour", "unknown"]),
@@ -127,7 +135,7 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
         (["run", FSI3, "--rod-fmu", "nowhere.fmu"], ["--rod-fmu", "nowhere.fmu", "does not exist"]),
         (["run", FSI3, "--output", "EMPTY", "--rod-fmu", "FILE"], ["FILE cannot be read as an FMU"]),
         (["resume", "EMPTY"], ["there is no checkpoint", "--checkpoint-every"]),
-        (["plot", "EMPTY"], ["holds no results", "scene.json", "scripts/fsi.py run"]),
+        (["plot", "EMPTY"], ["holds no results", "scene.json", "nervure run"]),
         (["inspect", "EMPTY"], ["holds no results"]),
         (["inspect", "nowhere.fmu"], ["nowhere.fmu cannot be read as an FMU"]),
         (["animate", "EMPTY"], ["--fields-every"]),
@@ -142,7 +150,7 @@ def test_what_cannot_be_used_is_said_with_what_to_do(arguments, said, tmp_path):
     empty.mkdir()
     file.write_text("neither a folder nor an FMU")
     places = [str(a).replace("EMPTY", str(empty)).replace("FILE", str(file)) for a in arguments]
-    done = fsi(*places, cwd=ROOT, env=os.environ | {"COLUMNS": "300"})
+    done = nervure(*places, cwd=ROOT, env=os.environ | {"COLUMNS": "300"})
     assert done.returncode == 2, done.stderr
     for part in said:
         assert part.replace("FILE", str(file)) in done.stderr, done.stderr
@@ -151,12 +159,12 @@ def test_what_cannot_be_used_is_said_with_what_to_do(arguments, said, tmp_path):
 
 
 def test_libraries_that_are_not_built_are_said(tmp_path):
-    done = fsi("run", FSI3, "--output", tmp_path, env=os.environ | {"CARGO_TARGET_DIR": str(tmp_path)})
-    assert done.returncode == 2 and "is not built; `make build` or `scripts/fsi.py build" in done.stderr, done.stderr
+    done = nervure("run", FSI3, "--output", tmp_path, env=os.environ | {"CARGO_TARGET_DIR": str(tmp_path)})
+    assert done.returncode == 2 and "is not built; `make build` or `nervure build" in done.stderr, done.stderr
 
 
 def test_build_without_cargo_says_what_to_install(tmp_path):
-    done = fsi("build", FSI3, "--output", tmp_path, env=os.environ | {"PATH": str(tmp_path)})
+    done = nervure("build", FSI3, "--output", tmp_path, env=os.environ | {"PATH": str(tmp_path)})
     assert done.returncode == 2 and "install Rust" in done.stderr, done.stderr
 
 
@@ -179,15 +187,15 @@ def test_results_that_cannot_be_written_leave_the_former_ones(result, rod_only, 
     folder = result("falling")
     before = contents(folder)
     quiet = Console(quiet=True)
-    summarize = report.summarize
+    write = results.write
 
-    def then_full(*arguments):
+    def when_full(*arguments):
         disk.enter_context(no_file_beyond(2000))  # scene.json has room, series.csv not
-        return summarize(*arguments)
+        write(*arguments)
 
-    monkeypatch.setattr(report, "summarize", then_full)
+    monkeypatch.setattr(results, "write", when_full)
     with ExitStack() as disk, pytest.raises(Refusal, match=f"results cannot be written into {folder}: File too large"):
-        simulation.run(rod_only, folder, {}, simulation.Keeping(), quiet, quiet)
+        simulation.run(typed(rod_only), folder, {}, simulation.OutputOptions(), quiet, quiet)
     assert contents(folder) == before
 
 
@@ -196,8 +204,8 @@ def test_units_that_cannot_be_packed_or_unpacked_are_said(result, tmp_path):
     before = contents(folder)
     command = ["run", tmp_path / "scene.json", "--output", folder]
     with no_file_beyond(2000):
-        packing = fsi(*command)
-        unpacking = fsi(*command, "--rod-fmu", folder / "falling-rod-rod.fmu")
+        packing = nervure(*command)
+        unpacking = nervure(*command, "--rod-fmu", folder / "falling-rod-rod.fmu")
     assert packing.returncode == unpacking.returncode == 2
     assert f"cannot write into the result folder {folder}: File too large" in packing.stderr, packing.stderr
     assert "falling-rod-rod.fmu cannot be unpacked into" in unpacking.stderr, unpacking.stderr
@@ -207,17 +215,21 @@ def test_units_that_cannot_be_packed_or_unpacked_are_said(result, tmp_path):
 def test_results_that_are_damaged_are_said(result):
     folder = result("falling")
     (folder / "series.csv").write_text("time,tip_uy\n0.0,zero\n")
-    done = fsi("plot", folder)
+    done = nervure("plot", folder)
     assert done.returncode == 2 and "are damaged" in done.stderr, done.stderr
 
 
 def test_a_delivery_is_what_its_checksums_and_manifest_say(fsi3, tmp_path, monkeypatch):
     monkeypatch.setattr(delivery, "OLDEST_GLIBC", (99, 0))  # the libraries of this machine will do
     folder = tmp_path / "dist"
-    delivery.write(fsi3, folder)
+    delivery.write(typed(fsi3), folder)
     sums = dict(line.split("  ")[::-1] for line in (folder / "SHA256SUMS").read_text().splitlines())
-    assert sums == {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.name != "SHA256SUMS"}
+    assert sums == {
+        p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.name != "SHA256SUMS"
+    }
     manifest = json.loads((folder / "manifest.json").read_text())
     assert manifest["files"].keys() | {"manifest.json"} == sums.keys()
-    git = report.git_revision()
-    assert manifest["source_revision"].startswith(git["revision"]) and git["dirty"] == ("-dirty" in manifest["source_revision"])
+    git = git_revision()
+    assert manifest["source_revision"].startswith(git.revision) and git.dirty == (
+        "-dirty" in manifest["source_revision"]
+    )

@@ -1,0 +1,1 @@
+"""What a run's series say: periods, coefficients, flapping."""

@@ -1,0 +1,96 @@
+"""Coefficients of a still cylinder in an inflow, as the benchmark defines them (Schäfer & Turek 1996).
+
+    cD, cL = 2 F / (rho Ubar² D),   St = f D / Ubar,   dp = p at the front − p at the back of the cylinder
+
+with F the force per metre of depth, Ubar the mean velocity of the inflow after its ramp and D the diameter.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from nervure.evaluate import statistics
+from nervure.recorder import Record
+from nervure.scene import Scene
+from nervure.scene.types import Reference, TimeLaw, TimeLawCosineRamp, TimeLawSteady
+
+NAMES = ("cd_max", "cd_min", "cd_mean", "cl_max", "cl_min", "cl_mean", "cl_peak_to_peak", "st", "dp_mean")
+"""What is evaluated; means are (max + min) / 2 as everywhere. A steady flow has the means alone, a flow without probes
+at the front and the back of the cylinder has no `dp_mean`."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What makes forces and frequencies of a scene dimensionless."""
+
+    force: float
+    """rho Ubar² D / 2, N/m."""
+    frequency: float
+    """Ubar / D, Hz."""
+    front: str | None
+    back: str | None
+    """Columns of the pressure at the front and the back of the cylinder, if there are probes."""
+
+
+def scale(scene: Scene) -> Scale | None:
+    """The scale of `scene`; None unless it is one still cylinder without a beam in an inflow that becomes steady."""
+    fluid = scene.fluid
+    if scene.beam or fluid is None or len(fluid.cylinders) != 1 or fluid.inflow is None:
+        return None
+    (cylinder,), velocity = fluid.cylinders, final_value(fluid.inflow.mean_velocity)
+    if cylinder.motion or not velocity:
+        return None
+    (x, y), radius = cylinder.center, cylinder.radius
+
+    def column(at: float) -> str | None:
+        probes = ((probe.name, *probe.position) for probe in fluid.probes)
+        near = (f"probe_{name}_p" for name, px, py in probes if np.hypot(px - at, py - y) < 1e-6 * radius)
+        return next(near, None)
+
+    ahead = np.sign(velocity) * radius
+    return Scale(
+        fluid.density * velocity**2 * radius, abs(velocity) / (2 * radius), column(x - ahead), column(x + ahead)
+    )
+
+
+def final_value(law: TimeLaw) -> float | None:
+    """The value that a law keeps in the end; None where it does not become steady by itself."""
+    if isinstance(law, TimeLawSteady):
+        return law.steady
+    return law.cosine_ramp.value if isinstance(law, TimeLawCosineRamp) else None
+
+
+def series(scale: Scale, record: Record, width: float = 0.0) -> dict[str, np.ndarray]:
+    """cD and cL over time, and dp (Pa) where there are probes, under a box filter of `width` (s)."""
+    time = record.column("time")
+    found = {name: record.column(force) / scale.force for name, force in (("cd", "drag"), ("cl", "lift"))}
+    if scale.front and scale.back:
+        found["dp"] = record.column(scale.front) - record.column(scale.back)
+    return {name: statistics.box_filter(time, values, width) for name, values in found.items()}
+
+
+def evaluate(scale: Scale, record: Record, window: statistics.Window, width: float) -> dict[str, float]:
+    """Those of `NAMES` that a run has, over the last five periods of `window`: the drag's extremes see growth that is
+    still within what the window allows the lift."""
+    window = window.last(statistics.MIN_PERIODS)
+    time = record.column("time")
+    result = {}
+    for name, values in series(scale, record, width).items():
+        found = statistics.evaluate(time, values, window)
+        result[f"{name}_mean"] = found.mean
+        if window.periods and name != "dp":
+            result |= {f"{name}_max": found.mean + found.amplitude, f"{name}_min": found.mean - found.amplitude}
+        if window.periods and name == "cl":
+            result["cl_peak_to_peak"] = 2 * found.amplitude
+            if found.frequency_hz is not None:
+                result["st"] = found.frequency_hz / scale.frequency
+    return {name: result[name] for name in NAMES if name in result}
+
+
+def published(reference: Reference | None) -> dict[str, float]:
+    """The published coefficients of a scene, with the mean of the extremes where only those are given."""
+    given = reference.coefficients if reference else None
+    values = {name: value for name in NAMES if given and (value := getattr(given, name)) is not None}
+    if {"cd_max", "cd_min"} <= values.keys():
+        values.setdefault("cd_mean", (values["cd_max"] + values["cd_min"]) / 2)
+    return values

@@ -1,0 +1,172 @@
+"""Mean, amplitude and frequency of periodic signals.
+
+The convention is that of the benchmarks (Turek & Hron 2006): mean = (max + min) / 2, amplitude = (max - min) / 2, over
+whole periods after the start-up. A least-squares fit of harmonics is evaluated beside it: it does not see noise, which
+pushes max and min outwards.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+MIN_PERIODS = 5
+"""Periods in a window, as far as the signal has them."""
+
+SETTLED = 0.02
+"""A period before those belongs to the window while its amplitude differs by less than this part from theirs."""
+
+HYSTERESIS = 0.5
+"""Part of the amplitude that a signal must have been below its mean for the next upward crossing to count."""
+
+OSCILLATING = 1e-3
+"""Amplitude at the end, relative to the largest value of the record, below which a signal counts as steady."""
+
+FORCE_FILTER = 5e-3
+"""Largest width of the box filter over forces, s."""
+
+FORCE_FILTER_PERIODS = 1 / 50
+"""Largest width of the box filter in periods: it takes at most 0.3 % from an oscillation at twice the frequency."""
+
+HARMONICS = 6
+"""Multiples of the fundamental frequency that are fitted."""
+
+FIT_ITERATIONS = 6
+"""Iterations of the fit for the fundamental frequency; it converges quadratically."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """From when to when a record is evaluated, s."""
+
+    begin: float
+    end: float
+    periods: int
+    """Whole periods of the main signal; 0 if it does not oscillate."""
+
+    def last(self, periods: int) -> "Window":
+        """Its last `periods` whole periods, or all of it if it has no more."""
+        if self.periods <= periods:
+            return self
+        return Window(self.end - periods * (self.end - self.begin) / self.periods, self.end, periods)
+
+    def of(self, time: np.ndarray) -> slice:
+        """The samples in the window."""
+        return slice(np.searchsorted(time, self.begin), np.searchsorted(time, self.end, side="right"))
+
+
+@dataclass(frozen=True)
+class Statistics:
+    """Mean, amplitude (in the signal's unit) and frequency (Hz; None if the signal does not oscillate)."""
+
+    mean: float
+    amplitude: float
+    frequency_hz: float | None
+
+
+def extent(values: np.ndarray) -> tuple[float, float]:
+    """Mean and amplitude of `values` from their maximum and minimum."""
+    high, low = float(values.max()), float(values.min())
+    return (high + low) / 2, (high - low) / 2
+
+
+def upward_crossings(time: np.ndarray, values: np.ndarray, mean: float, amplitude: float) -> np.ndarray:
+    """Times at which `values` rise through `mean`, interpolated linearly; noise around it counts once."""
+    above = values > mean
+    rising = np.flatnonzero(above[1:] & ~above[:-1])
+    low = np.flatnonzero(values < mean - HYSTERESIS * amplitude)
+    dips = np.searchsorted(low, rising, side="right")
+    first = rising[np.diff(dips, prepend=0) > 0]
+    share = (mean - values[first]) / (values[first + 1] - values[first])
+    crossings: np.ndarray = time[first] + share * (time[first + 1] - time[first])
+    return crossings
+
+
+def find_window(time: np.ndarray, values: np.ndarray) -> Window:
+    """The window of the main signal: its last five whole periods, and those before while they are as large.
+
+    With fewer than five periods it is what there is. A signal that is steady at the end, or never completes a
+    period, is evaluated over the last third of the record.
+    """
+    last_third = Window(float(time[0] + (time[-1] - time[0]) * 2 / 3), float(time[-1]), 0)
+    mean, amplitude = extent(values[last_third.of(time)])
+    if amplitude <= OSCILLATING * np.abs(values).max():
+        return last_third
+    crossings = upward_crossings(time, values, mean, amplitude)
+    if crossings.size < 2:
+        return last_third
+
+    edges = np.searchsorted(time, crossings)
+    amplitudes = [extent(values[a : b + 1])[1] for a, b in pairwise(edges)]
+    first = max(0, len(amplitudes) - MIN_PERIODS)
+    settled = np.mean(amplitudes[first:])
+    while first > 0 and abs(amplitudes[first - 1] - settled) < SETTLED * settled:
+        first -= 1
+    return Window(float(crossings[first]), float(crossings[-1]), len(amplitudes) - first)
+
+
+def drift(time: np.ndarray, values: np.ndarray, window: Window) -> float | None:
+    """Change of the amplitude from the first to the second half of the window, relative to the whole; None without
+    at least four periods."""
+    if window.periods < 4:
+        return None
+    middle = window.begin + (window.end - window.begin) / 2
+    halves = [Window(window.begin, middle, 0), Window(middle, window.end, 0)]
+    early, late = (extent(values[half.of(time)])[1] for half in halves)
+    return (late - early) / extent(values[window.of(time)])[1]
+
+
+def evaluate(time: np.ndarray, values: np.ndarray, window: Window) -> Statistics:
+    """Statistics of `values` over `window` by extremes and crossings."""
+    part = window.of(time)
+    mean, amplitude = extent(values[part])
+    if window.periods == 0:
+        return Statistics(mean, amplitude, None)
+    # A little more on either side, so that the crossings at the window's own edges are among those found.
+    margin = (window.end - window.begin) / window.periods / 4
+    wide = Window(window.begin - margin, window.end + margin, 0).of(time)
+    crossings = upward_crossings(time[wide], values[wide], mean, amplitude)
+    if crossings.size < 2:
+        return Statistics(mean, amplitude, None)
+    return Statistics(mean, amplitude, float((crossings.size - 1) / (crossings[-1] - crossings[0])))
+
+
+def fit(time: np.ndarray, values: np.ndarray, window: Window) -> Statistics:
+    """Statistics of the harmonics that fit `values` best over `window`: a constant, a fundamental and its multiples,
+    with the fundamental frequency itself as an unknown (the four-parameter sine fit of IEEE Std 1057, with
+    harmonics). The frequency is that of the strongest one. The window must hold a period."""
+    part = window.of(time)
+    t, y = time[part] - (window.begin + window.end) / 2, values[part]
+    order = np.arange(1, HARMONICS + 1)
+    omega = 2 * np.pi * window.periods / (window.end - window.begin)
+    derivative = np.zeros_like(t)
+    for _ in range(FIT_ITERATIONS):
+        phases = np.outer(t, order * omega)
+        matrix = np.column_stack([np.ones_like(t), np.cos(phases), np.sin(phases), derivative])
+        solution = np.linalg.lstsq(matrix, y, rcond=None)[0]
+        constant, cosines, sines = solution[0], solution[1 : HARMONICS + 1], solution[HARMONICS + 1 : -1]
+        omega += solution[-1]
+        derivative = t * ((np.cos(phases) * sines - np.sin(phases) * cosines) @ order)
+    one_period = np.outer(np.linspace(0, 2 * np.pi, 2000, endpoint=False), order)
+    curve = constant + np.cos(one_period) @ cosines + np.sin(one_period) @ sines
+    strongest = order[np.argmax(cosines**2 + sines**2)]
+    return Statistics(*extent(curve), float(strongest * omega / (2 * np.pi)))
+
+
+def box_filter(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
+    """Moving average of `values` over `width` (s), narrower towards the ends of the record."""
+    integral = np.r_[0.0, np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(time))]
+    half = np.minimum(width / 2, np.minimum(time - time[0], time[-1] - time))
+    begin, end = time - half, time + half
+    filtered = values.copy()
+    wide = end > begin
+    difference = np.interp(end, time, integral) - np.interp(begin, time, integral)
+    filtered[wide] = difference[wide] / (end - begin)[wide]
+    return filtered
+
+
+def force_filter_width(window: Window) -> float:
+    """Width of the box filter over forces, s."""
+    if window.periods == 0:
+        return FORCE_FILTER
+    return min(FORCE_FILTER, FORCE_FILTER_PERIODS * (window.end - window.begin) / window.periods)

@@ -1,0 +1,57 @@
+"""Files that appear only when they are complete."""
+
+import csv
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+
+def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> None:
+    """Let each of `writers` write a file beside its place in `folder`, then move them all there; where one fails none
+    is moved."""
+    unfinished = {name: folder / f"unfinished-{name}" for name in writers}
+    try:
+        for name, writer in writers.items():
+            writer(unfinished[name])
+    except BaseException:
+        for path in unfinished.values():
+            path.unlink(missing_ok=True)
+        raise
+    for name, path in unfinished.items():
+        path.replace(folder / name)
+
+
+def write_whole(path: Path, writer: Callable[[Path], object]) -> None:
+    """Let `writer` write a file beside `path`, then move it there."""
+    write_together(path.parent, {path.name: writer})
+
+
+def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    """Write a table; columns are in the order in which the rows name them first."""
+
+    def writer(path: Path) -> None:
+        with open(path, "w", encoding="utf-8", newline="") as file:
+            table = csv.DictWriter(file, list(dict.fromkeys(name for row in rows for name in row)), lineterminator="\n")
+            table.writeheader()
+            table.writerows(rows)
+
+    write_whole(path, writer)
+
+
+def rounded(value: Any) -> Any:
+    """Numbers with eight digits, anywhere in `value`: what is beyond is noise, and makes a file twice as long."""
+    if isinstance(value, float):
+        return float(f"{value:.8g}")
+    if isinstance(value, dict):
+        return {key: rounded(part) for key, part in value.items()}
+    return [rounded(part) for part in value] if isinstance(value, list) else value
+
+
+def json_numbers(value: Any) -> Any:
+    """`value` with null for the numbers that JSON does not have: a run that failed can leave infinities."""
+    if isinstance(value, dict):
+        return {key: json_numbers(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_numbers(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,1 @@
+"""Units to hand out: FMUs, SSP, a folder of both."""

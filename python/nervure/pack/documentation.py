@@ -1,0 +1,87 @@
+"""What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals for masters that know
+ports."""
+
+from html import escape
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+from lxml import etree
+
+from nervure.resources import ROOT
+
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<meta charset="utf-8">
+<title>{title}</title>
+<style>
+body {{ font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }}
+table {{ border-collapse: collapse; }}
+td, th {{ border: 1px solid #bbb; padding: 0.2em 0.6em; text-align: left; vertical-align: top; }}
+pre {{ background: #f4f4f4; padding: 0.6em 1em; overflow-x: auto; }}
+</style>
+<h1>{title}</h1>
+<p><img src="../model.png" alt="" width="200"></p>
+{text}
+<h2>Variables</h2>
+<p>Elements of an array have value references in a row. Equal names of the two units belong together.</p>
+<table>
+<tr><th>name<th>causality<th>type<th>unit<th>start<th>limits<th>value reference<th>meaning
+{rows}
+</table>
+<p>Licence: MIT or Apache-2.0, in <a href="licenses/">licenses</a>. The scene is in
+<code>resources/scene.json</code>.</p> </html>
+"""
+
+
+def _arrays(description: str) -> dict[str, list[Any]]:
+    """The `ScalarVariable` elements of a model description, those of an array together, by name without index."""
+    arrays: dict[str, list[Any]] = {}
+    for scalar in etree.fromstring(description.encode("utf-8")).iterfind("ModelVariables/ScalarVariable"):
+        name = scalar.get("name")
+        arrays.setdefault(name.rpartition("[")[0] if name.endswith("]") else name, []).append(scalar)
+    return arrays
+
+
+def _row(name: str, scalars: list[Any]) -> str:
+    """A line of the table of variables."""
+    first, value = scalars[0], scalars[0][0]
+    starts = list(dict.fromkeys(scalar[0].get("start", "") for scalar in scalars))
+    references = [scalar.get("valueReference") for scalar in (scalars[0], scalars[-1])]
+    limits = " ".join(f"{sign} {value.get(bound)}" for bound, sign in (("min", "≥"), ("max", "≤")) if value.get(bound))
+    cells = [
+        name if first.get("name") == name else f"{name}[1] … {name}[{len(scalars)}]",
+        first.get("causality"),
+        value.tag,
+        value.get("unit", ""),
+        starts[0] if len(starts) == 1 else f"{starts[0]} … {starts[-1]}",
+        limits,
+        " – ".join(dict.fromkeys(references)),
+        first.get("description"),
+    ]
+    return "<tr>" + "".join(f"<td>{escape(cell)}" for cell in cells)
+
+
+def page(kind: str, description: str) -> str:
+    """The page about unit `kind` under a model description."""
+    title = etree.fromstring(description.encode("utf-8")).get("modelName")
+    text = (ROOT / f"fmu-{kind}" / "documentation.html").read_text(encoding="utf-8").strip()
+    rows = "\n".join(_row(name, scalars) for name, scalars in _arrays(description).items())
+    return PAGE.format(title=escape(title), text=text, rows=rows)
+
+
+def terminals(description: str) -> str:
+    """terminalsAndIcons.xml (FMI 3.0): each array of inputs or outputs is a terminal with its elements as members."""
+    lines = []
+    for name, scalars in _arrays(description).items():
+        if scalars[0].get("name") == name or scalars[0].get("causality") not in ("input", "output"):
+            continue
+        text = quoteattr(scalars[0].get("description"))
+        lines.append(f'    <Terminal name={quoteattr(name)} matchingRule="plug" description={text}>')
+        for scalar in scalars:
+            name = quoteattr(scalar.get("name"))
+            lines.append(f'      <TerminalMemberVariable variableName={name} memberName={name} variableKind="signal"/>')
+        lines.append("    </Terminal>")
+    if lines:
+        lines = ["  <Terminals>", *lines, "  </Terminals>"]
+    head = ['<?xml version="1.0" encoding="UTF-8"?>', '<fmiTerminalsAndIcons fmiVersion="3.0">']
+    return "\n".join([*head, *lines, "</fmiTerminalsAndIcons>"]) + "\n"

@@ -1,0 +1,88 @@
+"""Makes the FMUs of a scene from the built libraries."""
+
+import zipfile
+from pathlib import Path
+
+import fmpy
+
+from nervure import library as libraries
+from nervure.errors import SceneError
+from nervure.files import write_whole
+from nervure.library import KINDS, SUFFIX, library
+from nervure.pack import documentation
+from nervure.resources import ROOT
+from nervure.scene import Document, Scene, document, kinds, text
+
+__all__ = ["KINDS", "describe", "kinds", "library", "merge", "pack", "write_archive"]
+
+COMPRESSION = zipfile.ZIP_DEFLATED
+
+ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
+"""Date of every file in an FMU, so that the same scene and library give the same bytes."""
+
+
+def describe(kind: str, scene: Scene | Document) -> str:
+    """modelDescription.xml of unit `kind` for `scene`; raises `SceneError` with the unit's words if it refuses it."""
+    return libraries.describe(kind, text(scene))
+
+
+def pack(kind: str, scene: Scene | Document, folder: Path) -> Path:
+    """Write the FMU `NAME-KIND.fmu` of unit `kind` into `folder` and return its path; raises `SceneError` if the
+    unit refuses the scene."""
+    description = describe(kind, scene)
+    binary = f"binaries/{fmpy.platform}/fmu_{kind}{SUFFIX}"
+    picture = (ROOT / f"fmu-{kind}" / "model.png").read_bytes()
+    contents = {
+        "modelDescription.xml": description.encode("utf-8"),
+        binary: library(kind).read_bytes(),
+        "resources/scene.json": text(scene).encode("utf-8"),
+        "model.png": picture,
+        "documentation/index.html": documentation.page(kind, description).encode("utf-8"),
+        "terminalsAndIcons/terminalsAndIcons.xml": documentation.terminals(description).encode("utf-8"),
+        "terminalsAndIcons/icon.png": picture,
+    }
+    for licence in sorted(ROOT.glob("LICENSE*")):
+        contents[f"documentation/licenses/{licence.name}"] = licence.read_bytes()
+
+    return write_archive(folder / f"{document(scene)['name']}-{kind}.fmu", contents)
+
+
+def merge(sources: list[Path], target: Path) -> Path:
+    """Write an FMU with the binaries of all `sources` to `target` and return its path; raises `SceneError` where they
+    differ in anything else, or in a binary of the same system."""
+    if len(sources) < 2:
+        raise SceneError(f"to merge takes at least two FMUs, but there is {len(sources)}")
+    contents: dict[str, bytes] = {}
+    for path in sources:
+        try:
+            with zipfile.ZipFile(path) as archive:
+                files = {name: archive.read(name) for name in archive.namelist()}
+        except (OSError, zipfile.BadZipFile) as error:
+            raise SceneError(f"{path} cannot be read as an FMU: {error}") from error
+        others = {name for name in contents.keys() ^ files.keys() if not name.startswith("binaries/")}
+        differing = sorted(
+            (others if contents else set())
+            | {name for name in contents.keys() & files.keys() if contents[name] != files[name]}
+        )
+        if differing:
+            raise SceneError(
+                f"{path} differs from {sources[0]} in {', '.join(differing)}: only other binaries are allowed"
+            )
+        contents |= files
+    return write_archive(target, contents)
+
+
+def write_archive(path: Path, contents: dict[str, bytes]) -> Path:
+    """Write a zip file of `contents` by name and return its path; the same contents give the same bytes."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+
+    def writer(unfinished: Path) -> None:
+        with zipfile.ZipFile(unfinished, "w", compresslevel=1) as archive:
+            for name, data in contents.items():
+                entry = zipfile.ZipInfo(name, ARCHIVE_DATE)
+                entry.compress_type = COMPRESSION
+                entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+                archive.writestr(entry, data)
+
+    write_whole(path, writer)
+    return path

@@ -1,0 +1,177 @@
+"""Animation and phases of a run that was made with --fields-every.
+
+vorticity.gif goes round without a seam over the last whole periods, phases.png shows four phases of the last one. A rod
+alone has motion.png in their place: where it was over the last whole period.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import Image
+
+from nervure.errors import Refusal
+from nervure.evaluate import statistics
+from nervure.evaluate.summary import main_signal
+from nervure.files import write_whole
+from nervure.scene import typed
+from nervure.scene.types import Fluid
+from nervure.show import fields, plots
+
+PERIODS = 2
+"""Whole periods that the animation shows, unless times are asked for."""
+
+PHASES = 4
+
+SHAPES = 24
+"""Most shapes of a rod alone that motion.png shows."""
+
+WIDTH, DPI = 9.0, 100
+"""Width of the animation, in, and points an inch."""
+
+FRAME_MS = 60
+"""How long a frame is shown, ms."""
+
+GREYS = 32
+"""Colours of the animation's palette that are left to text, axes and solids; the other ones are the colour scale's."""
+
+
+class Frames:
+    """The frames of a result folder: times (s), vorticity and the beam's outline."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        alone = not (folder / fields.FLUID).exists() and (folder / fields.BEAM).exists()
+        self.fluid: Any = None if alone else h5py.File(folder / fields.FLUID)
+        first: Any = h5py.File(folder / fields.BEAM) if alone else self.fluid
+        self.scene = typed(json.loads(first[fields.SCENE][()]))
+        self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
+        self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if self.scene.beam else None
+
+    @property
+    def flow(self) -> Fluid:
+        """The fluid of the scene, where there are fields of it."""
+        if self.scene.fluid is None:
+            raise Refusal(f"{self.folder} holds fields of a fluid that its scene does not have")
+        return self.scene.fluid
+
+    def vorticity(self, frame: int) -> np.ndarray:
+        stored: np.ndarray = self.fluid["VTKHDF/PointData/vorticity"][frame]
+        return stored.T
+
+    def points(self, frame: int) -> np.ndarray:
+        """Outline of the beam in the plane, its centre line in space, `[n, 3]`."""
+        n = self.beam["NumberOfPoints"][0]
+        points: np.ndarray = self.beam["Points"][frame * n : (frame + 1) * n]
+        return points
+
+    def outline(self, frame: int) -> np.ndarray | None:
+        return None if self.beam is None else self.points(frame)[:, :2]
+
+    def window(self) -> statistics.Window | None:
+        """The periods of the run's main signal; None without a record of it, or if it has none."""
+        if not (self.folder / "series.csv").is_file():
+            return None
+        series = np.genfromtxt(self.folder / "series.csv", delimiter=",", names=True)
+        main = main_signal(series.dtype.names or (), series.__getitem__)
+        window = statistics.find_window(series["time"], series[main]) if main else None
+        return window if window and window.periods else None
+
+    def between(self, begin: float, end: float) -> list[int]:
+        """Frames of the times from `begin` up to `end`, without `end` itself."""
+        return np.flatnonzero((self.times >= begin) & (self.times < end)).tolist()
+
+
+def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
+    """Write vorticity.gif of the times from `begin` to `end` (s) and phases.png into a result folder, or motion.png of
+    a rod alone; returns them."""
+    try:
+        frames = Frames(folder)
+    except (OSError, KeyError) as error:
+        raise Refusal(f"{folder} holds no fields, which a run writes with --fields-every: {error}") from error
+    window = frames.window()
+    if window:
+        looped, last = window.last(PERIODS), window.last(1)
+    else:
+        looped = last = statistics.Window(0.0, float(frames.times[-1]) * (1 + 1e-9), 0)
+    first, stop = looped.begin if begin is None else begin, looped.end if end is None else end
+    chosen = frames.between(first, stop)
+    if not chosen:
+        raise Refusal(
+            f"no frames from {first:g} s to {stop:g} s: the run has {frames.times[0]:g} to {frames.times[-1]:g} s"
+        )
+    if frames.fluid is None:
+        shown = chosen if begin is not None or end is not None else frames.between(last.begin, last.end)
+        write_whole(folder / "motion.png", lambda path: motion(frames, shown, path))
+        return [folder / "motion.png"]
+    limit = plots.vorticity_limit(
+        frames.flow, [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
+    )
+
+    at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
+    nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
+    write_whole(folder / "phases.png", lambda path: phases(frames, nearest, limit, path))
+    write_whole(folder / "vorticity.gif", lambda path: animation(frames, chosen, limit, path))
+    return [folder / "phases.png", folder / "vorticity.gif"]
+
+
+def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
+    """Four frames below each other, or two by two where the box is high, with one colour scale."""
+    columns = 2 if plots.size(frames.flow, WIDTH)[1] > WIDTH / 2 else 1
+    _, height = plots.size(frames.flow, WIDTH / columns)
+    rows = len(chosen) // columns
+    figure = Figure(figsize=(WIDTH, (height - 0.5) * rows + 0.5), layout="constrained")
+    axes = figure.subplots(rows, columns, sharex=True, sharey=True)
+    for axis, frame in zip(axes.flat, chosen, strict=True):
+        picture = plots.draw_vorticity(axis, frames.flow, frames.vorticity(frame), frames.outline(frame), limit)
+        axis.set_title(f"t = {frames.times[frame]:.3f} s", fontsize="medium")
+        axis.label_outer()
+    figure.colorbar(picture, ax=axes, label="vorticity [1/s]", extend="both", pad=0.01)
+    figure.savefig(path, dpi=150)
+
+
+def motion(frames: Frames, chosen: list[int], path: Path) -> None:
+    """A rod alone at the times `chosen`, dark to light, and the way of its tip: in the plane, or from three sides."""
+    shapes = np.array([frames.points(frame) for frame in chosen])
+    in_space = bool(np.ptp(shapes[..., 2]))
+    sides = ((0, 1), (0, 2), (1, 2)) if in_space else ((0, 1),)
+    figure = Figure(figsize=(4.2 * len(sides) + 1, 4.6), layout="constrained")
+    axes = figure.subplots(1, len(sides), squeeze=False)
+    tip = shapes[:, -1] if in_space else shapes[:, shapes.shape[1] // 2 - 1 : shapes.shape[1] // 2 + 1].mean(axis=1)
+    shown = np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int))
+    colours = colormaps["viridis"](np.linspace(0, 0.95, len(shown)))
+    for axis, (across, up) in zip(axes[0], sides, strict=True):
+        axis.plot(tip[:, across], tip[:, up], color="0.5", linewidth=0.8)
+        for number, colour in zip(shown, colours, strict=True):
+            axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
+        axis.set(xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]", aspect="equal")
+    figure.suptitle(
+        f"t = {frames.times[chosen[0]]:.3f} s (dark) to {frames.times[chosen[-1]]:.3f} s", fontsize="medium"
+    )
+    figure.savefig(path, dpi=150)
+
+
+def animation(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
+    """The frames one after the other, for ever. One palette without dithering: what stands still costs nothing."""
+    scale = colormaps[plots.COLOUR_MAP](np.linspace(0, 1, 256 - GREYS))[:, :3]
+    greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
+    palette = Image.new("P", (1, 1))
+    palette.putpalette((255 * np.concatenate([scale, greys])).round().astype(np.uint8).tobytes())
+    images = []
+    figure = Figure(figsize=plots.size(frames.flow, WIDTH), dpi=DPI, layout="constrained")
+    canvas, axis = FigureCanvasAgg(figure), figure.subplots()
+    bar = None
+    for frame in chosen:
+        axis.clear()
+        picture = plots.draw_vorticity(axis, frames.flow, frames.vorticity(frame), frames.outline(frame), limit)
+        axis.set_title(f"t = {frames.times[frame]:.3f} s", fontsize="medium")
+        bar = bar or figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
+        canvas.draw()
+        image = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+        images.append(image.quantize(palette=palette, dither=Image.Dither.NONE))
+    images[0].save(path, "GIF", save_all=True, append_images=images[1:], duration=FRAME_MS, loop=0, optimize=True)

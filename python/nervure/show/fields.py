@@ -1,0 +1,206 @@
+"""Fields over time in files that ParaView opens (VTKHDF 2): the fluid's grid in one, the beam in another.
+
+Every frame has its place from the beginning, and is counted only when it is there: a file of a run that was killed is
+readable up to its last frame, and a resumed run writes on as if nothing had been. The price is that nothing is
+compressed; what was not reached is a hole, which takes no room on the disk. Values are single precision.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nervure.errors import SceneError
+from nervure.master import Clock
+from nervure.scene import Scene, text
+from nervure.scene.types import Beam as SceneBeam, Fluid
+from nervure.unit import Unit
+
+FLUID, BEAM = "fields.vtkhdf", "beam.vtkhdf"
+FILES = (FLUID, BEAM)
+SCENE = "scene"
+"""Dataset with the text of the scene, outside of what VTK reads."""
+
+CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
+
+
+def stations(units: dict[str, Unit]) -> np.ndarray:
+    """Where the beam's stations are now, `[n, 2]`, or `[n, 3]` in space."""
+    unit = units.get("rod") or units["fluid"]
+    return np.column_stack([unit.read(name) for name in "xyz" if name in unit.variables])
+
+
+def outline(centre_line: np.ndarray, thickness: float) -> np.ndarray:
+    """Corners of a beam in the plane, `[2 n, 2]`, from its stations."""
+    tangent = np.gradient(centre_line, axis=0)
+    normal = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.linalg.norm(tangent, axis=1, keepdims=True)
+    side = thickness / 2 * normal
+    return np.concatenate([centre_line + side, (centre_line - side)[::-1]])
+
+
+def clear(folder: Path) -> None:
+    """Remove the field files of an earlier run from `folder`."""
+    for name in FILES:
+        (folder / name).unlink(missing_ok=True)
+
+
+class Fields:
+    """The field files of a run in `folder`, one frame every `interval` (s), rounded to whole steps.
+
+    To be made after the units are connected; a run that goes on after step `done` needs the files of the run before.
+    """
+
+    def __init__(self, folder: Path, scene: Scene, units: dict[str, Unit], clock: Clock, interval: float, done: int):
+        self.units, self.scene = units, scene
+        self.stride = max(1, round(interval / clock.communication_step))
+        frames, known = clock.steps // self.stride + 1, done // self.stride + 1 if done else 0
+        shows = scene.fluid if "fluid" in units and units["fluid"].shown_field("u") is not None else None
+        if not shows and not scene.beam:
+            raise SceneError("--fields-every needs a beam or a fluid that shows its fields (fmu_field)")
+        self.files: list[Grid | Beam] = []
+        if shows:
+            self.files.append(Grid(folder / FLUID, scene, shows, units["fluid"], frames, known))
+        if scene.beam:
+            self.files.append(Beam(folder / BEAM, scene, scene.beam, units, frames, known))
+
+    def watch(self, warn: Callable[[str], None]) -> Callable[[int, float, float], None]:
+        """Watcher of a run. Where the disk does not take a frame, the run goes on and the files end there."""
+
+        def watch(done: int, time: float, _wall: float) -> None:
+            if done % self.stride == 0 and self.files:
+                try:
+                    for file in self.files:
+                        file.write(done // self.stride, time)
+                except OSError as error:
+                    self.files = []
+                    warn(f"no fields from t = {time:g} s on: {error}")
+
+        return watch
+
+    def close(self) -> None:
+        for file in self.files:
+            file.file.close()
+
+
+class Series:
+    """A VTKHDF file of `frames` places, of which `known` are filled."""
+
+    def __init__(self, path: Path, scene: Scene, frames: int, known: int):
+        import h5py  # only here: a run without fields does not need it
+
+        self.path = path
+        if known:
+            self._continue(h5py, scene, frames, known)
+        else:
+            self.file = h5py.File(path, "w")
+            self.file.create_dataset(SCENE, data=np.bytes_(text(scene).encode()))
+            self.root = self.file.create_group("VTKHDF")
+            self.root.attrs["Version"] = (2, 0)
+            self.steps = self.root.create_group("Steps")
+            self.steps.attrs["NSteps"] = 0
+            self.times = self.steps.create_dataset("Values", (0,), float, maxshape=(frames,), chunks=(frames,))
+
+    def _continue(self, h5py: Any, scene: Scene, frames: int, known: int) -> None:
+        try:
+            self.file = h5py.File(self.path, "r+")
+            self.root = self.file["VTKHDF"]
+            self.steps = self.root["Steps"]
+            self.times = self.steps["Values"]
+            fits = self.file[SCENE][()].decode() == text(scene) and self.times.maxshape == (frames,)
+        except (OSError, KeyError) as error:
+            raise SceneError(f"the fields in {self.path} cannot be continued: {error}") from error
+        if not fits or len(self.times) < known:
+            raise SceneError(
+                f"the fields in {self.path} cannot be continued: another scene or --fields-every, or frames are missing"
+            )
+        self._count(known)
+
+    def _kind(self, name: str) -> None:
+        self.root.attrs["Type"] = np.bytes_(name)
+
+    def _place(self, group: Any, name: str, shape: tuple[int, ...]) -> Any:
+        """A dataset of single precision whose room is laid out now and filled later."""
+        import h5py
+
+        layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+        layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+        return group.create_dataset(name, shape, np.float32, dcpl=layout)
+
+    def _count(self, frames: int, time: float | None = None) -> None:
+        """Let the file have `frames` frames, the last of them at `time` (s) if it is new."""
+        self.times.resize(frames, axis=0)
+        if time is not None:
+            self.times[frames - 1] = time
+        self.file.flush()
+        self.steps.attrs.modify("NSteps", frames)
+        self.file.flush()
+
+
+class Grid(Series):
+    """Velocity, vorticity and pressure on the fluid's grid, as ImageData."""
+
+    def __init__(self, path: Path, scene: Scene, flow: Fluid, fluid: Unit, frames: int, known: int):
+        super().__init__(path, scene, frames, known)
+        self.fluid = fluid
+        if not known:
+            nx, ny = fluid.field("u").shape
+            (x0, x1), (y0, y1) = flow.box.x, flow.box.y
+            self._kind("ImageData")
+            self.root.attrs["WholeExtent"] = (0, nx - 1, 0, ny - 1, 0, 0)
+            self.root.attrs["Origin"] = (x0, y0, 0.0)
+            self.root.attrs["Spacing"] = ((x1 - x0) / nx, (y1 - y0) / ny, 1.0)
+            self.root.attrs["Direction"] = np.eye(3).ravel()
+            data = self.root.create_group("PointData")
+            for name, components in (("velocity", (3,)), ("vorticity", ()), ("pressure", ())):
+                self._place(data, name, (frames, ny, nx, *components))
+            self.file.flush()
+        self.data = self.root["PointData"]
+
+    def write(self, frame: int, time: float) -> None:
+        """Put the fluid's fields at `time` (s) into place number `frame`."""
+        u, v = self.fluid.field("u").T, self.fluid.field("v").T
+        self.data["velocity"][frame] = np.stack([u, v, np.zeros_like(u)], axis=-1)
+        self.data["vorticity"][frame] = self.fluid.field("vorticity").T
+        self.data["pressure"][frame] = self.fluid.field("p").T
+        self._count(frame + 1, time)
+
+
+class Beam(Series):
+    """The beam as PolyData: its outline in the plane, its centre line in space."""
+
+    def __init__(self, path: Path, scene: Scene, beam: SceneBeam, units: dict[str, Unit], frames: int, known: int):
+        super().__init__(path, scene, frames, known)
+        self.units, self.thickness = units, beam.thickness
+        if not known:
+            n = len(self._points())
+            self._kind("PolyData")
+            self.root["NumberOfPoints"] = np.full(1, n)
+            self._place(self.root, "Points", (frames * n, 3))
+            shape = "Polygons" if stations(units).shape[1] == 2 else "Lines"
+            for kind in CELL_KINDS:
+                group, cells = self.root.create_group(kind), int(kind == shape)
+                group["NumberOfCells"] = np.full(1, cells)
+                group["NumberOfConnectivityIds"] = np.full(1, cells * n)
+                group["Offsets"] = np.arange(cells + 1) * n
+                group["Connectivity"] = np.arange(cells * n)
+            self.steps["PartOffsets"] = np.zeros(frames, int)
+            self.steps["NumberOfParts"] = np.ones(frames, int)
+            self.steps["PointOffsets"] = np.arange(frames) * n
+            for name in ("CellOffsets", "ConnectivityIdOffsets"):
+                self.steps[name] = np.zeros((frames, len(CELL_KINDS)), int)
+            self.file.flush()
+
+    def _points(self) -> np.ndarray:
+        points = stations(self.units)
+        if points.shape[1] == 3:
+            return points
+        corners = outline(points, self.thickness)
+        return np.column_stack([corners, np.zeros(len(corners))])
+
+    def write(self, frame: int, time: float) -> None:
+        """Put the beam at `time` (s) into place number `frame`."""
+        points = self._points()
+        self.root["Points"][frame * len(points) : (frame + 1) * len(points)] = points
+        self._count(frame + 1, time)

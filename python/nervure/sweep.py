@@ -1,0 +1,241 @@
+"""A grid of runs on Dask's workers, which are processes of one thread, and the table of what they gave.
+
+Each run has a result folder of its own, named by its scene, and in it `row.json`, its row of the table: that is what a
+sweep that is started again goes by. Dask starts a run again whose worker died, and gives up after a number of deaths
+(`distributed.scheduler.allowed-failures`, 3 unless it is configured otherwise).
+"""
+
+import copy
+import hashlib
+import itertools
+import json
+import logging
+import re
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import CancelledError
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from time import perf_counter, process_time
+from typing import Any
+
+from rich.console import Console
+
+from nervure import simulation
+from nervure.errors import Refusal, SceneError
+from nervure.files import json_numbers, write_csv, write_whole
+from nervure.library import library
+from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, typed
+
+Row = dict[str, Any]
+"""What the table has of a run, by column."""
+
+ROW = "row.json"
+FINISHED, FAILED, KILLED = "finished", "failed", "killed"
+"""How a run ended: at its end; by a refusal or an error; with its worker, as often as it was tried."""
+
+CONNECT_S = 5
+"""How long a scheduler has to answer, s."""
+
+STATISTICS = ("mean", "amplitude", "frequency_hz")
+REPORTED = ("simulated_s", "steps", "periods", "amplitude_drift", "iterations_mean")
+"""What the table has of a summary's quantities, and of the summary itself."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A run of a sweep."""
+
+    scene: Document
+    """Which may be one that a unit refuses: that is then the result."""
+    varied: dict[str, Any]
+    """What differs from the scene it was made of, by dotted keys."""
+    key: str
+    """Digest of the scene and of its units' libraries: a row with the same key needs no other run."""
+
+    @property
+    def folder(self) -> str:
+        digest = hashlib.sha256(text(self.scene).encode()).hexdigest()
+        return f"{plain_name(self.scene)}-{digest[:10]}"
+
+
+def plain_name(scene: Document) -> str:
+    """The name of a scene as a part of a path, whatever it holds: a unit has not seen it yet."""
+    return re.sub(r"[^\w.-]", "_", str(scene.get("name")))
+
+
+def values(text: str) -> tuple[str, list[Any]]:
+    """Dotted key and values of `key=v1,v2,…` or `key=[v1, v2, …]`."""
+    key, equals, listed = text.partition("=")
+    if not (key and equals and listed):
+        raise SceneError(f"the variation `{text}` must be of the form key=value,value,… or key=[value, …]")
+    whole = json_or_text(listed)
+    return key, whole if isinstance(whole, list) else [json_or_text(part) for part in listed.split(",")]
+
+
+def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[Any]]]) -> list[Case]:
+    """A case for every scene and every combination of the values."""
+    keys = [key for key, _ in variations]
+    if len(set(keys)) < len(keys):
+        raise SceneError(f"the variations name a key twice: {', '.join(keys)}")
+    digests: dict[str, bytes] = {}
+    cases: dict[str, Case] = {}
+    for base in scenes:
+        for combination in itertools.product(*(listed for _, listed in variations)):
+            scene, varied = copy.deepcopy(document(base)), dict(zip(keys, combination, strict=True))
+            for key, value in varied.items():
+                assign(scene, key, copy.deepcopy(value))
+            digest = hashlib.sha256(text(scene).encode())
+            for kind in kinds(scene):
+                if kind not in digests:
+                    digests[kind] = hashlib.sha256(library(kind).read_bytes()).digest()
+                digest.update(digests[kind])
+            case = Case(scene, varied, digest.hexdigest())
+            cases[case.folder] = case
+    return list(cases.values())
+
+
+def known(case: Case, folder: Path) -> Row | None:
+    """The row that a former sweep into `folder` left of `case`."""
+    try:
+        row: Row = json.loads((folder / case.folder / ROW).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return row if row.get("key") == case.key else None
+
+
+def one(scene: Document, folder: Path) -> Row:
+    """Run a case on a worker; returns what its row has of it."""
+    wall, cpu = perf_counter(), process_time()
+    quiet = Console(quiet=True)
+    row: Row = {"status": FINISHED, "reason": None}
+    found: Row = {}
+    try:
+        summary = simulation.run(typed(scene), folder, {}, simulation.OutputOptions(), quiet, quiet).summary
+        if not summary.completed:
+            row = {"status": FAILED, "reason": summary.error}
+        found = {name: getattr(summary, name) for name in REPORTED}
+        for name, quantity in summary.quantities.items():
+            found |= {f"{name}_{what}": getattr(quantity, what) for what in STATISTICS}
+        found |= summary.coefficients.values if summary.coefficients else {}
+        found |= (
+            {name: value for name, value in vars(summary.flapping).items() if isinstance(value, float)}
+            if summary.flapping
+            else {}
+        )
+    except (Refusal, OSError) as error:
+        row = {"status": FAILED, "reason": str(error)}
+    times = {"wall_s": perf_counter() - wall, "cpu_s": process_time() - cpu}
+    return {name: json_numbers(value) for name, value in (row | times | found).items()}
+
+
+def run(
+    cases: list[Case], folder: Path, scheduler: str | None, retry_failed: bool, say: Callable[[str], None]
+) -> list[Row]:
+    """Run those of `cases` that are not known, write sweep.csv and sweep.json into `folder`, return the rows."""
+    rows = {case.folder: known(case, folder) for case in cases}
+    todo = [
+        case for case in cases if (row := rows[case.folder]) is None or (retry_failed and row["status"] != FINISHED)
+    ]
+    say(f"{len(cases)} runs, {len(todo)} to do, into {folder}")
+    try:
+        _collect(folder, rows)
+        if todo:
+            for case, result in _distributed(todo, folder, scheduler):
+                row = (
+                    {"folder": case.folder, "scene": case.scene.get("name")} | case.varied | result | {"key": case.key}
+                )
+                rows[case.folder] = row
+                (folder / case.folder).mkdir(exist_ok=True)
+                line = json.dumps(row) + "\n"
+                write_whole(folder / case.folder / ROW, partial(Path.write_text, data=line))
+                _collect(folder, rows)
+                changes = ", ".join(f"{key}={json.dumps(value)}" for key, value in case.varied.items())
+                told = row["reason"] or f"in {row['wall_s']:.1f} s"
+                say(f"{row['scene']} {changes}: {row['status']} {told}")
+    except OSError as error:
+        raise Refusal(f"cannot write into {folder}: {error.strerror or error}") from error
+    return [row for row in rows.values() if row]
+
+
+def _distributed(cases: list[Case], folder: Path, scheduler: str | None) -> Iterator[tuple[Case, Row]]:
+    """Cases with their results, as they come in. No more are handed out than there are workers, so that one that kills
+    its worker takes no other with it."""
+    import distributed
+    from distributed.scheduler import KilledWorker
+
+    with ExitStack() as stack:
+        if scheduler is None:
+            from dask.system import CPU_COUNT
+
+            cluster = distributed.LocalCluster(
+                n_workers=min(CPU_COUNT, len(cases)),
+                threads_per_worker=1,
+                memory_limit=None,
+                dashboard_address="127.0.0.1:0",
+                silence_logs=logging.CRITICAL,
+            )
+            scheduler = stack.enter_context(cluster)
+        try:
+            client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
+        except (OSError, ValueError) as error:
+            raise Refusal(
+                f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are "
+                "on this machine"
+            ) from error
+        threads = client.nthreads()
+        if not threads:
+            raise Refusal(
+                f"the scheduler at {scheduler} has no workers: `dask worker {scheduler} --nthreads 1` starts one"
+            )
+        if several := [f"{worker} has {count}" for worker, count in threads.items() if count != 1]:
+            raise Refusal(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
+
+        waiting, running = iter(cases), dict[Any, Case]()
+        done = distributed.as_completed()
+
+        def hand_out() -> None:
+            free = max(1, len(client.nthreads())) - len(running)  # below 0 while workers are being started again
+            for case in itertools.islice(waiting, max(0, free)):
+                future = client.submit(one, case.scene, (folder / case.folder).resolve(), pure=False)
+                running[future] = case
+                done.add(future)
+
+        while True:
+            try:
+                hand_out()
+                if not running:
+                    return
+                future = next(done)
+                case = running.pop(future)
+                if future.cancelled():
+                    raise CancelledError
+                failure = future.exception()
+            except (OSError, CancelledError) as lost:
+                raise Refusal(
+                    f"the scheduler at {scheduler} was lost; the same command goes on with what is missing"
+                ) from lost
+            if isinstance(failure, KilledWorker):
+                yield case, {"status": KILLED, "reason": f"its worker died {failure.allowed_failures + 1} times"}
+            elif failure is not None:
+                yield case, {"status": FAILED, "reason": f"{type(failure).__name__}: {failure}"}
+            else:
+                yield case, future.result()
+
+
+def _collect(folder: Path, rows: dict[str, Row | None]) -> None:
+    """Write sweep.csv and sweep.json of the rows that there are, in the order of the grid."""
+    folder.mkdir(parents=True, exist_ok=True)
+    table = [row for row in rows.values() if row]
+    columns = list(dict.fromkeys(column for row in table for column in row if column != "key"))
+
+    write_csv(
+        folder / "sweep.csv",
+        [
+            {name: json.dumps(v) if isinstance(v, (list, dict)) else v for name, v in row.items() if name != "key"}
+            for row in table
+        ],
+    )
+    text = json.dumps([{name: row.get(name) for name in columns} for row in table], indent=2) + "\n"
+    write_whole(folder / "sweep.json", lambda path: path.write_text(text, encoding="utf-8"))

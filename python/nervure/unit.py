@@ -1,0 +1,300 @@
+"""One FMU as the master sees it: named arrays in, one step, named arrays out."""
+
+import ctypes
+import re
+import shutil
+import tempfile
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import fmpy
+import numpy as np
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.logging import addLoggerProxy
+
+from nervure.errors import Refusal
+
+FMI_WARNING, FMI_FATAL = 1, 4
+ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")
+"""Categories of FMI 2.0 in which a unit says why it failed: some say it only when asked to."""
+
+ELEMENT = re.compile(r"(.+)\[(\d+)\]")
+
+
+class UnitError(Refusal):
+    """A unit refused or failed; the message is the unit's own where it gave one."""
+
+
+@dataclass
+class Variable:
+    """A scalar variable, or an array `name[1] … name[n]`."""
+
+    name: str
+    kind: str
+    """FMI type: Real, Integer, Boolean or String."""
+    causality: str
+    unit: str | None
+    references: list[int]
+    start: list[str | None]
+    """Start values as they stand in the model description."""
+
+    @property
+    def size(self) -> int:
+        return len(self.references)
+
+
+_messages: dict[str, list[str]] = defaultdict(list)
+"""Why units failed, by instance name: fmpy's proxy knows one logger for the whole process."""
+
+
+def _log(_environment: Any, instance: bytes | None, status: int, _category: Any, message: bytes | None) -> None:
+    if status > FMI_WARNING:
+        _messages[(instance or b"").decode("utf-8", "replace")].append((message or b"").decode("utf-8", "replace"))
+
+
+_callbacks = fmi2CallbackFunctions(
+    logger=fmi2CallbackLoggerTYPE(_log),
+    allocateMemory=defaultCallbacks.allocateMemory,
+    freeMemory=defaultCallbacks.freeMemory,
+)
+addLoggerProxy(ctypes.byref(_callbacks))
+
+
+class Unit:
+    """A co-simulation FMU (FMI 2.0), instantiated and in initialization mode.
+
+    `connect` chooses what is exchanged; after it, `inputs` and `outputs` are plain arrays, and `step` moves each of
+    them with one call. A status worse than a warning raises `UnitError` with what the unit logged.
+    """
+
+    def __init__(self, path: Path, name: str, stop_time: float):
+        self.name = name
+        self.seconds = 0.0
+        """Wall time spent on steps and rollback, s."""
+        self.fmu: Any = None
+        self._folder: str | None = None
+        self.state = ctypes.c_void_p()
+        """Handle of the state that `save` keeps."""
+        _messages[name].clear()
+        try:
+            self.description = fmpy.read_model_description(str(path), validate=False)
+        except Exception as error:  # fmpy raises whatever zip and XML readers raise
+            raise UnitError(f"{path} cannot be read as an FMU: {error}") from error
+        if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
+            raise UnitError(f"{path} is not a co-simulation unit of FMI 2.0")
+        self.variables = variables_of(self.description)
+        try:
+            self._folder = tempfile.mkdtemp()
+            try:
+                fmpy.extract(str(path), self._folder)
+            except OSError as error:
+                raise UnitError(f"{path} cannot be unpacked into {tempfile.gettempdir()}: {error.strerror}") from error
+            self.fmu = self._call(
+                FMU2Slave,
+                guid=self.description.guid,
+                unzipDirectory=self._folder,
+                modelIdentifier=self.description.coSimulation.modelIdentifier,
+                instanceName=name,
+            )
+            self._call(self.fmu.instantiate, callbacks=_callbacks)
+            categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
+            if categories:
+                self._call(self.fmu.setDebugLogging, True, categories)
+            self._call(self.fmu.setupExperiment, startTime=0.0, stopTime=stop_time)
+            self._call(self.fmu.enterInitializationMode)
+        except BaseException:
+            self.close()
+            raise
+        self._bind()
+        self.connect([], [])
+
+    def _bind(self) -> None:
+        """Bind the calls of the loop to the C functions themselves: fmpy's wrappers build lists element by element."""
+
+        def function(name: str, *arguments: Any) -> Any:
+            bound = self.fmu.dll[name]
+            bound.argtypes = [ctypes.c_void_p, *arguments]
+            bound.restype = ctypes.c_int
+            return bound
+
+        self._component = self.fmu.component
+        pointer, size, real = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double
+        self._set_real = function("fmi2SetReal", pointer, size, pointer)
+        self._get_real = function("fmi2GetReal", pointer, size, pointer)
+        self._get_integer = function("fmi2GetInteger", pointer, size, pointer)
+        self._do_step = function("fmi2DoStep", real, real, ctypes.c_int)
+
+    def connect(self, inputs: list[str], outputs: list[str]) -> None:
+        """Choose the Real variables that `step` sets and gets, in this order.
+
+        `outputs` holds them as far as `exchanged` goes, then the unit's scalar outputs, which are always fetched;
+        `integers` holds the scalar Integer outputs; `slices` says where each of `outputs` is.
+        """
+        self._alive: list[np.ndarray] = []
+        real_scalars, integer_scalars = self.scalars("Real"), self.scalars("Integer")
+        self.inputs, self._set_arguments = self._buffer(inputs, float)
+        self.outputs, self._get_arguments = self._buffer(outputs + real_scalars, float)
+        self.integers, self._get_integer_arguments = self._buffer(integer_scalars, np.intc)
+        sizes = [self.variables[name].size for name in outputs + real_scalars]
+        ends = np.cumsum(sizes, dtype=int).tolist()
+        self.slices = {name: slice(e - n, e) for name, n, e in zip(outputs + real_scalars, sizes, ends, strict=True)}
+        self.exchanged = self.outputs[: self.outputs.size - len(real_scalars)]
+        self.reals = self.outputs[self.exchanged.size :]
+
+    def scalars(self, kind: str) -> list[str]:
+        """Names of the scalar outputs of FMI type `kind`."""
+        return [v.name for v in self.variables.values() if v.causality == "output" and v.kind == kind and v.size == 1]
+
+    def _buffer(self, names: list[str], dtype: type) -> tuple[np.ndarray, tuple[Any, ...]]:
+        """Start values of `names`, and the arguments with which the unit sets or gets them."""
+        references = [reference for name in names for reference in self.variables[name].references]
+        values: np.ndarray = np.array(
+            [float(start or 0) for name in names for start in self.variables[name].start], dtype
+        )
+        c_references = np.array(references, np.uintc)
+        self._alive += [c_references, values]  # what the addresses in the arguments point to
+        return values, (self._component, c_references.ctypes.data, len(references), values.ctypes.data)
+
+    def output(self, name: str) -> np.ndarray:
+        """View of one of `outputs`."""
+        view: np.ndarray = self.outputs[self.slices[name]]
+        return view
+
+    def set(self) -> None:
+        """Hand `inputs` to the unit."""
+        status = self._set_real(*self._set_arguments)
+        if status > FMI_WARNING:
+            raise self._error("refused its inputs", status)
+
+    def get(self) -> None:
+        """Fetch `outputs` from the unit."""
+        status = self._get_real(*self._get_arguments)
+        if status > FMI_WARNING:
+            raise self._error("gave no outputs", status)
+        status = self._get_integer(*self._get_integer_arguments) if self.integers.size else 0
+        if status > FMI_WARNING:
+            raise self._error("gave no Integer outputs", status)
+
+    def start(self) -> None:
+        """Leave initialization mode."""
+        self._call(self.fmu.exitInitializationMode)
+
+    def step(self, t: float, h: float) -> None:
+        """Set the inputs, step from `t` to `t + h` (s), get the outputs."""
+        self.set()
+        start = perf_counter()
+        status = self._do_step(self._component, t, h, 1)
+        self.seconds += perf_counter() - start
+        if status > FMI_WARNING:
+            raise self._error(f"failed in the step from t = {t:g} s to {t + h:g} s", status)
+        self.get()
+
+    def save(self) -> None:
+        """Keep the unit's state for `restore`, in place of the one kept before."""
+        start = perf_counter()
+        self._call(self.fmu.fmi2GetFMUstate, self.fmu.component, ctypes.byref(self.state))
+        self.seconds += perf_counter() - start
+
+    def restore(self) -> None:
+        """Put the unit back into the state that was kept last."""
+        start = perf_counter()
+        self._call(self.fmu.setFMUstate, self.state)
+        self.seconds += perf_counter() - start
+
+    @property
+    def can_roll_back(self) -> bool:
+        return bool(self.description.coSimulation.canGetAndSetFMUstate)
+
+    @property
+    def can_serialize(self) -> bool:
+        return self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
+
+    def serialize(self) -> bytes:
+        """The unit's whole state; replaces the one that `save` kept."""
+        self.save()
+        return bytes(self._call(self.fmu.serializeFMUstate, self.state))
+
+    def deserialize(self, state: bytes) -> None:
+        """Put the unit into a state that `serialize` gave."""
+        self._call(self.fmu.deSerializeFMUstate, state, self.state)
+        self.restore()
+
+    def read(self, name: str) -> np.ndarray:
+        """Values of any Real variable, whether it is exchanged or not."""
+        return np.array(self._call(self.fmu.getReal, self.variables[name].references))
+
+    def field(self, name: str) -> np.ndarray:
+        """A field of the unit, `[nx, ny]`; raises `UnitError` if it does not show it, which is no part of FMI."""
+        values = self.shown_field(name)
+        if values is None:
+            raise UnitError(f"{self.name}: there is no field `{name}`")
+        return values
+
+    def shown_field(self, name: str) -> np.ndarray | None:
+        """The same; None if the unit does not show it."""
+        try:
+            function = self.fmu.dll["fmu_field"]
+        except AttributeError:
+            return None
+        size, pointer = ctypes.c_size_t, ctypes.c_void_p
+        function.argtypes = [pointer, ctypes.c_char_p, pointer, size, pointer]
+        function.restype = ctypes.c_int
+        shape = (size * 2)()
+        if function(self.fmu.component, name.encode(), None, 0, shape) != 0:
+            return None
+        values = np.empty(tuple(shape))
+        if function(self.fmu.component, name.encode(), values.ctypes.data, values.size, shape) != 0:
+            return None
+        return values
+
+    def close(self) -> None:
+        """Free the instance, unload the library and remove the unpacked files."""
+        if self.fmu is not None and self.fmu.component is not None:
+            if self.state:
+                self.fmu.freeFMUstate(self.state)
+            self.fmu.freeInstance()
+        if self._folder is not None:
+            shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _call(self, function: Callable[..., Any], *arguments: Any, **keywords: Any) -> Any:
+        try:
+            return function(*arguments, **keywords)
+        except FMICallException as error:
+            raise self._error(f"failed: {error}", error.status) from error
+        except Exception as error:  # fmpy raises plain exceptions where no instance or library comes about
+            raise self._error(str(error)) from error
+
+    def _error(self, what: str, status: int | None = None) -> UnitError:
+        if status == FMI_FATAL:
+            self.fmu.component = None  # no function may be called for it any more, fmi2FreeInstance included
+        said = "; ".join(dict.fromkeys(_messages[self.name]))
+        return UnitError(f"{self.name}: {said or what}")
+
+
+def variables_of(description: Any) -> dict[str, Variable]:
+    """The variables of a model description with arrays put together, by name."""
+    arrays: dict[str, dict[int, Any]] = defaultdict(dict)
+    for scalar in description.modelVariables:
+        element = ELEMENT.fullmatch(scalar.name)
+        name, index = (element[1], int(element[2])) if element else (scalar.name, 1)
+        arrays[name][index] = scalar
+    variables = {}
+    for name, elements in arrays.items():
+        if sorted(elements) != list(range(1, len(elements) + 1)):
+            raise UnitError(f"the array `{name}` of {description.modelName} is not counted from 1 to {len(elements)}")
+        ordered = [elements[index] for index in sorted(elements)]
+        first = ordered[0]
+        variables[name] = Variable(
+            name=name,
+            kind=first.type,
+            causality=first.causality,
+            unit=first.unit or (first.declaredType.unit if first.declaredType else None),
+            references=[scalar.valueReference for scalar in ordered],
+            start=[scalar.start for scalar in ordered],
+        )
+    return variables

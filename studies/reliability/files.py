@@ -1,0 +1,187 @@
+"""What is on the disk when a run is killed while it writes, or when the disk is full: the old or the new file."""
+
+import json
+import multiprocessing
+import os
+import random
+import resource
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from mmap import mmap
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from nervure import checkpoint, coupling, report
+from nervure.pack import package
+from nervure.recorder import Recorder
+from nervure.unit import Unit
+
+from .unit import SCENE, STEP, FMU2Unit
+
+LONGEST = 100
+"""Steps of a run that is killed again and again; then it begins anew."""
+MOST_S = 0.05
+"""A run is killed within this time, s: it writes all its files in 3 to 10 ms."""
+TABLES = ("scene.json", "series.csv", "summary.json")
+DISK = 1 << 20
+"""Size of the disk that gets full, bytes."""
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+class Run:
+    """A unit alone that writes a checkpoint and its results after every step, as a run does at intervals and at its end.
+
+    `outputs` and `tables` are, by steps, what they are where nothing happens to the run.
+    """
+
+    def __init__(self, kind: str, folder: Path):
+        self.unit, self.folder = Unit(package.pack(kind, SCENE, folder), kind, 1.0), folder
+        self.scheme, self.recorder = coupling.Single(self.unit), Recorder({kind: self.unit}, LONGEST + 1)
+        self.kept = checkpoint.Checkpoint(folder, SCENE, {}, {kind: self.unit}, self.scheme, self.recorder)
+        self.scheme.start()
+        self.recorder.record(0, 0.0, 0)
+        self.kept.save(0, 0.0)
+        self.start = checkpoint.read(folder)
+        self.outputs, self.tables = [self.unit.outputs.copy()], [{}]
+        for done in range(1, LONGEST + 2):
+            self.step(done)
+            self.write(done)
+            self.outputs.append(self.unit.outputs.copy())
+            self.tables.append({name: data for name, data in contents(folder).items() if name in TABLES})
+
+    def step(self, done: int) -> None:
+        """Make step number `done`, counted from 1."""
+        self.scheme.step((done - 1) * STEP, STEP)
+        self.recorder.record(done, done * STEP, 1)
+
+    def write(self, done: int, _: float = 0.0) -> None:
+        report.write(self.folder, SCENE, self.recorder, self.scheme, {"steps": done})
+
+    def begin(self, folder: Path) -> None:
+        """Be at the start again, with nothing but its checkpoint in `folder`."""
+        self.folder, self.kept.path = folder, folder / checkpoint.FILE
+        folder.mkdir(exist_ok=True)
+        for path in folder.iterdir():
+            path.unlink()
+        self.kept.restore(self.start)
+        self.kept.save(0, 0.0)
+
+    def go_on(self, progress: mmap) -> None:
+        """Make steps from the checkpoint on, and say of which the files were begun and written."""
+        for done in range(self.kept.restore(checkpoint.read(self.folder))[0] + 1, LONGEST + 1):
+            self.step(done)
+            progress[0] = done
+            self.kept.save(done, 0.0)
+            self.write(done)
+            progress[1] = done
+
+    def check(self, saved: range, written: range) -> tuple[int, int]:
+        """The checkpoint must be of one of the steps `saved`, and one step from it that of the run to which nothing
+        happens; the tables must be of one of the steps `written`. Returns of which steps they are."""
+        done = self.kept.restore(checkpoint.read(self.folder))[0]
+        assert done in saved, f"the checkpoint is of step {done}, not of {saved}"
+        found = contents(self.folder)
+        for name in TABLES:
+            allowed = [self.tables[k].get(name) for k in written]
+            assert found.get(name) in allowed, f"{name} is not that of a step in {written}"
+        self.step(done + 1)
+        same = np.array_equal(self.unit.outputs, self.outputs[done + 1])
+        assert same, f"step {done + 1} is another one after the checkpoint"
+        return done, json.loads(found["summary.json"])["steps"] if "summary.json" in found else 0
+
+
+def kills(unit: FMU2Unit, count: int) -> str:
+    """SIGKILL while checkpoint and results are written: the old or the new ones load, and the run goes on from them."""
+    chance, progress, inside, done = random.Random(5), mmap(-1, 2), 0, LONGEST
+    with TemporaryDirectory() as place:
+        run = Run(unit.kind, Path(place))
+        for case in range(count):
+            if done > LONGEST // 2:
+                run.begin(Path(place, "run"))
+                done = written = 0
+            progress[:], begin = bytes(2), time.time_ns()
+            process = multiprocessing.get_context("fork").Process(target=run.go_on, args=(progress,))
+            process.start()
+            time.sleep(chance.uniform(0.0, MOST_S))
+            process.kill()
+            process.join()
+            began, finished = progress[:]
+            assert process.exitcode == -signal.SIGKILL or finished == LONGEST, f"case {case} ended by itself"
+            inside += any(path.stat().st_mtime_ns > begin for path in run.folder.glob("unfinished-*"))
+            end = max(began, done) + 1
+            done, written = run.check(range(max(finished, done), end), range(max(finished, written), end))
+        run.unit.close()
+    return f"old or new, and on to the same bits; {inside} were killed within a file"
+
+
+def full_disks(unit: FMU2Unit, count: int) -> str:
+    """A disk that gets full while checkpoint and results are written: the old or the new ones load, nothing half-written."""
+    chance = random.Random(6)
+    with ExitStack() as stack:
+        place = Path(stack.enter_context(TemporaryDirectory()))
+        disk = place / "disk"
+        disk.mkdir()
+        run = Run(unit.kind, place)
+        stack.callback(run.unit.close)
+        refused = filled(run, place / "run", None, chance, count)
+        said = f"limit on the size of files: {refused} writes refused, {2 * count - refused} made"
+        mount = ["mount", "-t", "tmpfs", "-o", f"size={DISK}", "tmpfs", str(disk)]
+        if subprocess.run(mount, check=False, capture_output=True).returncode:
+            return f"{said}; no full disk, which takes the right to mount one"
+        stack.callback(subprocess.run, ["umount", "-l", str(disk)], check=True)
+        refused = filled(run, disk, disk, chance, count)
+        return f"{said}; full tmpfs: {refused} refused, {2 * count - refused} made; old or new after each"
+
+
+def filled(run: Run, folder: Path, disk: Path | None, chance: random.Random, count: int) -> int:
+    """Write checkpoint and results `count` times where room is scarce; returns how many of both were refused."""
+    refused, saved = 0, LONGEST
+    for _ in range(count):
+        if saved == LONGEST:
+            run.begin(folder)
+            run.step(1)
+            saved = written = 0
+        done, before = saved + 1, contents(folder)
+        for write, files in (
+            (run.kept.save, {checkpoint.FILE: before[checkpoint.FILE]}),
+            (run.write, run.tables[done]),
+        ):
+            try:
+                with scarce(disk, chance.uniform(0.0, 1.5), [len(data) for data in files.values()]):
+                    write(done, 0.0)
+            except OSError:
+                refused, after = refused + 1, contents(folder)
+                changed = [name for name in files if after.get(name) != before.get(name)]
+                assert not changed, f"step {done}: {', '.join(changed)} changed, though the write was refused"
+            else:
+                saved, written = (done, written) if write == run.kept.save else (saved, done)
+        left = contents(folder).keys() - {checkpoint.FILE, *TABLES}
+        assert not left, f"step {done}: {sorted(left)} is left"
+        run.check(range(saved, saved + 1), range(written, written + 1))
+    return refused
+
+
+@contextmanager
+def scarce(disk: Path | None, share: float, sizes: list[int]) -> Iterator[None]:
+    """`disk` has about `share` of the room left that files of these sizes take; without one, none may be longer than
+    `share` of the longest."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    try:
+        if disk:
+            free = os.statvfs(disk)
+            room = int(share * sum(-(-size // free.f_frsize) for size in sizes))
+            (disk / "filler").write_bytes(bytes(max(0, free.f_bavail - room) * free.f_frsize))
+        else:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (int(share * max(sizes)), hard))
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        if disk:
+            (disk / "filler").unlink()

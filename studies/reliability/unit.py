@@ -1,0 +1,123 @@
+"""The units as unpacked FMUs, through the C functions as fmpy declares them, and processes to try them in."""
+
+import copy
+import hashlib
+import json
+import math
+import multiprocessing
+from array import array
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import fmpy
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+OK, WARNING, DISCARD, ERROR = range(4)
+SCENE = json.loads(Path(__file__).with_name("scene.json").read_text(encoding="utf-8"))
+"""A thick flag in a stream, small enough for a million cases."""
+STEP = SCENE["time"]["communication_step"]
+INPUTS = {"rod": ("force_x", "force_y"), "fluid": ("x", "y", "vx", "vy")}
+"""Inputs that the checks change."""
+
+
+class FMU2Unit(FMU2Slave):  # fmpy takes the version of FMI from the name of the class
+    """A unit, whose methods raise FMICallException where `call` gives a status; `new` makes instances of it."""
+
+    def __init__(self, kind: str, folder: Path):
+        self.kind, self.folder, self.steps = kind, folder, 0
+        self.description = fmpy.read_model_description(str(folder), validate=False)
+        self.variables = self.description.modelVariables
+        self.inputs, self.outputs = self.references("input", INPUTS[kind]), self.references("output")
+        self.messages: list[str] = []
+        self.log = fmi2CallbackFunctions(
+            logger=fmi2CallbackLoggerTYPE(lambda *said: self.messages.append(said[-1].decode()))
+        )
+        self.load()
+
+    def load(self) -> None:
+        folder, name = str(self.folder), f"fmu_{self.kind}"
+        super().__init__(instanceName="unit", guid=self.description.guid, unzipDirectory=folder, modelIdentifier=name)
+
+    def references(self, causality: str, names: Sequence[str] = ()) -> list[int]:
+        """Value references of the Real variables of a causality, of the given arrays only if there are any."""
+        variables = [v for v in self.variables if v.causality == causality and v.type == "Real"]
+        return [v.valueReference for v in variables if not names or v.name.split("[")[0] in names]
+
+    def new(self, start: bool = True) -> "FMU2Unit":
+        """An instance; with `start`, it is ready for its first step at t = 0."""
+        unit = copy.copy(self)
+        unit.instantiate(callbacks=self.log)
+        if start:
+            unit.enter()
+            unit.exitInitializationMode()
+        return unit
+
+    def enter(self) -> None:
+        """Enter initialization mode."""
+        self.setupExperiment(startTime=0.0)
+        self.enterInitializationMode()
+        self.rest = self.getReal(self.inputs)
+
+    def call(self, name: str, *arguments: object) -> int:
+        return self._functions[f"fmi2{name}"](self.component, *arguments)
+
+    def step(self, load: float | None = None) -> None:
+        """One step with a load on the inputs, which else follows from the number of the step."""
+        load = 1e-4 * math.sin(self.steps + 1.0) if load is None else load
+        self.setReal(self.inputs, [rest + load * (1 + k % 3) for k, rest in enumerate(self.rest)])
+        self.doStep(self.steps * STEP, STEP)
+        self.steps += 1
+
+    def run(self, loads: int | Sequence[float]) -> bytes:
+        """Digest of all outputs after each of so many steps, or under each of these loads."""
+        digest = hashlib.sha256()
+        for load in [None] * loads if isinstance(loads, int) else loads:
+            self.step(load)
+            digest.update(array("d", self.getReal(self.outputs)))
+        return digest.digest()
+
+    def serialize(self) -> bytes:
+        state = self.getFMUstate()
+        data = self.serializeFMUstate(state)
+        self.freeFMUstate(state)
+        return data
+
+    def restore(self, data: bytes, steps: int) -> None:
+        state = self.deSerializeFMUstate(data)
+        self.setFMUstate(state)
+        self.freeFMUstate(state)
+        self.steps = steps
+
+    def close(self) -> None:
+        self.fmi2FreeInstance(self.component)
+
+
+def tried(check: Callable[[FMU2Unit, int], str], kind: str, folder: Path, count: int) -> str:
+    return check(FMU2Unit(kind, folder), count)
+
+
+def child(method: str, timeout: float, target: Callable[..., object], *arguments: object) -> Any:
+    """What `target` returns in a process of its own by `method` (fork, spawn); AssertionError where it fails, crashes
+    or has not ended after `timeout` (s)."""
+    context = multiprocessing.get_context(method)
+    answers = context.SimpleQueue()
+    process = context.Process(target=_answer, args=(answers, target, *arguments))
+    process.start()
+    process.join(timeout)
+    code = process.exitcode
+    process.kill()
+    process.join()
+    assert code is not None, f"hung: no end after {timeout:.0f} s"
+    assert code == 0, f"crashed with exit code {code}"
+    well, answer = answers.get()
+    assert well, answer
+    return answer
+
+
+def _answer(answers: Any, target: Callable[..., object], *arguments: object) -> None:
+    try:
+        answers.put((True, target(*arguments)))
+    except (AssertionError, FMICallException) as error:
+        answers.put((False, str(error)))
