@@ -6,6 +6,7 @@ from pathlib import Path
 import fmpy
 import pytest
 from lxml import etree
+
 from nervure.pack import package
 
 pytestmark = pytest.mark.usefixtures("libraries")

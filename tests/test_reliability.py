@@ -5,8 +5,8 @@ import shutil
 import time
 
 import pytest
-from nervure.pack import package
 
+from nervure.pack import package
 from studies.reliability.__main__ import CHECKS, unpack
 from studies.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
 
