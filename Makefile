@@ -12,7 +12,7 @@ READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
 
-.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test python-test bindings-check schema descriptions record lock clean
+.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check bindings-check schema descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -43,7 +43,7 @@ units: $(READY) ## only pack the FMUs of SCENE=scenes/NAME.json, into results/NA
 build: ## build the libraries of both units
 	cargo build --release --locked
 
-test: rust-test bindings-check python-test ## everything that has to pass
+test: lint rust-test bindings-check python-test ## everything that has to pass
 
 rust-test:
 	cargo fmt --all --check
@@ -53,17 +53,29 @@ rust-test:
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
 
-python-test: build $(READY_DEV)
-	$(RUN) -m pytest tests
+LINTED := python examples scripts tests hatch_build.py
+
+lint: $(READY_DEV) ## check style, types and layers of the Python side
+	$(RUN) -m ruff check $(LINTED)
+	$(RUN) -m ruff format --check $(LINTED)
+	$(RUN) -m mypy
+	$(VENV)/bin/lint-imports
+
+python-test: build $(READY_DEV) ## the tests in Python, in two processes
+	$(RUN) -m pytest --numprocesses 2 --dist loadgroup
+
+package-check: ## package every crate as a registry would take it and build it from there (two minutes)
+	cargo package --workspace --allow-dirty --locked --target-dir target/package-check
 
 bindings-check: $(READY_DEV) ## compare crates/fmi2/src/sys.rs with what the official headers give
 	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \
 	cargo run --quiet --locked --target-dir target/bindgen --manifest-path crates/fmi2/bindgen/Cargo.toml -- --check \
 	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi2/src/sys.rs
 
-schema: ## write modelDescription/scene.schema.json anew
+schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the classes of scenes in Python anew
 	cargo run --quiet --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
+	$(RUN) python/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
 	$(NERVURE) build fsi3-325x72 --descriptions modelDescription

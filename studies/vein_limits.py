@@ -14,8 +14,7 @@ from nervure import coupling, master
 from nervure.evaluate import flapping, statistics
 from nervure.pack import package
 from nervure.recorder import Recorder
-from nervure.resources import ROOT
-from nervure.scene import load
+from nervure.scene import read, typed
 from nervure.evaluate.statistics import Window
 from nervure.unit import Unit
 
@@ -95,7 +94,7 @@ def execute(
         if rigid:
             scheme = Prescribed(units["fluid"], sine_of(scene), scene["beam"])
         else:
-            scheme = coupling.couple(units, scene.get("coupling"), drive)
+            scheme = coupling.couple(units, typed(scene).coupling, drive)
         clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
         recorder = Recorder(units, clock.steps)
         return recorder, scheme, master.run(scheme, clock, recorder)
@@ -110,7 +109,7 @@ def record(scene: dict, folder: Path, drive: coupling.Drive | None = None, rigid
 
 def small_pitching() -> dict:
     """The pitching vein on a grid that is good enough for questions about the balance, thicker so that the grid sees it."""
-    scene = load(ROOT / "scenes" / f"{PITCHING}.json")
+    scene = read(PITCHING)
     scene["name"] = "small-pitching"
     scene["time"] = {"end": 3.05, "communication_step": 1e-3}
     scene["fluid"]["box"]["cells"] = [128, 96]
@@ -144,7 +143,7 @@ def energy(run: Run) -> list[Found]:
     load they differ by the step."""
     scene = small_pitching()
     scene["time"]["communication_step"] = 5e-4
-    balance = flapping.evaluate(scene, run(scene), Window(2.0, 3.0, 1))["energy_balance"]
+    balance = flapping.evaluate(typed(scene), run(scene), Window(2.0, 3.0, 1)).energy_balance
     by_fluid = (balance["root"] + balance["fluid"] - balance["gained"]) / balance["root"]
     return [Found("by the loads", balance["missing"], 0.0, 0.01), Found("by the fluid", by_fluid, 0.0, 0.01)]
 
@@ -153,7 +152,7 @@ def transfer_function(run: Run) -> list[Found]:
     """Base excitation in vacuum, w(L)/w0 = (cos b + cosh b)/(1 + cos b cosh b), b^4 = mu omega^2 L^4/EI, by the scene file alone."""
     b, mu, ei, periods = 1.4, 0.024, 0.0134, 40
     frequency = b**2 * np.sqrt(ei / mu) / (2 * np.pi)
-    scene = load(ROOT / "scenes" / f"{PITCHING}.json")
+    scene = read(PITCHING)
     del scene["fluid"]
     scene["name"], scene["time"] = "vacuum", {"end": periods / frequency, "communication_step": 1 / (200 * frequency)}
     scene["rod"] |= {
@@ -193,7 +192,7 @@ def frequency_of_the_wet_plate(ei: float, mu: float, area: float) -> float:
 def free_vibration(run: Run) -> list[Found]:
     """A plate in still fluid, nudged at its root, has its added mass."""
     ei, mu, side = 2.7121, 0.3, 3.0
-    scene = load(ROOT / "scenes" / f"{PITCHING}.json")
+    scene = read(PITCHING)
     scene["name"], scene["time"] = "free-vibration", {"end": 4.0, "communication_step": 5e-3}
     scene["fluid"] |= {"box": {"x": [-1.0, 2.0], "y": [-1.5, 1.5], "cells": [240, 240]}, "kinematic_viscosity": 1e-4}
     del scene["fluid"]["sponge"]

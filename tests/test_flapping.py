@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+import vein_limits
+
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
-from studies import vein_limits
+from nervure.scene import typed
 
 
 @pytest.fixture
@@ -49,7 +51,7 @@ def test_root_that_nothing_drives_is_refused(pitching, record):
         record(pitching)
 
 
-def test_averages_of_a_known_signal():
+def test_averages_of_a_known_signal(fluid_only):
     """A drive of 2 Hz whose tip lags by 30 degrees and goes 1.5 times as far, in a stream along y."""
     time = np.linspace(0, 4, 4001)
     omega = 4 * np.pi
@@ -73,10 +75,10 @@ def test_averages_of_a_known_signal():
 
     known = Known()
     known.columns = list(columns)
-    scene = {"fluid": {"mean_flow": {"y": {"steady": 1.2}}}}
-    found = flapping.evaluate(scene, known, statistics.find_window(time, columns["tip_ux"]))
-    assert found["axis"] == "x"
+    fluid_only["fluid"]["mean_flow"] = {"y": {"steady": 1.2}}
+    found = flapping.evaluate(typed(fluid_only), known, statistics.find_window(time, columns["tip_ux"]))
+    assert found.axis == "x"
     expected = {"power_in": 3.0, "thrust": 0.5, "lift": -0.5, "efficiency": 0.2, "tip_by_rigid_tip": 1.5}
-    assert {name: found[name] for name in expected} == pytest.approx(expected, rel=1e-4)
-    assert found["phase_lag_deg"] == pytest.approx(30, abs=0.01)
-    assert found["energy_balance"]["missing"] == pytest.approx(0, abs=1e-4)
+    assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
+    assert found.phase_lag_deg == pytest.approx(30, abs=0.01)
+    assert found.energy_balance["missing"] == pytest.approx(0, abs=1e-4)

@@ -4,6 +4,7 @@ import csv
 
 import fluid
 import pytest
+
 from nervure.pack import package
 from nervure.scene import reference
 

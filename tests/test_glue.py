@@ -17,6 +17,8 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.validation import validate_fmu
 from lxml import etree
 
+pytestmark = pytest.mark.xdist_group("glue")
+
 ROOT = Path(__file__).parents[1]
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
 
@@ -24,7 +26,7 @@ SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.
 @pytest.fixture(scope="module")
 def library():
     """The example's shared library."""
-    command = ["cargo", "build", "--release", "-p", "fmi2", "--example", "damped_oscillator"]
+    command = ["cargo", "build", "--release", "-p", "nervure-fmi2", "--example", "damped_oscillator"]
     output = subprocess.run(
         [*command, "--message-format=json"], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True
     ).stdout

@@ -6,9 +6,10 @@ import subprocess
 import sys
 
 import pytest
+from report import cases, convergence, documents, measure, render, store, topics
+
 from nervure.files import rounded
 from nervure.resources import ROOT
-from report import cases, convergence, documents, measure, render, store, topics
 
 SMALLEST = (
     "rod-static/rod/n = 32",

@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 from conftest import FSI3, TOOL, run_scene
+
 from nervure.pack import package
 
 TABLES = ("scene.json", "series.csv", "summary.json")
@@ -92,6 +93,14 @@ def test_units_given_as_files_take_the_place_of_ours(small_fsi3, tmp_path):
     direct, _ = run(tmp_path, heavier, "--end-time", "0.01")
     assert theirs["tip_vx"][-1] == direct["tip_vx"][-1]
     assert theirs["tip_vx"][-1] != ours["tip_vx"][-1]
+
+
+def test_guards_of_the_scene_are_for_foreign_units_too(small_fsi3, packed, tmp_path):
+    small_fsi3["coupling"]["guards"] = {"window_steps": 5, "largest_imbalance": 1e-6}
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(small_fsi3))
+    done = run_scene(path, "--output", tmp_path / "results", "--rod-fmu", packed("rod", small_fsi3), "--end-time", "0.01")
+    assert done.returncode == 1 and "over the last 5 steps the power that the rod took" in done.stderr, done.stderr
 
 
 def test_a_unit_that_does_not_fit_is_refused_with_exit_code_2(small_fsi3, rod_only, tmp_path):

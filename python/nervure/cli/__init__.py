@@ -1,9 +1,8 @@
-"""The commands of `fsi.py`, one module each, and the options that several of them have.
+"""The commands, one module each, and the options that several of them have.
 
-No module here loads matplotlib, h5py or dask before its command needs it.
+No module here loads what its command needs before it is run: help and errors of the command line come at once.
 """
 
-from pathlib import Path
 from typing import Annotated
 
 import typer

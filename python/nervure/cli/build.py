@@ -6,13 +6,9 @@ from typing import Annotated
 
 import typer
 
-from nervure import simulation
-from nervure.pack import package
+from nervure.cli import SceneFile
 from nervure.errors import Refusal
 from nervure.resources import SOURCE
-from nervure.scene import load
-
-from nervure.cli import SceneFile
 
 
 def build(
@@ -23,21 +19,28 @@ def build(
         typer.Option(exists=True, file_okay=False, help="Write fmu_KIND.xml into this folder in place of FMUs."),
     ] = None,
 ) -> None:
-    """Build both libraries (cargo build --release --locked) and pack the units of a scene, without running it."""
-    scene = load(scene_file)
-    if SOURCE is None:
-        raise Refusal("the libraries came with the package; `nervure pack` packs the units of a scene")
+    """Pack the units of a scene without running it; in the source tree, build both libraries before."""
+    from nervure.pack import package
+    from nervure.scene import kinds, read, typed
+    from nervure.simulation import default_folder
+
+    document = read(scene_file)
+    if SOURCE is not None:
+        _compile(SOURCE)
+    scene = typed(document)
+    for kind in kinds(scene):
+        if descriptions:
+            path = descriptions / f"fmu_{kind}.xml"
+            path.write_text(package.describe(kind, scene), encoding="utf-8")
+        else:
+            path = package.pack(kind, scene, output or default_folder(scene))
+        typer.echo(path)
+
+
+def _compile(source: Path) -> None:
     try:
-        built = subprocess.run(["cargo", "build", "--release", "--locked"], cwd=SOURCE)
+        built = subprocess.run(["cargo", "build", "--release", "--locked"], cwd=source)
     except FileNotFoundError:
         raise Refusal("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
     if built.returncode != 0:
         raise Refusal("the libraries cannot be built: cargo says above why")
-    for kind in package.kinds(scene):
-        description = package.describe(kind, scene)
-        if descriptions:
-            path = descriptions / f"fmu_{kind}.xml"
-            path.write_text(description, encoding="utf-8")
-        else:
-            path = package.pack(kind, scene, output or simulation.default_folder(scene))
-        typer.echo(path)

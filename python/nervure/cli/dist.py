@@ -5,8 +5,6 @@ from typing import Annotated
 
 import typer
 
-from nervure.scene import load
-
 from nervure.cli import SceneFile
 
 
@@ -16,6 +14,7 @@ def dist(
 ) -> None:
     """Write FMUs, SSP, checksums and manifest of a scene into a folder; `make dist` builds the libraries for it."""
     from nervure.pack import delivery
+    from nervure.scene import load
 
     delivery.write(load(scene_file), folder)
     typer.echo(folder)

@@ -11,7 +11,6 @@ Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot 
 import sys
 
 import typer
-from rich.console import Console
 
 from nervure.cli import REFUSED, animate, build, dist, inspect, merge, plot, run, sweep
 from nervure.errors import Refusal
@@ -39,6 +38,8 @@ def main() -> None:
     try:
         app()
     except Refusal as error:
+        from rich.console import Console
+
         Console(stderr=True, highlight=False, soft_wrap=True).print(f"error: {error}", markup=False)
         sys.exit(REFUSED)
 

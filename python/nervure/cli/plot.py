@@ -5,7 +5,6 @@ from typing import Annotated
 
 import typer
 
-from nervure import results
 from nervure.errors import Refusal
 
 
@@ -18,13 +17,13 @@ def plot(
     """Draw tip.png, drag.png and lift.png anew from series.csv, several runs over each other."""
     if len(folders) > 1 and output is None:
         raise Refusal("where several runs are drawn over each other, --output has to say where the pictures go")
-    runs = [results.Results(folder) for folder in folders]
-    target = output or folders[0]
-
+    from nervure import results
     from nervure.show import plots
 
+    runs = [results.read(folder) for folder in folders]
+    target = output or folders[0]
     target.mkdir(parents=True, exist_ok=True)
-    written = plots.time_series(target, results.labelled(runs), runs[0].scene["name"])
+    written = plots.time_series(target, results.labelled(runs), runs[0].scene)
     if len(runs) == 1:
         written += plots.cylinder(target, runs[0], runs[0].scene, runs[0].summary)
         written += plots.driven_root(target, runs[0], runs[0].summary)

@@ -1,14 +1,16 @@
 """`run` a scene and `resume` a run that was stopped."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nervure import simulation
-from nervure.scene import customized
+from nervure.cli import FAILED, INTERRUPTED, EndTime, Overrides, Quiet, SceneFile
 
-from nervure.cli import EndTime, Overrides, Quiet, SceneFile
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from nervure.evaluate.summary import Summary
 
 FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of ours.")]
 
@@ -30,10 +32,14 @@ def run(
     quiet: Quiet = False,
 ) -> None:
     """Run a scene: pack its units, couple them, write results/NAME with tables, a summary and pictures."""
-    scene = customized(scene_file, overrides, end_time)
-    foreign = {"rod": rod_fmu, "fluid": fluid_fmu}
-    keeping = simulation.Keeping(checkpoint_every, fields_every)
-    raise typer.Exit(simulation.run(scene, output, foreign, keeping, *simulation.consoles(quiet)))
+    from nervure import simulation
+    from nervure.scene import load
+
+    scene = load(scene_file, overrides or (), end_time)
+    options = simulation.OutputOptions(checkpoint_every, fields_every)
+    console, errors = simulation.consoles(quiet)
+    fmus = {"rod": rod_fmu, "fluid": fluid_fmu}
+    _exit(simulation.run(scene, output, fmus, options, console, errors).summary, errors)
 
 
 def resume(
@@ -41,4 +47,16 @@ def resume(
     quiet: Quiet = False,
 ) -> None:
     """Go on from the checkpoint in a result folder, with the scene, the units and the options of its run."""
-    raise typer.Exit(simulation.resume(folder, *simulation.consoles(quiet)))
+    from nervure import simulation
+
+    console, errors = simulation.consoles(quiet)
+    _exit(simulation.resume(folder, console, errors).summary, errors)
+
+
+def _exit(summary: "Summary", errors: "Console") -> None:
+    """End the command with the exit code of a run."""
+    if summary.error is not None:
+        errors.print(f"error: {summary.error}", markup=False)
+        raise typer.Exit(FAILED)
+    if not summary.completed:
+        raise typer.Exit(INTERRUPTED)

@@ -5,19 +5,18 @@ from typing import Annotated
 
 import typer
 
-from nervure import simulation, sweep as sweeps
-from nervure.scene import customized
-
 from nervure.cli import FAILED, EndTime, Overrides, Quiet
 
 
 def sweep(
-    scene_files: Annotated[list[Path], typer.Argument(metavar="SCENE.json...", help="The scenes to start from.")],
+    scene_files: Annotated[
+        list[str], typer.Argument(metavar="SCENE...", help="Scene files or shipped scenes to start from.")
+    ],
     vary: Annotated[
         list[str] | None,
         typer.Option(
             metavar="KEY=V1,V2,…",
-            help="Values for a scene key by its dotted path, or KEY=[V1, V2, …] in JSON; repeatable: all combinations are run.",
+            help="Values for a scene key, or KEY=[V1, V2, …] in JSON; repeatable: all combinations are run.",
         ),
     ] = None,
     overrides: Overrides = None,
@@ -33,7 +32,10 @@ def sweep(
 
     The same command goes on where it was: what is finished is not run again.
     """
-    scenes = [customized(path, overrides, end_time) for path in scene_files]
+    from nervure import simulation, sweep as sweeps
+    from nervure.scene import read
+
+    scenes = [read(name, overrides or (), end_time) for name in scene_files]
     cases = sweeps.grid(scenes, [sweeps.values(text) for text in vary or []])
     folder = output or Path("results") / f"sweep-{sweeps.plain_name(scenes[0])}"
     console, _ = simulation.consoles(quiet)

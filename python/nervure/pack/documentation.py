@@ -1,6 +1,8 @@
-"""What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals for masters that know ports."""
+"""What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals for masters that know
+ports."""
 
 from html import escape
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
 from lxml import etree
@@ -26,21 +28,21 @@ pre {{ background: #f4f4f4; padding: 0.6em 1em; overflow-x: auto; }}
 <tr><th>name<th>causality<th>type<th>unit<th>start<th>limits<th>value reference<th>meaning
 {rows}
 </table>
-<p>Licence: MIT or Apache-2.0, in <a href="licenses/">licenses</a>. The scene is in <code>resources/scene.json</code>.</p>
-</html>
+<p>Licence: MIT or Apache-2.0, in <a href="licenses/">licenses</a>. The scene is in
+<code>resources/scene.json</code>.</p> </html>
 """
 
 
-def _arrays(description: str) -> dict[str, list]:
+def _arrays(description: str) -> dict[str, list[Any]]:
     """The `ScalarVariable` elements of a model description, those of an array together, by name without index."""
-    arrays: dict[str, list] = {}
+    arrays: dict[str, list[Any]] = {}
     for scalar in etree.fromstring(description.encode("utf-8")).iterfind("ModelVariables/ScalarVariable"):
         name = scalar.get("name")
         arrays.setdefault(name.rpartition("[")[0] if name.endswith("]") else name, []).append(scalar)
     return arrays
 
 
-def _row(name: str, scalars: list) -> str:
+def _row(name: str, scalars: list[Any]) -> str:
     """A line of the table of variables."""
     first, value = scalars[0], scalars[0][0]
     starts = list(dict.fromkeys(scalar[0].get("start", "") for scalar in scalars))
