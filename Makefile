@@ -53,7 +53,7 @@ rust-test:
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
 
-LINTED := python examples scripts tests hatch_build.py
+LINTED := python examples scripts tests modelDescription hatch_build.py
 
 lint: $(READY_DEV) ## check style, types and layers of the Python side
 	$(RUN) -m ruff check $(LINTED)
@@ -75,7 +75,7 @@ bindings-check: $(READY_DEV) ## compare crates/fmi2/src/sys.rs with what the off
 schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the classes of scenes in Python anew
 	cargo run --quiet --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
-	$(RUN) python/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
+	$(RUN) modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
 	$(NERVURE) build fsi3-325x72 --descriptions modelDescription

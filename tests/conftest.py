@@ -14,7 +14,7 @@ from unittest.mock import patch
 import pytest
 
 from nervure import coupling
-from nervure.cli.main import main
+from nervure.cli import main
 from nervure.pack import package
 from nervure.resources import ROOT
 from nervure.scene import kinds, read, text, typed

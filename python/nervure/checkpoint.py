@@ -38,8 +38,7 @@ class Kept:
     """What a checkpoint holds."""
 
     path: Path
-    about: dict[str, Any]
-    """The scene, its set-up, the units' GUIDs, steps done and times."""
+    about: dict[str, Any]  # The scene, its set-up, the units' GUIDs, steps done and times
     arrays: dict[str, np.ndarray]
 
 

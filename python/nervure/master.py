@@ -38,12 +38,9 @@ class RunStatus:
     """How a run ended and what it cost."""
 
     steps: int
-    simulated: float
-    """Time reached, s."""
-    wall: float
-    """Wall time of the loop, s."""
-    cpu: float | None
-    """Its processor time, s; None of a run that was resumed."""
+    simulated: float  # Time reached, s
+    wall: float  # Wall time of the loop, s
+    cpu: float | None  # Its processor time, s; None of a run that was resumed
     completed: bool
     error: str | None
 

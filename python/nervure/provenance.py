@@ -14,8 +14,7 @@ class Revision:
     """A git revision."""
 
     revision: str
-    dirty: bool
-    """Whether files of it but documents have changed."""
+    dirty: bool  # Whether files of it but documents have changed
 
 
 @dataclass(frozen=True)

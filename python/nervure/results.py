@@ -33,10 +33,8 @@ class Results:
     scene: Scene
     folder: Path
     summary: Summary
-    series: Mapping[str, np.ndarray]
-    """Columns by name."""
-    units: Mapping[str, str | None]
-    """Their units; a column without one counts something."""
+    series: Mapping[str, np.ndarray]  # Columns by name
+    units: Mapping[str, str | None]  # Their units; a column without one counts something
 
     @property
     def columns(self) -> list[str]:

@@ -23,10 +23,8 @@ from nervure.unit import Unit
 class OutputOptions:
     """What a run writes besides its tables."""
 
-    checkpoint_every: float | None = None
-    """Wall time between checkpoints, min."""
-    fields_every: float | None = None
-    """Simulated time between fields, s."""
+    checkpoint_every: float | None = None  # Wall time between checkpoints, min
+    fields_every: float | None = None  # Simulated time between fields, s
 
 
 @dataclass(frozen=True)
@@ -34,8 +32,7 @@ class Setup:
     """The units of a run and what it writes."""
 
     fmus: dict[str, Path]
-    foreign: bool
-    """Whether one of them is not ours."""
+    foreign: bool  # Whether one of them is not ours
     options: OutputOptions
 
 

@@ -47,12 +47,9 @@ REPORTED = ("simulated_s", "steps", "periods", "amplitude_drift", "iterations_me
 class Case:
     """A run of a sweep."""
 
-    scene: Document
-    """Which may be one that a unit refuses: that is then the result."""
-    varied: dict[str, Any]
-    """What differs from the scene it was made of, by dotted keys."""
-    key: str
-    """Digest of the scene and of its units' libraries: a row with the same key needs no other run."""
+    scene: Document  # Which may be one that a unit refuses: that is then the result
+    varied: dict[str, Any]  # What differs from the scene it was made of, by dotted keys
+    key: str  # Digest of the scene and of its units' libraries: a row with the same key needs no other run
 
     @property
     def folder(self) -> str:
@@ -119,11 +116,8 @@ def one(scene: Document, folder: Path) -> Row:
         for name, quantity in summary.quantities.items():
             found |= {f"{name}_{what}": getattr(quantity, what) for what in STATISTICS}
         found |= summary.coefficients.values if summary.coefficients else {}
-        found |= (
-            {name: value for name, value in vars(summary.flapping).items() if isinstance(value, float)}
-            if summary.flapping
-            else {}
-        )
+        flapping = vars(summary.flapping).items() if summary.flapping else ()
+        found |= {name: value for name, value in flapping if isinstance(value, float)}
     except (Refusal, OSError) as error:
         row = {"status": FAILED, "reason": str(error)}
     times = {"wall_s": perf_counter() - wall, "cpu_s": process_time() - cpu}
@@ -135,17 +129,14 @@ def run(
 ) -> list[Row]:
     """Run those of `cases` that are not known, write sweep.csv and sweep.json into `folder`, return the rows."""
     rows = {case.folder: known(case, folder) for case in cases}
-    todo = [
-        case for case in cases if (row := rows[case.folder]) is None or (retry_failed and row["status"] != FINISHED)
-    ]
+    again = {name for name, row in rows.items() if row is None or (retry_failed and row["status"] != FINISHED)}
+    todo = [case for case in cases if case.folder in again]
     say(f"{len(cases)} runs, {len(todo)} to do, into {folder}")
     try:
         _collect(folder, rows)
         if todo:
             for case, result in _distributed(todo, folder, scheduler):
-                row = (
-                    {"folder": case.folder, "scene": case.scene.get("name")} | case.varied | result | {"key": case.key}
-                )
+                row = {"folder": case.folder, "scene": case.scene.get("name"), **case.varied, **result, "key": case.key}
                 rows[case.folder] = row
                 (folder / case.folder).mkdir(exist_ok=True)
                 line = json.dumps(row) + "\n"
@@ -230,12 +221,9 @@ def _collect(folder: Path, rows: dict[str, Row | None]) -> None:
     table = [row for row in rows.values() if row]
     columns = list(dict.fromkeys(column for row in table for column in row if column != "key"))
 
-    write_csv(
-        folder / "sweep.csv",
-        [
-            {name: json.dumps(v) if isinstance(v, (list, dict)) else v for name, v in row.items() if name != "key"}
-            for row in table
-        ],
-    )
+    def cells(row: Row) -> Row:
+        return {name: json.dumps(v) if isinstance(v, list | dict) else v for name, v in row.items() if name != "key"}
+
+    write_csv(folder / "sweep.csv", list(map(cells, table)))
     text = json.dumps([{name: row.get(name) for name in columns} for row in table], indent=2) + "\n"
     write_whole(folder / "sweep.json", lambda path: path.write_text(text, encoding="utf-8"))

@@ -35,13 +35,11 @@ class Variable:
     """A scalar variable, or an array `name[1] … name[n]`."""
 
     name: str
-    kind: str
-    """FMI type: Real, Integer, Boolean or String."""
+    kind: str  # FMI type: Real, Integer, Boolean or String
     causality: str
     unit: str | None
     references: list[int]
-    start: list[str | None]
-    """Start values as they stand in the model description."""
+    start: list[str | None]  # Start values as they stand in the model description
 
     @property
     def size(self) -> int:

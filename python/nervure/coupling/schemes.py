@@ -170,13 +170,7 @@ step."""
 class Iterated(Explicit):
     """Rod and fluid with exchanges until they agree."""
 
-    def __init__(
-        self,
-        rod: Unit,
-        fluid: Unit,
-        options: Iteration,
-        drive: Drive | None = None,
-    ):
+    def __init__(self, rod: Unit, fluid: Unit, options: Iteration, drive: Drive | None = None):
         super().__init__(rod, fluid, drive)
         for unit in (rod, fluid):
             if not unit.can_roll_back:
@@ -188,9 +182,8 @@ class Iterated(Explicit):
             )
         self.tolerance, self.max_iterations = options.tolerance, options.max_iterations
         self.displacement = np.r_[rod.slices["x"], rod.slices["y"]]
-        self.acceleration: Aitken | IqnIls = (
-            Aitken() if options.acceleration == "aitken" else IqnIls(self.displacement.size, self.stations.size)
-        )
+        newton = IqnIls(self.displacement.size, self.stations.size)
+        self.acceleration = Aitken() if options.acceleration == "aitken" else newton
         self.last_stations: np.ndarray | None = None
         self.iterations, self.convergence = array("d"), array("d")
 
@@ -236,9 +229,7 @@ class Iterated(Explicit):
         self.iterations.extend((number, total + iterations, iterations, a.columns, a.deleted, a.dropped))
 
     def memory(self) -> dict[str, np.ndarray]:
-        own = {
-            name: np.array(log) for name, log in (("iterations", self.iterations), ("convergence", self.convergence))
-        }
+        own = {"iterations": np.array(self.iterations), "convergence": np.array(self.convergence)}
         if self.last_stations is not None:
             own["last_stations"] = self.last_stations
         return own | self.acceleration.memory()

@@ -23,13 +23,10 @@ at the front and the back of the cylinder has no `dp_mean`."""
 class Scale:
     """What makes forces and frequencies of a scene dimensionless."""
 
-    force: float
-    """rho Ubar² D / 2, N/m."""
-    frequency: float
-    """Ubar / D, Hz."""
+    force: float  # rho Ubar² D / 2, N/m
+    frequency: float  # Ubar / D, Hz
     front: str | None
-    back: str | None
-    """Columns of the pressure at the front and the back of the cylinder, if there are probes."""
+    back: str | None  # Columns of the pressure at the front and the back of the cylinder, if there are probes
 
 
 def scale(scene: Scene) -> Scale | None:

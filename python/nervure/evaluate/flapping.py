@@ -26,29 +26,19 @@ ENERGIES = ("energy_elastic", "energy_kinetic", "energy_gravity")
 class Flapping:
     """Cycle averages of a driven root and its rod; what there is no fluid for is None."""
 
-    axis: str
-    """Along which the tip goes farthest."""
-    window_s: tuple[float, float]
-    """Whole periods of the drive, s."""
+    axis: str  # Along which the tip goes farthest
+    window_s: tuple[float, float]  # Whole periods of the drive, s
     periods: int
-    power_in: float
-    """W per metre of depth, or W in space."""
-    thrust: float | None = None
-    """N/m."""
-    lift: float | None = None
-    """N/m."""
-    stream: tuple[float, float] | None = None
-    """Velocity, m/s; None in still fluid."""
-    efficiency: float | None = None
-    """Thrust times stream by power; None in still fluid."""
-    thrust_by_power: float | None = None
-    """s/m; in still fluid only."""
-    tip_amplitude: float
-    """m."""
+    power_in: float  # W per metre of depth, or W in space
+    thrust: float | None = None  # N/m
+    lift: float | None = None  # N/m
+    stream: tuple[float, float] | None = None  # Velocity, m/s; None in still fluid
+    efficiency: float | None = None  # Thrust times stream by power; None in still fluid
+    thrust_by_power: float | None = None  # s/m; in still fluid only
+    tip_amplitude: float  # m
     tip_by_rigid_tip: float
     phase_lag_deg: float
-    energy_balance: dict[str, float | None]
-    """Works, J per metre of depth, and the part that is missing."""
+    energy_balance: dict[str, float | None]  # Works, J per metre of depth, and the part that is missing
 
 
 def main_axis(columns: Sequence[str], column: Callable[[str], np.ndarray]) -> str | None:

@@ -41,8 +41,7 @@ class Window:
 
     begin: float
     end: float
-    periods: int
-    """Whole periods of the main signal; 0 if it does not oscillate."""
+    periods: int  # Whole periods of the main signal; 0 if it does not oscillate
 
     def last(self, periods: int) -> "Window":
         """Its last `periods` whole periods, or all of it if it has no more."""

@@ -44,15 +44,11 @@ class Published:
 class Quantity:
     """A recorded output over the window."""
 
-    mean: float
-    """(max + min) / 2, in `unit`."""
-    amplitude: float
-    """(max - min) / 2, in `unit`."""
-    frequency_hz: float | None
-    """Hz; None where it does not oscillate."""
+    mean: float  # (max + min) / 2, in `unit`
+    amplitude: float  # (max - min) / 2, in `unit`
+    frequency_hz: float | None  # Hz; None where it does not oscillate
     unit: str
-    fit: statistics.Statistics | None
-    """The same of the harmonics that fit best; None where it does not oscillate."""
+    fit: statistics.Statistics | None  # The same of the harmonics that fit best; None where it does not oscillate
     reference: Published | None = None
 
 
@@ -81,10 +77,8 @@ class Interface:
 
     work_on_rod: float
     work_by_fluid: float
-    exchanged: float
-    """Sum of the magnitudes."""
-    imbalance: float | None
-    """Their difference, relative to what was exchanged."""
+    exchanged: float  # Sum of the magnitudes
+    imbalance: float | None  # Their difference, relative to what was exchanged
 
 
 @dataclass(frozen=True)
@@ -105,30 +99,22 @@ class Summary:
     completed: bool
     error: str | None
     quantities: dict[str, Quantity]
-    coefficients: Coefficients | None
-    """None where the scene is not one still cylinder in an inflow."""
-    flapping: flapping.Flapping | None
-    """None where no root is driven."""
-    window_s: tuple[float, float] | None
-    """What was evaluated, s; None without a signal to take it from."""
-    periods: int
-    """Whole periods in it; 0 where nothing oscillates."""
+    coefficients: Coefficients | None  # None where the scene is not one still cylinder in an inflow
+    flapping: flapping.Flapping | None  # None where no root is driven
+    window_s: tuple[float, float] | None  # What was evaluated, s; None without a signal to take it from
+    periods: int  # Whole periods in it; 0 where nothing oscillates
     amplitude_drift: float | None
     method: Method
-    interface: Interface | None
-    """None where a unit does not tell its power."""
+    interface: Interface | None  # None where a unit does not tell its power
     simulated_s: float
     wall_s: float
-    cpu_s: float | None
-    """None of a run that was resumed."""
+    cpu_s: float | None  # None of a run that was resumed
     wall_s_per_simulated_s: float | None
     steps: int
     iterations_mean: float | None
-    phases_s: dict[str, float]
-    """Wall time by what it was spent on, s."""
+    phases_s: dict[str, float]  # Wall time by what it was spent on, s
     units: dict[str, UnitInfo]
-    series: dict[str, str | None]
-    """Unit of each column of series.csv."""
+    series: dict[str, str | None]  # Unit of each column of series.csv
     versions: dict[str, str]
     git: Revision | None
     machine: Machine

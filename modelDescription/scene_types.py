@@ -1,6 +1,6 @@
 """Write the classes of a scene, `nervure/scene/types.py`, from its JSON Schema, which the Rust types give.
 
-    python python/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
+    python modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 
 `make schema` does so. Every title of the schema is a class, or the name of a choice between classes and words.
 """
