@@ -62,7 +62,7 @@ lint: $(READY_DEV) ## check style, types and layers of the Python side
 	$(VENV)/bin/lint-imports
 
 python-test: build $(READY_DEV) ## the tests in Python, in two processes
-	$(RUN) -m pytest --numprocesses 2 --dist loadgroup
+	$(RUN) -m pytest --numprocesses 2 --dist loadfile
 
 package-check: ## package every crate as a registry would take it and build it from there (two minutes)
 	cargo package --workspace --allow-dirty --locked --target-dir target/package-check

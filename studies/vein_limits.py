@@ -81,7 +81,7 @@ def pitch(law: dict, t: float) -> tuple[float, float]:
 
 def execute(
     scene: dict, folder: Path, drive: coupling.Drive | None = None, rigid: bool = False
-) -> tuple[Recorder, coupling.Single, master.Outcome]:
+) -> tuple[Recorder, coupling.Single, master.RunStatus]:
     """Pack `scene` into `folder` and run it; `rigid` puts a rigid rod that follows its root in the place of the rod."""
     packed = {key: part for key, part in scene.items() if key != "rod"} if rigid else scene
     with ExitStack() as stack:

@@ -9,8 +9,6 @@ from record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
 from nervure.results import FILES
 from nervure.scene import load
 
-pytestmark = pytest.mark.xdist_group("fsi3")
-
 EARLY_TOLERANCE = 1e-6
 """Relative to the largest recorded value: another machine's libm differs in the last bit, and before the wake sways
 such differences hardly grow."""

@@ -17,8 +17,6 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-pytestmark = pytest.mark.xdist_group("glue")
-
 ROOT = Path(__file__).parents[1]
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
 

