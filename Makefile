@@ -139,13 +139,17 @@ vein-study: build $(READY_DEV) ## the vein's sweep over stiffness, its limits, c
 	$(RUN) studies/vein.py $(ARGS)
 
 BENCH_VENV := target/fluid-bench/venv
+FLUID_BENCH := cargo run --release --locked --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench
 
 .PHONY: bench-fluid
 
-bench-fluid: $(BENCH_VENV)/.ready ## compare the fluid's speed with FFTW's, by phase and by threads, write docs/fluid/speed.csv
+fluid-measures: ## write docs/fluid/measures.csv and stability.csv: exact solutions and invariants, and the map of stability
+	$(FLUID_BENCH) --bin measures -- docs/fluid/measures.csv
+	$(FLUID_BENCH) --bin stability -- docs/fluid/stability.csv
+
+bench-fluid: $(BENCH_VENV)/.ready ## compare the fluid's speed with FFTW's and rustfft's, by phase and by threads, write docs/fluid/speed.csv
 	FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)" \
-	cargo run --release --locked --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench -- \
-	docs/fluid/speed.csv
+	$(FLUID_BENCH) -- docs/fluid/speed.csv
 
 $(BENCH_VENV)/.ready: requirements/bench.lock
 	$(PYTHON) -m venv --clear $(BENCH_VENV)

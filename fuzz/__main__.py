@@ -11,10 +11,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from nervure.files import write_csv
-from nervure.pack import package
+from nervure.library import KINDS
 from nervure.resources import ROOT
-from nervure.scene import REFERENCES, load
-
+from nervure.scene import kinds, read, text
 from studies.reliability.__main__ import unpack
 from studies.reliability.trials import HEADER
 from studies.reliability.unit import SCENE, FMU2Unit
@@ -26,17 +25,15 @@ OPTIONS = ("-timeout=30", "-max_len=65536", f"-dict={FUZZ / 'target' / 'scene.di
 
 def write_seeds() -> None:
     """Scenes with a small grid and a short beam, states of both units, and a dictionary of the scene's words."""
-    files = {"target/flag/scene.json": package.scene_text(SCENE).encode()}
-    for path in {*(ROOT / "scenes").glob("*.json")} - {REFERENCES}:
-        scene = load(path)
+    files = {"target/flag/scene.json": text(SCENE).encode()}
+    for path in sorted((ROOT / "scenes").glob("*.json")):
+        scene = read(path)
         for part, key, value in (("fluid", "box", {"cells": [32, 16]}), ("beam", "segments", 6)):
             if scene.get(part):
                 scene[part][key] = scene[part][key] | value if key == "box" else value
-        files |= {
-            f"corpus/{kind}_scene/{path.stem}": package.scene_text(scene).encode() for kind in package.kinds(scene)
-        }
-    for kind in package.KINDS:
-        files[f"corpus/{kind}_scene/flag"] = package.scene_text(SCENE).encode()
+        files |= {f"corpus/{kind}_scene/{path.stem}": text(scene).encode() for kind in kinds(scene)}
+    for kind in KINDS:
+        files[f"corpus/{kind}_scene/flag"] = text(SCENE).encode()
         with TemporaryDirectory() as folder:
             unit = FMU2Unit(kind, unpack(kind, Path(folder))).new()
             for step in range(4):
@@ -60,13 +57,13 @@ def words(schema: object) -> set[str]:
 def run(target: str, options: list[str]) -> dict:
     """A row of the table; what libFuzzer says is shown as it comes."""
     command = ["cargo", "+nightly", "fuzz", "run", "--fuzz-dir", FUZZ, target, "--", *OPTIONS, *options]
-    text = ""
+    said = ""
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, errors="replace") as process:
         for line in process.stderr:
             sys.stderr.write(line)
-            text += line
-    found = re.search(r"^SUMMARY: (.*)", text, re.MULTILINE)
-    done = re.search(r"^Done (\d+) runs in (\d+) second", text, re.MULTILINE)
+            said += line
+    found = re.search(r"^SUMMARY: (.*)", said, re.MULTILINE)
+    done = re.search(r"^Done (\d+) runs in (\d+) second", said, re.MULTILINE)
     if process.returncode and not found:
         raise SystemExit(f"{target} did not run")
     inputs, seconds = done.groups() if done else ("", "")

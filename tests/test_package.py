@@ -7,10 +7,11 @@ import fmpy
 import pytest
 from lxml import etree
 
+from nervure.library import KINDS
 from nervure.pack import package
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", package.KINDS)
+both = pytest.mark.parametrize("kind", KINDS)
 
 
 @both

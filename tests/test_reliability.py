@@ -6,18 +6,18 @@ import time
 
 import pytest
 
-from nervure.pack import package
+from nervure.library import KINDS
 from studies.reliability.__main__ import CHECKS, unpack
 from studies.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", package.KINDS)
+both = pytest.mark.parametrize("kind", KINDS)
 
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory, libraries):
     """The unpacked FMUs by kind."""
-    return {kind: unpack(kind, tmp_path_factory.mktemp(kind)) for kind in package.KINDS}
+    return {kind: unpack(kind, tmp_path_factory.mktemp(kind)) for kind in KINDS}
 
 
 @both

@@ -39,7 +39,7 @@ def stokes(u, p, v, q):
 def unit_fields(space: ng.FESpace) -> list:
     """Vectors of the test velocities (1, 0) and (0, 1) on the cylinder."""
     fields = [GridFunction(space), GridFunction(space)]
-    for field, direction in zip(fields, ((1, 0), (0, 1))):
+    for field, direction in zip(fields, ((1, 0), (0, 1)), strict=True):
         field.components[0].Set(CoefficientFunction(direction), definedon=space.mesh.Boundaries("cylinder"))
     return [field.vec for field in fields]
 

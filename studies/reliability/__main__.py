@@ -13,7 +13,9 @@ from typing import Annotated
 
 import fmpy
 import typer
+
 from nervure.files import write_csv
+from nervure.library import KINDS
 from nervure.pack import package
 from nervure.resources import ROOT
 
@@ -60,7 +62,7 @@ def main(
             if list_:
                 typer.echo(f"{name:12} {full:9}  {function.__doc__}")
                 continue
-            for kind in package.KINDS if name in (only or CHECKS) else ():
+            for kind in KINDS if name in (only or CHECKS) else ():
                 count, begin = max(1, round(share * full)), time.perf_counter()
                 try:
                     result = child("spawn", TIMEOUT, tried, function, kind, unpack(kind, Path(temporary)), count)
@@ -78,7 +80,7 @@ def record(row: dict) -> None:
     with open(RESULTS, encoding="utf-8", newline="") as file:
         rows = {(old["check"], old["unit"]): old for old in csv.DictReader(file)}
     rows[row["check"], row["unit"]] = row
-    write_csv(RESULTS, [rows[name, kind] for name in CHECKS for kind in package.KINDS if (name, kind) in rows])
+    write_csv(RESULTS, [rows[name, kind] for name in CHECKS for kind in KINDS if (name, kind) in rows])
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Random call sequences, with an oracle that is written from the standard (FMI 2.0.4, section 4.2.4), not from the glue."""
+"""Random call sequences, with an oracle from the standard (FMI 2.0.4, section 4.2.4), not from the glue."""
 
 import ctypes
 import math
@@ -59,7 +59,7 @@ class Calls:
         if pointers and chance.random() < 0.08:
             k = chance.choice(pointers)
             passed[k] = None
-            right = name == "FreeFMUstate" or right and getattr(arguments[k], "_length_", 1) == 0
+            right = name == "FreeFMUstate" or (right and getattr(arguments[k], "_length_", 1) == 0)
         good = DISCARD if name.endswith("Status") and arguments[0] != ANSWERED.get(name) else OK
         component = None if chance.random() < 0.02 else self.unit.component
         expected = good if component and before[0] in ALLOWED[name] and right else ERROR

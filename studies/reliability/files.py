@@ -13,11 +13,14 @@ from contextlib import ExitStack, contextmanager
 from mmap import mmap
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import SimpleNamespace
 
 import numpy as np
-from nervure import checkpoint, coupling, report
+
+from nervure import checkpoint, coupling, results
 from nervure.pack import package
 from nervure.recorder import Recorder
+from nervure.scene import typed
 from nervure.unit import Unit
 
 from .unit import SCENE, STEP, FMU2Unit
@@ -36,7 +39,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 class Run:
-    """A unit alone that writes a checkpoint and its results after every step, as a run does at intervals and at its end.
+    """A unit alone that writes checkpoint and results after every step, as a run does at intervals and at its end.
 
     `outputs` and `tables` are, by steps, what they are where nothing happens to the run.
     """
@@ -44,7 +47,7 @@ class Run:
     def __init__(self, kind: str, folder: Path):
         self.unit, self.folder = Unit(package.pack(kind, SCENE, folder), kind, 1.0), folder
         self.scheme, self.recorder = coupling.Single(self.unit), Recorder({kind: self.unit}, LONGEST + 1)
-        self.kept = checkpoint.Checkpoint(folder, SCENE, {}, {kind: self.unit}, self.scheme, self.recorder)
+        self.kept = checkpoint.Checkpoint(folder, typed(SCENE), {}, {kind: self.unit}, self.scheme, self.recorder)
         self.scheme.start()
         self.recorder.record(0, 0.0, 0)
         self.kept.save(0, 0.0)
@@ -62,7 +65,8 @@ class Run:
         self.recorder.record(done, done * STEP, 1)
 
     def write(self, done: int, _: float = 0.0) -> None:
-        report.write(self.folder, SCENE, self.recorder, self.scheme, {"steps": done})
+        summary = SimpleNamespace(document=lambda: {"steps": done})
+        results.write(self.folder, typed(SCENE), self.recorder, self.scheme, summary)
 
     def begin(self, folder: Path) -> None:
         """Be at the start again, with nothing but its checkpoint in `folder`."""
@@ -122,7 +126,7 @@ def kills(unit: FMU2Unit, count: int) -> str:
 
 
 def full_disks(unit: FMU2Unit, count: int) -> str:
-    """A disk that gets full while checkpoint and results are written: the old or the new ones load, nothing half-written."""
+    """A disk full while checkpoint and results are written: the old or the new ones load, none half-made."""
     chance = random.Random(6)
     with ExitStack() as stack:
         place = Path(stack.enter_context(TemporaryDirectory()))

@@ -20,7 +20,7 @@ STEPS = (math.nan, math.inf, -math.inf, 1e308, 1e100, 1e20, 1e9, 1e6, -1.0, 0.0,
 BEFORE, AFTER = 5, 3
 """Steps up to the state that is damaged, and steps that are compared after it."""
 HEADER = 62
-"""Bytes before the payload of a serialized state, the last twelve its length and checksum (crates/fmi2/src/snapshot.rs)."""
+"""Bytes before the payload of a state, the last twelve its length and checksum (crates/fmi2/src/snapshot.rs)."""
 
 
 def hostile(library: FMU2Unit, count: int) -> str:
@@ -49,7 +49,9 @@ def hostile(library: FMU2Unit, count: int) -> str:
             end = "failed"
             unit.doStep(0.0, step)
             end = "finite"
-            wrong = [pair for pair in zip(everything, unit.getReal(everything)) if not math.isfinite(pair[1])]
+            wrong = [
+                pair for pair in zip(everything, unit.getReal(everything), strict=True) if not math.isfinite(pair[1])
+            ]
             assert not wrong, f"case {case}: {wrong} after a step of {step} with status OK"
         except FMICallException:
             pass
