@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
+
 from studies import vein_limits
 
 
