@@ -4,6 +4,7 @@ import copy
 
 import numpy as np
 import pytest
+
 from nervure.scene import assign
 
 H = 1e-3
@@ -42,8 +43,8 @@ def spatial(still):
 
 @pytest.fixture
 def run(instantiate):
-    """Function that makes the unit `kind` of a scene, sets values by name (an array's by its first reference and index) and
-    makes some steps; returns the unit."""
+    """Function that makes the unit `kind` of a scene, sets values by name (an array's by its first reference and index)
+    and makes some steps; returns the unit."""
 
     def make(scene, kind="rod", parameters=None, inputs=None, steps=5):
         unit = instantiate(scene)[kind]
@@ -211,8 +212,8 @@ def flow(fluid_only):
     """A stream past a cylinder and, away from it, a beam, with a probe beside either."""
     fluid_only["fluid"]["cylinders"] = [{"center": [-0.4, 0.0], "radius": 0.1}]
     fluid_only["fluid"]["mask"] = {"log_linear": {"c_eta": 1e-4}}
-    fluid_only["fluid"]["probes"] = [{"name": name, "position": at} for name, at in
-                                     (("above", [0.5, 0.15]), ("ahead", [-0.55, 0.0]), ("behind", [-0.25, 0.0]))]  # fmt: skip
+    probes = {"above": [0.5, 0.15], "ahead": [-0.55, 0.0], "behind": [-0.25, 0.0]}
+    fluid_only["fluid"]["probes"] = [{"name": name, "position": at} for name, at in probes.items()]
     root = {"at": {"position": [0.3, 0.0], "direction": [1.0, 0.0]}}
     fluid_only["beam"] = {"root": root, "length": 0.4, "thickness": 0.1, "segments": 8}
     return fluid_only
