@@ -5,24 +5,14 @@ elasticity on nine-node quadrilaterals. Away from the ends its sections turn and
 
     theta = M (x + d)/EI,    theta = P (l (x + d) - x²/2)/EI,    w' = theta + P/(k G h),
 
-with the mean turning theta and the mean displacement w of a section. `clamp_setback` is d, `shear_factor` is k. Writes docs/rod/clamp.csv and
-clamp.md:
-
-    python scripts/studies/clamp.py
+with the mean turning theta and the mean displacement w of a section. `clamp_setback` is d, `shear_factor` is k.
 """
 
-import csv
-import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-
-
-
-from nervure.resources import ROOT
-from studies.tables import page, read
-
-DOCS = ROOT / "docs" / "rod"
 
 LENGTH = 6.0
 """Of the plate, in thicknesses."""
@@ -71,7 +61,7 @@ def stiffness(x: np.ndarray, y: np.ndarray, poisson: float) -> np.ndarray:
     return matrix
 
 
-def over_section(y: np.ndarray, weight) -> np.ndarray:
+def over_section(y: np.ndarray, weight: Callable[[float], float]) -> np.ndarray:
     """Weights of the nodal values of a section in the integral of value times `weight(y)`."""
     result = np.zeros(y.size)
     for j in range(0, y.size - 1, 2):
@@ -108,31 +98,13 @@ def measure(radius: float, poisson: float, along: int, across: int) -> tuple[flo
     return by_moment, by_force, (1 + poisson) / (6 * (1 - poisson**2) * sheared)
 
 
-def pages() -> dict[Path, str]:
-    """docs/rod/clamp.md, of clamp.csv."""
-    header = ["wall", "Poisson's ratio", "elements", "d/h by the moment", "d/h by the force", "k", "10/(12 − ν)"]
-    rows = []
-    for row in read(DOCS, "clamp"):
-        numbers = [f"{row[name]:.4f}" for name in ("by_moment", "by_force", "shear_factor")]
-        rows.append([row["wall"], row["poisson"], row["elements"], *numbers, f"{10 / (12 - row['poisson']):.4f}"])
-    note = "Linear elasticity in plane strain; the plate is 6 h long. Made by `python scripts/studies/clamp.py`."
-    return {DOCS / "clamp.md": page("The clamp of a plate and its shear", header, rows, note)}
-
-
-def main() -> None:
+def run(case: Any, folder: Path) -> dict[str, Any]:
+    """Both walls, three of Poisson's ratios, two meshes."""
     rows = []
     for radius, wall in ((np.inf, "straight"), (2.5, "cylinder, R = 2.5 h")):
         for poisson in (0.0, 0.3, 0.4):
             for along, across in ((24, 6), (36, 8)):
-                numbers = (f"{number:.8f}" for number in measure(radius, poisson, along, across))
-                rows.append([wall, poisson, f"{along} x {across}", *numbers])
-    with open(DOCS / "clamp.csv", "w", encoding="utf-8", newline="") as file:
-        out = csv.writer(file, lineterminator="\n")
-        out.writerow(["wall", "poisson", "elements", "by_moment", "by_force", "shear_factor"])
-        out.writerows(rows)
-    for path, text in pages().items():
-        path.write_text(text, encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
+                found = [round(float(number), 8) + 0.0 for number in measure(radius, poisson, along, across)]
+                names = ("by_moment", "by_force", "shear_factor")
+                rows.append({"wall": wall, "poisson": poisson, "elements": f"{along} x {across}"} | dict(zip(names, found)))
+    return {"tables": {"clamp": rows}}

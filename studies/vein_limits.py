@@ -1,23 +1,23 @@
 """A driven root where the answer is known: the scenes, what comes out, and how far from the answer it may be.
 
-`scripts/studies/vein.py` writes what it finds into docs/vein/limits.csv, tests/test_flapping.py asks for the same.
+The study of the vein shows what is found, tests/test_flapping.py asks for the same.
 """
 
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-
 from nervure import coupling, master
 from nervure.evaluate import flapping, statistics
-from nervure.pack import package
-from nervure.recorder import Recorder
-from nervure.resources import ROOT
-from nervure.scene import load
 from nervure.evaluate.statistics import Window
-from nervure.unit import Unit
+from nervure.recorder import Recorder
+
+from studies import simulate
+
+Scene = dict[str, Any]
 
 PITCHING = "vein-pitching-320x240"
 FORCES = ("beam_drag", "beam_lift", "beam_moment")
@@ -52,65 +52,18 @@ Run = Callable[..., Recorder]
 """`record` without its folder: the scene and, by keyword, whether the rod is rigid, to what was recorded."""
 
 
-class Prescribed(coupling.Single):
-    """A fluid whose stations are those of a rigid rod along x that pitches about the origin."""
-
-    def __init__(self, fluid: Unit, law: dict, beam: dict):
-        fluid.connect(["x", "y", "vx", "vy"], [])
-        self.unit, self.law, self.drive = fluid, law, None
-        self.s = np.linspace(0, beam["length"], beam["segments"] + 1)
-
-    def step(self, t: float, h: float) -> int:
-        angle, rate = pitch(self.law, t + h)
-        along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
-        self.unit.inputs[:] = np.concatenate([np.outer(along, self.s).ravel(), np.outer(rate * across, self.s).ravel()])
-        return super().step(t, h)
-
-
-def sine_of(scene: dict) -> dict:
-    """The law of the pitching root."""
-    return scene["rod"]["root_motion"]["laws"]["rotations"][0]["angle"]["sine"]
-
-
-def pitch(law: dict, t: float) -> tuple[float, float]:
-    """Angle of a root that follows the sine `law`, rad, and its rate."""
-    omega, part = 2 * np.pi * law["frequency"], np.pi * min(t / law["ramp"], 1.0)
-    share, growth = (1 - np.cos(part)) / 2, np.pi / law["ramp"] * np.sin(part) / 2
-    sin, cos = np.sin(omega * t), np.cos(omega * t)
-    return law["amplitude"] * share * sin, law["amplitude"] * (share * omega * cos + growth * sin)
-
-
-def execute(
-    scene: dict, folder: Path, drive: coupling.Drive | None = None, rigid: bool = False
-) -> tuple[Recorder, coupling.Single, master.Outcome]:
-    """Pack `scene` into `folder` and run it; `rigid` puts a rigid rod that follows its root in the place of the rod."""
-    packed = {key: part for key, part in scene.items() if key != "rod"} if rigid else scene
-    with ExitStack() as stack:
-        units = {}
-        for kind in package.kinds(packed):
-            path = package.pack(kind, packed, folder)
-            units[kind] = Unit(path, kind, scene["time"]["end"])
-            stack.callback(units[kind].close)
-            path.unlink()
-        if rigid:
-            scheme = Prescribed(units["fluid"], sine_of(scene), scene["beam"])
-        else:
-            scheme = coupling.couple(units, scene.get("coupling"), drive)
-        clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-        recorder = Recorder(units, clock.steps)
-        return recorder, scheme, master.run(scheme, clock, recorder)
-
-
-def record(scene: dict, folder: Path, drive: coupling.Drive | None = None, rigid: bool = False) -> Recorder:
+def record(scene: Scene, folder: Path, drive: coupling.Drive | None = None, rigid: bool = False) -> Recorder:
     """What a run that reaches its end recorded."""
-    recorder, _, outcome = execute(scene, folder, drive, rigid)
+    with ExitStack() as stack:
+        _, scheme, clock, recorder = simulate.assemble(scene, folder, stack, rigid, drive)
+        outcome = master.run(scheme, clock, recorder)
     assert outcome.error is None, outcome.error
     return recorder
 
 
-def small_pitching() -> dict:
+def small_pitching() -> Scene:
     """The pitching vein on a grid that is good enough for questions about the balance, thicker so that the grid sees it."""
-    scene = load(ROOT / "scenes" / f"{PITCHING}.json")
+    scene = simulate.changed(PITCHING, {})
     scene["name"] = "small-pitching"
     scene["time"] = {"end": 3.05, "communication_step": 1e-3}
     scene["fluid"]["box"]["cells"] = [128, 96]
@@ -153,7 +106,7 @@ def transfer_function(run: Run) -> list[Found]:
     """Base excitation in vacuum, w(L)/w0 = (cos b + cosh b)/(1 + cos b cosh b), b^4 = mu omega^2 L^4/EI, by the scene file alone."""
     b, mu, ei, periods = 1.4, 0.024, 0.0134, 40
     frequency = b**2 * np.sqrt(ei / mu) / (2 * np.pi)
-    scene = load(ROOT / "scenes" / f"{PITCHING}.json")
+    scene = simulate.changed(PITCHING, {})
     del scene["fluid"]
     scene["name"], scene["time"] = "vacuum", {"end": periods / frequency, "communication_step": 1 / (200 * frequency)}
     scene["rod"] |= {
@@ -193,7 +146,7 @@ def frequency_of_the_wet_plate(ei: float, mu: float, area: float) -> float:
 def free_vibration(run: Run) -> list[Found]:
     """A plate in still fluid, nudged at its root, has its added mass."""
     ei, mu, side = 2.7121, 0.3, 3.0
-    scene = load(ROOT / "scenes" / f"{PITCHING}.json")
+    scene = simulate.changed(PITCHING, {})
     scene["name"], scene["time"] = "free-vibration", {"end": 4.0, "communication_step": 5e-3}
     scene["fluid"] |= {"box": {"x": [-1.0, 2.0], "y": [-1.5, 1.5], "cells": [240, 240]}, "kinematic_viscosity": 1e-4}
     del scene["fluid"]["sponge"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
-from studies import vein_limits
+from studies import simulate, vein_limits
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def test_master_drives_the_root_as_the_laws_do(pitching, record, chosen):
     by_laws = record(pitching)
 
     def drive(t: float) -> list[float]:
-        return [0.0, 0.0, 0.0, 0.0, *vein_limits.pitch(vein_limits.sine_of(pitching), t)]
+        return [0.0, 0.0, 0.0, 0.0, *simulate.pitch(simulate.pitching(pitching), t)]
 
     by_master = record(pitching | {"rod": pitching["rod"] | {"root_motion": "master"}}, drive)
     for column in ("tip_uy", "lift", "root_power"):

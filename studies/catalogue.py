@@ -1,0 +1,66 @@
+"""All studies, and the documents that show what they have found."""
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+
+from studies import coupling, fluid, fsi3, rod, running, show, speed, vein
+from studies.engine import Study
+from studies.report import leave_out, pages
+from studies.store import REPORT, Data
+
+STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, vein.STUDY, running.STUDY,
+           leave_out.STUDY, pages.STUDY)  # fmt: skip
+
+STALE = REPORT / "stale.md"
+"""Depends on the sources besides the results: it is not compared by the test of the pages."""
+
+
+def load(studies: Iterable[Study] = STUDIES) -> Data:
+    return Data(studies).load()
+
+
+def filled(text: str, data: Data) -> str:
+    """`text` with its tables as they are now."""
+    tables = {key: table for study in STUDIES for key, table in study.tables.items()}
+
+    def table(match: re.Match[str]) -> str:
+        if match[1] not in tables:
+            raise KeyError(f"there is no table called {match[1]}")
+        return f"<!--table:{match[1]}-->\n" + "\n".join(tables[match[1]](data)) + "\n<!--end-->"
+
+    return show.TABLE.sub(table, text)
+
+
+def render(data: Data, check: bool = False) -> list[Path]:
+    """Write the pages and the tables of documents that have changed; with `check` only tell."""
+    texts = {show.DOCS / name: text for study in STUDIES for name, text in study.pages(data).items()}
+    for path in show.documents():
+        text = path.read_text(encoding="utf-8")
+        if path not in texts and show.TABLE.search(text):
+            texts[path] = filled(text, data)
+    changed = [path for path, text in texts.items() if not path.is_file() or path.read_text(encoding="utf-8") != text]
+    if not check:
+        for path in changed:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(texts[path], encoding="utf-8")
+        STALE.write_text(stale_page(data), encoding="utf-8")
+    return changed
+
+
+def shown(document: Path) -> set[str]:
+    """Names of the cases that the tables of a document are made of."""
+    data = load()
+    filled(document.read_text(encoding="utf-8"), data)
+    return data.asked
+
+
+def stale_page(data: Data) -> str:
+    """Cases whose sources or scenes have changed since they were run."""
+    stale = data.stale()
+    note = (
+        f"{len(stale)} of {len(data.records)} cases were run before the sources or the scene that they depend on were "
+        "changed. Each is repeated by the command beside it."
+    )
+    rows = [[f"`{record.name}`", record.machine, f"`{record.command}`"] for record in stale]
+    return show.page("Stale results", ["case", "run on, at", "command"], rows, note)

@@ -1,0 +1,565 @@
+"""docs/report: error against run time, stability, what a scene leaves out, where the time goes, what is missed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+
+import numpy as np
+from matplotlib.colors import ListedColormap
+from matplotlib.lines import Line2D
+
+from studies import coupling, fsi3, show, simulate, speed
+from studies.engine import Run, Study
+from studies.report import cases, leave_out
+from studies.report.convergence import MOST_ORDER, front, limit
+from studies.show import COLOURS, MARKERS, label, markdown, percent, prose
+from studies.store import Data, Record
+
+PEERS = ("PyElastica", "NGSolve, Taylor–Hood")
+
+QUANTITIES = {
+    "rod-static": ("tip_ux.mean", "tip_uy.mean"),
+    "csm3": ("tip_uy.mean", "tip_uy.amplitude", "tip_uy.frequency_hz"),
+    "cylinder-2d1": ("cd_mean", "cl_mean", "dp_mean"),
+    "cylinder-2d2": ("cd_max", "cl_peak_to_peak", "st"),
+    "fsi3": ("tip_uy.amplitude", "tip_uy.frequency_hz", "drag.mean", "lift.amplitude"),
+}
+MAIN = {"rod-static": "tip_uy.mean", "csm3": "tip_uy.frequency_hz", "cylinder-2d1": "cd_mean", "cylinder-2d2": "cl_peak_to_peak"}
+"""The quantity by which methods are compared in one line."""
+
+CITED = (
+    ("FLUSI", "325 x 72", 34.0, {"tip_uy.amplitude": 42.5e-3, "tip_uy.frequency_hz": 6.5}),
+    ("FLUSI", "650 x 144", 259.0, {"tip_uy.amplitude": 44.6e-3, "tip_uy.frequency_hz": 5.9}),
+    ("deal.II, monolithic", "as cited", 1280.0, {}),
+    ("nutils", "as cited", 5300.0, {}),
+)
+"""Other solvers of FSI3, not measured here: wall time a simulated second, s."""
+SIMULATED = 8.0
+"""End of the FSI3 scenes, s."""
+
+FSI3_METHODS = {
+    "bare profile": fsi3.BARE, "cosine mask": fsi3.COSINE, "two-thirds filter": fsi3.TWO_THIRDS,
+    "pressure jump, iterated": fsi3.PRESSURE_JUMP,
+}  # fmt: skip
+"""Changes of FSI3 that have a line of their own beside the shipped scenes."""
+
+PHASES = ("rod", "fluid", "fmi", "python", "recording", "output")
+
+
+@dataclass(frozen=True)
+class Point:
+    """A run of a method on a case, for error against run time."""
+
+    method: str
+    setting: str
+    values: dict[str, float]
+    errors: dict[str, float]
+    """Against the published value; of the rod at rest as `discretisation`, against the exact beam."""
+    discretisation: dict[str, float]
+    cpu: list[float]
+    wall: list[float]
+    size: float = 0.0
+    step: float | None = None
+    runs: int = 1
+    failed: str = ""
+
+    def of(self, kind: str) -> dict[str, float]:
+        return self.discretisation if kind == "discretisation" else self.errors
+
+
+def point(record: Record, method: str, setting: str, kind: str, size: float = 0.0, step: float | None = None) -> Point:
+    errors = {q: off for q in QUANTITIES[kind] if (off := record.off(q)) is not None}
+    exact = {}
+    if kind == "rod-static":
+        beam = cases.exact("shear" in method or method in PEERS)
+        exact = {q: (record[q] - beam[q]) / abs(beam[q]) for q in beam if q in record.values}
+    clocks = (record.times.get(name, []) for name in ("cpu_s", "wall_s"))
+    cpu, wall = (clock if isinstance(clock, list) else [clock] * 3 for clock in clocks)
+    runs, failed = record.times.get("runs", 1), record.error or ""
+    return Point(method, setting, record.values, errors, exact, cpu, wall, size, step, runs, failed)
+
+
+def points(data: Data, kind: str) -> list[Point]:
+    """What is compared of a case, method by method."""
+    found = []
+    if kind == "fsi3":
+        for grid in fsi3.GRIDS:
+            if record := data.get(f"fsi3/grid/{grid}"):
+                found.append(point(record, "momentum load", grid.replace("x", " x "), kind, int(grid.split("x")[0])))
+        for method, change in FSI3_METHODS.items():
+            for group in fsi3.VARIED:
+                if record := data.get(f"fsi3/{group}/{fsi3.label_of(change)}"):
+                    found.append(point(record, method, group, kind))
+        expected = simulate.published(fsi3.COARSE)
+        for method, setting, wall, values in CITED[:2]:
+            errors = {q: (value - expected[q][0]) / expected[q][1] for q, value in values.items()}
+            found.append(Point(method, setting, values, errors, {}, [], [SIMULATED * wall] * 3))
+        return found
+    for record in data.of(f"report/{kind}/*"):
+        a = record.about
+        if not kind.startswith("cylinder") or a["method"] in PEERS:
+            found.append(point(record, a["method"], a["setting"], kind, a["size"] or record.get("dofs", 0), a["step"]))
+    if kind.startswith("cylinder"):
+        flow = {"cylinder-2d1": "2D-1", "cylinder-2d2": "2D-2"}[kind]
+        methods = {"none": "bare profile", "cosine": "cosine mask", "curvature": "wall target"}
+        for record in data.of("fluid/*", flow=flow):
+            group, a = record.name.split("/")[1], record.about
+            name = "thesis: sharp, uncorrected, Heun" if group == "thesis" else methods.get(a["mask"])
+            if name and (group == "thesis" or group == "grid" and a["scheme"] == "sbdf2"):
+                found.append(point(record, name, f"{a['nx']} x {a['nx'] // 5}", kind, a["nx"], a["dt"]))
+    return found
+
+
+def by_method(found: Iterable[Point]) -> dict[str, list[Point]]:
+    groups: dict[str, list[Point]] = {}
+    for one in found:
+        groups.setdefault(one.method, []).append(one)
+    return groups
+
+
+# Sections
+
+
+def sequences(data: Data) -> list[list[str]]:
+    """Observed order and extrapolation of every sequence of sizes or steps."""
+    found: list[list[str]] = []
+
+    def add(name: str, kind: str, part: Iterable[Point], key: Callable[[Point], float]) -> None:
+        chosen = sorted((p for p in part if not p.failed), key=key)
+        for quantity in QUANTITIES[kind]:
+            line = {key(p): p for p in chosen if quantity in p.values}
+            if len(line) < 3:
+                continue
+            values = [p.values[quantity] for p in line.values()]
+            got = limit(list(line), values, 8.0 if "NGSolve" in name else MOST_ORDER)
+            unit = simulate.unit_of(quantity)
+            factor, unit = (1e3, " mm") if unit == "m" else (1.0, f" {unit}" if unit else "")
+            expected = simulate.published(cases.SCENES[kind]).get(quantity, (0.0, 0.0))[0]
+            told = ["", "", ""]
+            if got.value is not None:
+                model = percent((got.value - expected) / abs(expected)) if expected else ""
+                told = [f"{got.value * factor:.5g}{unit}", percent((values[-1] - got.value) / abs(got.value)), model]
+            shown = ", ".join(f"{value * factor:.5g}" for value in values)
+            found.append([name, label(quantity), shown, show.number(got.order, ".2f"), *told, got.verdict])
+
+    def size(p: Point) -> float:
+        return p.size
+
+    for method, part in by_method(points(data, "rod-static")).items():
+        if "thesis" not in method:
+            add(f"rod at rest, {method}, n", "rod-static", part, size)
+    for method, part in by_method(points(data, "csm3")).items():
+        if method in cases.SCHEMES:
+            add(f"CSM3, 1/H, {method} (n = 32)", "csm3", part, lambda p: 1 / (p.step or 1.0))
+        else:
+            add(f"CSM3, n, {method}", "csm3", part, size)
+    for kind in ("cylinder-2d1", "cylinder-2d2"):
+        for method, part in by_method(points(data, kind)).items():
+            if method in ("wall target", "cosine mask"):
+                add(f"{kind}, {method}, nx", kind, part, size)
+            elif method in PEERS:
+                add(f"{kind}, NGSolve, √dofs", kind, part, lambda p: p.size**0.5)
+    add("FSI3, nx", "fsi3", by_method(points(data, "fsi3"))["momentum load"], size)
+    return found
+
+
+TITLES = (
+    ("rod-static", "discretisation", "The rod at rest (CSM1's bar, clamp not set back) against Reissner's exact beam",
+     "The rod converges with order two, and is a hundred times cheaper than PyElastica at the same error."),
+    ("rod-static", "error", "The same against CSM1 of Turek and Hron", "What stays is the model: a beam is not a plate."),
+    ("csm3", "error", "CSM3, the swinging bar", "All schemes end at the frequency of the beam, 0.4 % below the plate's."),
+    ("cylinder-2d1", "error", "The cylinder 2D-1", "Penalization does not reach a body-fitted mesh in a steady flow."),
+    ("cylinder-2d2", "error", "The cylinder 2D-2", "The wall target is more exact than every other mask at the same cost."),
+    ("fsi3", "error", "FSI3", "Frequency and drag fall below 1 %, the lift's amplitude stays 5 % high."),
+)  # fmt: skip
+"""Case, kind of error, title and finding of each figure."""
+
+
+def error_time(data: Data) -> list[str]:
+    text = ["## 1. Error against run time", ""]
+    used = Counter(record.machine for record in data.of("report/*"))
+    machine = data.machines[used.most_common(1)[0][0]]
+    text += prose(
+        f"Measured on {machine['cpu']}, {machine['cores']} cores, {machine['system']}, {machine['rustc'].split(' (')[0]}, "
+        f"Python {machine['python']}; one thread. Wall and CPU time of the loop over the steps, medians of repeats after a "
+        "warm-up, bars from quartile to quartile. The machine was shared with other work: **CPU time is the one to compare**. "
+        "Times of PyElastica and NGSolve include their set-up, and not imports and compilation."
+    )
+    for case, kind, title, finding in TITLES:
+        text += [f"![{title}]({case.replace('-', '_')}_{kind}.png)", "", *prose(f"**{title}.** {finding}")]
+        failed = [f"- failed: {p.method}, {p.setting}: {p.failed[:70]}" for p in points(data, case) if p.failed]
+        text += [*failed, ""] if failed and kind == "error" else []
+    text += ["Best of each method, by CPU time where it was measured:", "", *best(data), ""]
+    text += ["### Orders and extrapolations", ""]
+    text += prose(
+        "Order and extrapolation are those of the last three values. *Discretisation* is the finest value against the "
+        "extrapolated one, *model* the extrapolated one against the published value: for the cylinder what penalization "
+        "leaves, for the rod what a beam is not of a two-dimensional body. Where a sequence is not asymptotic there is no "
+        "extrapolation."
+    )
+    header = ["sequence", "quantity", "values", "order", "extrapolated", "discretisation", "model", "verdict"]
+    text += [*markdown(header, sequences(data)), ""]
+    text += ["The model error of penalization alone, 2D-2 over C_eta on one grid with one step:", ""]
+    columns = {"mask": "{mask:}", "grid": "{nx:} x 90", "C_eta, s": "{c_eta:g}"}
+    columns |= {label(q): f"{{{q}.error:+.2%}}" for q in QUANTITIES["cylinder-2d2"]}
+    rows = [record.view for record in data.of("fluid/c_eta/*") if "uncorrected" not in record.about["mask"]]
+    text += [*show.table(columns, rows), ""]
+    return text + prose(
+        "CSM3's mean and amplitude are the extremes of a motion with several modes: they jump from one crest to another with "
+        "step and n, which is why its sequences do not settle. On the cylinder the wall keeps its place within a few "
+        "hundredths of a cell only ([fluid.md](../fluid.md)), and differently on each grid."
+    )
+
+
+def best(data: Data) -> list[str]:
+    table = []
+    for case, main in MAIN.items():
+        kind = "discretisation" if case == "rod-static" else "error"
+        for method, part in by_method(points(data, case)).items():
+            there = [p for p in part if main in p.of(kind) and p.cpu]
+            if there:
+                p = min(there, key=lambda p: abs(p.of(kind)[main]))
+                wall = f"{p.wall[1]:.3g}" + (f" ({p.wall[0]:.3g} – {p.wall[2]:.3g})" if p.runs > 1 else "")
+                error = f"{100 * p.of(kind)[main]:+.3f} %"
+                table.append([case, method, p.setting, label(main), error, kind, f"{p.cpu[1]:.3g}", wall, p.runs])
+    return markdown(["case", "method", "setting", "quantity", "error", "of", "CPU, s", "wall, s", "runs"], table)
+
+
+def fsi3_bands(data: Data) -> list[str]:
+    rows = [["FeatFlow, level 4", *fsi3.cells(fsi3.published(), 2), ""]]
+    for grid in fsi3.GRIDS:
+        if record := data.get(f"fsi3/grid/{grid}"):
+            spent = (record.clock("cpu_s") or 0.0) / SIMULATED
+            rows.append([grid.replace("x", " x "), *fsi3.cells(record), f"{spent:.1f}"])
+    cited = []
+    for method, setting, wall, values in CITED:
+        told = [f"{value * 1e3:.3g} mm" if "amplitude" in q else f"{value:.3g} Hz" for q, value in values.items()] or [""]
+        cited += [[f"{method}, {setting}", cell, f"{wall:g}"] for cell in told]
+    return [
+        "### FSI3 in the reference bands", "",
+        *markdown(["", "ux", "uy", "drag", "lift", "CPU s a simulated s"], rows), "",
+        *prose("Mean ± amplitude [frequency], mm, N/m, Hz. What one change at a time does is in [fsi3.md](../fsi3.md)."),
+        "![two periods](fsi3_bands.png)", "",
+        *prose("From 650 x 144 on the tip stays within the published extremes, but for the amplitude of the deflection."),
+        "![four phases](fsi3_phases.png)", "", "![animation](fsi3_vorticity.gif)", "",
+        *prose("Vorticity at four phases of a period and over one, 325 x 72 (`make report-pictures`): a vortex leaves the tip "
+               "at each turn."),
+        "Other solvers, as cited (not measured here, other machines):", "",
+        *markdown(["", "value", "wall s a simulated s"], cited), "",
+    ]  # fmt: skip
+
+
+# Stability
+
+Cell = tuple[str, dict[str, float], str, str]
+"""Label, place on the axes, outcome (`ok`, `error`, `bad`) and what was said."""
+
+
+def map_cells(data: Data) -> dict[str, list[Cell]]:
+    """Cells of the maps, as far as each is kept; the stiff rods are kept by the values tried and those that failed."""
+    found: dict[str, list[Cell]] = {"rod": [], "situations": [], "fluid": [], "coupling": []}
+    extreme = data["rod/study/extreme"].tables
+    tried = {row["axis"]: row["values"] for row in extreme["tried"]}
+    said = {tuple(row[key] for key in tried): row["result"] for row in extreme.get("failed", [])}
+    for at in np.stack(np.meshgrid(*tried.values()), -1).reshape(-1, len(tried)).tolist():
+        result = said.get(tuple(at), "ok")
+        place = dict(zip(tried, at))
+        found["rod"].append((", ".join(f"{k} = {v:g}" for k, v in place.items()), place, kind_of(result), result))
+    for row in data["rod/study/situations"].tables["situations"]:
+        found["situations"].append((f"{row['scheme']}, {row['situation']}", {}, kind_of(row["result"]), row["result"]))
+    for row in data["fluid-measures/crate/stability"].tables["stability"]:
+        place = {"Re": row["reynolds"], "CFL": row["cfl"], "C_eta": row["c_eta"]}
+        name = f"{row['scene'] or row['group']}, " + ", ".join(f"{k} {v:g}" for k, v in place.items())
+        found["fluid"].append((name, place, row["outcome"], row["message"] or ""))
+    for record in data.of("coupling/*"):
+        a, outcome = record.about, coupling.outcome(record)
+        place = {"density ratio": a["ratio"], "C_eta": a["c_eta"]}
+        name = f"{a['scheme']}, density ratio {a['ratio']:g}, C_eta {a['c_eta']:g}, H {a['step']:g}, to {a['end']:g} s"
+        found["coupling"].append((name, place, outcome, record.error or ""))
+    return found
+
+
+def kind_of(result: str) -> str:
+    """A gain of energy is what a rod must not have without saying so."""
+    return "ok" if result == "ok" else "bad" if result.startswith("gain") else "error"
+
+
+OVER = {
+    "rod": "stiffness, bending, segments and step",
+    "situations": "snap, folding back, buckling, blows",
+    "fluid": "Reynolds number, CFL number, C_eta, scheme, mask, hard scenes",
+    "coupling": "density ratio, C_eta, communication step, scheme",
+}
+
+
+def stability(data: Data) -> list[str]:
+    found = map_cells(data)
+    counts = {name: Counter(outcome for _, _, outcome, _ in cells) for name, cells in found.items()}
+    table = [[name, OVER[name], len(found[name]), c["ok"], c["error"], c["bad"]] for name, c in counts.items()]
+    bad = [[name, cell, said] for name, cells in found.items() for cell, _, outcome, said in cells if outcome == "bad"]
+    return [
+        "## 2. Stability on stiff and extreme cases", "", "![maps](maps.png)", "",
+        *prose("Errors (e) lie where the scheme's limits are; nothing goes wrong without saying so."),
+        *markdown(["map", "over", "cells", "ok", "error", "bad"], table), "",
+        *prose("*ok*: it went to the end and what came out is sound; *error*: it stopped and said why; *bad*: neither. The "
+               "cells that ended in an error, with their messages: [stability.md](stability.md)."),
+        f"Bad cells are left: {len(bad)}.", "", *([*markdown(["map", "cell", "why"], bad), ""] if bad else []),
+    ]  # fmt: skip
+
+
+def stability_page(data: Data) -> str:
+    rows = [
+        [name, cell, said[:110]]
+        for name, cells in map_cells(data).items() for cell, _, outcome, said in cells if outcome == "error"
+    ]  # fmt: skip
+    return show.page("Cells that ended in an error", ["map", "cell", "reason"], rows, "Reasons are cut after 110 characters.")
+
+
+MAPS = (
+    ("rod", "", "dt", "k_e", "rod, worst over n and EI"),
+    ("rod", "", "n", "EI", "rod, worst over $k_e$ and step"),
+    ("fluid", "Backward differences, log-linear mask", "CFL", "Re", "fluid, worst over $C_\\eta$"),
+    ("fluid", "Heun's method, sharp mask", "C_eta", "CFL", "fluid, Heun's method, worst over Re"),
+    ("coupling", "default,", "C_eta", "density ratio", "coupling: the default"),
+    ("coupling", "pressure jump,", "C_eta", "density ratio", "coupling: pressure jump, explicit"),
+)
+"""Map, beginning of the cells' names, axes and title."""
+AXES = {"dt": "step [s]", "k_e": "$k_e$ [N/m]", "EI": "EI [N m²]", "C_eta": "$C_\\eta$ [s]", "Re": "Reynolds number"}
+OUTCOMES = {"ok": "#56B4E9", "error": "#E69F00", "bad": "#000000"}
+
+
+def draw_maps(data: Data) -> None:
+    """Cells coloured by their worst outcome; failed ones have a letter as well."""
+    figure, axes = show.panel(2, 3, (12, 7.4))
+    found, rank = map_cells(data), list(OUTCOMES)
+    for axis, (name, begin, x, y, title) in zip(axes.flat, MAPS):
+        cells = [(at[y], at[x], rank.index(outcome)) for cell, at, outcome, _ in found[name] if cell.startswith(begin)]
+        lines, columns = (sorted({cell[i] for cell in cells}) for i in (0, 1))
+        table = np.full((len(lines), len(columns)), np.nan)
+        for line, column, worst in cells:
+            i, j = lines.index(line), columns.index(column)
+            table[i, j] = np.nanmax([table[i, j], worst])
+        axis.grid(False)
+        axis.imshow(table, cmap=ListedColormap(list(OUTCOMES.values())), vmin=-0.5, vmax=2.5, aspect="auto", origin="lower")
+        for (i, j), worst in np.ndenumerate(table):
+            if worst > 0:
+                axis.text(j, i, " eb"[int(worst)], ha="center", va="center", fontsize=8)
+        axis.set_xticks(range(len(columns)), [f"{v:g}" for v in columns], fontsize=7, rotation=45)
+        axis.set_yticks(range(len(lines)), [f"{v:g}" for v in lines], fontsize=7)
+        axis.set_xlabel(AXES.get(x, x), fontsize=8)
+        axis.set_ylabel(AXES.get(y, y), fontsize=8)
+        axis.set_title(title, fontsize=9)
+    said = {"ok": "ok", "error": "error (e): says so", "bad": "bad (b)"}
+    handles = [Line2D([], [], marker="s", linewidth=0, color=colour, label=said[name]) for name, colour in OUTCOMES.items()]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8)
+    show.save(figure, "report/maps")
+
+
+# Cost
+
+
+def cost_groups(data: Data) -> dict[str, tuple[str, list[tuple[float, float]]]]:
+    """Cost in µs over size by what is measured; the label of the size first."""
+
+    def of_step(method: str, phase: str) -> list[tuple[float, float]]:
+        return [(record.about["size"], part_of(record, phase)) for record in data.of("report/cost/*", method=method)]
+
+    bench = [(speed.points_of(grid), cells["step"]) for (_, grid), cells in speed.found(data, "step").items()]
+    iterations = [(row["n"], 1e6 * row["iteration_2d"]) for row in data["rod/study/runtime"].times["rows"] if row["n"] >= 64]
+    bar = speed.found(data, "motion")["fsi3-650x144", "650 x 144"]
+    return {
+        "a step of the fluid": ("points of the grid", bench),
+        "a Newton iteration of the rod in the plane": ("segments n", iterations),
+        "a step of FSI3, all of it": ("points of the grid", of_step("grid", "step")),
+        "a step of FSI3, the rod's part": ("segments", of_step("stations", "rod")),
+        "the bar in a step of the fluid, 650 x 144": (
+            "cells that its stations move in it", [(jump, value) for jump, value in speed.jumps(bar, "bar").items() if jump > 0]
+        ),
+    }  # fmt: skip
+
+
+def part_of(record: Record, phase: str) -> float:
+    """Time of a step, µs: the median CPU time of the whole, the shortest wall time of a part."""
+    seconds = record.clock("cpu_s") if phase == "step" else record.times["phases_s"].get(phase)
+    return float(1e6 * seconds / record["steps"]) if seconds is not None else np.nan
+
+
+def cost(data: Data) -> list[str]:
+    groups = cost_groups(data)
+    fitted = "; ".join(f"{name} {show.exponent(*zip(*points)):.2f} in the {x}" for name, (x, points) in groups.items())
+    iterations = [
+        {"n": row["n"]} | {name: 1e6 * row[name] for name in ("iteration_3d", "banded", "iteration_2d")}
+        for row in data["rod/study/runtime"].times["rows"]
+    ]
+    parts = ("step", "rod", "fmi", "python", "recording")
+    steps = []
+    for record in data.of("report/cost/*"):
+        cells = ["" if np.isnan(found := part_of(record, part)) else f"{found:.1f}" for part in parts]
+        steps.append([record.about["method"], record.about["setting"], *cells])
+    loops = []
+    for record in [*data.of("report/rod-static/*"), *data.of("report/csm3/*"), *data.of("report/cylinder*"), *data.of("fsi3/grid/*")]:
+        phases = record.times.get("phases_s", {})
+        if not phases or (record.about.get("step") or 1e-3) != 1e-3 and "csm3" in record.name:
+            continue
+        loop = sum(seconds for phase, seconds in phases.items() if phase != "output")
+        names = [*record.name.split("/")[-3:]] if record.name.startswith("report") else ["fsi3", "momentum load", record.label]
+        loops.append([*names, *(percent(phases[phase] / loop, ".1f") if phase in phases else "" for phase in PHASES)])
+    columns = {"n": "{n:.0f}", "in space": "{iteration_3d:.3g}", "of that the solve": "{banded:.3g}", "in the plane": "{iteration_2d:.3g}"}
+    return [
+        "## Where the time goes", "", "![cost](cost.png)", "",
+        *prose(f"Fitted exponents: {fitted} ([fluid-speed.md](../fluid-speed.md) has more)."),
+        "A Newton iteration of the rod, and the banded solve in it, µs (`make rod-study`):", "",
+        *show.table(columns, iterations), "",
+        "A step of the fluid, bars swinging (`make bench-fluid`), µs of processor time, and shares:", "",
+        *speed.phases(data), "",
+        *prose("A step of FSI3 by number of stations (325 x 72 points), with the bar still, and by grid (steps of 0.1 ms), µs: "
+               "median CPU time of the step, shortest wall times of its parts; the rest is the fluid:"),
+        *markdown(["varied", "setting", "step", "rod", "FMI", "Python", "recording"], steps), "",
+        *prose("Of a run, by the wall time of its loop: the units' steps; their inputs and outputs through FMI (with the "
+               "pressure of probes, which is made when it is read); the master's own Python; the table that it keeps; and, "
+               "after the loop, writing the tables:"),
+        *markdown(["case", "method", "setting", *PHASES], loops), "",
+    ]  # fmt: skip
+
+
+def draw_cost(data: Data) -> None:
+    groups = cost_groups(data)
+    figure, axes = show.panel(-(-len(groups) // 3), 3, (12, 3.6 * -(-len(groups) // 3)))
+    for axis in axes.flat[len(groups) :]:
+        axis.set_visible(False)
+    for axis, (name, (xlabel, found)) in zip(axes.flat, groups.items()):
+        x, y = map(np.array, zip(*sorted(found)))
+        slope, offset = np.polyfit(np.log(x), np.log(y), 1)
+        axis.plot(x, y, "o", color=COLOURS[0])
+        axis.plot(x, np.exp(offset) * x**slope, "--", color=COLOURS[1], label=f"exponent {slope:.2f}")
+        axis.set(xscale="log", yscale="log", xlabel=xlabel, ylabel="µs")
+        if max(y) < 2 * min(y):
+            axis.set_ylim(min(y) / 3, max(y) * 3)  # what does not depend on x shall look like it
+        axis.set_title(name, fontsize=9)
+        show.few_labels(axis.xaxis)
+        axis.legend(fontsize=8)
+    show.save(figure, "report/cost")
+
+
+# What is missed
+
+
+def beaten(data: Data) -> list[str]:
+    """CPU time of ours and of the peers for the largest error over all quantities of a case: a single one may pass
+    through zero."""
+    lines = []
+    for case in MAIN:
+        kind = "discretisation" if case == "rod-static" else "error"
+        there = [p for p in points(data, case) if p.cpu and "thesis" not in p.method and p.of(kind)]
+        worst = [(max(map(abs, p.of(kind).values())), p.cpu[1], p) for p in there]
+        peers, ours = ([run for run in worst if (run[2].method in PEERS) == theirs] for theirs in (True, False))
+        if not peers or not ours:
+            continue
+        best = min(peers, key=lambda run: run[0])
+        # The cheapest of ours that is at least as exact, or else the most exact one.
+        enough = [run for run in ours if run[0] <= best[0]]
+        mine = min(enough, key=lambda run: run[1]) if enough else min(ours, key=lambda run: run[0])
+        if not enough:
+            verdict = "**ours does not reach the peer's error on any grid here**"
+        elif mine[1] < best[1]:
+            verdict = f"ours is at least as exact in 1/{best[1] / mine[1]:.{0 if best[1] > 10 * mine[1] else 1}f} of the CPU time"
+        else:
+            verdict = f"ours needs {mine[1] / best[1]:.1f} times the CPU time for that error"
+        said = "; ".join(f"{p.method} ({p.setting}) {100 * error:.2g} % in {cpu:.2g} s" for error, cpu, p in (best, mine))
+        lines += prose(f"- {case}: {said}: {verdict}.")[:-1]
+    return lines
+
+
+def missed(data: Data) -> list[str]:
+    """What is not met, from the numbers."""
+    finest = data["fsi3/grid/1300x288"]
+    off = [f"{label(q)} {100 * e:+.1f} %" for q in finest.published if (e := finest.off(q)) is not None and abs(e) > 0.02]
+    found = sequences(data)
+    loose = sum(row[-1].startswith("not") for row in found)
+    lines = [f"- FSI3 on 1300 x 288 is more than 2 % from FeatFlow's finest level in: {', '.join(off) or 'nothing'}."]
+    lines.append(f"- {loose} of {len(found)} sequences are not asymptotic; those have no extrapolated value.")
+    for case in ("cylinder-2d1", "cylinder-2d2"):
+        last = max(by_method(points(data, case))["wall target"], key=lambda p: p.size)
+        told = ", ".join(f"{label(q)} {100 * e:+.2f} %" for q, e in last.errors.items())
+        lines.append(f"- {case} by penalization, finest grid measured: {told}.")
+    lines.append("- FLUSI, deal.II and nutils are cited, not run: they do not install from a registry.")
+    return [
+        "## What is missed", "", *(part for line in lines for part in prose(line)[:-1]), "",
+        *prose("Beside the peers, measured by the same command on the same machine, largest error over the quantities of each "
+               "case (at rest: of discretisation) and CPU time. NGSolve solves 2D-1 by Newton's method for the steady flow, "
+               "where ours marches to it; PyElastica is explicit and has a step for stability:"),
+        *beaten(data), "",
+    ]  # fmt: skip
+
+
+def left_out(data: Data) -> list[str]:
+    lacking, added = leave_out.section(data)
+    return [
+        "## 3. What a scene leaves out", "", *lacking, "",
+        *prose("None of these has a variable, an array or a loop there. Each of the following parts is put into the scene so "
+               "that it has no effect; the numbers are what it adds to XML, variables, memory (growth of the resident set), and "
+               "CPU time a step (one and the same scene gives up to a fifth more or less on this machine), and the largest "
+               "relative change of tip and forces. The library is the same file for every scene: a part that is left out saves "
+               "nothing of the binary's size."),
+        *added, "",
+        *prose("Not comparable this way, because they cannot be there without an effect: a second beam (a scene has one), a "
+               "beam beside the flow (it is a body wherever it stands), inflow together with mean flow (refused), a filter that "
+               "does nothing, shear of a rod in space (the model is for the plane)."),
+    ]  # fmt: skip
+
+
+def pages(data: Data) -> dict[str, str]:
+    text = ["# Report", "", *prose(
+        "Error against run time, stability, and what a scene leaves out. `make report` measures the short form and writes this "
+        "page, `make report-full` everything. [results.json](results.json) has every case with the command that repeats it and a "
+        "digest of the sources that it depends on, [times.json](times.json) its times with machine and revision. "
+        "[stale.md](stale.md) lists what the code has since changed."
+    )]  # fmt: skip
+    for section in (missed, error_time, fsi3_bands, stability, left_out, cost):
+        text += section(data)
+    return {"report/README.md": "\n".join(text).rstrip("\n") + "\n", "report/stability.md": stability_page(data)}
+
+
+def draw_errors(data: Data, case: str, kind: str) -> None:
+    """Error over wall time (above) and CPU time (below), a column for each quantity. Failed runs are crosses at the edge."""
+    quantities, methods, failed = QUANTITIES[case], by_method(points(data, case)), [p for p in points(data, case) if p.failed]
+    figure, axes = show.panel(2, len(quantities), (3.7 * len(quantities), 6.4), sharey="col")
+    for (line, column), axis in np.ndenumerate(axes):
+        quantity, clock, seen = quantities[column], ("wall", "cpu")[line], []
+        for part, colour, marker in zip(methods.values(), COLOURS, MARKERS):
+            good = sorted((p for p in part if getattr(p, clock) and quantity in p.of(kind)), key=lambda p: getattr(p, clock)[1])
+            if not good:
+                continue
+            low, x, high = np.array([getattr(p, clock) for p in good]).T
+            y = np.maximum(np.abs([p.of(kind)[quantity] for p in good]), 1e-8)
+            axis.errorbar(x, y, xerr=[x - low, high - x], marker=marker, color=colour, capsize=2, markersize=5, linewidth=1)
+            seen += list(zip(x, y))
+        if seen:
+            best = [seen[i] for i in front(seen)]
+            axis.step(*zip(*best), where="post", color="#000000", linewidth=3, alpha=0.15, zorder=0)
+        if failed:
+            axis.plot([0.98] * len(failed), np.linspace(0.98, 0.9, len(failed)), "kx", transform=axis.transAxes)
+        axis.set(xscale="log", yscale="log", xlabel=f"{'wall' if clock == 'wall' else 'CPU'} time [s]")
+        show.few_labels(axis.xaxis)
+        show.few_labels(axis.yaxis)
+        axes[0, column].set_title(label(quantity), fontsize=10)
+    for axis in axes[:, 0]:
+        axis.set_ylabel("relative error" if kind == "error" else "discretisation error, relative")
+    handles = [Line2D([], [], color=c, marker=m, label=method) for method, c, m in zip(methods, COLOURS, MARKERS)]
+    handles.append(Line2D([], [], color="#000000", linewidth=3, alpha=0.15, label="Pareto front"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)), fontsize=8)
+    show.save(figure, f"report/{case.replace('-', '_')}_{kind}")
+
+
+def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
+    for case, kind, _, _ in TITLES:
+        draw_errors(data, case, kind)
+    draw_maps(data)
+    draw_cost(data)
+    fsi3.bands(data)
+
+
+STUDY = Study("report", cases.cases, cases.keep, pages=pages, draw=draw)
