@@ -4,13 +4,13 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from studies import coupling, fluid, fsi3, rod, running, show, speed, vein
+from studies import coupling, fluid, fsi3, robustness, rod, running, show, speed, vein
 from studies.engine import Study
 from studies.report import leave_out, pages
 from studies.store import REPORT, Data
 
 STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, vein.STUDY, running.STUDY,
-           leave_out.STUDY, pages.STUDY)  # fmt: skip
+           robustness.STUDY, leave_out.STUDY, pages.STUDY)  # fmt: skip
 
 STALE = REPORT / "stale.md"
 """Depends on the sources besides the results: it is not compared by the test of the pages."""

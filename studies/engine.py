@@ -41,7 +41,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "fluid measures": ("crates/fluid/examples/**/*.rs", "crates/fluid/tests/common/*.rs"),
     "keeping": ("python/nervure/checkpoint.py", "python/nervure/show/fields.py"),
     "peers": ("studies/peers/*.py",),
-    "limits": ("studies/vein_limits.py",),
+    "limits": ("tests/driven_root.py",),
     "clamp": ("studies/clamp.py",),
 }
 """Sources by the name under which a case says that it depends on them."""

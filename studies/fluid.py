@@ -8,10 +8,7 @@ from functools import partial
 from itertools import cycle
 from typing import Any
 
-import matplotlib.pyplot as plt
-import numpy as np
-from matplotlib.lines import Line2D
-from nervure.evaluate import coefficients, statistics
+from nervure.evaluate import statistics
 
 from studies import commands, show, simulate
 from studies.engine import FLUID, Case, Run, Study
@@ -37,11 +34,11 @@ THESIS_STEP = 2.2e-4 * 900
 THESIS_U_INF = 0.694444
 """Mean velocity over the box at the start (thesis table 3.2), m/s."""
 THESIS_TABLE_3_3 = {
-    900: {"u_max": 1.4997, "cd_mean": 3.383686, "cd_max": 3.475995, "cd_min": 3.096412, "cl_mean": -0.013952,
+    900: {"cd_mean": 3.383686, "cd_max": 3.475995, "cd_min": 3.096412, "cl_mean": -0.013952,
           "cl_max": 1.171720, "cl_min": -1.199907, "cl_peak_to_peak": 2.371627, "st": 0.2703},
-    1000: {"u_max": 1.4994, "cd_mean": 3.256428, "cd_max": 3.336625, "cd_min": 3.002624, "cl_mean": -0.007580,
+    1000: {"cd_mean": 3.256428, "cd_max": 3.336625, "cd_min": 3.002624, "cl_mean": -0.007580,
            "cl_max": 1.048816, "cl_min": -1.071858, "cl_peak_to_peak": 2.120674},
-    1100: {"u_max": 1.5, "cd_mean": 3.270474, "cd_max": 3.349443, "cd_min": 3.021291, "cl_mean": -0.005982,
+    1100: {"cd_mean": 3.270474, "cd_max": 3.349443, "cd_min": 3.021291, "cl_mean": -0.005982,
            "cl_max": 1.045971, "cl_min": -1.067240, "cl_peak_to_peak": 2.113211},
 }  # fmt: skip
 """As printed; the Strouhal number is in the text, from peak to peak is max - min."""
@@ -91,9 +88,9 @@ def cylinder(
     options: dict[str, Any] = {"repeats": 3 if name.startswith("grid/") else 0}
     if thesis:
         changes |= {"fluid.inflow.mean_velocity": {"steady": 1.0}, "fluid.initial_velocity": [THESIS_U_INF, 0.0]}
-        changes["time.end"] = options["fields_every"] = THESIS_END
+        changes["time.end"] = THESIS_END
     about = {"published": SCENES[flow], "flow": flow, "nx": nx, "dt": dt, "mask": mask, "c_eta": c_eta, "filter": filter,
-             "scheme": scheme, "offset": offset}  # fmt: skip
+             "scheme": scheme, "ny": ny, "aside": "{:g}, {:g}".format(*offset)}  # fmt: skip
     return Case(name, FLUID, SCENES[flow], changes, options, about=about)
 
 
@@ -133,7 +130,7 @@ def cases() -> Iterator[Case]:
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
-    """Coefficients, mean flow rate (m²/s), largest CFL number, and of fields the largest velocity behind the inflow, m/s."""
+    """Coefficients, mean flow rate (m²/s) and largest CFL number."""
     summary, series = run.found, run.series
     if summary["coefficients"] is None:
         return {}
@@ -142,28 +139,7 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
         "flow_rate": float(series["flow_rate"][window.of(series["time"])].mean()),
         "cfl": float(series["cfl"].max()),
     }
-    if "fields_every" in case.options:
-        values["u_max"] = float(inlet_profile(run)[1].max())
     return {"values": values, "times": simulate.times(summary)}
-
-
-def last_field(run: Run, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """x, y (m) and a field of the last frame, `[ny, nx, …]`."""
-    import h5py
-
-    with h5py.File(run.folder / "fields.vtkhdf") as file:
-        root = file["VTKHDF"]
-        values = root[f"PointData/{name}"][root["Steps"].attrs["NSteps"] - 1]
-        origin, spacing = root.attrs["Origin"], root.attrs["Spacing"]
-    x, y = (origin[axis] + spacing[axis] * np.arange(values.shape[1 - axis]) for axis in (0, 1))
-    return x, y, values
-
-
-def inlet_profile(run: Run) -> tuple[np.ndarray, np.ndarray]:
-    """y (m) and the velocity along x (m/s) at the end of the inflow zone, across the channel."""
-    x, y, velocity = last_field(run, "velocity")
-    inside = (y >= 0) & (y <= 0.41)
-    return y[inside], velocity[inside, np.searchsorted(x, 0.0), 0]
 
 
 # Pages
@@ -178,62 +154,54 @@ GROUPS = (
 )
 
 
-def error_page(title: str, note: str, flow: str, records: list[Record]) -> str:
-    """Cases with their values and errors."""
-    expected = simulate.published(SCENES[flow])
-    cells = []
-    for record in records:
-        a = record.about
-        settings = [f"{a['nx']} x {a['nx'] // 5}", f"{a['dt']:.3g}", a["mask"], f"{a['c_eta']:.0e}", a["filter"], a["scheme"]]
-        errors = [f"{record[q]:.5g} ({100 * record.off(q):+.2f} %)" if record.get(q) else "" for q in QUANTITIES[flow]]
-        rest = [number(record.get("flow_rate"), ".4f"), number(record.get("cfl"), ".2f"), number(record.clock("cpu_s"), ".3g")]
-        cells.append([*settings, "{:g}, {:g}".format(*a["offset"]), *errors, *rest, record.error or "ok"])
-    header = ["grid", "dt, s", "mask", "C_eta, s", "filter", "scheme", "offset, cells", *QUANTITIES[flow],
-              "flow rate, m²/s", "largest CFL", "CPU, s", "result"]  # fmt: skip
-    against = ", ".join(f"{q} {expected[q][0]:.6g}" for q in QUANTITIES[flow])
-    return show.page(f"{title}, {flow}", header, cells, f"{note} In brackets the error against {against}.")
-
-
-def thesis_pages(data: Data) -> dict[str, str]:
-    """Tables 3.3 and 3.4 of the thesis, its settings run again, and ours."""
-    again = {record.about["nx"]: record for record in data.of("fluid/thesis/*")}
-    ours = {record.about["nx"]: record for record in data.of("fluid/grid/2D-2-curvature-*")}
-    expected = {q: value for q, (value, _) in simulate.published(SCENES["2D-2"]).items()}
-
-    def cells(nx: int, quantity: str) -> list[str]:
-        return [number(runs[nx].get(quantity), ".4f") if nx in runs else "" for runs in (again, ours)]
-
-    header = ["quantity", *(f"{nx} x {nx // 5}: {who}" for nx in THESIS_TABLE_3_3 for who in ("thesis", "repeated", "ours"))]
-    lines = []
-    for quantity in ("u_max", "cd_mean", "cd_max", "cd_min", "cl_mean", "cl_max", "cl_min", "cl_peak_to_peak", "st"):
-        row = [quantity]
-        for nx, printed in THESIS_TABLE_3_3.items():
-            row += [number(printed.get(quantity), ".4f"), *cells(nx, quantity)]
-        lines.append([*row, number(expected.get(quantity), ".6g")])
-    note = (
-        "Repeated: the thesis' settings (Heun, sharp mask where the cylinder is, C_eta = 1e-3 s, two-thirds rule, "
-        f"{THESIS_END:g} s) over the last five periods, means as (max + min) / 2; the thesis averages from t = 0.2 s. "
-        "Ours: the shipped scene on that grid. Forces are coefficient / 20, N per metre."
-    )
-    means = [
-        [f"{nx} x {nx // 5}", f"{printed:.4f}", *cells(nx, "cd_mean"), f"{expected['cd_mean']:.4f}"]
-        for nx, printed in THESIS_TABLE_3_4.items()
-    ]
-    title, drag = "Flow past the cylinder (thesis table 3.3)", "Mean drag coefficient over grids (thesis table 3.4)"
-    return {
-        "fluid/thesis_3_3.md": show.page(title, [*header, "reference"], lines, note),
-        "fluid/thesis_3_4.md": show.page(drag, ["grid", "thesis", "repeated", "ours", "reference"], means),
-    }
+SETTINGS = {
+    "grid": "{nx:} x {ny:}", "dt, s": "{dt:.3g}", "mask": "{mask:}", "C_eta, s": "{c_eta:.0e}", "filter": "{filter:}",
+    "scheme": "{scheme:}", "offset, cells": "{aside:}",
+}  # fmt: skip
+REST = {"flow rate, m²/s": "<{flow_rate:.4f}>", "largest CFL": "<{cfl:.2f}>", "CPU, s": "<{cpu_s:.3g}>", "result": "{said:}"}
 
 
 def pages(data: Data) -> dict[str, str]:
     made = thesis_pages(data)
     for name, title, note in GROUPS:
-        flows = [flow for flow in SCENES if data.of(f"fluid/{name}/*", flow=flow)]
-        for flow in flows:
-            suffix = f"_{flow.lower().replace('-', '')}" if len(flows) > 1 else ""
-            made[f"fluid/{name}{suffix}.md"] = error_page(title, note, flow, data.of(f"fluid/{name}/*", flow=flow))
+        for flow, names in QUANTITIES.items():
+            rows = [record.view for record in data.of(f"fluid/{name}/*", flow=flow)]
+            both = name in ("grid", "offset")
+            if rows and (both or flow == "2D-2"):
+                published = simulate.published(SCENES[flow])
+                against = ", ".join(f"{q} {published[q][0]:.6g}" for q in names)
+                columns = SETTINGS | {q: f"<{{{q}:.5g}} ({{{q}.error:+.2%}})>" for q in names} | REST
+                note_of = f"{note} In brackets the error against {against}."
+                suffix = f"_{flow.lower().replace('-', '')}" if both else ""
+                made[f"fluid/{name}{suffix}.md"] = show.sheet(f"{title}, {flow}", columns, rows, note_of)
     return made
+
+
+def thesis_pages(data: Data) -> dict[str, str]:
+    """Tables 3.3 and 3.4 of the thesis, its settings run again, and ours."""
+    again = {record.about["nx"]: record.values for record in data.of("fluid/thesis/*")}
+    ours = {record.about["nx"]: record.values for record in data.of("fluid/grid/2D-2-curvature-*")}
+    expected = {q: value for q, (value, _) in simulate.published(SCENES["2D-2"]).items()}
+
+    def row(quantity: str, printed: dict[int, Any], digits: str = ".4f") -> list[str]:
+        cells = [found.get(nx, {}).get(quantity) for nx in printed for found in (printed, again, ours)]
+        return [*(number(cell, digits) for cell in cells), number(expected.get(quantity), ".6g")]
+
+    names = list(THESIS_TABLE_3_3[900])
+    header = [f"{nx} x {nx // 5}: {who}" for nx in THESIS_TABLE_3_3 for who in ("thesis", "repeated", "ours")]
+    means = {nx: {"cd_mean": printed} for nx, printed in THESIS_TABLE_3_4.items()}
+    lines = [[f"{nx} x {nx // 5}", *row("cd_mean", {nx: one})] for nx, one in means.items()]
+    note = (
+        "Repeated: the thesis' settings (Heun, sharp mask where the cylinder is, C_eta = 1e-3 s, two-thirds rule, "
+        f"{THESIS_END:g} s) over the last five periods, means as (max + min) / 2; the thesis averages from t = 0.2 s. "
+        "Ours: the shipped scene on that grid. Forces are coefficient / 20, N per metre."
+    )
+    title, drag = "Flow past the cylinder (thesis table 3.3)", "Mean drag coefficient over grids (thesis table 3.4)"
+    rows = [[quantity, *row(quantity, THESIS_TABLE_3_3)] for quantity in names]
+    return {
+        "fluid/thesis_3_3.md": show.page(title, ["quantity", *header, "reference"], rows, note),
+        "fluid/thesis_3_4.md": show.page(drag, ["grid", "thesis", "repeated", "ours", "reference"], lines),
+    }
 
 
 def errors(data: Data, name: str) -> str:
@@ -281,85 +249,29 @@ def masks(data: Data) -> list[str]:
 # Figures
 
 
-def error_panels(name: str, records: list[Record], flow: str, along: Callable[[Record], Any], label: str, keys: tuple[str, ...]):
-    """The errors of the three quantities over `along`, a line for each value of `keys`; what failed stands at the top."""
+def error_panels(name: str, records: list[Record], label: str, along: str) -> None:
+    """The errors of 2D-2 over `along`, a line for each mask and scheme; what failed stands at the top."""
     groups: dict[str, list[Record]] = {}
     for record in records:
-        groups.setdefault(", ".join(str(record.about[key]) for key in keys), []).append(record)
+        groups.setdefault(f"{record.about['mask']}, {record.about['scheme']}", []).append(record)
     figure, axes = show.panel(1, 3, (13, 4.6))
-    looks = dict(zip(groups, zip(cycle(COLOURS), cycle(MARKERS[:7]))))
-    for axis, quantity in zip(axes[0], QUANTITIES[flow]):
-        for key, part in groups.items():
-            colour, marker = looks[key]
-            good = sorted((along(record), abs(record.off(quantity))) for record in part if record.get(quantity))
-            if good:
-                style = marker + ("" if "time" in label else "-")
-                axis.plot(*zip(*good), style, color=colour, markersize=4, linewidth=1)
-            for record in part:
-                if record.error and along(record):
-                    axis.plot(along(record), 0.97, "x", color=colour, transform=axis.get_xaxis_transform())
+    for axis, quantity in zip(axes[0], QUANTITIES["2D-2"]):
+        for (key, part), colour, marker in zip(groups.items(), cycle(COLOURS), cycle(MARKERS[:7])):
+            good = sorted((record.view[along], abs(record.view[f"{quantity}.error"])) for record in part if not record.error)
+            line = "-" if along == "nx" else ""
+            axis.plot(*zip(*good), marker + line, color=colour, markersize=4, linewidth=1, label=key)
+            failed = [record.view[along] for record in part if record.error and along in record.view]
+            axis.plot(failed, [0.97] * len(failed), "x", color=colour, transform=axis.get_xaxis_transform())
         axis.set(xscale="log", yscale="log", xlabel=label, title=LABELS[quantity])
     axes[0, 0].set_ylabel("relative error (x at the top: failed)")
-    lines = [Line2D([], [], color=c, marker=m, markersize=4, linewidth=1) for c, m in looks.values()]
-    figure.legend(lines, list(looks), loc="outside lower center", ncols=4, fontsize=8)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=8)
     show.save(figure, f"fluid/{name}")
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    def points(record: Record) -> int:
-        return int(record.about["nx"])
-
-    def spent(record: Record) -> float | None:
-        return record.clock("cpu_s")
-
-    for flow in SCENES:
-        part, suffix = data.of("fluid/grid/*", flow=flow), flow.lower().replace("-", "")
-        error_panels(f"grid_{suffix}", part, flow, points, "points along x", ("mask", "scheme"))
-        part = [record for record in part + data.of("fluid/thesis/*", flow=flow) if spent(record)]
-        error_panels(f"work_{suffix}", part, flow, spent, "processor time [s]", ("mask", "scheme"))
-    error_panels("dt", data.of("fluid/dt/*"), "2D-2", lambda record: record.about["dt"], "dt [s]", ("scheme", "mask"))
-    error_panels("c_eta", data.of("fluid/c_eta/*"), "2D-2", lambda record: record.about["c_eta"], "$C_\\eta$ [s]", ("mask",))
-    ran = {nx: run for nx in THESIS_TABLE_3_3 if (run := runs(f"fluid/thesis/{nx}"))}
-    if ran:
-        draw_thesis(ran)
-
-
-def draw_thesis(ran: dict[int, Run]) -> None:
-    """What figures 3.3 to 3.6 of the thesis and the unnumbered ones before them show, of the runs with its settings:
-    coefficients over time, the vorticity at the end, the profile behind the inflow zone."""
-    force = coefficients.scale(simulate.changed(SCENES["2D-2"], {})).force
-    figure, axes = show.panel(2, 1, (10, 6), sharex=True)
-    for (nx, run), colour in zip(ran.items(), COLOURS):
-        for axis, name, label in zip(axes[:, 0], ("drag", "lift"), ("$c_D$", "$c_L$")):
-            axis.plot(run.series["time"], run.series[name] / force, color=colour, linewidth=0.6, label=f"{nx} x {nx // 5}")
-            axis.set_ylabel(label)
-    axes[0, 0].set(ylim=(2.5, 4.0), xlim=(0, THESIS_END))
-    axes[0, 0].legend(fontsize=8)
-    axes[1, 0].set_xlabel("time [s]")
-    show.save(figure, "fluid/thesis_coefficients")
-
-    figure, axes = show.panel(len(ran), 1, (10, 2.2 * len(ran)))
-    for axis, (nx, run) in zip(axes[:, 0], ran.items()):
-        x, y, vorticity = last_field(run, "vorticity")
-        axis.grid(False)
-        picture = axis.imshow(vorticity, origin="lower", extent=(x[0], x[-1], y[0], y[-1]), cmap="RdBu_r", vmin=-60,
-                              vmax=60, interpolation="bilinear")  # fmt: skip
-        axis.add_patch(plt.Circle((0.2, 0.2), 0.05, color="0.55"))
-        axis.set(ylim=(0, 0.41), ylabel="y [m]", title=f"{nx} x {nx // 5}, t = {THESIS_END:g} s")
-    axes[-1, 0].set_xlabel("x [m]")
-    figure.colorbar(picture, ax=axes, label="vorticity [1/s]", extend="both", pad=0.01)
-    show.save(figure, "fluid/thesis_vorticity")
-
-    figure, axes = show.panel(size=(6, 4.4))
-    axis = axes[0, 0]
-    for (nx, run), colour in zip(ran.items(), COLOURS):
-        y, u = inlet_profile(run)
-        axis.plot(u, y, color=colour, linewidth=1, label=f"{nx} x {nx // 5}: largest {u.max():.4f} m/s")
-    y = np.linspace(0, 0.41, 200)
-    axis.plot(6 * y * (0.41 - y) / 0.41**2, y, "k--", linewidth=0.8, label="parabola, 1.5 m/s")
-    axis.set(xlabel="u at the end of the inflow zone [m/s]", ylabel="y [m]")
-    axis.legend(fontsize=8)
-    show.save(figure, "fluid/thesis_profile")
+    grids = data.of("fluid/grid/*", flow="2D-2")
+    error_panels("grid_2d2", grids, "points along x", "nx")
+    error_panels("work_2d2", grids + data.of("fluid/thesis/*"), "processor time [s]", "cpu_s")
 
 
 STUDY = Study("fluid", cases, keep, {"cylinder-2d2-masks": masks, "cylinder-2d2-c_eta": hardness}, pages, draw)
@@ -425,13 +337,12 @@ def stability(data: Data) -> dict[str, str]:
 def wall_targets(data: Data) -> list[str]:
     """Weights of the wall target by the decay length."""
     rows = [row for row in data["fluid-measures/crate/measures"].tables["measures"] if row["measure"] == "wall target"]
-    names = {"m": ".4f", "c": ".4f", "D_c": ".3f", "shift": ".4f"}
+    columns = {"decay length λ, cells": "{name:}", "m": "{m:.4f}", "c": "{c:.4f}", "D_c": "<{D_c:.3f}>", "shift, cells": "<{shift:.4f}>"}
     table = []
     for (setting,), part in show.grouped(rows, "setting").items():
-        found = {row["quantity"]: row["value"] for row in part}
-        shown = re.sub(r"^(e-fold|decay length) |, curvature$", "", setting).replace("shear", "`shear`")
-        table.append([shown, *(number(found.get(quantity), form) for quantity, form in names.items())])
-    return markdown(["decay length λ, cells", "m", "c", "D_c", "shift, cells"], table)
+        name = re.sub(r"^(e-fold|decay length) |, curvature$", "", setting).replace("shear", "`shear`")
+        table.append({"name": name} | {row["quantity"]: row["value"] for row in part})
+    return show.table(columns, table)
 
 
 def measures(data: Data) -> list[str]:

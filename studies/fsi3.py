@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any
 
@@ -14,8 +14,8 @@ from nervure.evaluate import statistics
 
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
-from studies.show import COLOURS, markdown
-from studies.store import Data, Record
+from studies.show import COLOURS
+from studies.store import Data
 
 SIGNALS = ("tip_ux", "tip_uy", "drag", "lift")
 
@@ -112,12 +112,11 @@ WAVES: dict[str, Changes] = {
 THESIS_WINDOWS = ((1.1, 4.375), (3.5, 4.375))
 """Over which the thesis takes its extremes (table 4.2), and the part that it calls more accurate, s."""
 THESIS_TABLE_4_2 = {
-    "level 1": {"drag": (1107, 430), "lift": (506, -543), "tip_uy": (32.2e-3, -14.1e-3)},
-    "level 2": {"drag": (719, 356), "lift": (276, -330), "tip_uy": (39.9e-3, -34.4e-3)},
-}
-"""Largest and smallest values from t = 1.1 to 4.375 s, N/m and m."""
-THESIS_FREQUENCY = {"level 2": 5.555}
-"""In its text, Hz."""
+    "level 1": {"drag.max": 1107, "drag.min": 430, "lift.max": 506, "lift.min": -543, "tip_uy.max": 32.2, "tip_uy.min": -14.1},
+    "level 2": {"drag.max": 719, "drag.min": 356, "lift.max": 276, "lift.min": -330, "tip_uy.max": 39.9, "tip_uy.min": -34.4,
+                "tip_uy.frequency_hz": 5.555},
+}  # fmt: skip
+"""Largest and smallest values from t = 1.1 to 4.375 s, N/m and mm; the frequency is in its text, Hz."""
 
 PIECE, TREND = 0.02, 4
 """Length of the pieces in which short waves are looked for, s, and the degree of the polynomial that is not a wave."""
@@ -259,178 +258,149 @@ FURTHER: dict[str, tuple[Callable[[dict[str, np.ndarray]], dict[str, float]], ..
 
 # Tables
 
+View = dict[str, Any]
 
-def published(scene: str = COARSE) -> dict[str, float]:
-    return {quantity: value for quantity, (value, _) in simulate.published(scene).items()}
+PAIR = "{%s.mean[mm]:.2f} ± {%s.amplitude[mm]:.2f}"
+TIP = {"ux": PAIR.replace("%s", "tip_ux"), "uy": PAIR.replace("%s", "tip_uy")}
+FORCES = {
+    "drag": "{drag.mean:.1f} ± {drag.amplitude:.1f}< ({drag.fit:.1f})>",
+    "lift": "{lift.mean:.1f} ± {lift.amplitude:.1f}< ({lift.fit:.1f})>",
+}
+WITH_FITS = TIP | {"f": "{tip_uy.frequency_hz:.2f}"} | FORCES
+"""ux, uy (mm), its frequency (Hz), drag and lift (N/m): mean ± amplitude (that of the fit)."""
+WITH_FREQUENCIES = {name: f"{text} [{{tip_{name}.frequency_hz:.2f}}]" for name, text in TIP.items()} | {
+    name: text.partition("<")[0] for name, text in FORCES.items()
+}
+NAME = {"": "{name:}"}
+EXTREMES = {
+    name: f"{{{q}.max:.{digits}f}} / {{{q}.min:.{digits}f}}"
+    for name, q, digits in (("drag", "drag", 0), ("lift", "lift", 0), ("uy", "tip_uy", 1))
+}
+SETTLED = {
+    "settled uy": "{tip_uy.mean[mm]:.1f} ± {tip_uy.amplitude[mm]:.1f} [{tip_uy.frequency_hz:.2f}]",
+    "settled drag": "{drag.mean:.0f} ± {drag.amplitude:.0f}", "settled lift": "{lift.mean:.0f} ± {lift.amplitude:.0f}",
+}  # fmt: skip
 
 
-def pair(found: Any, name: str, digits: int, amplitude_digits: int | None = None) -> str:
-    """Mean ± amplitude, mm or N/m."""
-    scale = 1e3 if name.startswith("tip") else 1.0
-    mean, amplitude = (scale * found[f"{name}.{what}"] for what in ("mean", "amplitude"))
-    return f"{mean:.{digits}f} ± {amplitude:.{digits if amplitude_digits is None else amplitude_digits}f}"
+def published(scene: str, name: str) -> View:
+    return {"name": name} | {quantity: value for quantity, (value, _) in simulate.published(scene).items()}
 
 
-def cells(found: Any, digits: int = 1) -> list[str]:
-    """ux, uy, drag and lift with the frequencies of the tip."""
-    tip = [f"{pair(found, q, 2)} [{found[f'{q}.frequency_hz']:.2f}]" for q in ("tip_ux", "tip_uy")]
-    return [*tip, pair(found, "drag", 1, digits), pair(found, "lift", digits)]
+def by_grid(data: Data, grids: Iterable[str] = GRIDS) -> list[View]:
+    return [data[f"fsi3/grid/{grid}"].view | {"name": grid.replace("x", " x ")} for grid in grids]
 
 
-def cells_with_fits(found: Any) -> list[str]:
-    """ux, uy, its frequency, drag and lift with the amplitude of the fit."""
-    forces = [f"{pair(found, q, 1)} ({found[f'{q}.fit']:.1f})" for q in ("drag", "lift")]
-    return [pair(found, "tip_ux", 2), pair(found, "tip_uy", 2), f"{found['tip_uy.frequency_hz']:.2f}", *forces]
+def told(changes: Changes, without: str = "") -> str:
+    found = [f"`{text}`" for text in simulate.assignments(changes) if not (without and text.startswith(without))]
+    return ", ".join(found)
+
+
+LEVEL_4 = published(COARSE, "FeatFlow, level 4")
 
 
 def readme(data: Data) -> list[str]:
-    table = [["reference (FeatFlow, level 4)", *cells(published(), 2)]]
-    for grid in reversed(SHIPPED):
-        command = "`make fsi3` (325 x 72)" if grid == "325x72" else f"`make fsi3 GRID={grid}`"
-        table.append([command, *cells(data[f"fsi3/grid/{grid}"])])
-    return markdown(["", "ux", "uy", "drag", "lift"], table)
-
-
-def spread() -> list[str]:
-    q = simulate.reference(COARSE)["spread"]["quantities"]
-
-    def between(name: str, what: str, scale: float = 1.0) -> str:
-        low, high = q[name][what]
-        return f"{scale * low:g} to {scale * high:g}"
-
-    tip = [between("tip_ux", "amplitude", 1e3), between("tip_uy", "amplitude", 1e3), between("tip_uy", "frequency_hz")]
-    return [*tip, f"{between('drag', 'mean')}, {between('drag', 'amplitude')}", between("lift", "amplitude")]
-
-
-def reference_with_fits() -> list[str]:
-    q = published()
-    forces = [pair(q, "drag", 1, 2), pair(q, "lift", 2)]
-    return [pair(q, "tip_ux", 2), pair(q, "tip_uy", 2), f"{q['tip_uy.frequency_hz']:.2f}", *forces]
-
-
-HEADER = ["", "ux", "uy", "f", "drag", "lift"]
+    names = ["`make fsi3` (325 x 72)", "`make fsi3 GRID=650x144`", "`make fsi3 GRID=1300x288`"]
+    rows = [row | {"name": name} for row, name in zip(by_grid(data, SHIPPED), names)]
+    return show.table(NAME | WITH_FREQUENCIES, [LEVEL_4 | {"name": "reference (FeatFlow, level 4)"}, *reversed(rows)])
 
 
 def grids(data: Data) -> list[str]:
-    table = [[grid.replace("x", " x "), *cells_with_fits(data[f"fsi3/grid/{grid}"])] for grid in GRIDS]
-    return markdown(HEADER, [*table, ["FeatFlow, level 4", *reference_with_fits()], ["published spread", *spread()]])
+    spread = simulate.reference(COARSE)["spread"]["quantities"]
+
+    def between(name: str, what: str, scale: float = 1.0) -> str:
+        return " to ".join(f"{scale * edge:g}" for edge in spread[name][what])
+
+    last = ["published spread", between("tip_ux", "amplitude", 1e3), between("tip_uy", "amplitude", 1e3),
+            between("tip_uy", "frequency_hz"), f"{between('drag', 'mean')}, {between('drag', 'amplitude')}",
+            between("lift", "amplitude")]  # fmt: skip
+    return show.table(NAME | WITH_FITS, [*by_grid(data), LEVEL_4]) + show.markdown([], [last])[2:]
 
 
 def errors(data: Data) -> list[str]:
     """Distance from FeatFlow's level 4, by grid."""
-    names = [f"{q}.{what}" for q in ("tip_ux", "tip_uy", "drag", "lift") for what in ("mean", "amplitude")]
-    names = [n for n in names if n not in ("tip_uy.mean", "lift.mean")] + ["tip_uy.frequency_hz"]
-    rows = [[g.replace("x", " x "), *(show.percent(data[f"fsi3/grid/{g}"].off(n), "+.1f") for n in names)] for g in GRIDS]
-    return markdown(["grid", *map(show.label, names)], rows)
+    names = ("tip_ux.mean", "tip_ux.amplitude", "tip_uy.amplitude", "tip_uy.frequency_hz", "drag.mean", "drag.amplitude",
+             "lift.amplitude")  # fmt: skip
+    return show.table({"grid": "{name:}"} | {show.label(q): f"{{{q}.error:+.1%}}" for q in names}, by_grid(data))
 
 
 def costs(data: Data) -> list[str]:
     """Processor time and its shares by grid."""
-    table = []
-    for grid in GRIDS:
-        record = data[f"fsi3/grid/{grid}"]
-        phases, wall = record.times["phases_s"], record.clock("wall_s")
-        shares = [phases["rod"] / wall, phases["fluid"] / wall]
-        cells = [f"{record.clock('cpu_s') / record['reached']:.1f}", *(f"{100 * s:.1f} %" for s in (*shares, 1 - sum(shares)))]
-        table.append([grid.replace("x", " x "), *cells, f"{record['cfl']:.2f}", f"{record['periods']:.0f}"])
-    return markdown(["grid", "CPU, s a simulated s", "rod", "fluid", "exchange", "largest CFL", "periods averaged"], table)
+    columns = {
+        "grid": "{name:}", "CPU, s a simulated s": "{cpu:.1f}", "rod": "{rod:.1%}", "fluid": "{fluid:.1%}",
+        "exchange": "{exchange:.1%}", "largest CFL": "{cfl:.2f}", "periods averaged": "{periods:.0f}",
+    }  # fmt: skip
+    rows = []
+    for row, grid in zip(by_grid(data), GRIDS):
+        phases = data[f"fsi3/grid/{grid}"].times["phases_s"]
+        shares = {kind: phases[kind] / row["wall_s"] for kind in ("rod", "fluid")}
+        rows.append(row | shares | {"exchange": 1 - sum(shares.values()), "cpu": row["cpu_s"] / row["reached"]})
+    return show.table(columns, rows)
 
 
 def still(data: Data) -> list[str]:
-    table = []
-    for grid in ("650x144", "1300x288"):
-        q = data[f"fsi3/still/{grid}"]
-        drag, lift = (f"{pair(q, n, 1, d)} ({q[f'{n}.fit']:.{d}f})" for n, d in (("drag", 2), ("lift", 1)))
-        table.append([grid.replace("x", " x "), drag, lift, f"{q['lift.frequency_hz']:.3f}"])
-    p = published(STILL)
-    drag, lift = (f"{p[f'{n}.mean']:g} ± {p[f'{n}.amplitude']:g}" for n in ("drag", "lift"))
-    table.append(["Turek & Hron", drag, lift, f"{p['lift.frequency_hz']:.3f}"])
-    return markdown(["", "drag [N/m]", "lift [N/m]", "f [Hz]"], table)
+    columns = NAME | {f"{name} [N/m]": text for name, text in FORCES.items()} | {"f [Hz]": "{lift.frequency_hz:.3f}"}
+    rows = [data[f"fsi3/still/{grid}"].view | {"name": grid.replace("x", " x ")} for grid in ("650x144", "1300x288")]
+    return show.table(columns, [*rows, published(STILL, "Turek & Hron")])
 
 
 def varied(group: str, data: Data) -> list[str]:
     """What one change does, on the grid of a group."""
-    base = {"coarse": "325x72", "fine": "650x144"}[group]
-    table = [["none", *cells_with_fits(data[f"fsi3/grid/{base}"])]]
-    for record in data.of(f"fsi3/{group}/*"):
-        changes = ", ".join(f"`{change}`" for change in simulate.assignments(record.case.changes))
-        table.append([changes, *cells_with_fits(record)])
-    return markdown(["change", *HEADER[1:]], table)
+    base = data[f"fsi3/grid/{ {'coarse': '325x72', 'fine': '650x144'}[group] }"].view | {"name": "none"}
+    rows = [record.view | {"name": told(record.case.changes)} for record in data.of(f"fsi3/{group}/*")]
+    return show.table({"change": "{name:}"} | WITH_FITS, [base, *rows])
 
 
-def pairs(numbers: dict[str, tuple[float, float]]) -> list[str]:
-    """Largest / smallest drag, lift and uy (mm)."""
-    digits = {name: (1e3, 1) if name == "tip_uy" else (1.0, 0) for name in numbers}
-    return [" / ".join(f"{digits[name][0] * v:.{digits[name][1]}f}" for v in both) for name, both in numbers.items()]
-
-
-def extremes_of(record: Record, begin: float) -> list[str]:
-    names = ("drag", "lift", "tip_uy")
-    return pairs({n: (record[f"{n}.max, from {begin:g} s"], record[f"{n}.min, from {begin:g} s"]) for n in names})
-
-
-def published_extremes() -> list[str]:
-    q = published()
-    names = ("drag", "lift", "tip_uy")
-    return pairs({n: (q[f"{n}.mean"] + q[f"{n}.amplitude"], q[f"{n}.mean"] - q[f"{n}.amplitude"]) for n in names})
+def extremes_of(found: View, begin: float | None = None) -> View:
+    """`QUANTITY.max` and `.min` over a window, of uy in mm; of published means and amplitudes without one."""
+    view = dict(found)
+    for q, scale in (("drag", 1.0), ("lift", 1.0), ("tip_uy", 1e3)):
+        for what, sign in (("max", 1), ("min", -1)):
+            at = f"{q}.{what}, from {begin:g} s" if begin else ""
+            view[f"{q}.{what}"] = scale * (found[at] if begin else found[f"{q}.mean"] + sign * found[f"{q}.amplitude"])
+    return view
 
 
 def thesis_extremes(data: Data) -> list[str]:
     """Largest and smallest values over the thesis' window, printed and here."""
-    table = []
+    rows = []
     for level, name in (("level 1", "none"), ("level 2", "level 2")):
-        record = data[f"fsi3/thesis/{name}"]
-        frequency = f"{record['tip_uy.frequency_hz']:.2f}"
-        table.append([f"thesis, {level}", *pairs(THESIS_TABLE_4_2[level]), THESIS_FREQUENCY.get(level, "")])
-        table.append([f"here, {level}", *extremes_of(record, 1.1), frequency])
-    table.append(["here, level 2, from 3.5 s on", *extremes_of(record, 3.5), frequency])
-    table.append(["reference", *published_extremes(), f"{published()['tip_uy.frequency_hz']:.2f}"])
-    return markdown(["", "drag [N/m]", "lift [N/m]", "uy [mm]", "f [Hz]"], table)
+        here = data[f"fsi3/thesis/{name}"].view
+        rows.append(THESIS_TABLE_4_2[level] | {"name": f"thesis, {level}"})
+        rows.append(extremes_of(here, 1.1) | {"name": f"here, {level}"})
+    rows += [extremes_of(here, 3.5) | {"name": "here, level 2, from 3.5 s on"}, extremes_of(LEVEL_4) | {"name": "reference"}]
+    return show.table(NAME | EXTREMES | {"f [Hz]": "{tip_uy.frequency_hz:.2f}"}, rows)
 
 
 def thesis_changes(data: Data) -> list[str]:
     """One change of the thesis' settings at a time: extremes, and the settled motion."""
-
-    def settled(q: Any) -> list[str]:
-        return [f"{pair(q, 'tip_uy', 1)} [{q['tip_uy.frequency_hz']:.2f}]", pair(q, "drag", 0), pair(q, "lift", 0)]
-
-    table = []
-    for name, changes in THESIS_RUNS.items():
-        if name != "level 2":
-            record = data[f"fsi3/thesis/{name}"]
-            label = ", ".join(f"`{change}`" for change in simulate.assignments(changes)) or "none"
-            table.append([label, *extremes_of(record, 1.1), *settled(record)])
-    record = data["fsi3/grid/325x72"]
-    table.append(["the shipped `scenes/fsi3-325x72.json`", *extremes_of(record, 1.1), *settled(record)])
-    table.append(["reference", *published_extremes(), *settled(published())])
-    return markdown(["change", "drag", "lift", "uy", "settled uy", "drag", "lift"], table)
+    runs = {told(changes) or "none": f"thesis/{name}" for name, changes in THESIS_RUNS.items() if name != "level 2"}
+    runs["the shipped `scenes/fsi3-325x72.json`"] = "grid/325x72"
+    rows = [extremes_of(data[f"fsi3/{run}"].view, 1.1) | {"name": name} for name, run in runs.items()]
+    return show.table({"change": "{name:}"} | EXTREMES | SETTLED, [*rows, extremes_of(LEVEL_4) | {"name": "reference"}])
 
 
 def thesis_waves(data: Data) -> list[str]:
     """Growth of short waves, and how the runs end."""
     kinds = {"singular": "a projected angle is singular", "converge": "no convergence", "unstable": "the load is unstable"}
-    table = []
+    columns = {"change": "{name:}", "growth": "{growth:.1f} /s to {growth.to:.2f} s",
+               "what is there then": "{size:.1f} mm/s at {growth.frequency_hz:.0f} Hz", "the run ends": "{end:}"}  # fmt: skip
+    rows = []
     for name, changes in WAVES.items():
+        view = dict(data[f"fsi3/waves/{name}"].view)
         if name == "bdf2, iterated":
             continue
-        record = data[f"fsi3/waves/{name}"]
-        rate, there = "too fast for a rate", ""
-        if "growth" in record.values:
-            rate = f"{record['growth']:.1f} /s to {record['growth.to']:.2f} s"
-            there = f"{1e3 * record['growth.size']:.1f} mm/s at {record['growth.frequency_hz']:.0f} Hz"
-        told = [f"`{change}`" for change in simulate.assignments(changes) if not change.startswith("time.end")]
-        label = "a ramp of 2 s" if name == "ramp" else ", ".join(told)
-        outcome = f"holds (to {record['reached']:g} s)"
-        if record.error:
-            reason = next((said for word, said in kinds.items() if word in record.error), record.error[:60])
-            outcome = f"{record['reached']:.3f} s: {reason}"
-        table.append([label or "none, with the scene's own `bdf2`", rate, there, outcome])
-    return markdown(["change", "growth", "what is there then", "the run ends"], table)
+        if "growth" in view:
+            view["size"] = 1e3 * view["growth.size"]
+        reason = next((said for word, said in kinds.items() if word in view["said"]), view["said"][:60])
+        end = f"holds (to {view['reached']:g} s)" if reason == "ok" else f"{view['reached']:.3f} s: {reason}"
+        label = "a ramp of 2 s" if name == "ramp" else told(changes, "time.end") or "none, with the scene's own `bdf2`"
+        rows.append(view | {"name": label, "end": end})
+    return show.table(columns, rows)
 
 
 def thesis_error(data: Data) -> list[str]:
-    told = data["fsi3/waves/none"].error or ""
-    return ["", *textwrap.wrap(told, 96, initial_indent="    ", subsequent_indent="    "), ""]
+    said = data["fsi3/waves/none"].error or ""
+    return ["", *textwrap.wrap(said, 96, initial_indent="    ", subsequent_indent="    "), ""]
 
 
 def iterations(data: Data) -> list[str]:
@@ -441,22 +411,22 @@ def iterations(data: Data) -> list[str]:
         return f"stops at t = {1e3 * record['reached']:.0f} ms" if record.error else f"{record['iterations']:.1f}"
 
     header = ["density ratio", *(f"`{name}`" for name in ACCELERATIONS)]
-    return markdown(header, [[f"{ratio:g}", *(cell(ratio, name) for name in ACCELERATIONS)] for ratio in RATIOS])
+    return show.markdown(header, [[f"{ratio:g}", *(cell(ratio, name) for name in ACCELERATIONS)] for ratio in RATIOS])
 
 
 def exchange_table(data: Data) -> list[str]:
     """Differences of both sides of the interface, over window and step."""
-    table = []
+    columns = {"": "{begin:g} to {end:g} s<, tip ± {moved[mm]:.0f} mm>", "H [s]": "{step:g}", "lift": "{lift:.2%}",
+               "work, magnitudes": "{work:.2%}", "work, net": "{net:+.2%}"}  # fmt: skip
+    rows = []
     for window, (begin, end) in EXCHANGE_WINDOWS.items():
         for step in EXCHANGE_STEPS:
             found = data[f"fsi3/exchange/30, {step:g}"]
-            if f"{window}.lift" not in found.values:
-                continue
-            tip = 1e3 * found[f"{window}.tip"]
-            where = f"{begin:g} to {end:g} s" + (f", tip ± {tip:.0f} mm" if tip > 1 else "")
-            parts = (f"{100 * found[f'{window}.{name}']:.2f} %" for name in ("lift", "work"))
-            table.append([where, f"{step:g}", *parts, f"{100 * found[f'{window}.net']:+.2f} %"])
-    return markdown(["", "H [s]", "lift", "work, magnitudes", "work, net"], table)
+            row = {name: found.get(f"{window}.{name}") for name in ("lift", "work", "net", "tip")}
+            if row["tip"] is not None:
+                moved = row["tip"] if row["tip"] > 1e-3 else None
+                rows.append(row | {"begin": begin, "end": end, "step": step, "moved": moved})
+    return show.table(columns, rows)
 
 
 # Figures
@@ -466,7 +436,7 @@ def bands(data: Data) -> None:
     """Two periods of FSI3 on each grid, in the band of the published amplitudes around the published mean."""
     titles = {"tip_ux": "$u_x$ [mm]", "tip_uy": "$u_y$ [mm]", "drag": "drag [N/m]", "lift": "lift [N/m]"}
     figure, axes = show.panel(2, 2, (9.5, 6), sharex=True)
-    reference, others = published(), simulate.reference(COARSE)["spread"]["quantities"]
+    reference, others = LEVEL_4, simulate.reference(COARSE)["spread"]["quantities"]
     for axis, (name, title) in zip(axes.flat, titles.items()):
         factor = 1e3 if name.startswith("tip") else 1.0
         mean, amplitude = reference[f"{name}.mean"], reference[f"{name}.amplitude"]

@@ -2,14 +2,17 @@
 
 from collections import Counter
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 from studies import clamp, commands, show, simulate
 from studies.engine import ROD, Case, Run, Study
-from studies.show import COLOURS, exponent, grouped, markdown, page
+from studies.show import COLOURS, exponent, grouped, sheet
 from studies.store import Data
 
 MANIFEST, TARGET = "crates/rod/study/Cargo.toml", "target/rod-study"
+
+Rows = list[dict[str, Any]]
 
 TABLES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "bending_models", "csm", "csm3_energy",
           "extreme", "situations")  # fmt: skip
@@ -26,7 +29,7 @@ THESIS_CONDITION = {
 STEPS = 10_000
 """Time steps of the runs of the thesis' table 2.3, about."""
 SOLVERS = ("banded", "sparse", "dense")
-SCHEMES = {"trapezoid": 1, "generalised-alpha 0.5": 1, "generalised-alpha 0.8": 1, "BDF2": 1, "TR-BDF2": 2}
+SCHEMES = {"trapezoid, unwatched": 1, "trapezoid": 1, "generalised-alpha 0.5": 1, "generalised-alpha 0.8": 1, "BDF2": 1, "TR-BDF2": 2}
 """Solves a step."""
 EXTREME = ("n", "k_e", "EI", "dt")
 """What the stiff cases vary."""
@@ -57,7 +60,7 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
     return {"tables": {name: rows}, "times": {"seconds": seconds} if any(seconds) else {}}
 
 
-def extremes(rows: list[dict[str, Any]]) -> dict[str, Any]:
+def extremes(rows: Rows) -> dict[str, Any]:
     """What came of the stiff cases by n and dt, those that did not end well, and the values that were tried."""
     table, longest = [], []
     for (n, dt), group in grouped(rows, "n", "dt").items():
@@ -74,324 +77,238 @@ def extremes(rows: list[dict[str, Any]]) -> dict[str, Any]:
     return {"tables": tables, "times": {"longest step": longest}}
 
 
-def table_of(data: Data, name: str) -> list[dict[str, Any]]:
-    return data[f"rod/study/{name}"].tables[name]
-
-
 # Pages
 
 
-def condition(data: Data) -> str:
-    """Tables 2.1 and 2.2."""
+def table_of(data: Data, name: str) -> Rows:
+    return data[f"rod/study/{name}"].tables[name]
+
+
+def condition_rows(data: Data) -> Rows:
+    """Condition numbers here and as printed."""
+    groups = grouped(table_of(data, "condition"), "k_e", "dt")
+    return [
+        row | {"printed": printed, "ratio": row["full"] / printed}
+        for key, group in groups.items() for row, printed in zip(group, THESIS_CONDITION[key])
+    ]  # fmt: skip
+
+
+def run_times(data: Data) -> Rows:
+    """What an iteration costs, and seconds of `STEPS` steps in space with the factorise-and-solve of each solver."""
     rows = []
-    for (k_e, dt), group in grouped(table_of(data, "condition"), "k_e", "dt").items():
-        for row, printed in zip(group, THESIS_CONDITION[k_e, dt]):
-            found = [f"{printed:.4e}", f"{row['full']:.4e}", f"{row['full'] / printed:.2f}", f"{row['eliminated']:.3e}"]
-            rows.append([f"{k_e:g}", f"{dt:g}", f"{row['n']:.0f}", f"{row['order']:.0f}", *found])
-    return page(
-        "Condition numbers (thesis tables 2.1 and 2.2, figure 2.5)",
-        ["k_e", "dt", "n", "order", "thesis", "here", "ratio", "velocities eliminated"],
-        rows,
-        "1-norm of the full Jacobian [[1, -dt/2], [dt/2 K, m]] of order 6(n - 1), straight rod, L = EI = mu = 1, h = L/n, "
-        "m = mu h, clamp spring EI/h. Last column: the matrix that the solver factorises, K + 4 m/dt².",
-    )
+    for row in data["rod/study/runtime"].times["rows"]:
+        times = STEPS * row["iterations_per_step"]
+        runs = {f"run {name}": times * (row["iteration_3d"] - row["banded"] + row[name]) for name in SOLVERS if row[name]}
+        runs |= {f"run thesis {name}": row[f"thesis_{name}"] for name in ("sparse", "dense")}
+        micro = {name: 1e6 * row[name] for name in ("iteration_3d", "iteration_2d", *SOLVERS) if row[name]}
+        ratios = {"3D/2D": row["iteration_3d"] / row["iteration_2d"], "sparse/banded": row["sparse"] / row["banded"]}
+        rows.append({"n": row["n"]} | runs | micro | ratios)
+    return rows
 
 
-def run_seconds(row: dict[str, Any], solver: str) -> float | None:
-    """Of `STEPS` steps in space, each iteration with the factorise-and-solve of this solver."""
-    if not row[solver]:
-        return None
-    return float(STEPS * row["iterations_per_step"] * (row["iteration_3d"] - row["banded"] + row[solver]))
+def fit(rows: Rows, name: str) -> tuple[list[float], list[float], float, int]:
+    """n, the column `name`, its exponent and from which n on it was fitted."""
+    there = {row["n"]: row[name] for row in rows if row.get(name)}
+    first = 128 if "thesis" in name else 64
+    late = [n for n in there if n >= first]
+    return list(there), list(there.values()), exponent(late, [there[n] for n in late]), first
 
 
-def run_times(rows: list[dict[str, Any]]) -> dict[str, tuple[list[float], list[float], float, int]]:
-    """n, seconds and fitted exponent of each solver, and from which n on it was fitted."""
-    found = {}
-    for name in (*SOLVERS, "thesis_sparse", "thesis_dense"):
-        of_row = {row["n"]: run_seconds(row, name) if name in SOLVERS else row[name] for row in rows}
-        there = {n: value for n, value in of_row.items() if value}
-        first = 64 if name in SOLVERS else 128
-        late = [n for n in there if n >= first]
-        found[name] = list(there), list(there.values()), exponent(late, [there[n] for n in late]), first
+def orders(data: Data, name: str, along: str, sign: int, part: slice) -> Rows:
+    """Rows of a convergence study by sequence: errors by `along`, and the observed order over a part of them."""
+    found = []
+    for group in grouped(table_of(data, name), *SEQUENCES[name]).values():
+        x, y = ([row[key] for row in group[part]] for key in (along, "error"))
+        errors = {f"{row[along]:.3g}": row["error"] for row in group}
+        found.append(group[-1] | errors | {"order": sign * exponent(x, y), "x": [row[along] for row in group], "group": group})
     return found
 
 
-def runtime(data: Data) -> str:
-    """Table 2.3."""
-    rows = data["rod/study/runtime"].times["rows"]
-    table = []
-    for row in rows:
-        cells = [show.number(run_seconds(row, solver), ".3g") for solver in SOLVERS]
-        cells += [show.number(row[key], ".6g") for key in ("thesis_sparse", "thesis_dense")]
-        cells += [f"{1e6 * row[key]:.1f}" if row[key] else "" for key in ("iteration_3d", "iteration_2d", *SOLVERS)]
-        ratios = [f"{row['iteration_3d'] / row['iteration_2d']:.2f}", f"{row['sparse'] / row['banded']:.2f}"]
-        table.append([f"{row['n']:.0f}", *cells, *ratios])
-    fitted = [
-        f"{name.replace('_', ' ')} n^{slope:.2f}" + (f" from {first} on" if first > 64 else "")
-        for name, (_, _, slope, first) in run_times(rows).items()
-    ]
-    late = [row for row in rows if row["n"] >= 64]
-    iteration = exponent([row["n"] for row in late], [row["iteration_3d"] for row in late])
-    return page(
-        "Run time against n (thesis table 2.3, figure 2.6)",
-        ["n", "banded, s", "sparse, s", "dense, s", "thesis sparse, s", "thesis dense, s", "iteration 3D, µs",
-         "iteration 2D, µs", "banded solve, µs", "faer sparse, µs", "faer dense, µs", "3D/2D", "sparse/banded"],
-        table,
-        f"Seconds for {STEPS} steps of TR-BDF2 in space, one core: two solves a step, each iteration with the library's "
-        "derivatives, assembly and check and the factorise-and-solve of the column. The thesis: MATLAB. "
-        f"Exponents from n = 64 on: {', '.join(fitted)}; one iteration n^{iteration:.2f}.",
-    )  # fmt: skip
+SEQUENCES = {"order_in_n": ("calibration", "plane", "gravity"), "order_in_dt": ("case", "scheme")}
+ERRORS_IN_N = partial(orders, name="order_in_n", along="n", sign=-1, part=slice(2, 5))
+ERRORS_IN_DT = partial(orders, name="order_in_dt", along="dt", sign=1, part=slice(2, 7))
 
 
-def order_of_n(group: list[dict[str, Any]]) -> float:
-    """From 32 to 128 segments."""
-    return -exponent([row["n"] for row in group[2:5]], [row["error"] for row in group[2:5]])
-
-
-def order_in_n(data: Data) -> str:
-    table = []
-    for (calibration, plane, _), group in grouped(table_of(data, "order_in_n"), "calibration", "plane", "gravity").items():
-        errors = [f"{row['error']:.2e}" for row in group]
-        table.append([calibration, plane, f"{group[-1]['tip_angle']:.1f}", *errors, f"{order_of_n(group):.2f}"])
-    header = ["calibration", "plane", "tip angle, °", *(f"n = {row['n']:.0f}" for row in group), "order, 32 … 128"]
-    return page("Error of the tip against the exact elastica, relative to the deflection", header, table)
-
-
-def order_of_dt(group: list[dict[str, Any]]) -> float:
-    """From 0.005 s to 0.00031 s."""
-    return exponent([row["dt"] for row in group[2:7]], [row["error"] for row in group[2:7]])
-
-
-def order_in_dt(data: Data) -> str:
-    table = []
-    for (case, scheme), group in grouped(table_of(data, "order_in_dt"), "case", "scheme").items():
-        table.append([case, scheme, *(f"{row['error']:.1e}" for row in group[::2]), f"{order_of_dt(group):.2f}"])
-    header = ["case", "scheme", *(f"dt = {row['dt']:.3g}" for row in group[::2]), "order, dt = 0.005 … 0.00031"]
-    return page("Error of the tip at t = 1 s against dt", header, table)
-
-
-def bending_models(data: Data) -> str:
-    names = ("invariant_diagonal", "projected_plane", "projected_diagonal")
-    rows = [
-        [f"{row['gravity']:g}", f"{row['tip_angle']:.1f}", *(f"{row[name]:.1e}" for name in names)]
-        for row in table_of(data, "bending_models")
-    ]
-    header = ["g", "tip angle, °", "invariant, diagonal plane", "projected, plane", "projected, diagonal plane"]
-    return page("Deflection against the invariant model in the plane, n = 128", header, rows)
-
-
-def energy_cell(row: dict[str, Any]) -> str:
-    ended = "" if row["time"] > 59 else f" (ended at {row['time']:.0f} s)"
-    halved = f" ({row['halvings']:.0f} halvings)" if row["halvings"] else ""
-    return f"{row['energy']:+.1e}{ended}{halved}"
-
-
-def csm3_energy(data: Data) -> str:
-    rows = table_of(data, "csm3_energy")
-    columns = list(grouped(rows, "n", "dt"))
-    table = []
-    for (scheme,), group in grouped(rows, "scheme").items():
-        cells = {(row["n"], row["dt"]): energy_cell(row) for row in group}
-        table.append([scheme, *(cells.get(column, "") for column in columns)])
-    header = ["scheme", *(f"n = {n:.0f}, dt = {dt:g} s" for n, dt in columns)]
-    note = (
-        "A run ends where the gain reaches what there is. Trapezoid, unwatched: without the energy guard, under a root that "
-        "is driven, but to where it is."
-    )
-    return page("Energy at the end of 60 s of CSM3, relative to the largest energy in gravity", header, table, note)
-
-
-def extreme(data: Data) -> str:
-    record = data["rod/study/extreme"]
-    table = []
-    for row, longest in zip(record.tables["extreme"], record.times["longest step"]):
-        cells = [f"{row['n']:.0f}", f"{row['dt']:g}", f"{row['cells']:.0f}", f"{row['ok']:.0f}", row["other"] or ""]
-        largest = [f"{row['largest gain']:.1e}", f"{row['largest loss']:.1e}"]
-        table.append([*cells, *largest, f"{row['iterations']:.0f}", f"{longest:.3f}"])
-    header = ["n", "dt, s", "cells", "ok", "other", "largest gain (ok)", "largest loss (ok)", "most iterations a step",
-              "longest step, s"]  # fmt: skip
-    note = (
-        "Each row: k_e = 1e3 … 1e9 N/m a segment times EI = 1e-6 … 1e3 N m², 50 steps of the default scheme from rest under "
-        "the weight; gain and loss of energy relative to the largest energy that moved."
-    )
-    return page("Stiff cases", header, table, note)
-
-
-def situations(data: Data) -> str:
-    table = [
-        [row["situation"], row["scheme"], row["result"].split(":")[0], f"{row['gain']:.1e}", f"{row['loss']:.1e}",
-         f"{row['iterations']:.0f}", f"{row['substeps']:.0f}"]
-        for row in table_of(data, "situations")
-    ]  # fmt: skip
-    header = ["situation", "scheme", "result", "gain", "loss", "most iterations a step", "most sub-steps"]
-    note = "Energies count from the third step after the load is gone."
-    return page("Extreme situations, n = 64 in space", header, table, note)
-
-
-def clamps(data: Data) -> str:
-    header = ["wall", "Poisson's ratio", "elements", "d/h by the moment", "d/h by the force", "k", "10/(12 − ν)"]
-    rows = []
-    for row in table_of(data, "clamp"):
-        numbers = [f"{row[name]:.4f}" for name in ("by_moment", "by_force", "shear_factor")]
-        rows.append([row["wall"], row["poisson"], row["elements"], *numbers, f"{10 / (12 - row['poisson']):.4f}"])
-    note = "Linear elasticity in plane strain; the plate is 6 h long."
-    return page("The clamp of a plate and its shear", header, rows, note)
-
-
-PAGES: dict[str, Callable[[Data], str]] = {
-    "condition": condition, "runtime": runtime, "order_in_n": order_in_n, "order_in_dt": order_in_dt,
-    "bending_models": bending_models, "csm3_energy": csm3_energy, "extreme": extreme, "situations": situations,
-    "clamp": clamps,
-}  # fmt: skip
+def energies(data: Data) -> Rows:
+    """The end of each run of CSM3 by scheme; cells by n and dt."""
+    found = []
+    for (scheme,), group in grouped(table_of(data, "csm3_energy"), "scheme").items():
+        cells = {}
+        for row in group:
+            ended = "" if row["time"] > 59 else f" (ended at {row['time']:.0f} s)"
+            halved = f" ({row['halvings']:.0f} halvings)" if row["halvings"] else ""
+            cells[f"n = {row['n']:.0f}, dt = {row['dt']:g} s"] = f"{row['energy']:+.1e}{ended}{halved}"
+        found.append({"scheme": scheme} | cells)
+    return found
 
 
 def pages(data: Data) -> dict[str, str]:
-    return {f"rod/{name}.md": made(data) for name, made in PAGES.items()}
+    runs = run_times(data)
+    names = [name for name in runs[0] if name.startswith("run")]
+    fits = {name: fit(runs, name) for name in (*names, "iteration_3d")}
+    fitted = ", ".join(f"{name} n^{slope:.2f} from {first} on" for name, (_, _, slope, first) in fits.items())
+    in_n, in_dt = ERRORS_IN_N(data), ERRORS_IN_DT(data)
+    energy = energies(data)
+    stiff = data["rod/study/extreme"]
+    made = {
+        "condition": sheet(
+            "Condition numbers (thesis tables 2.1 and 2.2, figure 2.5)",
+            {"k_e": "{k_e:g}", "dt": "{dt:g}", "n": "{n:.0f}", "order": "{order:.0f}", "thesis": "{printed:.4e}",
+             "here": "{full:.4e}", "ratio": "{ratio:.2f}", "velocities eliminated": "{eliminated:.3e}"},
+            condition_rows(data),
+            "1-norm of the full Jacobian [[1, -dt/2], [dt/2 K, m]] of order 6(n - 1), straight rod, L = EI = mu = 1, h = L/n, "
+            "m = mu h, clamp spring EI/h. Last column: the matrix that the solver factorises, K + 4 m/dt².",
+        ),
+        "runtime": sheet(
+            "Run time against n (thesis table 2.3, figure 2.6)",
+            {"n": "{n:.0f}"} | {f"{name[4:]}, s": f"{{{name}:.6g}}" if "thesis" in name else f"{{{name}:.3g}}" for name in names}
+            | {"iteration 3D, µs": "{iteration_3d:.1f}", "iteration 2D, µs": "{iteration_2d:.1f}",
+               "banded solve, µs": "{banded:.1f}", "faer sparse, µs": "{sparse:.1f}", "faer dense, µs": "{dense:.1f}",
+               "3D/2D": "{3D/2D:.2f}", "sparse/banded": "{sparse/banded:.2f}"},
+            runs,
+            f"Seconds for {STEPS} steps of TR-BDF2 in space, one core: two solves a step, each iteration with the library's "
+            f"derivatives, assembly and check and the factorise-and-solve of the column. The thesis: MATLAB. Exponents: {fitted}.",
+        ),
+        "order_in_n": sheet(
+            "Error of the tip against the exact elastica, relative to the deflection",
+            {"calibration": "{calibration:}", "plane": "{plane:}", "tip angle, °": "{tip_angle:.1f}"}
+            | {f"n = {n:.0f}": f"{{{n:.3g}:.2e}}" for n in in_n[0]["x"]} | {"order, 32 … 128": "{order:.2f}"}, in_n,
+        ),
+        "order_in_dt": sheet(
+            "Error of the tip at t = 1 s against dt",
+            {"case": "{case:}", "scheme": "{scheme:}"} | {f"dt = {dt:.3g}": f"{{{dt:.3g}:.1e}}" for dt in in_dt[0]["x"][::2]}
+            | {"order, dt = 0.005 … 0.00031": "{order:.2f}"}, in_dt,
+        ),
+        "bending_models": sheet(
+            "Deflection against the invariant model in the plane, n = 128",
+            {"g": "{gravity:g}", "tip angle, °": "{tip_angle:.1f}", "invariant, diagonal plane": "{invariant_diagonal:.1e}",
+             "projected, plane": "{projected_plane:.1e}", "projected, diagonal plane": "{projected_diagonal:.1e}"},
+            table_of(data, "bending_models"),
+        ),
+        "csm3_energy": sheet(
+            "Energy at the end of 60 s of CSM3, relative to the largest energy in gravity",
+            {name: f"{{{name}:}}" for name in energy[0]}, energy,
+            "A run ends where the gain reaches what there is. Trapezoid, unwatched: without the energy guard, under a root that "
+            "is driven, but to where it is.",
+        ),
+        "extreme": sheet(
+            "Stiff cases",
+            {"n": "{n:.0f}", "dt, s": "{dt:g}", "cells": "{cells:.0f}", "ok": "{ok:.0f}", "other": "{other:}",
+             "largest gain (ok)": "{largest gain:.1e}", "largest loss (ok)": "{largest loss:.1e}",
+             "most iterations a step": "{iterations:.0f}", "longest step, s": "{longest:.3f}"},
+            [row | {"longest": s} for row, s in zip(stiff.tables["extreme"], stiff.times["longest step"])],
+            "Each row: k_e = 1e3 … 1e9 N/m a segment times EI = 1e-6 … 1e3 N m², 50 steps of the default scheme from rest "
+            "under the weight; gain and loss of energy relative to the largest energy that moved.",
+        ),
+        "situations": sheet(
+            "Extreme situations, n = 64 in space",
+            {"situation": "{situation:}", "scheme": "{scheme:}", "result": "{ended:}", "gain": "{gain:.1e}",
+             "loss": "{loss:.1e}", "most iterations a step": "{iterations:.0f}", "most sub-steps": "{substeps:.0f}"},
+            [row | {"ended": row["result"].split(":")[0]} for row in table_of(data, "situations")],
+            "Energies count from the third step after the load is gone.",
+        ),
+        "clamp": sheet(
+            "The clamp of a plate and its shear",
+            {"wall": "{wall:}", "Poisson's ratio": "{poisson:}", "elements": "{elements:}", "d/h by the moment": "{by_moment:.4f}",
+             "d/h by the force": "{by_force:.4f}", "k": "{shear_factor:.4f}", "10/(12 − ν)": "{cowper:.4f}"},
+            [row | {"cowper": 10 / (12 - row["poisson"])} for row in table_of(data, "clamp")],
+            "Linear elasticity in plane strain; the plate is 6 h long.",
+        ),
+    }  # fmt: skip
+    return {f"rod/{name}.md": text for name, text in made.items()}
 
 
 def schemes(data: Data) -> list[str]:
     """What the schemes do to the energy."""
-    energies = {(row["scheme"], row["n"], row["dt"]): energy_cell(row) for row in table_of(data, "csm3_energy")}
-    table = []
-    for scheme, solves in {"trapezoid, unwatched": 1, **SCHEMES}.items():
-        cells = [row for row in table_of(data, "situations") if row["scheme"] == scheme]
-        good = sum(row["result"] == "ok" for row in cells)
-        others = [
-            f"{row['situation'].split(':')[0]}: {row['result'].split(' in step')[0]}" for row in cells if row["result"] != "ok"
-        ]
-        found = [energies[scheme, 32, dt] for dt in (0.01, 0.02)]
-        table.append([scheme, solves, *found, f"{good} of {len(cells)}" if cells else "", "; ".join(others)])
-    header = ["scheme", "solves a step", "energy after 60 s of CSM3, n = 32, dt = 0.01 s", "dt = 0.02 s"]
-    return markdown([*header, "situations that end well", "the others"], table)
+    short, long = "n = 32, dt = 0.01 s", "n = 32, dt = 0.02 s"
+    columns = {"scheme": "{scheme:}", "solves a step": "{solves:}", f"energy after 60 s of CSM3, {short}": f"{{{short}:}}",
+               "dt = 0.02 s": f"{{{long}:}}", "situations that end well": "{good:}", "the others": "{others:}"}  # fmt: skip
+    rows = {row["scheme"]: row for row in energies(data)}
+    for scheme, row in rows.items():
+        cells = [cell for cell in table_of(data, "situations") if cell["scheme"] == scheme]
+        bad = [cell for cell in cells if cell["result"] != "ok"]
+        others = [f"{cell['situation'].split(':')[0]}: {cell['result'].split(' in step')[0]}" for cell in bad]
+        row |= {"solves": SCHEMES[scheme], "others": "; ".join(others)}
+        row["good"] = f"{len(cells) - len(bad)} of {len(cells)}" if cells else ""
+    return show.table(columns, [rows[scheme] for scheme in SCHEMES])
 
 
 def csm(data: Data) -> list[str]:
     """Against Turek & Hron."""
-    names, table = {"tip_ux": "ux", "tip_uy": "uy"}, []
-    rows = {(row["scene"], row["quantity"], row["rod"]): row["value"] for row in table_of(data, "csm")}
-    for (scene, quantity, rod), _ in rows.items():
-        expected, extent = simulate.published(scene).get(quantity, (None, 0.0))
-        if rod != "as shipped" or not extent or expected is None:
-            continue
-        runs = [rows[scene, quantity, rod] for rod in ("as shipped", "without shear and set-back")]
-        name, _, what = quantity.partition(".")
-        scale, unit, digits = (1, "Hz", 4) if what == "frequency_hz" else (1e3, "mm", 3)
-        cells = [f"{scale * value:.{digits}f} ({100 * (value - expected) / extent:+.2f} %)" for value in runs]
-        label = f"{scene.upper()}, {names[name]}, {what.replace('_hz', '')}, {unit}"
-        table.append([label, f"{scale * expected:.{digits}f}", *cells])
-    return markdown(["", "Turek & Hron", "as shipped", "without shear and set-back"], table)
+    rows, table = {(row["scene"], row["quantity"], row["rod"]): row["value"] for row in table_of(data, "csm")}, []
+    for scene, quantity, rod in rows:
+        expected, extent = simulate.published(scene).get(quantity, (0.0, 0.0))
+        if rod == "as shipped" and extent:
+            name, _, what = quantity.partition(".")
+            scale, unit, digits = (1, "Hz", 4) if what == "frequency_hz" else (1e3, "mm", 3)
+            runs = [rows[scene, quantity, rod] for rod in ("as shipped", "without shear and set-back")]
+            cells = [f"{scale * value:.{digits}f} ({100 * (value - expected) / extent:+.2f} %)" for value in runs]
+            label = f"{scene.upper()}, {name[4:]}, {what.replace('_hz', '')}, {unit}"
+            table.append([label, f"{scale * expected:.{digits}f}", *cells])
+    return show.markdown(["", "Turek & Hron", "as shipped", "without shear and set-back"], table)
 
 
 # Figures
 
 
-def curves(name: str, labels: tuple[str, str], log: bool = True):
-    """Axes, and a function that saves them as docs/rod/NAME.png."""
-    figure, axes = show.panel()
-    axes[0, 0].set(xlabel=labels[0], ylabel=labels[1])
-    if log:
-        axes[0, 0].set(xscale="log", yscale="log")
-
-    def save(**legend: Any) -> None:
-        axes[0, 0].legend(fontsize=8, **legend)
-        show.save(figure, f"rod/{name}", 130)
-
-    return axes[0, 0], save
-
-
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    draw_condition(data)
-    draw_runtime(data)
-    draw_order_in_n(data)
-    draw_order_in_dt(data)
-    if run := runs("rod/study/deflection"):
-        draw_deflection(run.found["tables"]["deflection"])
-    if run := runs("rod/study/csm3_energy"):
-        draw_csm3_energy(run.found["tables"]["csm3_energy"])
-
-
-def draw_condition(data: Data) -> None:
-    """Figure 2.5."""
-    axes, save = curves("condition", ("mass points n", "condition number, 1-norm"))
-    # One on top of the other: the larger ones below, and hollow.
-    markers = zip("osv^", (13, 9.5, 6.5, 5))
-    for ((k_e, dt), group), (marker, size) in zip(grouped(table_of(data, "condition"), "k_e", "dt").items(), markers):
-        n, full = [row["n"] for row in group], [row["full"] for row in group]
+    conditions, times = condition_rows(data), run_times(data)
+    lines: Rows = []
+    # One on top of the other: the larger ones below.
+    for ((k_e, dt), group), marker, size, colour in zip(grouped(conditions, "k_e", "dt").items(), "osv^", (13, 9.5, 6.5, 5), COLOURS):
+        n, full, printed = ([row[key] for row in group] for key in ("n", "full", "printed"))
         label = f"k_e = {k_e:g} N/m, dt = {dt:g} s: n^{exponent(n, full):.2f}"
-        (line,) = axes.plot(n, full, marker, markersize=size, fillstyle="none", label=label)
-        axes.plot(n, THESIS_CONDITION[k_e, dt], "--", color=line.get_color(), linewidth=1)
+        lines.append({"x": n, "y": full, "marker": marker, "linewidth": 0, "markersize": size, "label": label, "color": colour})
+        lines.append({"x": n, "y": printed, "linestyle": "--", "color": colour, "label": "thesis" if not lines[2:] else None})
         if k_e == 1e5:
             eliminated = [row["eliminated"] for row in group]
-            axes.plot(n, eliminated, ":", color=line.get_color(), label=f"velocities eliminated, dt = {dt:g} s")
-    axes.plot([], [], "k--", linewidth=1, label="thesis, tables 2.1 and 2.2")
-    show.counts(axes, n)
-    save(loc="lower right")
+            lines.append({"x": n, "y": eliminated, "linestyle": ":", "color": colour, "label": f"velocities eliminated, dt = {dt:g} s"})
+    labels = ("mass points n", "condition number, 1-norm")
+    show.curves("rod/condition", labels, lines, ticks=n, loc="lower right")
 
+    lines = []
+    for name, marker in zip((name for name in times[0] if name.startswith("run")), "osv^D"):
+        n, seconds, slope, first = fit(times, name)
+        lines.append({"x": n, "y": seconds, "marker": marker, "label": f"{name[4:]}: n^{slope:.2f} from {first} on"})
+    show.curves("rod/runtime", ("segments n", f"seconds for {STEPS} steps"), lines, ticks=[row["n"] for row in times])
 
-def draw_runtime(data: Data) -> None:
-    """Figure 2.6."""
-    rows = data["rod/study/runtime"].times["rows"]
-    axes, save = curves("runtime", ("segments n", f"seconds for {STEPS} steps"))
-    styles = dict(zip((*SOLVERS, "thesis_sparse", "thesis_dense"), ("o-", "s-", "v-", "k--", "k:")))
-    for name, (n, seconds, slope, first) in run_times(rows).items():
-        axes.plot(n, seconds, styles[name], label=f"{name.replace('_', ', ')}: n^{slope:.2f} from {first} on")
-    show.counts(axes, [row["n"] for row in rows])
-    save()
+    lines = []
+    for row in ERRORS_IN_N(data):
+        if row["plane"] == "diagonal" and row["gravity"] != 2.0 and "inextensible" not in row["calibration"]:
+            style = {"second order": "-", "thesis k_e=1e3": "--", "thesis k_e=1e6": ":"}[row["calibration"]]
+            label = f"{row['calibration']}, tip at {row['tip_angle']:.0f}°: n^{-row['order']:.2f}"
+            errors = [one["error"] for one in row["group"]]
+            lines.append({"x": row["x"], "y": errors, "linestyle": style, "marker": "o", "label": label})
+    show.curves("rod/order_in_n", ("segments n", "error of the tip / deflection"), lines, ticks=row["x"], limits={"ylim": (3e-8, None)})
 
+    by_dt, by_time, seconds = [], [], iter(data["rod/study/order_in_dt"].times["seconds"])
+    for row, marker in zip(ERRORS_IN_DT(data), "osv^D" * 2):
+        line = {"y": [one["error"] for one in row["group"]], "marker": marker}
+        spent = [next(seconds) for _ in row["group"]]
+        if "pushed" in row["case"]:
+            by_dt.append(line | {"x": row["x"], "label": f"{row['scheme']}: dt^{row['order']:.2f}"})
+            by_time.append(line | {"x": spent, "label": row["scheme"]})
+    show.curves("rod/order_in_dt_pushed", ("dt, s", "error of the tip, relative"), by_dt)
+    show.curves("rod/work_precision_pushed", ("run time, s", "error of the tip, relative"), by_time)
 
-def draw_deflection(rows: list[dict[str, Any]]) -> None:
-    """Figure 2.7."""
-    axes, save = curves("deflection", ("x/L", "y/L"), log=False)
-    colours, styles = {"second order": COLOURS[0], "thesis k_e=1e3": COLOURS[1]}, {8.0: ":", 32.0: "--", 128.0: "-"}
-    for (model, n), group in grouped(rows, "model", "n").items():
-        x, y = [row["x"] for row in group], [row["y"] for row in group]
-        if model == "elastica":
-            axes.plot(x, y, "k-", linewidth=5, alpha=0.25, label="exact elastica")
-        elif model in colours:
-            axes.plot(x, y, styles[n], color=colours[model], linewidth=1.4, label=f"{model}, n = {n:.0f}")
-    save(loc="lower left")
-
-
-def draw_order_in_n(data: Data) -> None:
-    axes, save = curves("order_in_n", ("segments n", "error of the tip / deflection"))
-    for (calibration, plane, gravity), group in grouped(table_of(data, "order_in_n"), "calibration", "plane", "gravity").items():
-        n, error = [row["n"] for row in group], [row["error"] for row in group]
-        if plane == "diagonal" and gravity != 2.0 and "inextensible" not in calibration:
-            # What falls together is told apart by size.
-            marker = {"second order": "o-", "thesis k_e=1e3": "s--", "thesis k_e=1e6": "^:"}[calibration]
-            label = f"{calibration}, tip at {group[-1]['tip_angle']:.0f}°: n^{-order_of_n(group):.2f}"
-            size = 8 if "1e3" in calibration else 4.5
-            axes.plot(n, error, marker, markersize=size, fillstyle="none", label=label)
-    show.counts(axes, n)
-    axes.set_ylim(bottom=3e-8)
-    save(loc="lower left")
-
-
-def draw_order_in_dt(data: Data) -> None:
-    """Error over the step, and over run time."""
-    record = data["rod/study/order_in_dt"]
-    rows = [row | {"seconds": s} for row, s in zip(record.tables["order_in_dt"], record.times["seconds"])]
-    for (case,), of_case in grouped(rows, "case").items():
-        name = "pushed" if "pushed" in case else "free"
-        by_dt, save_dt = curves(f"order_in_dt_{name}", ("dt, s", "error of the tip, relative"))
-        by_time, save_time = curves(f"work_precision_{name}", ("run time, s", "error of the tip, relative"))
-        for ((scheme,), group), marker, size in zip(grouped(of_case, "scheme").items(), "osv^D", (8, 6.5, 5, 5, 4.5)):
-            dt, error = [row["dt"] for row in group], [row["error"] for row in group]
-            style: dict[str, Any] = {"markersize": size, "fillstyle": "none", "linewidth": 1.2}
-            label = scheme if name == "free" else f"{scheme}: dt^{order_of_dt(group):.2f}"
-            by_dt.plot(dt, error, marker + "-", **style, label=label)
-            by_time.plot([row["seconds"] for row in group], error, marker + "-", **style, label=scheme)
-        save_dt()
-        save_time()
-
-
-def draw_csm3_energy(rows: list[dict[str, Any]]) -> None:
-    axes, save = curves("csm3_energy", ("time, s", "gain of energy / largest energy in gravity"), log=False)
-    axes.set(ylim=(-0.15, 0.5))
-    groups = grouped([row for row in rows if (row["n"], row["dt"]) == (32.0, 0.02)], "scheme")
-    for ((scheme,), group), dashes in zip(groups.items(), ("-", "-", "--", "-.", "-", ":")):
-        axes.plot([row["time"] for row in group], [row["energy"] for row in group], dashes, label=f"{scheme}, dt = 0.02 s")
-    save(loc="upper left")
+    if run := runs("rod/study/deflection"):
+        lines = []
+        for (model, n), group in grouped(run.found["tables"]["deflection"], "model", "n").items():
+            line = {"x": [row["x"] for row in group], "y": [row["y"] for row in group]}
+            if model == "elastica":
+                lines.append(line | {"linewidth": 5, "alpha": 0.25, "color": "k", "label": "exact elastica"})
+            elif model in ("second order", "thesis k_e=1e3"):
+                style = {"linestyle": {8.0: ":", 32.0: "--", 128.0: "-"}[n], "color": COLOURS["thesis" in model]}
+                lines.append(line | style | {"label": f"{model}, n = {n:.0f}"})
+        show.curves("rod/deflection", ("x/L", "y/L"), lines, log=False, loc="lower left")
+    if run := runs("rod/study/csm3_energy"):
+        lines = []
+        for (scheme, n, dt), group in grouped(run.found["tables"]["csm3_energy"], "scheme", "n", "dt").items():
+            if (n, dt) == (32.0, 0.02):
+                time, energy = ([row[key] for row in group] for key in ("time", "energy"))
+                lines.append({"x": time, "y": energy, "label": f"{scheme}, dt = 0.02 s"})
+        labels = ("time, s", "gain of energy / largest energy in gravity")
+        show.curves("rod/csm3_energy", labels, lines, log=False, limits={"ylim": (-0.15, 0.5)}, loc="upper left")
 
 
 STUDY = Study("rod", cases, keep, {"rod-schemes": schemes, "rod-csm": csm}, pages, draw)

@@ -18,7 +18,7 @@ from nervure.evaluate import coefficients
 from nervure.files import write_whole
 from nervure.pack import package
 from nervure.recorder import Recorder
-from nervure.show import fields, plots
+from nervure.show import plots
 from nervure.unit import Unit
 
 if TYPE_CHECKING:
@@ -45,7 +45,8 @@ def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
 
 def assignments(changes: dict[str, Any]) -> list[str]:
     """Changes as `--set` takes them."""
-    return [f"{key}={json.dumps(value, separators=(',', ':'))}" for key, value in changes.items()]
+    texts = {key: value if isinstance(value, str) else json.dumps(value, separators=(",", ":")) for key, value in changes.items()}
+    return [f"{key}={text}" for key, text in texts.items()]
 
 
 @lru_cache
@@ -144,7 +145,7 @@ def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Ca
     return wrapped
 
 
-def once(scene: dict[str, Any], folder: Path, rigid: bool = False, fields_every: float | None = None, pictures: bool = False):
+def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: bool = False) -> dict[str, Any]:
     """One run into `folder`: its summary, with the wall time of FMI, Python, recording and output, and the memory that it
     has added."""
     with ExitStack() as stack:
@@ -154,12 +155,7 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, fields_every:
         for unit in units.values():
             unit.set, unit.get = (timed(call, seconds, "fmi") for call in (unit.set, unit.get))
         recorder.record = timed(recorder.record, seconds, "recording")
-        watchers = []
-        if fields_every is not None:
-            frames = fields.Fields(folder, scene, units, clock, fields_every, 0)
-            stack.callback(frames.close)
-            watchers.append(frames.watch(print))
-        outcome = master.run(scheme, clock, recorder, watchers)
+        outcome = master.run(scheme, clock, recorder)
         memory = resident() - before
         summary = report.summarize(scene, units, scheme, recorder, outcome)
         timed(report.write, seconds, "output")(folder, scene, recorder, scheme, summary)

@@ -1,11 +1,11 @@
-"""Speed of the fluid beside FFTW's transforms, by phase, motion and threads, by crates/fluid/bench."""
+"""Speed of the fluid beside other transforms, by phase, motion and threads, by crates/fluid/bench."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
-from studies import commands
+from studies import commands, show
 from studies.engine import Case, Run, Study
-from studies.show import markdown
 from studies.store import Data
 
 MANIFEST, TARGET = "crates/fluid/bench/Cargo.toml", "target/fluid-bench"
@@ -20,7 +20,17 @@ GROUPS = {
 }
 """What users ask for, and the phases of it."""
 
-Cells = dict[str, float]
+COLUMNS = {
+    "pair": {"grid": "{grid:}", "FFTW": "{FFTW:g}", "ours": "{ours:g}", "ours/FFTW": "{ours/FFTW:.2f} ({ours/FFTW, median:.2f})",
+             "without the upper third of the modes in y": "{pruned:g}", "that/FFTW": "{pruned/FFTW:.2f} ({pruned/FFTW, median:.2f})"},
+    "rustfft": {"grid": "{grid:}", "rustfft": "{rustfft:g}", "ours": "{ours:g}",
+                "ours/rustfft": "{ours/rustfft:.2f} ({ours/rustfft, median:.2f})"},
+    "step": {"scene": "{scene:}", "grid": "{grid:}", "five of FFTW": "{five of FFTW:g}", "step": "{step:g}",
+             "step/FFTW": "{step/FFTW:.2f} ({step/FFTW, median:.2f})"},
+    "threads": {"grid": "{grid:}"} | {
+        f"{clock} {count}": f"{{{clock}, {count}:g}}" for clock in ("wall", "processor") for count in ("one", "two")
+    } | {f"{clock} one/two": f"{{{clock}, one/two:.2f}} ({{{clock}, one/two, median:.2f}})" for clock in ("wall", "processor")},
+}  # fmt: skip
 
 
 def cases() -> Iterator[Case]:
@@ -33,90 +43,56 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
     return {"times": {"rows": [list(row.values()) for row in run.found["tables"]["speed"]]}}
 
 
-def found(data: Data, table: str) -> dict[tuple[str, str], Cells]:
-    """Values of a table by scene and grid, and by what they are, µs."""
-    lines: dict[tuple[str, str], Cells] = {}
-    for name, scene, grid, what, value, _ in data["fluid-speed/bench/speed"].times["rows"]:
+def found(data: Data, table: str) -> list[dict[str, Any]]:
+    """Values of a table by scene and grid: those, the number of points, and µs by what was measured."""
+    lines: dict[tuple[str, str], dict[str, Any]] = {}
+    for name, scene, grid, what, value, unit in data["fluid-speed/bench/speed"].times["rows"]:
         if name == table:
-            lines.setdefault((scene or "", grid), {})[what] = value
-    return lines
+            nx, ny = map(int, grid.split(" x "))
+            line = lines.setdefault((scene, grid), {"scene": scene or "", "grid": grid, "points": nx * ny})
+            line[what] = float(f"{value:.0f}" if unit == "µs" and value >= 10 else f"{value:.3g}")
+    return list(lines.values())
 
 
-def points_of(grid: str) -> int:
-    nx, ny = map(int, grid.split(" x "))
-    return nx * ny
-
-
-def ratio(cells: Cells, what: str) -> str:
-    return f"{cells[what]:.2f} ({cells[f'{what}, median']:.2f})"
-
-
-def micro(value: float) -> str:
-    return f"{value:.0f}" if value >= 10 else f"{value:.1f}"
-
-
-def jumps(cells: Cells, what: str) -> dict[float, float]:
+def jumps(row: dict[str, Any], what: str) -> dict[float, float]:
     """Times of a scene by the distance that the bar jumps, cells."""
-    return {float(name.split()[0]): value for name, value in cells.items() if name.endswith(what)}
+    return {float(name.split()[0]): value for name, value in row.items() if name.endswith(what)}
 
 
-def pairs(data: Data) -> list[str]:
-    table = [
-        [grid, micro(c["FFTW"]), micro(c["ours"]), ratio(c, "ours/FFTW"), micro(c["pruned"]), ratio(c, "pruned/FFTW")]
-        for (_, grid), c in found(data, "pair").items()
-    ]
-    header = ["grid", "FFTW", "ours", "ours/FFTW", "without the upper third of the modes in y", "that/FFTW"]
-    return markdown(header, table)
-
-
-def steps(data: Data) -> list[str]:
-    table = [
-        [scene, grid, micro(c["five of FFTW"]), micro(c["step"]), ratio(c, "step/FFTW")]
-        for (scene, grid), c in found(data, "step").items()
-    ]
-    return markdown(["scene", "grid", "five of FFTW", "step", "step/FFTW"], table)
+def plain(table: str, data: Data) -> list[str]:
+    return show.table(COLUMNS[table], found(data, "pair" if table == "rustfft" else table))
 
 
 def phases(data: Data) -> list[str]:
     """Shares of a step by what users ask for."""
-    table = []
-    for (scene, grid), cells in found(data, "phases").items():
-        parts = (sum(cells[phase] for phase in group) for group in GROUPS.values())
-        whole = cells["step"]
-        table.append([scene, grid, *(f"{part:.0f} ({100 * part / whole:.0f} %)" for part in parts), micro(whole)])
-    return markdown(["scene", "grid", *GROUPS, "step"], table)
+    columns = {"scene": "{scene:}", "grid": "{grid:}"} | {name: f"{{{name}:.0f}} ({{{name} by step:.0%}})" for name in GROUPS}
+    rows = []
+    for row in found(data, "phases"):
+        parts = {name: sum(row[phase] for phase in group) for name, group in GROUPS.items()}
+        rows.append(row | parts | {f"{name} by step": part / row["step"] for name, part in parts.items()})
+    return show.table(columns | {"step": "{step:g}"}, rows)
 
 
 def all_phases(data: Data) -> list[str]:
     scenes = found(data, "phases")
     names = [phase for group in GROUPS.values() for phase in group] + ["step"]
-    table = [[name, *(micro(cells[name]) for cells in scenes.values())] for name in names]
-    return markdown(["phase", *(scene for scene, _ in scenes)], table)
+    table = [[name, *(f"{row[name]:g}" for row in scenes)] for name in names]
+    return show.markdown(["phase", *(row["scene"] for row in scenes)], table)
 
 
 def motion(data: Data) -> list[str]:
-    table = []
-    for (_, grid), cells in found(data, "motion").items():
-        for what in ("bar", "step"):
-            times = jumps(cells, what)
-            table.append([grid, what, *map(micro, times.values())])
-    return markdown(["grid", "", *(f"{jump:g}" for jump in times)], table)
+    rows = [(row["grid"], what, jumps(row, what)) for row in found(data, "motion") for what in ("bar", "step")]
+    table = [[grid, what, *(f"{value:g}" for value in times.values())] for grid, what, times in rows]
+    return show.markdown(["grid", "", *(f"{jump:g}" for jump in rows[0][2])], table)
 
 
-def threads(data: Data) -> list[str]:
-    table = []
-    for (_, grid), c in found(data, "threads").items():
-        clocks = ([micro(c[f"{k}, one"]), micro(c[f"{k}, two"]), ratio(c, f"{k}, one/two")] for k in ("wall", "processor"))
-        table.append([grid, *(cell for clock in clocks for cell in clock)])
-    return markdown(["grid", "one", "two", "one/two", "processor time one", "two", "one/two"], table)
-
-
-TABLES = {
-    "speed-pairs": pairs,
-    "speed-steps": steps,
+TABLES: dict[str, Callable[[Data], list[str]]] = {
+    "speed-pairs": partial(plain, "pair"),
+    "speed-rustfft": partial(plain, "rustfft"),
+    "speed-steps": partial(plain, "step"),
+    "speed-threads": partial(plain, "threads"),
     "speed-phases": phases,
     "speed-phases-fine": all_phases,
     "speed-motion": motion,
-    "speed-threads": threads,
 }
 STUDY = Study("fluid-speed", cases, keep, TABLES)

@@ -13,10 +13,11 @@ import numpy as np
 from nervure import master
 from nervure.evaluate import flapping, statistics
 
-from studies import show, simulate, vein_limits
+from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
 from studies.store import Data
-from studies.vein_limits import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
+from tests import driven_root
+from tests.driven_root import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
 
 FORWARD, HOVER, SPACE, CYLINDER = "vein-forward-384x192", "vein-hover-288x256", "vein-3d", "cylinder-oscillating-460x100"
 SCENES = {PITCHING: "pitching", FORWARD: "forward", HOVER: "hover", SPACE: "in space"}
@@ -100,8 +101,8 @@ def cases() -> Iterator[Case]:
 
 
 def limit(case: Case, folder: Path) -> dict[str, Any]:
-    """What `vein_limits` finds."""
-    run = partial(vein_limits.record, folder=folder)
+    """What `driven_root` finds."""
+    run = partial(driven_root.record, folder=folder)
     return {"tables": {"found": [asdict(found) | {"error": found.error} for found in LIMITS[case.options["limit"]](run)]}}
 
 
@@ -203,12 +204,12 @@ def part(case: Case, run: Run) -> dict[str, float]:
 
 def stiff_limit(case: Case, folder: Path) -> dict[str, Any]:
     """How far the forces of a stiff rod are from those of the prescribed motion."""
-    coupled, prescribed = (vein_limits.record(case.built(), folder, rigid=rigid) for rigid in (False, True))
+    coupled, prescribed = (driven_root.record(case.built(), folder, rigid=rigid) for rigid in (False, True))
     time, rows = coupled.column("time"), []
     later = time > 1.0
     for name in FORCES:
         forces = [run.column(name) for run in (coupled, prescribed)]
-        stiff, rigid = (vein_limits.filtered(time, force) for force in forces)
+        stiff, rigid = (driven_root.filtered(time, force) for force in forces)
         row = {
             "rms": np.sqrt(np.mean((stiff - rigid) ** 2) / np.mean(rigid**2)),
             "largest": np.abs(stiff - rigid).max() / np.abs(rigid).max(),
@@ -289,7 +290,7 @@ def pages(data: Data) -> dict[str, str]:
              "off by": "{error:+.2g%}", "asked": "{asked:g%}"},
             [row | {"quantity": f"{record.label}, {row['quantity']}"} for record in data.of("vein/limits/*")
              for row in record.tables["found"]],
-            "`studies/vein_limits.py` has the scenes and the derivations; tests/test_flapping.py asks for the same.",
+            "`tests/driven_root.py` has the scenes and the derivations; `tests/test_flapping.py` asks for the same.",
         ),
         "cylinder": show.sheet(
             "A cylinder that oscillates in a closed channel",

@@ -4,24 +4,26 @@ import numpy as np
 import pytest
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
-from studies import simulate, vein_limits
+from studies import simulate
+
+import driven_root
 
 
 @pytest.fixture
 def record(tmp_path, libraries):
     """Function that runs a scene and returns what was recorded."""
-    return lambda scene, *arguments, **keywords: vein_limits.record(scene, tmp_path, *arguments, **keywords)
+    return lambda scene, *arguments, **keywords: driven_root.record(scene, tmp_path, *arguments, **keywords)
 
 
 @pytest.fixture
 def pitching():
-    return vein_limits.small_pitching()
+    return driven_root.small_pitching()
 
 
-@pytest.mark.parametrize("name", vein_limits.LIMITS)
+@pytest.mark.parametrize("name", driven_root.LIMITS)
 def test_driven_root_has_the_known_answer(name, record):
     """Stiff limit, transfer function in vacuum, free vibration in still fluid, energy over a period."""
-    for found in vein_limits.LIMITS[name](record):
+    for found in driven_root.LIMITS[name](record):
         print(f"{name}, {found.quantity}: {found.value:.6g} against {found.expected:.6g}, {found.error:+.2e}")
         assert abs(found.error) <= found.asked, found
 

@@ -229,18 +229,15 @@ def best(data: Data) -> list[str]:
 
 
 def fsi3_bands(data: Data) -> list[str]:
-    rows = [["FeatFlow, level 4", *fsi3.cells(fsi3.published(), 2), ""]]
-    for grid in fsi3.GRIDS:
-        if record := data.get(f"fsi3/grid/{grid}"):
-            spent = (record.clock("cpu_s") or 0.0) / SIMULATED
-            rows.append([grid.replace("x", " x "), *fsi3.cells(record), f"{spent:.1f}"])
+    rows = [row | {"spent": row["cpu_s"] / row["reached"]} for row in fsi3.by_grid(data)]
+    columns = fsi3.NAME | fsi3.WITH_FREQUENCIES | {"CPU s a simulated s": "{spent:.1f}"}
     cited = []
     for method, setting, wall, values in CITED:
         told = [f"{value * 1e3:.3g} mm" if "amplitude" in q else f"{value:.3g} Hz" for q, value in values.items()] or [""]
         cited += [[f"{method}, {setting}", cell, f"{wall:g}"] for cell in told]
     return [
         "### FSI3 in the reference bands", "",
-        *markdown(["", "ux", "uy", "drag", "lift", "CPU s a simulated s"], rows), "",
+        *show.table(columns, [fsi3.LEVEL_4, *rows]), "",
         *prose("Mean ± amplitude [frequency], mm, N/m, Hz. What one change at a time does is in [fsi3.md](../fsi3.md)."),
         "![two periods](fsi3_bands.png)", "",
         *prose("From 650 x 144 on the tip stays within the published extremes, but for the amplitude of the deflection."),
@@ -367,9 +364,9 @@ def cost_groups(data: Data) -> dict[str, tuple[str, list[tuple[float, float]]]]:
     def of_step(method: str, phase: str) -> list[tuple[float, float]]:
         return [(record.about["size"], part_of(record, phase)) for record in data.of("report/cost/*", method=method)]
 
-    bench = [(speed.points_of(grid), cells["step"]) for (_, grid), cells in speed.found(data, "step").items()]
+    bench = [(row["points"], row["step"]) for row in speed.found(data, "step")]
     iterations = [(row["n"], 1e6 * row["iteration_2d"]) for row in data["rod/study/runtime"].times["rows"] if row["n"] >= 64]
-    bar = speed.found(data, "motion")["fsi3-650x144", "650 x 144"]
+    bar = next(row for row in speed.found(data, "motion") if row["grid"] == "650 x 144")
     return {
         "a step of the fluid": ("points of the grid", bench),
         "a Newton iteration of the rod in the plane": ("segments n", iterations),
