@@ -33,17 +33,16 @@ def filled(text: str, data: Data) -> str:
 
 
 def render(data: Data, check: bool = False) -> list[Path]:
-    """Write the pages and the tables of documents that have changed; with `check` only tell."""
-    texts = {show.DOCS / name: text for study in STUDIES for name, text in study.pages(data).items()}
+    """Write the tables of documents anew; returns those that have changed. With `check` only tell."""
+    changed = []
     for path in show.documents():
-        text = path.read_text(encoding="utf-8")
-        if path not in texts and show.TABLE.search(text):
-            texts[path] = filled(text, data)
-    changed = [path for path, text in texts.items() if not path.is_file() or path.read_text(encoding="utf-8") != text]
+        before = path.read_text(encoding="utf-8")
+        text = filled(before, data)
+        if text != before:
+            changed.append(path)
+            if not check:
+                path.write_text(text, encoding="utf-8")
     if not check:
-        for path in changed:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(texts[path], encoding="utf-8")
         STALE.write_text(stale_page(data), encoding="utf-8")
     return changed
 
@@ -58,9 +57,10 @@ def shown(document: Path) -> set[str]:
 def stale_page(data: Data) -> str:
     """Cases whose sources or scenes have changed since they were run."""
     stale = data.stale()
-    note = (
-        f"{len(stale)} of {len(data.records)} cases were run before the sources or the scene that they depend on were "
-        "changed. Each is repeated by the command beside it."
-    )
+    text = [
+        "# Stale results", "",
+        f"{len(stale)} of {len(data.records)} cases were run before the sources or the scene that they depend on",
+        "were changed. Each is repeated by the command beside it.", "",
+    ]  # fmt: skip
     rows = [[f"`{record.name}`", record.machine, f"`{record.command}`"] for record in stale]
-    return show.page("Stale results", ["case", "run on, at", "command"], rows, note)
+    return "\n".join([*text, *show.markdown(["case", "run on, at", "command"], rows)]) + "\n"

@@ -102,15 +102,9 @@ def shown(record: Record | None) -> str:
     return outcome(record) + (f", {record['iterations']:.1f}" if record["iterations"] > 1 else "")
 
 
-def pages(data: Data) -> dict[str, str]:
-    records = data.of("coupling/*")
-    note = (
-        f"FSI3 on 325 x 72 points, start-up {START:g} s, rods of other densities ([coupling.md](../coupling.md) says what the "
-        "schemes are). `ok`: it went to the time given; with the mean number of iterations where there are any. A time: it "
-        f"ended there with an error. `bad`: the lift changes its slope from step to step by more than {MOST_NOISE:g} of its "
-        "spread. [report/stability.md](../report/stability.md) has the messages."
-    )
-    text = ["# Which coupling holds where", "", *show.prose(note)]
+def held(data: Data) -> list[str]:
+    """A table for each scheme and step: outcome by density ratio and C_eta."""
+    records, text = data.of("coupling/*"), []
     groups: dict[tuple[Any, ...], list[Record]] = {}
     for record in records:
         groups.setdefault(tuple(record.about[key] for key in ("scheme", "step", "end")), []).append(record)
@@ -123,8 +117,7 @@ def pages(data: Data) -> dict[str, str]:
         text += [*show.markdown(["density ratio", *(f"C_eta = {c:g} s" for c in c_etas)], rows), ""]
     counts = {what: sum(outcome(record) == what for record in records) for what in ("ok", "error", "bad")}
     every = len(list(cases()))
-    text.append(f"{len(records)} of {every} cells were run: {', '.join(f'{n} {what}' for what, n in counts.items())}.")
-    return {"fsi3/stability.md": "\n".join(text) + "\n"}
+    return [*text, f"{len(records)} of {every} cells were run: {', '.join(f'{n} {what}' for what, n in counts.items())}."]
 
 
-STUDY = Study("coupling", cases, keep, pages=pages)
+STUDY = Study("coupling", cases, keep, {"coupling-map": held})

@@ -112,8 +112,6 @@ class Study:
     """`values` by quantity, `tables` (lists of rows) and `times`, of a case that did not fail."""
     tables: dict[str, Callable[[Any], list[str]]] = field(default_factory=dict)
     """Blocks of documents by their key."""
-    pages: Callable[[Any], dict[str, str]] = lambda data: {}
-    """Whole pages by their path below docs/."""
     draw: Callable[[Any, Callable[[str], Run | None]], None] = lambda data, runs: None
     """Writes the figures; `runs` gives what a case left on this machine, for figures of whole series."""
 

@@ -12,7 +12,7 @@ from nervure.evaluate import statistics
 
 from studies import commands, show, simulate
 from studies.engine import FLUID, Case, Run, Study
-from studies.show import COLOURS, LABELS, MARKERS, markdown, number
+from studies.show import COLOURS, LABELS, MARKERS, Table, markdown, number
 from studies.store import Data, Record
 
 SCENES = {"2D-1": "cylinder-2d1-450x90", "2D-2": "cylinder-2d2-900x180"}
@@ -144,16 +144,6 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
 
 # Pages
 
-GROUPS = (
-    ("grid", "Convergence in the grid", "The step is proportional to the cell."),
-    ("dt", "Convergence in the step", "`max_cfl` is the largest that the scheme allows, and divides no step."),
-    ("c_eta", "Convergence in C_eta", "One grid, one step."),
-    ("hard", "C_eta on finer grids", "The default mask."),
-    ("filter", "The filter", "The default mask."),
-    ("offset", "The grid's place", "The box is shifted by parts of a cell against the cylinder."),
-)
-
-
 SETTINGS = {
     "grid": "{nx:} x {ny:}", "dt, s": "{dt:.3g}", "mask": "{mask:}", "C_eta, s": "{c_eta:.0e}", "filter": "{filter:}",
     "scheme": "{scheme:}", "offset, cells": "{aside:}",
@@ -161,47 +151,29 @@ SETTINGS = {
 REST = {"flow rate, m²/s": "<{flow_rate:.4f}>", "largest CFL": "<{cfl:.2f}>", "CPU, s": "<{cpu_s:.3g}>", "result": "{said:}"}
 
 
-def pages(data: Data) -> dict[str, str]:
-    made = thesis_pages(data)
-    for name, title, note in GROUPS:
-        for flow, names in QUANTITIES.items():
-            rows = [record.view for record in data.of(f"fluid/{name}/*", flow=flow)]
-            both = name in ("grid", "offset")
-            if rows and (both or flow == "2D-2"):
-                published = simulate.published(SCENES[flow])
-                against = ", ".join(f"{q} {published[q][0]:.6g}" for q in names)
-                columns = SETTINGS | {q: f"<{{{q}:.5g}} ({{{q}.error:+.2%}})>" for q in names} | REST
-                note_of = f"{note} In brackets the error against {against}."
-                suffix = f"_{flow.lower().replace('-', '')}" if both else ""
-                made[f"fluid/{name}{suffix}.md"] = show.sheet(f"{title}, {flow}", columns, rows, note_of)
-    return made
+def group(name: str, flow: str) -> Table:
+    """Cases with their values and errors."""
+    values = {q: f"<{{{q}:.5g}} ({{{q}.error:+.2%}})>" for q in QUANTITIES[flow]}
+    return Table(SETTINGS | values | REST, lambda data: [record.view for record in data.of(f"fluid/{name}/*", flow=flow)])
 
 
-def thesis_pages(data: Data) -> dict[str, str]:
+def thesis(name: str, data: Data) -> list[str]:
     """Tables 3.3 and 3.4 of the thesis, its settings run again, and ours."""
     again = {record.about["nx"]: record.values for record in data.of("fluid/thesis/*")}
     ours = {record.about["nx"]: record.values for record in data.of("fluid/grid/2D-2-curvature-*")}
     expected = {q: value for q, (value, _) in simulate.published(SCENES["2D-2"]).items()}
 
-    def row(quantity: str, printed: dict[int, Any], digits: str = ".4f") -> list[str]:
+    def row(quantity: str, printed: dict[int, dict[str, float]]) -> list[str]:
         cells = [found.get(nx, {}).get(quantity) for nx in printed for found in (printed, again, ours)]
-        return [*(number(cell, digits) for cell in cells), number(expected.get(quantity), ".6g")]
+        return [*(number(cell, ".4f") for cell in cells), number(expected.get(quantity), ".6g")]
 
-    names = list(THESIS_TABLE_3_3[900])
-    header = [f"{nx} x {nx // 5}: {who}" for nx in THESIS_TABLE_3_3 for who in ("thesis", "repeated", "ours")]
-    means = {nx: {"cd_mean": printed} for nx, printed in THESIS_TABLE_3_4.items()}
-    lines = [[f"{nx} x {nx // 5}", *row("cd_mean", {nx: one})] for nx, one in means.items()]
-    note = (
-        "Repeated: the thesis' settings (Heun, sharp mask where the cylinder is, C_eta = 1e-3 s, two-thirds rule, "
-        f"{THESIS_END:g} s) over the last five periods, means as (max + min) / 2; the thesis averages from t = 0.2 s. "
-        "Ours: the shipped scene on that grid. Forces are coefficient / 20, N per metre."
-    )
-    title, drag = "Flow past the cylinder (thesis table 3.3)", "Mean drag coefficient over grids (thesis table 3.4)"
-    rows = [[quantity, *row(quantity, THESIS_TABLE_3_3)] for quantity in names]
-    return {
-        "fluid/thesis_3_3.md": show.page(title, ["quantity", *header, "reference"], rows, note),
-        "fluid/thesis_3_4.md": show.page(drag, ["grid", "thesis", "repeated", "ours", "reference"], lines),
-    }
+    who = ("thesis", "repeated", "ours")
+    if name == "3.3":
+        header = [f"{nx} x {nx // 5}: {whose}" for nx in THESIS_TABLE_3_3 for whose in who]
+        rows = [[quantity, *row(quantity, THESIS_TABLE_3_3)] for quantity in THESIS_TABLE_3_3[900]]
+        return show.markdown(["quantity", *header, "reference"], rows)
+    rows = [[f"{nx} x {nx // 5}", *row("cd_mean", {nx: {"cd_mean": one}})] for nx, one in THESIS_TABLE_3_4.items()]
+    return show.markdown(["grid", *who, "reference"], rows)
 
 
 def errors(data: Data, name: str) -> str:
@@ -274,7 +246,16 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     error_panels("work_2d2", grids + data.of("fluid/thesis/*"), "processor time [s]", "cpu_s")
 
 
-STUDY = Study("fluid", cases, keep, {"cylinder-2d2-masks": masks, "cylinder-2d2-c_eta": hardness}, pages, draw)
+TABLES: dict[str, Callable[[Data], list[str]]] = {
+    "cylinder-2d2-masks": masks,
+    "cylinder-2d2-c_eta": hardness,
+    "thesis-3-3": partial(thesis, "3.3"),
+    "thesis-3-4": partial(thesis, "3.4"),
+    "fluid-grid-2d1": group("grid", "2D-1"),
+    "fluid-offset-2d1": group("offset", "2D-1"),
+} | {f"fluid-{name}{'-2d2' if name in ('grid', 'offset') else ''}": group(name, "2D-2") for name in
+     ("grid", "dt", "c_eta", "hard", "filter", "offset")}  # fmt: skip
+STUDY = Study("fluid", cases, keep, TABLES, draw)
 
 
 # Exact solutions, invariants and the map of stability, by the crate's own examples
@@ -290,17 +271,8 @@ def keep_tables(case: Case, run: Run) -> dict[str, Any]:
     return {"tables": run.found["tables"]}
 
 
-STABILITY = (
-    "The cylinder in a channel of Schäfer and Turek on 200 x 40 points, density 1, mean inflow 1 m/s that starts by a jump at "
-    "t = 0, up to t = 2 s, in steps of at most 0.01 s and the given CFL number.",
-    "Each cell: the largest speed in m/s at the end of any communication step where the run went through with everything "
-    "finite (the peak of the inflow is 1.5 m/s), or the letter of the error, below. What is 10 m/s or more, or not finite, "
-    "would be **bad**. A CFL number of 1 is above the limit of both schemes ([fluid.md](../fluid.md)).",
-)
-
-
-def stability(data: Data) -> dict[str, str]:
-    """The page of the map of stability."""
+def stability(data: Data) -> list[str]:
+    """The map of stability."""
     record = data.get("fluid-measures/crate/stability")
     rows = record.tables["stability"] if record else []
     letters: dict[str, tuple[str, str]] = {}
@@ -315,7 +287,7 @@ def stability(data: Data) -> dict[str, str]:
         letter, _ = letters.setdefault(kind, (chr(ord("A") + len(letters)), row["message"]))
         return letter if row["time"] is None else f"{letter} at {row['time']:.2f} s"
 
-    text = ["# Stability of the fluid", "", *(line for part in STABILITY for line in show.prose(part))]
+    text: list[str] = []
     channels = [row for row in rows if row["scene"] is None]
     for (name,), part in show.grouped(channels, "group").items():
         c_etas = list(dict.fromkeys(row["c_eta"] for row in part))
@@ -331,7 +303,7 @@ def stability(data: Data) -> dict[str, str]:
     text += [f"{counts['ok']} runs went through, {counts['error']} ended in an error, {counts['bad']} were bad.", ""]
     for letter, message in letters.values():
         text += show.prose(f"{letter} (first case): {message}")
-    return {"fluid/stability.md": "\n".join(text).rstrip() + "\n"}
+    return text
 
 
 def wall_targets(data: Data) -> list[str]:
@@ -352,4 +324,4 @@ def measures(data: Data) -> list[str]:
     return show.table(columns, [row for row in rows if row["measure"] != "wall target"])
 
 
-MEASURES = Study("fluid-measures", measure_cases, keep_tables, {"wall-target": wall_targets, "fluid-measures": measures}, stability)
+MEASURES = Study("fluid-measures", measure_cases, keep_tables, {"wall-target": wall_targets, "fluid-measures": measures, "fluid-stability": stability})

@@ -30,6 +30,10 @@ def on_grid(nx: int, ny: int, step: float) -> Changes:
     return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
 
 
+def label_of(changes: Changes) -> str:
+    return ", ".join(simulate.assignments(changes))
+
+
 NO_SHEAR = {"rod.material.plane_strain.shear_factor": None}
 NO_SETBACK = {"rod.clamp_setback": 0}
 PRESSURE_JUMP = {"coupling": {"load": "pressure_jump"}}
@@ -37,46 +41,23 @@ COSINE = {"fluid.mask": {"cosine": {"c_eta": 1e-4, "half_width": 1.0}}}
 TWO_THIRDS = {"fluid.filter": "two_thirds"}
 BARE = {"fluid.mask.log_linear.target": "none"}
 
-GRIDS: dict[str, tuple[str, Changes]] = {
-    "325x72": (COARSE, {}),
-    "650x144": (FINE, {}),
-    "960x216": (FINE, on_grid(960, 216, 1.3e-4)),
-    "1300x288": (FINEST, {}),
-}
-"""Scene and changes of each grid."""
+GRIDS = ("325x72", "650x144", "960x216", "1300x288")
 SHIPPED = ("325x72", "650x144", "1300x288")
 
-VARIED: dict[str, tuple[str, list[Changes]]] = {
-    "coarse": (COARSE, [
-        {"time.communication_step": 2e-4},
-        {"time.communication_step": 1e-4},
-        {"beam.segments": 84},
-        {"beam.segments": 21},
-        NO_SHEAR | NO_SETBACK,
-        {"rod.scheme": {"generalised_alpha": {"rho_inf": 0.5}}},
-        PRESSURE_JUMP,
-        TWO_THIRDS,
-        BARE,
-        COSINE,
+VARIED: dict[str, tuple[str, str, tuple[Changes, ...]]] = {
+    "coarse": (COARSE, "325x72", (
+        {"time.communication_step": 2e-4}, {"time.communication_step": 1e-4}, {"beam.segments": 84}, {"beam.segments": 21},
+        NO_SHEAR | NO_SETBACK, {"rod.scheme": {"generalised_alpha": {"rho_inf": 0.5}}}, PRESSURE_JUMP, TWO_THIRDS, BARE, COSINE,
         {"time.end": 30},
-    ]),
-    "fine": (FINE, [
-        NO_SHEAR,
-        NO_SETBACK,
-        {"beam.segments": 21},
-        {"beam.segments": 60},
-        {"rod.material.plane_strain.density": 1050},
-        {"fluid.mask.log_linear.c_eta": 1e-4},
-        {"fluid.mask.log_linear.c_eta": 1e-6},
-        {"fluid.inflow.c_eta": 1e-3},
+    )),
+    "fine": (FINE, "650x144", (
+        NO_SHEAR, NO_SETBACK, {"beam.segments": 21}, {"beam.segments": 60}, {"rod.material.plane_strain.density": 1050},
+        {"fluid.mask.log_linear.c_eta": 1e-4}, {"fluid.mask.log_linear.c_eta": 1e-6}, {"fluid.inflow.c_eta": 1e-3},
         {"fluid.box.x": [-0.46538, 2.5], "fluid.box.cells": [720, 144], "fluid.inflow.x": [-0.46538, 0]},
-        {"fluid.box.x": [-0.1771, 2.78828], "fluid.box.cells": [720, 144]},
-        TWO_THIRDS,
-        BARE,
-        COSINE,
-    ]),
+        {"fluid.box.x": [-0.1771, 2.78828], "fluid.box.cells": [720, 144]}, TWO_THIRDS, BARE, COSINE,
+    )),
 }  # fmt: skip
-"""One change at a time, by group."""
+"""One change at a time, by group: scene, grid and changes."""
 
 RAMP = "fluid.inflow.mean_velocity.cosine_ramp.duration"
 RATIOS, ACCELERATIONS = (1, 0.1, 0.01), ("iqn_ils", "aitken")
@@ -129,38 +110,34 @@ SAMPLES, SHOWN_PERIODS = 120, 2
 # Cases
 
 
-def label_of(changes: Changes) -> str:
-    return ", ".join(simulate.assignments(changes))
-
-
 def cases() -> Iterator[Case]:
-    def case(name: str, scene: str, changes: Changes, published: str = "", **options: Any) -> Case:
-        rooms = FLUID if scene == STILL else COUPLED
-        return Case(name, rooms, scene, changes, options, about={"published": published, "changes": label_of(changes)})
-
-    for grid, (scene, changes) in GRIDS.items():
-        yield case(f"grid/{grid}", scene, changes, scene, pictures=grid == "650x144")
-    yield case("still/650x144", STILL, {}, STILL)
-    yield case("still/1300x288", STILL, on_grid(1300, 288, 1.25e-4), STILL)
-    for group, (scene, varied) in VARIED.items():
-        for changes in varied:
-            yield case(f"{group}/{label_of(changes)}", scene, changes, scene)
+    runs: dict[str, tuple[str, Changes]] = {
+        "grid/325x72": (COARSE, {}),
+        "grid/650x144": (FINE, {}),
+        "grid/960x216": (FINE, on_grid(960, 216, 1.3e-4)),
+        "grid/1300x288": (FINEST, {}),
+        "still/650x144": (STILL, {}),
+        "still/1300x288": (STILL, on_grid(1300, 288, 1.25e-4)),
+    }
+    for group, (scene, _, varied) in VARIED.items():
+        runs |= {f"{group}/{label_of(changes)}": (scene, changes) for changes in varied}
     for ratio in RATIOS:
         for name in ACCELERATIONS:
             scheme = {"load": "pressure_jump", "scheme": {"iterated": {"acceleration": name}}}
-            density = {"rod.material.plane_strain.density": 1000 * ratio}
-            changes = {"time.end": 0.15, RAMP: 0.5, "coupling": scheme} | density
-            yield case(f"iterations/{ratio:g}, {name}", COARSE, changes)
+            light = {"rod.material.plane_strain.density": 1000 * ratio, "coupling": scheme}
+            runs[f"iterations/{ratio:g}, {name}"] = COARSE, {"time.end": 0.15, RAMP: 0.5} | light
     for segments in (30, 42):
         for step in EXCHANGE_STEPS:
             # The shipped number of segments is sampled from the start only, the smallest step as well.
             end = 0.5 if segments == 42 or step == EXCHANGE_STEPS[-1] else 1.6
             changes = {RAMP: 0.2, "time.end": end, "beam.segments": segments, "time.communication_step": step}
-            yield case(f"exchange/{segments}, {step:g}", COARSE, changes)
-    for name, changes in THESIS_RUNS.items():
-        yield case(f"thesis/{name}", THESIS, changes)
-    for name, changes in WAVES.items():
-        yield case(f"waves/{name}", THESIS, changes)
+            runs[f"exchange/{segments}, {step:g}"] = COARSE, changes
+    runs |= {f"thesis/{name}": (THESIS, changes) for name, changes in THESIS_RUNS.items()}
+    runs |= {f"waves/{name}": (THESIS, changes) for name, changes in WAVES.items()}
+    for name, (scene, changes) in runs.items():
+        published = scene if name.startswith(("grid", "still", *VARIED)) else ""
+        options = {"pictures": True} if name == "grid/650x144" else {}
+        yield Case(name, FLUID if scene == STILL else COUPLED, scene, changes, options, about={"published": published})
 
 
 # What is kept of a run
@@ -345,7 +322,7 @@ def still(data: Data) -> list[str]:
 
 def varied(group: str, data: Data) -> list[str]:
     """What one change does, on the grid of a group."""
-    base = data[f"fsi3/grid/{ {'coarse': '325x72', 'fine': '650x144'}[group] }"].view | {"name": "none"}
+    base = data[f"fsi3/grid/{VARIED[group][1]}"].view | {"name": "none"}
     rows = [record.view | {"name": told(record.case.changes)} for record in data.of(f"fsi3/{group}/*")]
     return show.table({"change": "{name:}"} | WITH_FITS, [base, *rows])
 

@@ -7,14 +7,14 @@ from typing import Any
 
 from studies import clamp, commands, show, simulate
 from studies.engine import ROD, Case, Run, Study
-from studies.show import COLOURS, exponent, grouped, sheet
+from studies.show import COLOURS, Table, exponent, grouped
 from studies.store import Data
 
 MANIFEST, TARGET = "crates/rod/study/Cargo.toml", "target/rod-study"
 
 Rows = list[dict[str, Any]]
 
-TABLES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "bending_models", "csm", "csm3_energy",
+FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "bending_models", "csm", "csm3_energy",
           "extreme", "situations")  # fmt: skip
 """What the program can be asked for; each is a file of that name."""
 
@@ -36,7 +36,7 @@ EXTREME = ("n", "k_e", "EI", "dt")
 
 
 def cases() -> Iterator[Case]:
-    for name in TABLES:
+    for name in FILES:
         command = commands.cargo(MANIFEST, TARGET, "{folder}", name)
         yield Case(f"study/{name}", (*ROD, "rod study"), options={"command": command}, action=commands.tables)
     yield Case("study/clamp", ("clamp",), action=clamp.run)
@@ -142,82 +142,6 @@ def energies(data: Data) -> Rows:
     return found
 
 
-def pages(data: Data) -> dict[str, str]:
-    runs = run_times(data)
-    names = [name for name in runs[0] if name.startswith("run")]
-    fits = {name: fit(runs, name) for name in (*names, "iteration_3d")}
-    fitted = ", ".join(f"{name} n^{slope:.2f} from {first} on" for name, (_, _, slope, first) in fits.items())
-    in_n, in_dt = ERRORS_IN_N(data), ERRORS_IN_DT(data)
-    energy = energies(data)
-    stiff = data["rod/study/extreme"]
-    made = {
-        "condition": sheet(
-            "Condition numbers (thesis tables 2.1 and 2.2, figure 2.5)",
-            {"k_e": "{k_e:g}", "dt": "{dt:g}", "n": "{n:.0f}", "order": "{order:.0f}", "thesis": "{printed:.4e}",
-             "here": "{full:.4e}", "ratio": "{ratio:.2f}", "velocities eliminated": "{eliminated:.3e}"},
-            condition_rows(data),
-            "1-norm of the full Jacobian [[1, -dt/2], [dt/2 K, m]] of order 6(n - 1), straight rod, L = EI = mu = 1, h = L/n, "
-            "m = mu h, clamp spring EI/h. Last column: the matrix that the solver factorises, K + 4 m/dt².",
-        ),
-        "runtime": sheet(
-            "Run time against n (thesis table 2.3, figure 2.6)",
-            {"n": "{n:.0f}"} | {f"{name[4:]}, s": f"{{{name}:.6g}}" if "thesis" in name else f"{{{name}:.3g}}" for name in names}
-            | {"iteration 3D, µs": "{iteration_3d:.1f}", "iteration 2D, µs": "{iteration_2d:.1f}",
-               "banded solve, µs": "{banded:.1f}", "faer sparse, µs": "{sparse:.1f}", "faer dense, µs": "{dense:.1f}",
-               "3D/2D": "{3D/2D:.2f}", "sparse/banded": "{sparse/banded:.2f}"},
-            runs,
-            f"Seconds for {STEPS} steps of TR-BDF2 in space, one core: two solves a step, each iteration with the library's "
-            f"derivatives, assembly and check and the factorise-and-solve of the column. The thesis: MATLAB. Exponents: {fitted}.",
-        ),
-        "order_in_n": sheet(
-            "Error of the tip against the exact elastica, relative to the deflection",
-            {"calibration": "{calibration:}", "plane": "{plane:}", "tip angle, °": "{tip_angle:.1f}"}
-            | {f"n = {n:.0f}": f"{{{n:.3g}:.2e}}" for n in in_n[0]["x"]} | {"order, 32 … 128": "{order:.2f}"}, in_n,
-        ),
-        "order_in_dt": sheet(
-            "Error of the tip at t = 1 s against dt",
-            {"case": "{case:}", "scheme": "{scheme:}"} | {f"dt = {dt:.3g}": f"{{{dt:.3g}:.1e}}" for dt in in_dt[0]["x"][::2]}
-            | {"order, dt = 0.005 … 0.00031": "{order:.2f}"}, in_dt,
-        ),
-        "bending_models": sheet(
-            "Deflection against the invariant model in the plane, n = 128",
-            {"g": "{gravity:g}", "tip angle, °": "{tip_angle:.1f}", "invariant, diagonal plane": "{invariant_diagonal:.1e}",
-             "projected, plane": "{projected_plane:.1e}", "projected, diagonal plane": "{projected_diagonal:.1e}"},
-            table_of(data, "bending_models"),
-        ),
-        "csm3_energy": sheet(
-            "Energy at the end of 60 s of CSM3, relative to the largest energy in gravity",
-            {name: f"{{{name}:}}" for name in energy[0]}, energy,
-            "A run ends where the gain reaches what there is. Trapezoid, unwatched: without the energy guard, under a root that "
-            "is driven, but to where it is.",
-        ),
-        "extreme": sheet(
-            "Stiff cases",
-            {"n": "{n:.0f}", "dt, s": "{dt:g}", "cells": "{cells:.0f}", "ok": "{ok:.0f}", "other": "{other:}",
-             "largest gain (ok)": "{largest gain:.1e}", "largest loss (ok)": "{largest loss:.1e}",
-             "most iterations a step": "{iterations:.0f}", "longest step, s": "{longest:.3f}"},
-            [row | {"longest": s} for row, s in zip(stiff.tables["extreme"], stiff.times["longest step"])],
-            "Each row: k_e = 1e3 … 1e9 N/m a segment times EI = 1e-6 … 1e3 N m², 50 steps of the default scheme from rest "
-            "under the weight; gain and loss of energy relative to the largest energy that moved.",
-        ),
-        "situations": sheet(
-            "Extreme situations, n = 64 in space",
-            {"situation": "{situation:}", "scheme": "{scheme:}", "result": "{ended:}", "gain": "{gain:.1e}",
-             "loss": "{loss:.1e}", "most iterations a step": "{iterations:.0f}", "most sub-steps": "{substeps:.0f}"},
-            [row | {"ended": row["result"].split(":")[0]} for row in table_of(data, "situations")],
-            "Energies count from the third step after the load is gone.",
-        ),
-        "clamp": sheet(
-            "The clamp of a plate and its shear",
-            {"wall": "{wall:}", "Poisson's ratio": "{poisson:}", "elements": "{elements:}", "d/h by the moment": "{by_moment:.4f}",
-             "d/h by the force": "{by_force:.4f}", "k": "{shear_factor:.4f}", "10/(12 − ν)": "{cowper:.4f}"},
-            [row | {"cowper": 10 / (12 - row["poisson"])} for row in table_of(data, "clamp")],
-            "Linear elasticity in plane strain; the plate is 6 h long.",
-        ),
-    }  # fmt: skip
-    return {f"rod/{name}.md": text for name, text in made.items()}
-
-
 def schemes(data: Data) -> list[str]:
     """What the schemes do to the energy."""
     short, long = "n = 32, dt = 0.01 s", "n = 32, dt = 0.02 s"
@@ -246,6 +170,56 @@ def csm(data: Data) -> list[str]:
             label = f"{scene.upper()}, {name[4:]}, {what.replace('_hz', '')}, {unit}"
             table.append([label, f"{scale * expected:.{digits}f}", *cells])
     return show.markdown(["", "Turek & Hron", "as shipped", "without shear and set-back"], table)
+
+
+TABLES = {
+    "rod-condition": Table(
+        {"k_e": "{k_e:g}", "dt": "{dt:g}", "n": "{n:.0f}", "order": "{order:.0f}", "thesis": "{printed:.4e}",
+         "here": "{full:.4e}", "ratio": "{ratio:.2f}", "velocities eliminated": "{eliminated:.3e}"},
+        condition_rows,
+    ),
+    "rod-runtime": Table(
+        {"n": "{n:.0f}"} | {f"{name}, s": f"<{{run {name}:.3g}}>" for name in (*SOLVERS, "thesis sparse", "thesis dense")}
+        | {"iteration 3D, µs": "{iteration_3d:.1f}", "iteration 2D, µs": "{iteration_2d:.1f}", "banded solve, µs": "{banded:.1f}",
+           "faer sparse, µs": "{sparse:.1f}", "faer dense, µs": "{dense:.1f}", "3D/2D": "{3D/2D:.2f}",
+           "sparse/banded": "{sparse/banded:.2f}"},
+        run_times,
+    ),
+    "rod-order-in-n": Table(
+        lambda rows: {"calibration": "{calibration:}", "plane": "{plane:}", "tip angle, °": "{tip_angle:.1f}"}
+        | {f"n = {n:.0f}": f"{{{n:.3g}:.2e}}" for n in rows[0]["x"]} | {"order, 32 … 128": "{order:.2f}"},
+        ERRORS_IN_N,
+    ),
+    "rod-order-in-dt": Table(
+        lambda rows: {"case": "{case:}", "scheme": "{scheme:}"} | {f"dt = {dt:.3g}": f"{{{dt:.3g}:.1e}}" for dt in rows[0]["x"][::2]}
+        | {"order, dt = 0.005 … 0.00031": "{order:.2f}"},
+        ERRORS_IN_DT,
+    ),
+    "rod-bending": Table(
+        {"g": "{gravity:g}", "tip angle, °": "{tip_angle:.1f}", "invariant, diagonal plane": "{invariant_diagonal:.1e}",
+         "projected, plane": "{projected_plane:.1e}", "projected, diagonal plane": "{projected_diagonal:.1e}"},
+        partial(table_of, name="bending_models"),
+    ),
+    "rod-energy": Table(lambda rows: {name: f"{{{name}:}}" for name in rows[0]}, energies),
+    "rod-extreme": Table(
+        {"n": "{n:.0f}", "dt, s": "{dt:g}", "cells": "{cells:.0f}", "ok": "{ok:.0f}", "other": "<{other:}>",
+         "largest gain (ok)": "{largest gain:.1e}", "largest loss (ok)": "{largest loss:.1e}",
+         "most iterations a step": "{iterations:.0f}", "longest step, s": "{longest:.3f}"},
+        lambda data: [row | {"longest": s} for row, s in zip(table_of(data, "extreme"), data["rod/study/extreme"].times["longest step"])],
+    ),
+    "rod-situations": Table(
+        {"situation": "{situation:}", "scheme": "{scheme:}", "result": "{ended:}", "gain": "{gain:.1e}", "loss": "{loss:.1e}",
+         "most iterations a step": "{iterations:.0f}", "most sub-steps": "{substeps:.0f}"},
+        lambda data: [row | {"ended": row["result"].split(":")[0]} for row in table_of(data, "situations")],
+    ),
+    "rod-clamp": Table(
+        {"wall": "{wall:}", "Poisson's ratio": "{poisson:}", "elements": "{elements:}", "d/h by the moment": "{by_moment:.4f}",
+         "d/h by the force": "{by_force:.4f}", "k": "{shear_factor:.4f}", "10/(12 − ν)": "{cowper:.4f}"},
+        lambda data: [row | {"cowper": 10 / (12 - row["poisson"])} for row in table_of(data, "clamp")],
+    ),
+    "rod-schemes": schemes,
+    "rod-csm": csm,
+}  # fmt: skip
 
 
 # Figures
@@ -311,4 +285,4 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
         show.curves("rod/csm3_energy", labels, lines, log=False, limits={"ylim": (-0.15, 0.5)}, loc="upper left")
 
 
-STUDY = Study("rod", cases, keep, {"rod-schemes": schemes, "rod-csm": csm}, pages, draw)
+STUDY = Study("rod", cases, keep, TABLES, draw)

@@ -5,7 +5,8 @@ Everything between `<!--table:KEY-->` and `<!--end-->` in a document is a table 
 
 import re
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -59,11 +60,6 @@ def prose(text: str) -> list[str]:
     return [*textwrap.wrap(text, 100, break_long_words=False, break_on_hyphens=False), ""]
 
 
-def page(title: str, header: Sequence[str], rows: Iterable[Sequence[Any]], note: str = "") -> str:
-    """One table as a page of its own."""
-    return "\n".join([f"# {title}", "", *(prose(note) if note else []), *markdown(header, rows)]) + "\n"
-
-
 FIELD = re.compile(r"\{([^:{}]*):([^{}]*)\}")
 OPTIONAL = re.compile(r"<([^<>]*)>")
 
@@ -99,9 +95,16 @@ def table(columns: dict[str, str], rows: Iterable[Mapping[str, Any]]) -> list[st
     return markdown(list(columns), [[form(text, row) for text in columns.values()] for row in rows])
 
 
-def sheet(title: str, columns: dict[str, str], rows: Iterable[Mapping[str, Any]], note: str = "") -> str:
-    """A page of one such table."""
-    return "\n".join([f"# {title}", "", *(prose(note) if note else []), *table(columns, rows)]) + "\n"
+@dataclass(frozen=True)
+class Table:
+    """The lines of a block: its columns, by heading, and the rows that it makes of the data."""
+
+    columns: dict[str, str] | Callable[[list[Mapping[str, Any]]], dict[str, str]]
+    rows: Callable[[Any], Iterable[Mapping[str, Any]]]
+
+    def __call__(self, data: Any) -> list[str]:
+        rows = list(self.rows(data))
+        return table(self.columns(rows) if callable(self.columns) else self.columns, rows)
 
 
 def percent(value: float | None, form: str = "+.2f") -> str:

@@ -15,6 +15,7 @@ from nervure.evaluate import flapping, statistics
 
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
+from studies.show import Table
 from studies.store import Data
 from tests import driven_root
 from tests.driven_root import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
@@ -235,89 +236,27 @@ def against_last(rows: list[dict[str, Any]], *names: str) -> list[dict[str, Any]
     return [row | {f"{name}.off": row[name] / rows[-1][name] - 1 for name in names} for row in rows]
 
 
-def pages(data: Data) -> dict[str, str]:
-    def of(group: str) -> list[dict[str, Any]]:
-        return [record.view | {"label": record.label} for record in data.of(f"vein/{group}/*")]
+def of(group: str, *off: str) -> Callable[[Data], list[dict[str, Any]]]:
+    """Rows of a group's cases; with the distance of the values `off` from the last one's."""
+    return lambda data: against_last([record.view for record in data.of(f"vein/{group}/*")], *off)
 
-    def tables(name: str, key: str) -> list[dict[str, Any]]:
-        return [row for record in data.of(f"vein/{name}") for row in record.tables.get(key, [])]
 
-    name = {"scene": "{label:}"}
-    made = {
-        "scenes": show.sheet(
-            "The shipped scenes", name | FLAPPING | {"energy missing": "{missing:+.2g%}", "by the fluid": "{by_fluid:+.2g%}"} | CPU,
-            of("scene"),
-            "Means over whole periods after the tip has settled, per metre of depth where there is a fluid. Energy missing: "
-            "power in at the root and that of the loads, less what the rod's energy gained and the damping took, by what came "
-            "in; once with the loads that the rod took and once with what the fluid says it exerted.",
-        ),
-        "flexibility": show.sheet(
-            "The vein in a stream over its stiffness",
-            {"EI, N m": "{label:}"} | {key: text for key, text in FLAPPING.items() if key != "lift"}, of("flexibility"),
-        ),
-        "coupling": show.sheet(
-            "The pitching vein under other couplings",
-            {"case": "{label:}", "reached, s": "{reached:.3g}", "iterations a step": "{iterations:.3g}",
-             f"tip at t = {AT:g}": "{tip_uy:.3g}", "least residual of the last step": "{residual:.2g}"} | CPU,
-            of("coupling"),
-            f"`{PITCHING}` to t = {COUPLED_END:g}; the residual is relative to what the stations move in the step, and stands "
-            "where the iteration stopped.",
-        ),
-        "noise": show.sheet(
-            "Noise of a thin moving plate", {"grid": "{label:}", "noise of the drag": "{noise:.2g%}"} | CPU, of("noise"),
-            f"A rigid plate that pitches as the vein does, 0.06 thick: rms of what a box filter of {FORCE_WIDTH:g} periods takes "
-            "away, by the rms of what it leaves.",
-        ),
-        "jumps": show.sheet(
-            "The pressure jump where the iteration stops",
-            {"stations moved by": "{moved:.0e}", "change, median": "{median:.2g%}", "change, largest": "{largest:.2g%}"},
-            tables("further/jumps", "jumps"),
-            f"The step at which `{THICK}` stops: its stations moved by so much (the norm over all) in {DIRECTIONS} random ways, "
-            "and their velocities with them; change of the pressure jump along the vein, relative.",
-        ),
-        "stiff": show.sheet(
-            "The stiff limit",
-            {"force": "{force:}", "rms": "{rms:.2g%}", "largest": "{largest:.2g%}", "largest, no filter": "{raw:.2g%}",
-             "mean, stiff rod": "{coupled:.5g}", "mean, prescribed": "{prescribed:.5g}"},
-            tables("stiff/both", "stiff"),
-            f"The pitching vein with EI = {STIFF['bending_stiffness']:g} on 320 x 240 against the fluid alone with the stations "
-            "of a rigid rod, to t = 2: differences by the rms and the largest of the prescribed run, under a box filter of "
-            f"{FORCE_WIDTH:g} periods.",
-        ),
-        "limits": show.sheet(
-            "Where the answer is known",
-            {"quantity": "{quantity:}", "found": "{value:.5g} {unit:}", "should be": "{expected:.5g} {unit:}",
-             "off by": "{error:+.2g%}", "asked": "{asked:g%}"},
-            [row | {"quantity": f"{record.label}, {row['quantity']}"} for record in data.of("vein/limits/*")
-             for row in record.tables["found"]],
-            "`tests/driven_root.py` has the scenes and the derivations; `tests/test_flapping.py` asks for the same.",
-        ),
-        "cylinder": show.sheet(
-            "A cylinder that oscillates in a closed channel",
-            {"grid": "{label:}", "amplitude, N/m": "{amplitude:.5f} ({amplitude.off:+.2%})",
-             "first harmonic, N/m": "{harmonic:.5f} ({harmonic.off:+.2%})", "its phase, °": "{phase_deg:.2f}",
-             "noise, largest": "{noise_largest:.2g%}", "noise, rms": "{noise_rms:.2g%}", "largest lift": "{largest_lift:.2g%}"} | CPU,
-            against_last(of("cylinder"), "amplitude", "harmonic"),
-            "The drag of the second period, unsteady term included; in brackets against the last line. Noise is what two passes "
-            f"of a box filter of {NOISE_WIDTH:g} s, a fiftieth of the period, take away, by the amplitude; the lift, by the "
-            "drag's amplitude, comes from the channel's middle being at 0.205 m.",
-        ),
-    }  # fmt: skip
-    for group, what in (("grid", "grid, the step in proportion"), ("dt", "step, s, on 320 x 240")):
-        columns = {what: "{label:}", "thrust": "{thrust:.5g}", "power in": "{power_in:.5g}", "tip amplitude": "{tip_amplitude:.5g}",
-                   "phase lag deg": "{phase_lag_deg:.5g}", "thrust, off": "{thrust.off:+.2%}", "tip, off": "{tip_amplitude.off:+.2%}"}  # fmt: skip
-        rows = against_last(of(group), "thrust", "tip_amplitude")
-        made[group] = show.sheet(f"The pitching vein over the {what.split(',')[0]}", columns | CPU, rows, "Off: against the last line.")
-    parts = data.of("vein/parts/*")
-    rows = [{"name": record.label, "step": 1e3 * record.times["phases_s"]["fluid"] / PART_STEPS,
-             "more": record["variables"] - parts[0]["variables"]} for record in parts]  # fmt: skip
-    rows = [row | {"time": row["step"] / rows[0]["step"] - 1} for row in rows]
-    made["parts"] = show.sheet(
-        "What the parts cost that the pitching vein has not",
-        {"fluid": "{name:}", "a step, ms": "{step:.4g}", "more time": "{time:+.1%}", "more variables": "{more:+.0f}"}, rows,
-        f"320 x 240 points; the least of {PART_REPEATS} runs of {PART_STEPS} steps each; still stations in a flow.",
-    )  # fmt: skip
-    return {f"vein/{name}.md": text for name, text in made.items()}
+def tables(name: str, key: str) -> Callable[[Data], list[dict[str, Any]]]:
+    """Rows of the tables of cases."""
+    return lambda data: [{"label": r.label} | row for r in data.of(f"vein/{name}") for row in r.tables.get(key, [])]
+
+
+def parts(data: Data) -> list[dict[str, Any]]:
+    """Time of a step of the fluid (ms) with each part, and its variables, against the first."""
+    rows = [record.view | {"step": 1e3 * record.times["phases_s"]["fluid"] / PART_STEPS} for record in data.of("vein/parts/*")]
+    first = rows[0]
+    return [row | {"time": row["step"] / first["step"] - 1, "more": row["variables"] - first["variables"]} for row in rows]
+
+
+def converging(what: str) -> dict[str, str]:
+    columns = {what: "{label:}", "thrust": "{thrust:.5g}", "power in": "{power_in:.5g}", "tip amplitude": "{tip_amplitude:.5g}"}
+    off = {"thrust, off": "{thrust.off:+.2%}", "tip, off": "{tip_amplitude.off:+.2%}"}
+    return columns | {"phase lag deg": "{phase_lag_deg:.5g}"} | off | CPU
 
 
 def scenes(data: Data) -> list[str]:
@@ -338,6 +277,47 @@ def convergence(data: Data) -> list[str]:
     return show.markdown(["grid", "thrust", "tip", "", "step, s", "thrust", "tip"], [[*a, "", *b] for a, b in zip(*halves)])
 
 
+TABLES = {
+    "vein-scenes": scenes,
+    "vein-convergence": convergence,
+    "vein-all-scenes": Table(
+        {"scene": "{label:}"} | FLAPPING | {"energy missing": "{missing:+.2g%}", "by the fluid": "<{by_fluid:+.2g%}>"} | CPU, of("scene")
+    ),
+    "vein-flexibility": Table({"EI, N m": "{label:}"} | {k: v for k, v in FLAPPING.items() if k != "lift"}, of("flexibility")),
+    "vein-grid": Table(converging("grid, the step in proportion"), of("grid", "thrust", "tip_amplitude")),
+    "vein-dt": Table(converging("step, s, on 320 x 240"), of("dt", "thrust", "tip_amplitude")),
+    "vein-coupling": Table(
+        {"case": "{label:}", "reached, s": "{reached:.3g}", "iterations a step": "{iterations:.3g}",
+         f"tip at t = {AT:g}": "{tip_uy:.3g}", "least residual of the last step": "{residual:.2g}"} | CPU,
+        of("coupling"),
+    ),
+    "vein-noise": Table({"grid": "{label:}", "noise of the drag": "{noise:.2g%}"} | CPU, of("noise")),
+    "vein-jumps": Table(
+        {"stations moved by": "{moved:.0e}", "change, median": "{median:.2g%}", "change, largest": "{largest:.2g%}"},
+        tables("further/jumps", "jumps"),
+    ),
+    "vein-stiff": Table(
+        {"force": "{force:}", "rms": "{rms:.2g%}", "largest": "{largest:.2g%}", "largest, no filter": "{raw:.2g%}",
+         "mean, stiff rod": "{coupled:.5g}", "mean, prescribed": "{prescribed:.5g}"},
+        tables("stiff/both", "stiff"),
+    ),
+    "vein-limits": Table(
+        {"limit": "{label:}", "quantity": "{quantity:}", "found": "{value:.5g} {unit:}", "should be": "{expected:.5g} {unit:}",
+         "off by": "{error:+.2g%}", "asked": "{asked:g%}"},
+        tables("limits/*", "found"),
+    ),
+    "vein-cylinder": Table(
+        {"grid": "{label:}", "amplitude, N/m": "{amplitude:.5f} ({amplitude.off:+.2%})",
+         "first harmonic, N/m": "{harmonic:.5f} ({harmonic.off:+.2%})", "its phase, °": "{phase_deg:.2f}",
+         "noise, largest": "{noise_largest:.2g%}", "noise, rms": "{noise_rms:.2g%}", "largest lift": "{largest_lift:.2g%}"} | CPU,
+        of("cylinder", "amplitude", "harmonic"),
+    ),
+    "vein-parts": Table(
+        {"fluid": "{label:}", "a step, ms": "{step:.4g}", "more time": "{time:+.1%}", "more variables": "{more:+.0f}"}, parts
+    ),
+}  # fmt: skip
+
+
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     records = data.of("vein/flexibility/*")
     figure, axes = show.panel(1, 3, (12, 3.6))
@@ -355,4 +335,4 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
         show.curves("vein/cylinder", ("time [s]", "drag [N/m]"), lines, log=False)
 
 
-STUDY = Study("vein", cases, keep, {"vein-scenes": scenes, "vein-convergence": convergence}, pages, draw)
+STUDY = Study("vein", cases, keep, TABLES, draw)

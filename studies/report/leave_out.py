@@ -7,7 +7,7 @@ from nervure.resources import SCENES as FOLDER
 
 from studies import simulate
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
-from studies.show import markdown
+from studies.show import form, markdown
 from studies.store import Data, Record
 
 SCENES = sorted(path.stem for path in FOLDER.glob("*.json") if path.stem != "references")
@@ -83,41 +83,34 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
     return {"values": {"xml": xml, "variables": variables} | last, "times": times}
 
 
-def line(record: Record, base: Record) -> list[Any]:
+def lacking(data: Data) -> list[str]:
+    return markdown(["scene", "has not"], [[name, ", ".join(absent(simulate.changed(name, {})))] for name in SCENES])
+
+
+def added(data: Data) -> list[str]:
     """What a part adds to the scene without it."""
-    if record.error:
-        return [f"refused: {record.error[:80]}", "", "", "", ""]
-    own = record is base
-    numbers = {name: record[name] - (0 if own else base[name]) for name in ("xml", "variables")}
-    memory = record.times["memory_mb"] - (0 if own else base.times["memory_mb"])
-    spent = record.clock("cpu_s") or 0.0, base.clock("cpu_s") or 1.0
-    change = 0.0
-    for name, value in base.values.items():
-        if name.startswith("last"):
-            change = max(change, abs(record[name] - value) / (abs(value) or 1.0))
-    sign = "" if own else "+"
-    return [
-        f"{numbers['xml'] / 1e3:{sign}.1f} kB",
-        f"{numbers['variables']:{sign}d}",
-        f"{memory:{sign}.1f} MB",
-        f"{1e6 * spent[0] / record.times['steps']:.1f} µs" if own else f"{100 * (spent[0] / spent[1] - 1):+.0f} %",
-        "" if own else "none" if change == 0 else f"{change:.0e}",
-    ]
-
-
-def section(data: Data) -> tuple[list[str], list[str]]:
-    """Tables of what is absent and of what each part adds."""
-    lacking = markdown(["scene", "has not"], [[name, ", ".join(absent(simulate.changed(name, {})))] for name in SCENES])
-    table = []
+    first = {"XML": "{xml:.1f} kB", "variables": "{variables:d}", "memory": "{memory:.1f} MB", "CPU a step": "{cpu:.1f} µs"}
+    more = {name: text.replace(":", ":+") for name, text in first.items()} | {"CPU a step": "{cpu:+.0%}"}
+    more |= {"change of the result": "{change:.0e}"}
+    rows = []
     for name in SCENES:
-        shipped = data.get(f"leave-out/{name}/as shipped")
-        plain = data.get(f"leave-out/{name}/without shear") or shipped
+        shipped = size_of(data[f"leave-out/{name}/as shipped"])
+        rows.append([name, "as shipped", *(form(text, shipped) for text in first.values()), ""])
         for record in data.of(f"leave-out/{name}/*"):
-            base = plain if record.label == SPACE else shipped
-            if base and record.label != "without shear":
-                table.append([name, record.label, *line(record, base)])
-    added = markdown(["scene", "part", "XML", "variables", "memory", "CPU a step", "change of the result"], table)
-    return lacking, added
+            if record.label in ("as shipped", "without shear"):
+                continue
+            plain = data.get(f"leave-out/{name}/without shear") if record.label == SPACE else None
+            own, base = size_of(record), size_of(plain) if plain else shipped
+            added = {key: own[key] - base[key] for key in ("xml", "variables", "memory")} | {"cpu": own["cpu"] / base["cpu"] - 1}
+            added["change"] = max(abs(own[q] - base[q]) / (abs(base[q]) or 1.0) for q in base if q.startswith("last"))
+            rows.append([name, record.label, *(form(text, added) for text in more.values())])
+    return markdown(["scene", "part", *more], rows)
+
+
+def size_of(record: Record) -> dict[str, Any]:
+    """XML (kB), variables, memory (MB), CPU time a step (µs), and tip and forces at the end."""
+    cpu = 1e6 * (record.clock("cpu_s") or 0.0) / record.times["steps"]
+    return record.values | {"xml": record["xml"] / 1e3, "memory": record.times["memory_mb"], "cpu": cpu}
 
 
 STUDY = Study("leave-out", cases, keep)

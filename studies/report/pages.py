@@ -11,11 +11,11 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 
-from studies import coupling, fsi3, show, simulate, speed
+from studies import coupling, fsi3, rod, show, simulate, speed
 from studies.engine import Run, Study
 from studies.report import cases, leave_out
 from studies.report.convergence import MOST_ORDER, front, limit
-from studies.show import COLOURS, MARKERS, label, markdown, percent, prose
+from studies.show import COLOURS, MARKERS, label, markdown, percent
 from studies.store import Data, Record
 
 PEERS = ("PyElastica", "NGSolve, Taylor–Hood")
@@ -166,52 +166,33 @@ def sequences(data: Data) -> list[list[str]]:
     return found
 
 
-TITLES = (
-    ("rod-static", "discretisation", "The rod at rest (CSM1's bar, clamp not set back) against Reissner's exact beam",
-     "The rod converges with order two, and is a hundred times cheaper than PyElastica at the same error."),
-    ("rod-static", "error", "The same against CSM1 of Turek and Hron", "What stays is the model: a beam is not a plate."),
-    ("csm3", "error", "CSM3, the swinging bar", "All schemes end at the frequency of the beam, 0.4 % below the plate's."),
-    ("cylinder-2d1", "error", "The cylinder 2D-1", "Penalization does not reach a body-fitted mesh in a steady flow."),
-    ("cylinder-2d2", "error", "The cylinder 2D-2", "The wall target is more exact than every other mask at the same cost."),
-    ("fsi3", "error", "FSI3", "Frequency and drag fall below 1 %, the lift's amplitude stays 5 % high."),
-)  # fmt: skip
-"""Case, kind of error, title and finding of each figure."""
+FIGURES = (("rod-static", "discretisation"), *((case, "error") for case in QUANTITIES))
+"""Case and kind of error of each figure."""
 
 
-def error_time(data: Data) -> list[str]:
-    text = ["## 1. Error against run time", ""]
+def machine(data: Data) -> list[str]:
+    """What most of it was measured on."""
     used = Counter(record.machine for record in data.of("report/*"))
-    machine = data.machines[used.most_common(1)[0][0]]
-    text += prose(
-        f"Measured on {machine['cpu']}, {machine['cores']} cores, {machine['system']}, {machine['rustc'].split(' (')[0]}, "
-        f"Python {machine['python']}; one thread. Wall and CPU time of the loop over the steps, medians of repeats after a "
-        "warm-up, bars from quartile to quartile. The machine was shared with other work: **CPU time is the one to compare**. "
-        "Times of PyElastica and NGSolve include their set-up, and not imports and compilation."
-    )
-    for case, kind, title, finding in TITLES:
-        text += [f"![{title}]({case.replace('-', '_')}_{kind}.png)", "", *prose(f"**{title}.** {finding}")]
-        failed = [f"- failed: {p.method}, {p.setting}: {p.failed[:70]}" for p in points(data, case) if p.failed]
-        text += [*failed, ""] if failed and kind == "error" else []
-    text += ["Best of each method, by CPU time where it was measured:", "", *best(data), ""]
-    text += ["### Orders and extrapolations", ""]
-    text += prose(
-        "Order and extrapolation are those of the last three values. *Discretisation* is the finest value against the "
-        "extrapolated one, *model* the extrapolated one against the published value: for the cylinder what penalization "
-        "leaves, for the rod what a beam is not of a two-dimensional body. Where a sequence is not asymptotic there is no "
-        "extrapolation."
-    )
-    header = ["sequence", "quantity", "values", "order", "extrapolated", "discretisation", "model", "verdict"]
-    text += [*markdown(header, sequences(data)), ""]
-    text += ["The model error of penalization alone, 2D-2 over C_eta on one grid with one step:", ""]
-    columns = {"mask": "{mask:}", "grid": "{nx:} x 90", "C_eta, s": "{c_eta:g}"}
+    about = data.machines[used.most_common(1)[0][0]]
+    compiler = about["rustc"].split(" (")[0]
+    return [f"{about['cpu']}, {about['cores']} cores, {about['system']}, {compiler}, Python {about['python']}."]
+
+
+def failures(data: Data) -> list[str]:
+    rows = [[case, p.method, p.setting, p.failed[:90]] for case in QUANTITIES for p in points(data, case) if p.failed]
+    return markdown(["case", "method", "setting", "it failed with"], rows)
+
+
+def penalization(data: Data) -> list[str]:
+    """2D-2 over C_eta on one grid with one step."""
+    columns = {"mask": "{mask:}", "grid": "{nx:} x {ny:}", "C_eta, s": "{c_eta:g}"}
     columns |= {label(q): f"{{{q}.error:+.2%}}" for q in QUANTITIES["cylinder-2d2"]}
-    rows = [record.view for record in data.of("fluid/c_eta/*") if "uncorrected" not in record.about["mask"]]
-    text += [*show.table(columns, rows), ""]
-    return text + prose(
-        "CSM3's mean and amplitude are the extremes of a motion with several modes: they jump from one crest to another with "
-        "step and n, which is why its sequences do not settle. On the cylinder the wall keeps its place within a few "
-        "hundredths of a cell only ([fluid.md](../fluid.md)), and differently on each grid."
-    )
+    return show.table(columns, [r.view for r in data.of("fluid/c_eta/*") if "uncorrected" not in r.about["mask"]])
+
+
+def orders(data: Data) -> list[str]:
+    header = ["sequence", "quantity", "values", "order", "extrapolated", "discretisation", "model", "verdict"]
+    return markdown(header, sequences(data))
 
 
 def best(data: Data) -> list[str]:
@@ -228,25 +209,18 @@ def best(data: Data) -> list[str]:
     return markdown(["case", "method", "setting", "quantity", "error", "of", "CPU, s", "wall, s", "runs"], table)
 
 
-def fsi3_bands(data: Data) -> list[str]:
+def bands(data: Data) -> list[str]:
     rows = [row | {"spent": row["cpu_s"] / row["reached"]} for row in fsi3.by_grid(data)]
     columns = fsi3.NAME | fsi3.WITH_FREQUENCIES | {"CPU s a simulated s": "{spent:.1f}"}
-    cited = []
+    return show.table(columns, [fsi3.LEVEL_4, *rows])
+
+
+def cited(data: Data) -> list[str]:
+    rows = []
     for method, setting, wall, values in CITED:
         told = [f"{value * 1e3:.3g} mm" if "amplitude" in q else f"{value:.3g} Hz" for q, value in values.items()] or [""]
-        cited += [[f"{method}, {setting}", cell, f"{wall:g}"] for cell in told]
-    return [
-        "### FSI3 in the reference bands", "",
-        *show.table(columns, [fsi3.LEVEL_4, *rows]), "",
-        *prose("Mean ± amplitude [frequency], mm, N/m, Hz. What one change at a time does is in [fsi3.md](../fsi3.md)."),
-        "![two periods](fsi3_bands.png)", "",
-        *prose("From 650 x 144 on the tip stays within the published extremes, but for the amplitude of the deflection."),
-        "![four phases](fsi3_phases.png)", "", "![animation](fsi3_vorticity.gif)", "",
-        *prose("Vorticity at four phases of a period and over one, 325 x 72 (`make report-pictures`): a vortex leaves the tip "
-               "at each turn."),
-        "Other solvers, as cited (not measured here, other machines):", "",
-        *markdown(["", "value", "wall s a simulated s"], cited), "",
-    ]  # fmt: skip
+        rows += [[f"{method}, {setting}", cell, f"{wall:g}"] for cell in told]
+    return markdown(["", "value", "wall s a simulated s"], rows)
 
 
 # Stability
@@ -292,27 +266,18 @@ OVER = {
 }
 
 
-def stability(data: Data) -> list[str]:
+def maps(data: Data) -> list[str]:
+    """Cells by outcome."""
     found = map_cells(data)
     counts = {name: Counter(outcome for _, _, outcome, _ in cells) for name, cells in found.items()}
-    table = [[name, OVER[name], len(found[name]), c["ok"], c["error"], c["bad"]] for name, c in counts.items()]
-    bad = [[name, cell, said] for name, cells in found.items() for cell, _, outcome, said in cells if outcome == "bad"]
-    return [
-        "## 2. Stability on stiff and extreme cases", "", "![maps](maps.png)", "",
-        *prose("Errors (e) lie where the scheme's limits are; nothing goes wrong without saying so."),
-        *markdown(["map", "over", "cells", "ok", "error", "bad"], table), "",
-        *prose("*ok*: it went to the end and what came out is sound; *error*: it stopped and said why; *bad*: neither. The "
-               "cells that ended in an error, with their messages: [stability.md](stability.md)."),
-        f"Bad cells are left: {len(bad)}.", "", *([*markdown(["map", "cell", "why"], bad), ""] if bad else []),
-    ]  # fmt: skip
+    rows = [[name, OVER[name], len(found[name]), c["ok"], c["error"], c["bad"]] for name, c in counts.items()]
+    return markdown(["map", "over", "cells", "ok", "error", "bad"], rows)
 
 
-def stability_page(data: Data) -> str:
-    rows = [
-        [name, cell, said[:110]]
-        for name, cells in map_cells(data).items() for cell, _, outcome, said in cells if outcome == "error"
-    ]  # fmt: skip
-    return show.page("Cells that ended in an error", ["map", "cell", "reason"], rows, "Reasons are cut after 110 characters.")
+def failed(data: Data) -> list[str]:
+    """Cells that did not end well."""
+    cells = [(name, *cell) for name, part in map_cells(data).items() for cell in part if cell[2] != "ok"]
+    return markdown(["map", "cell", "outcome", "reason"], [[name, cell, outcome, said[:110]] for name, cell, _, outcome, said in cells])
 
 
 MAPS = (
@@ -378,48 +343,40 @@ def cost_groups(data: Data) -> dict[str, tuple[str, list[tuple[float, float]]]]:
     }  # fmt: skip
 
 
-def part_of(record: Record, phase: str) -> float:
+def part_of(record: Record, phase: str) -> float | None:
     """Time of a step, µs: the median CPU time of the whole, the shortest wall time of a part."""
     seconds = record.clock("cpu_s") if phase == "step" else record.times["phases_s"].get(phase)
-    return float(1e6 * seconds / record["steps"]) if seconds is not None else np.nan
+    return None if seconds is None else float(1e6 * seconds / record["steps"])
 
 
-def cost(data: Data) -> list[str]:
-    groups = cost_groups(data)
-    fitted = "; ".join(f"{name} {show.exponent(*zip(*points)):.2f} in the {x}" for name, (x, points) in groups.items())
-    iterations = [
-        {"n": row["n"]} | {name: 1e6 * row[name] for name in ("iteration_3d", "banded", "iteration_2d")}
-        for row in data["rod/study/runtime"].times["rows"]
-    ]
-    parts = ("step", "rod", "fmi", "python", "recording")
-    steps = []
-    for record in data.of("report/cost/*"):
-        cells = ["" if np.isnan(found := part_of(record, part)) else f"{found:.1f}" for part in parts]
-        steps.append([record.about["method"], record.about["setting"], *cells])
-    loops = []
-    for record in [*data.of("report/rod-static/*"), *data.of("report/csm3/*"), *data.of("report/cylinder*"), *data.of("fsi3/grid/*")]:
-        phases = record.times.get("phases_s", {})
-        if not phases or (record.about.get("step") or 1e-3) != 1e-3 and "csm3" in record.name:
-            continue
-        loop = sum(seconds for phase, seconds in phases.items() if phase != "output")
-        names = [*record.name.split("/")[-3:]] if record.name.startswith("report") else ["fsi3", "momentum load", record.label]
-        loops.append([*names, *(percent(phases[phase] / loop, ".1f") if phase in phases else "" for phase in PHASES)])
+def exponents(data: Data) -> list[str]:
+    rows = [[name, x, f"{show.exponent(*zip(*found)):.2f}"] for name, (x, found) in cost_groups(data).items()]
+    return markdown(["cost of", "over", "exponent"], rows)
+
+
+def iterations(data: Data) -> list[str]:
+    """A Newton iteration of the rod, and the banded solve in it, µs."""
     columns = {"n": "{n:.0f}", "in space": "{iteration_3d:.3g}", "of that the solve": "{banded:.3g}", "in the plane": "{iteration_2d:.3g}"}
-    return [
-        "## Where the time goes", "", "![cost](cost.png)", "",
-        *prose(f"Fitted exponents: {fitted} ([fluid-speed.md](../fluid-speed.md) has more)."),
-        "A Newton iteration of the rod, and the banded solve in it, µs (`make rod-study`):", "",
-        *show.table(columns, iterations), "",
-        "A step of the fluid, bars swinging (`make bench-fluid`), µs of processor time, and shares:", "",
-        *speed.phases(data), "",
-        *prose("A step of FSI3 by number of stations (325 x 72 points), with the bar still, and by grid (steps of 0.1 ms), µs: "
-               "median CPU time of the step, shortest wall times of its parts; the rest is the fluid:"),
-        *markdown(["varied", "setting", "step", "rod", "FMI", "Python", "recording"], steps), "",
-        *prose("Of a run, by the wall time of its loop: the units' steps; their inputs and outputs through FMI (with the "
-               "pressure of probes, which is made when it is read); the master's own Python; the table that it keeps; and, "
-               "after the loop, writing the tables:"),
-        *markdown(["case", "method", "setting", *PHASES], loops), "",
-    ]  # fmt: skip
+    return show.table(columns, rod.run_times(data))
+
+
+def steps(data: Data) -> list[str]:
+    """A step of FSI3 and its parts, µs."""
+    names = ("step", "rod", "fmi", "python", "recording")
+    rows = [r.about | {name: part_of(r, name) for name in names} for r in data.of("report/cost/*")]
+    columns = {"varied": "{method:}", "setting": "{setting:}"} | {name: f"<{{{name}:.1f}}>" for name in names}
+    return show.table(columns, rows)
+
+
+def loops(data: Data) -> list[str]:
+    """Parts of a run by the wall time of its loop."""
+    rows = []
+    for record in (r for pattern in ("report/*", "fsi3/grid/*") for r in data.of(pattern)):
+        phases = record.times.get("phases_s")
+        if phases and "/cost/" not in record.name and (record.about.get("step") or 1e-3) in (1e-3, 3e-3, 7.5e-4):
+            loop = sum(seconds for phase, seconds in phases.items() if phase != "output")
+            rows.append({"name": record.name.partition("/")[2]} | {phase: seconds / loop for phase, seconds in phases.items()})
+    return show.table({"run": "{name:}"} | {phase: f"<{{{phase}:.1%}}>" for phase in PHASES}, rows)
 
 
 def draw_cost(data: Data) -> None:
@@ -447,27 +404,20 @@ def draw_cost(data: Data) -> None:
 def beaten(data: Data) -> list[str]:
     """CPU time of ours and of the peers for the largest error over all quantities of a case: a single one may pass
     through zero."""
-    lines = []
+    rows = []
     for case in MAIN:
         kind = "discretisation" if case == "rod-static" else "error"
         there = [p for p in points(data, case) if p.cpu and "thesis" not in p.method and p.of(kind)]
         worst = [(max(map(abs, p.of(kind).values())), p.cpu[1], p) for p in there]
         peers, ours = ([run for run in worst if (run[2].method in PEERS) == theirs] for theirs in (True, False))
-        if not peers or not ours:
-            continue
-        best = min(peers, key=lambda run: run[0])
-        # The cheapest of ours that is at least as exact, or else the most exact one.
-        enough = [run for run in ours if run[0] <= best[0]]
-        mine = min(enough, key=lambda run: run[1]) if enough else min(ours, key=lambda run: run[0])
-        if not enough:
-            verdict = "**ours does not reach the peer's error on any grid here**"
-        elif mine[1] < best[1]:
-            verdict = f"ours is at least as exact in 1/{best[1] / mine[1]:.{0 if best[1] > 10 * mine[1] else 1}f} of the CPU time"
-        else:
-            verdict = f"ours needs {mine[1] / best[1]:.1f} times the CPU time for that error"
-        said = "; ".join(f"{p.method} ({p.setting}) {100 * error:.2g} % in {cpu:.2g} s" for error, cpu, p in (best, mine))
-        lines += prose(f"- {case}: {said}: {verdict}.")[:-1]
-    return lines
+        if peers and ours:
+            theirs = min(peers, key=lambda run: run[0])
+            # The cheapest of ours that is at least as exact, or else the most exact one.
+            enough = [run for run in ours if run[0] <= theirs[0]]
+            mine = min(enough, key=lambda run: run[1]) if enough else min(ours, key=lambda run: run[0])
+            verdict = f"{mine[1] / theirs[1]:.2g} of its CPU time" if enough else "**does not reach its error**"
+            rows.append([case, *(f"{p.method} ({p.setting}): {100 * e:.2g} % in {cpu:.2g} s" for e, cpu, p in (theirs, mine)), verdict])
+    return markdown(["case", "the most exact peer", "ours, at least as exact", "ours takes"], rows)
 
 
 def missed(data: Data) -> list[str]:
@@ -476,48 +426,12 @@ def missed(data: Data) -> list[str]:
     off = [f"{label(q)} {100 * e:+.1f} %" for q in finest.published if (e := finest.off(q)) is not None and abs(e) > 0.02]
     found = sequences(data)
     loose = sum(row[-1].startswith("not") for row in found)
-    lines = [f"- FSI3 on 1300 x 288 is more than 2 % from FeatFlow's finest level in: {', '.join(off) or 'nothing'}."]
-    lines.append(f"- {loose} of {len(found)} sequences are not asymptotic; those have no extrapolated value.")
+    rows = [["FSI3 on 1300 x 288, more than 2 % off", ", ".join(off) or "nothing"]]
     for case in ("cylinder-2d1", "cylinder-2d2"):
         last = max(by_method(points(data, case))["wall target"], key=lambda p: p.size)
-        told = ", ".join(f"{label(q)} {100 * e:+.2f} %" for q, e in last.errors.items())
-        lines.append(f"- {case} by penalization, finest grid measured: {told}.")
-    lines.append("- FLUSI, deal.II and nutils are cited, not run: they do not install from a registry.")
-    return [
-        "## What is missed", "", *(part for line in lines for part in prose(line)[:-1]), "",
-        *prose("Beside the peers, measured by the same command on the same machine, largest error over the quantities of each "
-               "case (at rest: of discretisation) and CPU time. NGSolve solves 2D-1 by Newton's method for the steady flow, "
-               "where ours marches to it; PyElastica is explicit and has a step for stability:"),
-        *beaten(data), "",
-    ]  # fmt: skip
-
-
-def left_out(data: Data) -> list[str]:
-    lacking, added = leave_out.section(data)
-    return [
-        "## 3. What a scene leaves out", "", *lacking, "",
-        *prose("None of these has a variable, an array or a loop there. Each of the following parts is put into the scene so "
-               "that it has no effect; the numbers are what it adds to XML, variables, memory (growth of the resident set), and "
-               "CPU time a step (one and the same scene gives up to a fifth more or less on this machine), and the largest "
-               "relative change of tip and forces. The library is the same file for every scene: a part that is left out saves "
-               "nothing of the binary's size."),
-        *added, "",
-        *prose("Not comparable this way, because they cannot be there without an effect: a second beam (a scene has one), a "
-               "beam beside the flow (it is a body wherever it stands), inflow together with mean flow (refused), a filter that "
-               "does nothing, shear of a rod in space (the model is for the plane)."),
-    ]  # fmt: skip
-
-
-def pages(data: Data) -> dict[str, str]:
-    text = ["# Report", "", *prose(
-        "Error against run time, stability, and what a scene leaves out. `make report` measures the short form and writes this "
-        "page, `make report-full` everything. [results.json](results.json) has every case with the command that repeats it and a "
-        "digest of the sources that it depends on, [times.json](times.json) its times with machine and revision. "
-        "[stale.md](stale.md) lists what the code has since changed."
-    )]  # fmt: skip
-    for section in (missed, error_time, fsi3_bands, stability, left_out, cost):
-        text += section(data)
-    return {"report/README.md": "\n".join(text).rstrip("\n") + "\n", "report/stability.md": stability_page(data)}
+        rows.append([f"{case}, finest grid", ", ".join(f"{label(q)} {100 * e:+.2f} %" for q, e in last.errors.items())])
+    rows.append(["sequences that are not asymptotic", f"{loose} of {len(found)}"])
+    return markdown(["", "missed"], rows)
 
 
 def draw_errors(data: Data, case: str, kind: str) -> None:
@@ -552,11 +466,17 @@ def draw_errors(data: Data, case: str, kind: str) -> None:
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    for case, kind, _, _ in TITLES:
+    for case, kind in FIGURES:
         draw_errors(data, case, kind)
     draw_maps(data)
     draw_cost(data)
-    fsi3.bands(data)
 
 
-STUDY = Study("report", cases.cases, cases.keep, pages=pages, draw=draw)
+TABLES = {
+    "report-missed": missed, "report-peers": beaten, "report-machine": machine, "report-failures": failures,
+    "report-best": best, "report-orders": orders, "report-penalization": penalization, "report-bands": bands,
+    "report-cited": cited, "report-maps": maps, "report-failed": failed, "report-lacking": leave_out.lacking,
+    "report-left-out": leave_out.added, "report-exponents": exponents, "report-iterations": iterations,
+    "report-steps": steps, "report-loops": loops,
+}  # fmt: skip
+STUDY = Study("report", cases.cases, cases.keep, TABLES, draw)
