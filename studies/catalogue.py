@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from studies import coupling, fluid, fsi3, robustness, rod, running, show, speed, vein
 from studies.engine import Study
@@ -20,14 +21,28 @@ def load(studies: Iterable[Study] = STUDIES) -> Data:
     return Data(studies).load()
 
 
+def lines_of(key: str, data: Data) -> list[str]:
+    """Lines of a table: as the study makes them, or of the rows that it makes by tables.toml."""
+    made = next((study.tables[key] for study in STUDIES if key in study.tables), None)
+    if key not in show.SPECS:
+        if made is None:
+            raise KeyError(f"there is no table called {key}")
+        return made(data)
+    return show.table(key, made(data) if made else views(data, show.SPECS[key]["of"]))
+
+
+def views(data: Data, pattern: str) -> list[dict[str, Any]]:
+    """What there is to show of the cases that match, and `NAME.off`, how far each number is from that of the last one."""
+    rows = [record.view for record in data.of(pattern)]
+    last = {name: value for name, value in rows[-1].items() if isinstance(value, float) and value}
+    return [row | {f"{name}.off": row[name] / value - 1 for name, value in last.items() if row.get(name)} for row in rows]
+
+
 def filled(text: str, data: Data) -> str:
     """`text` with its tables as they are now."""
-    tables = {key: table for study in STUDIES for key, table in study.tables.items()}
 
     def table(match: re.Match[str]) -> str:
-        if match[1] not in tables:
-            raise KeyError(f"there is no table called {match[1]}")
-        return f"<!--table:{match[1]}-->\n" + "\n".join(tables[match[1]](data)) + "\n<!--end-->"
+        return f"<!--table:{match[1]}-->\n" + "\n".join(lines_of(match[1], data)) + "\n<!--end-->"
 
     return show.TABLE.sub(table, text)
 

@@ -12,7 +12,7 @@ from nervure.evaluate import statistics
 
 from studies import commands, show, simulate
 from studies.engine import FLUID, Case, Run, Study
-from studies.show import COLOURS, LABELS, MARKERS, Table, markdown, number
+from studies.show import COLOURS, LABELS, MARKERS, markdown, number
 from studies.store import Data, Record
 
 SCENES = {"2D-1": "cylinder-2d1-450x90", "2D-2": "cylinder-2d2-900x180"}
@@ -144,19 +144,6 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
 
 # Pages
 
-SETTINGS = {
-    "grid": "{nx:} x {ny:}", "dt, s": "{dt:.3g}", "mask": "{mask:}", "C_eta, s": "{c_eta:.0e}", "filter": "{filter:}",
-    "scheme": "{scheme:}", "offset, cells": "{aside:}",
-}  # fmt: skip
-REST = {"flow rate, m²/s": "<{flow_rate:.4f}>", "largest CFL": "<{cfl:.2f}>", "CPU, s": "<{cpu_s:.3g}>", "result": "{said:}"}
-
-
-def group(name: str, flow: str) -> Table:
-    """Cases with their values and errors."""
-    values = {q: f"<{{{q}:.5g}} ({{{q}.error:+.2%}})>" for q in QUANTITIES[flow]}
-    return Table(SETTINGS | values | REST, lambda data: [record.view for record in data.of(f"fluid/{name}/*", flow=flow)])
-
-
 def thesis(name: str, data: Data) -> list[str]:
     """Tables 3.3 and 3.4 of the thesis, its settings run again, and ours."""
     again = {record.about["nx"]: record.values for record in data.of("fluid/thesis/*")}
@@ -246,15 +233,12 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     error_panels("work_2d2", grids + data.of("fluid/thesis/*"), "processor time [s]", "cpu_s")
 
 
-TABLES: dict[str, Callable[[Data], list[str]]] = {
+TABLES: dict[str, Callable[[Data], Any]] = {
     "cylinder-2d2-masks": masks,
     "cylinder-2d2-c_eta": hardness,
     "thesis-3-3": partial(thesis, "3.3"),
     "thesis-3-4": partial(thesis, "3.4"),
-    "fluid-grid-2d1": group("grid", "2D-1"),
-    "fluid-offset-2d1": group("offset", "2D-1"),
-} | {f"fluid-{name}{'-2d2' if name in ('grid', 'offset') else ''}": group(name, "2D-2") for name in
-     ("grid", "dt", "c_eta", "hard", "filter", "offset")}  # fmt: skip
+}
 STUDY = Study("fluid", cases, keep, TABLES, draw)
 
 
@@ -301,27 +285,24 @@ def stability(data: Data) -> list[str]:
     text += [*markdown(["scene", "Re 20", "Re 1e4"], [[name, *map(cell, part)] for (name,), part in hard.items()]), ""]
     counts = {what: sum(row["outcome"] == what for row in rows) for what in ("ok", "error", "bad")}
     text += [f"{counts['ok']} runs went through, {counts['error']} ended in an error, {counts['bad']} were bad.", ""]
-    for letter, message in letters.values():
-        text += show.prose(f"{letter} (first case): {message}")
+    text += markdown(["letter", "the message of its first case"], letters.values())
     return text
 
 
-def wall_targets(data: Data) -> list[str]:
+def wall_targets(data: Data) -> list[dict[str, Any]]:
     """Weights of the wall target by the decay length."""
     rows = [row for row in data["fluid-measures/crate/measures"].tables["measures"] if row["measure"] == "wall target"]
-    columns = {"decay length λ, cells": "{name:}", "m": "{m:.4f}", "c": "{c:.4f}", "D_c": "<{D_c:.3f}>", "shift, cells": "<{shift:.4f}>"}
     table = []
     for (setting,), part in show.grouped(rows, "setting").items():
         name = re.sub(r"^(e-fold|decay length) |, curvature$", "", setting).replace("shear", "`shear`")
         table.append({"name": name} | {row["quantity"]: row["value"] for row in part})
-    return show.table(columns, table)
+    return table
 
 
-def measures(data: Data) -> list[str]:
+def measures(data: Data) -> list[dict[str, Any]]:
     """Exact solutions and invariants."""
-    columns = {"measure": "{measure:}", "setting": "{setting:}", "quantity": "{quantity:}", "found": "{value:.4g}", "exact": "<{expected:.4g}>"}
     rows = data["fluid-measures/crate/measures"].tables["measures"]
-    return show.table(columns, [row for row in rows if row["measure"] != "wall target"])
+    return [row for row in rows if row["measure"] != "wall target"]
 
 
 MEASURES = Study("fluid-measures", measure_cases, keep_tables, {"wall-target": wall_targets, "fluid-measures": measures, "fluid-stability": stability})

@@ -237,28 +237,6 @@ FURTHER: dict[str, tuple[Callable[[dict[str, np.ndarray]], dict[str, float]], ..
 
 View = dict[str, Any]
 
-PAIR = "{%s.mean[mm]:.2f} ± {%s.amplitude[mm]:.2f}"
-TIP = {"ux": PAIR.replace("%s", "tip_ux"), "uy": PAIR.replace("%s", "tip_uy")}
-FORCES = {
-    "drag": "{drag.mean:.1f} ± {drag.amplitude:.1f}< ({drag.fit:.1f})>",
-    "lift": "{lift.mean:.1f} ± {lift.amplitude:.1f}< ({lift.fit:.1f})>",
-}
-WITH_FITS = TIP | {"f": "{tip_uy.frequency_hz:.2f}"} | FORCES
-"""ux, uy (mm), its frequency (Hz), drag and lift (N/m): mean ± amplitude (that of the fit)."""
-WITH_FREQUENCIES = {name: f"{text} [{{tip_{name}.frequency_hz:.2f}}]" for name, text in TIP.items()} | {
-    name: text.partition("<")[0] for name, text in FORCES.items()
-}
-NAME = {"": "{name:}"}
-EXTREMES = {
-    name: f"{{{q}.max:.{digits}f}} / {{{q}.min:.{digits}f}}"
-    for name, q, digits in (("drag", "drag", 0), ("lift", "lift", 0), ("uy", "tip_uy", 1))
-}
-SETTLED = {
-    "settled uy": "{tip_uy.mean[mm]:.1f} ± {tip_uy.amplitude[mm]:.1f} [{tip_uy.frequency_hz:.2f}]",
-    "settled drag": "{drag.mean:.0f} ± {drag.amplitude:.0f}", "settled lift": "{lift.mean:.0f} ± {lift.amplitude:.0f}",
-}  # fmt: skip
-
-
 def published(scene: str, name: str) -> View:
     return {"name": name} | {quantity: value for quantity, (value, _) in simulate.published(scene).items()}
 
@@ -275,56 +253,44 @@ def told(changes: Changes, without: str = "") -> str:
 LEVEL_4 = published(COARSE, "FeatFlow, level 4")
 
 
-def readme(data: Data) -> list[str]:
+def readme(data: Data) -> list[View]:
     names = ["`make fsi3` (325 x 72)", "`make fsi3 GRID=650x144`", "`make fsi3 GRID=1300x288`"]
     rows = [row | {"name": name} for row, name in zip(by_grid(data, SHIPPED), names)]
-    return show.table(NAME | WITH_FREQUENCIES, [LEVEL_4 | {"name": "reference (FeatFlow, level 4)"}, *reversed(rows)])
+    return [LEVEL_4 | {"name": "reference (FeatFlow, level 4)"}, *reversed(rows)]
 
 
-def grids(data: Data) -> list[str]:
+def grids(data: Data) -> list[View]:
+    """With the published spread: the amplitude's, of the drag the mean's too."""
     spread = simulate.reference(COARSE)["spread"]["quantities"]
 
-    def between(name: str, what: str, scale: float = 1.0) -> str:
+    def between(name: str, what: str) -> str:
+        scale = 1e3 if name.startswith("tip") and what == "amplitude" else 1.0
         return " to ".join(f"{scale * edge:g}" for edge in spread[name][what])
 
-    last = ["published spread", between("tip_ux", "amplitude", 1e3), between("tip_uy", "amplitude", 1e3),
-            between("tip_uy", "frequency_hz"), f"{between('drag', 'mean')}, {between('drag', 'amplitude')}",
-            between("lift", "amplitude")]  # fmt: skip
-    return show.table(NAME | WITH_FITS, [*by_grid(data), LEVEL_4]) + show.markdown([], [last])[2:]
+    last = {f"{name} spread": between(name, "amplitude") for name in SIGNALS} | {"f spread": between("tip_uy", "frequency_hz")}
+    last["drag spread"] = f"{between('drag', 'mean')}, {last['drag spread']}"
+    return [*by_grid(data), LEVEL_4, {"name": "published spread"} | last]
 
 
-def errors(data: Data) -> list[str]:
-    """Distance from FeatFlow's level 4, by grid."""
-    names = ("tip_ux.mean", "tip_ux.amplitude", "tip_uy.amplitude", "tip_uy.frequency_hz", "drag.mean", "drag.amplitude",
-             "lift.amplitude")  # fmt: skip
-    return show.table({"grid": "{name:}"} | {show.label(q): f"{{{q}.error:+.1%}}" for q in names}, by_grid(data))
-
-
-def costs(data: Data) -> list[str]:
+def costs(data: Data) -> list[View]:
     """Processor time and its shares by grid."""
-    columns = {
-        "grid": "{name:}", "CPU, s a simulated s": "{cpu:.1f}", "rod": "{rod:.1%}", "fluid": "{fluid:.1%}",
-        "exchange": "{exchange:.1%}", "largest CFL": "{cfl:.2f}", "periods averaged": "{periods:.0f}",
-    }  # fmt: skip
     rows = []
     for row, grid in zip(by_grid(data), GRIDS):
         phases = data[f"fsi3/grid/{grid}"].times["phases_s"]
         shares = {kind: phases[kind] / row["wall_s"] for kind in ("rod", "fluid")}
-        rows.append(row | shares | {"exchange": 1 - sum(shares.values()), "cpu": row["cpu_s"] / row["reached"]})
-    return show.table(columns, rows)
+        rows.append(row | shares | {"exchange": 1 - sum(shares.values()), "spent": row["cpu_s"] / row["reached"]})
+    return rows
 
 
-def still(data: Data) -> list[str]:
-    columns = NAME | {f"{name} [N/m]": text for name, text in FORCES.items()} | {"f [Hz]": "{lift.frequency_hz:.3f}"}
+def still(data: Data) -> list[View]:
     rows = [data[f"fsi3/still/{grid}"].view | {"name": grid.replace("x", " x ")} for grid in ("650x144", "1300x288")]
-    return show.table(columns, [*rows, published(STILL, "Turek & Hron")])
+    return [*rows, published(STILL, "Turek & Hron")]
 
 
-def varied(group: str, data: Data) -> list[str]:
+def varied(group: str, data: Data) -> list[View]:
     """What one change does, on the grid of a group."""
     base = data[f"fsi3/grid/{VARIED[group][1]}"].view | {"name": "none"}
-    rows = [record.view | {"name": told(record.case.changes)} for record in data.of(f"fsi3/{group}/*")]
-    return show.table({"change": "{name:}"} | WITH_FITS, [base, *rows])
+    return [base, *(record.view | {"name": told(record.case.changes)} for record in data.of(f"fsi3/{group}/*"))]
 
 
 def extremes_of(found: View, begin: float | None = None) -> View:
@@ -337,7 +303,7 @@ def extremes_of(found: View, begin: float | None = None) -> View:
     return view
 
 
-def thesis_extremes(data: Data) -> list[str]:
+def thesis_extremes(data: Data) -> list[View]:
     """Largest and smallest values over the thesis' window, printed and here."""
     rows = []
     for level, name in (("level 1", "none"), ("level 2", "level 2")):
@@ -345,22 +311,20 @@ def thesis_extremes(data: Data) -> list[str]:
         rows.append(THESIS_TABLE_4_2[level] | {"name": f"thesis, {level}"})
         rows.append(extremes_of(here, 1.1) | {"name": f"here, {level}"})
     rows += [extremes_of(here, 3.5) | {"name": "here, level 2, from 3.5 s on"}, extremes_of(LEVEL_4) | {"name": "reference"}]
-    return show.table(NAME | EXTREMES | {"f [Hz]": "{tip_uy.frequency_hz:.2f}"}, rows)
+    return rows
 
 
-def thesis_changes(data: Data) -> list[str]:
+def thesis_changes(data: Data) -> list[View]:
     """One change of the thesis' settings at a time: extremes, and the settled motion."""
     runs = {told(changes) or "none": f"thesis/{name}" for name, changes in THESIS_RUNS.items() if name != "level 2"}
     runs["the shipped `scenes/fsi3-325x72.json`"] = "grid/325x72"
     rows = [extremes_of(data[f"fsi3/{run}"].view, 1.1) | {"name": name} for name, run in runs.items()]
-    return show.table({"change": "{name:}"} | EXTREMES | SETTLED, [*rows, extremes_of(LEVEL_4) | {"name": "reference"}])
+    return [*rows, extremes_of(LEVEL_4) | {"name": "reference"}]
 
 
-def thesis_waves(data: Data) -> list[str]:
+def thesis_waves(data: Data) -> list[View]:
     """Growth of short waves, and how the runs end."""
     kinds = {"singular": "a projected angle is singular", "converge": "no convergence", "unstable": "the load is unstable"}
-    columns = {"change": "{name:}", "growth": "{growth:.1f} /s to {growth.to:.2f} s",
-               "what is there then": "{size:.1f} mm/s at {growth.frequency_hz:.0f} Hz", "the run ends": "{end:}"}  # fmt: skip
     rows = []
     for name, changes in WAVES.items():
         view = dict(data[f"fsi3/waves/{name}"].view)
@@ -372,7 +336,7 @@ def thesis_waves(data: Data) -> list[str]:
         end = f"holds (to {view['reached']:g} s)" if reason == "ok" else f"{view['reached']:.3f} s: {reason}"
         label = "a ramp of 2 s" if name == "ramp" else told(changes, "time.end") or "none, with the scene's own `bdf2`"
         rows.append(view | {"name": label, "end": end})
-    return show.table(columns, rows)
+    return rows
 
 
 def thesis_error(data: Data) -> list[str]:
@@ -391,10 +355,8 @@ def iterations(data: Data) -> list[str]:
     return show.markdown(header, [[f"{ratio:g}", *(cell(ratio, name) for name in ACCELERATIONS)] for ratio in RATIOS])
 
 
-def exchange_table(data: Data) -> list[str]:
+def exchange_table(data: Data) -> list[View]:
     """Differences of both sides of the interface, over window and step."""
-    columns = {"": "{begin:g} to {end:g} s<, tip ± {moved[mm]:.0f} mm>", "H [s]": "{step:g}", "lift": "{lift:.2%}",
-               "work, magnitudes": "{work:.2%}", "work, net": "{net:+.2%}"}  # fmt: skip
     rows = []
     for window, (begin, end) in EXCHANGE_WINDOWS.items():
         for step in EXCHANGE_STEPS:
@@ -403,7 +365,7 @@ def exchange_table(data: Data) -> list[str]:
             if row["tip"] is not None:
                 moved = row["tip"] if row["tip"] > 1e-3 else None
                 rows.append(row | {"begin": begin, "end": end, "step": step, "moved": moved})
-    return show.table(columns, rows)
+    return rows
 
 
 # Figures
@@ -443,10 +405,10 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
             shutil.copy(run.folder / f"{name}.png", show.DOCS / "fsi3")
 
 
-TABLES = {
+TABLES: dict[str, Callable[[Data], Any]] = {
     "fsi3": readme,
     "fsi3-grids": grids,
-    "fsi3-errors": errors,
+    "fsi3-errors": by_grid,
     "fsi3-costs": costs,
     "cfd3": still,
     "fsi3-coarse": partial(varied, "coarse"),

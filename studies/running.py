@@ -9,7 +9,7 @@ from typing import Any
 from nervure import checkpoint
 from nervure.show import fields
 
-from studies import show, simulate
+from studies import simulate
 from studies.engine import COUPLED, Case, Run, Study
 from studies.store import Data
 
@@ -61,14 +61,8 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
     return {"times": run.found}
 
 
-def keeping(data: Data) -> list[str]:
-    header = ["scene", "step, ms", "frame, ms", "checkpoint, ms", "checkpoint, MB"]
-    table = []
-    for name in SCENES:
-        times = data[f"running/keeping/{name}"].times
-        table.append([f"`{name}`", *(f"{times[f'{what}_ms']:.3g}" for what in ("step", "frame", "checkpoint")),
-                      f"{times['checkpoint_mb']:.3g}"])  # fmt: skip
-    return show.markdown(header, table)
+def keeping(data: Data) -> list[dict[str, Any]]:
+    return [record.times | {"name": record.label} for record in data.of("running/keeping/*")]
 
 
 STUDY = Study("running", cases, keep, {"running-keeping": keeping})

@@ -4,9 +4,8 @@ Everything between `<!--table:KEY-->` and `<!--end-->` in a document is a table 
 """
 
 import re
-import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +38,9 @@ LABELS = {
     "frequency_hz": "frequency",
 }
 
+SPECS: dict[str, dict[str, str]] = tomllib.loads(Path(__file__).with_name("tables.toml").read_text(encoding="utf-8"))
+"""Columns of the tables, by key."""
+
 TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.S)
 
 
@@ -53,11 +55,6 @@ def markdown(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
     """Lines of a table."""
     lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
     return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
-
-
-def prose(text: str) -> list[str]:
-    """A paragraph in lines of at most 100 characters, and an empty line after it."""
-    return [*textwrap.wrap(text, 100, break_long_words=False, break_on_hyphens=False), ""]
 
 
 FIELD = re.compile(r"\{([^:{}]*):([^{}]*)\}")
@@ -90,21 +87,16 @@ def form(text: str, values: Mapping[str, Any]) -> str:
         return ""
 
 
-def table(columns: dict[str, str], rows: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Lines of a table whose columns are given by their headings and forms."""
-    return markdown(list(columns), [[form(text, row) for text in columns.values()] for row in rows])
+def columns(key: str) -> dict[str, str]:
+    """Headings and forms of a table of tables.toml."""
+    found: dict[str, str] = SPECS[key]
+    return columns(found["like"]) if "like" in found else {name: text for name, text in found.items() if name != "of"}
 
 
-@dataclass(frozen=True)
-class Table:
-    """The lines of a block: its columns, by heading, and the rows that it makes of the data."""
-
-    columns: dict[str, str] | Callable[[list[Mapping[str, Any]]], dict[str, str]]
-    rows: Callable[[Any], Iterable[Mapping[str, Any]]]
-
-    def __call__(self, data: Any) -> list[str]:
-        rows = list(self.rows(data))
-        return table(self.columns(rows) if callable(self.columns) else self.columns, rows)
+def table(key: str, rows: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Lines of a table of tables.toml."""
+    forms = columns(key)
+    return markdown(list(forms), [[form(text, row) for text in forms.values()] for row in rows])
 
 
 def percent(value: float | None, form: str = "+.2f") -> str:

@@ -20,18 +20,6 @@ GROUPS = {
 }
 """What users ask for, and the phases of it."""
 
-COLUMNS = {
-    "pair": {"grid": "{grid:}", "FFTW": "{FFTW:g}", "ours": "{ours:g}", "ours/FFTW": "{ours/FFTW:.2f} ({ours/FFTW, median:.2f})",
-             "without the upper third of the modes in y": "{pruned:g}", "that/FFTW": "{pruned/FFTW:.2f} ({pruned/FFTW, median:.2f})"},
-    "rustfft": {"grid": "{grid:}", "rustfft": "{rustfft:g}", "ours": "{ours:g}",
-                "ours/rustfft": "{ours/rustfft:.2f} ({ours/rustfft, median:.2f})"},
-    "step": {"scene": "{scene:}", "grid": "{grid:}", "five of FFTW": "{five of FFTW:g}", "step": "{step:g}",
-             "step/FFTW": "{step/FFTW:.2f} ({step/FFTW, median:.2f})"},
-    "threads": {"grid": "{grid:}"} | {
-        f"{clock} {count}": f"{{{clock}, {count}:g}}" for clock in ("wall", "processor") for count in ("one", "two")
-    } | {f"{clock} one/two": f"{{{clock}, one/two:.2f}} ({{{clock}, one/two, median:.2f}})" for clock in ("wall", "processor")},
-}  # fmt: skip
-
 
 def cases() -> Iterator[Case]:
     command = commands.cargo(MANIFEST, TARGET, "{folder}/speed.csv")
@@ -59,18 +47,13 @@ def jumps(row: dict[str, Any], what: str) -> dict[float, float]:
     return {float(name.split()[0]): value for name, value in row.items() if name.endswith(what)}
 
 
-def plain(table: str, data: Data) -> list[str]:
-    return show.table(COLUMNS[table], found(data, "pair" if table == "rustfft" else table))
-
-
-def phases(data: Data) -> list[str]:
-    """Shares of a step by what users ask for."""
-    columns = {"scene": "{scene:}", "grid": "{grid:}"} | {name: f"{{{name}:.0f}} ({{{name} by step:.0%}})" for name in GROUPS}
+def phases(data: Data) -> list[dict[str, Any]]:
+    """A step by what users ask for: µs and share of each."""
     rows = []
     for row in found(data, "phases"):
         parts = {name: sum(row[phase] for phase in group) for name, group in GROUPS.items()}
         rows.append(row | parts | {f"{name} by step": part / row["step"] for name, part in parts.items()})
-    return show.table(columns | {"step": "{step:g}"}, rows)
+    return rows
 
 
 def all_phases(data: Data) -> list[str]:
@@ -86,11 +69,11 @@ def motion(data: Data) -> list[str]:
     return show.markdown(["grid", "", *(f"{jump:g}" for jump in rows[0][2])], table)
 
 
-TABLES: dict[str, Callable[[Data], list[str]]] = {
-    "speed-pairs": partial(plain, "pair"),
-    "speed-rustfft": partial(plain, "rustfft"),
-    "speed-steps": partial(plain, "step"),
-    "speed-threads": partial(plain, "threads"),
+TABLES: dict[str, Callable[[Data], Any]] = {
+    "speed-pairs": partial(found, table="pair"),
+    "speed-rustfft": partial(found, table="pair"),
+    "speed-steps": partial(found, table="step"),
+    "speed-threads": partial(found, table="threads"),
     "speed-phases": phases,
     "speed-phases-fine": all_phases,
     "speed-motion": motion,

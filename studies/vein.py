@@ -15,7 +15,6 @@ from nervure.evaluate import flapping, statistics
 
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
-from studies.show import Table
 from studies.store import Data
 from tests import driven_root
 from tests.driven_root import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
@@ -224,23 +223,6 @@ def stiff_limit(case: Case, folder: Path) -> dict[str, Any]:
 
 # Pages and figures
 
-FLAPPING = {
-    "thrust": "{thrust:.4g}", "lift": "{lift:.4g}", "power in": "{power_in:.4g}", "efficiency": "{efficiency:.4g}",
-    "tip amplitude": "{tip_amplitude:.4g}", "tip by rigid tip": "{tip_by_rigid_tip:.4g}", "phase lag deg": "{phase_lag_deg:.4g}",
-}  # fmt: skip
-CPU = {"CPU, s": "{cpu_s:.3g}"}
-
-
-def against_last(rows: list[dict[str, Any]], *names: str) -> list[dict[str, Any]]:
-    """Rows with `NAME.off`, the distance from the last one's value."""
-    return [row | {f"{name}.off": row[name] / rows[-1][name] - 1 for name in names} for row in rows]
-
-
-def of(group: str, *off: str) -> Callable[[Data], list[dict[str, Any]]]:
-    """Rows of a group's cases; with the distance of the values `off` from the last one's."""
-    return lambda data: against_last([record.view for record in data.of(f"vein/{group}/*")], *off)
-
-
 def tables(name: str, key: str) -> Callable[[Data], list[dict[str, Any]]]:
     """Rows of the tables of cases."""
     return lambda data: [{"label": r.label} | row for r in data.of(f"vein/{name}") for row in r.tables.get(key, [])]
@@ -253,69 +235,33 @@ def parts(data: Data) -> list[dict[str, Any]]:
     return [row | {"time": row["step"] / first["step"] - 1, "more": row["variables"] - first["variables"]} for row in rows]
 
 
-def converging(what: str) -> dict[str, str]:
-    columns = {what: "{label:}", "thrust": "{thrust:.5g}", "power in": "{power_in:.5g}", "tip amplitude": "{tip_amplitude:.5g}"}
-    off = {"thrust, off": "{thrust.off:+.2%}", "tip, off": "{tip_amplitude.off:+.2%}"}
-    return columns | {"phase lag deg": "{phase_lag_deg:.5g}"} | off | CPU
-
-
-def scenes(data: Data) -> list[str]:
+def scenes(data: Data) -> list[dict[str, Any]]:
     """What the shipped scenes give."""
-    columns = {"": "{name:}", "thrust": "{thrust:.3g}", "power in": "{power_in:.4g}", "efficiency": "{efficiency:.1%}",
-               "tip's amplitude": "{tip_amplitude:.3g}", "tip by rigid tip": "{tip_by_rigid_tip:.2f}",
-               "phase lag": "{phase_lag_deg:.1f}°"}  # fmt: skip
-    return show.table(columns, [data[f"vein/scene/{scene}"].view | {"name": name} for scene, name in SCENES.items()])
+    return [data[f"vein/scene/{scene}"].view | {"name": name} for scene, name in SCENES.items()]
 
 
 def convergence(data: Data) -> list[str]:
     """Thrust and tip of the pitching vein over grid and step, against the last of each."""
     halves = []
     for group in ("grid", "dt"):
-        rows = against_last([record.view for record in data.of(f"vein/{group}/*")], "thrust", "tip_amplitude")
-        off, last = ("{label:}", "{thrust.off:+.1%}", "{tip_amplitude.off:+.1%}"), ("{label:}", "{thrust:.4g}", "{tip_amplitude:.4g}")
-        halves.append([[show.form(text, row) for text in (last if row is rows[-1] else off)] for row in rows])
-    return show.markdown(["grid", "thrust", "tip", "", "step, s", "thrust", "tip"], [[*a, "", *b] for a, b in zip(*halves)])
+        records, half = data.of(f"vein/{group}/*"), []
+        for record in records:
+            values = [(record[name], records[-1][name]) for name in ("thrust", "tip_amplitude")]
+            cells = [f"{a:.4g}" if record is records[-1] else f"{100 * (a / b - 1):+.1f} %" for a, b in values]
+            half.append([record.label, *cells])
+        halves.append(half)
+    rows = [[*left, "", *right] for left, right in zip(*halves)]
+    return show.markdown(["grid", "thrust", "tip", "", "step, s", "thrust", "tip"], rows)
 
 
-TABLES = {
+TABLES: dict[str, Callable[[Data], Any]] = {
     "vein-scenes": scenes,
     "vein-convergence": convergence,
-    "vein-all-scenes": Table(
-        {"scene": "{label:}"} | FLAPPING | {"energy missing": "{missing:+.2g%}", "by the fluid": "<{by_fluid:+.2g%}>"} | CPU, of("scene")
-    ),
-    "vein-flexibility": Table({"EI, N m": "{label:}"} | {k: v for k, v in FLAPPING.items() if k != "lift"}, of("flexibility")),
-    "vein-grid": Table(converging("grid, the step in proportion"), of("grid", "thrust", "tip_amplitude")),
-    "vein-dt": Table(converging("step, s, on 320 x 240"), of("dt", "thrust", "tip_amplitude")),
-    "vein-coupling": Table(
-        {"case": "{label:}", "reached, s": "{reached:.3g}", "iterations a step": "{iterations:.3g}",
-         f"tip at t = {AT:g}": "{tip_uy:.3g}", "least residual of the last step": "{residual:.2g}"} | CPU,
-        of("coupling"),
-    ),
-    "vein-noise": Table({"grid": "{label:}", "noise of the drag": "{noise:.2g%}"} | CPU, of("noise")),
-    "vein-jumps": Table(
-        {"stations moved by": "{moved:.0e}", "change, median": "{median:.2g%}", "change, largest": "{largest:.2g%}"},
-        tables("further/jumps", "jumps"),
-    ),
-    "vein-stiff": Table(
-        {"force": "{force:}", "rms": "{rms:.2g%}", "largest": "{largest:.2g%}", "largest, no filter": "{raw:.2g%}",
-         "mean, stiff rod": "{coupled:.5g}", "mean, prescribed": "{prescribed:.5g}"},
-        tables("stiff/both", "stiff"),
-    ),
-    "vein-limits": Table(
-        {"limit": "{label:}", "quantity": "{quantity:}", "found": "{value:.5g} {unit:}", "should be": "{expected:.5g} {unit:}",
-         "off by": "{error:+.2g%}", "asked": "{asked:g%}"},
-        tables("limits/*", "found"),
-    ),
-    "vein-cylinder": Table(
-        {"grid": "{label:}", "amplitude, N/m": "{amplitude:.5f} ({amplitude.off:+.2%})",
-         "first harmonic, N/m": "{harmonic:.5f} ({harmonic.off:+.2%})", "its phase, °": "{phase_deg:.2f}",
-         "noise, largest": "{noise_largest:.2g%}", "noise, rms": "{noise_rms:.2g%}", "largest lift": "{largest_lift:.2g%}"} | CPU,
-        of("cylinder", "amplitude", "harmonic"),
-    ),
-    "vein-parts": Table(
-        {"fluid": "{label:}", "a step, ms": "{step:.4g}", "more time": "{time:+.1%}", "more variables": "{more:+.0f}"}, parts
-    ),
-}  # fmt: skip
+    "vein-jumps": tables("further/jumps", "jumps"),
+    "vein-stiff": tables("stiff/both", "stiff"),
+    "vein-limits": tables("limits/*", "found"),
+    "vein-parts": parts,
+}
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:

@@ -183,13 +183,6 @@ def failures(data: Data) -> list[str]:
     return markdown(["case", "method", "setting", "it failed with"], rows)
 
 
-def penalization(data: Data) -> list[str]:
-    """2D-2 over C_eta on one grid with one step."""
-    columns = {"mask": "{mask:}", "grid": "{nx:} x {ny:}", "C_eta, s": "{c_eta:g}"}
-    columns |= {label(q): f"{{{q}.error:+.2%}}" for q in QUANTITIES["cylinder-2d2"]}
-    return show.table(columns, [r.view for r in data.of("fluid/c_eta/*") if "uncorrected" not in r.about["mask"]])
-
-
 def orders(data: Data) -> list[str]:
     header = ["sequence", "quantity", "values", "order", "extrapolated", "discretisation", "model", "verdict"]
     return markdown(header, sequences(data))
@@ -209,10 +202,8 @@ def best(data: Data) -> list[str]:
     return markdown(["case", "method", "setting", "quantity", "error", "of", "CPU, s", "wall, s", "runs"], table)
 
 
-def bands(data: Data) -> list[str]:
-    rows = [row | {"spent": row["cpu_s"] / row["reached"]} for row in fsi3.by_grid(data)]
-    columns = fsi3.NAME | fsi3.WITH_FREQUENCIES | {"CPU s a simulated s": "{spent:.1f}"}
-    return show.table(columns, [fsi3.LEVEL_4, *rows])
+def bands(data: Data) -> list[dict[str, Any]]:
+    return [fsi3.LEVEL_4, *fsi3.costs(data)]
 
 
 def cited(data: Data) -> list[str]:
@@ -354,21 +345,12 @@ def exponents(data: Data) -> list[str]:
     return markdown(["cost of", "over", "exponent"], rows)
 
 
-def iterations(data: Data) -> list[str]:
-    """A Newton iteration of the rod, and the banded solve in it, µs."""
-    columns = {"n": "{n:.0f}", "in space": "{iteration_3d:.3g}", "of that the solve": "{banded:.3g}", "in the plane": "{iteration_2d:.3g}"}
-    return show.table(columns, rod.run_times(data))
-
-
-def steps(data: Data) -> list[str]:
+def steps(data: Data) -> list[dict[str, Any]]:
     """A step of FSI3 and its parts, µs."""
-    names = ("step", "rod", "fmi", "python", "recording")
-    rows = [r.about | {name: part_of(r, name) for name in names} for r in data.of("report/cost/*")]
-    columns = {"varied": "{method:}", "setting": "{setting:}"} | {name: f"<{{{name}:.1f}}>" for name in names}
-    return show.table(columns, rows)
+    return [r.about | {name: part_of(r, name) for name in ("step", *PHASES)} for r in data.of("report/cost/*")]
 
 
-def loops(data: Data) -> list[str]:
+def loops(data: Data) -> list[dict[str, Any]]:
     """Parts of a run by the wall time of its loop."""
     rows = []
     for record in (r for pattern in ("report/*", "fsi3/grid/*") for r in data.of(pattern)):
@@ -376,7 +358,7 @@ def loops(data: Data) -> list[str]:
         if phases and "/cost/" not in record.name and (record.about.get("step") or 1e-3) in (1e-3, 3e-3, 7.5e-4):
             loop = sum(seconds for phase, seconds in phases.items() if phase != "output")
             rows.append({"name": record.name.partition("/")[2]} | {phase: seconds / loop for phase, seconds in phases.items()})
-    return show.table({"run": "{name:}"} | {phase: f"<{{{phase}:.1%}}>" for phase in PHASES}, rows)
+    return rows
 
 
 def draw_cost(data: Data) -> None:
@@ -472,11 +454,11 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     draw_cost(data)
 
 
-TABLES = {
+TABLES: dict[str, Callable[[Data], Any]] = {
     "report-missed": missed, "report-peers": beaten, "report-machine": machine, "report-failures": failures,
-    "report-best": best, "report-orders": orders, "report-penalization": penalization, "report-bands": bands,
+    "report-best": best, "report-orders": orders, "report-bands": bands,
     "report-cited": cited, "report-maps": maps, "report-failed": failed, "report-lacking": leave_out.lacking,
-    "report-left-out": leave_out.added, "report-exponents": exponents, "report-iterations": iterations,
+    "report-left-out": leave_out.added, "report-exponents": exponents, "report-iterations": rod.run_times,
     "report-steps": steps, "report-loops": loops,
 }  # fmt: skip
 STUDY = Study("report", cases.cases, cases.keep, TABLES, draw)
