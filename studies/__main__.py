@@ -17,9 +17,10 @@ import typer
 
 from studies import catalogue, engine
 from studies.engine import Case, Study
+from studies.store import Data
 
 
-def state(study: Study, case: Case, data: catalogue.Data) -> str:
+def state(study: Study, case: Case, data: Data) -> str:
     """What is known of a case: it is committed, lies in results, is stale, or was never run."""
     record, run = data.get(f"{study.name}/{case.name}"), study.run_of(case)
     if record and not record.stale:
@@ -49,10 +50,10 @@ def main(
             typer.echo(record.name)
         return
     if check:
-        changed = catalogue.render(data, check=True)
-        for path in changed:
+        stale_pages = catalogue.render(data, check=True)
+        for path in stale_pages:
             typer.echo(f"{path} would change")
-        raise typer.Exit(1 if changed else 0)
+        raise typer.Exit(1 if stale_pages else 0)
     known = {study.name: study for study in catalogue.STUDIES}
     if unknown := [name for name in names or () if name not in known]:
         raise typer.BadParameter(f"there is no study {unknown[0]!r}; there are {', '.join(known)}")
@@ -69,8 +70,8 @@ def main(
             typer.echo(f"{found:8} {study.name}/{case.name}")
         return
     for (study, case), found in zip(cases, states):
-        if found == "run" and not again:
-            data.take(study, case, study.run_of(case), times)
+        if found == "run" and not again and (run := study.run_of(case)):
+            data.take(study, case, run, times)
     todo = [pair for pair, found in zip(cases, states) if again or found in ("stale", "missing")]
     for study, case, run in engine.run(todo, jobs, scheduler):
         changed = data.take(study, case, run, times)

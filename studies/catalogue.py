@@ -27,8 +27,10 @@ def lines_of(key: str, data: Data) -> list[str]:
     if key not in show.SPECS:
         if made is None:
             raise KeyError(f"there is no table called {key}")
-        return made(data)
-    return show.table(key, made(data) if made else views(data, show.SPECS[key]["of"]))
+        found: list[str] = made(data)
+        return found
+    rows: list[dict[str, Any]] = made(data) if made else views(data, show.SPECS[key]["of"])
+    return show.table(key, rows)
 
 
 def views(data: Data, pattern: str) -> list[dict[str, Any]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import os
 import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,7 +22,7 @@ def cargo(manifest: str, target: str, *arguments: str) -> list[str]:
 def tables(case: Case, folder: Path) -> dict[str, Any]:
     """Run the option `command`, in which `{folder}` stands for the case's folder; the tables that it has written there."""
     command = [part.format(folder=folder) for part in case.options["command"]]
-    done = subprocess.run(command, cwd=ROOT, stderr=subprocess.PIPE, text=True, env=os.environ | case.options.get("env", {}))
+    done = subprocess.run(command, cwd=ROOT, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode:
         raise Refusal(done.stderr.strip().splitlines()[-1])
     return {"tables": {path.stem: read(path) for path in sorted(folder.glob("*.csv"))}}

@@ -42,7 +42,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "keeping": ("python/nervure/checkpoint.py", "python/nervure/show/fields.py"),
     "peers": ("studies/peers/*.py",),
     "limits": ("tests/driven_root.py",),
-    "clamp": ("studies/clamp.py",),
+    "plate": ("tests/plate.py",),
 }
 """Sources by the name under which a case says that it depends on them."""
 
@@ -110,8 +110,8 @@ class Study:
     cases: Callable[[], Iterable[Case]]
     keep: Callable[[Case, Run], dict[str, Any]]
     """`values` by quantity, `tables` (lists of rows) and `times`, of a case that did not fail."""
-    tables: dict[str, Callable[[Any], list[str]]] = field(default_factory=dict)
-    """Blocks of documents by their key."""
+    tables: dict[str, Callable[[Any], Any]] = field(default_factory=dict)
+    """Lines of a block of a document by its key, or the rows of it where tables.toml has its columns."""
     draw: Callable[[Any, Callable[[str], Run | None]], None] = lambda data, runs: None
     """Writes the figures; `runs` gives what a case left on this machine, for figures of whole series."""
 

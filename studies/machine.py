@@ -21,7 +21,7 @@ def here() -> dict[str, Any]:
         "memory_gb": round(memory / 1e9, 1),
         "system": platform.system(),
         "python": platform.python_version(),
-        "rustc": subprocess.run(["rustc", "--version"], capture_output=True, text=True).stdout.strip(),
+        "rustc": subprocess.run(["rustc", "--version"], capture_output=True, text=True, check=True).stdout.strip(),
         "packages": {name: version(name) for name in ("fmpy", "numpy")},
         "git": git_revision(),
         "date": date.today().isoformat(),

@@ -8,4 +8,4 @@ TABLES = {
     f"reliability-{table}": lambda data, name=name: commands.read(show.DOCS / f"{name}.csv")
     for table, name in (("checks", "reliability"), ("fuzz", "fuzz"))
 }
-STUDY = Study("robustness", lambda: [], lambda case, run: {}, TABLES)
+STUDY = Study("robustness", list, lambda case, run: {}, TABLES)

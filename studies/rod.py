@@ -5,10 +5,11 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
-from studies import clamp, commands, show, simulate
+from studies import commands, show, simulate
 from studies.engine import ROD, Case, Run, Study
 from studies.show import COLOURS, exponent, grouped
 from studies.store import Data
+from tests import plate
 
 MANIFEST, TARGET = "crates/rod/study/Cargo.toml", "target/rod-study"
 
@@ -39,7 +40,7 @@ def cases() -> Iterator[Case]:
     for name in FILES:
         command = commands.cargo(MANIFEST, TARGET, "{folder}", name)
         yield Case(f"study/{name}", (*ROD, "rod study"), options={"command": command}, action=commands.tables)
-    yield Case("study/clamp", ("clamp",), action=clamp.run)
+    yield Case("study/clamp", ("plate",), action=plate.run)
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:

@@ -14,6 +14,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, StrMethodFormatter
 from nervure.files import write_whole
 from nervure.resources import ROOT
@@ -24,7 +25,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0
 """Okabe & Ito's, told apart without colour vision and in print."""
 MARKERS = "osv^Dp*hX"
 
-plt.rcParams["axes.prop_cycle"] = plt.cycler(color=COLOURS)
+plt.rcParams["axes.prop_cycle"] = matplotlib.rcsetup.cycler(color=COLOURS)
 
 LABELS = {
     "cd_mean": "$c_D$",
@@ -41,7 +42,7 @@ LABELS = {
 SPECS: dict[str, dict[str, str]] = tomllib.loads(Path(__file__).with_name("tables.toml").read_text(encoding="utf-8"))
 """Columns of the tables, by key."""
 
-TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.S)
+TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.DOTALL)
 
 
 def label(quantity: str) -> str:
@@ -115,7 +116,9 @@ def documents() -> list[Path]:
 # Figures
 
 
-def panel(rows: int = 1, columns: int = 1, size: tuple[float, float] = (6.4, 4.4), **how: Any):
+def panel(
+    rows: int = 1, columns: int = 1, size: tuple[float, float] = (6.4, 4.4), **how: Any
+) -> tuple[Figure, np.ndarray[Any, Any]]:
     """A figure and its axes `[rows, columns]`."""
     figure, axes = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False, **how)
     for axis in axes.flat:
@@ -123,7 +126,7 @@ def panel(rows: int = 1, columns: int = 1, size: tuple[float, float] = (6.4, 4.4
     return figure, axes
 
 
-def save(figure: plt.Figure, name: str, dpi: int = 110) -> None:
+def save(figure: Figure, name: str, dpi: int = 110) -> None:
     """Write docs/NAME.png."""
     path = DOCS / f"{name}.png"
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -149,11 +152,11 @@ def curves(
     save(figure, name, 130)
 
 
-def few_labels(axis) -> None:
+def few_labels(axis: Any) -> None:
     """On a logarithmic axis: labels at 1, 2 and 5 times powers of ten where there are few decades, and no others."""
     low, high = axis.get_view_interval()
     decades = np.log10(high / low)
-    subs = (1.0,) if decades > 2 else (1.0, 2.0, 5.0) if decades > 0.5 else np.arange(1.0, 10.0, 0.5)
+    subs: Any = (1.0,) if decades > 2 else (1.0, 2.0, 5.0) if decades > 0.5 else np.arange(1.0, 10.0, 0.5)
     axis.set_major_locator(LogLocator(subs=subs))
     axis.set_minor_formatter(NullFormatter())
     if decades <= 2:

@@ -13,9 +13,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from nervure import coupling, master, report, scene as scenes
+from nervure import coupling, master, report
+from nervure import scene as scenes
 from nervure.evaluate import coefficients
-from nervure.files import write_whole
 from nervure.pack import package
 from nervure.recorder import Recorder
 from nervure.show import plots
@@ -111,7 +111,9 @@ def pitch(law: dict[str, float], t: float) -> tuple[float, float]:
     return law["amplitude"] * share * sin, law["amplitude"] * (share * omega * cos + growth * sin)
 
 
-def assemble(scene: dict[str, Any], folder: Path, stack: ExitStack, rigid: bool = False, drive=None):
+def assemble(
+    scene: dict[str, Any], folder: Path, stack: ExitStack, rigid: bool = False, drive: coupling.Drive | None = None
+) -> tuple[dict[str, Unit], coupling.Single, master.Clock, Recorder]:
     """Units, scheme, clock and recorder of a scene; `rigid` puts a rigid rod that follows its root in the place of the
     rod, `drive` gives the motion of a root that the master drives."""
     packed = {key: part for key, part in scene.items() if key != "rod"} if rigid else scene
@@ -153,8 +155,9 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         units, scheme, clock, recorder = assemble(scene, folder, stack, rigid)
         seconds = {"fmi": 0.0, "recording": 0.0, "output": 0.0}
         for unit in units.values():
-            unit.set, unit.get = (timed(call, seconds, "fmi") for call in (unit.set, unit.get))
-        recorder.record = timed(recorder.record, seconds, "recording")
+            for name in ("set", "get"):
+                setattr(unit, name, timed(getattr(unit, name), seconds, "fmi"))
+        setattr(recorder, "record", timed(recorder.record, seconds, "recording"))  # noqa: B010
         outcome = master.run(scheme, clock, recorder)
         memory = resident() - before
         summary = report.summarize(scene, units, scheme, recorder, outcome)
@@ -165,8 +168,8 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         phases = summary["phases_s"]
         phases["python"] = phases.pop("exchange_and_python") - seconds["fmi"] - seconds["recording"]
         phases |= seconds
-        columns = {name: recorder.column(name) for name in recorder.columns}
-        write_whole(folder / "series.npz", lambda path: np.savez_compressed(path.open("wb"), **columns))
+        columns: Any = {name: recorder.column(name) for name in recorder.columns}
+        np.savez_compressed(folder / "series.npz", **columns)
         last = {name: float(values[-1]) for name, values in columns.items()}
         return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "memory_mb": memory, "last": last}
 
@@ -186,7 +189,8 @@ def run(case: Case, folder: Path) -> dict[str, Any]:
     for clock in ("wall_s", "cpu_s"):
         first[clock] = np.percentile([other[clock] for other in runs], [25, 50, 75]).tolist()
     first["phases_s"] = {phase: min(other["phases_s"][phase] for other in runs) for phase in first["phases_s"]}
-    return report.json_numbers(first | {"runs": len(runs)})
+    found: dict[str, Any] = report.json_numbers(first | {"runs": len(runs)})
+    return found
 
 
 class Columns:

@@ -11,6 +11,7 @@ import json
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fnmatch import fnmatch
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -179,8 +180,7 @@ class Data:
             "times.json": '{\n"machines": ' + lines(machines) + ',\n"cases": ' + lines(times) + "\n}",
         }
         folder.mkdir(parents=True, exist_ok=True)
-        writers = {name: lambda path, text=text: path.write_text(text + "\n", encoding="utf-8") for name, text in texts.items()}
-        write_together(folder, writers)
+        write_together(folder, {name: partial(write, text + "\n") for name, text in texts.items()})
 
 
 def result_of(record: Record) -> tuple[Any, ...]:
@@ -197,6 +197,10 @@ def entry_of(record: Record) -> dict[str, Any]:
     if record.tables:
         entry["tables"] = {key: packed(rows) for key, rows in record.tables.items()}
     return entry
+
+
+def write(text: str, path: Path) -> None:
+    path.write_text(text, encoding="utf-8")
 
 
 def lines(parts: dict[str, Any]) -> str:

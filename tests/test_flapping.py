@@ -1,12 +1,12 @@
 """A driven root: limits with exact solutions, the balance of energy, and the averages of the report."""
 
+import driven_root
 import numpy as np
 import pytest
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
-from studies import simulate
 
-import driven_root
+from studies import simulate
 
 
 @pytest.fixture

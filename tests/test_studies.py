@@ -1,6 +1,7 @@
 """The engine of the studies: what a change makes stale, what is run, what a run changes in what is committed."""
 
 import pytest
+
 from studies import catalogue, engine, fluid, fsi3, show
 from studies.engine import Case, Study
 from studies.report.convergence import front, limit

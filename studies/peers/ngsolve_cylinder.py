@@ -18,12 +18,12 @@ from time import perf_counter, process_time
 import numpy as np
 from netgen.occ import Circle, OCCGeometry, Rectangle
 from ngsolve import (
+    H1,
     BilinearForm,
     CoefficientFunction,
     FESpace,
-    GridFunction,
     Grad,
-    H1,
+    GridFunction,
     InnerProduct,
     Mesh,
     SetNumThreads,

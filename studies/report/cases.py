@@ -69,7 +69,7 @@ def run_peer(case: Case, folder: Path) -> dict[str, Any]:
     script, *arguments = case.options["command"]
     command = [str(PYTHON), str(PEERS / script), *arguments]
     try:
-        done = subprocess.run(command, env=os.environ | THREADS, capture_output=True, text=True, timeout=LONGEST, cwd=ROOT)
+        done = subprocess.run(command, env=os.environ | THREADS, capture_output=True, text=True, timeout=LONGEST, cwd=ROOT, check=False)
     except subprocess.TimeoutExpired as error:
         raise Refusal(f"no end after {LONGEST:g} s") from error
     if done.returncode:

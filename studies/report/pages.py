@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import ListedColormap
