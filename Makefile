@@ -12,7 +12,7 @@ READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
 
-.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test python-test bindings-check schema descriptions record lock clean
+.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check bindings-check schema descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -43,26 +43,39 @@ units: $(READY) ## only pack the FMUs of SCENE=scenes/NAME.json, into results/NA
 build: ## build the libraries of both units
 	cargo build --release --locked
 
-test: rust-test bindings-check python-test ## everything that has to pass
+test: lint rust-test bindings-check python-test ## everything that has to pass
 
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench --all-targets --locked -- -D warnings
-	cargo test --workspace --locked
+	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo test --workspace --tests --locked
+	cargo test --workspace --doc --locked
 
-python-test: build $(READY_DEV)
-	$(RUN) -m pytest tests
+LINTED := python examples scripts tests modelDescription hatch_build.py
+
+lint: $(READY_DEV) ## check style, types and layers of the Python side
+	$(RUN) -m ruff check $(LINTED)
+	$(RUN) -m ruff format --check $(LINTED)
+	$(RUN) -m mypy
+	$(VENV)/bin/lint-imports
+
+python-test: build $(READY_DEV) ## the tests in Python, in two processes
+	$(RUN) -m pytest --numprocesses 2 --dist loadfile
+
+package-check: ## package every crate as a registry would take it and build it from there (two minutes)
+	cargo package --workspace --allow-dirty --locked --target-dir target/package-check
 
 bindings-check: $(READY_DEV) ## compare crates/fmi2/src/sys.rs with what the official headers give
 	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \
 	cargo run --quiet --locked --target-dir target/bindgen --manifest-path crates/fmi2/bindgen/Cargo.toml -- --check \
 	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi2/src/sys.rs
 
-schema: ## write modelDescription/scene.schema.json anew
+schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the classes of scenes in Python anew
 	cargo run --quiet --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
+	$(RUN) modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
 	$(NERVURE) build fsi3-325x72 --descriptions modelDescription
@@ -142,7 +155,7 @@ $(BENCH_VENV)/.ready: requirements/bench.lock
 .PHONY: reliability masters-test
 
 reliability: build $(READY_DEV) ## mistreat the units at full count and write docs/reliability.csv anew, an hour; ARGS="--list", "--only forks"
-	$(RUN) studies/reliability --write $(ARGS)
+	$(RUN) -m studies.reliability $(ARGS)
 
 MASTERS_VENV := target/masters/venv
 
@@ -175,8 +188,7 @@ $(DIST_VENV)/.ready: requirements/dist.lock
 .PHONY: fuzz
 
 fuzz: build $(READY_DEV) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each, write docs/fuzz.csv; needs nightly and cargo-fuzz
-	$(RUN) fuzz/seeds.py
-	$(RUN) fuzz/run.py $(ARGS)
+	$(RUN) -m fuzz $(ARGS)
 
 .PHONY: sanitizers
 

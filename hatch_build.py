@@ -3,6 +3,7 @@
 An editable install takes everything from the source tree instead; `make build` builds its units.
 """
 
+import os
 import subprocess
 import sys
 import sysconfig
@@ -11,8 +12,13 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-SHIPPED = ("scenes", "fmu-rod/model.png", "fmu-rod/documentation.html", "fmu-fluid/model.png",
-           "fmu-fluid/documentation.html", "modelDescription/scene.schema.json", "LICENSE-MIT", "LICENSE-APACHE")  # fmt: skip
+SHIPPED = (
+    "scenes",
+    *(f"fmu-{kind}/{name}" for kind in ("rod", "fluid") for name in ("model.png", "documentation.html")),
+    "modelDescription/scene.schema.json",
+    "LICENSE-MIT",
+    "LICENSE-APACHE",
+)
 
 
 class Units(BuildHookInterface):  # type: ignore[type-arg]
@@ -23,10 +29,11 @@ class Units(BuildHookInterface):  # type: ignore[type-arg]
             return
         root = Path(self.root)
         subprocess.run(["cargo", "build", "--release", "--locked"], cwd=root, check=True)
+        built = Path(os.environ.get("CARGO_TARGET_DIR", root / "target")) / "release"
         files = {root / name: f"nervure/data/{name}" for name in SHIPPED}
         for kind in ("rod", "fluid"):
             name = {"win32": f"fmu_{kind}.dll", "darwin": f"libfmu_{kind}.dylib"}.get(sys.platform, f"libfmu_{kind}.so")
-            files[root / "target" / "release" / name] = f"nervure/data/binaries/{name}"
+            files[built / name] = f"nervure/data/binaries/{name}"
         build_data["force_include"] |= {str(source): target for source, target in files.items()}
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"

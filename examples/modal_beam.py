@@ -5,12 +5,13 @@ The deflection w(s, t) = Σ q_j(t) phi_j(s) of a cantilever, |w| << L, in the mo
     phi_j(s) = cosh z - cos z - sigma_j (sinh z - sin z) + 2 b_j (d/L) sinh z,   z = b_j s/L,
     1 + cos b_j cosh b_j + b_j (d/L) (cos b_j sinh b_j - sin b_j cosh b_j) = 0
 
-(Rao, Vibration of Continuous Systems, ch. 11), the clamp being set back by d: a spring EI/d. Along itself the beam is rigid, and it has no shear: a scene's
-`shear_factor` has no effect.
-With the net line density mu = (rho_s - rho_f) h under the momentum load, and of station k the normal force f_k, the
-impedance D_k and the normal velocity v_k,
+(Rao, Vibration of Continuous Systems, ch. 11), the clamp being set back by d: a spring EI/d. Along itself the beam is
+rigid, and it has no shear: a scene's `shear_factor` has no effect. With the net line density mu = (rho_s - rho_f) h
+under the momentum load, and of station k the normal force f_k, the impedance D_k and the normal velocity v_k,
 
-    m_j q_j'' + EI (b_j/L)^4 (m_j/mu) q_j = Σ_k phi_j(s_k) [f_k - D_k (v_k(t + H) - v_k(t))] + mu g_n ∫ phi_j ds,   m_j = mu ∫ phi_j² ds,
+    m_j q_j'' + EI (b_j/L)^4 (m_j/mu) q_j = Σ_k phi_j(s_k) [f_k - D_k (v_k(t + H) - v_k(t))] + mu g_n ∫ phi_j ds,
+
+    m_j = mu ∫ phi_j² ds,
 
 by two-step backward differences, everything at the end of the step.
 """

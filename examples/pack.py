@@ -1,7 +1,7 @@
 """Make an FMU of one of the units here for a scene, to be run in place of ours:
 
-    python examples/pack.py examples/modal_beam.py scenes/fsi3-325x72.json results/modal_beam.fmu
-    python nervure run scenes/fsi3-325x72.json --end-time 0.3 --rod-fmu results/modal_beam.fmu
+python examples/pack.py examples/modal_beam.py scenes/fsi3-325x72.json results/modal_beam.fmu
+nervure run fsi3-325x72 --end-time 0.3 --rod-fmu results/modal_beam.fmu
 """
 
 import shutil

@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from studies.engine import Case
 
 
-def cargo(manifest: str, target: str, *arguments: str) -> list[str]:
+def cargo(manifest: str, target: str, *arguments: str, binary: str = "") -> list[str]:
     """Command of a Rust program outside of the workspace."""
-    return ["cargo", "run", "--release", "--locked", "--manifest-path", manifest, "--target-dir", target, "--", *arguments]
+    run = ["cargo", "run", "--release", "--locked", "--manifest-path", manifest, "--target-dir", target]
+    return [*run, *(("--bin", binary) if binary else ()), "--", *arguments]
 
 
 def tables(case: Case, folder: Path) -> dict[str, Any]:

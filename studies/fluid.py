@@ -10,7 +10,7 @@ from typing import Any
 
 from nervure.evaluate import statistics
 
-from studies import commands, show, simulate
+from studies import commands, show, simulate, speed
 from studies.engine import FLUID, Case, Run, Study
 from studies.show import COLOURS, LABELS, MARKERS, markdown, number
 from studies.store import Data, Record
@@ -247,7 +247,7 @@ STUDY = Study("fluid", cases, keep, TABLES, draw)
 
 def measure_cases() -> Iterator[Case]:
     for name in ("measures", "stability"):
-        command = ["cargo", "run", "--release", "--locked", "-p", "nervure-fluid", "--example", name, "--", f"{{folder}}/{name}.csv"]
+        command = commands.cargo(speed.MANIFEST, speed.TARGET, f"{{folder}}/{name}.csv", binary=name)
         yield Case(f"crate/{name}", ("scene", "fluid", "fluid measures"), options={"command": command}, action=commands.tables)
 
 

@@ -3,17 +3,19 @@
 import os
 import platform
 import subprocess
+from dataclasses import asdict
 from datetime import date
 from functools import lru_cache
 from importlib.metadata import version
 from typing import Any
 
-from nervure.report import cpu_model, git_revision
+from nervure.provenance import cpu_model, git_revision
 
 
 @lru_cache
 def here() -> dict[str, Any]:
     """This machine, the versions on it, the revision of the sources and the day."""
+    git = git_revision()
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     return {
         "cpu": cpu_model(),
@@ -23,7 +25,7 @@ def here() -> dict[str, Any]:
         "python": platform.python_version(),
         "rustc": subprocess.run(["rustc", "--version"], capture_output=True, text=True, check=True).stdout.strip(),
         "packages": {name: version(name) for name in ("fmpy", "numpy")},
-        "git": git_revision(),
+        "git": asdict(git) if git else None,
         "date": date.today().isoformat(),
     }
 

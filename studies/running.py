@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import Any
 
 from nervure import checkpoint
+from nervure.scene import typed
 from nervure.show import fields
 
 from studies import simulate
@@ -31,9 +32,9 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
 
     with ExitStack() as stack:
         units, scheme, clock, recorder = simulate.assemble(scene, folder, stack)
-        frames = fields.Fields(folder, scene, units, clock, STEPS * clock.communication_step, 0)
+        frames = fields.Fields(folder, typed(scene), units, clock, STEPS * clock.communication_step, 0)
         stack.callback(frames.close)
-        write, saved = frames.watch(print), checkpoint.Checkpoint(folder, scene, {}, units, scheme, recorder)
+        write, saved = frames.watch(print), checkpoint.Checkpoint(folder, typed(scene), {}, units, scheme, recorder)
         scheme.start()
         recorder.table[:] = 0.0
         recorder.record(0, 0.0, 0)

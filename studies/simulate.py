@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import ctypes
 import json
 import resource
@@ -13,11 +14,13 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from nervure import coupling, master, report
-from nervure import scene as scenes
+from nervure import coupling, master, results, scene as scenes, simulation
 from nervure.evaluate import coefficients
+from nervure.evaluate.summary import summarize
+from nervure.files import json_numbers
 from nervure.pack import package
 from nervure.recorder import Recorder
+from nervure.scene import kinds, typed
 from nervure.show import plots
 from nervure.unit import Unit
 
@@ -30,10 +33,10 @@ REPEATED_BELOW = 20.0
 
 def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
     """The shipped scene `name` with other values by dotted key; None takes a key away."""
-    scene: dict[str, Any] = scenes.load(name)
+    scene: dict[str, Any] = scenes.read(name)
     for key, value in changes.items():
         if value is not None:
-            scenes.override(scene, f"{key}={json.dumps(value)}")
+            scenes.assign(scene, key, copy.deepcopy(value))
             continue
         *parents, last = key.split(".")
         part = scene
@@ -51,22 +54,23 @@ def assignments(changes: dict[str, Any]) -> list[str]:
 
 @lru_cache
 def reference(name: str) -> dict[str, Any]:
-    """Published values of a shipped scene: `primary` and, of some, the `spread` of others."""
-    return scenes.reference(name) or {}
+    """Published values of a shipped scene: `quantities` or `coefficients` and, of some, the `spread` of several sources."""
+    return changed(name, {}).get("reference") or {} if name else {}
 
 
 @lru_cache
 def published(name: str) -> dict[str, tuple[float, float]]:
     """Published value and scale of each quantity of a scene. What swings about a mean near zero has its amplitude as
     the scale of the mean."""
-    primary = reference(name).get("primary", {})
-    if "coefficients" in primary:
-        return {q: (value, abs(value)) for q, value in coefficients.published(reference(name)).items()}
+    given = reference(name)
+    if "coefficients" in given:
+        return {q: (value, abs(value)) for q, value in coefficients.published(scenes.load(name).reference).items()}
     found = {}
-    for quantity, values in primary.get("quantities", {}).items():
-        for what, value in values.items():
-            swings = what == "mean" and name.startswith(("fsi3", "cfd3")) and quantity != "drag"
-            found[f"{quantity}.{what}"] = value, abs(values["amplitude"] if swings else value)
+    for quantity, values in given.get("quantities", {}).items():
+        for what in ("mean", "amplitude", "frequency_hz"):
+            if what in values:
+                swings = what == "mean" and name.startswith(("fsi3", "cfd3")) and quantity != "drag"
+                found[f"{quantity}.{what}"] = values[what], abs(values["amplitude"] if swings else values[what])
     return found
 
 
@@ -116,16 +120,12 @@ def assemble(
 ) -> tuple[dict[str, Unit], coupling.Single, master.Clock, Recorder]:
     """Units, scheme, clock and recorder of a scene; `rigid` puts a rigid rod that follows its root in the place of the
     rod, `drive` gives the motion of a root that the master drives."""
-    packed = {key: part for key, part in scene.items() if key != "rod"} if rigid else scene
-    clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-    units = {}
-    for kind in package.kinds(packed):
-        path = package.pack(kind, packed, folder)
-        units[kind] = Unit(path, kind, clock.end)
-        stack.callback(units[kind].close)
+    packed = {key: part for key, part in scene.items() if key not in ("rod", "coupling")} if rigid else scene
+    fmus = {kind: package.pack(kind, packed, folder) for kind in kinds(packed)}
+    units, scheme, clock, recorder = simulation.assemble(typed(packed), fmus, stack, drive)
+    for path in fmus.values():
         path.unlink()
-    scheme = Rigid(units["fluid"], scene) if rigid else coupling.couple(units, scene.get("coupling"), drive)
-    return units, scheme, clock, Recorder(units, clock.steps)
+    return units, Rigid(units["fluid"], scene) if rigid else scheme, clock, recorder
 
 
 def resident() -> float:
@@ -160,11 +160,12 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         setattr(recorder, "record", timed(recorder.record, seconds, "recording"))  # noqa: B010
         outcome = master.run(scheme, clock, recorder)
         memory = resident() - before
-        summary = report.summarize(scene, units, scheme, recorder, outcome)
-        timed(report.write, seconds, "output")(folder, scene, recorder, scheme, summary)
+        evaluated = summarize(typed(scene), units, scheme, recorder, outcome)
+        timed(results.write, seconds, "output")(folder, typed(scene), recorder, scheme, evaluated)
         if pictures:
-            plots.time_series(folder, {scene["name"]: recorder}, scene["name"])
-            plots.vorticity(folder, scene, units, outcome.simulated)
+            plots.time_series(folder, {scene["name"]: recorder}, typed(scene))
+            plots.vorticity(folder, typed(scene), units, outcome.simulated)
+        summary = evaluated.document()
         phases = summary["phases_s"]
         phases["python"] = phases.pop("exchange_and_python") - seconds["fmi"] - seconds["recording"]
         phases |= seconds
@@ -189,7 +190,7 @@ def run(case: Case, folder: Path) -> dict[str, Any]:
     for clock in ("wall_s", "cpu_s"):
         first[clock] = np.percentile([other[clock] for other in runs], [25, 50, 75]).tolist()
     first["phases_s"] = {phase: min(other["phases_s"][phase] for other in runs) for phase in first["phases_s"]}
-    found: dict[str, Any] = report.json_numbers(first | {"runs": len(runs)})
+    found: dict[str, Any] = json_numbers(first | {"runs": len(runs)})
     return found
 
 
@@ -197,7 +198,7 @@ class Columns:
     """Recorded columns, in the place of a recorder."""
 
     def __init__(self, series: dict[str, np.ndarray]):
-        self.series, self.columns = series, list(series)
+        self.series, self.columns, self.unit_of = series, list(series), dict.fromkeys(series)
 
     def column(self, name: str) -> np.ndarray:
         return self.series[name]
@@ -205,7 +206,7 @@ class Columns:
 
 def sizes(scene: dict[str, Any]) -> tuple[int, int]:
     """Bytes of the XML descriptions and scalar variables of a scene's units."""
-    texts = [package.describe(kind, scene) for kind in package.kinds(scene)]
+    texts = [package.describe(kind, scene) for kind in kinds(scene)]
     return sum(len(text.encode()) for text in texts), sum(text.count("<ScalarVariable") for text in texts)
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from nervure import master
 from nervure.evaluate import flapping, statistics
+from nervure.scene import typed
 
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
@@ -147,12 +148,12 @@ def settled(case: Case, run: Run) -> dict[str, float]:
     window = statistics.Window(*summary["window_s"], summary["periods"])
     if case.name.startswith(("grid/", "dt/")):
         window = statistics.Window(0.0, float(run.series["time"][-1]), 1)
-    found = flapping.evaluate(case.built(), series, window)
+    found = asdict(flapping.evaluate(typed(case.built()), series, window))
     names = ("thrust", "lift", "power_in", "efficiency", "tip_amplitude", "tip_by_rigid_tip", "phase_lag_deg", "periods")
-    values = {name: found[name] for name in names if name in found}
+    values = {name: found[name] for name in names if found.get(name) is not None}
     balance = found["energy_balance"]
     values["missing"] = balance["missing"]
-    if "fluid" in balance:
+    if balance.get("fluid") is not None:
         values["by_fluid"] = (balance["root"] + balance["fluid"] - balance["damping"] - balance["gained"]) / balance["root"]
     if case.scene == HOVER:
         drive = case.built()["rod"]["root_motion"]["laws"]["y"]["sine"]

@@ -1,21 +1,27 @@
 """Scenes and units that several tests use."""
 
 import copy
+import hashlib
+import io
+import os
 import subprocess
 import sys
-from contextlib import ExitStack
+import zipfile
+from contextlib import ExitStack, chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
 from nervure import coupling
+from nervure.cli import main
 from nervure.pack import package
 from nervure.resources import ROOT
-from nervure.scene import load
+from nervure.scene import kinds, read, text, typed
 from nervure.unit import Unit
 
 FSI3 = ROOT / "scenes" / "fsi3-325x72.json"
-SCENES = sorted(set((ROOT / "scenes").glob("*.json")) - {ROOT / "scenes" / "references.json"})
+SCENES = sorted((ROOT / "scenes").glob("*.json"))
 
 ROD_ONLY = {
     "name": "falling-rod",
@@ -58,8 +64,8 @@ def libraries():
 
 @pytest.fixture
 def fsi3():
-    """The shipped FSI3 scene."""
-    return load(FSI3)
+    """The shipped FSI3 scene, as JSON."""
+    return read(FSI3)
 
 
 @pytest.fixture
@@ -82,15 +88,34 @@ def fluid_only():
     return copy.deepcopy(FLUID_ONLY)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def packing_is_quick():
+    """FMUs of the tests are not compressed, which would take longer than most runs."""
+    package.COMPRESSION = zipfile.ZIP_STORED
+
+
+@pytest.fixture(scope="session")
+def packed(tmp_path_factory, libraries):
+    """Function that packs a unit of a scene, each only once: that takes longer than most tests."""
+    folder = tmp_path_factory.mktemp("packed")
+
+    def pack(kind: str, scene: dict) -> Path:
+        digest = hashlib.sha256(text(scene).encode()).hexdigest()[:16]
+        path = folder / digest / f"{scene['name']}-{kind}.fmu"
+        return path if path.exists() else package.pack(kind, scene, path.parent)
+
+    return pack
+
+
 @pytest.fixture
-def instantiate(tmp_path, libraries):
+def instantiate(packed):
     """Function that packs a scene and returns its units by kind, which are closed after the test."""
     with ExitStack() as stack:
 
         def make(scene: dict) -> dict[str, Unit]:
             units = {}
-            for kind in package.kinds(scene):
-                units[kind] = Unit(package.pack(kind, scene, tmp_path), kind, scene["time"]["end"])
+            for kind in kinds(scene):
+                units[kind] = Unit(packed(kind, scene), kind, scene["time"]["end"])
                 stack.callback(units[kind].close)
             return units
 
@@ -102,7 +127,7 @@ def start(instantiate):
     """Function that makes the coupling of a scene, with both units ready for their first step."""
 
     def make(scene: dict):
-        scheme = coupling.couple(instantiate(scene), scene.get("coupling"))
+        scheme = coupling.couple(instantiate(scene), typed(scene).coupling)
         scheme.start()
         return scheme
 
@@ -110,11 +135,23 @@ def start(instantiate):
 
 
 TOOL = [sys.executable, "-m", "nervure"]
+"""The command in a process of its own."""
 
 
-def nervure(*arguments, **keywords) -> subprocess.CompletedProcess:
-    """Run the command as its users do."""
-    return subprocess.run([*TOOL, *arguments], capture_output=True, text=True, **keywords)
+def nervure(*arguments, cwd=".", env=os.environ) -> subprocess.CompletedProcess:
+    """Run the command in this process, which spares its start; `TOOL` is for what needs one of its own."""
+    argv, environment = ["nervure", *map(str, arguments)], dict(env)
+    with (
+        chdir(cwd),
+        patch.dict(os.environ, environment, clear=True),
+        patch.object(sys, "argv", argv),
+        redirect_stdout(io.StringIO()) as out,
+        redirect_stderr(io.StringIO()) as errors,
+        pytest.raises(SystemExit) as ended,
+    ):
+        main()
+        sys.exit(0)
+    return subprocess.CompletedProcess(argv, ended.value.code or 0, out.getvalue(), errors.getvalue())
 
 
 def run_scene(scene: Path, *arguments, **keywords) -> subprocess.CompletedProcess:

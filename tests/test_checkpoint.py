@@ -10,8 +10,10 @@ import zipfile
 import numpy as np
 import pytest
 from conftest import TOOL, nervure, run_scene
+
 from nervure import checkpoint
 from nervure.recorder import Recorder
+from nervure.scene import typed
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -68,7 +70,7 @@ def saved(fluid_only, start, tmp_path):
     for i in range(3):
         scheme.step(i * 1e-3, 1e-3)
         recorder.record(i, i * 1e-3, 1)
-    kept = checkpoint.Checkpoint(tmp_path, fluid_only, {}, {"fluid": scheme.unit}, scheme, recorder)
+    kept = checkpoint.Checkpoint(tmp_path, typed(fluid_only), {}, {"fluid": scheme.unit}, scheme, recorder)
     kept.save(3, 0.5)
     return kept
 

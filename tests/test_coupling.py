@@ -3,11 +3,16 @@
 import numpy as np
 import pytest
 from conftest import FSI3
-from nervure import coupling, master
-from nervure.recorder import Recorder
-from nervure.report import interface
-from nervure.scene import load
 from test_master import AddedMass, Fake, Spring
+
+from nervure import coupling, master
+from nervure.coupling.acceleration import WINDOWS_REUSED
+from nervure.evaluate.summary import interface
+from nervure.recorder import Recorder
+from nervure.scene import read
+from nervure.scene.types import Coupling, Guards
+
+WINDOW = Guards().window_steps
 
 
 def fixed_point(matrix, offset):
@@ -73,10 +78,10 @@ def test_differences_are_kept_for_their_number_of_windows_and_no_longer():
     matrix, offset = added_mass(np.linspace(-3.0, 0.5, 32))
     answer, _ = fixed_point(matrix, offset)
     acceleration = coupling.IqnIls(offset.size, offset.size)
-    for step in range(coupling.WINDOWS_REUSED + 5):
+    for step in range(WINDOWS_REUSED + 5):
         iterate(acceleration, answer, np.full(32, float(step)), 1e-6)
         assert acceleration.columns <= 32
-        assert acceleration.step_of.min(initial=acceleration.step) >= acceleration.step - coupling.WINDOWS_REUSED
+        assert acceleration.step_of.min(initial=acceleration.step) >= acceleration.step - WINDOWS_REUSED
 
 
 def test_aitken_is_exact_for_one_eigenvalue():
@@ -132,41 +137,67 @@ def steps_made(scheme, steps):
 
 def test_sides_that_come_apart_end_the_run_and_a_small_difference_does_not():
     swing = lambda i: np.sin(0.05 * i)  # noqa: E731
-    assert steps_made(coupling.Explicit(*powered(lambda i: 1.1 * swing(i), swing)), 3000) == (3000, "")
-    apart = coupling.Explicit(*powered(lambda i: swing(i) + (i > 1000) * np.cos(3.1 * i), swing))
+    assert steps_made(coupling.Explicit(*powered(lambda i: 1.1 * swing(i), swing), guards=Guards()), 3000) == (3000, "")
+    apart = coupling.Explicit(*powered(lambda i: swing(i) + (i > 1000) * np.cos(3.1 * i), swing), guards=Guards())
     stopped, said = steps_made(apart, 3000)
-    assert 1000 < stopped < 1000 + 2 * coupling.WATCHED
+    assert 1000 < stopped < 1000 + 2 * WINDOW
     assert "the coupling is unstable at t = " in said and "% of what went across" in said, said
 
 
 def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not():
-    def made(took):
+    def made(took, guards=Guards()):
         rod = Powered("rod", ["pressure_jump"], ["x", "y", "vx", "vy"], "load.power", took)
         fluid = Powered("fluid", ["x", "y", "vx", "vy"], ["pressure_jump"], "beam.power", lambda i: 0.0)
-        return coupling.Explicit(rod, fluid)
+        return coupling.Explicit(rod, fluid, guards=guards)
 
-    swing, noise = lambda i: np.sin(0.05 * i), lambda i: np.cos(3.1 * i)  # noqa: E731
+    swing, noise = lambda i: np.sin(0.05 * i), lambda i: np.cos(3.1 * i)
     assert steps_made(made(lambda i: swing(i) + 0.1 * noise(i)), 3000) == (3000, "")
     assert steps_made(made(lambda i: 1e-15 * noise(i)), 3000) == (3000, "")
     stopped, said = steps_made(made(lambda i: swing(i) + (i > 1000) * noise(i)), 3000)
-    assert 1000 < stopped < 1000 + 2 * coupling.WATCHED
+    assert 1000 < stopped < 1000 + 2 * WINDOW
     assert "the coupling is unstable at t = " in said and "is noise" in said, said
 
 
 def test_a_burst_at_the_start_is_no_instability():
     burst = lambda i: 1.0 + (i < 5)  # noqa: E731
-    assert steps_made(coupling.Explicit(*powered(burst, lambda i: 1.0)), 2000)[0] == 2000
+    assert steps_made(coupling.Explicit(*powered(burst, lambda i: 1.0), guards=Guards()), 2000)[0] == 2000
+
+
+def test_a_guard_can_be_off():
+    apart = powered(lambda i: (-1) ** i, lambda i: 1.0)
+    assert steps_made(coupling.Explicit(*apart, guards=Guards(window_steps=10)), 100)[0] == 10
+    off = Guards(window_steps=10, largest_imbalance=None)
+    assert steps_made(coupling.Explicit(*apart, guards=off), 100) == (100, "")
+
+
+def test_guards_are_on_unless_a_unit_is_foreign_or_the_scene_says_so():
+    def watch(given, foreign):
+        rod, fluid = powered(float, float)
+        return coupling.couple({"rod": rod, "fluid": fluid}, given, foreign=foreign).watch
+
+    assert watch(None, False).guards == Guards()
+    assert watch(None, True) is None and watch(Coupling(load="momentum"), True) is None
+    assert watch(Coupling(guards={"window_steps": 7}), True).guards.window_steps == 7
+
+
+def test_guards_that_a_unit_has_no_powers_for_are_refused():
+    rod, fluid = powered(float, float)
+    fluid.power = "power"
+    with pytest.raises(coupling.CouplingError, match="need the output `beam.power`, which the fluid does not have"):
+        coupling.couple({"rod": rod, "fluid": fluid}, Coupling(guards=Guards()), foreign=True)
 
 
 def test_scheme_follows_the_load_that_the_rod_takes():
     rod, fluid = powered(float, float)
-    made = coupling.couple({"rod": rod, "fluid": fluid}, {})
-    assert type(made) is coupling.Explicit and made.choice["load"] == "momentum", made.choice
+    made = coupling.couple({"rod": rod, "fluid": fluid}, Coupling())
+    assert type(made) is coupling.Explicit and made.choice.load == "momentum", made.choice
     made = coupling.couple({"rod": Spring(), "fluid": AddedMass()}, None)
     assert isinstance(made.acceleration, coupling.IqnIls), made.choice
-    assert made.choice["load"] == "pressure_jump" and made.choice["scheme"] == "iterated, iqn_ils"
-    made = coupling.couple({"rod": Spring(), "fluid": AddedMass()}, {"scheme": {"iterated": {"acceleration": "aitken"}}})
-    assert isinstance(made.acceleration, coupling.Aitken) and made.choice["scheme_reason"] == "the scene says so"
+    assert made.choice.load == "pressure_jump" and made.choice.scheme == "iterated, iqn_ils"
+    made = coupling.couple(
+        {"rod": Spring(), "fluid": AddedMass()}, Coupling(scheme={"iterated": {"acceleration": "aitken"}})
+    )
+    assert isinstance(made.acceleration, coupling.Aitken) and made.choice.scheme_reason == "the scene says so"
 
 
 def test_parallel_exchange_gives_the_fluid_the_stations_of_the_step_before():
@@ -180,9 +211,10 @@ def test_parallel_exchange_gives_the_fluid_the_stations_of_the_step_before():
 
 
 def fsi3_run(start, step):
-    """Half a second of FSI3 with a start-up of 0.2 s, exchanging every `step` seconds; its segments are more than half as long as the bar
-    is thick, for with shorter ones a zigzag of theirs comes up for some steps at a time (docs/coupling.md)."""
-    scene = load(FSI3)
+    """Half a second of FSI3 with a start-up of 0.2 s, exchanging every `step` seconds; its segments are more than half
+    as long as the bar is thick, for with shorter ones a zigzag of theirs comes up for some steps at a time
+    (docs/coupling.md)."""
+    scene = read(FSI3)
     scene["beam"]["segments"] = 30
     scene["time"] = {"end": 0.5, "communication_step": step}
     scene["fluid"]["time_stepping"]["max_step"] = step
@@ -210,7 +242,7 @@ def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
         apart = np.abs(np.diff(took - gave)).sum() / exchanged
         force = recorder.column("load_y") - recorder.column("beam_load_y")
         found.append((apart, np.std(force) / np.std(recorder.column("beam_load_y"))))
-        assert interface(recorder)["exchanged"] == pytest.approx(exchanged)
+        assert interface(recorder).exchanged == pytest.approx(exchanged)
     (work, force), (work_half, force_half) = found
     assert work < 6e-3 and force < 6e-3, found
     assert work_half < 0.7 * work and force_half < 0.7 * force, found

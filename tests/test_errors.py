@@ -6,8 +6,10 @@ import zipfile
 
 import pytest
 from conftest import FSI3, run_scene
+
+from nervure.errors import SceneError
 from nervure.pack import package
-from nervure.scene import SceneError, load, override
+from nervure.scene import load, override
 from nervure.unit import Unit, UnitError
 
 pytestmark = pytest.mark.usefixtures("libraries")

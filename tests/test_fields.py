@@ -9,10 +9,12 @@ import h5py
 import numpy as np
 import pytest
 from conftest import TOOL, nervure, run_scene
-from nervure import master
-from nervure.show import fields
-from nervure.scene import SceneError
 from PIL import Image
+
+from nervure import master
+from nervure.errors import SceneError
+from nervure.scene import typed
+from nervure.show import fields
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -22,7 +24,7 @@ def write(scene, start, folder, interval):
     scheme = start(scene)
     units = {"rod": scheme.rod, "fluid": scheme.fluid} if hasattr(scheme, "rod") else {scheme.unit.name: scheme.unit}
     clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-    kept = fields.Fields(folder, scene, units, clock, interval, 0)
+    kept = fields.Fields(folder, typed(scene), units, clock, interval, 0)
     watch = kept.watch(pytest.fail)
     watch(0, 0.0, 0.0)
     for i in range(clock.steps):
@@ -86,9 +88,9 @@ def test_a_rod_in_space_is_a_line(rod_only, start, tmp_path):
 
 def test_a_scene_without_anything_to_show_is_refused(fluid_only, instantiate, tmp_path):
     unit = instantiate(fluid_only)["fluid"]
-    unit.field = lambda _name: None
+    unit.shown_field = lambda _name: None
     with pytest.raises(SceneError, match="--fields-every needs a beam or a fluid that shows its fields"):
-        fields.Fields(tmp_path, fluid_only, {"fluid": unit}, master.Clock(1.0, 0.1), 0.1, 0)
+        fields.Fields(tmp_path, typed(fluid_only), {"fluid": unit}, master.Clock(1.0, 0.1), 0.1, 0)
 
 
 def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(small_fsi3, tmp_path):

@@ -3,6 +3,7 @@
 import driven_root
 import numpy as np
 import pytest
+
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
 
@@ -51,8 +52,8 @@ def test_root_that_nothing_drives_is_refused(pitching, record):
         record(pitching)
 
 
-def test_averages_of_a_known_signal():
-    """A drive of 2 Hz whose tip lags by 30 degrees and goes 1.5 times as far, in a stream along y."""
+def known_signal():
+    """Times, columns and recorder of a drive of 2 Hz along x whose tip lags by 30 degrees and goes 1.5 times as far."""
     time = np.linspace(0, 4, 4001)
     omega = 4 * np.pi
     columns = {
@@ -65,7 +66,7 @@ def test_averages_of_a_known_signal():
         "energy_elastic": 0.25 * time,
         "energy_kinetic": 0 * time,
         "energy_gravity": 0 * time,
-        "beam_drag": np.sin(omega * time),
+        "beam_drag": -0.25 + np.sin(omega * time),
         "beam_lift": -0.5 + np.cos(omega * time),
     }
 
@@ -75,10 +76,26 @@ def test_averages_of_a_known_signal():
 
     known = Known()
     known.columns = list(columns)
-    scene = {"fluid": {"mean_flow": {"y": {"steady": 1.2}}}}
-    found = flapping.evaluate(scene, known, statistics.find_window(time, columns["tip_ux"]))
-    assert found["axis"] == "x"
+    return known, statistics.find_window(time, columns["tip_ux"])
+
+
+def test_averages_of_a_known_signal(fluid_only):
+    """In a stream along y."""
+    known, window = known_signal()
+    fluid_only["fluid"]["mean_flow"] = {"y": {"steady": 1.2}}
+    found = flapping.evaluate(typed(fluid_only), known, window)
+    assert found.axis == "x"
     expected = {"power_in": 3.0, "thrust": 0.5, "lift": -0.5, "efficiency": 0.2, "tip_by_rigid_tip": 1.5}
-    assert {name: found[name] for name in expected} == pytest.approx(expected, rel=1e-4)
-    assert found["phase_lag_deg"] == pytest.approx(30, abs=0.01)
-    assert found["energy_balance"]["missing"] == pytest.approx(0, abs=1e-4)
+    assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
+    assert found.phase_lag_deg == pytest.approx(30, abs=0.01)
+    assert found.energy_balance["missing"] == pytest.approx(0, abs=1e-4)
+
+
+def test_thrust_in_still_fluid_is_the_force_against_x(fluid_only):
+    """The fluid pushes the beam with 0.25 N/m against x and 0.5 N/m against y."""
+    known, window = known_signal()
+    del fluid_only["fluid"]["inflow"]
+    found = flapping.evaluate(typed(fluid_only), known, window)
+    expected = {"thrust": 0.25, "lift": -0.5, "thrust_by_power": 0.25 / 3.0}
+    assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
+    assert found.efficiency is None

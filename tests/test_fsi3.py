@@ -4,9 +4,10 @@ import json
 
 import pytest
 from conftest import FSI3
-from nervure.report import FILES
-from nervure.scene import load, reference
 from record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
+
+from nervure.results import FILES
+from nervure.scene import load
 
 EARLY_TOLERANCE = 1e-6
 """Relative to the largest recorded value: another machine's libm differs in the last bit, and before the wake sways
@@ -21,8 +22,8 @@ COARSE_GRID = {
     "drag": {"mean": 0.16},
     "lift": {"amplitude": 0.08},
 }
-"""Largest relative distance from the published values on this grid, whose cells are 8 mm against a bar of 20 mm: 8.3, 6.0, 13
-and 4.7 % in `docs/fsi3.md`. The cosine mask has 4.5 % in the frequency, but 16, 22 and 11 % in the others."""
+"""Largest relative distance from the published values on this grid, whose cells are 8 mm against a bar of 20 mm: 8.3,
+6.0, 13 and 4.7 % in `docs/fsi3.md`. The cosine mask has 4.5 % in the frequency, but 16, 22 and 11 % in the others."""
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +35,7 @@ def fsi3_run(libraries, tmp_path_factory):
 
 def test_every_result_is_there(fsi3_run):
     folder, _ = fsi3_run
-    name = load(FSI3)["name"]
+    name = load(FSI3).name
     assert {path.name for path in folder.iterdir()} == {*FILES, f"{name}-rod.fmu", f"{name}-fluid.fmu"}
 
 
@@ -43,7 +44,7 @@ def test_summary_tells_what_was_run_and_what_it_cost(fsi3_run):
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["completed"] and summary["error"] is None
     assert summary["simulated_s"] == pytest.approx(8.0, rel=1e-12)
-    assert summary["steps"] == round(8.0 / load(FSI3)["time"]["communication_step"])
+    assert summary["steps"] == round(8.0 / load(FSI3).time.communication_step)
     assert summary["periods"] >= 5
     assert summary["wall_s"] == pytest.approx(sum(summary["phases_s"].values()))
     assert summary["method"]["coupling"]["load"] == "momentum" and summary["method"]["coupling"]["scheme"] == "explicit"
@@ -78,6 +79,6 @@ def test_settled_motion_is_as_recorded(fsi3_run, quantity):
 
 @pytest.mark.parametrize("quantity", COARSE_GRID)
 def test_settled_motion_is_near_the_published_one(fsi3_run, quantity):
-    found, published = fsi3_run[1]["settled"][quantity], reference("fsi3")["primary"]["quantities"][quantity]
+    found, published = fsi3_run[1]["settled"][quantity], load(FSI3).reference.quantities[quantity]
     for what, tolerance in COARSE_GRID[quantity].items():
-        assert found[what] == pytest.approx(published[what], rel=tolerance), what
+        assert found[what] == pytest.approx(getattr(published, what), rel=tolerance), what

@@ -4,13 +4,15 @@ import copy
 
 import numpy as np
 import pytest
+
 from nervure import coupling, master
 from nervure.recorder import Recorder
+from nervure.scene.types import Iterated
 from nervure.unit import UnitError, Variable
 
 
 class Fake:
-    """A unit with the interface of `cosim.unit.Unit`; `advance` makes its step."""
+    """A unit with the interface of `nervure.unit.Unit`; `advance` makes its step."""
 
     can_roll_back = True
 
@@ -93,7 +95,7 @@ def run(scheme, clock=CLOCK, stopping=lambda: False):
 
 
 def test_iterated_scheme_gives_the_monolithic_solution_at_ten_times_the_mass():
-    scheme = coupling.Iterated(Spring(), AddedMass(), tolerance=1e-8, max_iterations=20)
+    scheme = coupling.Iterated(Spring(), AddedMass(), Iterated(tolerance=1e-8, max_iterations=20))
     outcome, recorder = run(scheme)
     assert outcome.error is None
     assert scheme.rod.state["q"] == pytest.approx(monolithic(), rel=1e-6)
@@ -107,7 +109,7 @@ def test_explicit_scheme_blows_up_at_ten_times_the_mass():
 
 
 def test_iteration_that_does_not_converge_names_time_residual_and_limit():
-    outcome, recorder = run(coupling.Iterated(Spring(), AddedMass(), tolerance=1e-8, max_iterations=2))
+    outcome, recorder = run(coupling.Iterated(Spring(), AddedMass(), Iterated(tolerance=1e-8, max_iterations=2)))
     assert not outcome.completed
     assert "from t = 0 s to 0.01 s did not converge in 2 iterations" in outcome.error, outcome.error
     assert "residual" in outcome.error and "limit" in outcome.error, outcome.error
@@ -119,14 +121,14 @@ def test_iterated_scheme_refuses_the_momentum_load():
     for unit, causality in ((rod, "input"), (fluid, "output")):
         unit.variables["impedance"] = Variable("impedance", "Real", causality, "m", [0, 1], [None] * 2)
     with pytest.raises(coupling.CouplingError, match="needs the load pressure_jump"):
-        coupling.Iterated(rod, fluid, tolerance=1e-4, max_iterations=10)
+        coupling.Iterated(rod, fluid, Iterated())
 
 
 def test_iterated_scheme_refuses_a_unit_without_rollback():
     rod = Spring()
     rod.can_roll_back = False
     with pytest.raises(coupling.CouplingError, match="the rod cannot restore its state"):
-        coupling.Iterated(rod, AddedMass(), tolerance=1e-4, max_iterations=10)
+        coupling.Iterated(rod, AddedMass(), Iterated())
 
 
 def test_missing_output_is_named():

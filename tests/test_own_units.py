@@ -8,12 +8,13 @@ import sys
 import numpy as np
 import pytest
 from conftest import run_scene
+from fmpy.validation import validate_fmu
+from pythonfmu.builder import FmuBuilder
+
 from nervure import coupling, master
 from nervure.pack import package
 from nervure.resources import ROOT
 from nervure.unit import Unit
-from fmpy.validation import validate_fmu
-from pythonfmu.builder import FmuBuilder
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),
@@ -73,12 +74,12 @@ def still():
 
 
 @pytest.fixture
-def own(tmp_path):
+def own(tmp_path, packed):
     """Function that makes our own FMU of a scene, or that of examples/, and returns its path."""
 
     def make(kind: str, scene: dict, foreign: bool):
         if not foreign:
-            return package.pack(kind, scene, tmp_path)
+            return packed(kind, scene)
         path, fmu = tmp_path / "to-pack.json", tmp_path / f"{scene['name']}-foreign-{kind}.fmu"
         path.write_text(json.dumps(scene))
         command = [sys.executable, ROOT / "examples" / "pack.py", ROOT / "examples" / EXAMPLES[kind], path, fmu]

@@ -3,7 +3,7 @@
 import numpy as np
 import plate
 import pytest
-from nervure.scene import load
+from nervure.scene import read
 
 MESH = (24, 6)
 
@@ -18,7 +18,7 @@ def test_shear_factor_is_that_of_a_rectangle(poisson):
 
 def test_scenes_have_the_set_back_and_the_shear_factor_of_their_bar():
     """The bar of Turek and Hron: nu = 0.4, clamped on a cylinder of 2.5 times its thickness."""
-    scene = load("fsi3-325x72")
+    scene = read("fsi3-325x72")
     by_moment, by_force, factor = plate.measure(2.5, 0.4, *MESH)
     thickness = scene["beam"]["thickness"]
     print(f"set-back {by_moment * thickness:.3e} m, {by_force * thickness:.3e} m; shear factor {factor:.4f}")

@@ -5,10 +5,11 @@ import ctypes
 
 import numpy as np
 import pytest
-from nervure.pack import package
-from nervure.unit import UnitError
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+from nervure.pack import package
+from nervure.unit import UnitError
 
 H = 1e-3
 STATIONS = 17
@@ -104,7 +105,9 @@ def test_directional_derivatives_are_those_of_a_step(rod_only, rod, scheme, load
     names = ["x", "y", "vx", "vy", "tip.ux", "tip.uy", "tip.vx", "tip.vy"]
     derivative = directional_derivative(unit, names, [load], seed)
     expected = np.concatenate([difference[unit.slices[name]] for name in names])
-    for name, part in zip(names, np.split(np.arange(expected.size), np.cumsum([unit.variables[n].size for n in names]))):
+    for name, part in zip(
+        names, np.split(np.arange(expected.size), np.cumsum([unit.variables[n].size for n in names]))
+    ):
         scale = np.abs(expected[part]).max()
         assert derivative[part] == pytest.approx(expected[part], abs=1e-4 * scale), name
         assert scale > 0.0, name
@@ -157,9 +160,11 @@ def test_master_that_drives_the_root_gets_what_the_laws_give(rod_only, spatial, 
     scene["rod"]["root_motion"] = "master"
     scene["name"] += "-driven"
     inputs = ["root.y", "root.vy"]
-    inputs += ["root.angle", "root.omega"] if dimension == 2 else [
-        f"root.{what}.{axis}" for what in ("direction", "direction_rate") for axis in "xy"
-    ]
+    inputs += (
+        ["root.angle", "root.omega"]
+        if dimension == 2
+        else [f"root.{what}.{axis}" for what in ("direction", "direction_rate") for axis in "xy"]
+    )
     driven = rod(scene, inputs, ["x", "y"])
     for k in range(200):
         t = (k + 1) * H
@@ -168,9 +173,11 @@ def test_master_that_drives_the_root_gets_what_the_laws_give(rod_only, spatial, 
         omega = 4 * np.pi
         value = 0.3 * share * np.sin(omega * t)
         speed = 0.3 * (share * omega * np.cos(omega * t) + rate * np.sin(omega * t))
-        turn = [value, speed] if dimension == 2 else [
-            np.cos(value), np.sin(value), -speed * np.sin(value), speed * np.cos(value)
-        ]
+        turn = (
+            [value, speed]
+            if dimension == 2
+            else [np.cos(value), np.sin(value), -speed * np.sin(value), speed * np.cos(value)]
+        )
         driven.inputs[:] = [value, speed, *turn]
         driven.step(k * H, H)
         by_law.step(k * H, H)

@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 from conftest import FSI3, TOOL, run_scene
+
 from nervure.pack import package
 
 TABLES = ("scene.json", "series.csv", "summary.json")
@@ -94,6 +95,16 @@ def test_units_given_as_files_take_the_place_of_ours(small_fsi3, tmp_path):
     assert theirs["tip_vx"][-1] != ours["tip_vx"][-1]
 
 
+def test_guards_of_the_scene_are_for_foreign_units_too(small_fsi3, packed, tmp_path):
+    small_fsi3["coupling"]["guards"] = {"window_steps": 5, "largest_imbalance": 1e-6}
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(small_fsi3))
+    done = run_scene(
+        path, "--output", tmp_path / "results", "--rod-fmu", packed("rod", small_fsi3), "--end-time", "0.01"
+    )
+    assert done.returncode == 1 and "over the last 5 steps the power that the rod took" in done.stderr, done.stderr
+
+
 def test_a_unit_that_does_not_fit_is_refused_with_exit_code_2(small_fsi3, rod_only, tmp_path):
     alone = package.pack("rod", rod_only, tmp_path / "foreign")
     path = tmp_path / "scene.json"
@@ -105,12 +116,11 @@ def test_a_unit_that_does_not_fit_is_refused_with_exit_code_2(small_fsi3, rod_on
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_run_keeps_what_it_has(number, tmp_path):
-    command = [*TOOL, "run", FSI3, "--output", tmp_path, "--end-time", "20"]
+    command = [*TOOL, "run", FSI3, "--output", tmp_path, "--end-time", "20", "--checkpoint-every", "0.001"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline = time.monotonic() + 60
-    while not list(tmp_path.glob("*-fluid.fmu")) and time.monotonic() < deadline:
+    while not (tmp_path / "checkpoint.npz").exists() and time.monotonic() < deadline:
         time.sleep(0.1)
-    time.sleep(3)
     process.send_signal(number)
     _, errors = process.communicate(timeout=120)
     assert process.returncode == 130, errors

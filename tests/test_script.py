@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 from conftest import FSI3, run_scene
+
 from nervure.resources import ROOT
 
 END = 0.05

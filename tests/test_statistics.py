@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from nervure.evaluate import statistics
 
 TIME = np.arange(0, 8, 2e-4)

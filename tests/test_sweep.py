@@ -11,15 +11,21 @@ from pathlib import Path
 
 import psutil
 import pytest
-from conftest import TOOL, nervure
-from nervure import sweep
-from nervure.scene import SceneError
+from conftest import TOOL
 from distributed import Client, LocalCluster
+
+from nervure import sweep
+from nervure.errors import SceneError
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),
     pytest.mark.filterwarnings("default"),  # for those of Dask, whose clusters some tests hold in this process
 ]
+
+
+def nervure(*arguments):
+    """Run the command in a process of its own, whose workers begin as its users' do."""
+    return subprocess.run([*TOOL, *arguments], capture_output=True, text=True)
 
 
 @pytest.fixture
@@ -34,8 +40,26 @@ def cluster(tmp_path_factory):
     """Address of a scheduler with two workers, started as their users do: nothing of ours is on their path."""
     folder = tmp_path_factory.mktemp("cluster")
     file = folder / "scheduler.json"
-    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
-    worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--nthreads", "1", "--nworkers", "2", "--no-dashboard"]
+    command = [
+        sys.executable,
+        "-m",
+        "distributed.cli.dask_scheduler",
+        "--host",
+        "127.0.0.1",
+        "--port",
+        "0",
+        "--no-dashboard",
+    ]
+    worker = [
+        sys.executable,
+        "-m",
+        "distributed.cli.dask_worker",
+        "--nthreads",
+        "1",
+        "--nworkers",
+        "2",
+        "--no-dashboard",
+    ]
     processes = []
     try:
         for start in (command, worker):
@@ -95,7 +119,9 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
     assert "2 runs, 2 to do" in retried.stdout, retried.stderr
 
 
-@pytest.mark.parametrize(("workers", "said"), [({"n_workers": 0}, "has no workers"), ({"threads_per_worker": 2}, "--nthreads 1")])
+@pytest.mark.parametrize(
+    ("workers", "said"), [({"n_workers": 0}, "has no workers"), ({"threads_per_worker": 2}, "--nthreads 1")]
+)
 def test_a_cluster_that_cannot_run_is_said(workers, said, scene, tmp_path):
     options = {"n_workers": 1, "processes": False, "dashboard_address": "127.0.0.1:0", "protocol": "tcp://"}
     with LocalCluster(**(options | workers)) as cluster:
@@ -124,7 +150,9 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
     folder = tmp_path / "sweep"
     command = ["sweep", scene, "--output", folder, "--vary", "time.end=1e-3,1e5"]
     environment = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}
-    process = subprocess.Popen([*TOOL, *command], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(
+        [*TOOL, *command], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     deadline = time.monotonic() + 120
     while not list(folder.glob("*/row.json")) and time.monotonic() < deadline:
         time.sleep(0.1)
@@ -137,7 +165,7 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
         time.sleep(0.1)
     output, errors = process.communicate(timeout=60)
     assert process.returncode == 1, errors
-    assert killed == 2
+    assert killed >= 2  # a quick run is made again where its result was still with a worker that is killed
     quick, endless = table(folder)
     assert quick["status"] == "finished"
     assert (endless["status"], endless["reason"]) == ("killed", "its worker died 2 times")

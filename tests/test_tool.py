@@ -10,12 +10,15 @@ import zipfile
 from contextlib import ExitStack, contextmanager
 
 import pytest
-from conftest import FSI3, nervure, run_scene
-from nervure import report, simulation
-from nervure.pack import delivery
-from nervure.errors import Refusal
-from nervure.resources import ROOT
+from conftest import FSI3, TOOL, nervure, run_scene
 from rich.console import Console
+
+from nervure import results, simulation
+from nervure.errors import Refusal
+from nervure.pack import delivery
+from nervure.provenance import git_revision
+from nervure.resources import ROOT
+from nervure.scene import typed
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -35,9 +38,9 @@ def result(rod_only, tmp_path):
 
 
 def test_nothing_heavy_is_loaded_before_it_is_needed():
-    heavy = {"matplotlib", "h5py", "PIL", "dask", "distributed"}
-    code = f"import nervure, sys; sys.exit(str({heavy} & set(sys.modules)) if {heavy} & set(sys.modules) else 0)"
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT / "scripts", capture_output=True, text=True)
+    heavy = {"numpy", "pydantic", "fmpy", "matplotlib", "h5py", "PIL", "dask", "distributed"}
+    code = f"import nervure.cli, sys; sys.exit(str({heavy} & set(sys.modules)) if {heavy} & set(sys.modules) else 0)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
 
 
@@ -99,8 +102,10 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(fluid_only))
     first = tmp_path / "first"
-    command = [sys.executable, ROOT / "scripts" / "fsi.py", "run", path, "--output", first, "--set", "time.end=3.0"]
-    process = subprocess.Popen([*command, "--checkpoint-every", "0.001", "--fields-every", "1.0"], stdout=subprocess.DEVNULL)
+    command = [*TOOL, "run", path, "--output", first, "--set", "time.end=3.0"]
+    process = subprocess.Popen(
+        [*command, "--checkpoint-every", "0.001", "--fields-every", "1.0"], stdout=subprocess.DEVNULL
+    )
     while not (first / "checkpoint.npz").exists() and process.poll() is None:
         pass
     process.kill()
@@ -118,7 +123,7 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["run", "scenes/fsi3-325x73.json"], ["scenes/fsi3-325x73.json", "did you mean scenes/fsi3-325x72.json?"]),
+        (["run", "scenes/fsi3-325x73.json"], ["scenes/fsi3-325x73.json", "did you mean fsi3-325x72?"]),
         (["run", "nowhere/qqq.json"], ["cannot read the scene file nowhere/qqq.json", "scenes"]),
         (["inspect", "nowhere/qqq.json"], ["cannot read the scene file"]),
         (["run", FSI3, "--output", "EMPTY", "--set", "fluid.colour=red"], ["colour", "unknown"]),
@@ -180,15 +185,15 @@ def test_results_that_cannot_be_written_leave_the_former_ones(result, rod_only, 
     folder = result("falling")
     before = contents(folder)
     quiet = Console(quiet=True)
-    summarize = report.summarize
+    write = results.write
 
-    def then_full(*arguments):
+    def when_full(*arguments):
         disk.enter_context(no_file_beyond(2000))  # scene.json has room, series.csv not
-        return summarize(*arguments)
+        write(*arguments)
 
-    monkeypatch.setattr(report, "summarize", then_full)
+    monkeypatch.setattr(results, "write", when_full)
     with ExitStack() as disk, pytest.raises(Refusal, match=f"results cannot be written into {folder}: File too large"):
-        simulation.run(rod_only, folder, {}, simulation.Keeping(), quiet, quiet)
+        simulation.run(typed(rod_only), folder, {}, simulation.OutputOptions(), quiet, quiet)
     assert contents(folder) == before
 
 
@@ -215,10 +220,14 @@ def test_results_that_are_damaged_are_said(result):
 def test_a_delivery_is_what_its_checksums_and_manifest_say(fsi3, tmp_path, monkeypatch):
     monkeypatch.setattr(delivery, "OLDEST_GLIBC", (99, 0))  # the libraries of this machine will do
     folder = tmp_path / "dist"
-    delivery.write(fsi3, folder)
+    delivery.write(typed(fsi3), folder)
     sums = dict(line.split("  ")[::-1] for line in (folder / "SHA256SUMS").read_text().splitlines())
-    assert sums == {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.name != "SHA256SUMS"}
+    assert sums == {
+        p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.name != "SHA256SUMS"
+    }
     manifest = json.loads((folder / "manifest.json").read_text())
     assert manifest["files"].keys() | {"manifest.json"} == sums.keys()
-    git = report.git_revision()
-    assert manifest["source_revision"].startswith(git["revision"]) and git["dirty"] == ("-dirty" in manifest["source_revision"])
+    git = git_revision()
+    assert manifest["source_revision"].startswith(git.revision) and git.dirty == (
+        "-dirty" in manifest["source_revision"]
+    )

@@ -9,13 +9,14 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from nervure import coupling
-from nervure.pack import package
-from nervure.resources import ROOT
-from nervure.scene import SceneError
-from nervure.unit import ELEMENT
 from fmpy.validation import validate_fmu
 from lxml import etree
+
+from nervure import coupling
+from nervure.errors import SceneError
+from nervure.pack import package
+from nervure.resources import ROOT
+from nervure.unit import ELEMENT
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)
@@ -55,7 +56,9 @@ SYSTEM = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "libpthread.so.0", "libdl.s
 @both
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the headers of ELF files")
 def test_library_needs_nothing_but_the_system(kind):
-    headers = subprocess.run(["objdump", "-p", package.library(kind)], capture_output=True, text=True, check=True).stdout
+    headers = subprocess.run(
+        ["objdump", "-p", package.library(kind)], capture_output=True, text=True, check=True
+    ).stdout
     needed = set(re.findall(r"NEEDED\s+(\S+)", headers))
     assert "libc.so.6" in needed and needed <= SYSTEM, needed
     assert re.findall(r"RUNPATH|RPATH", headers) == []
@@ -87,7 +90,7 @@ def test_committed_model_description_is_what_the_library_writes(kind, fsi3):
 
 
 def test_committed_schema_is_what_the_scene_types_give():
-    command = ["cargo", "run", "--quiet", "--locked", "-p", "scene", "--example", "schema"]
+    command = ["cargo", "run", "--quiet", "--locked", "-p", "nervure-scene", "--example", "schema"]
     generated = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     committed = (ROOT / "modelDescription" / "scene.schema.json").read_text(encoding="utf-8")
     assert committed == generated, "`make schema` writes it anew"

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
 use fmi2::{Description, Log, Model, Span};
-use rod::{Drive, Error, Exchange, Loads, Rod, Root, Sensitivity, Statistics};
+use rod::{Energy, Error, Loads, Rod, Root, Sensitivity, Statistics};
 use scene::{RootMotion, Scene, Section};
 use serde::{Deserialize, Serialize};
 
@@ -24,19 +24,10 @@ struct RodUnit {
     root: RootInputs,
     /// Name of the load that the rod takes from a fluid, and why; empty without a fluid.
     load: [String; 2],
-    tip_displacement: [f64; 3],
-    tip_velocity: [f64; 3],
-    /// What the loads did: force, power and work.
-    exchange: Exchange<3>,
-    /// What a driven root did, the displacement that the tip would have on a rigid rod, and what the damping takes.
-    drive: Drive<3>,
-    rigid_tip: [f64; 3],
-    damping_power: f64,
-    elastic_energy: f64,
-    kinetic_energy: f64,
-    gravity_energy: f64,
-    /// Newton iterations, sub-steps, rescued solves and negative pivots of the last step.
-    newton: [i32; 4],
+    energy: Energy,
+    /// What is made only when it is asked for.
+    asked: f64,
+    counted: i32,
 }
 
 /// The root as inputs of a master that drives it.
@@ -190,124 +181,277 @@ fn root_of<const D: usize>(root: [[f64; 3]; 4]) -> Root<D> {
 }
 
 impl RodUnit {
-    /// What the master reads after a step.
+    /// Bring up to date what more than one variable shows.
     fn publish(&mut self) -> Result<(), Error> {
-        either!(&self.body, rod => {
-            let tip = rod.positions(0).len() - 1;
-            for (axis, displacement) in rod.tip_displacement().into_iter().enumerate() {
-                self.tip_displacement[axis] = displacement;
-                self.tip_velocity[axis] = rod.velocities(axis)[tip];
-            }
-            let Exchange { force, power, work } = rod.state().exchange;
-            self.exchange = Exchange { power, work, ..Exchange::none() };
-            force.iter().enumerate().for_each(|(axis, force)| self.exchange.force[axis] = *force);
-            if rod.root.is_some() {
-                let Drive { force, moment, power, work } = rod.state().drive;
-                self.drive = Drive { moment, power, work, ..Drive::none() };
-                force.iter().enumerate().for_each(|(axis, force)| self.drive.force[axis] = *force);
-                let rigid_tip = rod.rigid_tip_displacement();
-                self.rigid_tip[..rigid_tip.len()].copy_from_slice(&rigid_tip);
-                self.damping_power = rod.damping_power();
-            }
-            let energy = rod.energy()?;
-            self.elastic_energy = energy.stretching + energy.bending;
-            self.kinetic_energy = energy.kinetic;
-            self.gravity_energy = energy.gravity;
-            let Statistics { iterations, substeps, rescues, negative_pivots, .. } = rod.statistics();
-            self.newton = [iterations, substeps, rescues, negative_pivots]
-                .map(|count| i32::try_from(count).unwrap_or(i32::MAX));
-        });
+        self.energy = either!(&self.body, rod => rod.energy()?);
         Ok(())
+    }
+
+    /// A value that is made when it is asked for.
+    fn ask(&mut self, make: impl FnOnce(&Body) -> f64) -> &[f64] {
+        self.asked = make(&self.body);
+        from_ref(&self.asked)
+    }
+
+    /// A count of the last step.
+    fn count(&mut self, of: impl FnOnce(Statistics) -> usize) -> &[i32] {
+        self.counted = i32::try_from(of(self.body.statistics())).unwrap_or(i32::MAX);
+        from_ref(&self.counted)
+    }
+
+    /// Number of space dimensions.
+    fn dimension(&self) -> usize {
+        either!(&self.body, rod => rod.tip_displacement().len())
+    }
+
+    /// A variable for each axis, made from its number and name.
+    fn along_axes(&self, make: impl Fn(usize, &str) -> Variable) -> impl Iterator<Item = Variable> {
+        AXES[..self.dimension()].iter().enumerate().map(move |(d, axis)| make(d, axis))
+    }
+
+    /// `unit` in space, `planar` in the plane, where everything is per metre of depth.
+    fn per<'a>(&self, unit: &'a str, planar: &'a str) -> &'a str {
+        if self.dimension() == 2 { planar } else { unit }
+    }
+
+    /// What a master may change before the start.
+    fn parameters(&self) -> Vec<Variable> {
+        let (loads, section) = either!(&self.body, rod => (&rod.loads, rod.parameters().section));
+        let mut list = vec![
+            Real::parameter("line_density", self.per("kg/m", "kg/m2"), "Mass of the section per length", |m| {
+                from_mut(&mut m.parameters.section.line_density)
+            })
+            .above(0.0),
+            Real::parameter("bending_stiffness", self.per("N.m2", "N.m"), "Bending stiffness EI", |m| {
+                from_mut(&mut m.parameters.section.bending_stiffness)
+            })
+            .above(0.0),
+            Real::parameter("axial_stiffness", self.per("N", "N/m"), "Axial stiffness EA", |m| {
+                from_mut(&mut m.parameters.section.axial_stiffness)
+            })
+            .above(0.0),
+            Real::parameter(
+                "damping",
+                self.per("kg/(m.s)", "kg/(m2.s)"),
+                "Damping force per length and velocity",
+                |m| from_mut(&mut m.parameters.damping),
+            )
+            .at_least(0.0),
+            Real::parameter("clamp_setback", "m", "Length by which the clamp lies behind the root", |m| {
+                from_mut(&mut m.parameters.clamp_setback)
+            })
+            .at_least(0.0),
+        ];
+        if !loads.impedance.is_empty() {
+            list.push(
+                Real::parameter("displaced_line_density", "kg/m2", "Mass of the displaced fluid per length", |m| {
+                    from_mut(&mut m.parameters.displaced_line_density)
+                })
+                .at_least(0.0),
+            );
+        }
+        if section.shear_stiffness.is_some() {
+            list.push(
+                Real::parameter("shear_stiffness", "N/m", "Shear stiffness GA_s", |m| {
+                    m.parameters.section.shear_stiffness.as_mut_slice()
+                })
+                .above(0.0),
+            );
+        }
+        list.extend(self.along_axes(|d, axis| {
+            Real::parameter(format!("gravity.{axis}"), "m/s2", "Gravity", move |m| {
+                from_mut(&mut m.parameters.gravity[d])
+            })
+        }));
+        list
+    }
+
+    /// The loads on the stations, as far as the scene has them.
+    fn load_inputs(&self) -> Vec<Variable> {
+        let (loads, nodes) = either!(&self.body, rod => (&rod.loads, rod.positions(0).len()));
+        let mut list = Vec::new();
+        if !loads.force.is_empty() {
+            let text = "Load on the stations at the end of the step";
+            list.extend(self.along_axes(|d, axis| {
+                Real::input(format!("force_{axis}"), self.per("N", "N/m"), text, move |m| m.body.force(d)).array(nodes)
+            }));
+        }
+        list.push(
+            Real::input("impedance", "kg/(m.s)", "Rate at which the load falls with the station's velocity", |m| {
+                &mut m.body.loads().impedance
+            })
+            .at_least(0.0)
+            .array(loads.impedance.len()),
+        );
+        list.push(
+            Real::input("pressure_jump", "Pa", "Pressure above minus below the beam", |m| {
+                &mut m.body.loads().pressure_jump
+            })
+            .array(loads.pressure_jump.len()),
+        );
+        list
     }
 
     /// The inputs of a master that drives the root.
     fn root_inputs(&self) -> Vec<Variable> {
-        type Place = fn(&mut RodUnit) -> &mut [f64];
-        let position: [Place; 3] = [
-            |m| from_mut(&mut m.root.position[0]),
-            |m| from_mut(&mut m.root.position[1]),
-            |m| from_mut(&mut m.root.position[2]),
-        ];
-        let velocity: [Place; 3] = [
-            |m| from_mut(&mut m.root.velocity[0]),
-            |m| from_mut(&mut m.root.velocity[1]),
-            |m| from_mut(&mut m.root.velocity[2]),
-        ];
-        let direction: [Place; 3] = [
-            |m| from_mut(&mut m.root.direction[0]),
-            |m| from_mut(&mut m.root.direction[1]),
-            |m| from_mut(&mut m.root.direction[2]),
-        ];
-        let direction_rate: [Place; 3] = [
-            |m| from_mut(&mut m.root.direction_rate[0]),
-            |m| from_mut(&mut m.root.direction_rate[1]),
-            |m| from_mut(&mut m.root.direction_rate[2]),
-        ];
-        let planar = matches!(self.body, Body::Planar(_));
-        let along = |name: &str, unit: &str, text: &str, places: [Place; 3]| {
-            let axes = AXES.iter().zip(places).take(if planar { 2 } else { 3 });
-            axes.map(|(axis, place)| Real::input(format!("{name}{axis}"), unit, text, place)).collect::<Vec<_>>()
-        };
-        let mut list = along("root.", "m", "Position of the root at the end of the step", position);
-        list.extend(along("root.v", "m/s", "Velocity of the root at the end of the step", velocity));
-        if planar {
+        let mut list = Vec::new();
+        list.extend(self.along_axes(|d, axis| {
+            let text = "Position of the root at the end of the step";
+            Real::input(format!("root.{axis}"), "m", text, move |m| from_mut(&mut m.root.position[d]))
+        }));
+        list.extend(self.along_axes(|d, axis| {
+            let text = "Velocity of the root at the end of the step";
+            Real::input(format!("root.v{axis}"), "m/s", text, move |m| from_mut(&mut m.root.velocity[d]))
+        }));
+        if self.dimension() == 2 {
             list.push(Real::input("root.angle", "rad", "Direction of the beam at the root, from the x axis", |m| {
                 from_mut(&mut m.root.angle)
             }));
             list.push(Real::input("root.omega", "rad/s", "Rate of the direction at the root", |m| {
                 from_mut(&mut m.root.omega)
             }));
-        } else {
-            list.extend(along("root.direction.", "1", "Direction of the beam at the root, of any length", direction));
-            list.extend(along("root.direction_rate.", "1/s", "Rate of the direction at the root", direction_rate));
+            return list;
         }
+        list.extend(self.along_axes(|d, axis| {
+            let text = "Direction of the beam at the root, of any length";
+            Real::input(format!("root.direction.{axis}"), "1", text, move |m| from_mut(&mut m.root.direction[d]))
+        }));
+        list.extend(self.along_axes(|d, axis| {
+            let text = "Rate of the direction at the root";
+            Real::input(format!("root.direction_rate.{axis}"), "1/s", text, move |m| {
+                from_mut(&mut m.root.direction_rate[d])
+            })
+        }));
+        list
+    }
+
+    /// Stations, tip, and what the loads did.
+    fn station_outputs(&self) -> Vec<Variable> {
+        let nodes = self.body.positions(0).len();
+        let mut list = Vec::new();
+        list.extend(self.along_axes(|d, axis| {
+            Real::output(axis, "m", "Position of the stations", move |m| m.body.positions(d)).array(nodes)
+        }));
+        list.extend(self.along_axes(|d, axis| {
+            let text = "Velocity of the stations";
+            Real::output(format!("v{axis}"), "m/s", text, move |m| m.body.velocities(d)).array(nodes)
+        }));
+        list.extend(self.along_axes(|d, axis| {
+            Real::output(format!("tip.u{axis}"), "m", "Displacement of the tip", move |m| {
+                m.ask(|body| either!(body, rod => rod.tip_displacement()[d]))
+            })
+        }));
+        list.extend(self.along_axes(|d, axis| {
+            Real::output(format!("tip.v{axis}"), "m/s", "Velocity of the tip", move |m| {
+                &m.body.velocities(d)[nodes - 1..]
+            })
+        }));
+        list.extend(self.along_axes(|d, axis| {
+            let text = format!("Sum along {axis} of the loads that the stations took at the end of the step");
+            Real::output(
+                format!("load.{axis}"),
+                self.per("N", "N/m"),
+                text,
+                move |m| either!(&m.body, rod => from_ref(&rod.state().exchange.force[d])),
+            )
+        }));
+        let power = "Power of the loads at the end of the step";
+        let work = "Work of the loads since the start: the sum of power times step";
+        list.extend([
+            Real::output(
+                "load.power",
+                self.per("W", "W/m"),
+                power,
+                |m| either!(&m.body, rod => from_ref(&rod.state().exchange.power)),
+            ),
+            Real::output(
+                "load.work",
+                self.per("J", "J/m"),
+                work,
+                |m| either!(&m.body, rod => from_ref(&rod.state().exchange.work)),
+            ),
+        ]);
         list
     }
 
     /// What a driven root puts in.
     fn drive_outputs(&self) -> Vec<Variable> {
-        let planar = matches!(self.body, Body::Planar(_));
-        let per = |unit: &str, planar_unit: &str| if planar { planar_unit.to_string() } else { unit.to_string() };
-        let axes = || AXES.iter().take(if planar { 2 } else { 3 }).enumerate();
-        let rigid_tip: [fn(&mut Self) -> &[f64]; 3] =
-            [|m| from_ref(&m.rigid_tip[0]), |m| from_ref(&m.rigid_tip[1]), |m| from_ref(&m.rigid_tip[2])];
-        let force: [fn(&mut Self) -> &[f64]; 3] =
-            [|m| from_ref(&m.drive.force[0]), |m| from_ref(&m.drive.force[1]), |m| from_ref(&m.drive.force[2])];
-        let moment: [fn(&mut Self) -> &[f64]; 3] =
-            [|m| from_ref(&m.drive.moment[0]), |m| from_ref(&m.drive.moment[1]), |m| from_ref(&m.drive.moment[2])];
         let mut list = Vec::new();
-        list.extend(axes().map(|(d, axis)| {
+        list.extend(self.along_axes(|d, axis| {
             let text = "Displacement that the tip would have on a rigid rod";
-            Real::output(format!("rigid_tip.u{axis}"), "m", text, rigid_tip[d])
+            Real::output(format!("rigid_tip.u{axis}"), "m", text, move |m| {
+                m.ask(|body| either!(body, rod => rod.rigid_tip_displacement()[d]))
+            })
         }));
-        list.extend(axes().map(|(d, axis)| {
+        list.extend(self.along_axes(|d, axis| {
             let text = format!("Force along {axis} with which the root is driven");
-            Real::output(format!("root.force_{axis}"), &per("N", "N/m"), text, force[d])
+            Real::output(
+                format!("root.force_{axis}"),
+                self.per("N", "N/m"),
+                text,
+                move |m| either!(&m.body, rod => from_ref(&rod.state().drive.force[d])),
+            )
         }));
-        let text = "Moment about the root with which it is driven";
-        if planar {
-            list.push(Real::output("root.moment", "N.m/m", text, moment[2]));
+        let moment = |name: &str, unit: &str, d: usize| {
+            Real::output(
+                name,
+                unit,
+                "Moment about the root with which it is driven",
+                move |m| either!(&m.body, rod => from_ref(&rod.state().drive.moment[d])),
+            )
+        };
+        if self.dimension() == 2 {
+            list.push(moment("root.moment", "N.m/m", 2));
         } else {
-            list.extend(axes().map(|(d, axis)| Real::output(format!("root.moment_{axis}"), "N.m", text, moment[d])));
+            list.extend(self.along_axes(|d, axis| moment(&format!("root.moment_{axis}"), "N.m", d)));
         }
+        let work = "Their work since the start: the sum of power times step";
         list.extend([
-            Real::output("root.power", &per("W", "W/m"), "Power of both at the end of the step", |m| {
-                from_ref(&m.drive.power)
-            }),
+            Real::output(
+                "root.power",
+                self.per("W", "W/m"),
+                "Power of both at the end of the step",
+                |m| either!(&m.body, rod => from_ref(&rod.state().drive.power)),
+            ),
             Real::output(
                 "root.work",
-                &per("J", "J/m"),
-                "Their work since the start: the sum of power times step",
-                |m| from_ref(&m.drive.work),
+                self.per("J", "J/m"),
+                work,
+                |m| either!(&m.body, rod => from_ref(&rod.state().drive.work)),
             ),
             Real::output(
                 "damping.power",
-                &per("W", "W/m"),
+                self.per("W", "W/m"),
                 "Power that the damping takes at the end of the step",
-                |m| from_ref(&m.damping_power),
+                |m| m.ask(|body| either!(body, rod => rod.damping_power())),
             ),
         ]);
-        list.into_iter().map(|output| output.depends_on(&[])).collect()
+        list
+    }
+
+    /// Energies, and what the last step took.
+    fn energy_and_newton_outputs(&self) -> [Variable; 7] {
+        let unit = self.per("J", "J/m");
+        [
+            Real::output("energy.elastic", unit, "Energy of extension and bending", |m| {
+                let Energy { stretching, bending, .. } = m.energy;
+                m.ask(|_| stretching + bending)
+            }),
+            Real::output("energy.kinetic", unit, "Kinetic energy of the rod's own mass", |m| {
+                from_ref(&m.energy.kinetic)
+            }),
+            Real::output("energy.gravity", unit, "Energy in gravity, 0 at the root at rest", |m| {
+                from_ref(&m.energy.gravity)
+            }),
+            Integer::output("newton.iterations", "Newton iterations of the last step", |m| m.count(|s| s.iterations)),
+            Integer::output("newton.substeps", "Sub-steps of the last step", |m| m.count(|s| s.substeps)),
+            Integer::output("newton.rescues", "Solves of the last step that needed shift and line search", |m| {
+                m.count(|s| s.rescues)
+            }),
+            Integer::output("newton.negative_pivots", "Negative pivots in the last step", |m| {
+                m.count(|s| s.negative_pivots)
+            }),
+        ]
     }
 
     /// Where the root is at time `t`: position, velocity, direction and its rate; `None` where it is still.
@@ -353,6 +497,7 @@ impl Model for RodUnit {
         let scene = Scene::from_file(&resources.join("scene.json")).map_err(|e| e.to_string())?;
         let dimension = scene.beam.as_ref().map_or(2, |beam| scene.dimension(beam));
         let body = Body::new(&scene, dimension).map_err(|e| e.to_string())?;
+        let energy = either!(&body, rod => rod.energy()).map_err(|e| e.to_string())?;
         let (position, direction) = scene.beam.as_ref().map_or_else(Default::default, |beam| scene.beam_root(beam));
         let still = [0.0; 3];
         let angle = direction[1].atan2(direction[0]);
@@ -362,16 +507,9 @@ impl Model for RodUnit {
             scene,
             body,
             root: RootInputs { position, velocity: still, angle, omega: 0.0, direction, direction_rate: still },
-            tip_displacement: [0.0; 3],
-            tip_velocity: [0.0; 3],
-            exchange: Exchange::none(),
-            drive: Drive::none(),
-            rigid_tip: [0.0; 3],
-            damping_power: 0.0,
-            elastic_energy: 0.0,
-            kinetic_energy: 0.0,
-            gravity_energy: 0.0,
-            newton: [0; 4],
+            energy,
+            asked: 0.0,
+            counted: 0,
         };
         unit.place(0.0).map_err(|e| e.to_string())?;
         Ok(unit)
@@ -389,126 +527,18 @@ impl Model for RodUnit {
     }
 
     fn variables(&self) -> Vec<Variable> {
-        let (axes, loads, nodes) =
-            either!(&self.body, rod => (rod.tip_displacement().len(), &rod.loads, rod.positions(0).len()));
-        // In the plane everything is per metre of depth.
-        let per = |unit: &str, planar: &str| if axes == 2 { planar.to_string() } else { unit.to_string() };
-        let mut list = vec![
-            Real::time(),
-            Real::parameter("line_density", &per("kg/m", "kg/m2"), "Mass of the section per length", |m| {
-                from_mut(&mut m.parameters.section.line_density)
-            })
-            .above(0.0),
-            Real::parameter("bending_stiffness", &per("N.m2", "N.m"), "Bending stiffness EI", |m| {
-                from_mut(&mut m.parameters.section.bending_stiffness)
-            })
-            .above(0.0),
-            Real::parameter("axial_stiffness", &per("N", "N/m"), "Axial stiffness EA", |m| {
-                from_mut(&mut m.parameters.section.axial_stiffness)
-            })
-            .above(0.0),
-            Real::parameter("damping", &per("kg/(m.s)", "kg/(m2.s)"), "Damping force per length and velocity", |m| {
-                from_mut(&mut m.parameters.damping)
-            })
-            .at_least(0.0),
-            Real::parameter("clamp_setback", "m", "Length by which the clamp lies behind the root", |m| {
-                from_mut(&mut m.parameters.clamp_setback)
-            })
-            .at_least(0.0),
-        ];
-        if !loads.impedance.is_empty() {
-            list.push(
-                Real::parameter("displaced_line_density", "kg/m2", "Mass of the displaced fluid per length", |m| {
-                    from_mut(&mut m.parameters.displaced_line_density)
-                })
-                .at_least(0.0),
-            );
-        }
-        if either!(&self.body, rod => rod.parameters().section.shear_stiffness.is_some()) {
-            list.push(
-                Real::parameter("shear_stiffness", "N/m", "Shear stiffness GA_s", |m| {
-                    m.parameters.section.shear_stiffness.as_mut_slice()
-                })
-                .above(0.0),
-            );
-        }
-        let gravity: [fn(&mut Self) -> &mut [f64]; 3] = [
-            |m| from_mut(&mut m.parameters.gravity[0]),
-            |m| from_mut(&mut m.parameters.gravity[1]),
-            |m| from_mut(&mut m.parameters.gravity[2]),
-        ];
-        let position: [fn(&mut Self) -> &[f64]; 3] =
-            [|m| m.body.positions(0), |m| m.body.positions(1), |m| m.body.positions(2)];
-        let velocity: [fn(&mut Self) -> &[f64]; 3] =
-            [|m| m.body.velocities(0), |m| m.body.velocities(1), |m| m.body.velocities(2)];
-        let tip_displacement: [fn(&mut Self) -> &[f64]; 3] = [
-            |m| from_ref(&m.tip_displacement[0]),
-            |m| from_ref(&m.tip_displacement[1]),
-            |m| from_ref(&m.tip_displacement[2]),
-        ];
-        let tip_velocity: [fn(&mut Self) -> &[f64]; 3] =
-            [|m| from_ref(&m.tip_velocity[0]), |m| from_ref(&m.tip_velocity[1]), |m| from_ref(&m.tip_velocity[2])];
-        let force: [fn(&mut Self) -> &mut [f64]; 3] = [|m| m.body.force(0), |m| m.body.force(1), |m| m.body.force(2)];
-        let axes = || AXES.iter().take(axes).enumerate();
-        list.extend(axes().map(|(d, axis)| Real::parameter(format!("gravity.{axis}"), "m/s2", "Gravity", gravity[d])));
-        if !loads.force.is_empty() {
-            list.extend(axes().map(|(d, axis)| {
-                Real::input(
-                    format!("force_{axis}"),
-                    &per("N", "N/m"),
-                    "Load on the stations at the end of the step",
-                    force[d],
-                )
-                .array(nodes)
-            }));
-        }
-        list.push(
-            Real::input("impedance", "kg/(m.s)", "Rate at which the load falls with the station's velocity", |m| {
-                &mut m.body.loads().impedance
-            })
-            .at_least(0.0)
-            .array(loads.impedance.len()),
-        );
-        list.push(
-            Real::input("pressure_jump", "Pa", "Pressure above minus below the beam", |m| {
-                &mut m.body.loads().pressure_jump
-            })
-            .array(loads.pressure_jump.len()),
-        );
-        if matches!(self.scene.rod.as_ref().and_then(|rod| rod.root_motion.as_ref()), Some(RootMotion::Master)) {
+        let rod = self.scene.rod.as_ref().expect("loading refuses a scene without a rod");
+        let mut list = vec![Real::time()];
+        list.extend(self.parameters());
+        list.extend(self.load_inputs());
+        if rod.root_motion == Some(RootMotion::Master) {
             list.extend(self.root_inputs());
         }
-        list.extend(axes().map(|(d, axis)| {
-            Real::output(*axis, "m", "Position of the stations", position[d]).array(nodes).depends_on(&[])
-        }));
-        list.extend(axes().map(|(d, axis)| {
-            Real::output(format!("v{axis}"), "m/s", "Velocity of the stations", velocity[d])
-                .array(nodes)
-                .depends_on(&[])
-        }));
-        list.extend(axes().map(|(d, axis)| {
-            Real::output(format!("tip.u{axis}"), "m", "Displacement of the tip", tip_displacement[d]).depends_on(&[])
-        }));
-        list.extend(axes().map(|(d, axis)| {
-            Real::output(format!("tip.v{axis}"), "m/s", "Velocity of the tip", tip_velocity[d]).depends_on(&[])
-        }));
-        let load: [fn(&mut Self) -> &[f64]; 3] = [
-            |m| from_ref(&m.exchange.force[0]),
-            |m| from_ref(&m.exchange.force[1]),
-            |m| from_ref(&m.exchange.force[2]),
-        ];
-        list.extend(axes().map(|(d, axis)| {
-            let text = format!("Sum along {axis} of the loads that the stations took at the end of the step");
-            Real::output(format!("load.{axis}"), &per("N", "N/m"), text, load[d]).depends_on(&[])
-        }));
-        let power = "Power of the loads at the end of the step";
-        let work = "Work of the loads since the start: the sum of power times step";
-        list.extend([
-            Real::output("load.power", &per("W", "W/m"), power, |m| from_ref(&m.exchange.power)).depends_on(&[]),
-            Real::output("load.work", &per("J", "J/m"), work, |m| from_ref(&m.exchange.work)).depends_on(&[]),
-        ]);
-        if self.scene.rod.as_ref().is_some_and(|rod| rod.root_motion.is_some()) {
-            list.extend(self.drive_outputs());
+        // Every output is that of the end of a step.
+        let at_the_end = |output: Variable| output.depends_on(&[]);
+        list.extend(self.station_outputs().into_iter().map(at_the_end));
+        if rod.root_motion.is_some() {
+            list.extend(self.drive_outputs().into_iter().map(at_the_end));
         }
         if self.scene.load().is_some() {
             list.extend([
@@ -516,30 +546,7 @@ impl Model for RodUnit {
                 Text::local("load.reason", "Why it is that one", |m| from_ref(&m.load[1])).constant(),
             ]);
         }
-        list.extend([
-            Real::output("energy.elastic", &per("J", "J/m"), "Energy of extension and bending", |m| {
-                from_ref(&m.elastic_energy)
-            })
-            .depends_on(&[]),
-            Real::output("energy.kinetic", &per("J", "J/m"), "Kinetic energy of the rod's own mass", |m| {
-                from_ref(&m.kinetic_energy)
-            })
-            .depends_on(&[]),
-            Real::output("energy.gravity", &per("J", "J/m"), "Energy in gravity, 0 at the root at rest", |m| {
-                from_ref(&m.gravity_energy)
-            })
-            .depends_on(&[]),
-            Integer::output("newton.iterations", "Newton iterations of the last step", |m| from_ref(&m.newton[0]))
-                .depends_on(&[]),
-            Integer::output("newton.substeps", "Sub-steps of the last step", |m| from_ref(&m.newton[1]))
-                .depends_on(&[]),
-            Integer::output("newton.rescues", "Solves of the last step that needed shift and line search", |m| {
-                from_ref(&m.newton[2])
-            })
-            .depends_on(&[]),
-            Integer::output("newton.negative_pivots", "Negative pivots in the last step", |m| from_ref(&m.newton[3]))
-                .depends_on(&[]),
-        ]);
+        list.extend(self.energy_and_newton_outputs().map(at_the_end));
         list
     }
 

@@ -1,9 +1,34 @@
-"""The Python side of the co-simulation: packs the units, runs them together and reports.
+"""An elastic rod and a penalized fluid as FMI units, and the tool that couples them. Everything is in SI units.
 
-`scene` reads a scene file, `package` makes its FMUs, `unit` wraps one FMU, `coupling` is what happens in a step, `master` is
-the loop, `recorder` keeps what it shows, `checkpoint` lets it go on after a crash, `fields` writes files for ParaView;
-`simulation` is all of that from a scene to its results. `statistics` and `coefficients` evaluate a run, `report` and
-`plots` write the results, `results` reads them again, `animation` and `inspection` show them. `delivery` and `ssp` hand the units out, and
-`sweep` runs grids of scenes.
-Everything is in SI units.
+    import nervure
+    scene = nervure.load("fsi3-325x72")            # a shipped scene, or a file
+    scene.time.end = 10.0
+    scene.fluid.kinematic_viscosity = 1.1e-3
+    run = nervure.run(scene)                       # results/fsi3-325x72
+    print(run.summary.quantities["tip_uy"].amplitude)
+    run.series["tip_uy"]                           # a NumPy array, in run.units["tip_uy"]
+    run.plot("tip_uy", "lift").savefig("tip.png")
+    nervure.read("results/fsi3-325x72")            # the same of an earlier run
+
+`scene` has the scene, `pack` makes its FMUs, `unit` wraps one, `coupling` is what happens in a step, `master` is the
+loop, `simulation` is a run from its scene to its results; `evaluate` and `show` are what comes after, `sweep` makes
+many runs.
 """
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from nervure.api import Run, RunError, load, read, run
+    from nervure.errors import Refusal
+    from nervure.scene import Scene
+
+__all__ = ["Refusal", "Run", "RunError", "Scene", "load", "read", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    """The names above, found when they are first used: the command shows its help without them."""
+    if name in __all__:
+        from nervure import api, errors
+
+        return getattr(errors if name == "Refusal" else api, name)
+    raise AttributeError(f"module `nervure` has no attribute `{name}`")

@@ -1,5 +1,5 @@
 """`python -m nervure`: the command without its entry point."""
 
-from nervure.cli.main import main
+from nervure.cli import main
 
 main()

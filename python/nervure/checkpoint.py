@@ -1,10 +1,10 @@
 """Checkpoints: all that a run needs to go on where it was, in one file.
 
-The file is an uncompressed NumPy archive (a zip file, whose checksums show damage): the scene and how it was set up, the
-units' serialized states and what was last exchanged, the memory of the coupling scheme, the clock, and every row
-recorded so far. The rows are
-rewritten each time: the table has a limit (`recorder.MAX_ROWS`) and is about as large as the state of a fluid, and with
-one file there is one moment, the renaming, at which the new checkpoint takes the place of the old.
+The file is an uncompressed NumPy archive (a zip file, whose checksums show damage): the scene and how it was set up,
+the units' serialized states and what was last exchanged, the memory of the coupling scheme, the clock, and every row
+recorded so far. The rows are rewritten each time: the table has a limit (`recorder.MAX_ROWS`) and is about as large as
+the state of a fluid, and with one file there is one moment, the renaming, at which the new checkpoint takes the place
+of the old.
 """
 
 import json
@@ -12,16 +12,18 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from nervure.coupling import Single
 from nervure.errors import Refusal
 from nervure.recorder import Recorder
+from nervure.scene import Scene
 from nervure.unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
-FORMAT = 3
+FORMAT = 4
 
 EXCHANGED = ("inputs", "outputs", "integers")
 """The arrays of a unit that the next step or the next row may need."""
@@ -36,8 +38,7 @@ class Kept:
     """What a checkpoint holds."""
 
     path: Path
-    about: dict
-    """The scene, its set-up, the units' GUIDs, steps done and times."""
+    about: dict[str, Any]  # The scene, its set-up, the units' GUIDs, steps done and times
     arrays: dict[str, np.ndarray]
 
 
@@ -46,8 +47,8 @@ def read(folder: Path) -> Kept:
     path = folder / FILE
     if not path.is_file():
         raise CheckpointError(
-            f"there is no checkpoint {path} to resume from: a run leaves one if it has --checkpoint-every and is stopped "
-            "before its end"
+            f"there is no checkpoint {path} to resume from: a run leaves one if it has --checkpoint-every and is "
+            "stopped before its end"
         )
     try:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
@@ -66,8 +67,8 @@ class Checkpoint:
     def __init__(
         self,
         folder: Path,
-        scene: dict,
-        setup: dict,
+        scene: Scene,
+        setup: dict[str, Any],
         units: dict[str, Unit],
         scheme: Single,
         recorder: Recorder,
@@ -78,7 +79,7 @@ class Checkpoint:
                     f"a checkpoint needs units that serialize their state, which the {unit.name} does not offer"
                 )
         self.path = folder / FILE
-        self.about = {"format": FORMAT, "scene": scene, "setup": setup}
+        self.about = {"format": FORMAT, "scene": scene.document(), "setup": setup}
         self.units, self.scheme, self.recorder = units, scheme, recorder
 
     def save(self, done: int, wall: float) -> None:
@@ -99,7 +100,7 @@ class Checkpoint:
         unfinished = self.path.with_name(f"unfinished-{FILE}")
         try:
             with open(unfinished, "wb") as file:
-                np.savez(file, **arrays)
+                np.savez(file, allow_pickle=False, **arrays)
                 file.flush()
                 os.fsync(file.fileno())
             unfinished.replace(self.path)

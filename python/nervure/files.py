@@ -1,8 +1,10 @@
 """Files that appear only when they are complete."""
 
 import csv
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 
 def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> None:
@@ -25,7 +27,7 @@ def write_whole(path: Path, writer: Callable[[Path], object]) -> None:
     write_together(path.parent, {path.name: writer})
 
 
-def write_csv(path: Path, rows: list[dict]) -> None:
+def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write a table; columns are in the order in which the rows name them first."""
 
     def writer(path: Path) -> None:
@@ -37,10 +39,19 @@ def write_csv(path: Path, rows: list[dict]) -> None:
     write_whole(path, writer)
 
 
-def rounded(value):
+def rounded(value: Any) -> Any:
     """Numbers with eight digits, anywhere in `value`: what is beyond is noise, and makes a file twice as long."""
     if isinstance(value, float):
         return float(f"{value:.8g}")
     if isinstance(value, dict):
         return {key: rounded(part) for key, part in value.items()}
     return [rounded(part) for part in value] if isinstance(value, list) else value
+
+
+def json_numbers(value: Any) -> Any:
+    """`value` with null for the numbers that JSON does not have: a run that failed can leave infinities."""
+    if isinstance(value, dict):
+        return {key: json_numbers(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_numbers(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -9,6 +9,9 @@ from nervure.coupling import CouplingError, Single
 from nervure.recorder import Recorder
 from nervure.unit import UnitError
 
+Watcher = Callable[[int, float, float], None]
+"""Called at the start and after every step with the number of steps done, the simulated time and the wall time (s)."""
+
 STEP_ROUNDING = 1e-9
 """Part of a step by which the end time may exceed a whole number of steps without one more step being made."""
 
@@ -31,34 +34,35 @@ class Clock:
 
 
 @dataclass
-class Outcome:
+class RunStatus:
     """How a run ended and what it cost."""
 
     steps: int
-    simulated: float
-    """Time reached, s."""
-    wall: float
-    """Wall time of the loop, s."""
-    cpu: float | None
-    """Its processor time, s; None of a run that was resumed."""
+    simulated: float  # Time reached, s
+    wall: float  # Wall time of the loop, s
+    cpu: float | None  # Its processor time, s; None of a run that was resumed
     completed: bool
     error: str | None
+
+    @property
+    def stopped(self) -> bool:
+        """Whether it was asked to stop."""
+        return not self.completed and self.error is None
 
 
 def run(
     scheme: Single,
     clock: Clock,
     recorder: Recorder,
-    watchers: Sequence[Callable[[int, float, float], None]] = (),
+    watchers: Sequence[Watcher] = (),
     stopping: Callable[[], bool] = lambda: False,
     done: int = 0,
     wall: float = 0.0,
-) -> Outcome:
+) -> RunStatus:
     """Step to the end of `clock`, or until `stopping` says so or a unit fails.
 
     A run that begins with step `done` > 0 goes on from there: its units are in that state, and it has cost `wall` (s)
-    so far. Each of `watchers` is called at the start and after every step with the number of steps done, the
-    simulated time and the wall time (s).
+    so far.
     """
     begin, cpu = perf_counter() - wall, process_time() if done == 0 else None
     reached, error = clock.step(done)[0] if done < clock.steps else clock.end, None
@@ -80,4 +84,4 @@ def run(
     except (UnitError, CouplingError) as failure:
         error = str(failure)
     used = None if cpu is None else process_time() - cpu
-    return Outcome(done, reached, perf_counter() - begin, used, done == clock.steps, error)
+    return RunStatus(done, reached, perf_counter() - begin, used, done == clock.steps, error)

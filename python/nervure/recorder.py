@@ -1,6 +1,8 @@
 """Keeps the scalar outputs of the units over time, in one table that is allocated before the run."""
 
 import re
+from collections.abc import Mapping, Sequence
+from typing import Protocol
 
 import numpy as np
 
@@ -15,6 +17,21 @@ KINDS = ("Real", "Integer")
 PUNCTUATION = re.compile(r"[.\[\]]+")
 
 
+class Record(Protocol):
+    """Columns over time: of a run that goes on, or of one that was read again."""
+
+    @property
+    def columns(self) -> Sequence[str]:
+        """Their names."""
+
+    @property
+    def unit_of(self) -> Mapping[str, str | None]:
+        """Their units."""
+
+    def column(self, name: str) -> np.ndarray:
+        """The values of column `name`."""
+
+
 class Recorder:
     """Table of time (s), the scalar outputs of `units` and iterations, one row a recorded step.
 
@@ -26,7 +43,8 @@ class Recorder:
         self.stride = -(-steps // MAX_ROWS)
         outputs = [(unit, kind, name) for unit in units.values() for kind in KINDS for name in unit.scalars(kind)]
         names = [name for _, _, name in outputs]
-        self.columns, self.unit_of = ["time"], {"time": "s"}
+        self.columns = ["time"]
+        self.unit_of: dict[str, str | None] = {"time": "s"}
         for unit, _, name in outputs:
             column = PUNCTUATION.sub("_", name if names.count(name) == 1 else f"{unit.name}_{name}")
             self.columns.append(column)
@@ -58,4 +76,4 @@ class Recorder:
     @property
     def latest(self) -> dict[str, float]:
         """The last row."""
-        return dict(zip(self.columns, self.table[self.rows - 1].tolist()))
+        return dict(zip(self.columns, self.table[self.rows - 1].tolist(), strict=True))

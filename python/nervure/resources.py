@@ -1,6 +1,7 @@
 """The files that come with the package: scenes, libraries of the units, pictures, licences, the schema.
 
-A wheel carries them in `nervure/data`, laid out as in the source tree; run from the source tree, they are that tree itself.
+A wheel carries them in `nervure/data`, laid out as in the source tree; run from the source tree, they are that tree
+itself.
 """
 
 from pathlib import Path

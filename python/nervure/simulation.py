@@ -1,43 +1,52 @@
 """A run from its scene to its results, and its resumption."""
 
+from collections.abc import Mapping
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from rich.console import Console
 
-from nervure import checkpoint, coupling, master, report
-from nervure.pack import package
-from nervure.show import fields
+from nervure import checkpoint, coupling, master, results
 from nervure.errors import Refusal
-from nervure.show.progress import Display, interruptible
+from nervure.evaluate.summary import summarize
+from nervure.pack import package
 from nervure.recorder import Recorder
+from nervure.scene import Scene, kinds, typed
+from nervure.show import fields
+from nervure.show.progress import Display, interruptible
+from nervure.show.table import print_table
 from nervure.unit import Unit
-
-REACHED, FAILED, INTERRUPTED = 0, 1, 130
-"""How a run ended, as exit codes."""
 
 
 @dataclass(frozen=True)
-class Keeping:
-    """What a run keeps besides its tables."""
+class OutputOptions:
+    """What a run writes besides its tables."""
 
-    checkpoint_every: float | None = None
-    """Wall time between checkpoints, min."""
-    fields_every: float | None = None
-    """Simulated time between fields, s."""
+    checkpoint_every: float | None = None  # Wall time between checkpoints, min
+    fields_every: float | None = None  # Simulated time between fields, s
+
+
+@dataclass(frozen=True)
+class Setup:
+    """The units of a run and what it writes."""
+
+    fmus: dict[str, Path]
+    foreign: bool  # Whether one of them is not ours
+    options: OutputOptions
 
 
 def assemble(
-    scene: dict, fmus: dict[str, Path], stack: ExitStack
+    scene: Scene, fmus: Mapping[str, Path], stack: ExitStack, drive: coupling.Drive | None = None, foreign: bool = False
 ) -> tuple[dict[str, Unit], coupling.Single, master.Clock, Recorder]:
-    """The packed units of `scene`, coupled and ready to step, with clock and recorder; `stack` closes them."""
-    clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+    """The packed units of `scene`, coupled and ready to step, with clock and recorder; `stack` closes them. `drive`
+    moves a root that the scene leaves to the master; `foreign` says that a unit is not ours."""
+    clock = master.Clock(scene.time.end, scene.time.communication_step)
     units = {}
     for kind, path in fmus.items():
         units[kind] = Unit(path, kind, clock.end)
         stack.callback(units[kind].close)
-    return units, coupling.couple(units, scene.get("coupling")), clock, Recorder(units, clock.steps)
+    return units, coupling.couple(units, scene.coupling, drive, foreign), clock, Recorder(units, clock.steps)
 
 
 def consoles(quiet: bool) -> tuple[Console, Console]:
@@ -45,17 +54,22 @@ def consoles(quiet: bool) -> tuple[Console, Console]:
     return Console(quiet=quiet, highlight=False), Console(stderr=True, highlight=False, soft_wrap=True)
 
 
-def default_folder(scene: dict) -> Path:
+def default_folder(scene: Scene) -> Path:
     """results/NAME, for a scene that a unit has accepted."""
-    return Path("results") / scene["name"]
+    return Path("results") / scene.name
 
 
 def run(
-    scene: dict, folder: Path | None, foreign: dict[str, Path | None], keeping: Keeping, console: Console, errors: Console
-) -> int:
-    """Run `scene` from its start, with the FMUs `foreign` by kind in the place of ours, into `folder` or results/NAME;
-    returns how it ended."""
-    for kind in package.kinds(scene):
+    scene: Scene,
+    folder: Path | None,
+    foreign: Mapping[str, Path | None],
+    options: OutputOptions,
+    console: Console,
+    errors: Console,
+) -> results.Results:
+    """Run `scene` from its start, with the FMUs `foreign` by kind in the place of ours, into `folder` or
+    results/NAME."""
+    for kind in kinds(scene):
         package.describe(kind, scene)
     folder = folder or default_folder(scene)
     if (folder / checkpoint.FILE).exists():
@@ -64,89 +78,84 @@ def run(
             f"anew, delete {checkpoint.FILE} or give another --output"
         )
     try:
-        fmus = {kind: foreign.get(kind) or package.pack(kind, scene, folder) for kind in package.kinds(scene)}
+        fmus = {kind: foreign.get(kind) or package.pack(kind, scene, folder) for kind in kinds(scene)}
     except OSError as error:
         raise Refusal(f"cannot write into the result folder {folder}: {error.strerror}") from error
-    return _execute(scene, fmus, folder, keeping, None, console, errors)
+    return _execute(scene, Setup(fmus, any(foreign.values()), options), folder, None, console, errors)
 
 
-def resume(folder: Path, console: Console, errors: Console) -> int:
-    """Go on from the checkpoint in `folder` with the FMUs that the run had; returns how it ended."""
+def resume(folder: Path, console: Console, errors: Console) -> results.Results:
+    """Go on from the checkpoint in `folder` with the FMUs that the run had."""
     kept = checkpoint.read(folder)
-    setup = kept.about["setup"]
-    fmus = {kind: folder / path for kind, path in setup["fmus"].items()}
-    for kind, path in fmus.items():
+    about = kept.about["setup"]
+    setup = Setup(
+        {kind: folder / path for kind, path in about["fmus"].items()},
+        about["foreign"],
+        OutputOptions(**about["options"]),
+    )
+    for kind, path in setup.fmus.items():
         if not path.is_file():
             raise Refusal(f"the {kind} of the run in {folder} is not there any more: {path}")
-    return _execute(kept.about["scene"], fmus, folder, Keeping(**setup["keeping"]), kept, console, errors)
+    return _execute(typed(kept.about["scene"]), setup, folder, kept, console, errors)
 
 
 def _execute(
-    scene: dict,
-    fmus: dict[str, Path],
-    folder: Path,
-    keeping: Keeping,
-    kept: checkpoint.Kept | None,
-    console: Console,
-    errors: Console,
-) -> int:
+    scene: Scene, setup: Setup, folder: Path, kept: checkpoint.Kept | None, console: Console, errors: Console
+) -> results.Results:
     """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder`."""
+    options = setup.options
 
     def warn(message: str) -> None:
         errors.print(f"warning: {message}", markup=False)
 
     with ExitStack() as stack:
-        units, scheme, clock, recorder = assemble(scene, fmus, stack)
-        if scheme.choice:
-            text = "load {load}: {load_reason}\nscheme {scheme}: {scheme_reason}".format(**scheme.choice)
+        units, scheme, clock, recorder = assemble(scene, setup.fmus, stack, foreign=setup.foreign)
+        if chosen := scheme.choice:
+            text = f"load {chosen.load}: {chosen.load_reason}\nscheme {chosen.scheme}: {chosen.scheme_reason}"
             console.print(text, soft_wrap=True)
 
-        done, wall, saved, watchers = 0, 0.0, None, []
-        if keeping.checkpoint_every is not None:
-            inside = {kind: _inside(path, folder) for kind, path in fmus.items()}
-            setup = {"fmus": inside, "keeping": asdict(keeping)}
-            saved = checkpoint.Checkpoint(folder, scene, setup, units, scheme, recorder)
-        if kept is not None:
-            scheme.start()
-            done, wall = saved.restore(kept)
-        if keeping.fields_every is not None:
-            frames = fields.Fields(folder, scene, units, clock, keeping.fields_every, done)
+        done, wall, saved = 0, 0.0, None
+        watchers: list[master.Watcher] = []
+        if options.checkpoint_every is not None:
+            inside = {kind: _inside(path, folder) for kind, path in setup.fmus.items()}
+            about = {"fmus": inside, "foreign": setup.foreign, "options": asdict(options)}
+            saved = checkpoint.Checkpoint(folder, scene, about, units, scheme, recorder)
+            if kept is not None:
+                scheme.start()
+                done, wall = saved.restore(kept)
+        if options.fields_every is not None:
+            frames = fields.Fields(folder, scene, units, clock, options.fields_every, done)
             stack.callback(frames.close)
             watchers.append(frames.watch(warn))
-        if saved:
-            watchers.append(saved.every(keeping.checkpoint_every * 60, wall, warn))
+        if saved and options.checkpoint_every is not None:
+            watchers.append(saved.every(options.checkpoint_every * 60, wall, warn))
 
-        with interruptible() as stopping, Display(console, recorder, clock.end, quiet=console.quiet) as display:
-            outcome = master.run(scheme, clock, recorder, [*watchers, display.show], stopping, done, wall)
-        stopped = outcome.error is None and not outcome.completed
-        if stopped and saved and outcome.steps > 0:
-            saved.try_to_save(outcome.steps, outcome.simulated, outcome.wall, warn)
+        with interruptible() as stopping, Display(console, recorder, clock.end) as display:
+            status = master.run(scheme, clock, recorder, [*watchers, display.show], stopping, done, wall)
+        if saved and status.stopped and status.steps > 0:
+            saved.try_to_save(status.steps, status.simulated, status.wall, warn)
 
         from nervure.show import plots
 
-        summary = report.summarize(scene, units, scheme, recorder, outcome)
+        summary = summarize(scene, units, scheme, recorder, status)
         try:
-            report.write(folder, scene, recorder, scheme, summary)
-            if keeping.fields_every is None:
+            results.write(folder, scene, recorder, scheme, summary)
+            if options.fields_every is None:
                 fields.clear(folder)
-            plots.time_series(folder, {scene["name"]: recorder}, scene["name"])
+            plots.time_series(folder, {scene.name: recorder}, scene)
             plots.cylinder(folder, recorder, scene, summary)
             plots.driven_root(folder, recorder, summary)
-            if outcome.error is None:
-                plots.vorticity(folder, scene, units, outcome.simulated)
+            if status.error is None:
+                plots.vorticity(folder, scene, units, status.simulated)
         except OSError as error:
             raise Refusal(f"the results cannot be written into {folder}: {error.strerror}") from error
-    report.print_table(console, summary)
+    print_table(console, summary)
     console.print(f"results in {folder}", soft_wrap=True)
-    if outcome.error is not None:
-        errors.print(f"error: {outcome.error}", markup=False)
-        return FAILED
-    if stopped:
-        if saved:
-            console.print(f"stopped; `nervure resume {folder}` goes on", soft_wrap=True)
-        return INTERRUPTED
-    checkpoint.clear(folder)
-    return REACHED
+    if status.stopped and saved:
+        console.print(f"stopped; `nervure resume {folder}` goes on", soft_wrap=True)
+    if status.completed:
+        checkpoint.clear(folder)
+    return results.of(scene, folder, summary, recorder)
 
 
 def _inside(path: Path, folder: Path) -> str:

@@ -11,20 +11,25 @@ import itertools
 import json
 import logging
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter, process_time
+from typing import Any
 
 from rich.console import Console
 
 from nervure import simulation
-from nervure.pack import package
-from nervure.errors import Refusal
-from nervure.files import write_csv, write_whole
-from nervure.scene import SceneError, assign, json_or_text
+from nervure.errors import Refusal, SceneError
+from nervure.files import json_numbers, write_csv, write_whole
+from nervure.library import library
+from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, typed
+
+Row = dict[str, Any]
+"""What the table has of a run, by column."""
 
 ROW = "row.json"
 FINISHED, FAILED, KILLED = "finished", "failed", "killed"
@@ -42,24 +47,22 @@ REPORTED = ("simulated_s", "steps", "periods", "amplitude_drift", "iterations_me
 class Case:
     """A run of a sweep."""
 
-    scene: dict
-    varied: dict
-    """What differs from the scene it was made of, by dotted keys."""
-    key: str
-    """Digest of the scene and of its units' libraries: a row with the same key needs no other run."""
+    scene: Document  # Which may be one that a unit refuses: that is then the result
+    varied: dict[str, Any]  # What differs from the scene it was made of, by dotted keys
+    key: str  # Digest of the scene and of its units' libraries: a row with the same key needs no other run
 
     @property
     def folder(self) -> str:
-        digest = hashlib.sha256(package.scene_text(self.scene).encode()).hexdigest()
+        digest = hashlib.sha256(text(self.scene).encode()).hexdigest()
         return f"{plain_name(self.scene)}-{digest[:10]}"
 
 
-def plain_name(scene: dict) -> str:
+def plain_name(scene: Document) -> str:
     """The name of a scene as a part of a path, whatever it holds: a unit has not seen it yet."""
     return re.sub(r"[^\w.-]", "_", str(scene.get("name")))
 
 
-def values(text: str) -> tuple[str, list]:
+def values(text: str) -> tuple[str, list[Any]]:
     """Dotted key and values of `key=v1,v2,…` or `key=[v1, v2, …]`."""
     key, equals, listed = text.partition("=")
     if not (key and equals and listed):
@@ -68,76 +71,76 @@ def values(text: str) -> tuple[str, list]:
     return key, whole if isinstance(whole, list) else [json_or_text(part) for part in listed.split(",")]
 
 
-def grid(scenes: Iterable[dict], variations: list[tuple[str, list]]) -> list[Case]:
+def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[Any]]]) -> list[Case]:
     """A case for every scene and every combination of the values."""
     keys = [key for key, _ in variations]
     if len(set(keys)) < len(keys):
         raise SceneError(f"the variations name a key twice: {', '.join(keys)}")
-    digests = {}
-    cases = {}
+    digests: dict[str, bytes] = {}
+    cases: dict[str, Case] = {}
     for base in scenes:
         for combination in itertools.product(*(listed for _, listed in variations)):
-            scene, varied = copy.deepcopy(base), dict(zip(keys, combination))
+            scene, varied = copy.deepcopy(document(base)), dict(zip(keys, combination, strict=True))
             for key, value in varied.items():
                 assign(scene, key, copy.deepcopy(value))
-            digest = hashlib.sha256(package.scene_text(scene).encode())
-            for kind in package.kinds(scene):
+            digest = hashlib.sha256(text(scene).encode())
+            for kind in kinds(scene):
                 if kind not in digests:
-                    digests[kind] = hashlib.sha256(package.library(kind).read_bytes()).digest()
+                    digests[kind] = hashlib.sha256(library(kind).read_bytes()).digest()
                 digest.update(digests[kind])
             case = Case(scene, varied, digest.hexdigest())
             cases[case.folder] = case
     return list(cases.values())
 
 
-def known(case: Case, folder: Path) -> dict | None:
+def known(case: Case, folder: Path) -> Row | None:
     """The row that a former sweep into `folder` left of `case`."""
     try:
-        row = json.loads((folder / case.folder / ROW).read_text(encoding="utf-8"))
+        row: Row = json.loads((folder / case.folder / ROW).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
     return row if row.get("key") == case.key else None
 
 
-def one(scene: dict, folder: Path) -> dict:
+def one(scene: Document, folder: Path) -> Row:
     """Run a case on a worker; returns what its row has of it."""
     wall, cpu = perf_counter(), process_time()
     quiet = Console(quiet=True)
-    status, reason, result = FINISHED, None, {}
+    row: Row = {"status": FINISHED, "reason": None}
+    found: Row = {}
     try:
-        ended = simulation.run(scene, folder, {}, simulation.Keeping(), quiet, quiet)
-        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        if ended != simulation.REACHED:
-            status, reason = FAILED, summary["error"]
-        result = {name: summary[name] for name in REPORTED}
-        for name, quantity in summary["quantities"].items():
-            result |= {f"{name}_{what}": quantity[what] for what in STATISTICS}
-        result |= (summary["coefficients"] or {}).get("values", {})
-        result |= {name: value for name, value in (summary["flapping"] or {}).items() if isinstance(value, float)}
+        summary = simulation.run(typed(scene), folder, {}, simulation.OutputOptions(), quiet, quiet).summary
+        if not summary.completed:
+            row = {"status": FAILED, "reason": summary.error}
+        found = {name: getattr(summary, name) for name in REPORTED}
+        for name, quantity in summary.quantities.items():
+            found |= {f"{name}_{what}": getattr(quantity, what) for what in STATISTICS}
+        found |= summary.coefficients.values if summary.coefficients else {}
+        flapping = vars(summary.flapping).items() if summary.flapping else ()
+        found |= {name: value for name, value in flapping if isinstance(value, float)}
     except (Refusal, OSError) as error:
-        status, reason = FAILED, str(error)
-    return {"status": status, "reason": reason, "wall_s": perf_counter() - wall, "cpu_s": process_time() - cpu} | result
+        row = {"status": FAILED, "reason": str(error)}
+    times = {"wall_s": perf_counter() - wall, "cpu_s": process_time() - cpu}
+    return {name: json_numbers(value) for name, value in (row | times | found).items()}
 
 
 def run(
     cases: list[Case], folder: Path, scheduler: str | None, retry_failed: bool, say: Callable[[str], None]
-) -> list[dict]:
+) -> list[Row]:
     """Run those of `cases` that are not known, write sweep.csv and sweep.json into `folder`, return the rows."""
     rows = {case.folder: known(case, folder) for case in cases}
-    todo = [
-        case
-        for case in cases
-        if rows[case.folder] is None or retry_failed and rows[case.folder]["status"] != FINISHED
-    ]
+    again = {name for name, row in rows.items() if row is None or (retry_failed and row["status"] != FINISHED)}
+    todo = [case for case in cases if case.folder in again]
     say(f"{len(cases)} runs, {len(todo)} to do, into {folder}")
     try:
         _collect(folder, rows)
         if todo:
             for case, result in _distributed(todo, folder, scheduler):
-                row = {"folder": case.folder, "scene": case.scene.get("name")} | case.varied | result | {"key": case.key}
+                row = {"folder": case.folder, "scene": case.scene.get("name"), **case.varied, **result, "key": case.key}
                 rows[case.folder] = row
                 (folder / case.folder).mkdir(exist_ok=True)
-                write_whole(folder / case.folder / ROW, lambda path, row=row: path.write_text(json.dumps(row) + "\n"))
+                line = json.dumps(row) + "\n"
+                write_whole(folder / case.folder / ROW, partial(Path.write_text, data=line))
                 _collect(folder, rows)
                 changes = ", ".join(f"{key}={json.dumps(value)}" for key, value in case.varied.items())
                 told = row["reason"] or f"in {row['wall_s']:.1f} s"
@@ -147,9 +150,9 @@ def run(
     return [row for row in rows.values() if row]
 
 
-def _distributed(cases: list[Case], folder: Path, scheduler: str | None):
-    """Cases with their results, as they come in. No more are handed out than there are workers, so that one that kills its
-    worker takes no other with it."""
+def _distributed(cases: list[Case], folder: Path, scheduler: str | None) -> Iterator[tuple[Case, Row]]:
+    """Cases with their results, as they come in. No more are handed out than there are workers, so that one that kills
+    its worker takes no other with it."""
     import distributed
     from distributed.scheduler import KilledWorker
 
@@ -169,16 +172,18 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None):
             client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
         except (OSError, ValueError) as error:
             raise Refusal(
-                f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are on "
-                "this machine"
+                f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are "
+                "on this machine"
             ) from error
         threads = client.nthreads()
         if not threads:
-            raise Refusal(f"the scheduler at {scheduler} has no workers: `dask worker {scheduler} --nthreads 1` starts one")
+            raise Refusal(
+                f"the scheduler at {scheduler} has no workers: `dask worker {scheduler} --nthreads 1` starts one"
+            )
         if several := [f"{worker} has {count}" for worker, count in threads.items() if count != 1]:
             raise Refusal(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
 
-        waiting, running = iter(cases), {}
+        waiting, running = iter(cases), dict[Any, Case]()
         done = distributed.as_completed()
 
         def hand_out() -> None:
@@ -197,31 +202,28 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None):
                 case = running.pop(future)
                 if future.cancelled():
                     raise CancelledError
-                error = future.exception()
+                failure = future.exception()
             except (OSError, CancelledError) as lost:
                 raise Refusal(
                     f"the scheduler at {scheduler} was lost; the same command goes on with what is missing"
                 ) from lost
-            if isinstance(error, KilledWorker):
-                yield case, {"status": KILLED, "reason": f"its worker died {error.allowed_failures + 1} times"}
-            elif error is not None:
-                yield case, {"status": FAILED, "reason": f"{type(error).__name__}: {error}"}
+            if isinstance(failure, KilledWorker):
+                yield case, {"status": KILLED, "reason": f"its worker died {failure.allowed_failures + 1} times"}
+            elif failure is not None:
+                yield case, {"status": FAILED, "reason": f"{type(failure).__name__}: {failure}"}
             else:
                 yield case, future.result()
 
 
-def _collect(folder: Path, rows: dict[str, dict | None]) -> None:
+def _collect(folder: Path, rows: dict[str, Row | None]) -> None:
     """Write sweep.csv and sweep.json of the rows that there are, in the order of the grid."""
     folder.mkdir(parents=True, exist_ok=True)
     table = [row for row in rows.values() if row]
     columns = list(dict.fromkeys(column for row in table for column in row if column != "key"))
 
-    write_csv(
-        folder / "sweep.csv",
-        [
-            {name: json.dumps(v) if isinstance(v, (list, dict)) else v for name, v in row.items() if name != "key"}
-            for row in table
-        ],
-    )
+    def cells(row: Row) -> Row:
+        return {name: json.dumps(v) if isinstance(v, list | dict) else v for name, v in row.items() if name != "key"}
+
+    write_csv(folder / "sweep.csv", list(map(cells, table)))
     text = json.dumps([{name: row.get(name) for name in columns} for row in table], indent=2) + "\n"
     write_whole(folder / "sweep.json", lambda path: path.write_text(text, encoding="utf-8"))

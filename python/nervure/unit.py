@@ -5,9 +5,11 @@ import re
 import shutil
 import tempfile
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import fmpy
 import numpy as np
@@ -33,13 +35,11 @@ class Variable:
     """A scalar variable, or an array `name[1] … name[n]`."""
 
     name: str
-    kind: str
-    """FMI type: Real, Integer, Boolean or String."""
+    kind: str  # FMI type: Real, Integer, Boolean or String
     causality: str
     unit: str | None
     references: list[int]
-    start: list[str | None]
-    """Start values as they stand in the model description."""
+    start: list[str | None]  # Start values as they stand in the model description
 
     @property
     def size(self) -> int:
@@ -50,7 +50,7 @@ _messages: dict[str, list[str]] = defaultdict(list)
 """Why units failed, by instance name: fmpy's proxy knows one logger for the whole process."""
 
 
-def _log(_environment, instance, status, _category, message):
+def _log(_environment: Any, instance: bytes | None, status: int, _category: Any, message: bytes | None) -> None:
     if status > FMI_WARNING:
         _messages[(instance or b"").decode("utf-8", "replace")].append((message or b"").decode("utf-8", "replace"))
 
@@ -74,8 +74,8 @@ class Unit:
         self.name = name
         self.seconds = 0.0
         """Wall time spent on steps and rollback, s."""
-        self.fmu = None
-        self._folder = None
+        self.fmu: Any = None
+        self._folder: str | None = None
         self.state = ctypes.c_void_p()
         """Handle of the state that `save` keeps."""
         _messages[name].clear()
@@ -111,10 +111,10 @@ class Unit:
         self._bind()
         self.connect([], [])
 
-    def _bind(self):
+    def _bind(self) -> None:
         """Bind the calls of the loop to the C functions themselves: fmpy's wrappers build lists element by element."""
 
-        def function(name, *arguments):
+        def function(name: str, *arguments: Any) -> Any:
             bound = self.fmu.dll[name]
             bound.argtypes = [ctypes.c_void_p, *arguments]
             bound.restype = ctypes.c_int
@@ -133,14 +133,14 @@ class Unit:
         `outputs` holds them as far as `exchanged` goes, then the unit's scalar outputs, which are always fetched;
         `integers` holds the scalar Integer outputs; `slices` says where each of `outputs` is.
         """
-        self._alive = []
+        self._alive: list[np.ndarray] = []
         real_scalars, integer_scalars = self.scalars("Real"), self.scalars("Integer")
         self.inputs, self._set_arguments = self._buffer(inputs, float)
         self.outputs, self._get_arguments = self._buffer(outputs + real_scalars, float)
         self.integers, self._get_integer_arguments = self._buffer(integer_scalars, np.intc)
         sizes = [self.variables[name].size for name in outputs + real_scalars]
         ends = np.cumsum(sizes, dtype=int).tolist()
-        self.slices = {name: slice(e - n, e) for name, n, e in zip(outputs + real_scalars, sizes, ends)}
+        self.slices = {name: slice(e - n, e) for name, n, e in zip(outputs + real_scalars, sizes, ends, strict=True)}
         self.exchanged = self.outputs[: self.outputs.size - len(real_scalars)]
         self.reals = self.outputs[self.exchanged.size :]
 
@@ -148,16 +148,20 @@ class Unit:
         """Names of the scalar outputs of FMI type `kind`."""
         return [v.name for v in self.variables.values() if v.causality == "output" and v.kind == kind and v.size == 1]
 
-    def _buffer(self, names: list[str], dtype):
+    def _buffer(self, names: list[str], dtype: type) -> tuple[np.ndarray, tuple[Any, ...]]:
+        """Start values of `names`, and the arguments with which the unit sets or gets them."""
         references = [reference for name in names for reference in self.variables[name].references]
-        values = np.array([float(start or 0) for name in names for start in self.variables[name].start], dtype)
+        values: np.ndarray = np.array(
+            [float(start or 0) for name in names for start in self.variables[name].start], dtype
+        )
         c_references = np.array(references, np.uintc)
         self._alive += [c_references, values]  # what the addresses in the arguments point to
         return values, (self._component, c_references.ctypes.data, len(references), values.ctypes.data)
 
     def output(self, name: str) -> np.ndarray:
         """View of one of `outputs`."""
-        return self.outputs[self.slices[name]]
+        view: np.ndarray = self.outputs[self.slices[name]]
+        return view
 
     def set(self) -> None:
         """Hand `inputs` to the unit."""
@@ -211,7 +215,7 @@ class Unit:
     def serialize(self) -> bytes:
         """The unit's whole state; replaces the one that `save` kept."""
         self.save()
-        return self._call(self.fmu.serializeFMUstate, self.state)
+        return bytes(self._call(self.fmu.serializeFMUstate, self.state))
 
     def deserialize(self, state: bytes) -> None:
         """Put the unit into a state that `serialize` gave."""
@@ -222,8 +226,15 @@ class Unit:
         """Values of any Real variable, whether it is exchanged or not."""
         return np.array(self._call(self.fmu.getReal, self.variables[name].references))
 
-    def field(self, name: str) -> np.ndarray | None:
-        """A field of the unit, `[nx, ny]`; None if the unit shows none, which is no part of FMI."""
+    def field(self, name: str) -> np.ndarray:
+        """A field of the unit, `[nx, ny]`; raises `UnitError` if it does not show it, which is no part of FMI."""
+        values = self.shown_field(name)
+        if values is None:
+            raise UnitError(f"{self.name}: there is no field `{name}`")
+        return values
+
+    def shown_field(self, name: str) -> np.ndarray | None:
+        """The same; None if the unit does not show it."""
         try:
             function = self.fmu.dll["fmu_field"]
         except AttributeError:
@@ -248,7 +259,7 @@ class Unit:
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
 
-    def _call(self, function, *arguments, **keywords):
+    def _call(self, function: Callable[..., Any], *arguments: Any, **keywords: Any) -> Any:
         try:
             return function(*arguments, **keywords)
         except FMICallException as error:
@@ -263,9 +274,9 @@ class Unit:
         return UnitError(f"{self.name}: {said or what}")
 
 
-def variables_of(description) -> dict[str, Variable]:
+def variables_of(description: Any) -> dict[str, Variable]:
     """The variables of a model description with arrays put together, by name."""
-    arrays = defaultdict(dict)
+    arrays: dict[str, dict[int, Any]] = defaultdict(dict)
     for scalar in description.modelVariables:
         element = ELEMENT.fullmatch(scalar.name)
         name, index = (element[1], int(element[2])) if element else (scalar.name, 1)

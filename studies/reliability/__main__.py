@@ -1,17 +1,87 @@
-"""Starts the checks; with --continue, it is the other process of `states.processes`."""
+"""python -m studies.reliability [--list] [--only forks] [--share 0.01]
 
-import sys
+Each check runs with both units, in a process of its own; with its full count, its row in docs/reliability.csv is
+replaced.
+"""
+
+import csv
+import time
+from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated
 
+import fmpy
 import typer
 
-sys.path[:1] = [str(Path(__file__).parents[level]) for level in (1, 2)]
+from nervure.files import write_csv
+from nervure.library import KINDS
+from nervure.pack import package
+from nervure.resources import ROOT
 
-from reliability.checks import main
-from reliability.states import continued
+from . import calls, files, trials
+from .unit import SCENE, FMU2Unit, child, tried
+
+RESULTS = ROOT / "docs" / "reliability.csv"
+TIMEOUT = 3600.0
+"""How long a check may take before it counts as hung, s."""
+CHECKS: dict[str, tuple[Callable[[FMU2Unit, int], str], int, int]] = {
+    "sequences": (calls.sequences, 100_000, 200),
+    "hostile": (trials.hostile, 10_000, 300),
+    "corrupted": (trials.corrupted, 1_000_000, 3000),
+    "forged": (trials.forged, 100_000, 1000),
+    "processes": (trials.processes, 200, 2),
+    "rollbacks": (trials.rollbacks, 1000, 30),
+    "instances": (trials.instances, 100_000, 300),
+    "loads": (trials.loads, 5000, 20),
+    "threads": (trials.threads, 64, 16),
+    "forks": (trials.forks, 100, 4),
+    "modes": (trials.modes, 160, 16),
+    "kills": (files.kills, 500, 20),
+    "full_disks": (files.full_disks, 500, 20),
+}
+"""Each check with its full count of cases and that of the tests."""
+
+
+def unpack(kind: str, folder: Path) -> Path:
+    """The FMU of `SCENE`, unpacked."""
+    return Path(fmpy.extract(str(package.pack(kind, SCENE, folder)), str(folder / kind)))
+
+
+def main(
+    only: Annotated[list[str] | None, typer.Option(help="Checks to run; default: all.")] = None,
+    share: Annotated[float, typer.Option(help="Part of the full count.")] = 1.0,
+    list_: Annotated[bool, typer.Option("--list", help="Name the checks and end.")] = False,
+) -> None:
+    """Run the reliability checks."""
+    if unknown := set(only or ()) - set(CHECKS):
+        raise typer.BadParameter(f"{', '.join(sorted(unknown))}: the checks are {', '.join(CHECKS)}")
+    failed = 0
+    with TemporaryDirectory() as temporary:
+        for name, (function, full, _) in CHECKS.items():
+            if list_:
+                typer.echo(f"{name:12} {full:9}  {function.__doc__}")
+                continue
+            for kind in KINDS if name in (only or CHECKS) else ():
+                count, begin = max(1, round(share * full)), time.perf_counter()
+                try:
+                    result = child("spawn", TIMEOUT, tried, function, kind, unpack(kind, Path(temporary)), count)
+                except AssertionError as error:
+                    result, failed = f"**failed**: {error}", failed + 1
+                seconds = round(time.perf_counter() - begin)
+                typer.echo(f"{name} of the {kind}, {count:,} cases in {seconds} s: {result}")
+                if count == full:
+                    record({"check": name, "unit": kind, "cases": count, "result": result, "seconds": seconds})
+    raise typer.Exit(failed > 0)
+
+
+def record(row: dict) -> None:
+    """Put a result in the place of the former one of its check and unit."""
+    with open(RESULTS, encoding="utf-8", newline="") as file:
+        rows = {(old["check"], old["unit"]): old for old in csv.DictReader(file)}
+    rows[row["check"], row["unit"]] = row
+    write_csv(RESULTS, [rows[name, kind] for name in CHECKS for kind in KINDS if (name, kind) in rows])
+
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--continue"]:
-        continued(*sys.argv[2:])
-    else:
-        typer.run(main)
+    typer.run(main)

@@ -1,187 +1,123 @@
-"""The FMUs as files, through the C functions alone."""
+"""The units as unpacked FMUs, through the C functions as fmpy declares them, and processes to try them in."""
 
-import _ctypes
-import ctypes
+import copy
 import hashlib
+import json
 import math
+import multiprocessing
+from array import array
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import fmpy
-
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 OK, WARNING, DISCARD, ERROR = range(4)
-STEP = 2e-4
-"""Communication step, s."""
-
-SCENE = {
-    "name": "reliability",
-    "time": {"end": 1.0, "communication_step": STEP},
-    "beam": {
-        "root": {"at": {"position": [0.25, 0.2], "direction": [1.0, 0.0]}},
-        "length": 0.35,
-        "thickness": 0.06,
-        "segments": 6,
-    },
-    "rod": {"material": {"plane_strain": {"density": 2000.0, "youngs_modulus": 1.4e6, "poisson_ratio": 0.4}}},
-    "fluid": {
-        "density": 1000.0,
-        "kinematic_viscosity": 1e-3,
-        "box": {"x": [0.0, 0.8], "y": [0.0, 0.4], "cells": [32, 16]},
-        "initial_velocity": [1.0, 0.0],
-        "inflow": {"x": [0.0, 0.1], "profile": "uniform", "mean_velocity": {"steady": 1.0}, "c_eta": 1e-2},
-        "mask": {"cosine": {"c_eta": 1e-3, "half_width": 1.0}},
-        "time_stepping": {"max_step": STEP, "max_cfl": 0.3},
-    },
-    "coupling": {"load": "momentum"},
-}
+SCENE = json.loads(Path(__file__).with_name("scene.json").read_text(encoding="utf-8"))
 """A thick flag in a stream, small enough for a million cases."""
-
+STEP = SCENE["time"]["communication_step"]
 INPUTS = {"rod": ("force_x", "force_y"), "fluid": ("x", "y", "vx", "vy")}
 """Inputs that the checks change."""
 
 
-class Callbacks(ctypes.Structure):
-    """`fmi2CallbackFunctions`."""
-
-    logger_type = ctypes.CFUNCTYPE(None, *[ctypes.c_char_p] * 2, ctypes.c_int, *[ctypes.c_char_p] * 2)
-    _fields_ = [("logger", logger_type)] + [(name, ctypes.c_void_p) for name in ("allocate", "free", "done", "own")]
-
-
-POINTER, SIZE, REAL, TEXT, INT = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_char_p, ctypes.c_int
-VALUES = [POINTER, POINTER, SIZE, POINTER]
-SIGNATURES = {
-    "SetDebugLogging": [POINTER, INT, SIZE, POINTER],
-    "SetupExperiment": [POINTER, INT, REAL, REAL, INT, REAL],
-    **dict.fromkeys(("EnterInitializationMode", "ExitInitializationMode", "Terminate", "Reset", "CancelStep"), [POINTER]),
-    **{f"{way}{kind}": VALUES for way in ("Get", "Set") for kind in ("Real", "Integer", "Boolean", "String")},
-    "GetFMUstate": [POINTER, POINTER],
-    "SetFMUstate": [POINTER, POINTER],
-    "FreeFMUstate": [POINTER, POINTER],
-    "SerializedFMUstateSize": [POINTER, POINTER, POINTER],
-    "SerializeFMUstate": [POINTER, POINTER, POINTER, SIZE],
-    "DeSerializeFMUstate": [POINTER, POINTER, SIZE, POINTER],
-    "GetDirectionalDerivative": [POINTER, POINTER, SIZE, POINTER, SIZE, POINTER, POINTER],
-    "SetRealInputDerivatives": [POINTER, POINTER, SIZE, POINTER, POINTER],
-    "GetRealOutputDerivatives": [POINTER, POINTER, SIZE, POINTER, POINTER],
-    "DoStep": [POINTER, REAL, REAL, INT],
-    **{f"Get{kind}Status": [POINTER, INT, POINTER] for kind in ("", "Real", "Integer", "Boolean", "String")},
-}
-"""Argument types of the functions that act on an instance and return a status."""
-
-
-class Library:
-    """An unpacked FMU with its library loaded."""
+class FMU2Unit(FMU2Slave):  # fmpy takes the version of FMI from the name of the class
+    """A unit, whose methods raise FMICallException where `call` gives a status; `new` makes instances of it."""
 
     def __init__(self, kind: str, folder: Path):
-        self.kind = kind
+        self.kind, self.folder, self.steps = kind, folder, 0
         self.description = fmpy.read_model_description(str(folder), validate=False)
-        self.guid = self.description.guid.encode()
-        self.resources = (folder / "resources").as_uri().encode()
-        self.path = folder / "binaries" / fmpy.platform / f"fmu_{kind}{fmpy.sharedLibraryExtension}"
-        self.references = {variable.name: variable.valueReference for variable in self.description.modelVariables}
+        self.variables = self.description.modelVariables
+        self.inputs, self.outputs = self.references("input", INPUTS[kind]), self.references("output")
         self.messages: list[str] = []
-        self.logger = Callbacks.logger_type(lambda _, name, status, category, text: self.messages.append(text.decode()))
-        self.callbacks = Callbacks(logger=self.logger)
+        self.log = fmi2CallbackFunctions(
+            logger=fmi2CallbackLoggerTYPE(lambda *said: self.messages.append(said[-1].decode()))
+        )
         self.load()
 
     def load(self) -> None:
-        self.dll = ctypes.CDLL(str(self.path))
-        for name, arguments in SIGNATURES.items():
-            function = self.dll[f"fmi2{name}"]
-            function.argtypes, function.restype = arguments, ctypes.c_int
-            setattr(self, name, function)
-        self.instantiate = self.dll["fmi2Instantiate"]
-        self.instantiate.argtypes = [TEXT, INT, TEXT, TEXT, POINTER, INT, INT]
-        self.instantiate.restype = POINTER
-        self.free = self.dll["fmi2FreeInstance"]
-        self.free.argtypes, self.free.restype = [POINTER], None
+        folder, name = str(self.folder), f"fmu_{self.kind}"
+        super().__init__(instanceName="unit", guid=self.description.guid, unzipDirectory=folder, modelIdentifier=name)
 
-    def unload(self) -> None:
-        for name in (*SIGNATURES, "instantiate", "free"):
-            delattr(self, name)
-        handle = self.dll._handle
-        del self.dll
-        _ctypes.dlclose(handle)
-
-    def new(self) -> int:
-        component = self.instantiate(b"unit", 1, self.guid, self.resources, ctypes.byref(self.callbacks), 0, 0)
-        assert component, self.messages[-1:]
-        return component
-
-    def array(self, causality: str, names: tuple[str, ...] | None = None) -> tuple[ctypes.Array, int]:
+    def references(self, causality: str, names: Sequence[str] = ()) -> list[int]:
         """Value references of the Real variables of a causality, of the given arrays only if there are any."""
-        references = [
-            variable.valueReference
-            for variable in self.description.modelVariables
-            if variable.causality == causality
-            and variable.type == "Real"
-            and (names is None or variable.name.split("[")[0] in names)
-        ]
-        return (ctypes.c_uint * len(references))(*references), len(references)
+        variables = [v for v in self.variables if v.causality == causality and v.type == "Real"]
+        return [v.valueReference for v in variables if not names or v.name.split("[")[0] in names]
 
-    @property
-    def outputs(self) -> tuple[ctypes.Array, int]:
-        return self.array("output")
-
-
-class Unit:
-    """An instance that is ready for its first step at t = 0."""
-
-    def __init__(self, library: Library, start: bool = True):
-        self.library, self.component, self.steps = library, library.new(), 0
-        self.references, self.size = library.array("input", INPUTS[library.kind])
-        self.outputs, self.output_size = library.outputs
-        self.rest = (REAL * self.size)()
+    def new(self, start: bool = True) -> "FMU2Unit":
+        """An instance; with `start`, it is ready for its first step at t = 0."""
+        unit = copy.copy(self)
+        unit.instantiate(callbacks=self.log)
         if start:
-            self.do("SetupExperiment", 0, 0.0, 0.0, 0, 0.0)
-            self.do("EnterInitializationMode")
-            self.do("GetReal", self.references, self.size, self.rest)
-            self.do("ExitInitializationMode")
+            unit.enter()
+            unit.exitInitializationMode()
+        return unit
 
-    def do(self, name: str, *arguments) -> None:
-        status = getattr(self.library, name)(self.component, *arguments)
-        assert status == OK, f"{name} returned {status}: {self.library.messages[-1:]}"
+    def enter(self) -> None:
+        """Enter initialization mode."""
+        self.setupExperiment(startTime=0.0)
+        self.enterInitializationMode()
+        self.rest = self.getReal(self.inputs)
 
-    def step(self) -> None:
-        """One step under inputs that follow from the number of the step."""
-        load = 1e-4 * math.sin(self.steps + 1.0)
-        values = (REAL * self.size)(*[rest + load * (1 + k % 3) for k, rest in enumerate(self.rest)])
-        self.do("SetReal", self.references, self.size, values)
-        self.do("DoStep", self.steps * STEP, STEP, 1)
+    def call(self, name: str, *arguments: object) -> int:
+        return self._functions[f"fmi2{name}"](self.component, *arguments)
+
+    def step(self, load: float | None = None) -> None:
+        """One step with a load on the inputs, which else follows from the number of the step."""
+        load = 1e-4 * math.sin(self.steps + 1.0) if load is None else load
+        self.setReal(self.inputs, [rest + load * (1 + k % 3) for k, rest in enumerate(self.rest)])
+        self.doStep(self.steps * STEP, STEP)
         self.steps += 1
 
-    def bits(self) -> bytes:
-        values = (REAL * self.output_size)()
-        self.do("GetReal", self.outputs, self.output_size, values)
-        return bytes(values)
-
-    def run(self, steps: int) -> bytes:
-        """Everything that the outputs were after each of so many steps."""
+    def run(self, loads: int | Sequence[float]) -> bytes:
+        """Digest of all outputs after each of so many steps, or under each of these loads."""
         digest = hashlib.sha256()
-        for _ in range(steps):
-            self.step()
-            digest.update(self.bits())
+        for load in [None] * loads if isinstance(loads, int) else loads:
+            self.step(load)
+            digest.update(array("d", self.getReal(self.outputs)))
         return digest.digest()
 
-    def state(self) -> ctypes.c_void_p:
-        handle = POINTER()
-        self.do("GetFMUstate", ctypes.byref(handle))
-        return handle
-
     def serialize(self) -> bytes:
-        handle, size = self.state(), SIZE()
-        self.do("SerializedFMUstateSize", handle, ctypes.byref(size))
-        buffer = ctypes.create_string_buffer(size.value)
-        self.do("SerializeFMUstate", handle, buffer, size)
-        self.do("FreeFMUstate", ctypes.byref(handle))
-        return buffer.raw
+        state = self.getFMUstate()
+        data = self.serializeFMUstate(state)
+        self.freeFMUstate(state)
+        return data
 
     def restore(self, data: bytes, steps: int) -> None:
-        handle = POINTER()
-        self.do("DeSerializeFMUstate", data, len(data), ctypes.byref(handle))
-        self.do("SetFMUstate", handle)
-        self.do("FreeFMUstate", ctypes.byref(handle))
+        state = self.deSerializeFMUstate(data)
+        self.setFMUstate(state)
+        self.freeFMUstate(state)
         self.steps = steps
 
     def close(self) -> None:
-        self.library.free(self.component)
+        self.fmi2FreeInstance(self.component)
+
+
+def tried(check: Callable[[FMU2Unit, int], str], kind: str, folder: Path, count: int) -> str:
+    return check(FMU2Unit(kind, folder), count)
+
+
+def child(method: str, timeout: float, target: Callable[..., object], *arguments: object) -> Any:
+    """What `target` returns in a process of its own by `method` (fork, spawn); AssertionError where it fails, crashes
+    or has not ended after `timeout` (s)."""
+    context = multiprocessing.get_context(method)
+    answers = context.SimpleQueue()
+    process = context.Process(target=_answer, args=(answers, target, *arguments))
+    process.start()
+    process.join(timeout)
+    code = process.exitcode
+    process.kill()
+    process.join()
+    assert code is not None, f"hung: no end after {timeout:.0f} s"
+    assert code == 0, f"crashed with exit code {code}"
+    well, answer = answers.get()
+    assert well, answer
+    return answer
+
+
+def _answer(answers: Any, target: Callable[..., object], *arguments: object) -> None:
+    try:
+        answers.put((True, target(*arguments)))
+    except (AssertionError, FMICallException) as error:
+        answers.put((False, str(error)))

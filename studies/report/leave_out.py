@@ -10,7 +10,7 @@ from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
 from studies.show import form, markdown
 from studies.store import Data, Record
 
-SCENES = sorted(path.stem for path in FOLDER.glob("*.json") if path.stem != "references")
+SCENES = sorted(path.stem for path in FOLDER.glob("*.json"))
 
 STEPS = {"rod": 400, "fluid": 60}
 """Communication steps of a run, of scenes without and with a fluid."""

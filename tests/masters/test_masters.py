@@ -1,8 +1,9 @@
-"""Other masters run the units and agree with ours: libcosim, Ecos, fmpy's reader of SSP, a container FMU, and the crate fmi.
+"""Other masters run the units and agree with ours: libcosim, Ecos, fmpy's reader of SSP, a container FMU, and the crate
+fmi.
 
 They need packages of their own: `make masters-test`. libcosim, Ecos and fmpy let both units step from t and exchange
-afterwards; the container and the crate fmi let the rod step first. Each is compared with our units in its own order. The pair is
-that of the shipped FSI3 scene, as it is.
+afterwards; the container and the crate fmi let the rod step first. Each is compared with our units in its own order.
+The pair is that of the shipped FSI3 scene, as it is.
 """
 
 import ctypes
@@ -17,15 +18,16 @@ import fmpy
 import fmpy.ssp.simulation
 import numpy as np
 import pytest
+from lxml import etree
+
 from nervure import coupling
 from nervure.pack import ssp
 from nervure.resources import ROOT
 from nervure.unit import ELEMENT, Unit
-from lxml import etree
 
 H, STEPS = 2.0**-9, 20
-"""Communication step, s, and number of steps. The step is a whole number of libcosim's nanoseconds and has an exact double,
-so that the times of all masters are the same."""
+"""Communication step, s, and number of steps. The step is a whole number of libcosim's nanoseconds and has an exact
+double, so that the times of all masters are the same."""
 
 AGREEMENT = 1e-12
 """Largest difference by the largest value of the same quantity."""
@@ -47,9 +49,7 @@ def scene(request):
 every_scene = pytest.mark.parametrize("scene", ["pair", "rod", "fluid"], indirect=True)
 
 
-def ours(
-    units: dict[str, Unit], order: type[coupling.Explicit] = coupling.ParallelExplicit
-) -> dict[str, np.ndarray]:
+def ours(units: dict[str, Unit], order: type[coupling.Explicit] = coupling.ParallelExplicit) -> dict[str, np.ndarray]:
     """Real outputs by `unit.name` at the end of the run."""
     scheme = order(**units) if len(units) == 2 else coupling.Single(*units.values())
     scheme.start()

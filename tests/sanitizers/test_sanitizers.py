@@ -1,18 +1,26 @@
 """Both units under AddressSanitizer and under valgrind without a report, and planted bugs that both report.
 
-`make sanitizers` builds what is run here; the calls are in `src/calls.rs`. AddressSanitizer looks for leaks at the end as well.
+`make sanitizers` builds what is run here; the calls are in `src/calls.rs`. AddressSanitizer looks for leaks at the end
+as well.
 """
 
 import subprocess
 
 import pytest
+
 from nervure.resources import ROOT
 
 BUILDS = ROOT / "target" / "sanitizers"
 TOOLS = {
     "asan": ([], BUILDS / "asan" / "x86_64-unknown-linux-gnu" / "debug"),
     "valgrind": (
-        ["valgrind", "--quiet", "--error-exitcode=99", "--leak-check=full", "--errors-for-leak-kinds=definite,possible"],
+        [
+            "valgrind",
+            "--quiet",
+            "--error-exitcode=99",
+            "--leak-check=full",
+            "--errors-for-leak-kinds=definite,possible",
+        ],
         BUILDS / "plain" / "debug",
     ),
 }

@@ -7,22 +7,41 @@
 //! ```
 //!
 //! are solved by a Fourier pseudo-spectral method; `a_b` is the drag rate of body b (1/s; chi/C_eta for a mask).
-//! [`solver`] has the scheme, [`drag`] the profiles of `a`, [`beam`] and [`cylinder`] the bodies.
+//!
+//! [`Fluid`] is the whole of the interface: made of a scene, told where the beam's [`Stations`] go, advanced, and asked
+//! for forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`, `bodies` the beam
+//! and the cylinders, `transform` the Fourier transforms.
 
-pub mod beam;
-pub mod body;
-pub mod cylinder;
-pub mod drag;
-pub mod fft;
-pub mod grid;
-pub mod kernel;
-mod lines;
+mod bodies;
+mod clock;
+mod domain;
+mod error;
+mod fluid;
+mod force;
+mod grid;
 mod probe;
-pub mod projection;
-mod quad;
-pub mod solver;
+mod projection;
+mod simd;
+mod spectral;
+mod state;
+mod step;
+mod threads;
+mod transform;
+mod wall;
 mod zone;
 
-pub use beam::{Exchange, Loads, Stations};
+pub use bodies::{Loads, Stations};
+pub use error::Error;
+pub use fluid::Fluid;
+pub use force::{Exchange, Force};
 pub use grid::Grid;
-pub use solver::{Error, Fluid, Force, Phase, State};
+pub use state::State;
+
+/// What benchmarks and tables measure apart from a fluid: no part of the interface, and without promises.
+#[cfg(feature = "internals")]
+pub mod internals {
+    pub use crate::clock::{Clock, Phase};
+    pub use crate::projection::Projection;
+    pub use crate::transform::{Fft2, Quad, Scratch};
+    pub use crate::wall::{DragProfile, WallTarget};
+}

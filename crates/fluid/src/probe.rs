@@ -4,10 +4,11 @@ use nalgebra::{Matrix3xX, Vector3};
 
 use crate::grid::Grid;
 
-/// At how many points, a cell apart, the pressure is read for a probe in a wall's smeared surface, and how many cells off the
-/// first one is. The pressure has a kink there, which rings from cell to cell, most at the first; the mean of three neighbours by
-/// ¼, ½, ¼ does not see that, and a parabola through those of several cells carries it to the wall. They end where they come as
-/// near to another still body as the first one is to this; of fewer than the least number no parabola is drawn.
+/// At how many points, a cell apart, the pressure is read for a probe in a wall's smeared surface, and how many cells
+/// off the first one is. The pressure has a kink there, which rings from cell to cell, most at the first; the mean of
+/// three neighbours by ¼, ½, ¼ does not see that, and a parabola through those of several cells carries it to the wall.
+/// They end where they come as near to another still body as the first one is to this; of fewer than the least number
+/// no parabola is drawn.
 const OFF_WALL: usize = 16;
 const LEAST_OFF_WALL: usize = 6;
 const FIRST_OFF_WALL: f64 = 2.0;
@@ -21,9 +22,18 @@ pub struct Probe {
 }
 
 impl Probe {
-    /// A probe at a point (m). Where that lies in the smeared surface of one of the still `circles` (centre and radius, m), its pressure
-    /// is that of the flow outside, by the parabola along the normal that fits it best; `channel` has the walls' y (m).
-    pub fn new(position: [f64; 2], circles: &[([f64; 2], f64)], channel: Option<[f64; 2]>, grid: &Grid) -> Self {
+    /// The probes of a scene.
+    pub fn of(fluid: &scene::Fluid, grid: &Grid) -> Vec<Self> {
+        let still = fluid.cylinders.iter().filter(|cylinder| cylinder.motion.is_none());
+        let circles: Vec<_> = still.map(|cylinder| (cylinder.center, cylinder.radius)).collect();
+        let walls = fluid.channel.as_ref().map(|channel| channel.y);
+        fluid.probes.iter().map(|probe| Self::new(probe.position, &circles, walls, grid)).collect()
+    }
+
+    /// A probe at a point (m). Where that lies in the smeared surface of one of the still `circles` (centre and radius,
+    /// m), its pressure is that of the flow outside, by the parabola along the normal that fits it best; `channel` has
+    /// the walls' y (m).
+    fn new(position: [f64; 2], circles: &[([f64; 2], f64)], channel: Option<[f64; 2]>, grid: &Grid) -> Self {
         let cell = grid.cell_size();
         let mut at_wall = None;
         for (own, &(center, radius)) in circles.iter().enumerate() {
@@ -61,11 +71,11 @@ impl Probe {
             for (i, mean) in means.iter().enumerate() {
                 (0..3).for_each(|k| shares[i + k] += mean * [0.25, 0.5, 0.25][k]);
             }
-            let look = |(i, share): (usize, f64)| {
+            let sample = |(i, share): (usize, f64)| {
                 let around = grid.cubic_interpolation(place(i));
                 around.map(|(point, weight)| (point, share * weight))
             };
-            at_wall = Some(shares.into_iter().enumerate().flat_map(look).collect());
+            at_wall = Some(shares.into_iter().enumerate().flat_map(sample).collect());
         }
         Self { around: grid.cubic_interpolation(position), at_wall }
     }
@@ -86,7 +96,8 @@ impl Probe {
 mod tests {
     use super::*;
 
-    /// p = 1 + y outside a circle under a wall, noise inside: what is read does not see the noise, and nothing beyond the wall.
+    /// p = 1 + y outside a circle under a wall, noise inside: what is read does not see the noise, and nothing beyond
+    /// the wall.
     #[test]
     fn pressure_at_a_wall_is_that_of_the_flow_before_it() {
         let grid = Grid::new(&scene::FluidBox { x: [0.0, 1.0], y: [0.0, 1.0], cells: [100, 100] });

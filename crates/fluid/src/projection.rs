@@ -6,13 +6,14 @@ use std::f64::consts::TAU;
 use scene::Filter;
 
 use crate::grid::Grid;
-use crate::quad::{Arithmetic, Complex4, Kernel, LANES, Quad, run, splat};
+use crate::simd::{Arithmetic, Kernel, LANES, run, splat};
+use crate::transform::{Complex4, Quad};
 
 /// Strength and order of the smooth filter exp(−α (k/k_max)^p) (Hou & Li 2007).
 const FILTER_STRENGTH: f64 = 36.0;
 const FILTER_ORDER: i32 = 36;
 
-/// Wavenumbers and filter of one grid, for the rows of [`crate::fft`]: four modes in y at a time.
+/// Wavenumbers and filter of one grid, for the rows of [`crate::transform`]: four modes in y at a time.
 pub struct Projection {
     kx: Vec<f64>,
     ky: Vec<[f64; LANES]>,

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use scene::{InflowProfile, TimeLaw};
 
-use crate::drag::DragProfile;
 use crate::grid::Grid;
+use crate::wall::DragProfile;
 
 /// A zone that draws the flow to `(shape(y) · law(t), 0)`.
 pub struct Zone {

@@ -1,6 +1,6 @@
-//! No run ends in silence: some cells of the stability table (`examples/stability`).
+//! No run ends in silence: some cells of the stability table that `bench` writes.
 
-#[path = "../examples/stability/cases.rs"]
+#[path = "common/cases.rs"]
 mod cases;
 
 use cases::{Case, LOG_LINEAR, Outcome, channel, hard_scenes, outcome};
@@ -82,11 +82,11 @@ fn a_state_of_another_grid_or_scheme_is_refused_and_changes_nothing() {
         Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"))
     };
     let mut fluid = make(CASE, 32);
-    let before = fluid.state().clone();
+    let before = fluid.state();
     for other in [make(CASE, 36), make(Case { scheme: "rk2", ..CASE }, 32)] {
-        let result = fluid.restore(other.state());
+        let result = fluid.restore(&other.state());
         assert!(matches!(result, Err(Error::State("a field"))), "{result:?}");
-        assert_eq!(fluid.state(), &before);
+        assert_eq!(fluid.state(), before);
     }
 }
 

@@ -103,7 +103,7 @@ fn write_document<M: Model>(
             ("modelName", &description.model_name),
             ("guid", guid),
             ("description", &description.text),
-            ("generationTool", concat!("fmi2 ", env!("CARGO_PKG_VERSION"))),
+            ("generationTool", concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"))),
             ("variableNamingConvention", "structured"),
         ])
         .write_inner_content(|writer| {

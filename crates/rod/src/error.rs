@@ -2,7 +2,8 @@
 
 use scene::RodScheme;
 
-use crate::rod::LARGEST_GAIN;
+/// Largest rise of energy under constant loads, by the largest energy, with the trapezoid and generalised-α.
+pub(crate) const LARGEST_GAIN: f64 = 0.01;
 
 /// Why a rod could not be built, loaded, restored or stepped.
 #[derive(Debug, thiserror::Error)]
@@ -112,7 +113,7 @@ pub enum Error {
     },
 }
 
-/// A watched scheme as scenes name it.
+/// A scheme with an energy guard as scenes name it.
 fn name(scheme: &RodScheme) -> String {
     match scheme {
         RodScheme::GeneralisedAlpha { rho_inf } => format!("generalised_alpha with rho_inf = {rho_inf}"),

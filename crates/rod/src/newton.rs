@@ -47,6 +47,15 @@ pub(crate) struct Balance<const D: usize> {
     pub(crate) elastic_weight: f64,
 }
 
+/// Minimise Π over u = x − origin, node 0 held.
+#[derive(Clone, Copy)]
+pub(crate) struct Problem<'a, const D: usize> {
+    pub(crate) elastic: &'a Elastic<D>,
+    pub(crate) balance: &'a Balance<D>,
+    /// x_0, m: `[n + 1]`.
+    pub(crate) origin: &'a [Vector<D>],
+}
+
 /// What the last step (or search for equilibrium) took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
@@ -149,48 +158,34 @@ impl<const D: usize> Newton<D> {
         }
     }
 
-    /// Move `x` from its first guess to the minimum of Π about `origin`; on failure `x` is undefined.
+    /// Move `x` from its first guess to the minimum of Π; on failure `x` is undefined.
     pub(crate) fn solve(
         &mut self,
-        elastic: &Elastic<D>,
-        balance: &Balance<D>,
-        origin: &[Vector<D>],
+        problem: Problem<D>,
         x: &mut [Vector<D>],
         statistics: &mut Statistics,
     ) -> Result<(), Failure> {
         self.before.copy_from_slice(x);
-        let Err(plain) = self.iterate(elastic, balance, origin, x, statistics, Update::Plain) else { return Ok(()) };
+        let Err(plain) = self.iterate(problem, x, statistics, Update::Plain) else { return Ok(()) };
         statistics.rescues += 1;
         x.copy_from_slice(&self.before);
         // After a long step the guess is bent sharply beside the clamp, which it does not know of: then rest is nearer.
-        let potential = |x: &[Vector<D>]| balance.potential(elastic, origin, x).map_or(f64::INFINITY, |(of_x, _)| of_x);
+        let potential = |x: &[Vector<D>]| problem.potential(x).map_or(f64::INFINITY, |(of_x, _)| of_x);
         let of_guess = potential(x);
-        x[1..].copy_from_slice(&origin[1..]);
+        x[1..].copy_from_slice(&problem.origin[1..]);
         if of_guess <= potential(x) {
             x.copy_from_slice(&self.before);
         }
         // A line search does not enter a bad shape: it stops in front of what the plain method met.
-        self.iterate(elastic, balance, origin, x, statistics, Update::Guarded).map_err(|guarded| match plain {
+        self.iterate(problem, x, statistics, Update::Guarded).map_err(|guarded| match plain {
             Failure::BadShape(_) => plain,
             Failure::NotConverged(_) | Failure::Gain { .. } => guarded,
         })
     }
 
-    /// ∇∇Π at `x` into `matrix`.
-    pub(crate) fn tangent(
-        &mut self,
-        elastic: &Elastic<D>,
-        balance: &Balance<D>,
-        x: &[Vector<D>],
-    ) -> Result<(), BadShape> {
-        self.assemble(elastic, balance, x, x)
-    }
-
     fn iterate(
         &mut self,
-        elastic: &Elastic<D>,
-        balance: &Balance<D>,
-        origin: &[Vector<D>],
+        problem: Problem<D>,
         x: &mut [Vector<D>],
         statistics: &mut Statistics,
         kind: Update,
@@ -203,7 +198,7 @@ impl<const D: usize> Newton<D> {
         for iteration in 0.. {
             // The first guess always gets one update: a small load must not drown in the tolerance.
             if iteration > 0 {
-                let imbalance = self.find_descent(elastic, balance, origin, x)?;
+                let imbalance = self.find_descent(problem, x)?;
                 let rounding = if allowed * SETTLED_UPDATE >= 1.0 { imbalance.rounding } else { 0.0 };
                 if imbalance.residual <= imbalance.tolerance + rounding {
                     break;
@@ -213,16 +208,16 @@ impl<const D: usize> Newton<D> {
                 }
             }
             statistics.iterations += 1;
-            self.assemble(elastic, balance, origin, x)?;
+            self.assemble(problem, x)?;
             match (self.factorise(), kind) {
                 (Ok(0), _) => shift = 0.0,
                 (Ok(negative_pivots), Update::Plain) => {
                     statistics.negative_pivots = statistics.negative_pivots.max(negative_pivots);
                 }
-                (Err(Singular), Update::Plain) => return Err(self.failure(elastic, balance, origin, x)),
+                (Err(Singular), Update::Plain) => return Err(self.failure(problem, x)),
                 (_, Update::Guarded) => {
-                    let Some(found) = self.factorise_shifted(elastic, balance, origin, x, 0.1 * shift) else {
-                        return Err(self.failure(elastic, balance, origin, x));
+                    let Some(found) = self.factorise_shifted(problem, x, 0.1 * shift) else {
+                        return Err(self.failure(problem, x));
                     };
                     shift = found;
                 }
@@ -233,17 +228,17 @@ impl<const D: usize> Newton<D> {
             self.update = update;
 
             // How much of the update may be taken before an edge changes by more than its own length.
-            allowed = elastic.segment_length / self.edge_change();
+            allowed = problem.elastic.segment_length / self.edge_change();
             let taken = match kind {
                 Update::Plain if allowed > 1.0 => {
                     self.add_update(x, 1.0);
                     true
                 }
                 Update::Plain => false,
-                Update::Guarded => self.search(elastic, balance, origin, x, allowed.min(1.0)),
+                Update::Guarded => self.search(problem, x, allowed.min(1.0)),
             };
             if !taken {
-                return Err(self.failure(elastic, balance, origin, x));
+                return Err(self.failure(problem, x));
             }
             // A shift shortens updates, so a short one says nothing there.
             let update = self.update.iter().fold(0.0_f64, |largest, entry| entry.abs().max(largest));
@@ -255,33 +250,21 @@ impl<const D: usize> Newton<D> {
     }
 
     /// What to tell where the method stops at `x`.
-    fn failure(
-        &mut self,
-        elastic: &Elastic<D>,
-        balance: &Balance<D>,
-        origin: &[Vector<D>],
-        x: &[Vector<D>],
-    ) -> Failure {
-        self.find_descent(elastic, balance, origin, x).map_or_else(Failure::from, Failure::from)
+    fn failure(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Failure {
+        self.find_descent(problem, x).map_or_else(Failure::from, Failure::from)
     }
 
-    /// −∇Π into `descent`.
-    fn find_descent(
-        &mut self,
-        elastic: &Elastic<D>,
-        balance: &Balance<D>,
-        origin: &[Vector<D>],
-        x: &[Vector<D>],
-    ) -> Result<Imbalance, BadShape> {
+    /// −∇Π at `x` into `descent`.
+    fn find_descent(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<Imbalance, BadShape> {
         let Self { descent, moments, .. } = self;
         // Largest components of ∇Π and of what balances the elastic forces; `sum` is not a number where a component of ∇Π
         // is none, which `larger` passes over.
         let (mut residual, mut outer, mut sum) = (0.0_f64, 0.0_f64, 0.0);
-        elastic.gradient(x, moments, |k, gradient| {
-            let of_node = balance.outer(k, x[k] - origin[k]);
-            let descent_of_node = of_node - gradient * balance.elastic_weight;
+        problem.elastic.gradient(x, moments, |k, gradient| {
+            let of_node = problem.outer(k, x);
+            let descent_of_node = of_node - gradient * problem.balance.elastic_weight;
             residual = larger(residual, descent_of_node);
-            outer = larger(larger(outer, of_node), balance.load[k]);
+            outer = larger(larger(outer, of_node), problem.balance.load[k]);
             sum += descent_of_node.sum();
             descent[(k - 1) * D..][..D].copy_from_slice(descent_of_node.as_slice());
         })?;
@@ -290,15 +273,10 @@ impl<const D: usize> Newton<D> {
         Ok(Imbalance { residual, tolerance: RELATIVE_RESIDUAL * outer, rounding })
     }
 
-    /// ∇∇Π into `matrix` and −∇Π into `descent`.
-    fn assemble(
-        &mut self,
-        elastic: &Elastic<D>,
-        balance: &Balance<D>,
-        origin: &[Vector<D>],
-        x: &[Vector<D>],
-    ) -> Result<(), BadShape> {
+    /// ∇∇Π at `x` into `matrix` and −∇Π into `descent`.
+    pub(crate) fn assemble(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<(), BadShape> {
         let Self { matrix, moments, descent, stiffness, .. } = self;
+        let Problem { elastic, balance, .. } = problem;
         let s = balance.elastic_weight;
         // Unknowns of a node, of which the first is a moment or not.
         let first = usize::from(elastic.shear.is_some());
@@ -307,7 +285,7 @@ impl<const D: usize> Newton<D> {
         let sheared = if first == 1 { s * elastic.clamp.max(elastic.bending) } else { 0.0 };
         *stiffness = 0.0;
         elastic.derivatives(x, moments, |k, by| {
-            let sum = balance.outer(k, x[k] - origin[k]) - by.gradient * s;
+            let sum = problem.outer(k, x) - by.gradient * s;
             descent[(k - 1) * D..][..D].copy_from_slice(sum.as_slice());
             if let Some(shear) = &elastic.shear {
                 let column = matrix.column_mut((k - 1) * block);
@@ -370,17 +348,10 @@ impl<const D: usize> Newton<D> {
     }
 
     /// Raise the diagonal until all pivots are positive, from `shift` on; returns the shift, N/m.
-    fn factorise_shifted(
-        &mut self,
-        elastic: &Elastic<D>,
-        balance: &Balance<D>,
-        origin: &[Vector<D>],
-        x: &[Vector<D>],
-        shift: f64,
-    ) -> Option<f64> {
+    fn factorise_shifted(&mut self, problem: Problem<D>, x: &[Vector<D>], shift: f64) -> Option<f64> {
         let mut factor = 1.0;
         loop {
-            self.assemble(elastic, balance, origin, x).ok()?;
+            self.assemble(problem, x).ok()?;
             let stiffness = self.stiffness;
             let tried = shift.max(SMALLEST_SHIFT * stiffness) * factor;
             // Of a matrix that holds no number at all the stiffness is 0.
@@ -396,20 +367,13 @@ impl<const D: usize> Newton<D> {
     }
 
     /// Add the largest of `part`, `part`/2, `part`/4 … of the update that lowers Π enough; false if none does.
-    fn search(
-        &mut self,
-        elastic: &Elastic<D>,
-        balance: &Balance<D>,
-        origin: &[Vector<D>],
-        x: &mut [Vector<D>],
-        mut part: f64,
-    ) -> bool {
+    fn search(&mut self, problem: Problem<D>, x: &mut [Vector<D>], mut part: f64) -> bool {
         let slope: f64 = -self.descent.iter().zip(&self.update).map(|(r, u)| r * u).sum::<f64>();
-        let Some((start, rounding)) = balance.potential(elastic, origin, x) else { return false };
+        let Some((start, rounding)) = problem.potential(x) else { return false };
         self.before.copy_from_slice(x);
         for _ in 0..BACKTRACKS {
             self.add_update(x, part);
-            if let Some((potential, _)) = balance.potential(elastic, origin, x)
+            if let Some((potential, _)) = problem.potential(x)
                 && potential <= start + ARMIJO * part * slope + rounding
             {
                 return true;
@@ -443,21 +407,22 @@ fn larger<const D: usize>(largest: f64, vector: Vector<D>) -> f64 {
     vector.iter().fold(largest, |largest, component| if component.abs() > largest { component.abs() } else { largest })
 }
 
-impl<const D: usize> Balance<D> {
-    /// What balances the elastic force on node `k`, displaced by `u`, N.
+impl<const D: usize> Problem<'_, D> {
+    /// What balances the elastic force on node `k` of the shape `x`, N.
     #[inline(always)]
-    fn outer(&self, k: usize, u: Vector<D>) -> Vector<D> {
-        self.load[k] - u * self.weight[k]
+    fn outer(&self, k: usize, x: &[Vector<D>]) -> Vector<D> {
+        self.balance.load[k] - (x[k] - self.origin[k]) * self.balance.weight[k]
     }
 
-    /// Π and the rounding error to expect in it, J; `None` where the shape has no energy.
-    fn potential(&self, elastic: &Elastic<D>, origin: &[Vector<D>], x: &[Vector<D>]) -> Option<(f64, f64)> {
-        let energy = elastic.energy(x).ok()?;
-        let (mut potential, mut size) = (self.elastic_weight * (energy.stretching + energy.bending), 0.0);
-        for (k, (x, origin)) in x.iter().zip(origin).enumerate().skip(1) {
+    /// Π and the rounding error to expect in it, J; `None` where the shape `x` has no energy.
+    fn potential(&self, x: &[Vector<D>]) -> Option<(f64, f64)> {
+        let Balance { weight, load, elastic_weight } = self.balance;
+        let energy = self.elastic.energy(x).ok()?;
+        let (mut potential, mut size) = (elastic_weight * (energy.stretching + energy.bending), 0.0);
+        for (k, (x, origin)) in x.iter().zip(self.origin).enumerate().skip(1) {
             let u = x - origin;
-            let inertia = 0.5 * self.weight[k] * u.norm_squared();
-            let work = self.load[k].dot(&u);
+            let inertia = 0.5 * weight[k] * u.norm_squared();
+            let work = load[k].dot(&u);
             potential += inertia - work;
             size += inertia + work.abs();
         }

@@ -4,19 +4,17 @@ use scene::{Load, RodScheme, Scene};
 
 use crate::banded::Banded;
 use crate::elastic::{BadShape, Elastic, FOLD, Vector};
-use crate::newton::{Balance, Failure, Imbalance, Newton, Statistics};
+use crate::error::{Error, LARGEST_GAIN};
+use crate::newton::{Balance, Failure, Imbalance, Newton, Problem, Statistics};
 use crate::parameters::{Loads, Parameters};
 use crate::root::{Clamp, Root, cross};
-use crate::scheme::{StepRule, TRAPEZOID_PART};
+use crate::scheme::{LastStage, StepRule, TRAPEZOID_PART};
 use crate::state::{Drive, Exchange, State};
-use crate::{Error, sensitivity};
 
 /// A step that fails is halved at most this many times.
 const HALVINGS: u32 = 6;
 /// Most steps of `max_step` that one call may ask for.
 const MAX_STEPS: f64 = 1e5;
-/// Largest rise of energy under constant loads, by the largest energy, with the trapezoid and generalised-α.
-pub(crate) const LARGEST_GAIN: f64 = 0.01;
 /// A strain, and turning angle per node, whose energy is nothing but rounding.
 const NO_STRAIN: f64 = 1e-10;
 
@@ -56,7 +54,7 @@ pub struct Rod<const D: usize> {
     /// State before the sub-step (TR-BDF2).
     before_substep: State<D>,
     /// What the last step, if it was taken in one piece, left for sensitivities.
-    pub(crate) last: Option<sensitivity::LastStep<D>>,
+    pub(crate) last: Option<LastStage<D>>,
     /// Nodal forces without damping and impedance, N: `[n + 1]`.
     force: Vec<Vector<D>>,
     /// Positions that Newton's method works on, m: `[n + 1]`.
@@ -284,8 +282,9 @@ impl<const D: usize> Rod<D> {
                 dt: duration * (size as f64 / total as f64),
                 duration,
                 largest_gain: LARGEST_GAIN * 2.0 / f64::from(2 + size.ilog2()),
+                clamp: clamp.as_ref(),
             };
-            match self.substep(span, clamp.as_ref()) {
+            match self.substep(span) {
                 Ok(()) => {
                     remaining -= size;
                     if size < whole && remaining.is_multiple_of(2 * size) {
@@ -393,7 +392,8 @@ impl<const D: usize> Rod<D> {
                 *load = force - missing * left;
             }
             guess.copy_from_slice(&settled);
-            match newton.solve(elastic, balance, &settled, guess, statistics) {
+            let problem = Problem { elastic, balance, origin: &settled };
+            match newton.solve(problem, guess, statistics) {
                 Ok(()) => {
                     settled.copy_from_slice(guess);
                     statistics.substeps += 1;
@@ -412,20 +412,20 @@ impl<const D: usize> Rod<D> {
         Ok(())
     }
 
-    /// One step by the time scheme, the clamp on its way to `clamp`; on failure the state is as before.
-    fn substep(&mut self, span: Span, clamp: Option<&Clamp<D>>) -> Result<(), Failure> {
+    /// One step by the time scheme; on failure the state is as before.
+    fn substep(&mut self, span: Span<D>) -> Result<(), Failure> {
         let last_step = self.state.last_step;
         match self.parameters.scheme {
-            RodScheme::Trapezoid => self.watched_stage(StepRule::trapezoid(span.dt), span, clamp)?,
+            RodScheme::Trapezoid => self.stage_with_energy_guard(StepRule::trapezoid(span.dt), span)?,
             RodScheme::GeneralisedAlpha { rho_inf } => {
-                self.watched_stage(StepRule::generalised_alpha(rho_inf, span.dt), span, clamp)?;
+                self.stage_with_energy_guard(StepRule::generalised_alpha(rho_inf, span.dt), span)?;
             }
-            RodScheme::Bdf2 => self.stage(StepRule::bdf2(span.dt, last_step), 1.0, span, clamp)?,
+            RodScheme::Bdf2 => self.stage(StepRule::bdf2(span.dt, last_step), 1.0, span)?,
             RodScheme::TrBdf2 => {
                 self.before_substep.copy_from(&self.state);
                 let (first, second) = span.split(TRAPEZOID_PART);
-                self.stage(StepRule::trapezoid(first.dt), TRAPEZOID_PART, first, clamp)?;
-                let second_stage = self.stage(StepRule::bdf2(second.dt, first.dt), 1.0, second, clamp);
+                self.stage(StepRule::trapezoid(first.dt), TRAPEZOID_PART, first)?;
+                let second_stage = self.stage(StepRule::bdf2(second.dt, first.dt), 1.0, second);
                 if second_stage.is_err() {
                     self.state.copy_from(&self.before_substep);
                     self.elastic.direction = self.state.direction;
@@ -442,30 +442,30 @@ impl<const D: usize> Rod<D> {
     /// work of the loads rises while only constant forces work on the rod. On failure the state is as before.
     ///
     /// The first sub-step under new loads blends two levels of them: the second is the first to compare with.
-    fn watched_stage(&mut self, rule: StepRule, span: Span, clamp: Option<&Clamp<D>>) -> Result<(), Failure> {
-        let constant = clamp.is_none()
+    fn stage_with_energy_guard(&mut self, rule: StepRule, span: Span<D>) -> Result<(), Failure> {
+        let constant = span.clamp.is_none()
             && self.state.last_step > 0.0
             && self.force[1..] == self.state.loads[1..]
             && self.loads.impedance.iter().all(|&impedance| impedance == 0.0);
         if !constant {
-            self.stage(rule, 1.0, span, clamp)?;
+            self.stage(rule, 1.0, span)?;
             self.state.largest_energy = 0.0;
             return Ok(());
         }
         self.before_substep.copy_from(&self.state);
-        self.stage(rule, 1.0, span, clamp)?;
-        let watched = self.watch_energy(span);
-        if watched.is_err() {
+        self.stage(rule, 1.0, span)?;
+        let guarded = self.energy_guard(span);
+        if guarded.is_err() {
             self.state.copy_from(&self.before_substep);
         }
-        watched
+        guarded
     }
 
     /// Fail where the energy less the work of the loads is above its reference, or bring that up to date.
     ///
     /// The trapezoid gives back what its oscillating energy has lost: its reference is the first energy, of which only the
     /// damping takes. That of generalised-α, which dissipates, is the lowest.
-    fn watch_energy(&mut self, span: Span) -> Result<(), Failure> {
+    fn energy_guard(&mut self, span: Span<D>) -> Result<(), Failure> {
         let shape = self.elastic.energy(&self.state.positions)?;
         let elastic = shape.stretching + shape.bending;
         let (mut kinetic, mut work, mut mean_squares) = (0.0, 0.0, 0.0);
@@ -500,7 +500,7 @@ impl<const D: usize> Rod<D> {
 
     /// One solve: from the state over `span.dt` by `rule`, under the loads that have gone `load_part` of the way from
     /// those of the last step to the present ones. On failure the state is as before.
-    fn stage(&mut self, rule: StepRule, load_part: f64, span: Span, clamp: Option<&Clamp<D>>) -> Result<(), Failure> {
+    fn stage(&mut self, rule: StepRule, load_part: f64, span: Span<D>) -> Result<(), Failure> {
         let dt = span.dt;
         let StepRule { new_mass, old_mass, new_force, old_force, .. } = rule;
         self.balance.elastic_weight = new_force;
@@ -519,7 +519,7 @@ impl<const D: usize> Rod<D> {
                 - (a_star * new_mass + a * old_mass) * m;
             self.guess[k] = self.state.positions[k] + v * dt + a * (0.5 * dt * dt);
         }
-        let clamp = clamp.map(|end| self.before.clamp().towards(end, span.to, span.duration));
+        let clamp = span.clamp.map(|end| self.before.clamp().towards(end, span.to, span.duration));
         if let Some(clamp) = &clamp {
             self.guess[0] = clamp.position;
             self.elastic.direction = clamp.direction;
@@ -527,7 +527,8 @@ impl<const D: usize> Rod<D> {
             self.guess[0] = self.state.positions[0];
         }
         let Self { newton, elastic, balance, state, guess, statistics, .. } = self;
-        if let Err(failure) = newton.solve(elastic, balance, &state.positions, guess, statistics) {
+        let problem = Problem { elastic, balance, origin: &state.positions };
+        if let Err(failure) = newton.solve(problem, guess, statistics) {
             self.elastic.direction = self.state.direction;
             return Err(failure);
         }
@@ -551,7 +552,7 @@ impl<const D: usize> Rod<D> {
         if let Some(clamp) = &clamp {
             self.state.move_clamp(clamp, dt);
         }
-        self.last = Some(sensitivity::LastStep { rule, previous_direction: old_direction });
+        self.last = Some(LastStage { rule, previous_direction: old_direction });
         self.state.last_step = dt;
         Ok(())
     }
@@ -613,7 +614,8 @@ impl<const D: usize> Rod<D> {
         let nodes = self.rest.len();
         let balance = Balance { weight: vec![0.0; nodes], load: vec![Vector::zeros(); nodes], elastic_weight: 1.0 };
         let Self { newton, elastic, state, .. } = self;
-        newton.tangent(elastic, &balance, &state.positions).map_err(|shape| self.error(shape.into()))?;
+        let problem = Problem { elastic, balance: &balance, origin: &state.positions };
+        newton.assemble(problem, &state.positions).map_err(|shape| self.error(shape.into()))?;
         Ok(self.newton.matrix.clone())
     }
 
@@ -637,7 +639,7 @@ impl<const D: usize> Rod<D> {
 
 /// A part of a step.
 #[derive(Clone, Copy)]
-struct Span {
+struct Span<'a, const D: usize> {
     /// Where it begins, as a fraction of the step.
     from: f64,
     /// Where it ends.
@@ -648,9 +650,11 @@ struct Span {
     duration: f64,
     /// As [`LARGEST_GAIN`], for this part: a quarter in a step that is not halved, so that shorter ones have room left.
     largest_gain: f64,
+    /// Where the whole step takes the clamp; `None`: it is still.
+    clamp: Option<&'a Clamp<D>>,
 }
 
-impl Span {
+impl<const D: usize> Span<'_, D> {
     /// The first `part` and the rest.
     fn split(self, part: f64) -> (Self, Self) {
         let middle = self.from + part * (self.to - self.from);

@@ -26,7 +26,7 @@
 //! The trapezoid does not damp axial waves that the step leaves unresolved: with the bar of CSM3 in 32 segments, each an
 //! axial spring k_e on a mass m, it held for 60 s at dt √(k_e/m) = 75 and gained energy from 370 on. Generalised-α with
 //! ρ = 0.5 and 0.8 and BDF2 lost energy up to 1.5e5, the stiffest tried. Where a rod folds, generalised-α may gain too. The
-//! energy of both is watched ([`crate::Error::EnergyGain`]).
+//! energy of both is guarded ([`crate::Error::EnergyGain`]).
 //!
 //! BDF2 takes its first step by backward Euler, whose local error is of second order, and does so again after a step
 //! that is more than [`LARGEST_RATIO`] times as long as the one before.
@@ -54,6 +54,13 @@ pub(crate) struct StepRule {
     pub(crate) new_force: f64,
     pub(crate) old_force: f64,
     history: History,
+}
+
+/// What the last stage of a step leaves to sensitivities.
+pub(crate) struct LastStage<const D: usize> {
+    pub(crate) rule: StepRule,
+    /// Unit tangent at the clamp where the stage began.
+    pub(crate) previous_direction: Vector<D>,
 }
 
 /// How the levels before the step enter: factors of v* and a*.

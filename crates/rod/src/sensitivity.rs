@@ -5,17 +5,11 @@ use scene::RodScheme;
 use crate::Error;
 use crate::banded::Singular;
 use crate::elastic::Vector;
+use crate::newton::Problem;
 use crate::parameters::Loads;
 use crate::rod::{Rod, pressure_area};
-use crate::scheme::{StepRule, TRAPEZOID_PART};
+use crate::scheme::{LastStage, StepRule, TRAPEZOID_PART};
 use crate::state::State;
-
-/// What the last stage of a step leaves behind.
-pub(crate) struct LastStep<const D: usize> {
-    pub(crate) rule: StepRule,
-    /// Unit tangent at the clamp where the stage began.
-    pub(crate) previous_direction: Vector<D>,
-}
 
 /// Changes of the nodes, component after component: `[D, n + 1]`.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +31,7 @@ impl<const D: usize> Rod<D> {
     pub fn sensitivity(&mut self, change: &Loads) -> Result<Sensitivity, Error> {
         let nodes = self.tributary.len();
         change.check_numbers::<D>(nodes)?;
-        let Some(LastStep { rule, previous_direction }) = self.last else {
+        let Some(LastStage { rule, previous_direction }) = self.last else {
             return Err(Error::NoSensitivity { substeps: self.statistics().substeps });
         };
         let mut force = vec![Vector::<D>::zeros(); nodes];
@@ -93,7 +87,8 @@ impl<const D: usize> Rod<D> {
             update.copy_from_slice((changed.positions[k] * weight + load).as_slice());
         }
         let Self { newton, elastic, balance, .. } = self;
-        if let Err(shape) = newton.tangent(elastic, balance, positions) {
+        let problem = Problem { elastic, balance, origin: positions };
+        if let Err(shape) = newton.assemble(problem, positions) {
             return Err(self.error(shape.into()));
         }
         newton.factorise().map_err(|Singular| Error::NoSensitivity { substeps: 1 })?;

@@ -22,7 +22,7 @@ pub struct Beam {
     pub segments: usize,
     /// Direction of each segment at rest against that at the root, rad, positive to the left: `[segments]`; absent for
     /// a straight beam. In two dimensions only: a curved rod in space needs a material frame and its twist.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub rest_angles: Vec<f64>,
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::check::{above, require};
+use crate::check::{Check, above, at_least, require};
 use crate::{Scene, SceneError, TimeScheme};
 
 /// How fluid and rod exchange; what is left out is chosen by the rules of `docs/coupling.md`.
@@ -12,12 +12,53 @@ use crate::{Scene, SceneError, TimeScheme};
 pub struct Coupling {
     /// What the fluid does to the rod; absent: `momentum` where the rod is heavy enough for it and the fluid makes one step
     /// between two exchanges, else `pressure_jump`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub load: Option<Load>,
     /// How often the two sides are asked within one communication step; absent: `explicit` under the load `momentum`,
     /// `iterated` under `pressure_jump`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub scheme: Option<CouplingScheme>,
+    /// When an explicit run is stopped as unstable; absent: as with `{}` where both units are those of this project, not at all
+    /// where one is another's.
+    #[serde(default)]
+    pub guards: Option<Guards>,
+}
+
+/// When a run with the scheme `explicit` or `parallel_explicit` is stopped as unstable, by the powers that cross the interface:
+/// what is unstable may well stay finite. A guard of `null` is off. Where the scene has this key the guards are for the units of
+/// others too; they need the outputs `load.power` of the rod and, under the load `momentum`, `beam.power` of the fluid.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Guards {
+    /// Steps over which means of the magnitudes fade, and before which nothing is stopped; at least 1.
+    #[schemars(range(min = 1))]
+    pub window_steps: u32,
+    /// Largest difference of the powers that the rod takes and that the fluid gives under the load `momentum`, relative to the
+    /// latter, means of the magnitudes: 0.04 in FSI3, 1 where it blows up. `null`: off.
+    pub largest_imbalance: Option<f64>,
+    /// Largest second difference, from step to step, of the power that the rod takes under the load `pressure_jump`, relative to
+    /// the power, means of the magnitudes: 4 for a sawtooth, 2.4 for noise, below 0.8 in runs that hold. `null`: off.
+    pub largest_noise: Option<f64>,
+    /// Mean power below which noise stops nothing, W per metre of depth: a rod at rest takes nothing but rounding.
+    pub quiet_power: f64,
+}
+
+impl Default for Guards {
+    fn default() -> Self {
+        Self { window_steps: 500, largest_imbalance: Some(0.5), largest_noise: Some(1.5), quiet_power: 1e-9 }
+    }
+}
+
+impl Check for Guards {
+    fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        require(self.window_steps >= 1, &format!("{key}.window_steps"), self.window_steps, || {
+            "it must be at least 1".into()
+        })?;
+        for (name, largest) in [("largest_imbalance", self.largest_imbalance), ("largest_noise", self.largest_noise)] {
+            largest.map_or(Ok(()), |largest| above(&format!("{key}.{name}"), largest, 0.0))?;
+        }
+        at_least(&format!("{key}.quiet_power"), self.quiet_power, 0.0)
+    }
 }
 
 /// What the fluid does to the rod.
@@ -134,6 +175,7 @@ impl Scene {
         require(coupled || self.coupling.is_none(), "coupling", "present", || {
             "it may be there only when the scene has both a fluid and a rod".into()
         })?;
+        self.coupling.as_ref().and_then(|coupling| coupling.guards).check_at("coupling.guards")?;
         let Some((load, _)) = self.chosen_load() else { return Ok(()) };
         if let (Load::Momentum, Some([own, displaced])) = (load, self.line_densities()) {
             require(own >= displaced, "coupling.load", "momentum", || {
@@ -206,6 +248,28 @@ mod tests {
     fn momentum_load_on_a_light_rod_is_refused() {
         let error = fsi3(&[(ROD, r#""plane_strain": { "density": 990.0"#)]).unwrap_err().to_string();
         assert!(error.contains("`coupling.load` is momentum") && error.contains("weighs 0.9900"), "{error}");
+    }
+
+    #[test]
+    fn guards_have_defaults_and_each_can_be_off() {
+        let guards = |text: &str| {
+            let coupling = format!(r#""coupling": {{ "load": "momentum", "guards": {text} }}"#);
+            fsi3(&[(GIVEN, &coupling)]).map(|scene| scene.coupling.unwrap().guards.unwrap())
+        };
+        let whole =
+            Guards { window_steps: 500, largest_imbalance: Some(0.5), largest_noise: Some(1.5), quiet_power: 1e-9 };
+        assert_eq!(guards("{}").unwrap(), whole);
+        let off = guards(r#"{ "largest_imbalance": null }"#).unwrap();
+        assert_eq!(off, Guards { largest_imbalance: None, ..whole });
+        for (wrong, expected) in [
+            (r#"{ "window_steps": 0 }"#, "`coupling.guards.window_steps` is 0, but it must be at least 1"),
+            (r#"{ "largest_imbalance": 0.0 }"#, "`coupling.guards.largest_imbalance` is 0, but it must be"),
+            (r#"{ "largest_noise": -1.5 }"#, "`coupling.guards.largest_noise` is -1.5, but it must be"),
+            (r#"{ "quiet_power": -1e-9 }"#, "`coupling.guards.quiet_power` is -0.000000001, but it must be"),
+        ] {
+            let refused = guards(wrong).unwrap_err().to_string();
+            assert!(refused.contains(expected), "{refused}, but expected {expected}");
+        }
     }
 
     #[test]

@@ -21,19 +21,19 @@ pub struct Fluid {
     #[serde(default)]
     pub initial_velocity: [f64; 2],
     /// Solid walls above and below; absent in an open (periodic) scene.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub channel: Option<Channel>,
     /// Zone across the box in which the velocity is imposed; absent where nothing drives the flow.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub inflow: Option<Inflow>,
     /// Zone across the box in which the flow is drawn softly to a velocity; absent where nothing has to be damped.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub sponge: Option<Sponge>,
     /// Mean velocity that is held over the whole box; absent where it is free. Not together with an inflow.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub mean_flow: Option<MeanFlow>,
     /// Circular cylinders, still or in prescribed motion.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub cylinders: Vec<Cylinder>,
     /// How solids are smeared over the grid and how hard they hold the fluid.
     pub mask: Mask,
@@ -43,20 +43,16 @@ pub struct Fluid {
     /// The fluid's own step inside a communication step.
     pub time_stepping: TimeStepping,
     /// Points whose velocity and pressure are outputs.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub probes: Vec<Probe>,
     /// Threads that share the work of a step; results do not depend on it.
-    #[serde(default = "one_thread", skip_serializing_if = "is_one")]
+    #[serde(default = "one_thread")]
     #[schemars(range(min = 1, max = 1024))]
     pub threads: usize,
 }
 
 fn one_thread() -> usize {
     1
-}
-
-fn is_one(threads: &usize) -> bool {
-    *threads == 1
 }
 
 /// Most cells of a grid: 8192 x 8192, for which the fluid takes about 8.5 GB.
@@ -155,7 +151,7 @@ pub struct Cylinder {
     /// Radius, m.
     pub radius: f64,
     /// Prescribed motion; absent for a still cylinder.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub motion: Option<Motion>,
 }
 

@@ -12,7 +12,9 @@ mod check;
 mod coupling;
 mod fluid;
 mod law;
+mod reference;
 mod rod;
+mod schema;
 
 use std::path::Path;
 
@@ -20,12 +22,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use beam::{Beam, Root};
-pub use coupling::{Acceleration, Coupling, CouplingScheme, Load};
+pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use fluid::{
     Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Probe, Sponge,
     TimeScheme, TimeStepping, WallTarget,
 };
 pub use law::TimeLaw;
+pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
 pub use rod::{Bending, Calibration, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section};
 
 use check::{Check, above, require};
@@ -36,27 +39,30 @@ use rod::Z_AXIS;
 #[serde(deny_unknown_fields)]
 pub struct Scene {
     /// Where the JSON Schema of this file is; read by editors only.
-    #[serde(rename = "$schema", default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "$schema", default)]
     pub schema: Option<String>,
     /// Short name: letters, digits, `.`, `_` and `-`; names the units and the result folder.
     pub name: String,
     /// One sentence for people.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
+    #[serde(default)]
     pub description: String,
     /// Clock of the co-simulation.
     pub time: Time,
     /// The fluid; absent in a rod-only scene.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub fluid: Option<Fluid>,
     /// Geometry of the beam that the fluid sees and the rod moves; absent in a scene without one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub beam: Option<Beam>,
     /// Elastic model of the beam; absent where the beam is rigid.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub rod: Option<Rod>,
     /// How fluid and rod exchange; absent where it is left to the rules, refused where there are not both.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub coupling: Option<Coupling>,
+    /// Published values that a run is compared with; absent where there are none.
+    #[serde(default)]
+    pub reference: Option<Reference>,
 }
 
 /// Clock of the co-simulation.
@@ -118,12 +124,6 @@ impl Scene {
         Ok(scene)
     }
 
-    /// JSON Schema of scene files, made from these types.
-    pub fn json_schema() -> String {
-        let schema = schemars::schema_for!(Self);
-        serde_json::to_string_pretty(&schema).expect("a schema is plain JSON") + "\n"
-    }
-
     /// Check every value; the first that cannot be run is the error.
     pub fn check(&self) -> Result<(), SceneError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
@@ -182,6 +182,7 @@ impl Scene {
                 )?;
             }
         }
+        self.reference.check_at("reference")?;
         self.check_coupling()
     }
 
@@ -230,3 +231,8 @@ impl Scene {
         stations
     }
 }
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

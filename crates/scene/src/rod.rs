@@ -13,7 +13,7 @@ pub struct Rod {
     /// Material, or the section's own numbers.
     pub material: Material,
     /// Gravity, m/s²: as many components as the beam's root; absent where there is none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub gravity: Vec<f64>,
     /// Damping force per length and velocity, kg/(m s) per metre of depth.
     #[serde(default)]
@@ -28,13 +28,13 @@ pub struct Rod {
     #[serde(default)]
     pub clamp_setback: f64,
     /// Prescribed motion of the root; absent where it is still.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub root_motion: Option<RootMotion>,
     /// Time scheme.
     #[serde(default)]
     pub scheme: RodScheme,
     /// Largest step of the rod's own inside a communication step, s; absent: the communication step.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub max_step: Option<f64>,
 }
 
@@ -52,7 +52,7 @@ pub enum Material {
         poisson_ratio: f64,
         /// Shear correction factor k of GA_s = k E h / (2 (1 + ν)), above 0 and at most 1; 10/(12 − ν) for a plate (Cowper 1966). Absent: the
         /// section stays at right angles to the rod.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[serde(default)]
         shear_factor: Option<f64>,
     },
     /// The section's own numbers (per metre of depth in a two-dimensional scene).
@@ -70,7 +70,6 @@ pub struct Section {
     /// Axial stiffness EA, N.
     pub axial_stiffness: f64,
     /// Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles to the rod.
-    // Not skipped where absent: the section is part of serialized states, whose format has no names.
     #[serde(default)]
     pub shear_stiffness: Option<f64>,
 }
@@ -127,7 +126,7 @@ pub struct RootLaws {
     #[serde(default)]
     pub z: TimeLaw,
     /// Rotations of the beam's direction, the first one applied first.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub rotations: Vec<Rotation>,
 }
 

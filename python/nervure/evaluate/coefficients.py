@@ -10,7 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from nervure.evaluate import statistics
-from nervure.recorder import Recorder
+from nervure.recorder import Record
+from nervure.scene import Scene
+from nervure.scene.types import Reference, TimeLaw, TimeLawCosineRamp, TimeLawSteady
 
 NAMES = ("cd_max", "cd_min", "cd_mean", "cl_max", "cl_min", "cl_mean", "cl_peak_to_peak", "st", "dp_mean")
 """What is evaluated; means are (max + min) / 2 as everywhere. A steady flow has the means alone, a flow without probes
@@ -21,51 +23,56 @@ at the front and the back of the cylinder has no `dp_mean`."""
 class Scale:
     """What makes forces and frequencies of a scene dimensionless."""
 
-    force: float
-    """rho Ubar² D / 2, N/m."""
-    frequency: float
-    """Ubar / D, Hz."""
+    force: float  # rho Ubar² D / 2, N/m
+    frequency: float  # Ubar / D, Hz
     front: str | None
-    back: str | None
-    """Columns of the pressure at the front and the back of the cylinder, if there are probes."""
+    back: str | None  # Columns of the pressure at the front and the back of the cylinder, if there are probes
 
 
-def scale(scene: dict) -> Scale | None:
+def scale(scene: Scene) -> Scale | None:
     """The scale of `scene`; None unless it is one still cylinder without a beam in an inflow that becomes steady."""
-    fluid = scene.get("fluid") or {}
-    cylinders, law = fluid.get("cylinders", []), (fluid.get("inflow") or {}).get("mean_velocity", {})
-    velocity = law.get("steady", law.get("cosine_ramp", {}).get("value")) if isinstance(law, dict) else None
-    if len(cylinders) != 1 or cylinders[0].get("motion") or scene.get("beam") or not velocity:
+    fluid = scene.fluid
+    if scene.beam or fluid is None or len(fluid.cylinders) != 1 or fluid.inflow is None:
         return None
-    (x, y), radius = cylinders[0]["center"], cylinders[0]["radius"]
-    probes = {tuple(probe["position"]): f"probe_{probe['name']}_p" for probe in fluid.get("probes", [])}
+    (cylinder,), velocity = fluid.cylinders, final_value(fluid.inflow.mean_velocity)
+    if cylinder.motion or not velocity:
+        return None
+    (x, y), radius = cylinder.center, cylinder.radius
 
     def column(at: float) -> str | None:
-        near = (name for (px, py), name in probes.items() if np.hypot(px - at, py - y) < 1e-6 * radius)
+        probes = ((probe.name, *probe.position) for probe in fluid.probes)
+        near = (f"probe_{name}_p" for name, px, py in probes if np.hypot(px - at, py - y) < 1e-6 * radius)
         return next(near, None)
 
     ahead = np.sign(velocity) * radius
     return Scale(
-        fluid["density"] * velocity**2 * radius, abs(velocity) / (2 * radius), column(x - ahead), column(x + ahead)
+        fluid.density * velocity**2 * radius, abs(velocity) / (2 * radius), column(x - ahead), column(x + ahead)
     )
 
 
-def series(scale: Scale, recorder: Recorder, width: float = 0.0) -> dict[str, np.ndarray]:
+def final_value(law: TimeLaw) -> float | None:
+    """The value that a law keeps in the end; None where it does not become steady by itself."""
+    if isinstance(law, TimeLawSteady):
+        return law.steady
+    return law.cosine_ramp.value if isinstance(law, TimeLawCosineRamp) else None
+
+
+def series(scale: Scale, record: Record, width: float = 0.0) -> dict[str, np.ndarray]:
     """cD and cL over time, and dp (Pa) where there are probes, under a box filter of `width` (s)."""
-    time = recorder.column("time")
-    found = {name: recorder.column(force) / scale.force for name, force in (("cd", "drag"), ("cl", "lift"))}
-    if scale.front in recorder.columns and scale.back in recorder.columns:
-        found["dp"] = recorder.column(scale.front) - recorder.column(scale.back)
+    time = record.column("time")
+    found = {name: record.column(force) / scale.force for name, force in (("cd", "drag"), ("cl", "lift"))}
+    if scale.front and scale.back:
+        found["dp"] = record.column(scale.front) - record.column(scale.back)
     return {name: statistics.box_filter(time, values, width) for name, values in found.items()}
 
 
-def evaluate(scale: Scale, recorder: Recorder, window: statistics.Window, width: float) -> dict[str, float]:
+def evaluate(scale: Scale, record: Record, window: statistics.Window, width: float) -> dict[str, float]:
     """Those of `NAMES` that a run has, over the last five periods of `window`: the drag's extremes see growth that is
     still within what the window allows the lift."""
     window = window.last(statistics.MIN_PERIODS)
-    time = recorder.column("time")
+    time = record.column("time")
     result = {}
-    for name, values in series(scale, recorder, width).items():
+    for name, values in series(scale, record, width).items():
         found = statistics.evaluate(time, values, window)
         result[f"{name}_mean"] = found.mean
         if window.periods and name != "dp":
@@ -77,10 +84,10 @@ def evaluate(scale: Scale, recorder: Recorder, window: statistics.Window, width:
     return {name: result[name] for name in NAMES if name in result}
 
 
-def published(reference: dict | None) -> dict[str, float]:
-    """The published coefficients of a family of `scenes/references.json`, with the mean of the extremes where only
-    those are given."""
-    values = dict(((reference or {}).get("primary") or {}).get("coefficients", {}))
-    if {"cd_max", "cd_min"} <= set(values):
+def published(reference: Reference | None) -> dict[str, float]:
+    """The published coefficients of a scene, with the mean of the extremes where only those are given."""
+    given = reference.coefficients if reference else None
+    values = {name: value for name in NAMES if given and (value := getattr(given, name)) is not None}
+    if {"cd_max", "cd_min"} <= values.keys():
         values.setdefault("cd_mean", (values["cd_max"] + values["cd_min"]) / 2)
     return values

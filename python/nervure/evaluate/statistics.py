@@ -6,6 +6,7 @@ pushes max and min outwards.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -40,8 +41,7 @@ class Window:
 
     begin: float
     end: float
-    periods: int
-    """Whole periods of the main signal; 0 if it does not oscillate."""
+    periods: int  # Whole periods of the main signal; 0 if it does not oscillate
 
     def last(self, periods: int) -> "Window":
         """Its last `periods` whole periods, or all of it if it has no more."""
@@ -77,7 +77,8 @@ def upward_crossings(time: np.ndarray, values: np.ndarray, mean: float, amplitud
     dips = np.searchsorted(low, rising, side="right")
     first = rising[np.diff(dips, prepend=0) > 0]
     share = (mean - values[first]) / (values[first + 1] - values[first])
-    return time[first] + share * (time[first + 1] - time[first])
+    crossings: np.ndarray = time[first] + share * (time[first + 1] - time[first])
+    return crossings
 
 
 def find_window(time: np.ndarray, values: np.ndarray) -> Window:
@@ -95,7 +96,7 @@ def find_window(time: np.ndarray, values: np.ndarray) -> Window:
         return last_third
 
     edges = np.searchsorted(time, crossings)
-    amplitudes = [extent(values[a : b + 1])[1] for a, b in zip(edges, edges[1:])]
+    amplitudes = [extent(values[a : b + 1])[1] for a, b in pairwise(edges)]
     first = max(0, len(amplitudes) - MIN_PERIODS)
     settled = np.mean(amplitudes[first:])
     while first > 0 and abs(amplitudes[first - 1] - settled) < SETTLED * settled:

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import fmpy
 
+from nervure.errors import SceneError
 from nervure.pack import package, ssp
-from nervure.report import git_revision
-from nervure.scene import SceneError
+from nervure.provenance import git_revision
+from nervure.scene import Scene
 
 OLDEST_GLIBC = (2, 17)
 """The version that the libraries must run on: that of 2012."""
@@ -26,14 +27,15 @@ def glibc(library: Path) -> tuple[int, int]:
 def revision() -> str | None:
     """The source's commit, with `-dirty` after it where files differ from it; None outside of git."""
     found = git_revision()
-    return found and found["revision"] + ("-dirty" if found["dirty"] else "")
+    return found.revision + ("-dirty" if found.dirty else "") if found else None
 
 
-def describe(path: Path) -> dict:
+def describe(path: Path) -> dict[str, int | str]:
+    """Size (bytes) and checksum of a file."""
     return {"size": path.stat().st_size, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
 
 
-def write(scene: dict, folder: Path) -> None:
+def write(scene: Scene, folder: Path) -> None:
     """Make a folder to hand out, in the place of one that exists."""
     kinds, source = package.kinds(scene), revision()
     needed = {kind: glibc(package.library(kind)) for kind in kinds}
@@ -50,7 +52,7 @@ def write(scene: dict, folder: Path) -> None:
         files.append(ssp.pack(scene, unfinished))
     manifest = {
         "source_revision": source,
-        "scene": scene["name"],
+        "scene": scene.name,
         "platform": fmpy.platform,
         "glibc": ".".join(map(str, max(needed.values()))),
         "files": {path.name: describe(path) for path in files},

@@ -1,46 +1,28 @@
-"""What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals for masters that know ports."""
+"""What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals for masters that know
+ports."""
 
 from html import escape
+from pathlib import Path
+from typing import Any
 from xml.sax.saxutils import quoteattr
 
 from lxml import etree
 
 from nervure.resources import ROOT
 
-PAGE = """<!DOCTYPE html>
-<html lang="en">
-<meta charset="utf-8">
-<title>{title}</title>
-<style>
-body {{ font: 16px/1.5 sans-serif; max-width: 60em; margin: 2em auto; padding: 0 1em; }}
-table {{ border-collapse: collapse; }}
-td, th {{ border: 1px solid #bbb; padding: 0.2em 0.6em; text-align: left; vertical-align: top; }}
-pre {{ background: #f4f4f4; padding: 0.6em 1em; overflow-x: auto; }}
-</style>
-<h1>{title}</h1>
-<p><img src="../model.png" alt="" width="200"></p>
-{text}
-<h2>Variables</h2>
-<p>Elements of an array have value references in a row. Equal names of the two units belong together.</p>
-<table>
-<tr><th>name<th>causality<th>type<th>unit<th>start<th>limits<th>value reference<th>meaning
-{rows}
-</table>
-<p>Licence: MIT or Apache-2.0, in <a href="licenses/">licenses</a>. The scene is in <code>resources/scene.json</code>.</p>
-</html>
-"""
+PAGE = Path(__file__).with_name("page.html").read_text(encoding="utf-8")
 
 
-def _arrays(description: str) -> dict[str, list]:
+def _arrays(description: str) -> dict[str, list[Any]]:
     """The `ScalarVariable` elements of a model description, those of an array together, by name without index."""
-    arrays: dict[str, list] = {}
+    arrays: dict[str, list[Any]] = {}
     for scalar in etree.fromstring(description.encode("utf-8")).iterfind("ModelVariables/ScalarVariable"):
         name = scalar.get("name")
         arrays.setdefault(name.rpartition("[")[0] if name.endswith("]") else name, []).append(scalar)
     return arrays
 
 
-def _row(name: str, scalars: list) -> str:
+def _row(name: str, scalars: list[Any]) -> str:
     """A line of the table of variables."""
     first, value = scalars[0], scalars[0][0]
     starts = list(dict.fromkeys(scalar[0].get("start", "") for scalar in scalars))

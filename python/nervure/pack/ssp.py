@@ -6,8 +6,9 @@ from pathlib import Path
 import fmpy
 from lxml import etree
 
+from nervure.errors import SceneError
 from nervure.pack import package
-from nervure.scene import SceneError
+from nervure.scene import Scene
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -15,7 +16,9 @@ SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 
 def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     """SystemStructure.ssd of the units `fmus` by name: every input is connected with the output of the same name."""
-    root = etree.Element(f"{{{SSD}}}SystemStructureDescription", nsmap={"ssd": SSD, "ssc": SSC}, version="1.0", name=name)
+    root = etree.Element(
+        f"{{{SSD}}}SystemStructureDescription", nsmap={"ssd": SSD, "ssc": SSC}, version="1.0", name=name
+    )
     # A name of SSP is an identifier in some readers.
     system = etree.SubElement(root, f"{{{SSD}}}System", name=re.sub(r"\W", "_", name))
     elements = etree.SubElement(system, f"{{{SSD}}}Elements")
@@ -23,7 +26,11 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     inputs: list[tuple[str, str]] = []
     for unit, path in fmus.items():
         component = etree.SubElement(
-            elements, f"{{{SSD}}}Component", name=unit, type="application/x-fmu-sharedlibrary", source=f"resources/{path.name}"
+            elements,
+            f"{{{SSD}}}Component",
+            name=unit,
+            type="application/x-fmu-sharedlibrary",
+            source=f"resources/{path.name}",
         )
         connectors = etree.SubElement(component, f"{{{SSD}}}Connectors")
         for variable in fmpy.read_model_description(str(path), validate=False).modelVariables:
@@ -41,15 +48,15 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
             ends = {"startElement": source, "startConnector": variable, "endElement": unit, "endConnector": variable}
             etree.SubElement(connections, f"{{{SSD}}}Connection", **ends)
     etree.SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=repr(float(end)))
-    return etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True)
+    return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True))
 
 
-def pack(scene: dict, folder: Path) -> Path:
+def pack(scene: Scene, folder: Path) -> Path:
     """Write the units of `scene` and `NAME.ssp` with both of them into `folder` and return the path of the latter."""
     kinds = package.kinds(scene)
     if len(kinds) < 2:
-        raise SceneError(f"the scene {scene['name']} has only one unit, the {kinds[0]}: there is nothing to connect")
+        raise SceneError(f"the scene {scene.name} has only one unit, the {kinds[0]}: there is nothing to connect")
     fmus = {kind: package.pack(kind, scene, folder) for kind in kinds}
-    contents = {"SystemStructure.ssd": structure(scene["name"], fmus, scene["time"]["end"])}
+    contents = {"SystemStructure.ssd": structure(scene.name, fmus, scene.time.end)}
     contents |= {f"resources/{path.name}": path.read_bytes() for path in fmus.values()}
-    return package.write_archive(folder / f"{scene['name']}.ssp", contents)
+    return package.write_archive(folder / f"{scene.name}.ssp", contents)

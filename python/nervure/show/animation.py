@@ -6,16 +6,22 @@ alone has motion.png in their place: where it was over the last whole period.
 
 import json
 from pathlib import Path
+from typing import Any
 
-import matplotlib.pyplot as plt
+import h5py
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from PIL import Image
 
-from nervure.evaluate import statistics
-from nervure.show import fields, plots
 from nervure.errors import Refusal
+from nervure.evaluate import statistics
+from nervure.evaluate.summary import main_signal
 from nervure.files import write_whole
-from nervure.report import main_signal
+from nervure.scene import typed
+from nervure.scene.types import Fluid
+from nervure.show import fields, plots
 
 PERIODS = 2
 """Whole periods that the animation shows, unless times are asked for."""
@@ -39,23 +45,30 @@ class Frames:
     """The frames of a result folder: times (s), vorticity and the beam's outline."""
 
     def __init__(self, folder: Path):
-        import h5py
-
         self.folder = folder
         alone = not (folder / fields.FLUID).exists() and (folder / fields.BEAM).exists()
-        self.fluid = None if alone else h5py.File(folder / fields.FLUID)
-        first = h5py.File(folder / fields.BEAM) if alone else self.fluid
-        self.scene = json.loads(first[fields.SCENE][()])
+        self.fluid: Any = None if alone else h5py.File(folder / fields.FLUID)
+        first: Any = h5py.File(folder / fields.BEAM) if alone else self.fluid
+        self.scene = typed(json.loads(first[fields.SCENE][()]))
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
-        self.beam = h5py.File(folder / fields.BEAM)["VTKHDF"] if self.scene.get("beam") else None
+        self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if self.scene.beam else None
+
+    @property
+    def flow(self) -> Fluid:
+        """The fluid of the scene, where there are fields of it."""
+        if self.scene.fluid is None:
+            raise Refusal(f"{self.folder} holds fields of a fluid that its scene does not have")
+        return self.scene.fluid
 
     def vorticity(self, frame: int) -> np.ndarray:
-        return self.fluid["VTKHDF/PointData/vorticity"][frame].T
+        stored: np.ndarray = self.fluid["VTKHDF/PointData/vorticity"][frame]
+        return stored.T
 
     def points(self, frame: int) -> np.ndarray:
         """Outline of the beam in the plane, its centre line in space, `[n, 3]`."""
         n = self.beam["NumberOfPoints"][0]
-        return self.beam["Points"][frame * n : (frame + 1) * n]
+        points: np.ndarray = self.beam["Points"][frame * n : (frame + 1) * n]
+        return points
 
     def outline(self, frame: int) -> np.ndarray | None:
         return None if self.beam is None else self.points(frame)[:, :2]
@@ -65,7 +78,7 @@ class Frames:
         if not (self.folder / "series.csv").is_file():
             return None
         series = np.genfromtxt(self.folder / "series.csv", delimiter=",", names=True)
-        main = main_signal(series.dtype.names, series.__getitem__)
+        main = main_signal(series.dtype.names or (), series.__getitem__)
         window = statistics.find_window(series["time"], series[main]) if main else None
         return window if window and window.periods else None
 
@@ -75,8 +88,8 @@ class Frames:
 
 
 def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
-    """Write vorticity.gif of the times from `begin` to `end` (s) and phases.png into a result folder, or motion.png of a rod
-    alone; returns them."""
+    """Write vorticity.gif of the times from `begin` to `end` (s) and phases.png into a result folder, or motion.png of
+    a rod alone; returns them."""
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
@@ -97,7 +110,7 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
         write_whole(folder / "motion.png", lambda path: motion(frames, shown, path))
         return [folder / "motion.png"]
     limit = plots.vorticity_limit(
-        frames.scene, [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
+        frames.flow, [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
     )
 
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
@@ -109,19 +122,17 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
 
 def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
     """Four frames below each other, or two by two where the box is high, with one colour scale."""
-    columns = 2 if plots.size(frames.scene, WIDTH)[1] > WIDTH / 2 else 1
-    _, height = plots.size(frames.scene, WIDTH / columns)
+    columns = 2 if plots.size(frames.flow, WIDTH)[1] > WIDTH / 2 else 1
+    _, height = plots.size(frames.flow, WIDTH / columns)
     rows = len(chosen) // columns
-    figure, axes = plt.subplots(
-        rows, columns, sharex=True, sharey=True, figsize=(WIDTH, (height - 0.5) * rows + 0.5), layout="constrained"
-    )
-    for axis, frame in zip(axes.flat, chosen):
-        picture = plots.draw_vorticity(axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit)
+    figure = Figure(figsize=(WIDTH, (height - 0.5) * rows + 0.5), layout="constrained")
+    axes = figure.subplots(rows, columns, sharex=True, sharey=True)
+    for axis, frame in zip(axes.flat, chosen, strict=True):
+        picture = plots.draw_vorticity(axis, frames.flow, frames.vorticity(frame), frames.outline(frame), limit)
         axis.set_title(f"t = {frames.times[frame]:.3f} s", fontsize="medium")
         axis.label_outer()
     figure.colorbar(picture, ax=axes, label="vorticity [1/s]", extend="both", pad=0.01)
     figure.savefig(path, dpi=150)
-    plt.close(figure)
 
 
 def motion(frames: Frames, chosen: list[int], path: Path) -> None:
@@ -129,36 +140,38 @@ def motion(frames: Frames, chosen: list[int], path: Path) -> None:
     shapes = np.array([frames.points(frame) for frame in chosen])
     in_space = bool(np.ptp(shapes[..., 2]))
     sides = ((0, 1), (0, 2), (1, 2)) if in_space else ((0, 1),)
-    figure, axes = plt.subplots(1, len(sides), squeeze=False, figsize=(4.2 * len(sides) + 1, 4.6), layout="constrained")
+    figure = Figure(figsize=(4.2 * len(sides) + 1, 4.6), layout="constrained")
+    axes = figure.subplots(1, len(sides), squeeze=False)
     tip = shapes[:, -1] if in_space else shapes[:, shapes.shape[1] // 2 - 1 : shapes.shape[1] // 2 + 1].mean(axis=1)
     shown = np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int))
-    colours = plt.get_cmap("viridis")(np.linspace(0, 0.95, len(shown)))
-    for axis, (across, up) in zip(axes[0], sides):
+    colours = colormaps["viridis"](np.linspace(0, 0.95, len(shown)))
+    for axis, (across, up) in zip(axes[0], sides, strict=True):
         axis.plot(tip[:, across], tip[:, up], color="0.5", linewidth=0.8)
-        for number, colour in zip(shown, colours):
+        for number, colour in zip(shown, colours, strict=True):
             axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
         axis.set(xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]", aspect="equal")
-    figure.suptitle(f"t = {frames.times[chosen[0]]:.3f} s (dark) to {frames.times[chosen[-1]]:.3f} s", fontsize="medium")
+    figure.suptitle(
+        f"t = {frames.times[chosen[0]]:.3f} s (dark) to {frames.times[chosen[-1]]:.3f} s", fontsize="medium"
+    )
     figure.savefig(path, dpi=150)
-    plt.close(figure)
 
 
 def animation(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
     """The frames one after the other, for ever. One palette without dithering: what stands still costs nothing."""
-    scale = plt.get_cmap(plots.COLOUR_MAP)(np.linspace(0, 1, 256 - GREYS))[:, :3]
+    scale = colormaps[plots.COLOUR_MAP](np.linspace(0, 1, 256 - GREYS))[:, :3]
     greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
     palette = Image.new("P", (1, 1))
     palette.putpalette((255 * np.concatenate([scale, greys])).round().astype(np.uint8).tobytes())
     images = []
-    figure, axis = plt.subplots(figsize=plots.size(frames.scene, WIDTH), dpi=DPI, layout="constrained")
+    figure = Figure(figsize=plots.size(frames.flow, WIDTH), dpi=DPI, layout="constrained")
+    canvas, axis = FigureCanvasAgg(figure), figure.subplots()
     bar = None
     for frame in chosen:
         axis.clear()
-        picture = plots.draw_vorticity(axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit)
+        picture = plots.draw_vorticity(axis, frames.flow, frames.vorticity(frame), frames.outline(frame), limit)
         axis.set_title(f"t = {frames.times[frame]:.3f} s", fontsize="medium")
         bar = bar or figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
-        figure.canvas.draw()
-        image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())
+        canvas.draw()
+        image = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
         images.append(image.quantize(palette=palette, dither=Image.Dither.NONE))
-    plt.close(figure)
     images[0].save(path, "GIF", save_all=True, append_images=images[1:], duration=FRAME_MS, loop=0, optimize=True)

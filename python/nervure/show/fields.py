@@ -7,12 +7,14 @@ compressed; what was not reached is a hole, which takes no room on the disk. Val
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from nervure.errors import SceneError
 from nervure.master import Clock
-from nervure.pack.package import scene_text
-from nervure.scene import SceneError
+from nervure.scene import Scene, text
+from nervure.scene.types import Beam as SceneBeam, Fluid
 from nervure.unit import Unit
 
 FLUID, BEAM = "fields.vtkhdf", "beam.vtkhdf"
@@ -49,18 +51,18 @@ class Fields:
     To be made after the units are connected; a run that goes on after step `done` needs the files of the run before.
     """
 
-    def __init__(self, folder: Path, scene: dict, units: dict[str, Unit], clock: Clock, interval: float, done: int):
+    def __init__(self, folder: Path, scene: Scene, units: dict[str, Unit], clock: Clock, interval: float, done: int):
         self.units, self.scene = units, scene
         self.stride = max(1, round(interval / clock.communication_step))
         frames, known = clock.steps // self.stride + 1, done // self.stride + 1 if done else 0
-        shows = "fluid" in units and units["fluid"].field("u") is not None
-        if not shows and not scene.get("beam"):
+        shows = scene.fluid if "fluid" in units and units["fluid"].shown_field("u") is not None else None
+        if not shows and not scene.beam:
             raise SceneError("--fields-every needs a beam or a fluid that shows its fields (fmu_field)")
-        self.files = []
+        self.files: list[Grid | Beam] = []
         if shows:
-            self.files.append(Grid(folder / FLUID, scene, units["fluid"], frames, known))
-        if scene.get("beam"):
-            self.files.append(Beam(folder / BEAM, scene, units, frames, known))
+            self.files.append(Grid(folder / FLUID, scene, shows, units["fluid"], frames, known))
+        if scene.beam:
+            self.files.append(Beam(folder / BEAM, scene, scene.beam, units, frames, known))
 
     def watch(self, warn: Callable[[str], None]) -> Callable[[int, float, float], None]:
         """Watcher of a run. Where the disk does not take a frame, the run goes on and the files end there."""
@@ -84,7 +86,7 @@ class Fields:
 class Series:
     """A VTKHDF file of `frames` places, of which `known` are filled."""
 
-    def __init__(self, path: Path, scene: dict, frames: int, known: int):
+    def __init__(self, path: Path, scene: Scene, frames: int, known: int):
         import h5py  # only here: a run without fields does not need it
 
         self.path = path
@@ -92,20 +94,20 @@ class Series:
             self._continue(h5py, scene, frames, known)
         else:
             self.file = h5py.File(path, "w")
-            self.file.create_dataset(SCENE, data=np.bytes_(scene_text(scene).encode()))
+            self.file.create_dataset(SCENE, data=np.bytes_(text(scene).encode()))
             self.root = self.file.create_group("VTKHDF")
             self.root.attrs["Version"] = (2, 0)
             self.steps = self.root.create_group("Steps")
             self.steps.attrs["NSteps"] = 0
             self.times = self.steps.create_dataset("Values", (0,), float, maxshape=(frames,), chunks=(frames,))
 
-    def _continue(self, h5py, scene: dict, frames: int, known: int) -> None:
+    def _continue(self, h5py: Any, scene: Scene, frames: int, known: int) -> None:
         try:
             self.file = h5py.File(self.path, "r+")
             self.root = self.file["VTKHDF"]
             self.steps = self.root["Steps"]
             self.times = self.steps["Values"]
-            fits = self.file[SCENE][()].decode() == scene_text(scene) and self.times.maxshape == (frames,)
+            fits = self.file[SCENE][()].decode() == text(scene) and self.times.maxshape == (frames,)
         except (OSError, KeyError) as error:
             raise SceneError(f"the fields in {self.path} cannot be continued: {error}") from error
         if not fits or len(self.times) < known:
@@ -117,7 +119,7 @@ class Series:
     def _kind(self, name: str) -> None:
         self.root.attrs["Type"] = np.bytes_(name)
 
-    def _place(self, group, name: str, shape: tuple[int, ...]):
+    def _place(self, group: Any, name: str, shape: tuple[int, ...]) -> Any:
         """A dataset of single precision whose room is laid out now and filled later."""
         import h5py
 
@@ -139,16 +141,16 @@ class Series:
 class Grid(Series):
     """Velocity, vorticity and pressure on the fluid's grid, as ImageData."""
 
-    def __init__(self, path: Path, scene: dict, fluid: Unit, frames: int, known: int):
+    def __init__(self, path: Path, scene: Scene, flow: Fluid, fluid: Unit, frames: int, known: int):
         super().__init__(path, scene, frames, known)
         self.fluid = fluid
         if not known:
             nx, ny = fluid.field("u").shape
-            box = scene["fluid"]["box"]
+            (x0, x1), (y0, y1) = flow.box.x, flow.box.y
             self._kind("ImageData")
             self.root.attrs["WholeExtent"] = (0, nx - 1, 0, ny - 1, 0, 0)
-            self.root.attrs["Origin"] = (box["x"][0], box["y"][0], 0.0)
-            self.root.attrs["Spacing"] = ((box["x"][1] - box["x"][0]) / nx, (box["y"][1] - box["y"][0]) / ny, 1.0)
+            self.root.attrs["Origin"] = (x0, y0, 0.0)
+            self.root.attrs["Spacing"] = ((x1 - x0) / nx, (y1 - y0) / ny, 1.0)
             self.root.attrs["Direction"] = np.eye(3).ravel()
             data = self.root.create_group("PointData")
             for name, components in (("velocity", (3,)), ("vorticity", ()), ("pressure", ())):
@@ -168,9 +170,9 @@ class Grid(Series):
 class Beam(Series):
     """The beam as PolyData: its outline in the plane, its centre line in space."""
 
-    def __init__(self, path: Path, scene: dict, units: dict[str, Unit], frames: int, known: int):
+    def __init__(self, path: Path, scene: Scene, beam: SceneBeam, units: dict[str, Unit], frames: int, known: int):
         super().__init__(path, scene, frames, known)
-        self.units, self.thickness = units, scene["beam"]["thickness"]
+        self.units, self.thickness = units, beam.thickness
         if not known:
             n = len(self._points())
             self._kind("PolyData")

@@ -12,13 +12,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from nervure import checkpoint, coupling, master, report
-from nervure.pack import package
-from nervure.show import fields
+from nervure import checkpoint, coupling, master, results
 from nervure.errors import Refusal
+from nervure.pack import package
 from nervure.recorder import Recorder
-from nervure.results import Results
-from nervure.scene import load
+from nervure.scene import kinds, load
+from nervure.show import fields
+from nervure.show.table import print_table
 from nervure.unit import Unit, UnitError, Variable, variables_of
 
 FLAGS = (
@@ -33,6 +33,9 @@ FLAGS = (
     "needsExecutionTool",
 )
 """What a co-simulation unit says of itself (FMI 2.0.4, section 4.3.1)."""
+
+PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "probes")
+"""What can be in a fluid."""
 
 
 def _print(console: Console, title: str, rows: Iterable[tuple[str, str]]) -> None:
@@ -84,44 +87,48 @@ def show_scene(console: Console, path: Path) -> None:
     scene = load(path)
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        fmus = {kind: package.pack(kind, scene, folder) for kind in package.kinds(scene)}
-        clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+        fmus = {kind: package.pack(kind, scene, folder) for kind in kinds(scene)}
+        clock = master.Clock(scene.time.end, scene.time.communication_step)
         before = _resident()
         units = {}
         for kind, fmu in fmus.items():
             units[kind] = Unit(fmu, kind, clock.end)
             stack.callback(units[kind].close)
-        scheme = coupling.couple(units, scene.get("coupling"))
+        scheme = coupling.couple(units, scene.coupling)
         scheme.start()
         for i in range(min(2, clock.steps)):  # the second one has a history as well
             scheme.step(*clock.step(i))
-        memory = _resident() - before if before is not None else None
+        resident = _resident()
+        memory = resident - before if resident is not None and before is not None else None
         recorder = Recorder(units, clock.steps)
-        stations = len(fields.stations(units)) if scene.get("beam") else 0
+        stations = len(fields.stations(units)) if scene.beam else 0
 
-    rows = [("description", scene["description"])] if scene.get("description") else []
+    rows = [("description", scene.description)] if scene.description else []
     rows += [
         ("units", " and ".join(fmus)),
         ("time", f"to {clock.end:g} s, {clock.steps} steps of {clock.communication_step:g} s"),
     ]
-    if fluid := scene.get("fluid"):
-        nx, ny = fluid["box"]["cells"]
-        (x0, x1), (y0, y1) = fluid["box"]["x"], fluid["box"]["y"]
-        parts = [name for name in ("channel", "inflow", "sponge", "mean_flow", "cylinders", "probes") if fluid.get(name)]
+    if fluid := scene.fluid:
+        (nx, ny), (x0, x1), (y0, y1) = fluid.box.cells, fluid.box.x, fluid.box.y
+        parts = [name for name in PARTS if getattr(fluid, name)]
         rows += [
             ("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"),
             ("in it", ", ".join(name.replace("_", " ") for name in parts) or "nothing"),
         ]
-    if beam := scene.get("beam"):
-        size = f"{beam['length']:g} x {beam['thickness']:g} m"
-        rows.append(("beam", f"{size}, {beam['segments']} segments, {stations} stations"))
+    if beam := scene.beam:
+        size = f"{beam.length:g} x {beam.thickness:g} m"
+        rows.append(("beam", f"{size}, {beam.segments} segments, {stations} stations"))
     if scheme.choice:
-        rows += [(what, f"{scheme.choice[what]}: {scheme.choice[what + '_reason']}") for what in ("load", "scheme")]
+        chosen = scheme.choice
+        rows += [
+            ("load", f"{chosen.load}: {chosen.load_reason}"),
+            ("scheme", f"{chosen.scheme}: {chosen.scheme_reason}"),
+        ]
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
     if memory is not None:
         total = memory + recorder.table.nbytes
         rows.append(("memory", f"about {total / 1e6:.0f} MB for units and record, beside Python's own"))
-    _print(console, scene["name"], rows)
+    _print(console, scene.name, rows)
 
 
 def _resident() -> int | None:
@@ -137,17 +144,17 @@ def show_results(console: Console, folder: Path) -> None:
     """The summary of a run, as the run printed it, or how far one came that was killed."""
     stopped = (folder / checkpoint.FILE).is_file()
     try:
-        summary = Results(folder).summary
+        summary = results.read(folder).summary
     except Refusal:
         if not stopped:
             raise
     else:
-        report.print_table(console, summary)
-        if not summary["completed"]:
-            console.print(f"not completed: {summary['error'] or 'interrupted'}", markup=False, soft_wrap=True)
-        git = summary["git"]
-        revision = git["revision"] + (" with changes" if git["dirty"] else "") if git else "unknown"
-        console.print(f"revision {revision}, {summary['machine']['cpu']}", markup=False, soft_wrap=True)
+        print_table(console, summary)
+        if not summary.completed:
+            console.print(f"not completed: {summary.error or 'interrupted'}", markup=False, soft_wrap=True)
+        git = summary.git
+        revision = git.revision + (" with changes" if git.dirty else "") if git else "unknown"
+        console.print(f"revision {revision}, {summary.machine.cpu}", markup=False, soft_wrap=True)
     if stopped:
         about = checkpoint.read(folder).about
         reached = f"checkpoint after {about['done']} steps, {about['wall']:.0f} s of wall time"

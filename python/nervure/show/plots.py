@@ -1,22 +1,24 @@
 """Pictures of a run: tip, drag and lift over time, and the vorticity around the solids at its end."""
 
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
-import matplotlib
-
-matplotlib.use("Agg")
-
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
 from matplotlib.patches import Circle, Polygon
 
 from nervure.evaluate import coefficients, flapping, statistics
-from nervure.show.fields import outline, stations
+from nervure.evaluate.summary import Summary
 from nervure.files import write_whole
-from nervure.recorder import Recorder
-from nervure.report import DISPLAY
-from nervure.results import Results
-from nervure.scene import reference
+from nervure.recorder import Record
+from nervure.scene import Scene
+from nervure.scene.types import Fluid, Reference
+from nervure.show import shown_in
+from nervure.show.fields import outline, stations
 from nervure.unit import Unit
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
@@ -28,42 +30,40 @@ VORTICITY_PERCENTILE = 99.0
 COLOUR_MAP = "RdBu_r"
 """Diverging, white at 0, and the same to colour-blind readers."""
 
+COLOURS = (BLUE, ORANGE, GREEN)
+
 SOLID = "0.55"
 
 
-def time_series(folder: Path, runs: dict[str, Recorder | Results], name: str) -> list[Path]:
-    """Write tip.png, drag.png and lift.png, as far as a run has such an output, with the published bands of the scene
-    called `name`; several `runs`, by their labels, over each other. Returns what was written."""
-    published = (reference(name) or {}).get("primary", {})
+def time_series(folder: Path, runs: Mapping[str, Record], scene: Scene) -> list[Path]:
+    """Write tip.png, drag.png and lift.png, as far as a run has such an output, with the bands that are published of
+    `scene`; several `runs`, by their labels, over each other. Returns what was written."""
     written = []
-    for file, wanted in (
-        ("tip", ("tip_ux", "tip_uy", "tip_uz")),
-        ("drag", ("drag",)),
-        ("lift", ("lift",)),
-    ):
+    for file, wanted in (("tip", ("tip_ux", "tip_uy", "tip_uz")), ("drag", ("drag",)), ("lift", ("lift",))):
         columns = [column for column in wanted if any(column in run.columns for run in runs.values())]
         if columns:
-            written.append(_save(_figure_of(runs, columns, published), folder / f"{file}.png"))
+            written.append(_save(over_time(runs, columns, scene.reference), folder / f"{file}.png"))
     return written
 
 
-def _figure_of(runs: dict[str, Recorder | Results], columns: list[str], published: dict):
-    figure, axes = plt.subplots(
-        len(columns), sharex=True, squeeze=False, figsize=(9, 1.5 + 2 * len(columns)), layout="constrained"
-    )
-    for axis, column, colour in zip(axes[:, 0], columns, (BLUE, ORANGE, GREEN)):
+def over_time(runs: Mapping[str, Record], columns: Sequence[str], reference: Reference | None = None) -> Figure:
+    """`columns` over time below each other, with what `reference` has of them."""
+    figure = Figure(figsize=(9, 1.5 + 2 * len(columns)), layout="constrained")
+    axes = figure.subplots(len(columns), sharex=True, squeeze=False)
+    for number, column in enumerate(columns):
+        axis, colour = axes[number, 0], COLOURS[number % len(COLOURS)]
         having = {label: run for label, run in runs.items() if column in run.columns}
-        unit_of = next(iter(having.values())).unit_of
-        unit, scale = DISPLAY.get(unit_of[column], (unit_of[column], 1.0))
+        unit, scale = shown_in(next(iter(having.values())).unit_of[column])
         for label, run in having.items():
             look = {"color": colour} if len(runs) == 1 else {"label": label}
             axis.plot(run.column("time"), run.column(column) * scale, linewidth=0.8, **look)
-        band = published.get("quantities", {}).get(column)
-        if band and "mean" in band:
-            low, high = ((band["mean"] + sign * band["amplitude"]) * scale for sign in (-1, 1))
-            axis.axhspan(low, high, color="0.85", zorder=0)
-            axes[0, 0].set_title(f"grey: mean ± amplitude of {published['source']}", fontsize="small")
-        axis.set_ylabel(f"{column.replace('_', ' ')} [{unit}]")
+        band = reference.quantities.get(column) if reference else None
+        if reference and band and band.mean is not None and band.amplitude is not None:
+            axis.axhspan(
+                (band.mean - band.amplitude) * scale, (band.mean + band.amplitude) * scale, color="0.85", zorder=0
+            )
+            axes[0, 0].set_title(f"grey: mean ± amplitude of {reference.source}", fontsize="small")
+        axis.set_ylabel(f"{column.replace('_', ' ')} [{unit or '1'}]")
         axis.margins(x=0)
     if len(runs) > 1:
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize="small")
@@ -71,21 +71,22 @@ def _figure_of(runs: dict[str, Recorder | Results], columns: list[str], publishe
     return figure
 
 
-def cylinder(folder: Path, recorder: Recorder | Results, scene: dict, summary: dict) -> list[Path]:
+def cylinder(folder: Path, record: Record, scene: Scene, summary: Summary) -> list[Path]:
     """Write coefficients.png, cD and cL over time and, where the flow is periodic, against each other, with the
     published values; nothing if the scene is not a cylinder alone. Returns what was written."""
     scale = coefficients.scale(scene)
-    if scale is None or summary["window_s"] is None:
+    if scale is None or summary.window is None:
         return []
-    time, curves = recorder.column("time"), coefficients.series(scale, recorder)
-    published = coefficients.published(reference(scene["name"]))
-    window = statistics.Window(*summary["window_s"], summary["periods"]).last(statistics.MIN_PERIODS)
+    time, curves = record.column("time"), coefficients.series(scale, record)
+    published = coefficients.published(scene.reference)
+    window = summary.window.last(statistics.MIN_PERIODS)
     part = window.of(time)
     if window.periods:
-        lines, layout = ("max", "min"), [["cd", "orbit"], ["cl", "orbit"]]
+        lines: tuple[str, ...] = ("max", "min")
+        layout: list[Any] = [["cd", "orbit"], ["cl", "orbit"]]
     else:
         lines, layout = ("mean",), [["cd"], ["cl"]]
-    figure = plt.figure(figsize=(12 if window.periods else 8, 5), layout="constrained")
+    figure = Figure(figsize=(12 if window.periods else 8, 5), layout="constrained")
     axes = figure.subplot_mosaic(layout, width_ratios=[1.6, 1] if window.periods else None)
     for name, label, colour in (("cd", "$c_D$", BLUE), ("cl", "$c_L$", ORANGE)):
         axes[name].plot(time, curves[name], color=colour, linewidth=0.8)
@@ -107,65 +108,74 @@ def cylinder(folder: Path, recorder: Recorder | Results, scene: dict, summary: d
     return [_save(figure, folder / "coefficients.png")]
 
 
-def driven_root(folder: Path, recorder: Recorder | Results, summary: dict) -> list[Path]:
-    """Write flapping.png, the path of the tip, its way beside that of a rigid rod, forces and power over the periods of the
-    window; nothing if no root is driven. Returns what was written."""
-    found = summary.get("flapping")
-    if not found:
+def driven_root(folder: Path, record: Record, summary: Summary) -> list[Path]:
+    """Write flapping.png, the path of the tip, its way beside that of a rigid rod, forces and power over the periods of
+    the window; nothing if no root is driven. Returns what was written."""
+    found = summary.flapping
+    if found is None:
         return []
-    time, main, window = recorder.column("time"), found["axis"], statistics.Window(*found["window_s"], found["periods"])
+    time, main, window = record.column("time"), found.axis, statistics.Window(*found.window_s, found.periods)
     part = window.of(time)
     phase = (time[part] - window.begin) * window.periods / (window.end - window.begin)
-    other = max((axis for axis in flapping.AXES if axis != main and f"tip_u{axis}" in recorder.columns),
-                key=lambda axis: np.ptp(recorder.column(f"tip_u{axis}")[part]))  # fmt: skip
-    figure, axes = plt.subplot_mosaic([["path", "tip"], ["force", "power"]], figsize=(11, 7.5), layout="constrained")
+    other = max((axis for axis in flapping.AXES if axis != main and f"tip_u{axis}" in record.columns),
+                key=lambda axis: np.ptp(record.column(f"tip_u{axis}")[part]))  # fmt: skip
+    figure = Figure(figsize=(11, 7.5), layout="constrained")
+    axes = figure.subplot_mosaic([["path", "tip"], ["force", "power"]])
     for name, colour, label in (("rigid_tip", "0.6", "rigid"), ("tip", BLUE, "tip")):
-        along, across = (recorder.column(f"{name}_u{axis}")[part] for axis in (main, other))
+        along, across = (record.column(f"{name}_u{axis}")[part] for axis in (main, other))
         axes["path"].plot(across, along, color=colour, linewidth=0.8, label=label)
         axes["tip"].plot(phase, along, color=colour, linewidth=0.8, label=label)
     axes["path"].set(xlabel=f"tip u{other} [m]", ylabel=f"tip u{main} [m]", title="path of the tip", aspect="equal")
     axes["path"].set_adjustable("datalim")
-    axes["tip"].set(xlabel="periods", ylabel=f"tip u{main} [m]", title="beside a rigid rod")
+    axes["tip"].set(xlabel="periods", ylabel=f"tip u{main} [m]", title="tip and rigid rod")
 
-    if "beam_drag" in recorder.columns:
-        forces, title = (("beam_drag", -1, "against x"), ("beam_lift", 1, "along y")), "force of the fluid"
+    if "beam_drag" in record.columns:
+        forces, told = [("beam_drag", -1, "thrust"), ("beam_lift", 1, "lift")], "force of the fluid"
     else:
-        forces, title = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
-    powers = (("root_power", 1, "in at the root"), ("load_power", 1, "by the loads"), ("damping_power", -1, "by damping"))
+        forces, told = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
+    powers = [
+        ("root_power", 1, "in at the root"),
+        ("load_power", 1, "by the loads"),
+        ("damping_power", -1, "by damping"),
+    ]
     starts = np.searchsorted(phase, np.arange(window.periods + 1))
-    per_depth = "" if "tip_uz" in recorder.columns else "/m"
-    for place, curves, title, unit in (("force", forces, title, f"N{per_depth}"), ("power", powers, "power", f"W{per_depth}")):
-        shown = [curve for curve in curves if curve[0] in recorder.columns and recorder.column(curve[0]).any()]
-        for (column, sign, label), colour in zip(shown, (BLUE, ORANGE, GREEN)):
-            values = sign * recorder.column(column)[part]
-            for begin, end in zip(starts, starts[1:]):
+    per_depth = "" if "tip_uz" in record.columns else "/m"
+    for place, curves, title, unit in (
+        ("force", forces, told, f"N{per_depth}"),
+        ("power", powers, "power", f"W{per_depth}"),
+    ):
+        shown = [curve for curve in curves if curve[0] in record.columns and record.column(curve[0]).any()]
+        for (column, sign, label), colour in zip(shown, COLOURS, strict=False):
+            values = sign * record.column(column)[part]
+            for begin, end in pairwise(starts):
                 look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
                 axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
-        axes[place].set(xlabel="of a period", ylabel=f"[{unit}]", title=title)
+        axes[place].set(xlabel="t/T", ylabel=f"[{unit}]", title=title)
     for axis in axes.values():
         axis.legend(fontsize="small")
     figure.suptitle(f"{window.periods} periods from t = {window.begin:.3g} s, the last one dark", fontsize="small")
     return [_save(figure, folder / "flapping.png")]
 
 
-def vorticity(folder: Path, scene: dict, units: dict[str, Unit], time: float) -> None:
+def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -> None:
     """Write vorticity.png of the fluid at `time` (s), with the cylinders that stand still and the beam where it is
     now; nothing if the fluid shows no field."""
-    field = units["fluid"].field("vorticity") if "fluid" in units else None
-    if field is None:
+    field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
+    if field is None or scene.fluid is None:
         return
-    corners = outline(stations(units), scene["beam"]["thickness"]) if scene.get("beam") else None
-    figure, axis = plt.subplots(figsize=size(scene, 12.0), layout="constrained")
-    picture = draw_vorticity(axis, scene, field, corners, vorticity_limit(scene, [field]))
+    corners = outline(stations(units), scene.beam.thickness) if scene.beam else None
+    figure = Figure(figsize=size(scene.fluid, 12.0), layout="constrained")
+    axis = figure.subplots()
+    picture = draw_vorticity(axis, scene.fluid, field, corners, vorticity_limit(scene.fluid, [field]))
     axis.set_title(f"vorticity at t = {time:.3f} s")
     figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
     _save(figure, folder / "vorticity.png")
 
 
-def draw_vorticity(axis, scene: dict, field: np.ndarray, corners: np.ndarray | None, limit: float):
+def draw_vorticity(axis: Axes, fluid: Fluid, field: np.ndarray, corners: np.ndarray | None, limit: float) -> AxesImage:
     """Draw a vorticity `field`, `[nx, ny]`, with the solids, the colours from -`limit` to `limit` (1/s); `corners` are
     those of the beam."""
-    (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
+    (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
     picture = axis.imshow(
         field.T,
@@ -176,41 +186,40 @@ def draw_vorticity(axis, scene: dict, field: np.ndarray, corners: np.ndarray | N
         vmax=limit,
         interpolation="bilinear",
     )
-    for cylinder in scene["fluid"].get("cylinders", []):
-        if not cylinder.get("motion"):
-            axis.add_patch(Circle(cylinder["center"], cylinder["radius"], color=SOLID))
+    for cylinder in fluid.cylinders:
+        if cylinder.motion is None:
+            axis.add_patch(Circle(cylinder.center, cylinder.radius, color=SOLID))
     if corners is not None:
         axis.add_patch(Polygon(corners, color=SOLID))
-    left, right, bottom, top = _view(scene)
+    left, right, bottom, top = _view(fluid)
     axis.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]")
     return picture
 
 
-def vorticity_limit(scene: dict, vorticities: list[np.ndarray]) -> float:
+def vorticity_limit(fluid: Fluid, vorticities: list[np.ndarray]) -> float:
     """End of the colour scale for `vorticities` of one run, 1/s: the largest values, at the walls, saturate."""
-    left, _, bottom, top = _view(scene)
-    (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
+    left, _, bottom, top = _view(fluid)
+    (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     nx, ny = vorticities[0].shape
     columns, rows = np.linspace(x0, x1, nx, endpoint=False), np.linspace(y0, y1, ny, endpoint=False)
     seen = np.ix_(columns >= left, (rows >= bottom) & (rows <= top))
     return float(np.percentile(np.abs([field[seen] for field in vorticities]), VORTICITY_PERCENTILE)) or 1.0
 
 
-def size(scene: dict, width: float) -> tuple[float, float]:
-    """Size of a figure of the scene with a colour bar, in, for its width."""
-    left, right, bottom, top = _view(scene)
+def size(fluid: Fluid, width: float) -> tuple[float, float]:
+    """Size of a figure of the fluid with a colour bar, in, for its width."""
+    left, right, bottom, top = _view(fluid)
     return width, max(0.21 * width, 0.875 * width * (top - bottom) / (right - left) + 0.8)
 
 
-def _view(scene: dict) -> tuple[float, float, float, float]:
+def _view(fluid: Fluid) -> tuple[float, float, float, float]:
     """What a picture of the fluid shows, m: the channel behind the inflow zone, else the whole box."""
-    (x0, x1), (y0, y1) = scene["fluid"]["box"]["x"], scene["fluid"]["box"]["y"]
-    left = (scene["fluid"].get("inflow") or {"x": [x0, x0]})["x"][1]
-    bottom, top = (scene["fluid"].get("channel") or {"y": [y0, y1]})["y"]
+    (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
+    left = fluid.inflow.x[1] if fluid.inflow else x0
+    bottom, top = fluid.channel.y if fluid.channel else (y0, y1)
     return left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0, x1, bottom, top
 
 
-def _save(figure, path: Path) -> Path:
+def _save(figure: Figure, path: Path) -> Path:
     write_whole(path, lambda unfinished: figure.savefig(unfinished, dpi=150))
-    plt.close(figure)
     return path

@@ -45,9 +45,7 @@ impl Fftw {
             let forward = plan_forward(n0, n1, field, spectrum, FFTW_MEASURE);
             let inverse = plan_inverse(n0, n1, spectrum, back, FFTW_MEASURE);
             assert!(!forward.is_null() && !inverse.is_null(), "FFTW has no plan for {nx} x {ny}");
-            for (c, value) in from_raw_parts_mut(field, points).iter_mut().enumerate() {
-                *value = crate::noise(c);
-            }
+            from_raw_parts_mut(field, points).copy_from_slice(&crate::noise(points));
             Transforms { execute: self.symbol("fftw_execute"), forward, inverse }
         }
     }

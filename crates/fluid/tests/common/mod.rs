@@ -1,6 +1,8 @@
 //! What the tests of the fluid share.
 
 use nervure_fluid::Fluid;
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex64;
 use scene::Scene;
 
 /// A scene from the parts of its fluid and what else it has.
@@ -19,4 +21,18 @@ pub fn run(fluid: &mut Fluid, steps: usize, h: f64) {
         let t = fluid.time();
         fluid.advance(t, h).unwrap_or_else(|e| panic!("step {step}: {e}"));
     }
+}
+
+/// Spectrum of a field `[nx, ny]`, unnormalised, by whole complex transforms: mode (i, j) at `i ny + j`.
+#[allow(dead_code, reason = "not every test needs it")]
+pub fn spectrum(field: &[f64], [nx, ny]: [usize; 2]) -> Vec<Complex64> {
+    let mut planner = FftPlanner::new();
+    let transposed = |from: &[Complex64], rows: usize, columns: usize| -> Vec<Complex64> {
+        (0..rows * columns).map(|c| from[c % rows * columns + c / rows]).collect()
+    };
+    let mut modes: Vec<_> = field.iter().map(|value| Complex64::from(*value)).collect();
+    planner.plan_fft_forward(ny).process(&mut modes);
+    let mut modes = transposed(&modes, nx, ny);
+    planner.plan_fft_forward(nx).process(&mut modes);
+    transposed(&modes, ny, nx)
 }

@@ -1,0 +1,137 @@
+//! A body as the cells in which it drags the fluid.
+
+use crate::grid::Grid;
+use crate::wall::{Sample, WallTarget};
+
+/// One cell of a body.
+#[derive(Clone, Copy, Debug)]
+pub struct Cell {
+    /// Index of the grid point.
+    pub index: usize,
+    /// Drag rate a of this body there, 1/s.
+    pub rate: f64,
+    /// Velocity that the body draws the fluid to, m/s.
+    pub velocity: [f64; 2],
+    /// Its position from the point that the body's moment is taken about, m.
+    pub arm: [f64; 2],
+    /// How fast that velocity changes with the body's own there, per axis: 1, and more where it follows a wall target.
+    pub gain: [f64; 2],
+}
+
+/// A cell with a wall target: its body draws the fluid to `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`, summed over
+/// points, with t along the surface and n across.
+#[derive(Clone, Copy, Debug)]
+struct Targeted {
+    /// Which of the cells.
+    cell: usize,
+    /// Velocity of the body there, m/s.
+    body: [f64; 2],
+    /// Unit normal n of the surface.
+    normal: [f64; 2],
+    /// Sums of the weights of its points, along and across.
+    weight: [f64; 2],
+    /// End of its points; they begin where those of the one before end.
+    points_end: usize,
+}
+
+/// The cells of a body.
+#[derive(Clone, Debug, Default)]
+pub struct Cells {
+    cells: Vec<Cell>,
+    targeted: Vec<Targeted>,
+    /// Grid points at which those cells sample the flow, and their weights along and across the surface.
+    points: Vec<(usize, [f64; 2])>,
+}
+
+impl Cells {
+    /// Forget all.
+    pub fn clear(&mut self) {
+        self.cells.clear();
+        self.targeted.clear();
+        self.points.clear();
+    }
+
+    /// Add a cell that moves with the body.
+    pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2], arm: [f64; 2]) {
+        self.cells.push(Cell { index, rate, velocity, arm, gain: [1.0; 2] });
+    }
+
+    /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
+    /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`.
+    pub fn follow_last(
+        &mut self,
+        target: &WallTarget,
+        distance: f64,
+        surface: [f64; 2],
+        normal: [f64; 2],
+        grid: &Grid,
+    ) {
+        let samples = target.samples(distance);
+        let number = self.cells.len().wrapping_sub(1);
+        let Some(cell) = self.cells.last_mut().filter(|_| samples.iter().any(|sample| sample.weight != [0.0; 2]))
+        else {
+            return;
+        };
+        let mut sum = [0.0; 2];
+        for Sample { off, weight } in samples.into_iter().filter(|sample| sample.weight != [0.0; 2]) {
+            let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
+            self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
+            sum = [sum[0] + weight[0], sum[1] + weight[1]];
+        }
+        cell.gain = [0, 1].map(|axis| 1.0 - sum[0] * normal[1 - axis].powi(2) - sum[1] * normal[axis].powi(2));
+        let body = cell.velocity;
+        self.targeted.push(Targeted { cell: number, body, normal, weight: sum, points_end: self.points.len() });
+    }
+
+    /// Sample the flow around the cells with a wall target.
+    pub fn sample(&mut self, flow: &[Vec<f64>; 2]) {
+        let mut begin = 0;
+        for targeted in &self.targeted {
+            let ([u, v], [nx, ny]) = (targeted.body, targeted.normal);
+            let mut along = -targeted.weight[0] * (nx * v - ny * u);
+            let mut across = -targeted.weight[1] * (nx * u + ny * v);
+            for &(point, weight) in &self.points[begin..targeted.points_end] {
+                let (u, v) = (flow[0][point], flow[1][point]);
+                along += weight[0] * (nx * v - ny * u);
+                across += weight[1] * (nx * u + ny * v);
+            }
+            self.cells[targeted.cell].velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
+            begin = targeted.points_end;
+        }
+    }
+
+    /// The cells, in the order in which they were added.
+    pub fn iter(&self) -> std::slice::Iter<'_, Cell> {
+        self.cells.iter()
+    }
+
+    /// Whether some cells have a wall target.
+    pub fn have_targets(&self) -> bool {
+        !self.targeted.is_empty()
+    }
+}
+
+/// Adds the cells of moving bodies to the drag rate of the still ones, and takes them out again.
+///
+/// What was there is kept and put back in reverse order, so that painting leaves no rounding behind.
+#[derive(Clone, Debug, Default)]
+pub struct Painted {
+    before: Vec<(usize, f64)>,
+}
+
+impl Painted {
+    /// Take everything out of `rate` that was added since.
+    pub fn erase(&mut self, rate: &mut [f64]) {
+        while let Some((index, before)) = self.before.pop() {
+            rate[index] = before;
+        }
+    }
+
+    /// Add the cells of a body to `rate`.
+    pub fn add(&mut self, cells: &Cells, rate: &mut [f64]) {
+        for cell in cells.iter() {
+            self.before.push((cell.index, rate[cell.index]));
+            rate[cell.index] += cell.rate;
+        }
+    }
+}

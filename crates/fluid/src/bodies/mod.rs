@@ -1,0 +1,179 @@
+//! The bodies of a scene where they are at the time, and the drag that they exert on the fluid.
+
+mod beam;
+mod cells;
+mod cylinder;
+mod stations;
+
+use scene::Scene;
+
+use crate::force::{BodyForce, Displaced, Exchange, Force};
+use crate::grid::Grid;
+use crate::wall::DragProfile;
+use crate::zone::Zone;
+
+use beam::Beam;
+pub use cells::Cell;
+use cells::{Cells, Painted};
+use cylinder::Cylinder;
+pub use stations::{Loads, Stations};
+
+/// Walls, zones, cylinders and the beam, as a field of drag and as cells.
+pub struct Bodies {
+    cylinders: Vec<Cylinder>,
+    beam: Option<Beam>,
+    /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
+    rate: Option<Vec<f64>>,
+    painted: Painted,
+    /// Density of the fluid, kg/m³.
+    density: f64,
+    /// Mass of the fluid in a cell, kg per metre of depth.
+    pub cell_mass: f64,
+}
+
+impl Bodies {
+    /// The bodies of a scene with a fluid at t = 0, the still ones painted.
+    pub fn new(scene: &Scene, fluid: &scene::Fluid, zones: &[Zone], grid: &Grid) -> Self {
+        let profile = DragProfile::new(&fluid.mask, fluid.mask.c_eta(), fluid.kinematic_viscosity, grid.cell_size());
+        let cylinders: Vec<_> = fluid.cylinders.iter().map(|c| Cylinder::new(c, grid, &profile)).collect();
+        let beam = scene.beam.as_ref().map(|beam| Beam::new(beam, grid, &profile));
+        let any = !zones.is_empty() || fluid.channel.is_some() || !cylinders.is_empty() || beam.is_some();
+        let mut bodies = Self {
+            cylinders,
+            beam,
+            rate: any.then(|| vec![0.0; grid.len()]),
+            painted: Painted::default(),
+            density: fluid.density,
+            cell_mass: fluid.density * grid.cell_area(),
+        };
+        bodies.paint_still(fluid, zones, &profile.plain(), grid);
+        bodies
+    }
+
+    fn paint_still(&mut self, fluid: &scene::Fluid, zones: &[Zone], profile: &DragProfile, grid: &Grid) {
+        let Some(rate) = &mut self.rate else { return };
+        if let Some(channel) = &fluid.channel {
+            let [low, high] = channel.y;
+            for j in 0..grid.ny {
+                let distance = 0.5 * (high - low) - grid.periodic_y(grid.y(j) - 0.5 * (low + high)).abs();
+                let wall = profile.rate(distance);
+                (0..grid.nx).for_each(|i| rate[i * grid.ny + j] += wall);
+            }
+        }
+        for &(i, zone) in zones.iter().flat_map(|zone| &zone.columns) {
+            rate[i * grid.ny..(i + 1) * grid.ny].iter_mut().for_each(|r| *r += zone);
+        }
+        for cylinder in self.cylinders.iter().filter(|c| !c.moves()) {
+            cylinder.cells.iter().for_each(|cell| rate[cell.index] += cell.rate);
+        }
+    }
+
+    /// Number of cylinders.
+    pub fn cylinders(&self) -> usize {
+        self.cylinders.len()
+    }
+
+    /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
+    pub fn rate(&self) -> Option<&[f64]> {
+        self.rate.as_deref()
+    }
+
+    /// Put the moving bodies where they are at a time (s), the beam at its stations.
+    pub fn place(&mut self, time: f64, stations: Option<&Stations>, grid: &Grid) {
+        let Some(rate) = &mut self.rate else { return };
+        self.painted.erase(rate);
+        for cylinder in self.cylinders.iter_mut().filter(|c| c.moves()) {
+            cylinder.place(time, grid);
+            self.painted.add(&cylinder.cells, rate);
+        }
+        if let Some((beam, stations)) = self.beam.as_mut().zip(stations) {
+            beam.place(stations, grid);
+            self.painted.add(&beam.cells, rate);
+        }
+    }
+
+    /// Let the bodies with a wall target sample a velocity field (m/s).
+    pub fn sample(&mut self, velocity: &[Vec<f64>; 2]) {
+        self.cylinders.iter_mut().for_each(|cylinder| cylinder.cells.sample(velocity));
+        if let Some(beam) = &mut self.beam {
+            beam.cells.sample(velocity);
+        }
+    }
+
+    /// Add `weight(Σ a) a_b u_b` of all bodies to `w`.
+    pub fn add_velocities(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<f64>; 2]) {
+        let Some(rate) = &self.rate else { return };
+        let cylinders = self.cylinders.iter().filter(|c| c.moves() || c.cells.have_targets()).map(|c| &c.cells);
+        let beam = self.beam.iter().map(|beam| &beam.cells);
+        for cell in cylinders.chain(beam).flat_map(Cells::iter) {
+            let weight = weight(rate[cell.index]) * cell.rate;
+            w[0][cell.index] += weight * cell.velocity[0];
+            w[1][cell.index] += weight * cell.velocity[1];
+        }
+    }
+
+    /// Cells and displaced fluid of the cylinders, then of the beam at its stations.
+    fn displaced(&self, stations: Option<&Stations>) -> impl Iterator<Item = (&Cells, Displaced)> {
+        let cylinders = self.cylinders.iter().map(|c| (&c.cells, c.displaced(self.density)));
+        let beam = self.beam.iter().zip(stations);
+        cylinders.chain(beam.map(|(beam, stations)| (&beam.cells, beam.displaced(stations, self.density))))
+    }
+
+    /// The displaced fluid of all bodies as they are, with no force yet.
+    pub fn without_force(&self, stations: Option<&Stations>) -> Vec<BodyForce> {
+        let displaced = self.displaced(stations);
+        displaced.map(|(_, displaced)| BodyForce { displaced, force: Force::default() }).collect()
+    }
+
+    /// Sum up the forces of a step of size `dt` (s) from `drag`, the drag on a cell over the density, m/s².
+    ///
+    /// The penalization integral lacks the rate of change of the momentum that the fluid displaced by a moving body
+    /// would have (thesis eq. 3.20).
+    pub fn sum_up_forces(
+        &self,
+        dt: f64,
+        drag: impl Fn(&Cell) -> [f64; 2],
+        stations: Option<&Stations>,
+        forces: &mut [BodyForce],
+        exchange: Option<&mut Exchange>,
+    ) {
+        let (mut beam_drag, mut power) = ([0.0; 2], 0.0);
+        for (number, (known, (cells, displaced))) in forces.iter_mut().zip(self.displaced(stations)).enumerate() {
+            let beam = self.beam.as_ref().zip(stations).filter(|_| number == self.cylinders.len());
+            let mut section = beam.into_iter().flat_map(|(beam, stations)| beam.section_velocities(stations));
+            let mut sum = Force::default();
+            for cell in cells.iter() {
+                let [fx, fy] = drag(cell).map(|drag| self.cell_mass * drag);
+                sum.force[0] += fx;
+                sum.force[1] += fy;
+                sum.moment += cell.arm[0] * fy - cell.arm[1] * fx;
+                if let Some([u, v]) = section.next() {
+                    power += fx * u + fy * v;
+                }
+            }
+            beam_drag = sum.force;
+            let unsteady = displaced.rate_of_change(&known.displaced, dt);
+            (0..2).for_each(|axis| sum.force[axis] += unsteady.force[axis]);
+            sum.moment += unsteady.moment;
+            *known = BodyForce { force: sum, displaced };
+        }
+        if let Some(exchange) = exchange {
+            *exchange = Exchange { force: beam_drag, power, work: exchange.work + power * dt };
+        }
+    }
+
+    /// Bring the drag on the beam's cells to its stations.
+    ///
+    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it falls with the body's
+    /// velocity there (kg/(m s)), per axis.
+    pub fn collect_loads(&self, drag: impl Fn(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut Loads) {
+        if let Some(beam) = &self.beam {
+            beam.collect(drag, loads);
+        }
+    }
+
+    /// Point on the upper (`side` = 1) or lower (−1) surface of the beam at station `k`, m; none without a beam.
+    pub fn surface_point(&self, stations: &Stations, k: usize, side: f64) -> Option<[f64; 2]> {
+        Some(self.beam.as_ref()?.surface_point(stations, k, side))
+    }
+}

@@ -1,0 +1,389 @@
+//! The fluid of a scene: its time loop, and what can be set and read.
+
+use scene::{Load, Scene};
+
+use crate::bodies::{Loads, Stations};
+use crate::domain::Domain;
+use crate::error::Error;
+use crate::force::{Exchange, Force};
+use crate::grid::Grid;
+use crate::probe::Probe;
+use crate::state::{BeamState, Flow, Present, State};
+use crate::step::{Scheme, Step};
+
+/// More of the fluid's own steps than this in one communication step are taken for divergence.
+const MAX_SUBSTEPS: f64 = 1e5;
+
+/// A fluid with the bodies of a scene in it.
+pub struct Fluid {
+    domain: Domain,
+    scheme: Scheme,
+    present: Present,
+    density: f64,
+    max_step: f64,
+    max_cfl: f64,
+    probes: Vec<Probe>,
+    /// Where the beam is told to go; absent without a beam.
+    motion: Option<Motion>,
+    /// Whether `domain.next.vorticity` is Pi at the present time.
+    total_pressure_is_current: bool,
+    /// The state before a communication step of several steps, for an error on the way; made when first needed.
+    undo: Option<State>,
+}
+
+/// The way of the beam's stations, and the pressure jump at them.
+struct Motion {
+    /// At the beginning of the communication step.
+    from: Stations,
+    /// At the end of the present step.
+    now: Stations,
+    /// At the end of the coming communication step, set from outside.
+    target: Stations,
+    /// Pressure jump, Pa, and whether it is that of the present time: it is made when asked for.
+    pressure_jump: Vec<f64>,
+    pressure_jump_is_current: bool,
+}
+
+impl Fluid {
+    /// The fluid of a scene at t = 0.
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
+        let loads_are_wanted = scene.load().is_none_or(|load| load == Load::Momentum);
+        let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
+        let mut domain = Domain::new(scene, fluid);
+        let stations = scene.beam.as_ref().map(|beam| Stations::at_rest(scene, beam));
+        domain.bodies.place(0.0, stations.as_ref(), &domain.grid);
+        let [u, v] = fluid.initial_velocity;
+        let present = Present {
+            time: 0.0,
+            step: 0.0,
+            flow: Flow::uniform([u, v], domain.grid.len()),
+            advection_rate: u.abs() / domain.grid.dx + v.abs() / domain.grid.dy,
+            bodies: domain.bodies.without_force(stations.as_ref()),
+            beam: stations.as_ref().map(|stations| BeamState {
+                stations: stations.clone(),
+                loads: loads_are_wanted.then(|| Loads::none(stations.len())),
+                exchange: Exchange::default(),
+            }),
+        };
+        let motion = stations.map(|stations| Motion {
+            pressure_jump: vec![0.0; stations.len()],
+            pressure_jump_is_current: false,
+            now: stations.clone(),
+            target: stations.clone(),
+            from: stations,
+        });
+        Ok(Self {
+            scheme: Scheme::new(fluid.time_stepping.scheme, [u, v], &domain),
+            density: fluid.density,
+            max_step: fluid.time_stepping.max_step,
+            max_cfl: fluid.time_stepping.max_cfl,
+            probes: Probe::of(fluid, &domain.grid),
+            total_pressure_is_current: false,
+            undo: None,
+            motion,
+            present,
+            domain,
+        })
+    }
+
+    /// Start anew from a velocity field (m/s at a point in m), of which the divergence-free part is taken.
+    pub fn set_velocity(&mut self, velocity: impl Fn(f64, f64) -> [f64; 2]) {
+        let grid = &self.domain.grid;
+        for i in 0..grid.nx {
+            for j in 0..grid.ny {
+                let [u, v] = velocity(grid.x(i), grid.y(j));
+                self.domain.w[0][i * grid.ny + j] = u;
+                self.domain.w[1][i * grid.ny + j] = v;
+            }
+        }
+        self.total_pressure_is_current = false;
+        self.scheme.start(&mut self.present, &mut self.domain);
+    }
+
+    /// Advance from `t` to `t + h` (s); the stations go from where they are to where they were set.
+    ///
+    /// The steps are equal, but those that are left are divided anew where the flow has become too fast for them on the
+    /// way. An error leaves everything as it was.
+    pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
+        self.domain.clock.start();
+        let substeps = self.divide(t, h)?;
+        if let Some((motion, stations)) = self.motion.as_mut().zip(self.present.stations()) {
+            motion.from.copy_from(stations);
+        }
+        // A single step changes nothing before it is known to be good.
+        let several = substeps > 1.0;
+        if several {
+            self.save_for_undo();
+        }
+        self.total_pressure_is_current = false;
+        if let Err(error) = self.make_steps(substeps, t, h) {
+            if let Some(undo) = self.undo.as_ref().filter(|_| several) {
+                self.present.copy_from(&undo.present);
+                self.scheme.restore(&undo.memory);
+            }
+            self.domain.bodies.place(self.present.time, self.present.stations(), &self.domain.grid);
+            return Err(error);
+        }
+        if let Some(motion) = &mut self.motion {
+            motion.pressure_jump_is_current = false;
+        }
+        self.domain.bodies.sample(&self.present.flow.velocity);
+        self.domain.clock.mark(crate::clock::Phase::Sample);
+        self.scheme.predict_loads(&mut self.present, &self.domain);
+        self.domain.clock.mark(crate::clock::Phase::Loads);
+        Ok(())
+    }
+
+    /// Check a communication step, and find the number of steps that it takes.
+    fn divide(&self, t: f64, h: f64) -> Result<f64, Error> {
+        if !(t.is_finite() && h.is_finite() && h > 0.0) {
+            return Err(Error::Step { time: t, step: h });
+        }
+        if let Some(motion) = &self.motion {
+            self.check_stations(&motion.target)?;
+        }
+        let rate = self.present.advection_rate;
+        let largest = self.max_step.min(self.max_cfl / rate.max(f64::MIN_POSITIVE));
+        let mut substeps = (h / largest - 1e-9).ceil().max(1.0);
+        if let Some(c_eta) = self.scheme.longest_step(&self.domain) {
+            let explicit = (h / c_eta - 1e-9).ceil();
+            if explicit > MAX_SUBSTEPS {
+                return Err(Error::Stiff { time: t, step: h, c_eta, substeps: explicit });
+            }
+            substeps = substeps.max(explicit);
+        }
+        if substeps > MAX_SUBSTEPS {
+            return Err(Error::Diverged { time: t, cfl: rate * h, step: h });
+        }
+        Ok(substeps)
+    }
+
+    /// Make the steps of a communication step, at first so many.
+    fn make_steps(&mut self, mut substeps: f64, t: f64, h: f64) -> Result<(), Error> {
+        // The shares of `h` that are done, and that were done when what was left was last divided into `substeps`.
+        let (mut done, mut divided, mut substep) = (0.0, 0.0, 0.0);
+        let mut dt = h / substeps;
+        while done < 1.0 {
+            let rate = self.present.advection_rate;
+            if substep > 0.0 && rate * dt > self.max_cfl {
+                let left = h * (1.0 - done);
+                (divided, substep, substeps) = (done, 0.0, (left * rate / self.max_cfl).ceil());
+                if substeps > MAX_SUBSTEPS {
+                    return Err(Error::Diverged { time: self.present.time, cfl: rate * dt, step: dt });
+                }
+                dt = left / substeps;
+            }
+            substep += 1.0;
+            done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
+            let stations = self.motion.as_mut().map(|Motion { from, now, target, .. }| {
+                if done == 1.0 {
+                    return &*target;
+                }
+                now.interpolate(from, target, done, h);
+                &*now
+            });
+            let step = Step { dt, end: t + done * h, stations };
+            self.scheme.step(step, &mut self.present, &mut self.domain)?;
+        }
+        Ok(())
+    }
+
+    fn save_for_undo(&mut self) {
+        match &mut self.undo {
+            Some(undo) => {
+                undo.present.copy_from(&self.present);
+                self.scheme.save(&mut undo.memory);
+            }
+            None => self.undo = Some(self.state()),
+        }
+    }
+
+    fn check_stations(&self, stations: &Stations) -> Result<(), Error> {
+        let Stations { position: [x, y], velocity: [vx, vy] } = stations;
+        let far = |p: f64, middle: f64, size: f64| (p - middle).abs() > 1.5 * size;
+        let grid = &self.domain.grid;
+        let middle = [grid.x(grid.nx / 2), grid.y(grid.ny / 2)];
+        for k in 0..x.len() {
+            let finite = [x[k], y[k], vx[k], vy[k]].iter().all(|c| c.is_finite());
+            if !finite || far(x[k], middle[0], grid.length) || far(y[k], middle[1], grid.height) {
+                return Err(Error::Station { station: k + 1, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
+            }
+        }
+        Ok(())
+    }
+
+    /// A copy of everything that the next step depends on.
+    pub fn state(&self) -> State {
+        State { present: self.present.clone(), memory: self.scheme.memory() }
+    }
+
+    /// Go back (or on) to a state of this scene; a state that is refused changes nothing.
+    pub fn restore(&mut self, state: &State) -> Result<(), Error> {
+        if let Some(part) = state.misfit(&self.present, self.scheme.fits(&state.memory)) {
+            return Err(Error::State(part));
+        }
+        if let Some(stations) = state.present.stations() {
+            self.check_stations(stations)?;
+        }
+        self.present.copy_from(&state.present);
+        self.scheme.restore(&state.memory);
+        if let Some((motion, stations)) = self.motion.as_mut().zip(state.present.stations()) {
+            motion.target.copy_from(stations);
+            motion.pressure_jump_is_current = false;
+        }
+        self.total_pressure_is_current = false;
+        self.domain.bodies.place(self.present.time, self.present.stations(), &self.domain.grid);
+        Ok(())
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &Grid {
+        &self.domain.grid
+    }
+
+    /// Time, s.
+    pub fn time(&self) -> f64 {
+        self.present.time
+    }
+
+    /// Velocity component (0: x, 1: y), m/s, `[nx, ny]`.
+    pub fn velocity(&self, axis: usize) -> &[f64] {
+        &self.present.flow.velocity[axis]
+    }
+
+    /// Vorticity, 1/s, `[nx, ny]`.
+    pub fn vorticity(&self) -> &[f64] {
+        &self.present.flow.vorticity
+    }
+
+    /// Static pressure p = rho (Pi − u²/2), Pa, `[nx, ny]`; Pi has zero mean over the box.
+    pub fn pressure(&mut self) -> Vec<f64> {
+        self.make_total_pressure();
+        (0..self.domain.grid.len()).map(|point| self.density * self.pressure_at(point)).collect()
+    }
+
+    /// Static pressure over the density at a grid point, Pi − u²/2, m²/s²; Pi must be current.
+    fn pressure_at(&self, point: usize) -> f64 {
+        let [u, v] = self.present.flow.velocity.each_ref().map(|velocity| velocity[point]);
+        self.domain.next.vorticity[point] - 0.5 * (u * u + v * v)
+    }
+
+    fn make_total_pressure(&mut self) {
+        if !self.total_pressure_is_current {
+            self.scheme.make_total_pressure(&self.present, &mut self.domain);
+            self.total_pressure_is_current = true;
+        }
+    }
+
+    /// Velocity at a probe, numbered from 0 as in the scene, m/s.
+    pub fn probe_velocity(&self, probe: usize) -> [f64; 2] {
+        self.present.flow.velocity.each_ref().map(|velocity| self.probes[probe].velocity(velocity))
+    }
+
+    /// Static pressure at a probe, Pa. The first after a step costs three transforms.
+    pub fn probe_pressure(&mut self, probe: usize) -> f64 {
+        self.make_total_pressure();
+        self.density * self.probes[probe].pressure(|point| self.pressure_at(point))
+    }
+
+    /// Largest divergence of the velocity times the cell size over the largest speed; three transforms.
+    pub fn divergence(&mut self) -> f64 {
+        let velocity @ [u, v] = &self.present.flow.velocity;
+        let divergence = &mut self.domain.w[0];
+        self.domain.spectral.divergence(velocity, divergence);
+        let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.abs()));
+        let fastest = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max(u.hypot(*v)));
+        largest * self.domain.grid.cell_size() / fastest.max(f64::MIN_POSITIVE)
+    }
+
+    /// CFL number max(|u|/dx + |v|/dy) dt of the last step.
+    pub fn cfl(&self) -> f64 {
+        self.present.advection_rate * self.present.step
+    }
+
+    /// Flow rate through the column in the middle of the box, m²/s.
+    pub fn flow_rate(&self) -> f64 {
+        let Grid { nx, ny, dy, .. } = self.domain.grid;
+        self.velocity(0)[nx / 2 * ny..(nx / 2 + 1) * ny].iter().sum::<f64>() * dy
+    }
+
+    /// Kinetic energy of the whole box, J/m.
+    pub fn kinetic_energy(&self) -> f64 {
+        let squares: f64 = self.velocity(0).iter().zip(self.velocity(1)).map(|(u, v)| u * u + v * v).sum();
+        0.5 * self.density * squares * self.domain.grid.cell_area()
+    }
+
+    /// Half the integral of the squared vorticity over the whole box, m²/s².
+    pub fn enstrophy(&self) -> f64 {
+        let squares: f64 = self.vorticity().iter().map(|omega| omega * omega).sum();
+        0.5 * squares * self.domain.grid.cell_area()
+    }
+
+    /// Force of the fluid on all cylinders and the beam in the last step, N per metre of depth.
+    pub fn force(&self) -> [f64; 2] {
+        let sum = |axis: usize| self.present.bodies.iter().map(|body| body.force.force[axis]).sum();
+        [sum(0), sum(1)]
+    }
+
+    /// Force of the fluid on a cylinder, numbered from 0, in the last step.
+    pub fn force_on_cylinder(&self, cylinder: usize) -> Force {
+        let count = self.domain.bodies.cylinders();
+        assert!(cylinder < count, "there are {count} cylinders");
+        self.present.bodies[cylinder].force
+    }
+
+    /// Force of the fluid on the beam in the last step; none without a beam.
+    pub fn force_on_beam(&self) -> Option<Force> {
+        self.motion.as_ref().map(|_| self.present.bodies[self.domain.bodies.cylinders()].force)
+    }
+
+    /// What the fluid did to the beam, without the unsteady term of [`Self::force_on_beam`]; none without a beam.
+    pub fn exchange(&self) -> Option<Exchange> {
+        self.present.beam.as_ref().map(|beam| beam.exchange)
+    }
+
+    /// Loads on the stations for the coming step; none without a beam or where the scene uses the pressure jump.
+    pub fn loads(&self) -> Option<&Loads> {
+        self.present.beam.as_ref()?.loads.as_ref()
+    }
+
+    /// Stations at the end of the coming step; none without a beam.
+    pub fn stations(&self) -> Option<&Stations> {
+        self.motion.as_ref().map(|motion| &motion.target)
+    }
+
+    /// Stations at the end of the coming step, to be set before [`Self::advance`]; none without a beam.
+    pub fn stations_mut(&mut self) -> Option<&mut Stations> {
+        self.motion.as_mut().map(|motion| &mut motion.target)
+    }
+
+    /// Pressure jump p_above − p_below at the stations, Pa; made when first asked for after a step. None without a beam.
+    pub fn pressure_jump(&mut self) -> Option<&[f64]> {
+        if !self.motion.as_ref()?.pressure_jump_is_current {
+            self.make_total_pressure();
+            // Taken out, so that the rest can be read while it is written.
+            let mut motion = self.motion.take()?;
+            for (k, jump) in motion.pressure_jump.iter_mut().enumerate() {
+                let [above, below] = [1.0, -1.0].map(|side| self.surface_pressure(k, side));
+                *jump = self.density * (above - below);
+            }
+            motion.pressure_jump_is_current = true;
+            self.motion = Some(motion);
+        }
+        self.motion.as_ref().map(|motion| motion.pressure_jump.as_slice())
+    }
+
+    /// Static pressure over the density at the beam's surface above (1) or below (−1) station `k`, m²/s².
+    fn surface_pressure(&self, k: usize, side: f64) -> f64 {
+        let stations = self.present.stations();
+        let point = stations.and_then(|stations| self.domain.bodies.surface_point(stations, k, side));
+        let around = point.map(|point| self.domain.grid.interpolation(point));
+        around.iter().flatten().map(|&(c, weight)| weight * self.pressure_at(c)).sum()
+    }
+
+    /// Times the phases of a step.
+    #[cfg(feature = "internals")]
+    pub fn clock(&mut self) -> &mut crate::clock::Clock {
+        &mut self.domain.clock
+    }
+}

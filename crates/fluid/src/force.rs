@@ -1,0 +1,54 @@
+//! What the fluid does to a body: the penalization integral, and the unsteady term of the fluid that it displaces.
+
+use serde::{Deserialize, Serialize};
+
+/// Force and moment of the fluid on a body in the last step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Force {
+    /// Force, N per metre of depth.
+    pub force: [f64; 2],
+    /// Moment about the centre of a cylinder or the root of the beam, N m per metre of depth, positive to the left.
+    pub moment: f64,
+}
+
+/// What the fluid did to the beam, by the drag on its cells.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Exchange {
+    /// Sum of the drag in the last step, N per metre of depth.
+    pub force: [f64; 2],
+    /// Its power, with the velocity of the section at the end of the step, W per metre of depth.
+    pub power: f64,
+    /// Its work since the start, J per metre of depth: the sum of power times step.
+    pub work: f64,
+}
+
+/// What the next step has to know of a body's force.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BodyForce {
+    /// Force in the last step.
+    pub force: Force,
+    /// The fluid that the body displaced at its end.
+    pub displaced: Displaced,
+}
+
+/// Momentum that the fluid displaced by a body would have, per metre of depth.
+///
+/// It is taken over the true section, so that neither the mask's width nor its way through the grid enters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Displaced {
+    /// Momentum, kg/s.
+    pub momentum: [f64; 2],
+    /// Angular momentum about the point that the body's moment is taken about, kg m/s.
+    pub angular: f64,
+    /// Cross product of that point's velocity and the momentum, N m/m.
+    pub transport: f64,
+}
+
+impl Displaced {
+    /// Its rate of change over `dt` seconds, as a force and a moment.
+    pub fn rate_of_change(&self, before: &Self, dt: f64) -> Force {
+        let force = [0, 1].map(|axis| (self.momentum[axis] - before.momentum[axis]) / dt);
+        let moment = (self.angular - before.angular) / dt + 0.5 * (self.transport + before.transport);
+        Force { force, moment }
+    }
+}

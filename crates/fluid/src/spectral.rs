@@ -1,0 +1,165 @@
+//! The half of a step that is local in wavenumber: from a velocity to a flow without divergence, and the pressure.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::clock::{Clock, Phase};
+use crate::grid::Grid;
+use crate::projection::Projection;
+use crate::simd::{Arithmetic, Kernel, run};
+use crate::state::Flow;
+use crate::threads::on_threads;
+use crate::transform::{Fft2, Quad, Scratch};
+
+/// Transforms and projection of one grid, with room for the spectra.
+pub struct Spectral {
+    grid: Grid,
+    fft: Fft2,
+    /// Viscosity, filter and projection.
+    pub projection: Projection,
+    /// Spectra of both components and of the vorticity or pressure.
+    spectra: [Vec<Quad>; 3],
+    /// What each thread needs for itself.
+    scratch: Vec<Scratch>,
+}
+
+impl Spectral {
+    /// Plan for a grid and a number of threads.
+    pub fn new(grid: &Grid, filter: scene::Filter, threads: usize) -> Self {
+        let projection = Projection::new(grid, filter);
+        let fft = Fft2::new(grid.nx, grid.ny, projection.modes());
+        Self {
+            grid: *grid,
+            spectra: [fft.spectrum(), fft.spectrum(), fft.spectrum()],
+            scratch: (0..threads).map(|_| fft.scratch()).collect(),
+            fft,
+            projection,
+        }
+    }
+
+    /// Number of threads that share the work.
+    pub fn threads(&self) -> usize {
+        self.scratch.len()
+    }
+
+    /// A spectrum of zeros, `[rows, nx]`.
+    pub fn spectrum(&self) -> Vec<Quad> {
+        self.fft.spectrum()
+    }
+
+    /// Number of modes in a spectrum that each thread solves for: some whole rows of `nx`.
+    pub fn share(&self) -> usize {
+        (self.spectra[0].len() / self.grid.nx).div_ceil(self.scratch.len()) * self.grid.nx
+    }
+
+    /// From `w` to `flow`, and the largest `|u|/dx + |v|/dy` in it (1/s), which is not finite where the flow is not.
+    ///
+    /// `solve(projection, row, own, [u, v, omega])` makes the spectra of the flow from those of w in `u` and `v`, row by
+    /// row. `own` is what the caller has for the row, by shares and by rows. Between the two passes along y, each row
+    /// goes through both transforms along x and through `solve` while it is in the cache.
+    pub fn solve<T>(
+        &mut self,
+        w: &[Vec<f64>; 2],
+        own: impl Iterator<Item: Iterator<Item = T> + Send>,
+        solve: impl Fn(&Projection, usize, T, [&mut [Quad]; 3]) + Sync,
+        flow: &mut Flow,
+        clock: &mut Clock,
+    ) -> f64 {
+        let share = self.share();
+        let [u_hat, v_hat, omega_hat] = &mut self.spectra;
+        let (fft, projection, nx, ny) = (&self.fft, &self.projection, self.grid.nx, self.grid.ny);
+        fft.forward_along_y([&w[0], &w[1]], [&mut *u_hat, &mut *v_hat], &mut self.scratch);
+        clock.mark(Phase::Forward);
+
+        let shares = [&mut *u_hat, v_hat, omega_hat].map(|spectrum| spectrum.chunks_mut(share));
+        let [u_shares, v_shares, omega_shares] = shares;
+        let rows = (0..).step_by(share / nx).zip(u_shares.zip(v_shares).zip(omega_shares)).zip(own);
+        on_threads(rows.zip(&mut self.scratch), |(((first, ((u_hat, v_hat), omega_hat)), own), scratch)| {
+            let Scratch { rows: [u, v, omega], line, .. } = scratch;
+            let rows = u_hat.chunks_exact_mut(nx).zip(v_hat.chunks_exact_mut(nx)).zip(omega_hat.chunks_exact_mut(nx));
+            for ((row, ((u_hat, v_hat), omega_hat)), own) in (first..).zip(rows).zip(own) {
+                fft.forward_along_x(u_hat, u, line);
+                fft.forward_along_x(v_hat, v, line);
+                solve(projection, row, own, [&mut *u, &mut *v, &mut *omega]);
+                fft.inverse_along_x(u, u_hat, line);
+                fft.inverse_along_x(v, v_hat, line);
+                fft.inverse_along_x(omega, omega_hat, line);
+            }
+        });
+        clock.mark(Phase::Rows);
+
+        let Flow { velocity: [u, v], vorticity } = flow;
+        let [u_hat, v_hat, omega_hat] = &self.spectra;
+        let (per_dx, per_dy) = (1.0 / self.grid.dx, 1.0 / self.grid.dy);
+        // Numbers not below 0 are ordered like their bits.
+        let largest = AtomicU64::new(0);
+        let [mut u_rest, mut v_rest, mut omega_rest] = [&mut *u, &mut *v, vorticity].map(Vec::as_mut_slice);
+        let shares = fft.shares(self.scratch.len()).filter_map(|share| {
+            let points = ..share.len() * ny;
+            let (u, v) = (u_rest.split_off_mut(points)?, v_rest.split_off_mut(points)?);
+            Some((share, u, v, omega_rest.split_off_mut(points)?))
+        });
+        on_threads(shares.zip(&mut self.scratch), |((share, u, v, omega), scratch)| {
+            for columns in fft.blocks(share.clone()) {
+                let points = (columns.start - share.start) * ny..(columns.end - share.start) * ny;
+                let [u, v, omega] = [&mut *u, &mut *v, &mut *omega].map(|field| &mut field[points.clone()]);
+                fft.inverse_along_y(u_hat, columns.clone(), u, scratch);
+                fft.inverse_along_y(v_hat, columns.clone(), v, scratch);
+                fft.inverse_along_y(omega_hat, columns, omega, scratch);
+                let mut here = 0.0;
+                run(AdvectionRate { per_dx, per_dy, u, v, largest: &mut here });
+                largest.fetch_max(here.to_bits(), Ordering::Relaxed);
+            }
+        });
+        clock.mark(Phase::Back);
+        // A transform spreads what is not a number to every point: the first tells of all.
+        if (u[0] + v[0]).is_finite() { f64::from_bits(largest.into_inner()) } else { f64::NAN }
+    }
+
+    /// Pi (m²/s²) that belongs to `w` (m/s) of a step with `per_tau` (1/s).
+    pub fn pressure(&mut self, w: &[Vec<f64>; 2], per_tau: f64, pi: &mut [f64]) {
+        let [wx_hat, wy_hat, pi_hat] = &mut self.spectra;
+        let scratch = &mut self.scratch[0];
+        self.fft.forward(&w[0], wx_hat, scratch);
+        self.fft.forward(&w[1], wy_hat, scratch);
+        self.projection.pressure(wx_hat, wy_hat, per_tau, pi_hat);
+        self.fft.inverse(pi_hat, pi, scratch);
+    }
+
+    /// Divergence (1/s) of a velocity (m/s).
+    pub fn divergence(&mut self, velocity: &[Vec<f64>; 2], divergence: &mut [f64]) {
+        let [u_hat, v_hat, divergence_hat] = &mut self.spectra;
+        let scratch = &mut self.scratch[0];
+        self.fft.forward(&velocity[0], u_hat, scratch);
+        self.fft.forward(&velocity[1], v_hat, scratch);
+        self.projection.divergence(u_hat, v_hat, divergence_hat);
+        self.fft.inverse(divergence_hat, divergence, scratch);
+    }
+}
+
+/// Largest `|u|/dx + |v|/dy`, 1/s.
+struct AdvectionRate<'a> {
+    per_dx: f64,
+    per_dy: f64,
+    u: &'a [f64],
+    v: &'a [f64],
+    largest: &'a mut f64,
+}
+
+impl Kernel for AdvectionRate<'_> {
+    #[inline(always)]
+    fn run(self, _: impl Arithmetic) {
+        /// Independent maxima, so that no comparison waits for the one before.
+        const LANES: usize = 8;
+        let Self { per_dx, per_dy, u, v, .. } = self;
+        let mut largest = [0.0; LANES];
+        let ((u, u_rest), (v, v_rest)) = (u.as_chunks::<LANES>(), v.as_chunks::<LANES>());
+        for (u, v) in u.iter().zip(v) {
+            for lane in 0..LANES {
+                let rate = u[lane].abs() * per_dx + v[lane].abs() * per_dy;
+                largest[lane] = if rate > largest[lane] { rate } else { largest[lane] };
+            }
+        }
+        let rest = u_rest.iter().zip(v_rest).map(|(u, v)| u.abs() * per_dx + v.abs() * per_dy);
+        *self.largest = largest.into_iter().chain(rest).fold(0.0, |a, b| if a > b { a } else { b });
+    }
+}

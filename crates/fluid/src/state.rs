@@ -1,0 +1,157 @@
+//! Everything that the next step depends on, as data.
+
+use serde::{Deserialize, Serialize};
+
+use crate::bodies::{Loads, Stations};
+use crate::force::{BodyForce, Exchange};
+use crate::transform::Quad;
+
+/// A state of a fluid, to go back to. It fits every fluid of the same scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    pub(crate) present: Present,
+    pub(crate) memory: Memory,
+}
+
+/// What there is at the present time, whatever the time scheme.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Present {
+    /// Time, s.
+    pub time: f64,
+    /// The last step, s; 0 before the first.
+    pub step: f64,
+    /// The flow.
+    pub flow: Flow,
+    /// Largest `|u|/dx + |v|/dy`, 1/s.
+    pub advection_rate: f64,
+    /// The cylinders, then the beam.
+    pub bodies: Vec<BodyForce>,
+    /// The beam, where there is one.
+    pub beam: Option<BeamState>,
+}
+
+/// What a time scheme remembers of earlier steps.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Memory {
+    /// Two-step backward differences.
+    Sbdf2(TwoStep),
+    /// Heun's method: spectrum of the velocity, m/s, `[ny/2 + 1, nx]` per component.
+    Rk2([Vec<Quad>; 2]),
+}
+
+/// What the two-step scheme remembers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TwoStep {
+    /// The flow one step earlier.
+    pub before: Flow,
+    /// `w = u* + tau G` of the last step, m/s, `[nx, ny]` per component.
+    pub w: [Vec<f64>; 2],
+    /// `1/tau` of the last step, 1/s, so that `G = (w − u)/tau`; 0 before the first, where G is 0.
+    pub per_tau: f64,
+}
+
+/// Fields of one time, `[nx, ny]` each.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Flow {
+    /// Velocity, m/s, per component.
+    pub velocity: [Vec<f64>; 2],
+    /// Vorticity, 1/s.
+    pub vorticity: Vec<f64>,
+}
+
+/// The beam as the fluid last saw it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BeamState {
+    /// Where it is.
+    pub stations: Stations,
+    /// Loads for the coming step; absent where the scene uses the pressure jump.
+    pub loads: Option<Loads>,
+    /// What the fluid did to it.
+    pub exchange: Exchange,
+}
+
+impl State {
+    /// The first part that a state `own` of the same scene would have otherwise: in another size, or, of the numbers
+    /// that are not fields, not finite. `memory_fits`: it is of the scheme and size of that scene.
+    pub(crate) fn misfit(&self, own: &Present, memory_fits: bool) -> Option<&'static str> {
+        let present = &self.present;
+        let numbers = [present.time, present.step, present.advection_rate];
+        let beam = match (&present.beam, &own.beam) {
+            (None, None) => true,
+            (Some(a), Some(b)) => a.has_shape_of(b),
+            _ => false,
+        };
+        [
+            ("the time or a step", numbers.iter().all(|number| number.is_finite())),
+            ("a field", present.flow.lengths() == own.flow.lengths() && memory_fits),
+            ("the list of bodies", present.bodies.len() == own.bodies.len()),
+            ("the beam", beam),
+        ]
+        .into_iter()
+        .find_map(|(part, fits)| (!fits).then_some(part))
+    }
+}
+
+impl Present {
+    /// Become `other`, which is of the same scene; unlike `clone_from` this allocates nothing.
+    pub fn copy_from(&mut self, other: &Self) {
+        (self.time, self.step, self.advection_rate) = (other.time, other.step, other.advection_rate);
+        self.flow.copy_from(&other.flow);
+        self.bodies.copy_from_slice(&other.bodies);
+        if let Some((own, other)) = self.beam.as_mut().zip(other.beam.as_ref()) {
+            own.stations.copy_from(&other.stations);
+            own.exchange = other.exchange;
+            if let Some((own, other)) = own.loads.as_mut().zip(other.loads.as_ref()) {
+                own.copy_from(other);
+            }
+        }
+    }
+
+    /// Where the beam is.
+    pub fn stations(&self) -> Option<&Stations> {
+        self.beam.as_ref().map(|beam| &beam.stations)
+    }
+}
+
+impl TwoStep {
+    /// Become `other`, which is as large; unlike `clone_from` this allocates nothing.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.before.copy_from(&other.before);
+        (0..2).for_each(|axis| self.w[axis].copy_from_slice(&other.w[axis]));
+        self.per_tau = other.per_tau;
+    }
+
+    /// Whether it is as large as `other`.
+    pub fn has_shape_of(&self, other: &Self) -> bool {
+        let lengths = |w: &[Vec<f64>; 2]| w.each_ref().map(Vec::len);
+        self.before.lengths() == other.before.lengths() && lengths(&self.w) == lengths(&other.w)
+    }
+}
+
+impl Flow {
+    /// A uniform flow (m/s) at `n` points.
+    pub fn uniform(velocity: [f64; 2], n: usize) -> Self {
+        Self { velocity: velocity.map(|u| vec![u; n]), vorticity: vec![0.0; n] }
+    }
+
+    /// Become `other`, which is as large; unlike `clone_from` this allocates nothing.
+    pub fn copy_from(&mut self, other: &Self) {
+        (0..2).for_each(|axis| self.velocity[axis].copy_from_slice(&other.velocity[axis]));
+        self.vorticity.copy_from_slice(&other.vorticity);
+    }
+
+    fn lengths(&self) -> [usize; 3] {
+        [&self.velocity[0], &self.velocity[1], &self.vorticity].map(Vec::len)
+    }
+}
+
+impl BeamState {
+    fn has_shape_of(&self, other: &Self) -> bool {
+        let loads = match (&self.loads, &other.loads) {
+            (None, None) => true,
+            (Some(a), Some(b)) => a.has_shape_of(b),
+            _ => false,
+        };
+        loads && self.stations.has_shape_of(&other.stations)
+    }
+}

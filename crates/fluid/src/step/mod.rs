@@ -1,0 +1,152 @@
+//! The time schemes. Each makes the next flow beside the present one and takes it over only if it is one.
+
+mod rk2;
+mod sbdf2;
+
+use scene::TimeScheme;
+
+use crate::bodies::Stations;
+use crate::domain::Domain;
+use crate::error::Error;
+use crate::state::{Memory, Present};
+
+use rk2::Rk2;
+use sbdf2::Sbdf2;
+
+/// A time scheme with what it remembers of earlier steps.
+pub enum Scheme {
+    /// Two-step backward differences.
+    Sbdf2(Sbdf2),
+    /// Heun's method.
+    Rk2(Rk2),
+}
+
+/// One step of the fluid's own.
+#[derive(Clone, Copy)]
+pub struct Step<'a> {
+    /// Its length, s.
+    pub dt: f64,
+    /// Its end, s.
+    pub end: f64,
+    /// Stations of the beam at its end.
+    pub stations: Option<&'a Stations>,
+}
+
+impl Step<'_> {
+    /// Whether a flow with an advection rate (1/s) at the end is one.
+    fn check(&self, advection_rate: f64) -> Result<(), Error> {
+        let cfl = advection_rate * self.dt;
+        if cfl.is_finite() { Ok(()) } else { Err(Error::Diverged { time: self.end, cfl, step: self.dt }) }
+    }
+
+    /// Take the time and the stations of the end over.
+    fn finish(&self, present: &mut Present, advection_rate: f64) {
+        (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
+        if let Some((beam, stations)) = present.beam.as_mut().zip(self.stations) {
+            beam.stations.copy_from(stations);
+        }
+    }
+}
+
+impl Scheme {
+    /// A scheme at the beginning, from a uniform velocity (m/s).
+    pub fn new(scheme: TimeScheme, velocity: [f64; 2], domain: &Domain) -> Self {
+        match scheme {
+            TimeScheme::Sbdf2 => Self::Sbdf2(Sbdf2::new(domain)),
+            TimeScheme::Rk2 => Self::Rk2(Rk2::new(velocity, domain)),
+        }
+    }
+
+    /// What the scheme remembers.
+    pub fn memory(&self) -> Memory {
+        match self {
+            Self::Sbdf2(scheme) => Memory::Sbdf2(scheme.memory.clone()),
+            Self::Rk2(scheme) => Memory::Rk2(scheme.u_hat.clone()),
+        }
+    }
+
+    /// Whether `memory` is of this scheme and size, and its numbers are finite.
+    pub fn fits(&self, memory: &Memory) -> bool {
+        match (self, memory) {
+            (Self::Sbdf2(scheme), Memory::Sbdf2(memory)) => {
+                memory.has_shape_of(&scheme.memory) && memory.per_tau.is_finite()
+            }
+            (Self::Rk2(scheme), Memory::Rk2(u_hat)) => {
+                u_hat.iter().zip(&scheme.u_hat).all(|(theirs, own)| theirs.len() == own.len())
+            }
+            _ => false,
+        }
+    }
+
+    /// Copy what the scheme remembers into `memory`, which is of the same shape; allocates nothing.
+    pub fn save(&self, memory: &mut Memory) {
+        match (self, memory) {
+            (Self::Sbdf2(scheme), Memory::Sbdf2(memory)) => memory.copy_from(&scheme.memory),
+            (Self::Rk2(scheme), Memory::Rk2(u_hat)) => copy(u_hat, &scheme.u_hat),
+            _ => {}
+        }
+    }
+
+    /// The way back from [`Self::save`].
+    pub fn restore(&mut self, memory: &Memory) {
+        match (self, memory) {
+            (Self::Sbdf2(scheme), Memory::Sbdf2(memory)) => scheme.memory.copy_from(memory),
+            (Self::Rk2(scheme), Memory::Rk2(u_hat)) => copy(&mut scheme.u_hat, u_hat),
+            _ => {}
+        }
+    }
+
+    /// Longest step that the scheme can make through the bodies, s; none where it has no limit.
+    pub fn longest_step(&self, domain: &Domain) -> Option<f64> {
+        match self {
+            Self::Sbdf2(_) => None,
+            Self::Rk2(_) => Some(rk2::longest_step(&domain.bodies)),
+        }
+    }
+
+    /// Start from the part without divergence of the velocity in `domain.w`.
+    pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
+        present.step = 0.0;
+        match self {
+            Self::Sbdf2(scheme) => scheme.start(present, domain),
+            Self::Rk2(scheme) => scheme.start(present, domain),
+        }
+    }
+
+    /// Make a step. On an error everything is as before but the bodies, which are where the step would have ended.
+    pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
+        match self {
+            Self::Sbdf2(scheme) => scheme.step(step, present, domain),
+            Self::Rk2(scheme) => scheme.step(step, present, domain),
+        }
+    }
+
+    /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
+    pub fn predict_loads(&self, present: &mut Present, domain: &Domain) {
+        let Some(mut loads) = present.beam.as_mut().and_then(|beam| beam.loads.take()) else { return };
+        match self {
+            Self::Sbdf2(scheme) => scheme.predict_loads(present, &domain.bodies, &mut loads),
+            Self::Rk2(_) => rk2::predict_loads(present, &domain.bodies, &mut loads),
+        }
+        if let Some(beam) = &mut present.beam {
+            beam.loads = Some(loads);
+        }
+    }
+
+    /// Pi at the present time (m²/s²) into `domain.next.vorticity`: what makes the rate of change free of divergence.
+    pub fn make_total_pressure(&self, present: &Present, domain: &mut Domain) {
+        let (w, per_tau) = match self {
+            Self::Sbdf2(scheme) => (&scheme.memory.w, scheme.memory.per_tau),
+            Self::Rk2(_) => {
+                // The velocity itself has no divergence.
+                rk2::add_rate_of_change(present.time, &present.flow, 1.0, domain);
+                (&domain.w, 1.0)
+            }
+        };
+        domain.spectral.pressure(w, per_tau, &mut domain.next.vorticity);
+    }
+}
+
+fn copy<T: Copy>(to: &mut [Vec<T>; 2], from: &[Vec<T>; 2]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| to.copy_from_slice(from));
+}

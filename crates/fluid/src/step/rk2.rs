@@ -1,0 +1,238 @@
+//! Heun's method with the drag explicit and viscosity exact (thesis eq. 3.15 – 3.18, corrected).
+//!
+//! With `E = exp(−nu k² dt)`, P the projection and F the filter,
+//!
+//! ```text
+//! f(t, u) = −omega × u − Σ a_b (u − u_b(t))                             point by point
+//! u_1     = P F E [u^n + dt f(t^n, u^n)]                                wave by wave
+//! u^{n+1} = P F ½ [E u^n + u_1 + dt f(t^{n+1}, u_1)]                    wave by wave
+//! ```
+//!
+//! which is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n is kept, so a step takes ten real transforms: twice two
+//! forward and three inverse. The explicit drag is stable up to `dt Σ a = 2`; steps are divided to keep it at or below 1.
+
+use std::array::from_fn;
+use std::f64::consts::TAU;
+use std::mem::{swap, take};
+
+use super::Step;
+use crate::bodies::{Bodies, Cell, Loads};
+use crate::domain::Domain;
+use crate::error::Error;
+use crate::grid::Grid;
+use crate::projection::Projection;
+use crate::simd::{Arithmetic, Kernel, LANES, run};
+use crate::state::{Flow, Present};
+use crate::transform::Quad;
+
+/// The scheme with its memory.
+pub struct Rk2 {
+    /// Spectrum of the present velocity, m/s, `[rows, nx]` per component.
+    pub u_hat: [Vec<Quad>; 2],
+    /// The same of the velocity that a step makes.
+    next_u_hat: [Vec<Quad>; 2],
+    decay: Decay,
+}
+
+/// The exact decay by viscosity, as factors for each kx, and for the ky of each row.
+struct Decay {
+    kx2: Vec<f64>,
+    ky2: Vec<[f64; LANES]>,
+    x: Vec<f64>,
+    y: Vec<[f64; LANES]>,
+    /// What they were made for, `nu dt`, m².
+    nu_dt: f64,
+}
+
+/// What comes out of a solve wave by wave.
+#[derive(Clone, Copy, PartialEq)]
+enum Stage {
+    /// `P F w`, the beginning.
+    Start,
+    /// `P F E w`.
+    First,
+    /// `P F ½ (E u^n + w)`.
+    Second,
+}
+
+impl Rk2 {
+    /// From a uniform velocity, m/s.
+    pub fn new(velocity: [f64; 2], domain: &Domain) -> Self {
+        let spectrum = domain.spectral.spectrum();
+        let uniform = |velocity: f64| {
+            let mut spectrum = spectrum.clone();
+            spectrum[0].re[0] = velocity;
+            spectrum
+        };
+        let decay = Decay::new(&domain.grid, spectrum.len() / domain.grid.nx);
+        Self { u_hat: velocity.map(uniform), next_u_hat: [spectrum.clone(), spectrum], decay }
+    }
+
+    pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
+        present.advection_rate = self.solve_wave_by_wave(Stage::Start, present.time, domain);
+        self.take_over(&mut present.flow, domain);
+    }
+
+    pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
+        self.decay.set_viscosity(step.dt * domain.nu);
+        add_rate_of_change(present.time, &present.flow, step.dt, domain);
+        domain.bodies.place(step.end, step.stations, &domain.grid);
+        self.solve_wave_by_wave(Stage::First, step.end, domain);
+        // Taken out, so that it can be read while w is written.
+        let first = take(&mut domain.next);
+        add_rate_of_change(step.end, &first, step.dt, domain);
+        domain.next = first;
+        let advection_rate = self.solve_wave_by_wave(Stage::Second, step.end, domain);
+        step.check(advection_rate)?;
+
+        self.take_over(&mut present.flow, domain);
+        domain.bodies.sample(&present.flow.velocity);
+        let drag = |cell: &Cell| present_drag(&present.flow, cell);
+        let exchange = present.beam.as_mut().map(|beam| &mut beam.exchange);
+        domain.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
+        step.finish(present, advection_rate);
+        Ok(())
+    }
+
+    /// Make the new flow the present one.
+    fn take_over(&mut self, flow: &mut Flow, domain: &mut Domain) {
+        swap(flow, &mut domain.next);
+        swap(&mut self.u_hat, &mut self.next_u_hat);
+    }
+
+    /// From `domain.w` to `domain.next`, the flow after a stage at a time (s), and its advection rate, 1/s.
+    fn solve_wave_by_wave(&mut self, stage: Stage, time: f64, domain: &mut Domain) -> f64 {
+        domain.hold_mean_flow(time);
+        domain.spectral.projection.set_viscosity(0.0);
+        let (nx, share, points) = (domain.grid.nx, domain.spectral.share(), domain.grid.len() as f64);
+        let [u, v] = self.u_hat.each_ref().map(|u_hat| u_hat.chunks(share));
+        let [next_u, next_v] = self.next_u_hat.each_mut().map(|u_hat| u_hat.chunks_mut(share));
+        let shares = u.zip(v).zip(next_u.zip(next_v)).map(|((u, v), (next_u, next_v))| {
+            let before = u.chunks_exact(nx).zip(v.chunks_exact(nx));
+            before.zip(next_u.chunks_exact_mut(nx).zip(next_v.chunks_exact_mut(nx)))
+        });
+        let decay = &self.decay;
+        let solve = |projection: &Projection, row: usize, own: Row, [u, v, omega]: [&mut [Quad]; 3]| {
+            let ((u_before, v_before), (u_after, v_after)) = own;
+            decay.apply(stage, points, row, u, u_before);
+            decay.apply(stage, points, row, v, v_before);
+            projection.project(row, u, v, omega);
+            if stage != Stage::First {
+                u_after.copy_from_slice(u);
+                v_after.copy_from_slice(v);
+            }
+        };
+        domain.spectral.solve(&domain.w, shares, solve, &mut domain.next, &mut domain.clock)
+    }
+}
+
+/// A row of both components of u^n, and where that of u^{n+1} goes.
+type Row<'a> = ((&'a [Quad], &'a [Quad]), (&'a mut [Quad], &'a mut [Quad]));
+
+impl Decay {
+    /// For spectra of `rows` rows.
+    fn new(grid: &Grid, rows: usize) -> Self {
+        let Grid { nx, length, height, .. } = *grid;
+        let kx2 = |i: usize| (TAU / length * i.min(nx - i) as f64).powi(2);
+        let ky2 = |j: usize| (TAU / height * j as f64).powi(2);
+        Self {
+            kx2: (0..nx).map(kx2).collect(),
+            ky2: (0..rows).map(|row| from_fn(|lane| ky2(row * LANES + lane))).collect(),
+            x: vec![1.0; nx],
+            y: vec![[1.0; LANES]; rows],
+            nu_dt: 0.0,
+        }
+    }
+
+    fn set_viscosity(&mut self, nu_dt: f64) {
+        if nu_dt == self.nu_dt {
+            return;
+        }
+        self.nu_dt = nu_dt;
+        let decay = |k2: f64| (-nu_dt * k2).exp();
+        self.x.iter_mut().zip(&self.kx2).for_each(|(x, k2)| *x = decay(*k2));
+        self.y.iter_mut().zip(&self.ky2).for_each(|(y, k2)| *y = k2.map(decay));
+    }
+
+    /// From w to what a stage projects, in a row of one component; `before` is that of u^n over the number of points.
+    fn apply(&self, stage: Stage, points: f64, row: usize, w: &mut [Quad], before: &[Quad]) {
+        for ((w, before), decay_x) in w.iter_mut().zip(before).zip(&self.x) {
+            for (lane, decay_y) in self.y[row].iter().enumerate() {
+                let decay = decay_x * decay_y;
+                let (re, im) = (&mut w.re[lane], &mut w.im[lane]);
+                match stage {
+                    Stage::Start => {}
+                    Stage::First => (*re, *im) = (decay * *re, decay * *im),
+                    Stage::Second => {
+                        *re = 0.5 * (*re + points * decay * before.re[lane]);
+                        *im = 0.5 * (*im + points * decay * before.im[lane]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Longest step that the explicit drag allows, s.
+pub fn longest_step(bodies: &Bodies) -> f64 {
+    let stiffest = bodies.rate().into_iter().flatten().fold(0.0_f64, |most, rate| most.max(*rate));
+    1.0 / stiffest.max(f64::MIN_POSITIVE)
+}
+
+/// `u + dt f` for a flow at a time (s), into `domain.w`.
+pub fn add_rate_of_change(time: f64, flow: &Flow, dt: f64, domain: &mut Domain) {
+    domain.bodies.sample(&flow.velocity);
+    let Flow { velocity: [u, v], vorticity: omega } = flow;
+    let rate = domain.bodies.rate();
+    let [wx, wy] = &mut domain.w;
+    run(Explicit { dt, u, other: v, omega, sign: -1.0, rate, w: wx });
+    run(Explicit { dt, u: v, other: u, omega, sign: 1.0, rate, w: wy });
+    domain.add_velocities(time, |_| dt);
+}
+
+/// The drag as it is. A change of the body's velocity in the coming step moves the fluid along with `dt a_b/2`.
+pub fn predict_loads(present: &Present, bodies: &Bodies, loads: &mut Loads) {
+    let weight = bodies.cell_mass;
+    let drag = |cell: &Cell| {
+        let force = present_drag(&present.flow, cell).map(|drag| weight * drag);
+        (force, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - 0.5 * present.step * cell.rate)))
+    };
+    bodies.collect_loads(drag, loads);
+}
+
+/// Drag of a flow on a cell over the density, `a_b (u − u_b)`, m/s².
+fn present_drag(flow: &Flow, cell: &Cell) -> [f64; 2] {
+    [0, 1].map(|axis| cell.rate * (flow.velocity[axis][cell.index] - cell.velocity[axis]))
+}
+
+/// `u + dt (−sign omega other − a u)`, with `sign omega other` this component of `omega × u`.
+struct Explicit<'a> {
+    dt: f64,
+    u: &'a [f64],
+    other: &'a [f64],
+    omega: &'a [f64],
+    sign: f64,
+    rate: Option<&'a [f64]>,
+    w: &'a mut [f64],
+}
+
+impl Kernel for Explicit<'_> {
+    #[inline(always)]
+    fn run(self, _: impl Arithmetic) {
+        let Self { dt, sign, w, .. } = self;
+        let n = w.len();
+        let (u, other, omega) = (&self.u[..n], &self.other[..n], &self.omega[..n]);
+        match self.rate.map(|rate| &rate[..n]) {
+            Some(rate) => {
+                for i in 0..n {
+                    w[i] = u[i] - dt * (sign * omega[i] * other[i] + rate[i] * u[i]);
+                }
+            }
+            None => {
+                for i in 0..n {
+                    w[i] = u[i] - dt * (sign * omega[i] * other[i]);
+                }
+            }
+        }
+    }
+}

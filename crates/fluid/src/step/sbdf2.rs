@@ -1,0 +1,251 @@
+//! Two-step backward differences with extrapolated advection.
+//!
+//! The step is split so that what is local in space and what is local in wavenumber are each solved exactly
+//! (Douglas–Rachford in incremental form). With `c_0 … c_2` the difference coefficients, `e_1, e_2` the extrapolation,
+//! `tau = 1/c_0`, `N = omega × u` and `G = ∇Pi − nu ∇²u` (plus what the filter removes),
+//!
+//! ```text
+//! (c_0 + Σ a_b) u*  = c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n + Σ a_b u_b      point by point
+//! (1 − tau nu ∇²) u^{n+1} + tau ∇Pi^{n+1} = F (u* + tau G^n),   ∇·u^{n+1} = 0             wave by wave
+//! G^{n+1} = c_0 (u* + tau G^n − u^{n+1})                                                  point by point
+//! ```
+//!
+//! The sum of the two is the scheme with both parts implicit but for `a tau (G^{n+1} − G^n)`, of second order. Both
+//! parts are monotone, so neither stiff drag nor viscosity bounds the step; advection does. A step takes five real
+//! transforms: two forward (u* + tau G) and three inverse (u, v, omega).
+//!
+//! The drag on the bodies in the step is `rho a_b (u* − u_b)`. It is linear in u_b with the slope
+//! `−rho a_b (1 − a_b/(c_0 + Σ a))`, which is what the impedance of the loads is.
+
+use std::iter::repeat;
+use std::mem::swap;
+use std::ops::Range;
+
+use super::Step;
+use crate::bodies::{Bodies, Cell, Loads};
+use crate::clock::Phase;
+use crate::domain::Domain;
+use crate::error::Error;
+use crate::simd::{Arithmetic, Kernel, run};
+use crate::state::{Flow, Present, TwoStep};
+use crate::threads::on_threads;
+
+/// Points that the local solve takes at a time, so that what both components read stays in the first cache.
+const BLOCK: usize = 256;
+
+/// The scheme with its memory.
+pub struct Sbdf2 {
+    pub memory: TwoStep,
+}
+
+impl Sbdf2 {
+    /// With no step before.
+    pub fn new(domain: &Domain) -> Self {
+        let n = domain.grid.len();
+        let before = Flow::uniform([0.0; 2], n);
+        Self { memory: TwoStep { before, w: [vec![0.0; n], vec![0.0; n]], per_tau: 0.0 } }
+    }
+
+    /// In no time viscosity does nothing: what is left of the solve wave by wave is the projection.
+    pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
+        domain.hold_mean_flow(present.time);
+        present.advection_rate = solve_wave_by_wave(f64::MIN_POSITIVE, domain);
+        self.take_over(&mut present.flow, domain);
+        self.memory.per_tau = 0.0;
+    }
+
+    pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
+        let scheme = Differences::new(step.dt, present.step);
+        domain.bodies.place(step.end, step.stations, &domain.grid);
+        domain.clock.mark(Phase::Paint);
+        domain.bodies.sample(&present.flow.velocity);
+        domain.clock.mark(Phase::Sample);
+        let components = self.components(&present.flow);
+        solve_locally(&components, &scheme, domain);
+        domain.clock.mark(Phase::Solve);
+        domain.add_velocities(step.end, |rate| 1.0 / (scheme.c[0] + rate));
+        domain.clock.mark(Phase::Velocities);
+        domain.hold_mean_flow(step.end);
+        let advection_rate = solve_wave_by_wave(scheme.tau, domain);
+        step.check(advection_rate)?;
+
+        let drag = |cell: &Cell| {
+            [0, 1].map(|axis| {
+                let (_, g) = components[axis].right_side(&scheme, cell.index);
+                let u_star = domain.w[axis][cell.index] - scheme.tau * g;
+                cell.rate * (u_star - cell.velocity[axis])
+            })
+        };
+        let exchange = present.beam.as_mut().map(|beam| &mut beam.exchange);
+        domain.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
+        domain.clock.mark(Phase::Forces);
+        self.take_over(&mut present.flow, domain);
+        self.memory.per_tau = scheme.c[0];
+        step.finish(present, advection_rate);
+        Ok(())
+    }
+
+    /// Make the new flow the present one, that the one before, and keep w.
+    fn take_over(&mut self, flow: &mut Flow, domain: &mut Domain) {
+        swap(flow, &mut self.memory.before);
+        swap(flow, &mut domain.next);
+        swap(&mut self.memory.w, &mut domain.w);
+    }
+
+    /// The drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
+    pub fn predict_loads(&self, present: &Present, bodies: &Bodies, loads: &mut Loads) {
+        let Some(rate) = bodies.rate() else { return };
+        let scheme = Differences::new(present.step, present.step);
+        let components = self.components(&present.flow);
+        let weight = bodies.cell_mass;
+        let drag = |cell: &Cell| {
+            let share = cell.rate / (scheme.c[0] + rate[cell.index]);
+            let force = [0, 1].map(|axis| {
+                let (r, _) = components[axis].right_side(&scheme, cell.index);
+                let momentum = cell.rate * cell.velocity[axis];
+                weight * (share * (r + momentum) - momentum)
+            });
+            (force, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - share)))
+        };
+        bodies.collect_loads(drag, loads);
+    }
+
+    /// What the local solve reads, by component.
+    fn components<'a>(&'a self, flow: &'a Flow) -> [Component<'a>; 2] {
+        let TwoStep { before, w, per_tau } = &self.memory;
+        // omega × u = (−omega v, omega u)
+        [(0, 1, -1.0), (1, 0, 1.0)].map(|(axis, other, sign)| Component {
+            u: &flow.velocity[axis],
+            u_before: &before.velocity[axis],
+            w: &w[axis],
+            per_tau: *per_tau,
+            omega: &flow.vorticity,
+            omega_before: &before.vorticity,
+            other: &flow.velocity[other],
+            other_before: &before.velocity[other],
+            sign,
+        })
+    }
+}
+
+/// u* + tau G without the velocities of the bodies, into `domain.w`.
+fn solve_locally(components: &[Component; 2], scheme: &Differences, domain: &mut Domain) {
+    let no_rate = [0.0; BLOCK];
+    let rate = domain.bodies.rate();
+    let share = domain.grid.len().div_ceil(domain.spectral.threads());
+    let [wx, wy] = domain.w.each_mut().map(|w| w.chunks_mut(share));
+    on_threads((0..).step_by(share).zip(wx.zip(wy)), |(first, (wx, wy))| {
+        for start in (0..wx.len()).step_by(BLOCK) {
+            let part = start..(start + BLOCK).min(wx.len());
+            let points = first + part.start..first + part.end;
+            let rate = rate.map_or(&no_rate[..part.len()], |rate| &rate[points.clone()]);
+            for (component, w) in components.iter().zip([&mut *wx, &mut *wy]) {
+                run(LocalSolve { component: component.points(points.clone()), scheme, rate, w: &mut w[part.clone()] });
+            }
+        }
+    });
+}
+
+/// From `domain.w` to `domain.next`, and its advection rate, 1/s.
+fn solve_wave_by_wave(tau: f64, domain: &mut Domain) -> f64 {
+    domain.spectral.projection.set_viscosity(tau * domain.nu);
+    let solve = |projection: &crate::projection::Projection, row, (), [u, v, omega]: [&mut [_]; 3]| {
+        projection.project(row, u, v, omega);
+    };
+    domain.spectral.solve(&domain.w, repeat(repeat(())), solve, &mut domain.next, &mut domain.clock)
+}
+
+/// Coefficients of the two-step backward differences with a step that may change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Differences {
+    /// `∂u/∂t ≈ c_0 u^{n+1} − c_1 u^n − c_2 u^{n−1}`, 1/s.
+    c: [f64; 3],
+    /// Extrapolation to the new time: `e_1 N^n + e_2 N^{n−1}`.
+    e: [f64; 2],
+    /// 1/c_0, s.
+    tau: f64,
+}
+
+impl Differences {
+    /// A step `dt` after one of `before` seconds; `before` = 0: the first step, by backward Euler.
+    fn new(dt: f64, before: f64) -> Self {
+        if before == 0.0 {
+            return Self { c: [1.0 / dt, 1.0 / dt, 0.0], e: [1.0, 0.0], tau: dt };
+        }
+        let r = dt / before;
+        let c_0 = (1.0 + 2.0 * r) / ((1.0 + r) * dt);
+        let c = [c_0, (1.0 + r) / dt, -r * r / ((1.0 + r) * dt)];
+        Self { c, e: [1.0 + r, -r], tau: 1.0 / c_0 }
+    }
+}
+
+/// What one component of the local solve reads at each point.
+#[derive(Clone)]
+struct Component<'a> {
+    /// This component of the velocity.
+    u: &'a [f64],
+    /// The same one step earlier.
+    u_before: &'a [f64],
+    /// `w = u + tau G` of the last step.
+    w: &'a [f64],
+    /// `1/tau` of the last step.
+    per_tau: f64,
+    /// Vorticity.
+    omega: &'a [f64],
+    /// The same one step earlier.
+    omega_before: &'a [f64],
+    /// The other component of the velocity: this one of `omega × u` is `sign · omega · other`.
+    other: &'a [f64],
+    /// The same one step earlier.
+    other_before: &'a [f64],
+    /// −1 for x, 1 for y.
+    sign: f64,
+}
+
+impl<'a> Component<'a> {
+    /// The same for some of the points.
+    #[inline(always)]
+    fn points(&self, points: Range<usize>) -> Self {
+        let part = |field: &'a [f64]| &field[points.clone()];
+        Self {
+            u: part(self.u),
+            u_before: part(self.u_before),
+            w: part(self.w),
+            omega: part(self.omega),
+            omega_before: part(self.omega_before),
+            other: part(self.other),
+            other_before: part(self.other_before),
+            ..*self
+        }
+    }
+
+    /// At point `i`: the right-hand side without the bodies, `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, and
+    /// G^n.
+    #[inline(always)]
+    fn right_side(&self, &Differences { c, e, .. }: &Differences, i: usize) -> (f64, f64) {
+        let n = self.sign * self.omega[i] * self.other[i];
+        let n_before = self.sign * self.omega_before[i] * self.other_before[i];
+        let g = self.per_tau * (self.w[i] - self.u[i]);
+        (c[1] * self.u[i] + c[2] * self.u_before[i] - e[0] * n - e[1] * n_before - g, g)
+    }
+}
+
+/// u* + tau G without the velocities of the bodies, at points with the total drag rate `rate`.
+struct LocalSolve<'a> {
+    component: Component<'a>,
+    scheme: &'a Differences,
+    rate: &'a [f64],
+    w: &'a mut [f64],
+}
+
+impl Kernel for LocalSolve<'_> {
+    #[inline(always)]
+    fn run(self, _: impl Arithmetic) {
+        let Self { component, scheme, rate, w } = self;
+        let component = component.points(0..w.len());
+        for (i, (w, rate)) in w.iter_mut().zip(rate).enumerate() {
+            let (r, g) = component.right_side(scheme, i);
+            *w = r / (scheme.c[0] + rate) + scheme.tau * g;
+        }
+    }
+}

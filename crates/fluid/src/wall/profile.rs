@@ -1,0 +1,208 @@
+//! The drag rate a(d) as a function of the signed distance to the surface of a solid.
+//!
+//! The penalized momentum equation is `∂u/∂t + … = −a(d) (u − u_s)` with d > 0 in the fluid. A mask chi has
+//! a = chi / C_eta. Whatever the profile, no-slip has to hold at d = 0: the shifts below see to that in linear shear.
+
+use std::f64::consts::PI;
+
+use scene::Mask;
+
+use super::growth::{EULER_GAMMA, growth};
+use super::target::{MIRROR_DEPTH, WallTarget, calibrate};
+
+/// e-folds from the surface into the fluid beyond which the log-linear drag is left out (the other profiles end by
+/// themselves). In linear shear what is left out would move the wall by `e^{−2γ} (x² + 2x + 2) e^{−x} λ`, 1.7e-3 λ.
+const TAIL: f64 = 10.0;
+
+/// A drag profile on one grid, in one fluid.
+#[derive(Clone, Copy, Debug)]
+pub enum DragProfile {
+    /// `1/C_eta` for d < offset.
+    Sharp {
+        /// Largest rate, 1/s.
+        rate: f64,
+        /// How far the mask reaches into the fluid, m.
+        offset: f64,
+    },
+    /// `(1 + cos(π (d + shift + h)/(2h)))/2 / C_eta` for |d + shift| < h.
+    Cosine {
+        /// Largest rate, 1/s.
+        rate: f64,
+        /// Half the width of the layer, m.
+        half_width: f64,
+        /// How far the layer is moved into the solid, m.
+        shift: f64,
+    },
+    /// `min((ν/λ²) exp(−2γ) exp(folds), 1/C_eta)` with `−(d + shrink)/λ` e-folds, three times as steep in the core.
+    LogLinear {
+        /// Largest rate, 1/s.
+        rate: f64,
+        /// Rate at d = −shrink, 1/s.
+        surface_rate: f64,
+        /// Length of e-fold growth λ, m.
+        e_fold: f64,
+        /// How far the profile is moved into the solid, m; 0 without a wall target.
+        shrink: f64,
+        /// What the fluid is drawn to at the surface; absent: the solid's own velocity.
+        target: Option<WallTarget>,
+    },
+}
+
+impl DragProfile {
+    /// Profile of `mask` with relaxation time `c_eta` (s) for viscosity `nu` (m²/s) and cells of size `dx` (m).
+    pub fn new(mask: &Mask, c_eta: f64, nu: f64, dx: f64) -> Self {
+        let rate = 1.0 / c_eta;
+        let eps = (nu * c_eta).sqrt();
+        match *mask {
+            Mask::Sharp { displacement_corrected, .. } => {
+                Self::Sharp { rate, offset: if displacement_corrected { eps } else { 0.0 } }
+            }
+            Mask::Cosine { half_width, displacement_corrected, .. } => {
+                let half_width = half_width * dx;
+                let displacement =
+                    if displacement_corrected { eps * cosine_wall_displacement(half_width / eps) } else { 0.0 };
+                Self::Cosine { rate, half_width, shift: displacement }
+            }
+            Mask::LogLinear { e_fold, target, .. } => {
+                let length = e_fold * dx;
+                let surface_rate = nu / (length * length) * (-2.0 * EULER_GAMMA).exp();
+                let plain = Self::LogLinear { rate, surface_rate, e_fold: length, shrink: 0.0, target: None };
+                let Some((target, shrink)) = calibrate(e_fold, target) else { return plain };
+                let target = Some(WallTarget { cell: dx, ..target });
+                Self::LogLinear { rate, surface_rate, e_fold: length, shrink: shrink * dx, target }
+            }
+        }
+    }
+
+    /// The same without a wall target: for walls and zones, along which the flow is fully resolved.
+    pub fn plain(mut self) -> Self {
+        if let Self::LogLinear { shrink, target, .. } = &mut self {
+            (*shrink, *target) = (0.0, None);
+        }
+        self
+    }
+
+    /// The profile of a body of some thickness (m): one of less than two cells has no wall target.
+    pub fn of_body(self, thickness: f64) -> Self {
+        match self.target() {
+            Some(target) if thickness < MIRROR_DEPTH * target.cell => self.plain(),
+            _ => self,
+        }
+    }
+
+    /// The wall target, if the solid does not draw the fluid to its own velocity.
+    pub fn target(&self) -> Option<&WallTarget> {
+        match self {
+            Self::LogLinear { target, .. } => target.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// Drag rate at signed distance `d` (m, positive in the fluid), 1/s.
+    pub fn rate(&self, d: f64) -> f64 {
+        match *self {
+            Self::Sharp { rate, offset } => {
+                if d < offset {
+                    rate
+                } else {
+                    0.0
+                }
+            }
+            Self::Cosine { rate, half_width, shift } => {
+                let depth = ((d + shift + half_width) / (2.0 * half_width)).clamp(0.0, 1.0);
+                rate * 0.5 * (1.0 + (PI * depth).cos())
+            }
+            Self::LogLinear { rate, surface_rate, e_fold, shrink, .. } => {
+                (surface_rate * growth(-(d + shrink) / e_fold)).min(rate)
+            }
+        }
+    }
+
+    /// Distance from the surface beyond which the fluid feels nothing, m.
+    pub fn reach(&self) -> f64 {
+        match *self {
+            Self::Sharp { offset, .. } => offset,
+            Self::Cosine { half_width, shift, .. } => (half_width - shift).max(0.0),
+            Self::LogLinear { e_fold, .. } => TAIL * e_fold,
+        }
+    }
+}
+
+/// Displacement of the no-slip wall by the cosine mask of half-width `h` (in units of eps = √(ν C_eta)), in the same
+/// unit, positive where the body is too fat: where the solution of u″ = chi u that decays into the solid and is linear
+/// in the fluid would vanish (Hester, Vasil & Burns 2021).
+fn cosine_wall_displacement(h: f64) -> f64 {
+    const STEPS: usize = 4000;
+    let chi = |x: f64| 0.5 * (1.0 + (PI * (x + h) / (2.0 * h)).cos());
+    let dx = 2.0 * h / STEPS as f64;
+    // Riccati form of the equation: r = u'/u, r' = chi - r²; it cannot overflow.
+    let slope = |x: f64, r: f64| chi(x) - r * r;
+    let mut r = 1.0;
+    for step in 0..STEPS {
+        let x = -h + step as f64 * dx;
+        let k1 = slope(x, r);
+        let k2 = slope(x + 0.5 * dx, r + 0.5 * dx * k1);
+        let k3 = slope(x + 0.5 * dx, r + 0.5 * dx * k2);
+        let k4 = slope(x + dx, r + dx * k3);
+        r += dx / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    }
+    h - 1.0 / r
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values of the displacement against half-width, both in eps, computed independently from the same equation.
+    #[test]
+    fn the_cosine_mask_is_displaced_as_published() {
+        let table = [(1.0, -0.841), (2.0, -0.466), (3.0, 0.027), (5.0, 1.207), (10.0, 4.680), (20.0, 12.5)];
+        for (h, expected) in table {
+            let shift = cosine_wall_displacement(h);
+            assert!((shift - expected).abs() < 6e-3_f64.max(4e-3 * h), "h = {h} eps: {shift} against {expected}");
+        }
+        assert!(cosine_wall_displacement(2.9490).abs() < 1e-3, "{}", cosine_wall_displacement(2.9490));
+    }
+
+    /// Without correction the masks are those of the thesis: chi = 1 for d < 0, and 1/2 at d = 0 (eq. 4.1).
+    #[test]
+    fn uncorrected_masks_stand_where_the_thesis_has_them() {
+        let (nu, dx, c_eta) = (1e-3, 4e-3, 1e-3);
+        let chi = |mask: Mask, d: f64| c_eta * DragProfile::new(&mask, c_eta, nu, dx).rate(d);
+        let sharp = |displacement_corrected| Mask::Sharp { c_eta, displacement_corrected };
+        let cosine = |displacement_corrected| Mask::Cosine { c_eta, half_width: 1.0, displacement_corrected };
+        assert_eq!([-1e-9, 0.0].map(|d| chi(sharp(false), d)), [1.0, 0.0]);
+        assert_eq!([0.99e-3, 1.01e-3].map(|d| chi(sharp(true), d)), [1.0, 0.0]);
+        for (d, expected) in [(-dx, 1.0), (-0.5 * dx, 0.853_553_390_6), (0.0, 0.5), (dx, 0.0)] {
+            let found = chi(cosine(false), d);
+            assert!((found - expected).abs() < 1e-10, "chi({d}) = {found}, not {expected}");
+        }
+        // h = 4 eps: too fat by 0.593 eps (Hester, Vasil & Burns 2021).
+        let shifted = chi(cosine(true), -0.593e-3);
+        assert!((shifted - 0.5).abs() < 1e-3, "chi = {shifted} at the shifted middle of the layer");
+    }
+
+    /// In linear shear, ν u″ = a(d) u, the far field of the log-linear profile is u ∝ d.
+    #[test]
+    fn the_log_linear_profile_holds_the_wall_at_zero() {
+        let (nu, dx) = (1e-3, 4e-3);
+        let profile = DragProfile::new(
+            &Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3, target: scene::WallTarget::None },
+            1e-7,
+            nu,
+            dx,
+        );
+        let (from, to, steps) = (-8.0 * dx, 8.0 * dx, 400_000);
+        let h = (to - from) / steps as f64;
+        let slope = |d: f64, r: f64| profile.rate(d) / nu - r * r;
+        let mut r = (profile.rate(from) / nu).sqrt();
+        for step in 0..steps {
+            let d = from + step as f64 * h;
+            let k1 = slope(d, r);
+            let k2 = slope(d + h, r + h * k1);
+            r += 0.5 * h * (k1 + k2);
+        }
+        let wall = to - 1.0 / r;
+        assert!(wall.abs() < 1e-3 * dx, "no-slip at {wall} m, cells of {dx} m");
+    }
+}

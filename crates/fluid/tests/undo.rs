@@ -1,0 +1,50 @@
+//! A communication step that fails leaves the fluid as it was.
+
+mod common;
+#[path = "common/measures.rs"]
+#[allow(dead_code, reason = "only its scenes are wanted")]
+mod measures;
+
+use common::{run, scene};
+use measures::{BEAM, CYLINDER_IN_CHANNEL};
+use nervure_fluid::{Error, Fluid};
+use scene::{Mask, TimeScheme};
+
+/// Set the tip's velocity (m/s) at the end of the coming step.
+fn set_tip(fluid: &mut Fluid, velocity: f64) {
+    let stations = fluid.stations_mut().expect("the scene has a beam");
+    *stations.velocity[1].last_mut().expect("it has stations") = velocity;
+}
+
+#[test]
+fn a_failed_step_leaves_everything_as_it_was() {
+    let h = 2e-3;
+    for (scheme, max_step) in
+        [(TimeScheme::Sbdf2, 1.0), (TimeScheme::Sbdf2, h / 3.0), (TimeScheme::Rk2, 1.0), (TimeScheme::Rk2, h / 3.0)]
+    {
+        let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
+        let fluid = scene.fluid.as_mut().expect("it has one");
+        fluid.mask = Mask::Cosine { c_eta: 2e-3, half_width: 1.0, displacement_corrected: true };
+        fluid.inflow.as_mut().expect("it has one").c_eta = 2e-3;
+        (fluid.time_stepping.scheme, fluid.time_stepping.max_step) = (scheme, max_step);
+        let [mut fluid, mut other] = [(); 2].map(|()| Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}")));
+        for fluid in [&mut fluid, &mut other] {
+            run(fluid, 5, h);
+            set_tip(fluid, 0.05);
+            run(fluid, 1, h);
+        }
+        let (before, pressure) = (fluid.state(), fluid.pressure());
+        // The largest numbers there are: a step overflows at once, and one of several at the latest when it is divided.
+        set_tip(&mut fluid, f64::MAX);
+        let result = fluid.advance(fluid.time(), h);
+        assert!(matches!(result, Err(Error::Diverged { .. })), "{scheme:?}, {max_step} s: {result:?}");
+        assert!(fluid.state() == before, "{scheme:?}, {max_step} s: the state is another");
+        assert!(fluid.pressure() == pressure, "{scheme:?}, {max_step} s: the pressure is another");
+        for fluid in [&mut fluid, &mut other] {
+            set_tip(fluid, 0.04);
+            run(fluid, 2, h);
+        }
+        assert!(fluid.state() == other.state(), "{scheme:?}, {max_step} s: what follows has other bits");
+        assert_eq!(fluid.pressure_jump(), other.pressure_jump(), "{scheme:?}, {max_step} s");
+    }
+}

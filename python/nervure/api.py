@@ -1,0 +1,78 @@
+"""What a Python program does with scenes and runs: `nervure.load`, `nervure.run`, `nervure.read`."""
+
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from nervure import results, simulation
+from nervure.errors import Refusal
+from nervure.scene import Scene, load
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["Run", "RunError", "load", "read", "run"]
+
+
+class Run(results.Results):
+    """A run: `scene`, `folder`, `summary`, and its `series` by name, in `units`."""
+
+    def plot(self, *names: str) -> "Figure":
+        """The columns `names` over time, below each other; `figure.savefig(path)` writes them, a notebook shows
+        them."""
+        for name in names:
+            if name not in self.series:
+                raise Refusal(f"{name} was not recorded: there are {', '.join(self.columns)}")
+        if "ipykernel" in sys.modules:
+            import matplotlib.pyplot  # noqa: F401  lets the notebook draw a figure that a cell gives
+
+        from nervure.show import plots
+
+        return plots.over_time({self.scene.name: self}, names, self.scene.reference)
+
+
+class RunError(Exception):
+    """A unit failed in a run, or the coupling did; `run` has what was computed before."""
+
+    def __init__(self, run: Run):
+        super().__init__(run.summary.error)
+        self.run = run
+
+
+def run(
+    scene: Scene | str | Path,
+    output: str | Path | None = None,
+    *,
+    overrides: Iterable[str] = (),
+    rod_fmu: Path | None = None,
+    fluid_fmu: Path | None = None,
+    checkpoint_every: float | None = None,
+    fields_every: float | None = None,
+    quiet: bool = False,
+) -> Run:
+    """Run a scene, an object or the name of one, into the folder `output` or results/NAME.
+
+    `overrides` (key=value), the FMUs in the place of ours, the minutes between checkpoints and the seconds between
+    fields are those of `nervure run`. Raises `Refusal` where something that was given cannot be used, `RunError` where
+    the run failed and `KeyboardInterrupt` where it was interrupted; in the last two cases the results so far are
+    written.
+    """
+    if not isinstance(scene, Scene):
+        scene = load(scene, overrides)
+    elif overrides := list(overrides):
+        raise Refusal(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
+    foreign = {"rod": rod_fmu, "fluid": fluid_fmu}
+    options = simulation.OutputOptions(checkpoint_every, fields_every)
+    folder = None if output is None else Path(output)
+    done = Run(**vars(simulation.run(scene, folder, foreign, options, *simulation.consoles(quiet))))
+    if done.summary.error is not None:
+        raise RunError(done)
+    if not done.summary.completed:
+        raise KeyboardInterrupt
+    return done
+
+
+def read(folder: str | Path) -> Run:
+    """The run that is in `folder`."""
+    return Run(**vars(results.read(Path(folder))))

@@ -1,0 +1,253 @@
+"""All that the project does with scenes, from one command line.
+
+    nervure run fsi3-325x72 --end-time 1 --set fluid.mask.log_linear.c_eta=1e-4
+    nervure resume results/fsi3-325x72
+    nervure --help
+
+Here are the options of each command and what it prints; what it does is elsewhere in the package, and loaded when it is
+run: help and errors of the command line come at once.
+Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot be used, 130 interrupted.
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from nervure.errors import Refusal
+from nervure.resources import SOURCE
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from nervure.evaluate.summary import Summary
+
+FAILED, REFUSED, INTERRUPTED = 1, 2, 130
+
+SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a shipped scene.")]
+Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="Result folder of a run.")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Override a scene key by its dotted path; repeatable."),
+]
+EndTime = Annotated[float | None, typer.Option(help="End of the run, s, in place of the scene's.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of ours.")]
+
+app = typer.Typer(
+    help="Build, run and look at rod and fluid as FMI units.", no_args_is_help=True, pretty_exceptions_enable=False
+)
+
+
+@app.command()
+def build(
+    scene_file: SceneFile,
+    output: Annotated[Path | None, typer.Option(help="Folder of the FMUs; default: results/NAME.")] = None,
+    descriptions: Annotated[
+        Path | None,
+        typer.Option(exists=True, file_okay=False, help="Write fmu_KIND.xml into this folder in place of FMUs."),
+    ] = None,
+) -> None:
+    """Pack the units of a scene without running it; in the source tree, build both libraries before."""
+    from nervure.pack import package
+    from nervure.scene import kinds, read, typed
+    from nervure.simulation import default_folder
+
+    document = read(scene_file)
+    if SOURCE is not None:
+        try:
+            built = subprocess.run(["cargo", "build", "--release", "--locked"], cwd=SOURCE)
+        except FileNotFoundError:
+            raise Refusal("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
+        if built.returncode != 0:
+            raise Refusal("the libraries cannot be built: cargo says above why")
+    scene = typed(document)
+    for kind in kinds(scene):
+        if descriptions:
+            path = descriptions / f"fmu_{kind}.xml"
+            path.write_text(package.describe(kind, scene), encoding="utf-8")
+        else:
+            path = package.pack(kind, scene, output or default_folder(scene))
+        typer.echo(path)
+
+
+@app.command()
+def run(
+    scene_file: SceneFile,
+    end_time: EndTime = None,
+    output: Annotated[Path | None, typer.Option(help="Result folder; default: results/NAME.")] = None,
+    overrides: Overrides = None,
+    rod_fmu: FmuPath = None,
+    fluid_fmu: FmuPath = None,
+    checkpoint_every: Annotated[
+        float | None,
+        typer.Option(min=0, metavar="MINUTES", help="Write a checkpoint every so many minutes of wall time."),
+    ] = None,
+    fields_every: Annotated[
+        float | None, typer.Option(min=0, metavar="SECONDS", help="Write fields every so many simulated seconds.")
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scene: pack its units, couple them, write results/NAME with tables, a summary and pictures."""
+    from nervure import simulation
+    from nervure.scene import load
+
+    scene = load(scene_file, overrides or (), end_time)
+    options = simulation.OutputOptions(checkpoint_every, fields_every)
+    console, errors = simulation.consoles(quiet)
+    fmus = {"rod": rod_fmu, "fluid": fluid_fmu}
+    _exit(simulation.run(scene, output, fmus, options, console, errors).summary, errors)
+
+
+@app.command()
+def resume(folder: Folder, quiet: Quiet = False) -> None:
+    """Go on from the checkpoint in a result folder, with the scene, the units and the options of its run."""
+    from nervure import simulation
+
+    console, errors = simulation.consoles(quiet)
+    _exit(simulation.resume(folder, console, errors).summary, errors)
+
+
+def _exit(summary: "Summary", errors: "Console") -> None:
+    """End the command with the exit code of a run."""
+    if summary.error is not None:
+        errors.print(f"error: {summary.error}", markup=False)
+        raise typer.Exit(FAILED)
+    if not summary.completed:
+        raise typer.Exit(INTERRUPTED)
+
+
+@app.command()
+def inspect(
+    path: Annotated[Path, typer.Argument(metavar="UNIT.fmu|SCENE.json|FOLDER", help="What to look at.")],
+) -> None:
+    """Show what an FMU offers, what a scene will do and take, or what a run has given."""
+    from rich.console import Console
+
+    from nervure.show import inspection
+
+    console = Console(highlight=False)
+    if path.is_dir():
+        inspection.show_results(console, path)
+    elif path.suffix == ".fmu":
+        inspection.show_unit(console, path)
+    else:
+        inspection.show_scene(console, path)
+
+
+@app.command()
+def plot(
+    folders: Annotated[list[Path], typer.Argument(metavar="FOLDER...", help="Result folders of runs.")],
+    output: Annotated[
+        Path | None, typer.Option(help="Folder of the pictures; default: that of the run, if it is one.")
+    ] = None,
+) -> None:
+    """Draw tip.png, drag.png and lift.png anew from series.csv, several runs over each other."""
+    if len(folders) > 1 and output is None:
+        raise Refusal("where several runs are drawn over each other, --output has to say where the pictures go")
+    from nervure import results
+    from nervure.show import plots
+
+    runs = [results.read(folder) for folder in folders]
+    target = output or folders[0]
+    target.mkdir(parents=True, exist_ok=True)
+    written = plots.time_series(target, results.labelled(runs), runs[0].scene)
+    if len(runs) == 1:
+        written += plots.cylinder(target, runs[0], runs[0].scene, runs[0].summary)
+        written += plots.driven_root(target, runs[0], runs[0].summary)
+    if not written:
+        raise Refusal(f"{', '.join(map(str, folders))}: no tip, drag or lift was recorded")
+    for path in written:
+        typer.echo(path)
+
+
+@app.command()
+def animate(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Result folder of a run with --fields-every.")],
+    begin: Annotated[
+        float | None, typer.Option(help="First time, s; default: two whole periods before the last.")
+    ] = None,
+    end: Annotated[float | None, typer.Option(help="Last time, s.")] = None,
+) -> None:
+    """Write vorticity.gif and phases.png into a result folder."""
+    from nervure.show import animation
+
+    for path in animation.write(folder, begin, end):
+        typer.echo(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
+
+
+@app.command()
+def sweep(
+    scene_files: Annotated[
+        list[str], typer.Argument(metavar="SCENE...", help="Scene files or shipped scenes to start from.")
+    ],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KEY=V1,V2,…",
+            help="Values for a scene key, or KEY=[V1, V2, …] in JSON; repeatable: all combinations are run.",
+        ),
+    ] = None,
+    overrides: Overrides = None,
+    end_time: EndTime = None,
+    output: Annotated[Path | None, typer.Option(help="Folder of the sweep; default: results/sweep-NAME.")] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler to run on, in place of this machine's cores.")
+    ] = None,
+    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Run again what failed or was killed.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a grid of scenes, each in a process of its own, and write sweep.csv and sweep.json.
+
+    The same command goes on where it was: what is finished is not run again.
+    """
+    from nervure import simulation, sweep as sweeps
+    from nervure.scene import read
+
+    scenes = [read(name, overrides or (), end_time) for name in scene_files]
+    cases = sweeps.grid(scenes, [sweeps.values(text) for text in vary or []])
+    folder = output or Path("results") / f"sweep-{sweeps.plain_name(scenes[0])}"
+    console, _ = simulation.consoles(quiet)
+    rows = sweeps.run(
+        cases, folder, scheduler, retry_failed, lambda text: console.print(text, markup=False, soft_wrap=True)
+    )
+    console.print(f"table in {folder / 'sweep.csv'}", soft_wrap=True)
+    if any(row["status"] != sweeps.FINISHED for row in rows):
+        raise typer.Exit(FAILED)
+
+
+@app.command()
+def dist(
+    scene_file: SceneFile,
+    folder: Annotated[Path, typer.Argument(help="Folder to write; one that exists is replaced as a whole.")],
+) -> None:
+    """Write FMUs, SSP, checksums and manifest of a scene into a folder; `make dist` builds the libraries for it."""
+    from nervure.pack import delivery
+    from nervure.scene import load
+
+    delivery.write(load(scene_file), folder)
+    typer.echo(folder)
+
+
+@app.command()
+def merge(
+    sources: Annotated[list[Path], typer.Argument(metavar="FMU...", help="FMUs that differ in their binaries only.")],
+    output: Annotated[Path, typer.Option(metavar="MERGED.fmu", help="FMU to write.")],
+) -> None:
+    """Put the binaries of several systems into one FMU."""
+    from nervure.pack import package
+
+    typer.echo(package.merge(sources, output))
+
+
+def main() -> None:
+    """The command `nervure`."""
+    try:
+        app()
+    except Refusal as error:
+        from rich.console import Console
+
+        Console(stderr=True, highlight=False, soft_wrap=True).print(f"error: {error}", markup=False)
+        sys.exit(REFUSED)

@@ -1,0 +1,248 @@
+"""How units exchange within one communication step, from t to t + H (`docs/coupling.md`).
+
+Explicit (serial), each unit once:
+
+    rod.step(loads of the fluid at t)  →  stations at t + H  →  fluid.step(stations)  →  loads for the next step
+
+Explicit, parallel: the same, but the fluid steps with the stations at t.
+
+Iterated: from a guess of the stations x at t + H,
+
+    fluid.step(x)  →  loads  →  rod.step(loads)  →  stations x~,   residual r = x~ - x
+
+until r is small; before every repetition both units are put back to t. What makes the next guess is Aitken's relaxation
+or IQN-ILS.
+"""
+
+from array import array
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from nervure.coupling.acceleration import Aitken, IqnIls
+from nervure.coupling.watch import CouplingError, Watch, takes_momentum
+from nervure.scene.types import Guards, Iterated as Iteration
+from nervure.unit import Unit
+
+STATION_ROUNDING = 1e-12
+"""Residual relative to the stations' positions that counts as converged: a rod's own solver leaves about as much."""
+
+Drive = Callable[[float], Sequence[float]]
+"""Motion of a root that the master drives: the values at a time (s) of the rod's inputs `root.*`, in their order."""
+
+
+def root_inputs(unit: Unit) -> list[str]:
+    """Names of the inputs with which a master drives the root of `unit`."""
+    return [v.name for v in unit.variables.values() if v.causality == "input" and v.name.startswith("root.")]
+
+
+def connections(source: Unit, target: Unit) -> list[str]:
+    """Names of the quantities that `source` gives to `target`; raises `CouplingError` where an input of `target`, but
+    those of a driven root, finds no output of the same name, number and unit."""
+    names = [v.name for v in target.variables.values() if v.causality == "input" and not v.name.startswith("root.")]
+    for name in names:
+        here, there = target.variables[name], source.variables.get(name)
+        if there is None or there.causality != "output":
+            raise CouplingError(f"the {target.name} has the input `{name}`, but the {source.name} has no such output")
+        for what in ("kind", "size", "unit"):
+            mine, theirs = getattr(here, what), getattr(there, what)
+            if mine != theirs:
+                raise CouplingError(
+                    f"the {what} of `{name}` is {mine} at the {target.name}, but {theirs} at the {source.name}"
+                )
+    return names
+
+
+@dataclass(frozen=True)
+class Choice:
+    """How two units are coupled, and why so."""
+
+    load: str
+    load_reason: str
+    scheme: str
+    scheme_reason: str
+
+
+class Single:
+    """One unit alone: every input keeps its start value, but those of a root that `drive` moves."""
+
+    choice: Choice | None = None
+    """What was chosen for the scene; None where there is nothing to choose."""
+
+    def __init__(self, unit: Unit, drive: Drive | None = None):
+        unit.connect(root_inputs(unit) if drive else [], [])
+        self.unit, self.drive, self.root = unit, drive, unit.inputs
+
+    def start(self) -> None:
+        self.unit.get()
+        self.unit.start()
+
+    def step(self, t: float, h: float) -> int:
+        if self.drive:
+            self.root[:] = self.drive(t + h)
+        self.unit.step(t, h)
+        return 1
+
+    def memory(self) -> dict[str, np.ndarray]:
+        """What the scheme itself carries from step to step, for a checkpoint."""
+        return {}
+
+    def remember(self, memory: dict[str, np.ndarray]) -> None:
+        """Take up what `memory` gave."""
+
+    def logs(self) -> dict[str, np.ndarray]:
+        """Tables that the scheme leaves besides the series, by name: `[rows]` with named columns."""
+        return {}
+
+
+class Explicit(Single):
+    """Rod and fluid with one exchange a step, the rod first."""
+
+    def __init__(self, rod: Unit, fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
+        self.rod, self.fluid, self.drive = rod, fluid, drive
+        loads, stations, root = connections(fluid, rod), connections(rod, fluid), root_inputs(rod)
+        if root and drive is None:
+            raise CouplingError(
+                "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of time, "
+                "or couple the units from Python with a drive"
+            )
+        rod.connect(loads + root, stations)
+        fluid.connect(stations, loads)
+        self.loads, self.stations = fluid.exchanged, rod.exchanged
+        self.taken, self.root = np.split(rod.inputs, [self.loads.size])
+        self.watch = Watch(guards, rod, fluid) if guards else None
+
+    def start(self) -> None:
+        """Let both agree on the start values and leave initialization."""
+        self.rod.get()
+        self.fluid.inputs[:] = self.stations
+        self.fluid.set()
+        self.fluid.get()
+        self.taken[:] = self.loads
+        self.rod.set()
+        self.rod.start()
+        self.fluid.start()
+
+    def step(self, t: float, h: float) -> int:
+        """Step both from `t` to `t + h` (s); returns the number of iterations."""
+        self.take(t + h)
+        self.rod.step(t, h)
+        self.fluid.inputs[:] = self.stations
+        self.fluid.step(t, h)
+        if self.watch:
+            self.watch.check(t + h)
+        return 1
+
+    def take(self, t: float) -> None:
+        """Inputs of the rod for its step to `t` (s)."""
+        self.taken[:] = self.loads
+        if self.drive:
+            self.root[:] = self.drive(t)
+
+    def memory(self) -> dict[str, np.ndarray]:
+        return {"balance": np.array(self.watch.balance)} if self.watch else {}
+
+    def remember(self, memory: dict[str, np.ndarray]) -> None:
+        if self.watch:
+            self.watch.balance = memory["balance"].tolist()
+
+
+class ParallelExplicit(Explicit):
+    """Rod and fluid with one exchange a step, each with what the other gave at its beginning."""
+
+    def step(self, t: float, h: float) -> int:
+        self.take(t + h)
+        self.fluid.inputs[:] = self.stations
+        self.rod.step(t, h)
+        self.fluid.step(t, h)
+        if self.watch:
+            self.watch.check(t + h)
+        return 1
+
+
+ITERATIONS = ("step", "total_iterations", "iterations", "columns", "deleted", "dropped")
+CONVERGENCE = ("step", "iteration", "residual")
+"""Columns of iterations.csv and convergence.csv; the residual is relative to the change of the displacements in the
+step."""
+
+
+class Iterated(Explicit):
+    """Rod and fluid with exchanges until they agree."""
+
+    def __init__(self, rod: Unit, fluid: Unit, options: Iteration, drive: Drive | None = None):
+        super().__init__(rod, fluid, drive)
+        for unit in (rod, fluid):
+            if not unit.can_roll_back:
+                raise CouplingError(f"the iterated scheme needs rollback, but the {unit.name} cannot restore its state")
+        if takes_momentum(rod):
+            raise CouplingError(
+                "the iterated scheme needs the load pressure_jump: the momentum load holds for stations that keep "
+                "their velocity, so repeating the step with it would count the impedance twice"
+            )
+        self.tolerance, self.max_iterations = options.tolerance, options.max_iterations
+        self.displacement = np.r_[rod.slices["x"], rod.slices["y"]]
+        newton = IqnIls(self.displacement.size, self.stations.size)
+        self.acceleration = Aitken() if options.acceleration == "aitken" else newton
+        self.last_stations: np.ndarray | None = None
+        self.iterations, self.convergence = array("d"), array("d")
+
+    def step(self, t: float, h: float) -> int:
+        rod, fluid, stations, given = self.rod, self.fluid, self.stations, self.fluid.inputs
+        before = stations.copy()
+        rounding = STATION_ROUNDING * float(np.linalg.norm(before[self.displacement]))
+        number = len(self.iterations) // len(ITERATIONS) + 1
+        self.acceleration.begin()
+        rod.save()
+        fluid.save()
+
+        # The first guess is the straight line through the last two.
+        given[:] = before if self.last_stations is None else 2 * before - self.last_stations
+        for iteration in range(1, self.max_iterations + 1):
+            if iteration > 1:
+                rod.restore()
+                fluid.restore()
+            fluid.step(t, h)
+            self.take(t + h)
+            rod.step(t, h)
+            residual = (stations - given)[self.displacement]
+            change = float(np.linalg.norm((stations - before)[self.displacement]))
+            error = float(np.linalg.norm(residual))
+            limit = max(self.tolerance * change, rounding)
+            self.convergence.extend((number, iteration, error / change if change > 0.0 else 0.0))
+            self.acceleration.learn(residual, stations)
+            if error <= limit:
+                self._log(number, iteration)
+                self.last_stations = before
+                return iteration
+            if not np.isfinite(error):
+                break
+            given[:] = self.acceleration.guess(given, stations)
+        raise CouplingError(
+            f"the step from t = {t:g} s to {t + h:g} s did not converge in {iteration} iterations: the "
+            f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit"
+        )
+
+    def _log(self, number: int, iterations: int) -> None:
+        total = self.iterations[-len(ITERATIONS) + 1] if self.iterations else 0.0
+        a = self.acceleration
+        self.iterations.extend((number, total + iterations, iterations, a.columns, a.deleted, a.dropped))
+
+    def memory(self) -> dict[str, np.ndarray]:
+        own = {"iterations": np.array(self.iterations), "convergence": np.array(self.convergence)}
+        if self.last_stations is not None:
+            own["last_stations"] = self.last_stations
+        return own | self.acceleration.memory()
+
+    def remember(self, memory: dict[str, np.ndarray]) -> None:
+        self.iterations, self.convergence = (array("d", memory[name]) for name in ("iterations", "convergence"))
+        self.last_stations = memory.get("last_stations")
+        self.acceleration.remember(memory)
+
+    def logs(self) -> dict[str, np.ndarray]:
+        """The steps that were made, and every iteration, one that did not converge included."""
+        tables = ("iterations", ITERATIONS, self.iterations), ("convergence", CONVERGENCE, self.convergence)
+        return {
+            name: np.array(rows).reshape(-1, len(columns)).view([(column, float) for column in columns]).ravel()
+            for name, columns, rows in tables
+        }

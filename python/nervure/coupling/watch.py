@@ -1,0 +1,71 @@
+"""Guards of an explicit run: what is unstable may well stay finite, but shows in the powers that cross the
+interface."""
+
+from nervure.errors import Refusal
+from nervure.scene.types import Guards
+from nervure.unit import Unit
+
+
+class CouplingError(Refusal):
+    """The units do not fit each other, or the iteration between them did not converge."""
+
+
+def takes_momentum(rod: Unit) -> bool:
+    """Whether `rod` takes the momentum load, which comes with an impedance."""
+    impedance = rod.variables.get("impedance")
+    return impedance is not None and impedance.causality == "input"
+
+
+class Watch:
+    """Stops a run whose two sides have come apart, or whose load is noise.
+
+    Under the momentum load the powers that the rod takes and that the fluid gives are compared. Under the pressure jump
+    they are not the same: it lacks the fluid inside the mask and the viscous traction. There it is the second
+    difference of what the rod takes that counts.
+    """
+
+    def __init__(self, guards: Guards, rod: Unit, fluid: Unit):
+        self.guards, self.rod, self.fluid = guards, rod, fluid
+        self.momentum = takes_momentum(rod)
+        self.took = _place(rod, "load.power")
+        self.gave = _place(fluid, "beam.power") if self.momentum else 0
+        self.balance = [0.0] * 5
+        """Steps, fading sums of the magnitudes of what is watched and of what went across, W, and the rod's last two
+        powers."""
+
+    def check(self, t: float) -> None:
+        """Take up the powers at `t` (s); raises `CouplingError` where a guard says so."""
+        window = self.guards.window_steps
+        took = self.rod.outputs.item(self.took)
+        steps, watched, crossed, last, last_but_one = self.balance
+        gave = self.fluid.outputs.item(self.gave) if self.momentum else took
+        watched += (abs(took - gave) if self.momentum else abs(took - 2 * last + last_but_one)) - watched / window
+        crossed += abs(gave) - crossed / window
+        self.balance = [steps + 1, watched, crossed, took, last]
+        if steps >= window and (reason := self.reason(watched, crossed, crossed / window)):
+            raise CouplingError(
+                f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason} (the limits are in "
+                "`coupling.guards`)"
+            )
+
+    def reason(self, watched: float, crossed: float, power: float) -> str | None:
+        """What is wrong with the sums of what is watched and of what went across, whose mean is `power` (W); None if
+        nothing is."""
+        imbalance, noise = self.guards.largest_imbalance, self.guards.largest_noise
+        if self.momentum and imbalance is not None and watched > imbalance * crossed:
+            share = f"{watched / crossed:.0%}" if crossed else "all"
+            return f"the power that the rod took and that the fluid gave differ by {share} of what went across"
+        if not self.momentum and noise is not None and watched > noise * crossed and power > self.guards.quiet_power:
+            noisy = f"{watched / crossed:.2g} of it from step to step"
+            return f"the power that the rod took is noise, {noisy}; iterate, or take shorter steps"
+        return None
+
+
+def _place(unit: Unit, name: str) -> int:
+    """Where the outputs of `unit` have the power `name`."""
+    place = unit.slices.get(name)
+    if place is None:
+        raise CouplingError(
+            f"the guards of `coupling.guards` need the output `{name}`, which the {unit.name} does not have"
+        )
+    return int(place.start)

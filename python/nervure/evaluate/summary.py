@@ -1,0 +1,242 @@
+"""What a run has given, as summary.json holds it: each class has its keys, in their order.
+
+A key whose field here has a default is left out of the file where it is None.
+"""
+
+import platform
+from collections.abc import Callable, Sequence
+from dataclasses import MISSING, asdict, dataclass, fields, is_dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from nervure.coupling import Choice, Single
+from nervure.evaluate import coefficients, flapping, statistics
+from nervure.files import json_numbers
+from nervure.master import RunStatus
+from nervure.provenance import Machine, Revision, git_revision, machine
+from nervure.recorder import Record, Recorder
+from nervure.scene import Scene
+from nervure.unit import Unit
+
+QUANTITIES = ("tip_ux", "tip_uy", "tip_uz", "drag", "lift")
+"""The outputs that are evaluated, as far as the units have them."""
+
+MAIN_SIGNALS = ("tip_uy", "lift")
+"""The first of these that there is decides on the periods."""
+
+FORCES = ("drag", "lift")
+"""The outputs that a box filter goes over before their extremes are taken."""
+
+
+@dataclass(frozen=True)
+class Published:
+    """Published values of a quantity, in its unit; what the source does not give is None."""
+
+    mean: float | None = None
+    amplitude: float | None = None
+    frequency_hz: float | None = None
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A recorded output over the window."""
+
+    mean: float  # (max + min) / 2, in `unit`
+    amplitude: float  # (max - min) / 2, in `unit`
+    frequency_hz: float | None  # Hz; None where it does not oscillate
+    unit: str
+    fit: statistics.Statistics | None  # The same of the harmonics that fit best; None where it does not oscillate
+    reference: Published | None = None
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """Those of a still cylinder, and what is published of them."""
+
+    values: dict[str, float]
+    reference: dict[str, float]
+    source: str | None
+
+
+@dataclass(frozen=True)
+class Method:
+    """How the numbers came about."""
+
+    coupling: Choice | None
+    communication_step_s: float
+    statistics: str
+    amplitude_drift: str
+
+
+@dataclass(frozen=True)
+class Interface:
+    """Work done across the interface, J per metre of depth, by what the rod took and by what the fluid exerted."""
+
+    work_on_rod: float
+    work_by_fluid: float
+    exchanged: float  # Sum of the magnitudes
+    imbalance: float | None  # Their difference, relative to what was exchanged
+
+
+@dataclass(frozen=True)
+class UnitInfo:
+    """What a unit says of itself."""
+
+    model: str
+    version: str | None
+    generation_tool: str | None
+    guid: str
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A run and what it has given."""
+
+    scene: str
+    completed: bool
+    error: str | None
+    quantities: dict[str, Quantity]
+    coefficients: Coefficients | None  # None where the scene is not one still cylinder in an inflow
+    flapping: flapping.Flapping | None  # None where no root is driven
+    window_s: tuple[float, float] | None  # What was evaluated, s; None without a signal to take it from
+    periods: int  # Whole periods in it; 0 where nothing oscillates
+    amplitude_drift: float | None
+    method: Method
+    interface: Interface | None  # None where a unit does not tell its power
+    simulated_s: float
+    wall_s: float
+    cpu_s: float | None  # None of a run that was resumed
+    wall_s_per_simulated_s: float | None
+    steps: int
+    iterations_mean: float | None
+    phases_s: dict[str, float]  # Wall time by what it was spent on, s
+    units: dict[str, UnitInfo]
+    series: dict[str, str | None]  # Unit of each column of series.csv
+    versions: dict[str, str]
+    git: Revision | None
+    machine: Machine
+
+    @property
+    def window(self) -> statistics.Window | None:
+        """What was evaluated."""
+        return statistics.Window(*self.window_s, self.periods) if self.window_s else None
+
+    def document(self) -> dict[str, Any]:
+        """What summary.json holds."""
+        kept: dict[str, Any] = json_numbers(_without_absent(self))
+        return kept
+
+
+def _without_absent(value: Any) -> Any:
+    if is_dataclass(value):
+        shown = [field for field in fields(value) if field.default is MISSING or getattr(value, field.name) is not None]
+        return {field.name: _without_absent(getattr(value, field.name)) for field in shown}
+    return {key: _without_absent(part) for key, part in value.items()} if isinstance(value, dict) else value
+
+
+def main_signal(columns: Sequence[str], column: Callable[[str], np.ndarray]) -> str | None:
+    """Which of the recorded `columns` decides on the periods: where a root is driven, the tip along its main axis."""
+    axis = flapping.main_axis(columns, column)
+    signals = (f"tip_u{axis}", *MAIN_SIGNALS) if axis else MAIN_SIGNALS
+    return next((signal for signal in signals if signal in columns), None)
+
+
+def evaluate(record: Record, scene: Scene) -> tuple[dict[str, Quantity], statistics.Window | None, float]:
+    """The quantities of a record of `scene`, their window (None without a signal to take it from) and the width of the
+    filter over forces (s)."""
+    time, main = record.column("time"), main_signal(record.columns, record.column)
+    if main is None or time.size < 3:
+        return {}, None, 0.0
+    window = statistics.find_window(time, record.column(main))
+    width = statistics.force_filter_width(window)
+
+    quantities = {}
+    for name in QUANTITIES:
+        if name not in record.columns:
+            continue
+        values = record.column(name)
+        if name in FORCES:
+            values = statistics.box_filter(time, values, width)
+        extremes = statistics.evaluate(time, values, window)
+        fit = statistics.fit(time, values, window) if extremes.frequency_hz is not None else None
+        unit = record.unit_of[name] or ""
+        quantities[name] = Quantity(**asdict(extremes), unit=unit, fit=fit, reference=_published(scene, name))
+    return quantities, window, width
+
+
+def _published(scene: Scene, quantity: str) -> Published | None:
+    if scene.reference is None or quantity not in scene.reference.quantities:
+        return None
+    found = scene.reference.quantities[quantity]
+    return Published(found.mean, found.amplitude, found.frequency_hz, scene.reference.source)
+
+
+def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Recorder, status: RunStatus) -> Summary:
+    """The summary of a run."""
+    quantities, window, width = evaluate(recorder, scene)
+    time = recorder.column("time")
+    iterations = recorder.column("iterations")[1:]
+    main = main_signal(recorder.columns, recorder.column) if quantities else None
+    inside = {kind: unit.seconds for kind, unit in units.items()}
+    return Summary(
+        scene=scene.name,
+        completed=status.completed,
+        error=status.error,
+        quantities=quantities,
+        coefficients=_coefficients(scene, recorder, window, width) if window else None,
+        flapping=flapping.evaluate(scene, recorder, window) if window else None,
+        window_s=(window.begin, window.end) if window else None,
+        periods=window.periods if window else 0,
+        amplitude_drift=statistics.drift(time, recorder.column(main), window) if main and window else None,
+        method=Method(
+            coupling=scheme.choice,
+            communication_step_s=scene.time.communication_step,
+            statistics="mean = (max + min) / 2 and amplitude = (max - min) / 2 over the window, frequency by upward "
+            f"crossings of the mean; forces under a box filter of {width * 1e3:.3g} ms; `fit`: the same of the "
+            f"least-squares fit of {statistics.HARMONICS} harmonics",
+            amplitude_drift=f"change of the amplitude of {main} from the first to the second half of the window, "
+            "relative",
+        ),
+        interface=interface(recorder),
+        simulated_s=status.simulated,
+        wall_s=status.wall,
+        cpu_s=status.cpu,
+        wall_s_per_simulated_s=status.wall / status.simulated if status.simulated else None,
+        steps=status.steps,
+        iterations_mean=float(iterations.mean()) if iterations.size else None,
+        phases_s=inside | {"exchange_and_python": status.wall - sum(inside.values())},
+        units={kind: _unit_info(unit) for kind, unit in units.items()},
+        series=dict(recorder.unit_of),
+        versions={"python": platform.python_version()} | {name: version(name) for name in ("fmpy", "numpy")},
+        git=git_revision(),
+        machine=machine(),
+    )
+
+
+def _unit_info(unit: Unit) -> UnitInfo:
+    about = unit.description
+    return UnitInfo(about.modelName, about.version, about.generationTool, about.guid)
+
+
+def _coefficients(scene: Scene, record: Record, window: statistics.Window, width: float) -> Coefficients | None:
+    scale = coefficients.scale(scene)
+    values = coefficients.evaluate(scale, record, window, width) if scale else {}
+    source = scene.reference.source if scene.reference else None
+    return Coefficients(values, coefficients.published(scene.reference), source) if values else None
+
+
+def interface(record: Record) -> Interface | None:
+    """Work done across the interface; None where a unit does not tell."""
+    if not {"load_work", "beam_work"} <= set(record.columns):
+        return None
+    took, gave = (record.column(name) for name in ("load_work", "beam_work"))
+    exchanged = float(np.abs(np.diff(gave)).sum())
+    return Interface(
+        work_on_rod=float(took[-1]),
+        work_by_fluid=float(gave[-1]),
+        exchanged=exchanged,
+        imbalance=float(took[-1] - gave[-1]) / exchanged if exchanged else None,
+    )

@@ -1,0 +1,49 @@
+"""The libraries of the units: where they are, and what they say of a scene.
+
+A library knows how to describe itself for a scene: `fmu_model_description` reads `scene.json` in a resources folder
+and writes modelDescription.xml, or the reason why the scene cannot be run.
+"""
+
+import ctypes
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+from nervure.errors import SceneError
+from nervure.resources import ROOT, SOURCE
+
+KINDS = ("rod", "fluid")
+"""The units that a scene can have; unit KIND is the library and the model identifier `fmu_KIND`."""
+
+SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+
+
+def library(kind: str) -> Path:
+    """Path of the library of unit `kind`: that of the wheel, or as cargo built it in the source tree."""
+    prefix = "" if sys.platform == "win32" else "lib"
+    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+    path = (built if SOURCE else ROOT / "binaries") / f"{prefix}fmu_{kind}{SUFFIX}"
+    if not path.is_file():
+        raise SceneError(f"the library {path} is not built; `make build` or `nervure build SCENE.json` builds it")
+    return path
+
+
+def describe(kind: str, text: str) -> str:
+    """modelDescription.xml of unit `kind` for the scene of this text; raises `SceneError` with the unit's words if it
+    refuses it."""
+    function = ctypes.CDLL(str(library(kind)))["fmu_model_description"]
+    function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
+    function.restype = ctypes.c_int
+    needed = ctypes.c_size_t(1 << 16)
+    with tempfile.TemporaryDirectory() as resources:
+        Path(resources, "scene.json").write_text(text, encoding="utf-8")
+        capacity = 0
+        while capacity < needed.value:
+            capacity = needed.value
+            buffer = ctypes.create_string_buffer(capacity)
+            refused = function(os.fsencode(resources), buffer, capacity, ctypes.byref(needed))
+    said = buffer.value.decode("utf-8")
+    if refused:
+        raise SceneError(said)
+    return said

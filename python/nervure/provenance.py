@@ -1,0 +1,57 @@
+"""What a run was made with: the revision of the sources and the machine."""
+
+import os
+import platform
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from nervure.resources import SOURCE
+
+
+@dataclass(frozen=True)
+class Revision:
+    """A git revision."""
+
+    revision: str
+    dirty: bool  # Whether files of it but documents have changed
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A computer."""
+
+    cpu: str
+    cores: int | None
+    system: str
+
+
+def git_revision() -> Revision | None:
+    """The revision of the source tree; None outside of git, or where the package came as a wheel."""
+    if SOURCE is None:
+        return None
+
+    def git(*arguments: str) -> str:
+        return subprocess.run(
+            ["git", *arguments], cwd=SOURCE, capture_output=True, text=True, check=True
+        ).stdout.strip()
+
+    try:
+        changed = git("status", "--porcelain", "--untracked-files=no", "--", ":!docs", ":!README.md")
+        return Revision(git("rev-parse", "HEAD"), bool(changed))
+    except (OSError, subprocess.CalledProcessError):
+        return None
+
+
+def machine() -> Machine:
+    """This computer."""
+    return Machine(cpu_model(), os.cpu_count(), platform.platform())
+
+
+def cpu_model() -> str:
+    """What the system calls the processor."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor()

@@ -1,0 +1,118 @@
+"""Scenes: read from a file or by the name of a shipped one, changed by dotted keys, and then objects with types.
+
+What values a scene may have is decided by its units, not here. So a scene that does not fit the types is shown to them,
+and they say what is wrong with it. A scene is written as it was given: its text has no defaults, which would otherwise
+become part of every result and stay there when a later version has better ones.
+"""
+
+import json
+from collections.abc import Iterable
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from nervure.errors import SceneError
+from nervure.library import KINDS, describe
+from nervure.resources import SCENES
+from nervure.scene.part import Part
+from nervure.scene.types import Scene
+
+__all__ = ["Document", "Part", "Scene", "SceneError", "assign", "document", "find", "json_or_text", "kinds", "load"]
+__all__ += ["override", "read", "text", "typed"]
+
+Document = dict[str, Any]
+"""A scene as JSON has it, which no unit need have seen."""
+
+
+def find(name: str | Path) -> Path:
+    """The scene file at the path `name`, or else the shipped scene of that name."""
+    path, shipped = Path(name), SCENES / f"{name}.json"
+    return shipped if not path.exists() and shipped.is_file() else path
+
+
+def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Document:
+    """The scene file or shipped scene `name` with `overrides` (key=value) and another end time, s; raises `SceneError`
+    if it is not a JSON object."""
+    path = find(name)
+    try:
+        scene = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        known = {found.name: found.stem for found in sorted(SCENES.glob("*.json"))}
+        near = get_close_matches(path.with_suffix(".json").name, known, 1)
+        hint = f"did you mean {known[near[0]]}?" if near else f"the shipped scenes are {', '.join(known.values())}"
+        raise SceneError(f"cannot read the scene file {path}: {error.strerror}; {hint}") from error
+    except ValueError as error:
+        raise SceneError(f"the scene file {path} is not JSON: {error}") from error
+    if not isinstance(scene, dict):
+        raise SceneError(f"the scene file {path} holds a JSON {type(scene).__name__}, but it must be an object")
+    for assignment in overrides:
+        override(scene, assignment)
+    if end_time is not None:
+        assign(scene, "time.end", end_time)
+    return scene
+
+
+def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Scene:
+    """The same as an object with types; raises `SceneError` in the units' words where they do not fit."""
+    return typed(read(name, overrides, end_time))
+
+
+def typed(scene: Document) -> Scene:
+    """A scene as an object with types; raises `SceneError` in the units' words where they do not fit."""
+    try:
+        return Scene.model_validate(scene)
+    except ValidationError as error:
+        for kind in kinds(scene):
+            describe(kind, text(scene))
+        raise SceneError(f"the scene does not have the types of its keys: {error}") from error
+
+
+def document(scene: Scene | Document) -> Document:
+    """A scene as JSON has it."""
+    return scene.document() if isinstance(scene, Scene) else scene
+
+
+def text(scene: Scene | Document) -> str:
+    """A scene as the text of a scene file."""
+    return json.dumps(document(scene), indent=2, ensure_ascii=False) + "\n"
+
+
+def kinds(scene: Scene | Document) -> list[str]:
+    """The units that a scene has, in the order in which they step; a scene without any is for the fluid to refuse."""
+    parts = vars(scene) if isinstance(scene, Scene) else scene
+    return [kind for kind in KINDS if parts.get(kind) is not None] or ["fluid"]
+
+
+def override(scene: Document, assignment: str) -> None:
+    """Set one value of `scene` from `key=value`, e.g. `fluid.box.cells.0=650`; the value is JSON, or else a string."""
+    key, equals, value = assignment.partition("=")
+    if not (key and equals):
+        raise SceneError(f"the override `{assignment}` must be of the form key=value")
+    assign(scene, key, json_or_text(value))
+
+
+def json_or_text(value: str) -> Any:
+    """The value of a JSON text, or else the text itself."""
+    try:
+        return json.loads(value)
+    except ValueError:
+        return value
+
+
+def assign(scene: Document, key: str, value: Any) -> None:
+    """Set one value of `scene` by its dotted path, in which a number is an index into a list. A last key that does not
+    exist is added: whether it is allowed is for the units to say."""
+    parents: list[Any]
+    last: Any
+    *parents, last = [int(part) if part.isdecimal() else part for part in key.split(".")]
+    target: Any = scene
+    try:
+        for part in parents:
+            target = target[part]
+        if isinstance(target, list):
+            target[last]  # an index beyond the end is an error, not an addition
+        target[last] = value
+    except (KeyError, IndexError, TypeError) as error:
+        raise SceneError(f"the override of `{key}` names a key that the scene does not have") from error

@@ -1,0 +1,51 @@
+"""What the classes of a scene are made of."""
+
+import operator
+from numbers import Real as Number
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, PlainValidator, Strict
+
+
+def _real(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, Number):
+        raise ValueError("must be a number")
+    return value if isinstance(value, int | float) else float(value)
+
+
+def _integer(value: Any) -> int:
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        raise ValueError("must be a whole number")
+    return operator.index(value)
+
+
+Real = Annotated[float, PlainValidator(_real)]
+"""A number as it was given: 8 does not become 8.0, so that a scene is written as it was read."""
+
+Integer = Annotated[int, PlainValidator(_integer)]
+Flag = Annotated[bool, Strict()]
+
+
+class Part(BaseModel):
+    """A part of a scene. Types are checked here, also when an attribute is set; what values a unit takes it says
+    itself."""
+
+    model_config = ConfigDict(extra="forbid", validate_assignment=True, validate_by_name=True, defer_build=True)
+
+    def document(self) -> dict[str, Any]:
+        """What was given, as JSON has it: defaults are left out, so that a file stays as short as its author wrote
+        it."""
+        given = {}
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            if name in self.model_fields_set or value != field.get_default(call_default_factory=True):
+                given[field.alias or name] = _plain(value)
+        return given
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Part):
+        return value.document()
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    return [_plain(part) for part in value] if isinstance(value, list | tuple) else value

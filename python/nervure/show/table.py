@@ -1,0 +1,52 @@
+"""The table of a run in the terminal: what came out, beside what is published."""
+
+from dataclasses import fields
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from nervure.evaluate.summary import Published, Summary
+from nervure.show import shown_in
+
+
+def print_table(console: Console, summary: Summary) -> None:
+    """Show quantities against the reference, window and cost."""
+    table = Table("quantity", title=summary.scene)
+    for heading in ("computed", "reference", "difference"):
+        table.add_column(heading, justify="right")
+
+    def row(label: str, value: float | None, expected: float | None, digits: int, scale: float = 1.0) -> None:
+        cells = [f"{v * scale:.{digits}g}" if v is not None else "–" for v in (value, expected)]
+        apart = f"{(value / expected - 1) * 100:+.1f} %" if value is not None and expected else ""
+        table.add_row(escape(label), *cells, apart)
+
+    for name, quantity in summary.quantities.items():
+        unit, scale = shown_in(quantity.unit)
+        published = quantity.reference or Published()
+        row(f"{name} mean [{unit}]", quantity.mean, published.mean, 4, scale)
+        row(f"{name} amplitude [{unit}]", quantity.amplitude, published.amplitude, 4, scale)
+        row(f"{name} frequency [Hz]", quantity.frequency_hz, published.frequency_hz, 4)
+    if found := summary.coefficients:
+        for name, value in found.values.items():
+            row(name.replace("_", " "), value, found.reference.get(name), 6)
+    for field in fields(summary.flapping) if summary.flapping else ():
+        value = getattr(summary.flapping, field.name)
+        if isinstance(value, float):
+            row(field.name.replace("_", " "), value, None, 4)
+    console.print(table)
+
+    if summary.window_s:
+        begin, end = summary.window_s
+        drift = summary.amplitude_drift
+        steady = "" if drift is None else f", amplitude drift {drift * 100:+.1f} %"
+        console.print(f"window {begin:.3f} – {end:.3f} s, {summary.periods} periods{steady}")
+    if (work := summary.interface) and work.imbalance is not None:
+        console.print(
+            f"interface: work on the rod {work.work_on_rod:.4g} J, by the fluid {work.work_by_fluid:.4g} J, "
+            f"{work.imbalance:+.1%} of {work.exchanged:.4g} J",
+            soft_wrap=True,
+        )
+    phases = ", ".join(f"{phase.replace('_', ' ')} {seconds:.1f} s" for phase, seconds in summary.phases_s.items())
+    reached = f"{summary.steps} steps to t = {summary.simulated_s:g} s"
+    console.print(f"{reached} in {summary.wall_s:.1f} s of wall time ({phases})", soft_wrap=True)
