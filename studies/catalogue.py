@@ -34,10 +34,13 @@ def lines_of(key: str, data: Data) -> list[str]:
 
 
 def views(data: Data, pattern: str) -> list[dict[str, Any]]:
-    """What there is to show of the cases that match, and `NAME.off`, how far each number is from that of the last one."""
+    """What there is to show of the cases that match, and `NAME.off`, how far each number is from that of the last
+    one."""
     rows = [record.view for record in data.of(pattern)]
     last = {name: value for name, value in rows[-1].items() if isinstance(value, float) and value}
-    return [row | {f"{name}.off": row[name] / value - 1 for name, value in last.items() if row.get(name)} for row in rows]
+    return [
+        row | {f"{name}.off": row[name] / value - 1 for name, value in last.items() if row.get(name)} for row in rows
+    ]
 
 
 def filled(text: str, data: Data) -> str:

@@ -17,7 +17,8 @@ START = 0.2
 """Start-up of the inflow, s; 2 s in FSI3."""
 
 END, END_OTHER, END_ITERATED, END_LONG = 1.5, 1.0, 0.6, 3.0
-"""End of the runs, s, with the default explicit scheme, other explicit ones, iterated ones, and of one at full amplitude: an
+"""End of the runs, s, with the default explicit scheme, other explicit ones, iterated ones, and of one at full
+amplitude: an
 iteration that does not hold fails at once, an explicit scheme may take its time."""
 
 MOST_NOISE = 0.25
@@ -35,8 +36,12 @@ SCHEMES: dict[str, dict[str, Any]] = {
 }
 
 
-def cell(scheme: str, ratio: float, c_eta: float, step: float = 4e-4, end: float = END, max_step: float | None = None) -> Case:
-    name = f"{scheme}/{ratio:g}-{c_eta:g}-{step:g}{'-long' if end == END_LONG else ''}".replace(", ", "-").replace(" ", "-")
+def cell(
+    scheme: str, ratio: float, c_eta: float, step: float = 4e-4, end: float = END, max_step: float | None = None
+) -> Case:
+    name = f"{scheme}/{ratio:g}-{c_eta:g}-{step:g}{'-long' if end == END_LONG else ''}".replace(", ", "-").replace(
+        " ", "-"
+    )
     changes = {
         "name": name.replace("/", "-"),
         "time.end": end,
@@ -78,7 +83,8 @@ def cases() -> Iterator[Case]:
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
-    """Reached time (s), iterations a step, noise of the lift over the last third: its second difference by its spread."""
+    """Reached time (s), iterations a step, noise of the lift over the last third: its second difference by its
+    spread."""
     summary, lift = run.found, run.series["lift"]
     values = {"reached": summary["simulated_s"]}
     if not summary["error"]:
@@ -117,7 +123,10 @@ def held(data: Data) -> list[str]:
         text += [*show.markdown(["density ratio", *(f"C_eta = {c:g} s" for c in c_etas)], rows), ""]
     counts = {what: sum(outcome(record) == what for record in records) for what in ("ok", "error", "bad")}
     every = len(list(cases()))
-    return [*text, f"{len(records)} of {every} cells were run: {', '.join(f'{n} {what}' for what, n in counts.items())}."]
+    return [
+        *text,
+        f"{len(records)} of {every} cells were run: {', '.join(f'{n} {what}' for what, n in counts.items())}.",
+    ]
 
 
 STUDY = Study("coupling", cases, keep, {"coupling-map": held})

@@ -22,10 +22,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from nervure.errors import Refusal
 from nervure.files import write_whole
 from nervure.resources import ROOT
-
 from studies import machine, simulate
 
 RESULTS = ROOT / "results" / "studies"
@@ -53,7 +53,7 @@ COUPLED = ("scene", "fluid", "rod", "coupling", "evaluation")
 UNREAD = ("$schema", "description", "reference")
 """Keys of a scene that change no result."""
 
-THREADS = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")}
+THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,9 @@ def workers(jobs: int, scheduler: str | None) -> Iterator[Executor]:
         yield pool
 
 
-def run(todo: list[tuple[Study, Case]], jobs: int = 1, scheduler: str | None = None) -> Iterator[tuple[Study, Case, Run]]:
+def run(
+    todo: list[tuple[Study, Case]], jobs: int = 1, scheduler: str | None = None
+) -> Iterator[tuple[Study, Case, Run]]:
     """Run all of `todo`; gives each when it has ended. What has ended stays when the rest is interrupted."""
     with workers(jobs, scheduler) as pool:
         futures: dict[Future[None], tuple[Study, Case]] = {}

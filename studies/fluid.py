@@ -1,4 +1,5 @@
-"""The fluid alone: cylinders over grid, step, mask and filter, the thesis' settings, the map of stability, invariants."""
+"""The fluid alone: cylinders over grid, step, mask and filter, the thesis' settings, the map of stability,
+invariants."""
 
 from __future__ import annotations
 
@@ -9,7 +10,6 @@ from itertools import cycle
 from typing import Any
 
 from nervure.evaluate import statistics
-
 from studies import commands, show, simulate, speed
 from studies.engine import FLUID, Case, Run, Study
 from studies.show import COLOURS, LABELS, MARKERS, markdown, number
@@ -57,8 +57,10 @@ def cylinder(
     filter: str = "smooth", scheme: str = "sbdf2", offset: tuple[float, float] = (0.0, 0.0), free: bool = False,
     thesis: bool = False,
 ) -> Case:  # fmt: skip
-    """A cylinder of Schäfer and Turek on `nx` points; `offset` shifts the grid by parts of a cell, `free` lets the unit take
-    steps up to its CFL limit, `thesis` starts by a jump. The masks `curvature`, `shear` and `none` are wall targets of the
+    """A cylinder of Schäfer and Turek on `nx` points; `offset` shifts the grid by parts of a cell, `free` lets the
+    unit take
+    steps up to its CFL limit, `thesis` starts by a jump. The masks `curvature`, `shear` and `none` are wall targets
+    of the
     log-linear profile."""
     dt, ny = dt or STEP[flow] / nx, nx // 5
     base = simulate.changed(SCENES[flow], {})["fluid"]["box"]
@@ -78,7 +80,9 @@ def cylinder(
         "fluid.inflow.x.0": box["x"][0],
         "time.communication_step": dt,
         "fluid.time_stepping.max_step": dt,
-        "fluid.mask": {kind: shape} if kind in ("cosine", "sharp") else {"log_linear": {"c_eta": c_eta, "target": kind}},
+        "fluid.mask": {kind: shape}
+        if kind in ("cosine", "sharp")
+        else {"log_linear": {"c_eta": c_eta, "target": kind}},
         "fluid.filter": filter,
     }
     if free:
@@ -89,7 +93,8 @@ def cylinder(
     if thesis:
         changes |= {"fluid.inflow.mean_velocity": {"steady": 1.0}, "fluid.initial_velocity": [THESIS_U_INF, 0.0]}
         changes["time.end"] = THESIS_END
-    about = {"published": SCENES[flow], "flow": flow, "nx": nx, "dt": dt, "mask": mask, "c_eta": c_eta, "filter": filter,
+    about = {"published": SCENES[flow], "flow": flow, "nx": nx, "dt": dt, "mask": mask, "c_eta": c_eta,
+             "filter": filter,
              "scheme": scheme, "ny": ny, "aside": "{:g}, {:g}".format(*offset)}  # fmt: skip
     return Case(name, FLUID, SCENES[flow], changes, options, about=about)
 
@@ -143,6 +148,7 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
 
 
 # Pages
+
 
 def thesis(name: str, data: Data) -> list[str]:
     """Tables 3.3 and 3.4 of the thesis, its settings run again, and ours."""
@@ -216,7 +222,9 @@ def error_panels(name: str, records: list[Record], label: str, along: str) -> No
     figure, axes = show.panel(1, 3, (13, 4.6))
     for axis, quantity in zip(axes[0], QUANTITIES["2D-2"]):
         for (key, part), colour, marker in zip(groups.items(), cycle(COLOURS), cycle(MARKERS[:7])):
-            good = sorted((record.view[along], abs(record.view[f"{quantity}.error"])) for record in part if not record.error)
+            good = sorted(
+                (record.view[along], abs(record.view[f"{quantity}.error"])) for record in part if not record.error
+            )
             line = "-" if along == "nx" else ""
             axis.plot(*zip(*good), marker + line, color=colour, markersize=4, linewidth=1, label=key)
             failed = [record.view[along] for record in part if record.error and along in record.view]
@@ -248,7 +256,9 @@ STUDY = Study("fluid", cases, keep, TABLES, draw)
 def measure_cases() -> Iterator[Case]:
     for name in ("measures", "stability"):
         command = commands.cargo(speed.MANIFEST, speed.TARGET, f"{{folder}}/{name}.csv", binary=name)
-        yield Case(f"crate/{name}", ("scene", "fluid", "fluid measures"), options={"command": command}, action=commands.tables)
+        yield Case(
+            f"crate/{name}", ("scene", "fluid", "fluid measures"), options={"command": command}, action=commands.tables
+        )
 
 
 def keep_tables(case: Case, run: Run) -> dict[str, Any]:
@@ -305,4 +315,9 @@ def measures(data: Data) -> list[dict[str, Any]]:
     return [row for row in rows if row["measure"] != "wall target"]
 
 
-MEASURES = Study("fluid-measures", measure_cases, keep_tables, {"wall-target": wall_targets, "fluid-measures": measures, "fluid-stability": stability})
+MEASURES = Study(
+    "fluid-measures",
+    measure_cases,
+    keep_tables,
+    {"wall-target": wall_targets, "fluid-measures": measures, "fluid-stability": stability},
+)

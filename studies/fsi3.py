@@ -1,4 +1,5 @@
-"""FSI3: its grids, what moves it, the bar held still, the thesis' own settings, iterations and the interface's exchange."""
+"""FSI3: its grids, what moves it, the bar held still, the thesis' own settings, iterations and the interface's
+exchange."""
 
 from __future__ import annotations
 
@@ -10,8 +11,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.lines import Line2D
-from nervure.evaluate import statistics
 
+from nervure.evaluate import statistics
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
 from studies.show import COLOURS
@@ -46,8 +47,10 @@ SHIPPED = ("325x72", "650x144", "1300x288")
 
 VARIED: dict[str, tuple[str, str, tuple[Changes, ...]]] = {
     "coarse": (COARSE, "325x72", (
-        {"time.communication_step": 2e-4}, {"time.communication_step": 1e-4}, {"beam.segments": 84}, {"beam.segments": 21},
-        NO_SHEAR | NO_SETBACK, {"rod.scheme": {"generalised_alpha": {"rho_inf": 0.5}}}, PRESSURE_JUMP, TWO_THIRDS, BARE, COSINE,
+        {"time.communication_step": 2e-4}, {"time.communication_step": 1e-4}, {"beam.segments": 84},
+        {"beam.segments": 21},
+        NO_SHEAR | NO_SETBACK, {"rod.scheme": {"generalised_alpha": {"rho_inf": 0.5}}},
+        PRESSURE_JUMP, TWO_THIRDS, BARE, COSINE,
         {"time.end": 30},
     )),
     "fine": (FINE, "650x144", (
@@ -66,7 +69,10 @@ EXCHANGE_WINDOWS = {"first": (0.0, 0.5), "swinging": (1.2, 1.6)}
 """Times over which both sides of the interface are compared, s."""
 
 LEVEL_2 = on_grid(650, 144, 7e-5) | {"beam.segments": 85}
-LONG_RAMP = {"fluid.initial_velocity": [0, 0], "fluid.inflow.mean_velocity": {"cosine_ramp": {"value": 2.0, "duration": 2.0}}}
+LONG_RAMP = {
+    "fluid.initial_velocity": [0, 0],
+    "fluid.inflow.mean_velocity": {"cosine_ramp": {"value": 2.0, "duration": 2.0}},
+}
 THESIS_RUNS: dict[str, Changes] = {
     "none": {},
     "mask": {"fluid.mask.cosine.displacement_corrected": True},
@@ -93,8 +99,10 @@ WAVES: dict[str, Changes] = {
 THESIS_WINDOWS = ((1.1, 4.375), (3.5, 4.375))
 """Over which the thesis takes its extremes (table 4.2), and the part that it calls more accurate, s."""
 THESIS_TABLE_4_2 = {
-    "level 1": {"drag.max": 1107, "drag.min": 430, "lift.max": 506, "lift.min": -543, "tip_uy.max": 32.2, "tip_uy.min": -14.1},
-    "level 2": {"drag.max": 719, "drag.min": 356, "lift.max": 276, "lift.min": -330, "tip_uy.max": 39.9, "tip_uy.min": -34.4,
+    "level 1": {"drag.max": 1107, "drag.min": 430, "lift.max": 506, "lift.min": -543,
+                "tip_uy.max": 32.2, "tip_uy.min": -14.1},
+    "level 2": {"drag.max": 719, "drag.min": 356, "lift.max": 276, "lift.min": -330,
+                "tip_uy.max": 39.9, "tip_uy.min": -34.4,
                 "tip_uy.frequency_hz": 5.555},
 }  # fmt: skip
 """Largest and smallest values from t = 1.1 to 4.375 s, N/m and mm; the frequency is in its text, Hz."""
@@ -173,7 +181,8 @@ def extremes(series: dict[str, np.ndarray]) -> dict[str, float]:
 
 
 def waves(series: dict[str, np.ndarray]) -> dict[str, float]:
-    """Waves in the tip's velocity that are shorter than a piece: rate at which they grow or decay, 1/s, to which time, s,
+    """Waves in the tip's velocity that are shorter than a piece: rate at which they grow or decay, 1/s, to which
+    time, s,
     their size there, m/s, and their frequency, Hz."""
     time, sizes = series["time"], []
     starts = np.arange(2 * PIECE, time[-1] - PIECE, PIECE)
@@ -193,7 +202,8 @@ def waves(series: dict[str, np.ndarray]) -> dict[str, float]:
 
 
 def exchange(series: dict[str, np.ndarray]) -> dict[str, float]:
-    """Differences of what the rod took and the fluid exerted: rms of the lift's by that of the lift; sum of the magnitudes
+    """Differences of what the rod took and the fluid exerted: rms of the lift's by that of the lift; sum of the
+    magnitudes
     of the work's, step by step, by that of the work exchanged; net work by the same."""
     found = {}
     for name, (begin, end) in EXCHANGE_WINDOWS.items():
@@ -237,6 +247,7 @@ FURTHER: dict[str, tuple[Callable[[dict[str, np.ndarray]], dict[str, float]], ..
 
 View = dict[str, Any]
 
+
 def published(scene: str, name: str) -> View:
     return {"name": name} | {quantity: value for quantity, (value, _) in simulate.published(scene).items()}
 
@@ -267,7 +278,9 @@ def grids(data: Data) -> list[View]:
         scale = 1e3 if name.startswith("tip") and what == "amplitude" else 1.0
         return " to ".join(f"{scale * edge:g}" for edge in spread[name][what])
 
-    last = {f"{name} spread": between(name, "amplitude") for name in SIGNALS} | {"f spread": between("tip_uy", "frequency_hz")}
+    last = {f"{name} spread": between(name, "amplitude") for name in SIGNALS} | {
+        "f spread": between("tip_uy", "frequency_hz")
+    }
     last["drag spread"] = f"{between('drag', 'mean')}, {last['drag spread']}"
     return [*by_grid(data), LEVEL_4, {"name": "published spread"} | last]
 
@@ -310,7 +323,10 @@ def thesis_extremes(data: Data) -> list[View]:
         here = data[f"fsi3/thesis/{name}"].view
         rows.append(THESIS_TABLE_4_2[level] | {"name": f"thesis, {level}"})
         rows.append(extremes_of(here, 1.1) | {"name": f"here, {level}"})
-    rows += [extremes_of(here, 3.5) | {"name": "here, level 2, from 3.5 s on"}, extremes_of(LEVEL_4) | {"name": "reference"}]
+    rows += [
+        extremes_of(here, 3.5) | {"name": "here, level 2, from 3.5 s on"},
+        extremes_of(LEVEL_4) | {"name": "reference"},
+    ]
     return rows
 
 
@@ -324,7 +340,11 @@ def thesis_changes(data: Data) -> list[View]:
 
 def thesis_waves(data: Data) -> list[View]:
     """Growth of short waves, and how the runs end."""
-    kinds = {"singular": "a projected angle is singular", "converge": "no convergence", "unstable": "the load is unstable"}
+    kinds = {
+        "singular": "a projected angle is singular",
+        "converge": "no convergence",
+        "unstable": "the load is unstable",
+    }
     rows = []
     for name, changes in WAVES.items():
         view = dict(data[f"fsi3/waves/{name}"].view)

@@ -1,4 +1,5 @@
-"""How the units take mistreatment: the tables of docs/reliability.md, from the files that `make reliability` and `make fuzz`
+"""How the units take mistreatment: the tables of docs/reliability.md, from the files that `make reliability` and
+`make fuzz`
 write."""
 
 from studies import commands, show

@@ -30,7 +30,14 @@ THESIS_CONDITION = {
 STEPS = 10_000
 """Time steps of the runs of the thesis' table 2.3, about."""
 SOLVERS = ("banded", "sparse", "dense")
-SCHEMES = {"trapezoid, unwatched": 1, "trapezoid": 1, "generalised-alpha 0.5": 1, "generalised-alpha 0.8": 1, "BDF2": 1, "TR-BDF2": 2}
+SCHEMES = {
+    "trapezoid, unwatched": 1,
+    "trapezoid": 1,
+    "generalised-alpha 0.5": 1,
+    "generalised-alpha 0.8": 1,
+    "BDF2": 1,
+    "TR-BDF2": 2,
+}
 """Solves a step."""
 EXTREME = ("n", "k_e", "EI", "dt")
 """What the stiff cases vary."""
@@ -99,7 +106,9 @@ def run_times(data: Data) -> Rows:
     rows = []
     for row in data["rod/study/runtime"].times["rows"]:
         times = STEPS * row["iterations_per_step"]
-        runs = {f"run {name}": times * (row["iteration_3d"] - row["banded"] + row[name]) for name in SOLVERS if row[name]}
+        runs = {
+            f"run {name}": times * (row["iteration_3d"] - row["banded"] + row[name]) for name in SOLVERS if row[name]
+        }
         runs |= {f"run thesis {name}": row[f"thesis_{name}"] for name in ("sparse", "dense")}
         micro = {name: 1e6 * row[name] for name in ("iteration_3d", "iteration_2d", *SOLVERS) if row[name]}
         ratios = {"3D/2D": row["iteration_3d"] / row["iteration_2d"], "sparse/banded": row["sparse"] / row["banded"]}
@@ -121,7 +130,9 @@ def orders(data: Data, name: str, along: str, sign: int, part: slice) -> Rows:
     for group in grouped(table_of(data, name), *SEQUENCES[name]).values():
         x, y = ([row[key] for row in group[part]] for key in (along, "error"))
         errors = {f"{row[along]:.3g}": row["error"] for row in group}
-        found.append(group[-1] | errors | {"order": sign * exponent(x, y), "x": [row[along] for row in group], "group": group})
+        found.append(
+            group[-1] | errors | {"order": sign * exponent(x, y), "x": [row[along] for row in group], "group": group}
+        )
     return found
 
 
@@ -198,14 +209,28 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     conditions, times = condition_rows(data), run_times(data)
     lines: Rows = []
     # One on top of the other: the larger ones below.
-    for ((k_e, dt), group), marker, size, colour in zip(grouped(conditions, "k_e", "dt").items(), "osv^", (13, 9.5, 6.5, 5), COLOURS):
+    for ((k_e, dt), group), marker, size, colour in zip(
+        grouped(conditions, "k_e", "dt").items(), "osv^", (13, 9.5, 6.5, 5), COLOURS
+    ):
         n, full, printed = ([row[key] for row in group] for key in ("n", "full", "printed"))
         label = f"k_e = {k_e:g} N/m, dt = {dt:g} s: n^{exponent(n, full):.2f}"
-        lines.append({"x": n, "y": full, "marker": marker, "linewidth": 0, "markersize": size, "label": label, "color": colour})
-        lines.append({"x": n, "y": printed, "linestyle": "--", "color": colour, "label": "thesis" if not lines[2:] else None})
+        lines.append(
+            {"x": n, "y": full, "marker": marker, "linewidth": 0, "markersize": size, "label": label, "color": colour}
+        )
+        lines.append(
+            {"x": n, "y": printed, "linestyle": "--", "color": colour, "label": "thesis" if not lines[2:] else None}
+        )
         if k_e == 1e5:
             eliminated = [row["eliminated"] for row in group]
-            lines.append({"x": n, "y": eliminated, "linestyle": ":", "color": colour, "label": f"velocities eliminated, dt = {dt:g} s"})
+            lines.append(
+                {
+                    "x": n,
+                    "y": eliminated,
+                    "linestyle": ":",
+                    "color": colour,
+                    "label": f"velocities eliminated, dt = {dt:g} s",
+                }
+            )
     labels = ("mass points n", "condition number, 1-norm")
     show.curves("rod/condition", labels, lines, ticks=n, loc="lower right")
 
@@ -222,7 +247,13 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
             label = f"{row['calibration']}, tip at {row['tip_angle']:.0f}°: n^{-row['order']:.2f}"
             errors = [one["error"] for one in row["group"]]
             lines.append({"x": row["x"], "y": errors, "linestyle": style, "marker": "o", "label": label})
-    show.curves("rod/order_in_n", ("segments n", "error of the tip / deflection"), lines, ticks=row["x"], limits={"ylim": (3e-8, None)})
+    show.curves(
+        "rod/order_in_n",
+        ("segments n", "error of the tip / deflection"),
+        lines,
+        ticks=row["x"],
+        limits={"ylim": (3e-8, None)},
+    )
 
     by_dt, by_time, seconds = [], [], iter(data["rod/study/order_in_dt"].times["seconds"])
     for row, marker in zip(ERRORS_IN_DT(data), "osv^D" * 2):

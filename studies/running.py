@@ -9,7 +9,6 @@ from typing import Any
 from nervure import checkpoint
 from nervure.scene import typed
 from nervure.show import fields
-
 from studies import simulate
 from studies.engine import COUPLED, Case, Run, Study
 from studies.store import Data
@@ -50,7 +49,9 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
         size = (folder / checkpoint.FILE).stat().st_size
     fields.clear(folder)
     checkpoint.clear(folder)
-    return {f"{what}_ms": round(min(found), 3) for what, found in spent.items()} | {"checkpoint_mb": round(size / 1e6, 2)}
+    return {f"{what}_ms": round(min(found), 3) for what, found in spent.items()} | {
+        "checkpoint_mb": round(size / 1e6, 2)
+    }
 
 
 def cases() -> Iterator[Case]:

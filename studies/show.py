@@ -16,6 +16,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, StrMethodFormatter
+
 from nervure.files import write_whole
 from nervure.resources import ROOT
 
@@ -63,7 +64,8 @@ OPTIONAL = re.compile(r"<([^<>]*)>")
 
 
 def form(text: str, values: Mapping[str, Any]) -> str:
-    """`text` with the numbers of `values` in the place of `{name:format}`: a percentage where the format ends so, mm for `name[mm]`. Where
+    """`text` with the numbers of `values` in the place of `{name:format}`: a percentage where the format ends so, mm
+    for `name[mm]`. Where
     one is missing the part of the text in `<>` around it is left out, or else all of it."""
 
     def one(match: re.Match[str]) -> str:
@@ -135,7 +137,12 @@ def save(figure: Figure, name: str, dpi: int = 110) -> None:
 
 
 def curves(
-    name: str, labels: tuple[str, str], lines: Iterable[dict[str, Any]], log: bool = True, ticks: Sequence[float] = (), **legend: Any
+    name: str,
+    labels: tuple[str, str],
+    lines: Iterable[dict[str, Any]],
+    log: bool = True,
+    ticks: Sequence[float] = (),
+    **legend: Any,
 ) -> None:
     """Figure docs/NAME.png of lines, each `x`, `y` and what else `plot` takes; `ticks` are those of a logarithmic x."""
     figure, axes = panel()

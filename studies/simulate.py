@@ -14,6 +14,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
 from nervure import coupling, master, results, scene as scenes, simulation
 from nervure.evaluate import coefficients
 from nervure.evaluate.summary import summarize
@@ -48,13 +49,17 @@ def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
 
 def assignments(changes: dict[str, Any]) -> list[str]:
     """Changes as `--set` takes them."""
-    texts = {key: value if isinstance(value, str) else json.dumps(value, separators=(",", ":")) for key, value in changes.items()}
+    texts = {
+        key: value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+        for key, value in changes.items()
+    }
     return [f"{key}={text}" for key, text in texts.items()]
 
 
 @lru_cache
 def reference(name: str) -> dict[str, Any]:
-    """Published values of a shipped scene: `quantities` or `coefficients` and, of some, the `spread` of several sources."""
+    """Published values of a shipped scene: `quantities` or `coefficients` and, of some, the `spread` of several
+    sources."""
     return changed(name, {}).get("reference") or {} if name else {}
 
 
@@ -148,7 +153,8 @@ def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Ca
 
 
 def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: bool = False) -> dict[str, Any]:
-    """One run into `folder`: its summary, with the wall time of FMI, Python, recording and output, and the memory that it
+    """One run into `folder`: its summary, with the wall time of FMI, Python, recording and output, and the memory
+    that it
     has added."""
     with ExitStack() as stack:
         before = resident()
@@ -176,7 +182,8 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
 
 
 def run(case: Case, folder: Path) -> dict[str, Any]:
-    """Run the scene of a case, as often as its option `repeats` says; the summary of the first run, with quartiles of the
+    """Run the scene of a case, as often as its option `repeats` says; the summary of the first run, with quartiles of
+    the
     times (lower, median, upper, s) and the shortest phases of those that are timed."""
     options = dict(case.options)
     repeats, scene = options.pop("repeats", 0), case.built()

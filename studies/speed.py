@@ -11,7 +11,11 @@ from studies.store import Data
 MANIFEST, TARGET = "crates/fluid/bench/Cargo.toml", "target/fluid-bench"
 
 GROUPS = {
-    "transforms": ("transforms, two along y", "transforms, five along x", "transforms, three back along y, and the CFL number"),
+    "transforms": (
+        "transforms, two along y",
+        "transforms, five along x",
+        "transforms, three back along y, and the CFL number",
+    ),
     "local solve": ("local solve", "velocities of bodies and zones"),
     "projection": ("projection",),
     "painting": ("painting of the moving bodies", "wall target"),

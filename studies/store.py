@@ -1,7 +1,9 @@
 """What studies have found, as it is committed: docs/report/results.json, and docs/report/times.json beside it.
 
-results.json has a line for each case: the command that repeats it, the digest of what it depends on, and its rows, a value
-with unit, published value and error each; tables of map cells and the like besides. times.json has what it took and on which
+results.json has a line for each case: the command that repeats it, the digest of what it depends on, and its rows, a
+value
+with unit, published value and error each; tables of map cells and the like besides. times.json has what it took and
+on which
 machine and revision. A case that is run again with the same digest and the same values changes neither.
 """
 
@@ -17,7 +19,6 @@ from typing import Any
 
 from nervure.files import rounded, write_together
 from nervure.resources import ROOT
-
 from studies import machine, simulate
 from studies.engine import Case, Run, Study
 
@@ -81,7 +82,8 @@ class Record:
 
     @property
     def view(self) -> dict[str, Any]:
-        """Everything that a table can show of it: what it is about, values, `QUANTITY.error`, and times by their medians."""
+        """Everything that a table can show of it: what it is about, values, `QUANTITY.error`, and times by their
+        medians."""
         clocks = {name: self.clock(name) for name in self.times}
         errors = {f"{quantity}.error": self.off(quantity) for quantity in self.published}
         about = {"label": self.label, "said": self.error or "ok"} | self.about
@@ -165,7 +167,13 @@ class Data:
                 tables = {key: unpacked(table) for key, table in entry.pop("tables", {}).items()}
                 taken = times["cases"].get(name, {})
                 self.records[name] = Record(
-                    name, self.cases[name][1], values=values, tables=tables, times=taken, machine=taken.pop("machine", ""), **entry
+                    name,
+                    self.cases[name][1],
+                    values=values,
+                    tables=tables,
+                    times=taken,
+                    machine=taken.pop("machine", ""),
+                    **entry,
                 )
         return self
 
@@ -205,7 +213,9 @@ def write(text: str, path: Path) -> None:
 
 def lines(parts: dict[str, Any]) -> str:
     """A JSON object with a line for each part."""
-    texts = (f"{json.dumps(k)}: {json.dumps(rounded(v), ensure_ascii=False, allow_nan=False)}" for k, v in parts.items())
+    texts = (
+        f"{json.dumps(k)}: {json.dumps(rounded(v), ensure_ascii=False, allow_nan=False)}" for k, v in parts.items()
+    )
     return "{\n" + ",\n".join(texts) + "\n}"
 
 
@@ -216,4 +226,3 @@ def packed(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def unpacked(table: dict[str, Any]) -> list[dict[str, Any]]:
     return [dict(zip(table["columns"], row)) for row in table["rows"]]
-

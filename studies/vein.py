@@ -1,4 +1,5 @@
-"""The flapping vein: the shipped scenes, convergence, stiffness, other couplings, limits, and a cylinder that oscillates."""
+"""The flapping vein: the shipped scenes, convergence, stiffness, other couplings, limits, and a cylinder that
+oscillates."""
 
 from __future__ import annotations
 
@@ -10,17 +11,22 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from nervure import master
 from nervure.evaluate import flapping, statistics
 from nervure.scene import typed
-
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
 from studies.store import Data
 from tests import driven_root
 from tests.driven_root import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
 
-FORWARD, HOVER, SPACE, CYLINDER = "vein-forward-384x192", "vein-hover-288x256", "vein-3d", "cylinder-oscillating-460x100"
+FORWARD, HOVER, SPACE, CYLINDER = (
+    "vein-forward-384x192",
+    "vein-hover-288x256",
+    "vein-3d",
+    "cylinder-oscillating-460x100",
+)
 SCENES = {PITCHING: "pitching", FORWARD: "forward", HOVER: "hover", SPACE: "in space"}
 
 STIFFNESS = "rod.material.section.bending_stiffness"
@@ -30,7 +36,8 @@ END = 3.02
 COUPLED_END, AT = 2.05, 1.5
 """End of the runs under other couplings, s, and the time at which their tips are compared."""
 NOISE_WIDTH = 0.08
-"""Width of the box filter, s, applied twice, whose remainder is called noise of the oscillating cylinder: a fiftieth of its
+"""Width of the box filter, s, applied twice, whose remainder is called noise of the oscillating cylinder: a fiftieth
+of its
 period, in which it passes one to six cells where it is fast."""
 
 STILL = {"center": [-0.4, 0.6], "radius": 0.15}
@@ -104,12 +111,16 @@ def cases() -> Iterator[Case]:
 def limit(case: Case, folder: Path) -> dict[str, Any]:
     """What `driven_root` finds."""
     run = partial(driven_root.record, folder=folder)
-    return {"tables": {"found": [asdict(found) | {"error": found.error} for found in LIMITS[case.options["limit"]](run)]}}
+    return {
+        "tables": {"found": [asdict(found) | {"error": found.error} for found in LIMITS[case.options["limit"]](run)]}
+    }
 
 
 def jumps(case: Case, folder: Path) -> dict[str, Any]:
-    """Where the iteration of the thick vein stops: how much the pressure jump of the step changes when the stations of the
-    last guess are moved by 1e-13 to 1e-6 in random ways, with the velocities that go with that, relative to its norm."""
+    """Where the iteration of the thick vein stops: how much the pressure jump of the step changes when the stations
+    of the
+    last guess are moved by 1e-13 to 1e-6 in random ways, with the velocities that go with that, relative to its
+    norm."""
     with ExitStack() as stack:
         units, scheme, clock, recorder = simulate.assemble(case.built(), folder, stack)
         outcome = master.run(scheme, clock, recorder)
@@ -143,18 +154,30 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
 
 
 def settled(case: Case, run: Run) -> dict[str, float]:
-    """Means over whole periods at the end, and the energy that is missing, by the loads and by what the fluid exerted."""
+    """Means over whole periods at the end, and the energy that is missing, by the loads and by what the fluid
+    exerted."""
     summary, series = run.found, simulate.Columns(run.series)
     window = statistics.Window(*summary["window_s"], summary["periods"])
     if case.name.startswith(("grid/", "dt/")):
         window = statistics.Window(0.0, float(run.series["time"][-1]), 1)
     found = asdict(flapping.evaluate(typed(case.built()), series, window))
-    names = ("thrust", "lift", "power_in", "efficiency", "tip_amplitude", "tip_by_rigid_tip", "phase_lag_deg", "periods")
+    names = (
+        "thrust",
+        "lift",
+        "power_in",
+        "efficiency",
+        "tip_amplitude",
+        "tip_by_rigid_tip",
+        "phase_lag_deg",
+        "periods",
+    )
     values = {name: found[name] for name in names if found.get(name) is not None}
     balance = found["energy_balance"]
     values["missing"] = balance["missing"]
     if balance.get("fluid") is not None:
-        values["by_fluid"] = (balance["root"] + balance["fluid"] - balance["damping"] - balance["gained"]) / balance["root"]
+        values["by_fluid"] = (balance["root"] + balance["fluid"] - balance["damping"] - balance["gained"]) / balance[
+            "root"
+        ]
     if case.scene == HOVER:
         drive = case.built()["rod"]["root_motion"]["laws"]["y"]["sine"]
         values["lift_coefficient"] = values["thrust"] / ((2 * np.pi * drive["frequency"] * drive["amplitude"]) ** 2 / 2)
@@ -224,6 +247,7 @@ def stiff_limit(case: Case, folder: Path) -> dict[str, Any]:
 
 # Pages and figures
 
+
 def tables(name: str, key: str) -> Callable[[Data], list[dict[str, Any]]]:
     """Rows of the tables of cases."""
     return lambda data: [{"label": r.label} | row for r in data.of(f"vein/{name}") for row in r.tables.get(key, [])]
@@ -231,9 +255,14 @@ def tables(name: str, key: str) -> Callable[[Data], list[dict[str, Any]]]:
 
 def parts(data: Data) -> list[dict[str, Any]]:
     """Time of a step of the fluid (ms) with each part, and its variables, against the first."""
-    rows = [record.view | {"step": 1e3 * record.times["phases_s"]["fluid"] / PART_STEPS} for record in data.of("vein/parts/*")]
+    rows = [
+        record.view | {"step": 1e3 * record.times["phases_s"]["fluid"] / PART_STEPS}
+        for record in data.of("vein/parts/*")
+    ]
     first = rows[0]
-    return [row | {"time": row["step"] / first["step"] - 1, "more": row["variables"] - first["variables"]} for row in rows]
+    return [
+        row | {"time": row["step"] / first["step"] - 1, "more": row["variables"] - first["variables"]} for row in rows
+    ]
 
 
 def scenes(data: Data) -> list[dict[str, Any]]:

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from nervure import coupling, master
 from nervure.evaluate import flapping, statistics
 from nervure.evaluate.statistics import Window
 from nervure.recorder import Recorder
 from nervure.scene import typed
-
 from studies import simulate
 
 Scene = dict[str, Any]
@@ -25,7 +25,8 @@ FORCES = ("beam_drag", "beam_lift", "beam_moment")
 
 STIFF = {"bending_stiffness": 1e5, "axial_stiffness": 1e8}
 FORCE_WIDTH = 0.02
-"""Box filter over the forces that are compared, s: a fiftieth of the period. What is shorter is the mask that crosses the grid, in
+"""Box filter over the forces that are compared, s: a fiftieth of the period. What is shorter is the mask that crosses
+the grid, in
 which a rod that gives way by 1e-4 differs from one that does not."""
 
 CANTILEVER = np.array([1.87510407, 4.69409113, 7.85475744, 10.99554073])
@@ -63,7 +64,8 @@ def record(scene: Scene, folder: Path, drive: coupling.Drive | None = None, rigi
 
 
 def small_pitching() -> Scene:
-    """The pitching vein on a grid that is good enough for questions about the balance, thicker so that the grid sees it."""
+    """The pitching vein on a grid that is good enough for questions about the balance, thicker so that the grid sees
+    it."""
     scene = simulate.changed(PITCHING, {})
     scene["name"] = "small-pitching"
     scene["time"] = {"end": 3.05, "communication_step": 1e-3}
@@ -94,7 +96,8 @@ def stiff_limit(run: Run) -> list[Found]:
 
 
 def energy(run: Run) -> list[Found]:
-    """Over a period no energy is missing, by the loads that the rod took and by what the fluid says it exerted: under the momentum
+    """Over a period no energy is missing, by the loads that the rod took and by what the fluid says it exerted: under
+    the momentum
     load they differ by the step."""
     scene = small_pitching()
     scene["time"]["communication_step"] = 5e-4
@@ -104,7 +107,8 @@ def energy(run: Run) -> list[Found]:
 
 
 def transfer_function(run: Run) -> list[Found]:
-    """Base excitation in vacuum, w(L)/w0 = (cos b + cosh b)/(1 + cos b cosh b), b^4 = mu omega^2 L^4/EI, by the scene file alone."""
+    """Base excitation in vacuum, w(L)/w0 = (cos b + cosh b)/(1 + cos b cosh b), b^4 = mu omega^2 L^4/EI, by the scene
+    file alone."""
     b, mu, ei, periods = 1.4, 0.024, 0.0134, 40
     frequency = b**2 * np.sqrt(ei / mu) / (2 * np.pi)
     scene = simulate.changed(PITCHING, {})
@@ -124,11 +128,14 @@ def transfer_function(run: Run) -> list[Found]:
 
 
 def frequency_of_the_wet_plate(ei: float, mu: float, area: float) -> float:
-    """First natural frequency, Hz, of a plate of chord 1 clamped at one edge in an ideal fluid of density 1 that repeats in a
+    """First natural frequency, Hz, of a plate of chord 1 clamped at one edge in an ideal fluid of density 1 that
+    repeats in a
     square of `area`, without a mean pressure gradient.
 
-    A thin plate that moves across itself at w(x), x = (1 - cos theta)/2, makes the jump sum a_n sin(n theta) of the potential
-    with w = sum n a_n sin(n theta)/sin(theta), and carries pi/4 sum n a_n b_n between two such motions. The dipoles of its
+    A thin plate that moves across itself at w(x), x = (1 - cos theta)/2, makes the jump sum a_n sin(n theta) of the
+    potential
+    with w = sum n a_n sin(n theta)/sin(theta), and carries pi/4 sum n a_n b_n between two such motions. The dipoles
+    of its
     images, d per area, move the fluid at the plate along at d/(2 area). The plate moves in the cantilever's own modes.
     """
     roots, n = CANTILEVER, np.arange(1, 60)

@@ -1,6 +1,7 @@
 """What a rod has to know of the solid that it stands for: where its clamp is and how stiff it is against shear.
 
-A plate in plane strain, clamped on a straight wall or on a cylinder, is bent by a moment and by a force at its far end; linear
+A plate in plane strain, clamped on a straight wall or on a cylinder, is bent by a moment and by a force at its far
+end; linear
 elasticity on nine-node quadrilaterals. Away from the ends its sections turn and move as those of Timoshenko's beam do,
 
     theta = M (x + d)/EI,    theta = P (l (x + d) - x²/2)/EI,    w' = theta + P/(k G h),
@@ -27,7 +28,8 @@ def shapes(r: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mesh(radius: float, along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates of the nodes, `[2 along + 1, 2 across + 1]`, in thicknesses: finer at the wall and at the two faces."""
+    """Coordinates of the nodes, `[2 along + 1, 2 across + 1]`, in thicknesses: finer at the wall and at the two
+    faces."""
     s = np.linspace(0.0, 1.0, along + 1)
     x = LENGTH * np.expm1(3 * s) / np.expm1(3)
     y = 0.5 * np.sin(np.linspace(-np.pi / 2, np.pi / 2, across + 1))
@@ -106,5 +108,7 @@ def run(case: Any, folder: Path) -> dict[str, Any]:
             for along, across in ((24, 6), (36, 8)):
                 found = [round(float(number), 8) + 0.0 for number in measure(radius, poisson, along, across)]
                 names = ("by_moment", "by_force", "shear_factor")
-                rows.append({"wall": wall, "poisson": poisson, "elements": f"{along} x {across}"} | dict(zip(names, found)))
+                rows.append(
+                    {"wall": wall, "poisson": poisson, "elements": f"{along} x {across}"} | dict(zip(names, found))
+                )
     return {"tables": {"clamp": rows}}

@@ -6,7 +6,7 @@ import pytest
 
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
-
+from nervure.scene import typed
 from studies import simulate
 
 

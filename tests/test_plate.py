@@ -3,6 +3,7 @@
 import numpy as np
 import plate
 import pytest
+
 from nervure.scene import read
 
 MESH = (24, 6)

@@ -1,10 +1,11 @@
-"""The committed results: pages and tables show them, README shows none that the code has since changed, a few come out again."""
+"""The committed results: pages and tables show them, README shows none that the code has since changed, a few come
+out again."""
 
 import json
 
 import pytest
-from nervure.resources import ROOT
 
+from nervure.resources import ROOT
 from studies import catalogue, engine, show
 
 SMALLEST = (

@@ -17,7 +17,9 @@ def act(case: Case, folder) -> dict:
 
 STUDY = Study(
     "small",
-    lambda: [Case(f"group/{n}", (room,), options={"value": n / 3}, action=act) for n, room in ((1, "fluid"), (2, "rod"))],
+    lambda: [
+        Case(f"group/{n}", (room,), options={"value": n / 3}, action=act) for n, room in ((1, "fluid"), (2, "rod"))
+    ],
     lambda case, run: {"values": {"value": run.found["value"]}, "times": {"cpu_s": run.found["seconds"]}},
 )
 
@@ -134,7 +136,9 @@ def test_short_waves_are_found_with_their_rate():
     import numpy as np
 
     time = np.arange(0, 1, 1e-4)
-    found = fsi3.waves({"time": time, "tip_vy": 1e-3 * np.exp(5 * time) * np.sin(2 * np.pi * 200 * time) + 0.3 * np.sin(6 * time)})
+    found = fsi3.waves(
+        {"time": time, "tip_vy": 1e-3 * np.exp(5 * time) * np.sin(2 * np.pi * 200 * time) + 0.3 * np.sin(6 * time)}
+    )
     assert found["growth"] == pytest.approx(5, rel=0.02) and found["growth.frequency_hz"] == 200
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from nervure.errors import Refusal
 from nervure.resources import ROOT
-
 from studies import simulate
 from studies.engine import COUPLED, FLUID, ROD, THREADS, Case, Run
 from studies.report import elastica
@@ -50,7 +50,15 @@ COST_STEPS = 200
 """Communication steps of the runs that only tell what a step costs."""
 
 
-def case(kind: str, method: str, setting: str, size: float, changes: dict[str, Any], step: float | None = None, **options: Any) -> Case:
+def case(
+    kind: str,
+    method: str,
+    setting: str,
+    size: float,
+    changes: dict[str, Any],
+    step: float | None = None,
+    **options: Any,
+) -> Case:
     rooms = {"rod-static": ROD, "csm3": ROD, "fsi3": COUPLED, "cost": COUPLED}.get(kind, FLUID)
     about = {"published": SCENES[kind], "kind": kind, "method": method, "setting": setting, "size": size, "step": step}
     return Case(f"{kind}/{method}/{setting}", rooms, SCENES[kind], changes, options, about=about)
@@ -69,7 +77,9 @@ def run_peer(case: Case, folder: Path) -> dict[str, Any]:
     script, *arguments = case.options["command"]
     command = [str(PYTHON), str(PEERS / script), *arguments]
     try:
-        done = subprocess.run(command, env=os.environ | THREADS, capture_output=True, text=True, timeout=LONGEST, cwd=ROOT, check=False)
+        done = subprocess.run(
+            command, env=os.environ | THREADS, capture_output=True, text=True, timeout=LONGEST, cwd=ROOT, check=False
+        )
     except subprocess.TimeoutExpired as error:
         raise Refusal(f"no end after {LONGEST:g} s") from error
     if done.returncode:
@@ -113,8 +123,14 @@ def cases() -> Iterator[Case]:
 def keep(case: Case, run: Run) -> dict[str, Any]:
     found, kind = run.found, case.about["kind"]
     if "command" in case.options:
-        clocks = {f"{name}_s": np.percentile([spent[i] for spent in found["runs"]], [25, 50, 75]).tolist() for i, name in enumerate(("wall", "cpu"))}
-        return {"values": found["values"] | {"dofs": found.get("dofs", 0)}, "times": clocks | {"runs": len(found["runs"])}}
+        clocks = {
+            f"{name}_s": np.percentile([spent[i] for spent in found["runs"]], [25, 50, 75]).tolist()
+            for i, name in enumerate(("wall", "cpu"))
+        }
+        return {
+            "values": found["values"] | {"dofs": found.get("dofs", 0)},
+            "times": clocks | {"runs": len(found["runs"])},
+        }
     if kind == "cost":
         return {"values": {"steps": found["steps"]}, "times": simulate.times(found)}
     return {"values": simulate.quantities(found), "times": simulate.times(found)}

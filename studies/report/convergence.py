@@ -18,7 +18,8 @@ class Limit:
 
 
 def limit(sizes: list[float], values: list[float], most: float = MOST_ORDER) -> Limit:
-    """What the last values say, with an order of at most `most`; with four values or more the order must have settled."""
+    """What the last values say, with an order of at most `most`; with four values or more the order must have
+    settled."""
     last = through(sizes, values)
     if last.order is None:
         return last

@@ -1,4 +1,5 @@
-"""A cantilever under its own weight by Reissner's beam (1972), to rounding: what rods with these stiffnesses converge to."""
+"""A cantilever under its own weight by Reissner's beam (1972), to rounding: what rods with these stiffnesses converge
+to."""
 
 import numpy as np
 

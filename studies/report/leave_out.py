@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from typing import Any
 
 from nervure.resources import SCENES as FOLDER
-
 from studies import simulate
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
 from studies.show import form, markdown
@@ -52,7 +51,10 @@ def absent(scene: Scene) -> list[str]:
     fluid, rod, beam = (scene.get(name) or {} for name in ("fluid", "rod", "beam"))
     material = next(iter(rod.get("material", {"": {}}).values()))
     there = {"fluid": fluid}
-    there |= {key.replace("_", " "): fluid.get(key) for key in ("channel", "inflow", "mean_flow", "sponge", "cylinders", "probes")}
+    there |= {
+        key.replace("_", " "): fluid.get(key)
+        for key in ("channel", "inflow", "mean_flow", "sponge", "cylinders", "probes")
+    }
     there |= {"beam": beam, "rod": rod, "root motion": rod.get("root_motion")}
     there |= {"third dimension": len(beam.get("root", {}).get("at", {}).get("direction", [0.0, 0.0])) == 3}
     there |= {key: rod.get(key) for key in ("gravity", "damping")}
@@ -89,7 +91,12 @@ def lacking(data: Data) -> list[str]:
 
 def added(data: Data) -> list[str]:
     """What a part adds to the scene without it."""
-    first = {"XML": "{xml:.1f} kB", "variables": "{variables:d}", "memory": "{memory:.1f} MB", "CPU a step": "{cpu:.1f} µs"}
+    first = {
+        "XML": "{xml:.1f} kB",
+        "variables": "{variables:d}",
+        "memory": "{memory:.1f} MB",
+        "CPU a step": "{cpu:.1f} µs",
+    }
     more = {name: text.replace(":", ":+") for name, text in first.items()} | {"CPU a step": "{cpu:+.0%}"}
     more |= {"change of the result": "{change:.0e}"}
     rows = []
@@ -101,7 +108,9 @@ def added(data: Data) -> list[str]:
                 continue
             plain = data.get(f"leave-out/{name}/without shear") if record.label == SPACE else None
             own, base = size_of(record), size_of(plain) if plain else shipped
-            added = {key: own[key] - base[key] for key in ("xml", "variables", "memory")} | {"cpu": own["cpu"] / base["cpu"] - 1}
+            added = {key: own[key] - base[key] for key in ("xml", "variables", "memory")} | {
+                "cpu": own["cpu"] / base["cpu"] - 1
+            }
             added["change"] = max(abs(own[q] - base[q]) / (abs(base[q]) or 1.0) for q in base if q.startswith("last"))
             rows.append([name, record.label, *(form(text, added) for text in more.values())])
     return markdown(["scene", "part", *more], rows)

@@ -27,7 +27,12 @@ QUANTITIES = {
     "cylinder-2d2": ("cd_max", "cl_peak_to_peak", "st"),
     "fsi3": ("tip_uy.amplitude", "tip_uy.frequency_hz", "drag.mean", "lift.amplitude"),
 }
-MAIN = {"rod-static": "tip_uy.mean", "csm3": "tip_uy.frequency_hz", "cylinder-2d1": "cd_mean", "cylinder-2d2": "cl_peak_to_peak"}
+MAIN = {
+    "rod-static": "tip_uy.mean",
+    "csm3": "tip_uy.frequency_hz",
+    "cylinder-2d1": "cd_mean",
+    "cylinder-2d2": "cl_peak_to_peak",
+}
 """The quantity by which methods are compared in one line."""
 
 CITED = (
@@ -108,7 +113,7 @@ def points(data: Data, kind: str) -> list[Point]:
         for record in data.of("fluid/*", flow=flow):
             group, a = record.name.split("/")[1], record.about
             name = "thesis: sharp, uncorrected, Heun" if group == "thesis" else methods.get(a["mask"])
-            if name and (group == "thesis" or group == "grid" and a["scheme"] == "sbdf2"):
+            if name and (group == "thesis" or (group == "grid" and a["scheme"] == "sbdf2")):
                 found.append(point(record, name, f"{a['nx']} x {a['nx'] // 5}", kind, a["nx"], a["dt"]))
     return found
 
@@ -209,7 +214,9 @@ def bands(data: Data) -> list[dict[str, Any]]:
 def cited(data: Data) -> list[str]:
     rows = []
     for method, setting, wall, values in CITED:
-        told = [f"{value * 1e3:.3g} mm" if "amplitude" in q else f"{value:.3g} Hz" for q, value in values.items()] or [""]
+        told = [f"{value * 1e3:.3g} mm" if "amplitude" in q else f"{value:.3g} Hz" for q, value in values.items()] or [
+            ""
+        ]
         rows += [[f"{method}, {setting}", cell, f"{wall:g}"] for cell in told]
     return markdown(["", "value", "wall s a simulated s"], rows)
 
@@ -268,7 +275,10 @@ def maps(data: Data) -> list[str]:
 def failed(data: Data) -> list[str]:
     """Cells that did not end well."""
     cells = [(name, *cell) for name, part in map_cells(data).items() for cell in part if cell[2] != "ok"]
-    return markdown(["map", "cell", "outcome", "reason"], [[name, cell, outcome, said[:110]] for name, cell, _, outcome, said in cells])
+    return markdown(
+        ["map", "cell", "outcome", "reason"],
+        [[name, cell, outcome, said[:110]] for name, cell, _, outcome, said in cells],
+    )
 
 
 MAPS = (
@@ -296,7 +306,9 @@ def draw_maps(data: Data) -> None:
             i, j = lines.index(line), columns.index(column)
             table[i, j] = np.nanmax([table[i, j], worst])
         axis.grid(False)
-        axis.imshow(table, cmap=ListedColormap(list(OUTCOMES.values())), vmin=-0.5, vmax=2.5, aspect="auto", origin="lower")
+        axis.imshow(
+            table, cmap=ListedColormap(list(OUTCOMES.values())), vmin=-0.5, vmax=2.5, aspect="auto", origin="lower"
+        )
         for (i, j), worst in np.ndenumerate(table):
             if worst > 0:
                 axis.text(j, i, " eb"[int(worst)], ha="center", va="center", fontsize=8)
@@ -306,7 +318,9 @@ def draw_maps(data: Data) -> None:
         axis.set_ylabel(AXES.get(y, y), fontsize=8)
         axis.set_title(title, fontsize=9)
     said = {"ok": "ok", "error": "error (e): says so", "bad": "bad (b)"}
-    handles = [Line2D([], [], marker="s", linewidth=0, color=colour, label=said[name]) for name, colour in OUTCOMES.items()]
+    handles = [
+        Line2D([], [], marker="s", linewidth=0, color=colour, label=said[name]) for name, colour in OUTCOMES.items()
+    ]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8)
     show.save(figure, "report/maps")
 
@@ -321,7 +335,9 @@ def cost_groups(data: Data) -> dict[str, tuple[str, list[tuple[float, float]]]]:
         return [(record.about["size"], part_of(record, phase)) for record in data.of("report/cost/*", method=method)]
 
     bench = [(row["points"], row["step"]) for row in speed.found(data, "step")]
-    iterations = [(row["n"], 1e6 * row["iteration_2d"]) for row in data["rod/study/runtime"].times["rows"] if row["n"] >= 64]
+    iterations = [
+        (row["n"], 1e6 * row["iteration_2d"]) for row in data["rod/study/runtime"].times["rows"] if row["n"] >= 64
+    ]
     bar = next(row for row in speed.found(data, "motion") if row["grid"] == "650 x 144")
     return {
         "a step of the fluid": ("points of the grid", bench),
@@ -329,7 +345,8 @@ def cost_groups(data: Data) -> dict[str, tuple[str, list[tuple[float, float]]]]:
         "a step of FSI3, all of it": ("points of the grid", of_step("grid", "step")),
         "a step of FSI3, the rod's part": ("segments", of_step("stations", "rod")),
         "the bar in a step of the fluid, 650 x 144": (
-            "cells that its stations move in it", [(jump, value) for jump, value in speed.jumps(bar, "bar").items() if jump > 0]
+            "cells that its stations move in it",
+            [(jump, value) for jump, value in speed.jumps(bar, "bar").items() if jump > 0]
         ),
     }  # fmt: skip
 
@@ -357,7 +374,9 @@ def loops(data: Data) -> list[dict[str, Any]]:
         phases = record.times.get("phases_s")
         if phases and "/cost/" not in record.name and (record.about.get("step") or 1e-3) in (1e-3, 3e-3, 7.5e-4):
             loop = sum(seconds for phase, seconds in phases.items() if phase != "output")
-            rows.append({"name": record.name.partition("/")[2]} | {phase: seconds / loop for phase, seconds in phases.items()})
+            rows.append(
+                {"name": record.name.partition("/")[2]} | {phase: seconds / loop for phase, seconds in phases.items()}
+            )
     return rows
 
 
@@ -398,14 +417,22 @@ def beaten(data: Data) -> list[str]:
             enough = [run for run in ours if run[0] <= theirs[0]]
             mine = min(enough, key=lambda run: run[1]) if enough else min(ours, key=lambda run: run[0])
             verdict = f"{mine[1] / theirs[1]:.2g} of its CPU time" if enough else "**does not reach its error**"
-            rows.append([case, *(f"{p.method} ({p.setting}): {100 * e:.2g} % in {cpu:.2g} s" for e, cpu, p in (theirs, mine)), verdict])
+            rows.append(
+                [
+                    case,
+                    *(f"{p.method} ({p.setting}): {100 * e:.2g} % in {cpu:.2g} s" for e, cpu, p in (theirs, mine)),
+                    verdict,
+                ]
+            )
     return markdown(["case", "the most exact peer", "ours, at least as exact", "ours takes"], rows)
 
 
 def missed(data: Data) -> list[str]:
     """What is not met, from the numbers."""
     finest = data["fsi3/grid/1300x288"]
-    off = [f"{label(q)} {100 * e:+.1f} %" for q in finest.published if (e := finest.off(q)) is not None and abs(e) > 0.02]
+    off = [
+        f"{label(q)} {100 * e:+.1f} %" for q in finest.published if (e := finest.off(q)) is not None and abs(e) > 0.02
+    ]
     found = sequences(data)
     loose = sum(row[-1].startswith("not") for row in found)
     rows = [["FSI3 on 1300 x 288, more than 2 % off", ", ".join(off) or "nothing"]]
@@ -417,18 +444,27 @@ def missed(data: Data) -> list[str]:
 
 
 def draw_errors(data: Data, case: str, kind: str) -> None:
-    """Error over wall time (above) and CPU time (below), a column for each quantity. Failed runs are crosses at the edge."""
-    quantities, methods, failed = QUANTITIES[case], by_method(points(data, case)), [p for p in points(data, case) if p.failed]
+    """Error over wall time (above) and CPU time (below), a column for each quantity. Failed runs are crosses at the
+    edge."""
+    quantities, methods, failed = (
+        QUANTITIES[case],
+        by_method(points(data, case)),
+        [p for p in points(data, case) if p.failed],
+    )
     figure, axes = show.panel(2, len(quantities), (3.7 * len(quantities), 6.4), sharey="col")
     for (line, column), axis in np.ndenumerate(axes):
         quantity, clock, seen = quantities[column], ("wall", "cpu")[line], []
         for part, colour, marker in zip(methods.values(), COLOURS, MARKERS):
-            good = sorted((p for p in part if getattr(p, clock) and quantity in p.of(kind)), key=lambda p: getattr(p, clock)[1])
+            good = sorted(
+                (p for p in part if getattr(p, clock) and quantity in p.of(kind)), key=lambda p: getattr(p, clock)[1]
+            )
             if not good:
                 continue
             low, x, high = np.array([getattr(p, clock) for p in good]).T
             y = np.maximum(np.abs([p.of(kind)[quantity] for p in good]), 1e-8)
-            axis.errorbar(x, y, xerr=[x - low, high - x], marker=marker, color=colour, capsize=2, markersize=5, linewidth=1)
+            axis.errorbar(
+                x, y, xerr=[x - low, high - x], marker=marker, color=colour, capsize=2, markersize=5, linewidth=1
+            )
             seen += list(zip(x, y))
         if seen:
             best = [seen[i] for i in front(seen)]
