@@ -25,15 +25,7 @@ MOST_NOISE = 0.25
 """A run whose lift changes its slope by more than this part of its own spread from step to step is bad. The mask's way
 through the grid alone makes 0.16 on this grid when the tip swings by 40 mm, from 5 to 10 s as from 25 to 30 s."""
 
-SCHEMES: dict[str, dict[str, Any]] = {
-    "default": {},
-    "momentum": {"load": "momentum", "scheme": "explicit"},
-    "momentum, parallel": {"load": "momentum", "scheme": "parallel_explicit"},
-    "pressure jump": {"load": "pressure_jump", "scheme": "explicit"},
-    "pressure jump, parallel": {"load": "pressure_jump", "scheme": "parallel_explicit"},
-    "IQN-ILS": {"load": "pressure_jump", "scheme": {"iterated": {"acceleration": "iqn_ils"}}},
-    "Aitken": {"load": "pressure_jump", "scheme": {"iterated": {"acceleration": "aitken"}}},
-}
+SCHEMES: dict[str, dict[str, Any]] = simulate.LISTED["coupling"]["schemes"]
 
 
 def cell(

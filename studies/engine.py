@@ -66,7 +66,7 @@ class Case:
     """Keys of `ROOMS`."""
     scene: str = ""
     changes: dict[str, Any] = field(default_factory=dict)
-    """Values by dotted key; None takes the key away."""
+    """Values by dotted key; "absent" takes the key away."""
     options: dict[str, Any] = field(default_factory=dict)
     """Further arguments of `action`; part of the digest as well."""
     action: Callable[..., dict[str, Any]] = simulate.run

@@ -33,17 +33,11 @@ THESIS_STEP = 2.2e-4 * 900
 """The thesis gives CFL = 0.25; its largest |u|/dx + |v|/dy of this flow is about 1.1e3 1/s on 900 x 180."""
 THESIS_U_INF = 0.694444
 """Mean velocity over the box at the start (thesis table 3.2), m/s."""
-THESIS_TABLE_3_3 = {
-    900: {"cd_mean": 3.383686, "cd_max": 3.475995, "cd_min": 3.096412, "cl_mean": -0.013952,
-          "cl_max": 1.171720, "cl_min": -1.199907, "cl_peak_to_peak": 2.371627, "st": 0.2703},
-    1000: {"cd_mean": 3.256428, "cd_max": 3.336625, "cd_min": 3.002624, "cl_mean": -0.007580,
-           "cl_max": 1.048816, "cl_min": -1.071858, "cl_peak_to_peak": 2.120674},
-    1100: {"cd_mean": 3.270474, "cd_max": 3.349443, "cd_min": 3.021291, "cl_mean": -0.005982,
-           "cl_max": 1.045971, "cl_min": -1.067240, "cl_peak_to_peak": 2.113211},
-}  # fmt: skip
-"""As printed; the Strouhal number is in the text, from peak to peak is max - min."""
-THESIS_TABLE_3_4 = {400: 3.361607, 600: 3.468580, 800: 3.333011, 900: 3.383686, 1000: 3.256428, 1100: 3.270474}
-"""Mean drag coefficient by points along x, averaged from t = 0.2 s."""
+THESIS_TABLE_3_3: dict[int, dict[str, float]]
+THESIS_TABLE_3_4: dict[int, float]
+THESIS_TABLE_3_3, THESIS_TABLE_3_4 = (
+    {int(nx): row for nx, row in simulate.LISTED["thesis"][table].items()} for table in ("table_3_3", "table_3_4")
+)
 
 QUANTITIES = {"2D-1": ("cd_mean", "cl_mean", "dp_mean"), "2D-2": ("cd_max", "cl_peak_to_peak", "st")}
 """What the errors are taken of."""

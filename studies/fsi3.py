@@ -35,8 +35,6 @@ def label_of(changes: Changes) -> str:
     return ", ".join(simulate.assignments(changes))
 
 
-NO_SHEAR = {"rod.material.plane_strain.shear_factor": None}
-NO_SETBACK = {"rod.clamp_setback": 0}
 PRESSURE_JUMP = {"coupling": {"load": "pressure_jump"}}
 COSINE = {"fluid.mask": {"cosine": {"c_eta": 1e-4, "half_width": 1.0}}}
 TWO_THIRDS = {"fluid.filter": "two_thirds"}
@@ -45,22 +43,8 @@ BARE = {"fluid.mask.log_linear.target": "none"}
 GRIDS = ("325x72", "650x144", "960x216", "1300x288")
 SHIPPED = ("325x72", "650x144", "1300x288")
 
-VARIED: dict[str, tuple[str, str, tuple[Changes, ...]]] = {
-    "coarse": (COARSE, "325x72", (
-        {"time.communication_step": 2e-4}, {"time.communication_step": 1e-4}, {"beam.segments": 84},
-        {"beam.segments": 21},
-        NO_SHEAR | NO_SETBACK, {"rod.scheme": {"generalised_alpha": {"rho_inf": 0.5}}},
-        PRESSURE_JUMP, TWO_THIRDS, BARE, COSINE,
-        {"time.end": 30},
-    )),
-    "fine": (FINE, "650x144", (
-        NO_SHEAR, NO_SETBACK, {"beam.segments": 21}, {"beam.segments": 60}, {"rod.material.plane_strain.density": 1050},
-        {"fluid.mask.log_linear.c_eta": 1e-4}, {"fluid.mask.log_linear.c_eta": 1e-6}, {"fluid.inflow.c_eta": 1e-3},
-        {"fluid.box.x": [-0.46538, 2.5], "fluid.box.cells": [720, 144], "fluid.inflow.x": [-0.46538, 0]},
-        {"fluid.box.x": [-0.1771, 2.78828], "fluid.box.cells": [720, 144]}, TWO_THIRDS, BARE, COSINE,
-    )),
-}  # fmt: skip
-"""One change at a time, by group: scene, grid and changes."""
+VARIED: dict[str, dict[str, Any]] = {group: simulate.LISTED["fsi3"][group] for group in ("coarse", "fine")}
+"""Scene, grid and changes of the groups in which one thing is changed at a time."""
 
 RAMP = "fluid.inflow.mean_velocity.cosine_ramp.duration"
 RATIOS, ACCELERATIONS = (1, 0.1, 0.01), ("iqn_ils", "aitken")
@@ -68,44 +52,12 @@ EXCHANGE_STEPS = (4e-4, 2e-4, 1e-4)
 EXCHANGE_WINDOWS = {"first": (0.0, 0.5), "swinging": (1.2, 1.6)}
 """Times over which both sides of the interface are compared, s."""
 
-LEVEL_2 = on_grid(650, 144, 7e-5) | {"beam.segments": 85}
-LONG_RAMP = {
-    "fluid.initial_velocity": [0, 0],
-    "fluid.inflow.mean_velocity": {"cosine_ramp": {"value": 2.0, "duration": 2.0}},
-}
-THESIS_RUNS: dict[str, Changes] = {
-    "none": {},
-    "mask": {"fluid.mask.cosine.displacement_corrected": True},
-    "calibration": {"rod.calibration": "second_order"},
-    "ramp": LONG_RAMP,
-    "level 2": {"time.end": 4.375} | LEVEL_2,
-}
-TRAPEZOID = {"rod.scheme": "trapezoid"}
-ITERATED = {"coupling.scheme": {"iterated": {"tolerance": 1e-2, "max_iterations": 100}}}
-WAVES: dict[str, Changes] = {
-    "none": TRAPEZOID,
-    "invariant": TRAPEZOID | {"rod.bending": "invariant"},
-    "second order": TRAPEZOID | {"rod.calibration": "second_order"},
-    "ramp": TRAPEZOID | {"time.end": 2} | LONG_RAMP,
-    "half step": TRAPEZOID | {"time.communication_step": 4.375e-5},
-    "iterated": TRAPEZOID | ITERATED,
-    "level 2": TRAPEZOID | LEVEL_2,
-    "generalised-alpha": {"time.end": 2, "rod.scheme": {"generalised_alpha": {"rho_inf": 0.8}}},
-    "bdf2": {"time.end": 2},
-    "bdf2, iterated": {"time.end": 0.2} | ITERATED,
-}
-"""Short waves on the rod under the pressure jump. Without a scheme in it: the scene's own, bdf2."""
+THESIS_RUNS: dict[str, Changes] = simulate.LISTED["fsi3"]["thesis"]
+WAVES: dict[str, Changes] = simulate.LISTED["fsi3"]["waves"]
 
 THESIS_WINDOWS = ((1.1, 4.375), (3.5, 4.375))
 """Over which the thesis takes its extremes (table 4.2), and the part that it calls more accurate, s."""
-THESIS_TABLE_4_2 = {
-    "level 1": {"drag.max": 1107, "drag.min": 430, "lift.max": 506, "lift.min": -543,
-                "tip_uy.max": 32.2, "tip_uy.min": -14.1},
-    "level 2": {"drag.max": 719, "drag.min": 356, "lift.max": 276, "lift.min": -330,
-                "tip_uy.max": 39.9, "tip_uy.min": -34.4,
-                "tip_uy.frequency_hz": 5.555},
-}  # fmt: skip
-"""Largest and smallest values from t = 1.1 to 4.375 s, N/m and mm; the frequency is in its text, Hz."""
+THESIS_TABLE_4_2: dict[str, dict[str, float]] = simulate.LISTED["thesis"]["table_4_2"]
 
 PIECE, TREND = 0.02, 4
 """Length of the pieces in which short waves are looked for, s, and the degree of the polynomial that is not a wave."""
@@ -127,8 +79,8 @@ def cases() -> Iterator[Case]:
         "still/650x144": (STILL, {}),
         "still/1300x288": (STILL, on_grid(1300, 288, 1.25e-4)),
     }
-    for group, (scene, _, varied) in VARIED.items():
-        runs |= {f"{group}/{label_of(changes)}": (scene, changes) for changes in varied}
+    for group, varied in VARIED.items():
+        runs |= {f"{group}/{label_of(changes)}": (varied["scene"], changes) for changes in varied["changes"]}
     for ratio in RATIOS:
         for name in ACCELERATIONS:
             scheme = {"load": "pressure_jump", "scheme": {"iterated": {"acceleration": name}}}
@@ -302,7 +254,7 @@ def still(data: Data) -> list[View]:
 
 def varied(group: str, data: Data) -> list[View]:
     """What one change does, on the grid of a group."""
-    base = data[f"fsi3/grid/{VARIED[group][1]}"].view | {"name": "none"}
+    base = data[f"fsi3/grid/{VARIED[group]['grid']}"].view | {"name": "none"}
     return [base, *(record.view | {"name": told(record.case.changes)} for record in data.of(f"fsi3/{group}/*"))]
 
 

@@ -19,13 +19,8 @@ FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "ben
           "extreme", "situations")  # fmt: skip
 """What the program can be asked for; each is a file of that name."""
 
-THESIS_CONDITION = {
-    (5e4, 1e-3): [527168.64, 6301043.05, 60404887.40, 530612724.29, 4606965436.28],
-    (1e5, 1e-3): [705920.26, 6389968.51, 60256883.66, 532383835.99, 3850664611.25],
-    (2e5, 1e-3): [1752600.66, 6571857.76, 60968369.21, 499121585.93, 4375584326.29],
-    (1e5, 1e-2): [1156286.06, 9035572.09, 70029681.81, 714462652.81, 14672886774.30],
-}
-"""Tables 2.1 and 2.2 of the thesis: condition numbers by (k_e, dt) for n = 32 … 512."""
+THESIS_CONDITION = {(row["k_e"], row["dt"]): row["numbers"] for row in simulate.LISTED["thesis"]["condition"]}
+"""Tables 2.1 and 2.2 of the thesis by (k_e, dt)."""
 
 STEPS = 10_000
 """Time steps of the runs of the thesis' table 2.3, about."""

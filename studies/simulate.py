@@ -6,6 +6,7 @@ import copy
 import ctypes
 import json
 import resource
+import tomllib
 from collections.abc import Callable
 from contextlib import ExitStack
 from functools import lru_cache
@@ -28,15 +29,18 @@ from nervure.unit import Unit
 if TYPE_CHECKING:
     from studies.engine import Case
 
+LISTED: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
+"""Changes of scenes by study, and what others have printed."""
+
 REPEATED_BELOW = 20.0
 """Processor time, s, up to which a case runs as often as it asks for; the first run goes before and is not timed."""
 
 
 def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
-    """The shipped scene `name` with other values by dotted key; None takes a key away."""
+    """The shipped scene `name` with other values by dotted key; "absent" takes a key away."""
     scene: dict[str, Any] = scenes.read(name)
     for key, value in changes.items():
-        if value is not None:
+        if value != "absent":
             scenes.assign(scene, key, copy.deepcopy(value))
             continue
         *parents, last = key.split(".")
@@ -50,7 +54,11 @@ def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
 def assignments(changes: dict[str, Any]) -> list[str]:
     """Changes as `--set` takes them."""
     texts = {
-        key: value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+        key: "null"
+        if value == "absent"
+        else value
+        if isinstance(value, str)
+        else json.dumps(value, separators=(",", ":"))
         for key, value in changes.items()
     }
     return [f"{key}={text}" for key, text in texts.items()]

@@ -40,32 +40,12 @@ NOISE_WIDTH = 0.08
 of its
 period, in which it passes one to six cells where it is fast."""
 
-STILL = {"center": [-0.4, 0.6], "radius": 0.15}
-PARTS: dict[str, dict[str, Any]] = {
-    "as shipped": {},
-    "without the sponge": {"fluid.sponge": None},
-    "with walls": {"fluid.channel": {"y": [-0.95, 0.95]}},
-    "with a zone": {
-        "fluid.inflow": {"x": [-0.667, -0.567], "profile": "uniform", "mean_velocity": {"steady": 0.0}, "c_eta": 1e-4}
-    },
-    "with a cylinder, still": {"fluid.cylinders": [STILL]},
-    "with a cylinder, moving": {
-        "fluid.cylinders": [STILL | {"motion": {"x": {"sine": {"amplitude": 0.05, "frequency": 1.0}}}}]
-    },
-}
-"""The parts that the pitching vein has not, as the keys that would bring them in."""
+PARTS: dict[str, dict[str, Any]] = simulate.LISTED["vein"]["parts"]
+COUPLINGS: dict[str, dict[str, Any]] = simulate.LISTED["vein"]["coupling"]
 PART_STEPS, PART_REPEATS = 40, 9
 
 THICK, DIRECTIONS = "coupling/thickness-0.05", 20
 """The case whose iteration stops at a step that is looked into, and the random ways in which its stations are moved."""
-
-COUPLINGS: dict[str, dict[str, Any]] = {
-    "coupling/as-shipped": {},
-    "coupling/pressure-jump": {"coupling": {"load": "pressure_jump"}},
-    "coupling/pressure-jump-8e-4": {"coupling": {"load": "pressure_jump"}},
-    THICK: {"beam.thickness": 0.05},
-    f"{THICK}-tolerance-1e-3": {"beam.thickness": 0.05, "coupling": {"scheme": {"iterated": {"tolerance": 1e-3}}}},
-}
 
 
 def on_grid(nx: int, ny: int, step: float) -> dict[str, Any]:
@@ -91,15 +71,20 @@ def cases() -> Iterator[Case]:
         yield case(f"grid/{nx}x{ny}", PITCHING, {"time.end": END} | on_grid(nx, ny, 4e-4 * 320 / nx))
     for name, changes in COUPLINGS.items():
         grid = on_grid(320, 240, 8e-4) if name.endswith("8e-4") else {}
-        yield case(name, PITCHING, {"time.end": COUPLED_END} | changes | grid)
+        yield case(f"coupling/{name}", PITCHING, {"time.end": COUPLED_END} | changes | grid)
     plate = {"time.end": 2.0, "beam.thickness": 0.06, "rod.material.section.line_density": 0.06}
     for nx, ny in ((128, 96), (192, 144)):
         yield case(f"noise/{nx}x{ny}", PITCHING, plate | on_grid(nx, ny, 1e-3 * 128 / nx), rigid=True)
     for name, changes in PARTS.items():
         # The vein stands still in a flow: a fluid at rest has numbers so small that the processor is slow with them.
-        moving = {"fluid.initial_velocity": [1.0, 0.3], "rod": None, "coupling": None, "time.end": PART_STEPS * 4e-4}
+        moving = {
+            "fluid.initial_velocity": [1.0, 0.3],
+            "rod": "absent",
+            "coupling": "absent",
+            "time.end": PART_STEPS * 4e-4,
+        }
         yield case(f"parts/{name}", PITCHING, moving | changes, repeats=PART_REPEATS)
-    thick = {"name": "thick", "time.end": COUPLED_END} | COUPLINGS[THICK]
+    thick = {"name": "thick", "time.end": COUPLED_END} | COUPLINGS["thickness-0.05"]
     yield Case("further/jumps", COUPLED, PITCHING, thick, action=jumps)
     for name in LIMITS:
         yield Case(f"limits/{name}", (*COUPLED, "limits"), options={"limit": name}, action=limit)

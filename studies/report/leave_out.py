@@ -20,7 +20,7 @@ COLUMNS = ("tip_ux", "tip_uy", "tip_vx", "tip_vy", "drag", "lift")
 
 Scene = dict[str, Any]
 
-NO_SHEAR = {"rod.material.plane_strain.shear_factor": None}
+NO_SHEAR = {"rod.material.plane_strain.shear_factor": "absent"}
 SPACE = "third dimension (without shear)"
 
 
