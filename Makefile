@@ -108,48 +108,44 @@ $(READY_DEV): requirements/dev.lock $(READY)
 	$(RUN) $(LOCKED) requirements/dev.lock
 	touch $@
 
-ROD_STUDY := cargo run --release --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
+STUDY := $(RUN) -m studies
 
-.PHONY: rod-study bench-rod fluid-study fluid-measures
+.PHONY: studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study vein-study shown-rows
 
-rod-study: $(READY_DEV) ## write docs/rod anew: the tables and figures of the rod, about ten minutes
-	$(ROD_STUDY) -- docs/rod
-	$(RUN) studies/clamp.py
-	$(RUN) studies/rod.py
+studies: $(READY_DEV) ## write all pages and tables of results.json anew; ARGS="--stale" lists what the code has changed since
+	$(STUDY) $(ARGS)
+
+shown-rows: build $(READY_DEV) ## run the stale ones among the cases that README shows; goes on where it was stopped
+	$(STUDY) --shown README.md $(ARGS)
+
+rod-study: $(READY_DEV) ## run what is missing of the rod's study (ten minutes), write docs/rod; ARGS="--list", "--only 'study/csm*'"
+	$(STUDY) rod $(ARGS)
 
 bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
 	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
 
-fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
-	$(RUN) studies/fluid.py $(ARGS)
+fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours), write docs/fluid
+	$(STUDY) fluid $(ARGS)
 
-.PHONY: fsi3-study coupling-study
+fluid-measures: $(READY_DEV) ## measure the fluid's exact solutions, invariants and stability, write docs/fluid/stability.md
+	$(STUDY) fluid-measures $(ARGS)
 
-fsi3-study: build $(READY_DEV) ## make what is missing of the runs of FSI3 in docs/fsi3.md (an hour of one core), write docs/fsi3
-	$(RUN) studies/fsi3.py $(ARGS)
+fsi3-study: build $(READY_DEV) ## run what is missing of FSI3 (an hour of one core), write docs/fsi3
+	$(STUDY) fsi3 $(ARGS)
 
 coupling-study: build $(READY_DEV) ## run what is missing of the map of the coupling's stability, write docs/fsi3/stability.md
-	$(RUN) studies/coupling.py $(ARGS)
+	$(STUDY) coupling $(ARGS)
 
-.PHONY: vein-study
-
-vein-study: build $(READY_DEV) ## the vein's sweep over stiffness, its limits, couplings and convergence (a quarter of an hour of one core), write docs/vein
-	$(NERVURE) sweep vein-forward-384x192 --end-time 8 --output results/vein-flexibility \
-	--vary rod.material.section.bending_stiffness=0.5,1,2,4,8,16,32,64,128
-	$(RUN) studies/vein.py $(ARGS)
+vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a quarter of an hour of one core), write docs/vein
+	$(STUDY) vein $(ARGS)
 
 BENCH_VENV := target/fluid-bench/venv
-FLUID_BENCH := cargo run --release --locked --manifest-path crates/fluid/bench/Cargo.toml --target-dir target/fluid-bench
 
 .PHONY: bench-fluid
 
-fluid-measures: ## write docs/fluid/measures.csv and stability.csv: exact solutions and invariants, and the map of stability
-	$(FLUID_BENCH) --bin measures -- docs/fluid/measures.csv
-	$(FLUID_BENCH) --bin stability -- docs/fluid/stability.csv
-
-bench-fluid: $(BENCH_VENV)/.ready ## compare the fluid's speed with FFTW's and rustfft's, by phase and by threads, write docs/fluid/speed.csv
+bench-fluid: $(BENCH_VENV)/.ready $(READY_DEV) ## compare the fluid's speed with FFTW's, by phase and by threads
 	FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)" \
-	$(FLUID_BENCH) -- docs/fluid/speed.csv
+	$(STUDY) fluid-speed --again --times $(ARGS)
 
 $(BENCH_VENV)/.ready: requirements/bench.lock
 	$(PYTHON) -m venv --clear $(BENCH_VENV)
@@ -206,17 +202,11 @@ sanitizers: $(READY_DEV) ## call both units under AddressSanitizer and valgrind;
 .PHONY: report report-full report-pictures
 
 PEERS_VENV := target/report/venv
-REPORT := $(RUN) studies/report
-
-STUDIES := rod-study fluid-measures fluid-study bench-fluid fsi3-study coupling-study vein-study
-
 report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (seven minutes on a free machine), write docs/report
-	$(REPORT) measure $(ARGS)
-	$(REPORT) leave-out
-	$(REPORT) collect
-	$(REPORT) render
+	$(STUDY) report leave-out --again $(ARGS)
 
-report-full: $(STUDIES) report-pictures ## the same with the long cases, and what is missing of every study: half a day of one core
+report-full: build $(READY_DEV) $(PEERS_VENV)/.ready bench-fluid report-pictures ## the same with the long cases, and what is missing of every study: half a day of one core
+	$(STUDY) rod fluid fluid-measures fsi3 coupling vein running
 	$(MAKE) report ARGS=--full
 
 report-pictures: build $(READY_DEV) ## the vorticity of FSI3 at four phases and over a period, for docs/report

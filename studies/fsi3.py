@@ -1,220 +1,126 @@
-"""FSI3: its grids, what moves it, the thesis' own settings, and docs/fsi3/runs.json of it.
+"""FSI3: its grids, what moves it, the bar held still, the thesis' own settings, iterations and the interface's
+exchange."""
 
-    python scripts/studies/fsi3.py                    run what is missing, then write docs/fsi3/runs.json
-    python scripts/studies/fsi3.py --list             the runs and what is known of them
-    python scripts/studies/fsi3.py --only 'coarse/*'  run only those
+from __future__ import annotations
 
-Every run has a folder in results/fsi3-study. It is made again only where its scene or a library has changed.
-"""
-
-import json
-import os
 import shutil
-import sys
-from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
-from fnmatch import fnmatch
-from pathlib import Path
-from typing import Annotated
+import textwrap
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
-import typer
+from matplotlib.lines import Line2D
 
-
-
-from nervure import sweep
 from nervure.evaluate import statistics
-from nervure.files import rounded, write_whole
-from nervure.resources import ROOT, SCENES
-from nervure.scene import customized
+from studies import show, simulate
+from studies.engine import COUPLED, FLUID, Case, Run, Study
+from studies.show import COLOURS
+from studies.store import Data
 
-RESULTS = ROOT / "results" / "fsi3-study"
-RUNS = ROOT / "docs" / "fsi3" / "runs.json"
+SIGNALS = ("tip_ux", "tip_uy", "drag", "lift")
 
-QUANTITIES = ("tip_ux", "tip_uy", "drag", "lift")
+COARSE, FINE, FINEST, STILL, THESIS = (
+    "fsi3-325x72", "fsi3-650x144", "fsi3-1300x288", "cfd3-650x144", "fsi3-thesis-325x72"
+)  # fmt: skip
 
-COARSE, FINE, STILL, THESIS = "fsi3-325x72", "fsi3-650x144", "cfd3-650x144", "fsi3-thesis-325x72"
-
-
-def on_grid(nx: int, ny: int, step: float) -> tuple[str, ...]:
-    return f"fluid.box.cells=[{nx},{ny}]", f"time.communication_step={step}", f"fluid.time_stepping.max_step={step}"
+Changes = dict[str, Any]
 
 
-NO_SHEAR = "rod.material.plane_strain.shear_factor=null"
-PRESSURE_JUMP = 'coupling={"load":"pressure_jump"}'
-COSINE = 'fluid.mask={"cosine":{"c_eta":1e-4,"half_width":1.0}}'
+def on_grid(nx: int, ny: int, step: float) -> Changes:
+    return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
 
-GRIDS = {
-    "325x72": (COARSE,),
-    "650x144": (FINE,),
-    "960x216": (FINE, *on_grid(960, 216, 1.3e-4)),
-    "1300x288": ("fsi3-1300x288",),
-}
-"""Scene and changes of each grid."""
 
-VARIED = {
-    COARSE: (
-        ("time.communication_step=2e-4",),
-        ("time.communication_step=1e-4",),
-        ("beam.segments=84",),
-        ("beam.segments=21",),
-        (NO_SHEAR, "rod.clamp_setback=0"),
-        ('rod.scheme={"generalised_alpha":{"rho_inf":0.5}}',),
-        (PRESSURE_JUMP,),
-        ("fluid.filter=two_thirds",),
-        ("fluid.mask.log_linear.target=none",),
-        (COSINE,),
-        ("time.end=30",),
-    ),
-    FINE: (
-        (NO_SHEAR,),
-        ("rod.clamp_setback=0",),
-        ("beam.segments=21",),
-        ("beam.segments=60",),
-        ("rod.material.plane_strain.density=1050",),
-        ("fluid.mask.log_linear.c_eta=1e-4",),
-        ("fluid.mask.log_linear.c_eta=1e-6",),
-        ("fluid.inflow.c_eta=1e-3",),
-        ("fluid.box.x=[-0.46538,2.5]", "fluid.box.cells=[720,144]", "fluid.inflow.x=[-0.46538,0]"),
-        ("fluid.box.x=[-0.1771,2.78828]", "fluid.box.cells=[720,144]"),
-        ("fluid.filter=two_thirds",),
-        ("fluid.mask.log_linear.target=none",),
-        (COSINE,),
-    ),
-}
-"""One change at a time."""
+def label_of(changes: Changes) -> str:
+    return ", ".join(simulate.assignments(changes))
 
-BOX_SHORT = ("time.end=0.15", "fluid.inflow.mean_velocity.cosine_ramp.duration=0.5", PRESSURE_JUMP)
+
+PRESSURE_JUMP = {"coupling": {"load": "pressure_jump"}}
+COSINE = {"fluid.mask": {"cosine": {"c_eta": 1e-4, "half_width": 1.0}}}
+TWO_THIRDS = {"fluid.filter": "two_thirds"}
+BARE = {"fluid.mask.log_linear.target": "none"}
+
+GRIDS = ("325x72", "650x144", "960x216", "1300x288")
+SHIPPED = ("325x72", "650x144", "1300x288")
+
+VARIED: dict[str, dict[str, Any]] = {group: simulate.LISTED["fsi3"][group] for group in ("coarse", "fine")}
+"""Scene, grid and changes of the groups in which one thing is changed at a time."""
+
+RAMP = "fluid.inflow.mean_velocity.cosine_ramp.duration"
 RATIOS, ACCELERATIONS = (1, 0.1, 0.01), ("iqn_ils", "aitken")
-
-EXCHANGE_RAMP = "fluid.inflow.mean_velocity.cosine_ramp.duration=0.2"
 EXCHANGE_STEPS = (4e-4, 2e-4, 1e-4)
 EXCHANGE_WINDOWS = {"first": (0.0, 0.5), "swinging": (1.2, 1.6)}
 """Times over which both sides of the interface are compared, s."""
 
-LEVEL_2 = ("fluid.box.cells=[650,144]", "beam.segments=85", "time.communication_step=7e-5", "fluid.time_stepping.max_step=7e-5")
-RAMP = ("fluid.initial_velocity=[0,0]", 'fluid.inflow.mean_velocity={"cosine_ramp":{"value":2.0,"duration":2.0}}')
-THESIS_RUNS = {
-    "none": (),
-    "mask": ("fluid.mask.cosine.displacement_corrected=true",),
-    "calibration": ("rod.calibration=second_order",),
-    "ramp": RAMP,
-    "level 2": ("time.end=4.375", *LEVEL_2),
-}
-
-TRAPEZOID = "rod.scheme=trapezoid"
-WAVES = {
-    "none": (TRAPEZOID,),
-    "invariant": (TRAPEZOID, "rod.bending=invariant"),
-    "second order": (TRAPEZOID, "rod.calibration=second_order"),
-    "ramp": (TRAPEZOID, "time.end=2", *RAMP),
-    "half step": (TRAPEZOID, "time.communication_step=4.375e-5"),
-    "iterated": (TRAPEZOID, 'coupling.scheme={"iterated":{"tolerance":1e-2,"max_iterations":100}}'),
-    "level 2": (TRAPEZOID, *LEVEL_2),
-    "generalised-alpha": ("time.end=2", 'rod.scheme={"generalised_alpha":{"rho_inf":0.8}}'),
-    "bdf2": ("time.end=2",),
-    "bdf2, iterated": ("time.end=0.2", 'coupling.scheme={"iterated":{"tolerance":1e-2,"max_iterations":100}}'),
-}
-"""Short waves on the rod under the pressure jump. Without a scheme in it: the scene's own, bdf2."""
+THESIS_RUNS: dict[str, Changes] = simulate.LISTED["fsi3"]["thesis"]
+WAVES: dict[str, Changes] = simulate.LISTED["fsi3"]["waves"]
 
 THESIS_WINDOWS = ((1.1, 4.375), (3.5, 4.375))
 """Over which the thesis takes its extremes (table 4.2), and the part that it calls more accurate, s."""
+THESIS_TABLE_4_2: dict[str, dict[str, float]] = simulate.LISTED["thesis"]["table_4_2"]
 
 PIECE, TREND = 0.02, 4
 """Length of the pieces in which short waves are looked for, s, and the degree of the polynomial that is not a wave."""
-
 LARGE = 1.0
 """Velocity of the tip, m/s, up to which a wave grows exponentially."""
-
-PICTURES = ("tip.png", "drag.png", "lift.png", "vorticity.png")
-"""Of the run on 650 x 144, for docs/fsi3."""
-
-SAMPLES, SHOWN_PERIODS = 240, 2
+SAMPLES, SHOWN_PERIODS = 120, 2
 """Points of the series that are kept of each grid, and the periods that they span."""
 
 
-@dataclass(frozen=True)
-class Run:
-    """A scene with some keys changed."""
-
-    name: str
-    """Group and label."""
-    scene: str
-    changes: tuple[str, ...] = ()
-
-    @property
-    def folder(self) -> Path:
-        return RESULTS / "".join(c if c.isalnum() or c in ".-" else "_" for c in self.name)
-
-    @property
-    def command(self) -> str:
-        sets = "".join(f" --set '{change}'" for change in self.changes)
-        return f"nervure run scenes/{self.scene}.json{sets}"
-
-    def case(self) -> sweep.Case:
-        return sweep.grid([customized(SCENES / f"{self.scene}.json", list(self.changes))], [])[0]
+# Cases
 
 
-def runs() -> Iterator[Run]:
-    for grid, (scene, *changes) in GRIDS.items():
-        yield Run(f"grid/{grid}", scene, tuple(changes))
-    yield Run("still/650x144", STILL)
-    yield Run("still/1300x288", STILL, on_grid(1300, 288, 1.25e-4))
-    for scene, group in ((COARSE, "coarse"), (FINE, "fine")):
-        for changes in VARIED[scene]:
-            yield Run(f"{group}/{', '.join(changes)}", scene, changes)
+def cases() -> Iterator[Case]:
+    runs: dict[str, tuple[str, Changes]] = {
+        "grid/325x72": (COARSE, {}),
+        "grid/650x144": (FINE, {}),
+        "grid/960x216": (FINE, on_grid(960, 216, 1.3e-4)),
+        "grid/1300x288": (FINEST, {}),
+        "still/650x144": (STILL, {}),
+        "still/1300x288": (STILL, on_grid(1300, 288, 1.25e-4)),
+    }
+    for group, varied in VARIED.items():
+        runs |= {f"{group}/{label_of(changes)}": (varied["scene"], changes) for changes in varied["changes"]}
     for ratio in RATIOS:
         for name in ACCELERATIONS:
-            changes = (
-                *BOX_SHORT,
-                f"rod.material.plane_strain.density={1000 * ratio:g}",
-                f'coupling.scheme={{"iterated":{{"acceleration":"{name}"}}}}',
-            )
-            yield Run(f"iterations/{ratio:g}, {name}", COARSE, changes)
+            scheme = {"load": "pressure_jump", "scheme": {"iterated": {"acceleration": name}}}
+            light = {"rod.material.plane_strain.density": 1000 * ratio, "coupling": scheme}
+            runs[f"iterations/{ratio:g}, {name}"] = COARSE, {"time.end": 0.15, RAMP: 0.5} | light
     for segments in (30, 42):
         for step in EXCHANGE_STEPS:
-            # The shipped number of segments is looked at from the start only, the smallest step as well.
-            end = "0.5" if segments == 42 or step == EXCHANGE_STEPS[-1] else "1.6"
-            changes = (EXCHANGE_RAMP, f"time.end={end}", f"beam.segments={segments}", f"time.communication_step={step}")
-            yield Run(f"exchange/{segments}, {step:g}", COARSE, changes)
-    for name, changes in THESIS_RUNS.items():
-        yield Run(f"thesis/{name}", THESIS, changes)
-    for name, changes in WAVES.items():
-        yield Run(f"waves/{name}", THESIS, changes)
+            # The shipped number of segments is sampled from the start only, the smallest step as well.
+            end = 0.5 if segments == 42 or step == EXCHANGE_STEPS[-1] else 1.6
+            changes = {RAMP: 0.2, "time.end": end, "beam.segments": segments, "time.communication_step": step}
+            runs[f"exchange/{segments}, {step:g}"] = COARSE, changes
+    runs |= {f"thesis/{name}": (THESIS, changes) for name, changes in THESIS_RUNS.items()}
+    runs |= {f"waves/{name}": (THESIS, changes) for name, changes in WAVES.items()}
+    for name, (scene, changes) in runs.items():
+        published = scene if name.startswith(("grid", "still", *VARIED)) else ""
+        options = {"pictures": True} if name == "grid/650x144" else {}
+        yield Case(name, FLUID if scene == STILL else COUPLED, scene, changes, options, about={"published": published})
 
 
 # What is kept of a run
 
 
-def settled(summary: dict) -> dict[str, float]:
-    """Statistics over the summary's own window, in SI units; what a signal does not have is left out."""
-    found = {"periods": summary["periods"], "amplitude_drift": summary["amplitude_drift"]}
+def keep(case: Case, run: Run) -> dict[str, Any]:
+    summary, series, group = run.found, run.series, case.name.split("/")[0]
+    values = simulate.quantities(summary) | {"periods": summary["periods"], "reached": summary["simulated_s"]}
+    values |= {"amplitude_drift": summary["amplitude_drift"], "iterations": summary["iterations_mean"]}
     if summary["window_s"]:
-        found["window.begin"], found["window.end"] = summary["window_s"]
+        values["window.begin"], values["window.end"] = summary["window_s"]
+    values["cfl"] = series["cfl"].max()
     if summary["interface"]:
-        found["imbalance"] = summary["interface"]["imbalance"]
-    for name in QUANTITIES:
-        part = summary["quantities"].get(name)
-        if part is None:
-            continue
-        for what in ("mean", "amplitude", "frequency_hz"):
-            found[f"{name}.{what}"] = part[what]
-        if part["fit"]:
-            found[f"{name}.fit"] = part["fit"]["amplitude"]
-    return {key: value for key, value in found.items() if value is not None}
-
-
-def largest(series: np.ndarray) -> dict[str, float]:
-    """The largest CFL number, and the mean magnitude of the difference of the powers on both sides by that of the fluid's."""
-    found = {"cfl": series["cfl"].max()}
-    if "load_power" in series.dtype.names:
         gave = series["beam_power"]
-        found["powers"] = np.abs(series["load_power"] - gave).mean() / np.abs(gave).mean()
-    return found
+        values["imbalance"] = summary["interface"]["imbalance"]
+        values["powers"] = np.abs(series["load_power"] - gave).mean() / np.abs(gave).mean()
+    values |= {name: value for part in FURTHER.get(group, ()) for name, value in part(series).items()}
+    values = {name: float(value) for name, value in values.items() if value is not None and np.isfinite(value)}
+    tables = {"periods": last_periods(series)} if group == "grid" else {}
+    return {"values": values, "tables": tables, "times": simulate.times(summary)}
 
 
-def extremes(series: np.ndarray) -> dict[str, float]:
+def extremes(series: dict[str, np.ndarray]) -> dict[str, float]:
     """Largest and smallest drag, lift (N/m) and deflection (m) over the thesis' windows, unfiltered."""
     found = {}
     for begin, end in THESIS_WINDOWS:
@@ -226,8 +132,9 @@ def extremes(series: np.ndarray) -> dict[str, float]:
     return found
 
 
-def waves(series: np.ndarray) -> dict[str, float]:
-    """Waves in the tip's velocity that are shorter than a piece: rate at which they grow or decay, 1/s, to which time, s,
+def waves(series: dict[str, np.ndarray]) -> dict[str, float]:
+    """Waves in the tip's velocity that are shorter than a piece: rate at which they grow or decay, 1/s, to which
+    time, s,
     their size there, m/s, and their frequency, Hz."""
     time, sizes = series["time"], []
     starts = np.arange(2 * PIECE, time[-1] - PIECE, PIECE)
@@ -246,14 +153,16 @@ def waves(series: np.ndarray) -> dict[str, float]:
     return {"growth": rate, "growth.to": reached, "growth.size": sizes[-1], "growth.frequency_hz": strongest}
 
 
-def exchange(series: np.ndarray) -> dict[str, float]:
-    """Differences of what the rod took and the fluid exerted: rms of the lift's by that of the lift; sum of the magnitudes
+def exchange(series: dict[str, np.ndarray]) -> dict[str, float]:
+    """Differences of what the rod took and the fluid exerted: rms of the lift's by that of the lift; sum of the
+    magnitudes
     of the work's, step by step, by that of the work exchanged; net work by the same."""
     found = {}
     for name, (begin, end) in EXCHANGE_WINDOWS.items():
-        part = series[(series["time"] > begin) & (series["time"] <= end)]
+        inside = (series["time"] > begin) & (series["time"] <= end)
         if series["time"][-1] < end - 1e-9:
             continue
+        part = {key: values[inside] for key, values in series.items()}
         took, gave = np.diff(part["load_work"]), np.diff(part["beam_work"])
         exchanged = np.abs(gave).sum()
         found[f"{name}.lift"] = np.std(part["load_y"] - part["beam_load_y"]) / np.std(part["beam_load_y"])
@@ -263,100 +172,225 @@ def exchange(series: np.ndarray) -> dict[str, float]:
     return found
 
 
-def last_periods(series: np.ndarray) -> dict[str, list[float]]:
+def last_periods(series: dict[str, np.ndarray]) -> list[dict[str, float]]:
     """The last whole periods, from an upward crossing of uy on, by the fundamental frequency."""
-    time, uy = series["time"], series["tip_uy"]
-    window = statistics.find_window(time, uy)
+    time = series["time"]
+    window = statistics.find_window(time, series["tip_uy"])
     period = (window.end - window.begin) / window.periods
     at = np.linspace(window.end - SHOWN_PERIODS * period, window.end, SAMPLES)
     width = statistics.force_filter_width(window)
-    found = {"phase": (at - at[0]) / period, "period_s": period}
-    for name in QUANTITIES:
+    columns = {"phase": (at - at[0]) / period}
+    for name in SIGNALS:
         values = statistics.box_filter(time, series[name], width) if name in ("drag", "lift") else series[name]
-        found[name] = np.interp(at, time, values)
-    return {key: np.asarray(value).tolist() for key, value in found.items()}
+        columns[name] = np.interp(at, time, values)
+    return [dict(zip(columns, map(float, row))) for row in zip(*columns.values())]
 
 
-FURTHER: dict[str, Callable[[np.ndarray], dict[str, float]]] = {
-    "grid": lambda series: extremes(series) | waves(series),
-    "thesis": extremes,
-    "waves": waves,
-    "exchange": exchange,
+FURTHER: dict[str, tuple[Callable[[dict[str, np.ndarray]], dict[str, float]], ...]] = {
+    "grid": (extremes, waves),
+    "thesis": (extremes,),
+    "waves": (waves,),
+    "exchange": (exchange,),
 }
 """What is made of the series of a group's runs, besides the summary."""
 
 
-def kept(run: Run) -> dict | None:
-    """What runs.json has of a run that was made."""
-    if not (run.folder / "summary.json").is_file():
-        return None
-    summary, scene = (json.loads((run.folder / name).read_text(encoding="utf-8")) for name in ("summary.json", "scene.json"))
-    series = np.genfromtxt(run.folder / "series.csv", delimiter=",", names=True)
-    group = run.name.split("/")[0]
-    found = {
-        "name": run.name,
-        "command": run.command,
-        "cells": scene["fluid"]["box"]["cells"],
-        "step": scene["time"]["communication_step"],
-        "reached": summary["simulated_s"],
-        "error": summary["error"],
-        "iterations": summary["iterations_mean"],
-        "wall_s": summary["wall_s"],
-        "cpu_s": summary["cpu_s"],
-        "phases_s": summary["phases_s"],
-        "machine": summary["machine"] | {"packages": summary["versions"], "git": summary["git"]},
-        "quantities": settled(summary) | largest(series) | FURTHER.get(group, lambda _: {})(series),
+# Tables
+
+View = dict[str, Any]
+
+
+def published(scene: str, name: str) -> View:
+    return {"name": name} | {quantity: value for quantity, (value, _) in simulate.published(scene).items()}
+
+
+def by_grid(data: Data, grids: Iterable[str] = GRIDS) -> list[View]:
+    return [data[f"fsi3/grid/{grid}"].view | {"name": grid.replace("x", " x ")} for grid in grids]
+
+
+def told(changes: Changes, without: str = "") -> str:
+    found = [f"`{text}`" for text in simulate.assignments(changes) if not (without and text.startswith(without))]
+    return ", ".join(found)
+
+
+LEVEL_4 = published(COARSE, "FeatFlow, level 4")
+
+
+def readme(data: Data) -> list[View]:
+    names = ["`make fsi3` (325 x 72)", "`make fsi3 GRID=650x144`", "`make fsi3 GRID=1300x288`"]
+    rows = [row | {"name": name} for row, name in zip(by_grid(data, SHIPPED), names)]
+    return [LEVEL_4 | {"name": "reference (FeatFlow, level 4)"}, *reversed(rows)]
+
+
+def grids(data: Data) -> list[View]:
+    """With the published spread: the amplitude's, of the drag the mean's too."""
+    spread = simulate.reference(COARSE)["spread"]["quantities"]
+
+    def between(name: str, what: str) -> str:
+        scale = 1e3 if name.startswith("tip") and what == "amplitude" else 1.0
+        return " to ".join(f"{scale * edge:g}" for edge in spread[name][what])
+
+    last = {f"{name} spread": between(name, "amplitude") for name in SIGNALS} | {
+        "f spread": between("tip_uy", "frequency_hz")
     }
-    if group == "grid":
-        found["series"] = last_periods(series)
-    return found
+    last["drag spread"] = f"{between('drag', 'mean')}, {last['drag spread']}"
+    return [*by_grid(data), LEVEL_4, {"name": "published spread"} | last]
 
 
-# Running
+def costs(data: Data) -> list[View]:
+    """Processor time and its shares by grid."""
+    rows = []
+    for row, grid in zip(by_grid(data), GRIDS):
+        phases = data[f"fsi3/grid/{grid}"].times["phases_s"]
+        shares = {kind: phases[kind] / row["wall_s"] for kind in ("rod", "fluid")}
+        rows.append(row | shares | {"exchange": 1 - sum(shares.values()), "spent": row["cpu_s"] / row["reached"]})
+    return rows
 
 
-def execute(run: Run) -> str:
-    """Make a run, in this process; returns how it ended."""
-    case = run.case()
-    ended = sweep.one(case.scene, run.folder)
-    (run.folder / "key").write_text(case.key, encoding="utf-8")
-    return ended["reason"] or f"{ended['wall_s']:.0f} s"
+def still(data: Data) -> list[View]:
+    rows = [data[f"fsi3/still/{grid}"].view | {"name": grid.replace("x", " x ")} for grid in ("650x144", "1300x288")]
+    return [*rows, published(STILL, "Turek & Hron")]
 
 
-def known(run: Run) -> bool:
-    key = run.folder / "key"
-    return key.is_file() and key.read_text(encoding="utf-8") == run.case().key
+def varied(group: str, data: Data) -> list[View]:
+    """What one change does, on the grid of a group."""
+    base = data[f"fsi3/grid/{VARIED[group]['grid']}"].view | {"name": "none"}
+    return [base, *(record.view | {"name": told(record.case.changes)} for record in data.of(f"fsi3/{group}/*"))]
 
 
-def write_runs() -> None:
-    """docs/fsi3/runs.json, a line for each run that was made, and the pictures of one of them."""
-
-    for name in PICTURES:
-        shown = RESULTS / "grid_650x144" / name
-        if shown.is_file():
-            write_whole(RUNS.parent / name, lambda path: shutil.copy(shown, path))
-    made = [json.dumps(rounded(found), ensure_ascii=False) for found in map(kept, runs()) if found]
-    write_whole(RUNS, lambda path: path.write_text("[\n" + ",\n".join(made) + "\n]\n", encoding="utf-8"))
-
-
-def main(
-    only: Annotated[str, typer.Option(metavar="PATTERN", help="Make only the runs of this name.")] = "*",
-    listing: Annotated[bool, typer.Option("--list", help="List the runs and make none.")] = False,
-    jobs: Annotated[int, typer.Option(help="Runs at a time, each in a process of one thread.")] = 1,
-) -> None:
-    """Make what is missing, and write docs/fsi3/runs.json."""
-    chosen = [run for run in runs() if fnmatch(run.name, only)]
-    if listing:
-        for run in chosen:
-            typer.echo(f"{'known  ' if known(run) else 'missing'} {run.name}")
-        return
-    missing = [run for run in chosen if not known(run)]
-    os.environ |= {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
-    with ProcessPoolExecutor(jobs, max_tasks_per_child=1) as pool:
-        for run, ended in zip(missing, pool.map(execute, missing)):
-            typer.echo(f"{run.name}: {ended}")
-    write_runs()
+def extremes_of(found: View, begin: float | None = None) -> View:
+    """`QUANTITY.max` and `.min` over a window, of uy in mm; of published means and amplitudes without one."""
+    view = dict(found)
+    for q, scale in (("drag", 1.0), ("lift", 1.0), ("tip_uy", 1e3)):
+        for what, sign in (("max", 1), ("min", -1)):
+            at = f"{q}.{what}, from {begin:g} s" if begin else ""
+            view[f"{q}.{what}"] = scale * (found[at] if begin else found[f"{q}.mean"] + sign * found[f"{q}.amplitude"])
+    return view
 
 
-if __name__ == "__main__":
-    typer.run(main)
+def thesis_extremes(data: Data) -> list[View]:
+    """Largest and smallest values over the thesis' window, printed and here."""
+    rows = []
+    for level, name in (("level 1", "none"), ("level 2", "level 2")):
+        here = data[f"fsi3/thesis/{name}"].view
+        rows.append(THESIS_TABLE_4_2[level] | {"name": f"thesis, {level}"})
+        rows.append(extremes_of(here, 1.1) | {"name": f"here, {level}"})
+    rows += [
+        extremes_of(here, 3.5) | {"name": "here, level 2, from 3.5 s on"},
+        extremes_of(LEVEL_4) | {"name": "reference"},
+    ]
+    return rows
+
+
+def thesis_changes(data: Data) -> list[View]:
+    """One change of the thesis' settings at a time: extremes, and the settled motion."""
+    runs = {told(changes) or "none": f"thesis/{name}" for name, changes in THESIS_RUNS.items() if name != "level 2"}
+    runs["the shipped `scenes/fsi3-325x72.json`"] = "grid/325x72"
+    rows = [extremes_of(data[f"fsi3/{run}"].view, 1.1) | {"name": name} for name, run in runs.items()]
+    return [*rows, extremes_of(LEVEL_4) | {"name": "reference"}]
+
+
+def thesis_waves(data: Data) -> list[View]:
+    """Growth of short waves, and how the runs end."""
+    kinds = {
+        "singular": "a projected angle is singular",
+        "converge": "no convergence",
+        "unstable": "the load is unstable",
+    }
+    rows = []
+    for name, changes in WAVES.items():
+        view = dict(data[f"fsi3/waves/{name}"].view)
+        if name == "bdf2, iterated":
+            continue
+        if "growth" in view:
+            view["size"] = 1e3 * view["growth.size"]
+        reason = next((said for word, said in kinds.items() if word in view["said"]), view["said"][:60])
+        end = f"holds (to {view['reached']:g} s)" if reason == "ok" else f"{view['reached']:.3f} s: {reason}"
+        label = "a ramp of 2 s" if name == "ramp" else told(changes, "time.end") or "none, with the scene's own `bdf2`"
+        rows.append(view | {"name": label, "end": end})
+    return rows
+
+
+def thesis_error(data: Data) -> list[str]:
+    said = data["fsi3/waves/none"].error or ""
+    return ["", *textwrap.wrap(said, 96, initial_indent="    ", subsequent_indent="    "), ""]
+
+
+def iterations(data: Data) -> list[str]:
+    """Mean iterations a step, by density ratio and acceleration."""
+
+    def cell(ratio: float, name: str) -> str:
+        record = data[f"fsi3/iterations/{ratio:g}, {name}"]
+        return f"stops at t = {1e3 * record['reached']:.0f} ms" if record.error else f"{record['iterations']:.1f}"
+
+    header = ["density ratio", *(f"`{name}`" for name in ACCELERATIONS)]
+    return show.markdown(header, [[f"{ratio:g}", *(cell(ratio, name) for name in ACCELERATIONS)] for ratio in RATIOS])
+
+
+def exchange_table(data: Data) -> list[View]:
+    """Differences of both sides of the interface, over window and step."""
+    rows = []
+    for window, (begin, end) in EXCHANGE_WINDOWS.items():
+        for step in EXCHANGE_STEPS:
+            found = data[f"fsi3/exchange/30, {step:g}"]
+            row = {name: found.get(f"{window}.{name}") for name in ("lift", "work", "net", "tip")}
+            if row["tip"] is not None:
+                moved = row["tip"] if row["tip"] > 1e-3 else None
+                rows.append(row | {"begin": begin, "end": end, "step": step, "moved": moved})
+    return rows
+
+
+# Figures
+
+
+def bands(data: Data) -> None:
+    """Two periods of FSI3 on each grid, in the band of the published amplitudes around the published mean."""
+    titles = {"tip_ux": "$u_x$ [mm]", "tip_uy": "$u_y$ [mm]", "drag": "drag [N/m]", "lift": "lift [N/m]"}
+    figure, axes = show.panel(2, 2, (9.5, 6), sharex=True)
+    reference, others = LEVEL_4, simulate.reference(COARSE)["spread"]["quantities"]
+    for axis, (name, title) in zip(axes.flat, titles.items()):
+        factor = 1e3 if name.startswith("tip") else 1.0
+        mean, amplitude = reference[f"{name}.mean"], reference[f"{name}.amplitude"]
+        low, high = others[name]["amplitude"]
+        for sign in (-1, 1):
+            edges = sorted((mean + sign * low, mean + sign * high))
+            axis.axhspan(edges[0] * factor, edges[1] * factor, color="#999999", alpha=0.35, linewidth=0)
+            axis.axhline((mean + sign * amplitude) * factor, color="#000000", linewidth=0.8, linestyle=":")
+        for grid, colour, style in zip(SHIPPED, COLOURS, ("-", "--", "-.")):
+            rows = data[f"fsi3/grid/{grid}"].tables.get("periods", [])
+            x, y = [row["phase"] for row in rows], [factor * row[name] for row in rows]
+            axis.plot(x, y, style, color=colour, linewidth=1.3, label=grid.replace("x", " x "))
+        axis.set_ylabel(title)
+    for axis in axes[1]:
+        axis.set_xlabel("periods of $u_y$")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    handles += [Line2D([], [], color="#999999", alpha=0.5, linewidth=6), Line2D([], [], color="#000000", linestyle=":")]
+    labels += ["published spread of the extremes", "FeatFlow, level 4"]
+    figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=8)
+    show.save(figure, "report/fsi3_bands")
+
+
+def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
+    bands(data)
+    if run := runs("fsi3/grid/650x144"):
+        for name in ("tip", "drag", "lift", "vorticity"):
+            shutil.copy(run.folder / f"{name}.png", show.DOCS / "fsi3")
+
+
+TABLES: dict[str, Callable[[Data], Any]] = {
+    "fsi3": readme,
+    "fsi3-grids": grids,
+    "fsi3-errors": by_grid,
+    "fsi3-costs": costs,
+    "cfd3": still,
+    "fsi3-coarse": partial(varied, "coarse"),
+    "fsi3-fine": partial(varied, "fine"),
+    "thesis-extremes": thesis_extremes,
+    "thesis-changes": thesis_changes,
+    "thesis-waves": thesis_waves,
+    "thesis-error": thesis_error,
+    "coupling-iterations": iterations,
+    "coupling-exchange": exchange_table,
+}
+
+STUDY = Study("fsi3", cases, keep, TABLES, draw=draw)

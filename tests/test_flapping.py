@@ -1,29 +1,30 @@
 """A driven root: limits with exact solutions, the balance of energy, and the averages of the report."""
 
+import driven_root
 import numpy as np
 import pytest
-import vein_limits
 
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
 from nervure.scene import typed
+from studies import simulate
 
 
 @pytest.fixture
 def record(tmp_path, libraries):
     """Function that runs a scene and returns what was recorded."""
-    return lambda scene, *arguments, **keywords: vein_limits.record(scene, tmp_path, *arguments, **keywords)
+    return lambda scene, *arguments, **keywords: driven_root.record(scene, tmp_path, *arguments, **keywords)
 
 
 @pytest.fixture
 def pitching():
-    return vein_limits.small_pitching()
+    return driven_root.small_pitching()
 
 
-@pytest.mark.parametrize("name", vein_limits.LIMITS)
+@pytest.mark.parametrize("name", driven_root.LIMITS)
 def test_driven_root_has_the_known_answer(name, record):
     """Stiff limit, transfer function in vacuum, free vibration in still fluid, energy over a period."""
-    for found in vein_limits.LIMITS[name](record):
+    for found in driven_root.LIMITS[name](record):
         print(f"{name}, {found.quantity}: {found.value:.6g} against {found.expected:.6g}, {found.error:+.2e}")
         assert abs(found.error) <= found.asked, found
 
@@ -37,7 +38,7 @@ def test_master_drives_the_root_as_the_laws_do(pitching, record, chosen):
     by_laws = record(pitching)
 
     def drive(t: float) -> list[float]:
-        return [0.0, 0.0, 0.0, 0.0, *vein_limits.pitch(vein_limits.sine_of(pitching), t)]
+        return [0.0, 0.0, 0.0, 0.0, *simulate.pitch(simulate.pitching(pitching), t)]
 
     by_master = record(pitching | {"rod": pitching["rod"] | {"root_motion": "master"}}, drive)
     for column in ("tip_uy", "lift", "root_power"):

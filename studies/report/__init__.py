@@ -1,2 +1,1 @@
-"""The report: what is measured (`cases`), how (`measure`, `worker`), what the other studies have (`collect`), what
-is shown (`render`)."""
+"""The report of docs/report: `pages` measures and shows error against run time, `leave_out` what absent parts cost."""

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 MOST_ORDER, LEAST_ORDER = 2.75, 0.75
 """What is believed of methods of first and second order."""
-
 ALIKE = 0.5
 """Largest difference of the orders of the last three values and of the three before the last."""
 
@@ -22,7 +21,7 @@ def limit(sizes: list[float], values: list[float], most: float = MOST_ORDER) -> 
     """What the last values say, with an order of at most `most`; with four values or more the order must have
     settled."""
     last = through(sizes, values)
-    if last.value is None:
+    if last.order is None:
         return last
     if not LEAST_ORDER <= last.order <= most:
         return Limit(last.order, None, f"not asymptotic: the order would be {last.order:.1f}")
@@ -51,9 +50,7 @@ def through(sizes: list[float], values: list[float]) -> Limit:
     for _ in range(80):
         middle = (low + high) / 2
         low, high = (middle, high) if excess(low) * excess(middle) > 0 else (low, middle)
-    factor = second / (h[1] ** low - h[2] ** low)
-    value = c + factor * h[2] ** low
-    return Limit(low, value, "asymptotic")
+    return Limit(low, c + second / (h[1] ** low - h[2] ** low) * h[2] ** low, "asymptotic")
 
 
 def front(points: list[tuple[float, float]]) -> list[int]:

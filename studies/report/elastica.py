@@ -1,46 +1,38 @@
-"""A cantilever under its own weight by Reissner's beam (1972), to rounding: what rods with these stiffnesses
-converge to."""
+"""A cantilever under its own weight by Reissner's beam (1972), to rounding: what rods with these stiffnesses converge
+to."""
 
-import math
+import numpy as np
 
 STEPS = 2000
 
 
-def tip(length: float, weight: float, bending: float, axial: float, shear: float = math.inf) -> tuple[float, float]:
-    """Displacement of the tip (m) of a horizontal beam that weighs `weight` (N/m) downwards; stiffnesses EI (N m²),
-    EA, GA_s (N).
+def tip(length: float, weight: float, bending: float, axial: float, shear: float = np.inf) -> tuple[float, float]:
+    """Displacement of the tip (m) of a horizontal beam that weighs `weight` (N/m) downwards; stiffnesses EI (N m²), EA,
+    GA_s (N).
 
-    The force in the section is known, −weight (L − s) upwards; theta' = M/EI and
-    M' = −(r' × N) are integrated from the root by
-    Runge and Kutta's rule, and M(0) is found by Newton's method such that M(L) = 0.
+    The force in the section is known, −weight (L − s) upwards; theta' = M/EI and M' = −(r' × N) are integrated from the
+    root by Runge and Kutta's rule, and M(0) is found by the secant method such that M(L) = 0.
     """
 
-    def slope(s: float, state):
-        x, y, theta, moment = state
-        force = -weight * (length - s)
-        cos, sin = math.cos(theta), math.sin(theta)
+    def slope(s: float, state: np.ndarray) -> np.ndarray:
+        force, cos, sin = -weight * (length - s), np.cos(state[2]), np.sin(state[2])
         stretch, slide = 1 + force * sin / axial, force * cos / shear
         dx, dy = stretch * cos - slide * sin, stretch * sin + slide * cos
-        return dx, dy, moment / bending, -dx * force
+        return np.array([dx, dy, state[3] / bending, -dx * force])
 
-    def shot(moment: float):
-        state, h = (0.0, 0.0, 0.0, moment), length / STEPS
-        for i in range(STEPS):
-            s = i * h
+    def shot(moment: float) -> np.ndarray:
+        state, h = np.array([0.0, 0.0, 0.0, moment]), length / STEPS
+        for s in np.arange(STEPS) * h:
             k1 = slope(s, state)
-            k2 = slope(s + h / 2, [a + h / 2 * b for a, b in zip(state, k1)])
-            k3 = slope(s + h / 2, [a + h / 2 * b for a, b in zip(state, k2)])
-            k4 = slope(s + h, [a + h * b for a, b in zip(state, k3)])
-            state = [a + h / 6 * (b + 2 * c + 2 * d + e) for a, b, c, d, e in zip(state, k1, k2, k3, k4)]
+            k2 = slope(s + h / 2, state + h / 2 * k1)
+            k3 = slope(s + h / 2, state + h / 2 * k2)
+            state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + slope(s + h, state + h * k3))
         return state
 
-    small = -weight * length**2 / 2
-    guess, end = small, shot(small)[3]
-    other = 0.9 * small
-    for _ in range(40):
-        other_end = shot(other)[3]
-        if abs(other_end) < 1e-13 * abs(small) or other_end == end:
-            break
-        guess, end, other = other, other_end, other - other_end * (other - guess) / (other_end - end)
-    x, y, _, _ = shot(other)
-    return x - length, y
+    other = 0.9 * (guess := -weight * length**2 / 2)
+    end = shot(guess)[3]
+    while True:
+        state = shot(other)
+        if abs(state[3]) < 1e-12 * weight * length**2 or state[3] == end:
+            return float(state[0] - length), float(state[1])
+        guess, end, other = other, state[3], other - state[3] * (other - guess) / (state[3] - end)

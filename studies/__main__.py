@@ -1,0 +1,92 @@
+"""`python -m studies NAME …` runs what is missing of studies, takes it in and writes the pages; without names it only
+writes the pages.
+
+    python -m studies fluid --list                  the cases, and what is known of them
+    python -m studies fluid --only 'dt/*' --jobs 2  run some of those that are missing, two at a time
+    python -m studies --shown README.md             run the stale ones among those that a document shows
+    python -m studies --stale                       list what the code has since changed
+    python -m studies --check                       fail if a page or a table would be written otherwise
+"""
+
+import sys
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from studies import catalogue, engine
+from studies.engine import Case, Study
+from studies.store import Data
+
+
+def state(study: Study, case: Case, data: Data) -> str:
+    """What is known of a case: it is committed, lies in results, is stale, or was never run."""
+    record, run = data.get(f"{study.name}/{case.name}"), study.run_of(case)
+    if record and not record.stale:
+        return "known"
+    if run and run.digest == case.digest:
+        return "run"
+    return "stale" if record else "missing"
+
+
+def main(
+    names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]…", help="Studies.")] = None,
+    only: Annotated[str, typer.Option(metavar="PATTERN", help="Only the cases of this name, such as 'dt/*'.")] = "*",
+    listing: Annotated[bool, typer.Option("--list", help="List the cases and run nothing.")] = False,
+    jobs: Annotated[int, typer.Option(min=1, help="Runs at a time.")] = 1,
+    scheduler: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to run on.")] = None,
+    full: Annotated[bool, typer.Option("--full", help="The long cases of the report, too.")] = False,
+    again: Annotated[bool, typer.Option("--again", help="Run what is known as well.")] = False,
+    times: Annotated[bool, typer.Option("--times", help="Take new times where the results agree, too.")] = False,
+    shown: Annotated[Path | None, typer.Option(metavar="FILE", help="Only the cases that this document shows.")] = None,
+    stale: Annotated[bool, typer.Option("--stale", help="List the stale cases and run nothing.")] = False,
+    check: Annotated[bool, typer.Option("--check", help="Write nothing; fail if a page would change.")] = False,
+) -> None:
+    """Run studies and write the pages that show them."""
+    data = catalogue.load()
+    if stale:
+        for record in data.stale():
+            typer.echo(record.name)
+        return
+    if check:
+        stale_pages = catalogue.render(data, check=True)
+        for path in stale_pages:
+            typer.echo(f"{path} would change")
+        raise typer.Exit(1 if stale_pages else 0)
+    known = {study.name: study for study in catalogue.STUDIES}
+    if unknown := [name for name in names or () if name not in known]:
+        raise typer.BadParameter(f"there is no study {unknown[0]!r}; there are {', '.join(known)}")
+    studies = [known[name] for name in names or ()]
+    if shown:
+        wanted = catalogue.shown(shown.resolve())
+        cases = [found for found in engine.chosen(catalogue.STUDIES) if f"{found[0].name}/{found[1].name}" in wanted]
+        studies = list({study.name: study for study, _ in cases}.values())
+    else:
+        cases = engine.chosen(studies, only, full)
+    states = [state(study, case, data) for study, case in cases]
+    if listing:
+        for (study, case), found in zip(cases, states):
+            typer.echo(f"{found:8} {study.name}/{case.name}")
+        return
+    for (study, case), found in zip(cases, states):
+        if found == "run" and not again and (run := study.run_of(case)):
+            data.take(study, case, run, times)
+    todo = [pair for pair, found in zip(cases, states) if again or found in ("stale", "missing")]
+    for study, case, run in engine.run(todo, jobs, scheduler):
+        changed = data.take(study, case, run, times)
+        data.save()
+        typer.echo(f"{study.name}/{case.name}: {run.found.get('error') or ('new' if changed else 'as before')}")
+    data.save()
+    by_name = {f"{study.name}/{case.name}": partial(study.run_of, case) for study, case in data.cases.values()}
+    for study in studies:
+        study.draw(data, lambda name: by_name[name]())
+    for path in catalogue.render(data):
+        typer.echo(f"wrote {path}")
+
+
+if __name__ == "__main__":
+    sys.argv[0] = "python -m studies"
+    app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+    app.command()(main)
+    app()

@@ -1,0 +1,43 @@
+"""Cases that are a program of their own: one that writes tables as CSV."""
+
+from __future__ import annotations
+
+import csv
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from nervure.errors import Refusal
+from nervure.resources import ROOT
+
+if TYPE_CHECKING:
+    from studies.engine import Case
+
+
+def cargo(manifest: str, target: str, *arguments: str, binary: str = "") -> list[str]:
+    """Command of a Rust program outside of the workspace."""
+    run = ["cargo", "run", "--release", "--locked", "--manifest-path", manifest, "--target-dir", target]
+    return [*run, *(("--bin", binary) if binary else ()), "--", *arguments]
+
+
+def tables(case: Case, folder: Path) -> dict[str, Any]:
+    """Run the option `command`, in which `{folder}` stands for the case's folder; the tables that it has written
+    there."""
+    command = [part.format(folder=folder) for part in case.options["command"]]
+    done = subprocess.run(command, cwd=ROOT, stderr=subprocess.PIPE, text=True, check=False)
+    if done.returncode:
+        raise Refusal(done.stderr.strip().splitlines()[-1])
+    return {"tables": {path.stem: read(path) for path in sorted(folder.glob("*.csv"))}}
+
+
+def read(path: Path) -> list[dict[str, Any]]:
+    """Rows of a CSV with numbers as floats and empty cells as None."""
+
+    def value(text: str) -> float | str | None:
+        try:
+            return float(text) if text else None
+        except ValueError:
+            return text
+
+    with open(path, encoding="utf-8", newline="") as file:
+        return [{key: value(text) for key, text in row.items()} for row in csv.DictReader(file)]

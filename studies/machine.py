@@ -1,0 +1,36 @@
+"""Where and of which revision something was measured."""
+
+import os
+import platform
+import subprocess
+from dataclasses import asdict
+from datetime import date
+from functools import lru_cache
+from importlib.metadata import version
+from typing import Any
+
+from nervure.provenance import cpu_model, git_revision
+
+
+@lru_cache
+def here() -> dict[str, Any]:
+    """This machine, the versions on it, the revision of the sources and the day."""
+    git = git_revision()
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return {
+        "cpu": cpu_model(),
+        "cores": os.cpu_count(),
+        "memory_gb": round(memory / 1e9, 1),
+        "system": platform.system(),
+        "python": platform.python_version(),
+        "rustc": subprocess.run(["rustc", "--version"], capture_output=True, text=True, check=True).stdout.strip(),
+        "packages": {name: version(name) for name in ("fmpy", "numpy")},
+        "git": asdict(git) if git else None,
+        "date": date.today().isoformat(),
+    }
+
+
+def key(about: dict[str, Any]) -> str:
+    """Short name of a machine, day and revision."""
+    revision = about["git"]["revision"][:9] if about["git"] else "no git"
+    return f"{about['date']}, {revision}" + (", changed" if about["git"] and about["git"]["dirty"] else "")

@@ -1,0 +1,70 @@
+"""What it costs to keep frames and checkpoints of a run: half a minute."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from nervure import checkpoint
+from nervure.scene import typed
+from nervure.show import fields
+from studies import simulate
+from studies.engine import COUPLED, Case, Run, Study
+from studies.store import Data
+
+SCENES = ("fsi3-325x72", "fsi3-650x144", "fsi3-1300x288")
+REPEATS, STEPS = 10, 10
+"""Frames and checkpoints that are written, and steps before a frame."""
+
+
+def measure(case: Case, folder: Path) -> dict[str, Any]:
+    """Shortest wall times of a step, a frame and a checkpoint, ms, on the disk that `results` is on, and the size of a
+    checkpoint at the end of the run, MB."""
+    scene = case.built()
+    spent: dict[str, list[float]] = {"step": [], "frame": [], "checkpoint": []}
+
+    def timed(what: str, action: Any, *arguments: Any) -> None:
+        begin = perf_counter()
+        action(*arguments)
+        spent[what].append(1e3 * (perf_counter() - begin))
+
+    with ExitStack() as stack:
+        units, scheme, clock, recorder = simulate.assemble(scene, folder, stack)
+        frames = fields.Fields(folder, typed(scene), units, clock, STEPS * clock.communication_step, 0)
+        stack.callback(frames.close)
+        write, saved = frames.watch(print), checkpoint.Checkpoint(folder, typed(scene), {}, units, scheme, recorder)
+        scheme.start()
+        recorder.table[:] = 0.0
+        recorder.record(0, 0.0, 0)
+        for i in range(REPEATS * STEPS):
+            t, h = clock.step(i)
+            timed("step", scheme.step, t, h)
+            recorder.record(i + 1, t + h, 1)
+            if (i + 1) % STEPS == 0:
+                timed("frame", write, i + 1, t + h, 0.0)
+        recorder.rows = len(recorder.table)  # as many rows as at the end of a whole run
+        for _ in range(REPEATS):
+            timed("checkpoint", saved.save, clock.steps, 0.0)
+        size = (folder / checkpoint.FILE).stat().st_size
+    fields.clear(folder)
+    checkpoint.clear(folder)
+    return {f"{what}_ms": round(min(found), 3) for what, found in spent.items()} | {
+        "checkpoint_mb": round(size / 1e6, 2)
+    }
+
+
+def cases() -> Iterator[Case]:
+    for scene in SCENES:
+        yield Case(f"keeping/{scene}", (*COUPLED, "keeping"), scene, action=measure)
+
+
+def keep(case: Case, run: Run) -> dict[str, Any]:
+    return {"times": run.found}
+
+
+def keeping(data: Data) -> list[dict[str, Any]]:
+    return [record.times | {"name": record.label} for record in data.of("running/keeping/*")]
+
+
+STUDY = Study("running", cases, keep, {"running-keeping": keeping})

@@ -1,0 +1,241 @@
+"""How studies load, change and run a scene, and where its published values come from: nothing else of a study knows."""
+
+from __future__ import annotations
+
+import copy
+import ctypes
+import json
+import resource
+import tomllib
+from collections.abc import Callable
+from contextlib import ExitStack
+from functools import lru_cache
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from nervure import coupling, master, results, scene as scenes, simulation
+from nervure.evaluate import coefficients
+from nervure.evaluate.summary import summarize
+from nervure.files import json_numbers
+from nervure.pack import package
+from nervure.recorder import Recorder
+from nervure.scene import kinds, typed
+from nervure.show import plots
+from nervure.unit import Unit
+
+if TYPE_CHECKING:
+    from studies.engine import Case
+
+LISTED: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
+"""Changes of scenes by study, and what others have printed."""
+
+REPEATED_BELOW = 20.0
+"""Processor time, s, up to which a case runs as often as it asks for; the first run goes before and is not timed."""
+
+
+def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
+    """The shipped scene `name` with other values by dotted key; "absent" takes a key away."""
+    scene: dict[str, Any] = scenes.read(name)
+    for key, value in changes.items():
+        if value != "absent":
+            scenes.assign(scene, key, copy.deepcopy(value))
+            continue
+        *parents, last = key.split(".")
+        part = scene
+        for parent in parents:
+            part = part[parent]
+        part.pop(last, None)
+    return scene
+
+
+def assignments(changes: dict[str, Any]) -> list[str]:
+    """Changes as `--set` takes them."""
+    texts = {
+        key: "null"
+        if value == "absent"
+        else value
+        if isinstance(value, str)
+        else json.dumps(value, separators=(",", ":"))
+        for key, value in changes.items()
+    }
+    return [f"{key}={text}" for key, text in texts.items()]
+
+
+@lru_cache
+def reference(name: str) -> dict[str, Any]:
+    """Published values of a shipped scene: `quantities` or `coefficients` and, of some, the `spread` of several
+    sources."""
+    return changed(name, {}).get("reference") or {} if name else {}
+
+
+@lru_cache
+def published(name: str) -> dict[str, tuple[float, float]]:
+    """Published value and scale of each quantity of a scene. What swings about a mean near zero has its amplitude as
+    the scale of the mean."""
+    given = reference(name)
+    if "coefficients" in given:
+        return {q: (value, abs(value)) for q, value in coefficients.published(scenes.load(name).reference).items()}
+    found = {}
+    for quantity, values in given.get("quantities", {}).items():
+        for what in ("mean", "amplitude", "frequency_hz"):
+            if what in values:
+                swings = what == "mean" and name.startswith(("fsi3", "cfd3")) and quantity != "drag"
+                found[f"{quantity}.{what}"] = values[what], abs(values["amplitude"] if swings else values[what])
+    return found
+
+
+def unit_of(quantity: str) -> str:
+    """Unit of a quantity of a run's summary."""
+    name, _, what = quantity.partition(".")
+    if what in ("frequency_hz", "growth"):
+        return "Hz"
+    return {"tip_ux": "m", "tip_uy": "m", "drag": "N/m", "lift": "N/m", "dp_mean": "Pa"}.get(name, "")
+
+
+# Running
+
+
+class Rigid(coupling.Single):
+    """A fluid whose stations are those of a rigid rod along x that pitches about the origin."""
+
+    def __init__(self, fluid: Unit, scene: dict[str, Any]):
+        fluid.connect(["x", "y", "vx", "vy"], [])
+        self.unit, self.drive = fluid, None
+        self.law = pitching(scene)
+        self.s = np.linspace(0, scene["beam"]["length"], scene["beam"]["segments"] + 1)
+
+    def step(self, t: float, h: float) -> int:
+        angle, rate = pitch(self.law, t + h)
+        along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+        self.unit.inputs[:] = np.concatenate([np.outer(along, self.s).ravel(), np.outer(rate * across, self.s).ravel()])
+        return super().step(t, h)
+
+
+def pitching(scene: dict[str, Any]) -> dict[str, float]:
+    """The sine that the root's angle follows."""
+    law: dict[str, float] = scene["rod"]["root_motion"]["laws"]["rotations"][0]["angle"]["sine"]
+    return law
+
+
+def pitch(law: dict[str, float], t: float) -> tuple[float, float]:
+    """Angle of a root that follows the sine `law`, rad, and its rate."""
+    omega, part = 2 * np.pi * law["frequency"], np.pi * min(t / law["ramp"], 1.0)
+    share, growth = (1 - np.cos(part)) / 2, np.pi / law["ramp"] * np.sin(part) / 2
+    sin, cos = np.sin(omega * t), np.cos(omega * t)
+    return law["amplitude"] * share * sin, law["amplitude"] * (share * omega * cos + growth * sin)
+
+
+def assemble(
+    scene: dict[str, Any], folder: Path, stack: ExitStack, rigid: bool = False, drive: coupling.Drive | None = None
+) -> tuple[dict[str, Unit], coupling.Single, master.Clock, Recorder]:
+    """Units, scheme, clock and recorder of a scene; `rigid` puts a rigid rod that follows its root in the place of the
+    rod, `drive` gives the motion of a root that the master drives."""
+    packed = {key: part for key, part in scene.items() if key not in ("rod", "coupling")} if rigid else scene
+    fmus = {kind: package.pack(kind, packed, folder) for kind in kinds(packed)}
+    units, scheme, clock, recorder = simulation.assemble(typed(packed), fmus, stack, drive)
+    for path in fmus.values():
+        path.unlink()
+    return units, Rigid(units["fluid"], scene) if rigid else scheme, clock, recorder
+
+
+def resident() -> float:
+    """Resident set of this process, MB, without what is free."""
+    ctypes.CDLL(None).malloc_trim(0)
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize() / 1e6
+
+
+def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Callable[..., Any]:
+    """`call`, whose wall time is added to `seconds[phase]`."""
+
+    def wrapped(*arguments: Any) -> Any:
+        begin = perf_counter()
+        result = call(*arguments)
+        seconds[phase] += perf_counter() - begin
+        return result
+
+    return wrapped
+
+
+def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: bool = False) -> dict[str, Any]:
+    """One run into `folder`: its summary, with the wall time of FMI, Python, recording and output, and the memory
+    that it
+    has added."""
+    with ExitStack() as stack:
+        before = resident()
+        units, scheme, clock, recorder = assemble(scene, folder, stack, rigid)
+        seconds = {"fmi": 0.0, "recording": 0.0, "output": 0.0}
+        for unit in units.values():
+            for name in ("set", "get"):
+                setattr(unit, name, timed(getattr(unit, name), seconds, "fmi"))
+        setattr(recorder, "record", timed(recorder.record, seconds, "recording"))  # noqa: B010
+        outcome = master.run(scheme, clock, recorder)
+        memory = resident() - before
+        evaluated = summarize(typed(scene), units, scheme, recorder, outcome)
+        timed(results.write, seconds, "output")(folder, typed(scene), recorder, scheme, evaluated)
+        if pictures:
+            plots.time_series(folder, {scene["name"]: recorder}, typed(scene))
+            plots.vorticity(folder, typed(scene), units, outcome.simulated)
+        summary = evaluated.document()
+        phases = summary["phases_s"]
+        phases["python"] = phases.pop("exchange_and_python") - seconds["fmi"] - seconds["recording"]
+        phases |= seconds
+        columns: Any = {name: recorder.column(name) for name in recorder.columns}
+        np.savez_compressed(folder / "series.npz", **columns)
+        last = {name: float(values[-1]) for name, values in columns.items()}
+        return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "memory_mb": memory, "last": last}
+
+
+def run(case: Case, folder: Path) -> dict[str, Any]:
+    """Run the scene of a case, as often as its option `repeats` says; the summary of the first run, with quartiles of
+    the
+    times (lower, median, upper, s) and the shortest phases of those that are timed."""
+    options = dict(case.options)
+    repeats, scene = options.pop("repeats", 0), case.built()
+    first = once(scene, folder, **options)
+    again = []
+    if first["error"] is None and first["cpu_s"] <= REPEATED_BELOW:
+        again = [once(scene, folder, **options) for _ in range(repeats)]
+    if any(other["last"] != first["last"] for other in again):
+        return {"error": "another run of it gave other numbers"}
+    runs = again or [first]
+    for clock in ("wall_s", "cpu_s"):
+        first[clock] = np.percentile([other[clock] for other in runs], [25, 50, 75]).tolist()
+    first["phases_s"] = {phase: min(other["phases_s"][phase] for other in runs) for phase in first["phases_s"]}
+    found: dict[str, Any] = json_numbers(first | {"runs": len(runs)})
+    return found
+
+
+class Columns:
+    """Recorded columns, in the place of a recorder."""
+
+    def __init__(self, series: dict[str, np.ndarray]):
+        self.series, self.columns, self.unit_of = series, list(series), dict.fromkeys(series)
+
+    def column(self, name: str) -> np.ndarray:
+        return self.series[name]
+
+
+def sizes(scene: dict[str, Any]) -> tuple[int, int]:
+    """Bytes of the XML descriptions and scalar variables of a scene's units."""
+    texts = [package.describe(kind, scene) for kind in kinds(scene)]
+    return sum(len(text.encode()) for text in texts), sum(text.count("<ScalarVariable") for text in texts)
+
+
+def quantities(summary: dict[str, Any]) -> dict[str, float]:
+    """Statistics of a summary by `signal.what`, coefficients included; what a signal does not have is left out."""
+    found = dict((summary["coefficients"] or {}).get("values", {}))
+    for name, part in summary["quantities"].items():
+        for what in ("mean", "amplitude", "frequency_hz"):
+            found[f"{name}.{what}"] = part[what]
+        if part["fit"]:
+            found[f"{name}.fit"] = part["fit"]["amplitude"]
+    return {name: value for name, value in found.items() if value is not None}
+
+
+def times(summary: dict[str, Any]) -> dict[str, Any]:
+    """What is kept of a run's times."""
+    return {name: summary[name] for name in ("wall_s", "cpu_s", "runs", "phases_s")}

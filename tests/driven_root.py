@@ -1,0 +1,184 @@
+"""A driven root where the answer is known: the scenes, what comes out, and how far from the answer it may be.
+
+The study of the vein shows what is found, tests/test_flapping.py asks for the same.
+"""
+
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nervure import coupling, master
+from nervure.evaluate import flapping, statistics
+from nervure.evaluate.statistics import Window
+from nervure.recorder import Recorder
+from nervure.scene import typed
+from studies import simulate
+
+Scene = dict[str, Any]
+
+PITCHING = "vein-pitching-320x240"
+FORCES = ("beam_drag", "beam_lift", "beam_moment")
+
+STIFF = {"bending_stiffness": 1e5, "axial_stiffness": 1e8}
+FORCE_WIDTH = 0.02
+"""Box filter over the forces that are compared, s: a fiftieth of the period. What is shorter is the mask that crosses
+the grid, in
+which a rod that gives way by 1e-4 differs from one that does not."""
+
+CANTILEVER = np.array([1.87510407, 4.69409113, 7.85475744, 10.99554073])
+"""First roots of 1 + cos b cosh b."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """One quantity beside what it should be."""
+
+    quantity: str
+    value: float
+    expected: float
+    asked: float
+    """Largest `error` that counts as right."""
+    unit: str = ""
+
+    @property
+    def error(self) -> float:
+        """Distance from the expected value, relative where that is not 0."""
+        return (self.value - self.expected) / (self.expected or 1.0)
+
+
+Run = Callable[..., Recorder]
+"""`record` without its folder: the scene and, by keyword, whether the rod is rigid, to what was recorded."""
+
+
+def record(scene: Scene, folder: Path, drive: coupling.Drive | None = None, rigid: bool = False) -> Recorder:
+    """What a run that reaches its end recorded."""
+    with ExitStack() as stack:
+        _, scheme, clock, recorder = simulate.assemble(scene, folder, stack, rigid, drive)
+        outcome = master.run(scheme, clock, recorder)
+    assert outcome.error is None, outcome.error
+    return recorder
+
+
+def small_pitching() -> Scene:
+    """The pitching vein on a grid that is good enough for questions about the balance, thicker so that the grid sees
+    it."""
+    scene = simulate.changed(PITCHING, {})
+    scene["name"] = "small-pitching"
+    scene["time"] = {"end": 3.05, "communication_step": 1e-3}
+    scene["fluid"]["box"]["cells"] = [128, 96]
+    scene["fluid"]["time_stepping"]["max_step"] = 1e-3
+    scene["beam"] |= {"thickness": 0.06, "segments": 24}
+    scene["rod"]["material"]["section"]["line_density"] = 0.06
+    return scene
+
+
+def filtered(time: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """A force under the box filter, without the ends that it does not fill."""
+    end = round(FORCE_WIDTH / 2 / (time[1] - time[0]))
+    return statistics.box_filter(time, force, FORCE_WIDTH)[end:-end]
+
+
+def stiff_limit(run: Run) -> list[Found]:
+    """A stiff vein makes the forces of the prescribed motion: largest difference by the largest force."""
+    scene = small_pitching()
+    scene["time"]["end"] = 2.0
+    scene["rod"]["material"]["section"] |= STIFF
+    both = run(scene), run(scene, rigid=True)
+    found = []
+    for name in FORCES:
+        stiff, rigid = (filtered(recorder.column("time"), recorder.column(name)) for recorder in both)
+        found.append(Found(name, np.abs(stiff - rigid).max() / np.abs(rigid).max(), 0.0, 0.01))
+    return found
+
+
+def energy(run: Run) -> list[Found]:
+    """Over a period no energy is missing, by the loads that the rod took and by what the fluid says it exerted: under
+    the momentum
+    load they differ by the step."""
+    scene = small_pitching()
+    scene["time"]["communication_step"] = 5e-4
+    balance = flapping.evaluate(typed(scene), run(scene), Window(2.0, 3.0, 1)).energy_balance
+    by_fluid = (balance["root"] + balance["fluid"] - balance["gained"]) / balance["root"]
+    return [Found("by the loads", balance["missing"], 0.0, 0.01), Found("by the fluid", by_fluid, 0.0, 0.01)]
+
+
+def transfer_function(run: Run) -> list[Found]:
+    """Base excitation in vacuum, w(L)/w0 = (cos b + cosh b)/(1 + cos b cosh b), b^4 = mu omega^2 L^4/EI, by the scene
+    file alone."""
+    b, mu, ei, periods = 1.4, 0.024, 0.0134, 40
+    frequency = b**2 * np.sqrt(ei / mu) / (2 * np.pi)
+    scene = simulate.changed(PITCHING, {})
+    del scene["fluid"]
+    scene["name"], scene["time"] = "vacuum", {"end": periods / frequency, "communication_step": 1 / (200 * frequency)}
+    scene["rod"] |= {
+        "scheme": "tr_bdf2",
+        "root_motion": {"laws": {"y": {"sine": {"amplitude": 1e-4, "frequency": frequency, "ramp": 20 / frequency}}}},
+    }
+    recorder = run(scene)
+    window = Window(30 / frequency, 40 / frequency, 10)
+    tip, root = (
+        flapping.harmonic(recorder.column("time"), recorder.column(name), window) for name in ("tip_uy", "rigid_tip_uy")
+    )
+    exact = (np.cos(b) + np.cosh(b)) / (1 + np.cos(b) * np.cosh(b))
+    return [Found("tip by root", float((tip / root).real), float(exact), 5e-3)]
+
+
+def frequency_of_the_wet_plate(ei: float, mu: float, area: float) -> float:
+    """First natural frequency, Hz, of a plate of chord 1 clamped at one edge in an ideal fluid of density 1 that
+    repeats in a
+    square of `area`, without a mean pressure gradient.
+
+    A thin plate that moves across itself at w(x), x = (1 - cos theta)/2, makes the jump sum a_n sin(n theta) of the
+    potential
+    with w = sum n a_n sin(n theta)/sin(theta), and carries pi/4 sum n a_n b_n between two such motions. The dipoles
+    of its
+    images, d per area, move the fluid at the plate along at d/(2 area). The plate moves in the cantilever's own modes.
+    """
+    roots, n = CANTILEVER, np.arange(1, 60)
+    theta = (np.arange(400) + 0.5) * np.pi / 400
+    x, dx, sines = (1 - np.cos(theta)) / 2, np.sin(theta) * np.pi / 800, np.sin(np.outer(n, theta))
+    b, s = roots[:, None] * x, (np.cosh(roots) + np.cos(roots)) / (np.sinh(roots) + np.sin(roots))
+    modes = np.cosh(b) - np.cos(b) - s[:, None] * (np.sinh(b) - np.sin(b))
+    jumps = 4 * (modes * dx) @ sines.T / np.pi / n
+    dipoles, of_unit_velocity = np.pi / 4 * jumps[:, 0], np.pi / 4
+    images = np.outer(dipoles, dipoles) / (2 * area + of_unit_velocity)
+    mass = (modes * (mu * dx)) @ modes.T + np.pi / 4 * (jumps * n) @ jumps.T - images
+    stiffness = np.diag(ei * roots**4 * ((modes * dx) * modes).sum(axis=1))
+    return float(np.sqrt(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real.min()) / (2 * np.pi))
+
+
+def free_vibration(run: Run) -> list[Found]:
+    """A plate in still fluid, nudged at its root, has its added mass."""
+    ei, mu, side = 2.7121, 0.3, 3.0
+    scene = simulate.changed(PITCHING, {})
+    scene["name"], scene["time"] = "free-vibration", {"end": 4.0, "communication_step": 5e-3}
+    scene["fluid"] |= {"box": {"x": [-1.0, 2.0], "y": [-1.5, 1.5], "cells": [240, 240]}, "kinematic_viscosity": 1e-4}
+    del scene["fluid"]["sponge"]
+    scene["fluid"]["time_stepping"]["max_step"] = 5e-3
+    scene["beam"] |= {"thickness": 0.03, "segments": 24}
+    scene["rod"]["material"]["section"] = {"line_density": mu, "bending_stiffness": ei, "axial_stiffness": 1e4}
+    nudge = {"table": {"times": [0.0, 0.25, 0.5], "values": [0.0, 0.004, 0.0]}}
+    scene["rod"]["root_motion"] = {"laws": {"rotations": [{"angle": nudge}]}}
+    recorder = run(scene)
+    later = recorder.column("time") > 0.75
+    time, uy = recorder.column("time")[later], recorder.column("tip_uy")[later]
+    crossings = statistics.upward_crossings(time, uy, 0.0, uy.max())
+    found = (crossings.size - 1) / (crossings[-1] - crossings[0])
+    expected = frequency_of_the_wet_plate(ei, mu, side**2)
+    dry = CANTILEVER[0] ** 2 * np.sqrt(ei / mu) / (2 * np.pi)
+    return [
+        Found("frequency", float(found), expected, 0.05, "Hz"),
+        Found("frequency by that in vacuum", float(found / dry), float(expected / dry), 0.05),
+    ]
+
+
+LIMITS = {
+    "stiff limit": stiff_limit,
+    "transfer function": transfer_function,
+    "free vibration": free_vibration,
+    "energy": energy,
+}

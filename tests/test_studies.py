@@ -1,0 +1,157 @@
+"""The engine of the studies: what a change makes stale, what is run, what a run changes in what is committed."""
+
+import pytest
+
+from studies import catalogue, engine, fluid, fsi3, show
+from studies.engine import Case, Study
+from studies.report.convergence import front, limit
+from studies.store import Data
+
+
+def act(case: Case, folder) -> dict:
+    """An action that notes that it was called."""
+    with open(folder.parent / "ran", "a") as file:
+        file.write(f"{case.name}\n")
+    return {"value": case.options["value"], "seconds": (folder.parent / "ran").stat().st_size}
+
+
+STUDY = Study(
+    "small",
+    lambda: [
+        Case(f"group/{n}", (room,), options={"value": n / 3}, action=act) for n, room in ((1, "fluid"), (2, "rod"))
+    ],
+    lambda case, run: {"values": {"value": run.found["value"]}, "times": {"cpu_s": run.found["seconds"]}},
+)
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    """Sources of two rooms, and a function that runs what is missing of the study; it returns the data."""
+    monkeypatch.setattr(engine, "ROOT", tmp_path)
+    monkeypatch.setattr(engine, "RESULTS", tmp_path / "results")
+    monkeypatch.setattr(engine, "ROOMS", {room: (f"{room}/*.rs",) for room in ("fluid", "rod")})
+    for room in ("fluid", "rod"):
+        (tmp_path / room).mkdir()
+        (tmp_path / room / "lib.rs").write_text("// A comment.\nlet x = 1;\n")
+
+    def run(again: bool = False) -> Data:
+        engine.sources.cache_clear()
+        data = Data([STUDY]).load(tmp_path)
+        for case in STUDY.cases():
+            record = data.get(f"small/{case.name}")
+            if again or record is None or record.stale:
+                engine.execute(case, STUDY.folder(case))
+                data.take(STUDY, case, STUDY.run_of(case))
+        data.save(tmp_path)
+        return data
+
+    run.folder = tmp_path
+    run.ran = lambda: (tmp_path / "results" / "small" / "ran").read_text().split()
+    yield run
+    engine.sources.cache_clear()
+
+
+def test_a_changed_line_makes_exactly_the_rows_stale_that_depend_on_it(small):
+    small()
+    (small.folder / "fluid" / "lib.rs").write_text("// A comment.\nlet x = 2;\n")
+    engine.sources.cache_clear()
+    data = Data([STUDY]).load(small.folder)
+    assert [record.name for record in data.stale()] == ["small/group/1"]
+
+
+def test_a_changed_comment_makes_nothing_stale(small):
+    small()
+    (small.folder / "fluid" / "lib.rs").write_text("// Another comment.\n\nlet x = 1;\n")
+    engine.sources.cache_clear()
+    assert Data([STUDY]).load(small.folder).stale() == []
+
+
+def test_a_study_runs_only_what_is_missing(small):
+    small()
+    small()
+    (small.folder / "rod" / "lib.rs").write_text("let x = 2;\n")
+    small()
+    assert small.ran() == ["group/1", "group/2", "group/2"]
+
+
+def test_a_run_that_agrees_changes_no_file(small):
+    small()
+    before = [(small.folder / name).read_bytes() for name in ("results.json", "times.json")]
+    small(again=True)
+    assert len(small.ran()) == 4
+    assert before == [(small.folder / name).read_bytes() for name in ("results.json", "times.json")]
+
+
+def test_a_room_that_has_moved_is_noticed(small):
+    (small.folder / "rod" / "lib.rs").unlink()
+    engine.sources.cache_clear()
+    with pytest.raises(FileNotFoundError, match="'rod'"):
+        engine.sources("rod")
+
+
+def test_every_room_has_sources():
+    for room in engine.ROOMS:
+        assert engine.sources(room), room
+
+
+def test_cases_have_names_of_their_own():
+    for study in catalogue.STUDIES:
+        cases = list(study.cases())
+        assert len({study.folder(case) for case in cases}) == len(cases), study.name
+
+
+def test_an_offset_moves_the_grid_by_parts_of_a_cell():
+    still, moved = (fluid.cylinder("2D-2", 100, "x/y", 1e-3, offset=(x, x)).built()["fluid"] for x in (0.0, 0.25))
+    for axis, cells in (("x", 100), ("y", 20)):
+        (low, high), (low_moved, high_moved) = still["box"][axis], moved["box"][axis]
+        assert low_moved - low == pytest.approx(0.25 * (high - low) / cells)
+        assert high_moved - low_moved == pytest.approx(high - low)
+    assert moved["cylinders"] == still["cylinders"] and moved["channel"] == still["channel"]
+
+
+@pytest.mark.usefixtures("libraries")
+def test_a_scene_is_run_and_one_that_is_refused_keeps_its_reason(tmp_path, monkeypatch):
+    good = fluid.cylinder("2D-2", 100, "grid/good", 2e-3)
+    good.changes["time.end"] = 0.1
+    bad = fluid.cylinder("2D-2", 100, "grid/bad", 2e-3, c_eta=-1.0)
+    study = Study("fluid", lambda: [good, bad], fluid.keep)
+    monkeypatch.setattr(engine, "RESULTS", tmp_path)
+    data = Data([study])
+    for case in study.cases():
+        engine.execute(case, study.folder(case))
+        data.take(study, case, study.run_of(case))
+    found = data["fluid/grid/good"]
+    assert found["cd_mean"] > 0 and found["flow_rate"] > 0 and found.times["runs"] == 3
+    assert 0 < found.times["cpu_s"][0] <= found.times["cpu_s"][1] <= found.times["cpu_s"][2]
+    assert "c_eta" in data["fluid/grid/bad"].error
+
+
+def test_a_form_leaves_out_what_is_missing():
+    assert show.form("{a[mm]:.1f}< ({b:+.1%})>", {"a": 0.0123, "b": 0.5}) == "12.3 (+50.0 %)"
+    assert show.form("{a:.1f}< ({b:+.1%})>", {"a": 2.0, "b": None}) == "2.0"
+    assert show.form("{a:.1f}", {}) == ""
+
+
+def test_short_waves_are_found_with_their_rate():
+    import numpy as np
+
+    time = np.arange(0, 1, 1e-4)
+    found = fsi3.waves(
+        {"time": time, "tip_vy": 1e-3 * np.exp(5 * time) * np.sin(2 * np.pi * 200 * time) + 0.3 * np.sin(6 * time)}
+    )
+    assert found["growth"] == pytest.approx(5, rel=0.02) and found["growth.frequency_hz"] == 200
+
+
+def test_extrapolation_finds_a_limit_and_its_order():
+    sizes = [10, 20, 40, 80]
+    found = limit(sizes, [3.0 + 5.0 / n**2 for n in sizes])
+    assert (found.order, found.value) == (pytest.approx(2.0, abs=1e-6), pytest.approx(3.0, rel=1e-9))
+
+
+def test_extrapolation_refuses_what_is_not_asymptotic():
+    assert "change sign" in limit([10, 20, 40], [1.0, 1.2, 1.1]).verdict
+    assert "not settled" in limit([10, 20, 40, 80], [1.0, 1.3, 1.5, 1.55]).verdict
+
+
+def test_the_front_keeps_what_nothing_beats():
+    assert front([(1.0, 0.5), (2.0, 0.6), (3.0, 0.1), (0.5, 0.9)]) == [3, 0, 2]
