@@ -138,7 +138,9 @@ def assemble(
     units, scheme, clock, recorder = simulation.assemble(typed(packed), fmus, stack, drive)
     for path in fmus.values():
         path.unlink()
-    return units, Rigid(units["fluid"], scene) if rigid else scheme, clock, recorder
+    if rigid:  # which connects the fluid, and only then it can be recorded
+        scheme, recorder = Rigid(units["fluid"], scene), Recorder(units, clock.steps)
+    return units, scheme, clock, recorder
 
 
 def resident() -> float:
