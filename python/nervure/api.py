@@ -19,8 +19,7 @@ class Run(results.Results):
     """A run: `scene`, `folder`, `summary`, and its `series` by name, in `units`."""
 
     def plot(self, *names: str) -> "Figure":
-        """The columns `names` over time, below each other; `figure.savefig(path)` writes them, a notebook shows
-        them."""
+        """The columns `names` over time, below each other; `figure.savefig(path)` writes them."""
         for name in names:
             if name not in self.series:
                 raise Refusal(f"{name} was not recorded: there are {', '.join(self.columns)}")

@@ -8,8 +8,7 @@ from typing import Any
 
 
 def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> None:
-    """Let each of `writers` write a file beside its place in `folder`, then move them all there; where one fails none
-    is moved."""
+    """Let each of `writers` write a file beside its place in `folder`, then move all there, or none if one fails."""
     unfinished = {name: folder / f"unfinished-{name}" for name in writers}
     try:
         for name, writer in writers.items():

@@ -30,8 +30,7 @@ def library(kind: str) -> Path:
 
 
 def describe(kind: str, text: str) -> str:
-    """modelDescription.xml of unit `kind` for the scene of this text; raises `SceneError` with the unit's words if it
-    refuses it."""
+    """modelDescription.xml of unit `kind` for the text of a scene, or `SceneError` with the unit's words."""
     function = ctypes.CDLL(str(library(kind)))["fmu_model_description"]
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
     function.restype = ctypes.c_int

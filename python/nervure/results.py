@@ -22,8 +22,7 @@ FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lif
 FURTHER_FILES = (
     "coefficients.png", "flapping.png", "vorticity.gif", "phases.png", "motion.png", "iterations.csv", "convergence.csv"
 )  # fmt: skip
-"""What a cylinder alone and a driven root leave besides, what `animate` makes of a run, and what an iterated scheme
-leaves."""
+"""What a cylinder alone, a driven root, `animate` and an iterated scheme leave besides."""
 
 
 @dataclass(frozen=True)

@@ -67,8 +67,7 @@ def run(
     console: Console,
     errors: Console,
 ) -> results.Results:
-    """Run `scene` from its start, with the FMUs `foreign` by kind in the place of ours, into `folder` or
-    results/NAME."""
+    """Run `scene` from its start into `folder` or results/NAME, with the FMUs `foreign` in the place of ours."""
     for kind in kinds(scene):
         package.describe(kind, scene)
     folder = folder or default_folder(scene)

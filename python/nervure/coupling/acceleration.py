@@ -3,8 +3,7 @@
 import numpy as np
 
 FIRST_RELAXATION = 0.1
-"""Part of the residual that is taken where nothing is known yet: small enough for an added mass ten times the rod's
-own."""
+"""Part of the residual that is taken where nothing is known yet: small enough for an added mass of ten rods."""
 
 AITKEN_START = (FIRST_RELAXATION, 0.5)
 """Range of Aitken's relaxation at the start of a step. Within it the last one of the step before is kept."""

@@ -163,8 +163,7 @@ class ParallelExplicit(Explicit):
 
 ITERATIONS = ("step", "total_iterations", "iterations", "columns", "deleted", "dropped")
 CONVERGENCE = ("step", "iteration", "residual")
-"""Columns of iterations.csv and convergence.csv; the residual is relative to the change of the displacements in the
-step."""
+"""Columns of iterations.csv and convergence.csv; the residual is relative to the displacement in the step."""
 
 
 class Iterated(Explicit):

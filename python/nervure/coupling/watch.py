@@ -1,5 +1,4 @@
-"""Guards of an explicit run: what is unstable may well stay finite, but shows in the powers that cross the
-interface."""
+"""Guards of an explicit run: what is unstable may stay finite, but shows in the powers across the interface."""
 
 from nervure.errors import Refusal
 from nervure.scene.types import Guards

@@ -81,8 +81,7 @@ def _steady(law: TimeLaw, window: Window) -> float | None:
 
 
 def evaluate(scene: Scene, record: Record, settled: Window) -> Flapping | None:
-    """What the root does with its rod, where the tip is `settled`; None where no root is driven or over less than a
-    period."""
+    """What the root does with its rod, where the tip is `settled`; None without a drive or a whole period."""
     window = drive_window(record, settled)
     axis = main_axis(record.columns, record.column)
     if window is None or axis is None:

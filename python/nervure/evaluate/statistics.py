@@ -105,8 +105,7 @@ def find_window(time: np.ndarray, values: np.ndarray) -> Window:
 
 
 def drift(time: np.ndarray, values: np.ndarray, window: Window) -> float | None:
-    """Change of the amplitude from the first to the second half of the window, relative to the whole; None without
-    at least four periods."""
+    """Relative change of the amplitude from the first to the second half of the window; None below four periods."""
     if window.periods < 4:
         return None
     middle = window.begin + (window.end - window.begin) / 2

@@ -1,5 +1,4 @@
-"""What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals for masters that know
-ports."""
+"""What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals."""
 
 from html import escape
 from pathlib import Path

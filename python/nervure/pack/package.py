@@ -27,8 +27,7 @@ def describe(kind: str, scene: Scene | Document) -> str:
 
 
 def pack(kind: str, scene: Scene | Document, folder: Path) -> Path:
-    """Write the FMU `NAME-KIND.fmu` of unit `kind` into `folder` and return its path; raises `SceneError` if the
-    unit refuses the scene."""
+    """Write the FMU `NAME-KIND.fmu` into `folder`; raises `SceneError` if the unit refuses the scene."""
     description = describe(kind, scene)
     binary = f"binaries/{fmpy.platform}/fmu_{kind}{SUFFIX}"
     picture = (ROOT / f"fmu-{kind}" / "model.png").read_bytes()

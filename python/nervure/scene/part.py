@@ -27,14 +27,12 @@ Flag = Annotated[bool, Strict()]
 
 
 class Part(BaseModel):
-    """A part of a scene. Types are checked here, also when an attribute is set; what values a unit takes it says
-    itself."""
+    """A part of a scene. Types are checked here, also when an attribute is set; values are for the units to check."""
 
     model_config = ConfigDict(extra="forbid", validate_assignment=True, validate_by_name=True, defer_build=True)
 
     def document(self) -> dict[str, Any]:
-        """What was given, as JSON has it: defaults are left out, so that a file stays as short as its author wrote
-        it."""
+        """What was given, as JSON has it, without defaults: a file stays as short as its author wrote it."""
         given = {}
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
