@@ -73,7 +73,7 @@ def peer(kind: str, method: str, setting: str, *arguments: str, repeats: int = 3
 def run_peer(case: Case, folder: Path) -> dict[str, Any]:
     """Run a peer's script in its own environment: what it prints last."""
     if not PYTHON.is_file():
-        raise Refusal("not installed: make target/report/venv/.ready")
+        raise FileNotFoundError("the peers are not installed: make target/report/venv/.ready")
     script, *arguments = case.options["command"]
     command = [str(PYTHON), str(PEERS / script), *arguments]
     try:
