@@ -133,7 +133,8 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
     summary, series = run.found, run.series
     if summary["coefficients"] is None:
         return {}
-    window = statistics.Window(*summary["window_s"], summary["periods"])
+    begin, end = summary["window_s"]
+    window = statistics.Window(begin, end, summary["periods"])
     values = summary["coefficients"]["values"] | {
         "flow_rate": float(series["flow_rate"][window.of(series["time"])].mean()),
         "cfl": float(series["cfl"].max()),
@@ -168,7 +169,8 @@ def errors(data: Data, name: str) -> str:
     record = data.get(f"fluid/{name}")
     if record is None or record.error:
         return ""
-    return " / ".join(f"{100 * e:.{1 if abs(e) >= 0.1 else 2}f}" for e in (record.off(q) for q in QUANTITIES["2D-2"]))
+    found = (record.off(q) or 0.0 for q in QUANTITIES["2D-2"])
+    return " / ".join(f"{100 * e:.{1 if abs(e) >= 0.1 else 2}f}" for e in found)
 
 
 def hardness(data: Data) -> list[str]:

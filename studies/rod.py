@@ -263,12 +263,12 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     if run := runs("rod/study/deflection"):
         lines = []
         for (model, n), group in grouped(run.found["tables"]["deflection"], "model", "n").items():
-            line = {"x": [row["x"] for row in group], "y": [row["y"] for row in group]}
+            shape: dict[str, Any] = {"x": [row["x"] for row in group], "y": [row["y"] for row in group]}
             if model == "elastica":
-                lines.append(line | {"linewidth": 5, "alpha": 0.25, "color": "k", "label": "exact elastica"})
+                lines.append(shape | {"linewidth": 5, "alpha": 0.25, "color": "k", "label": "exact elastica"})
             elif model in ("second order", "thesis k_e=1e3"):
-                style = {"linestyle": {8.0: ":", 32.0: "--", 128.0: "-"}[n], "color": COLOURS["thesis" in model]}
-                lines.append(line | style | {"label": f"{model}, n = {n:.0f}"})
+                look = {"linestyle": {8.0: ":", 32.0: "--", 128.0: "-"}[n], "color": COLOURS["thesis" in model]}
+                lines.append(shape | look | {"label": f"{model}, n = {n:.0f}"})
         show.curves("rod/deflection", ("x/L", "y/L"), lines, log=False, loc="lower left")
     if run := runs("rod/study/csm3_energy"):
         lines = []

@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from nervure.files import rounded, write_together
+from nervure.files import json_numbers, rounded, write_together
 from nervure.resources import ROOT
 from studies import machine, simulate
 from studies.engine import Case, Run, Study
@@ -133,13 +133,13 @@ class Data:
     def take(self, study: Study, case: Case, run: Run, new_times: bool = False) -> bool:
         """Take in a run; whether that has changed anything."""
         error = run.found.get("error")
-        kept = {} if error and not run.found.get("quantities") else study.keep(case, run)
+        kept = json_numbers({} if error and not run.found.get("quantities") else study.keep(case, run))
         record = Record(
             f"{study.name}/{case.name}",
             case,
             study.command(case),
             run.digest,
-            rounded(kept.get("values", {})),
+            {name: rounded(value) for name, value in kept.get("values", {}).items() if value is not None},
             rounded(kept.get("tables", {})),
             error,
             rounded(kept.get("times", {})),

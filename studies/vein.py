@@ -142,10 +142,13 @@ def settled(case: Case, run: Run) -> dict[str, float]:
     """Means over whole periods at the end, and the energy that is missing, by the loads and by what the fluid
     exerted."""
     summary, series = run.found, simulate.Columns(run.series)
-    window = statistics.Window(*summary["window_s"], summary["periods"])
+    begin, end = summary["window_s"]
+    window = statistics.Window(begin, end, summary["periods"])
     if case.name.startswith(("grid/", "dt/")):
         window = statistics.Window(0.0, float(run.series["time"][-1]), 1)
-    found = asdict(flapping.evaluate(typed(case.built()), series, window))
+    flapped = flapping.evaluate(typed(case.built()), series, window)
+    assert flapped, f"{case.name} drives no root"
+    found = asdict(flapped)
     names = (
         "thrust",
         "lift",

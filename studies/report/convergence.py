@@ -42,7 +42,7 @@ def through(sizes: list[float], values: list[float]) -> Limit:
         return Limit(None, None, "not asymptotic: the differences change sign")
 
     def excess(p: float) -> float:
-        return (h[0] ** p - h[1] ** p) / (h[1] ** p - h[2] ** p) - first / second
+        return float((h[0] ** p - h[1] ** p) / (h[1] ** p - h[2] ** p) - first / second)
 
     low, high = 0.01, 20.0
     if excess(low) * excess(high) > 0:

@@ -35,7 +35,7 @@ def parts(scene: Scene) -> Iterator[tuple[str, Scene]]:
         at = {f"beam.root.at.{key}": [*scene["beam"]["root"]["at"][key], 0.0] for key in ("position", "direction")}
         yield SPACE, NO_SHEAR | at | {"rod.gravity": [*rod["gravity"], 0.0]}
     if fluid:
-        end, low, high = fluid["box"]["x"][1], *fluid["box"]["y"]
+        end, (low, high) = fluid["box"]["x"][1], fluid["box"]["y"]
         if "sponge" not in fluid:
             sponge = {"x": [end - 0.2, end], "mean_velocity": {"steady": 0.0}, "c_eta": WEAK}
             yield f"sponge of C_eta = {WEAK:g} s", {"fluid.sponge": sponge}

@@ -39,7 +39,7 @@ CITED = [(row["method"], row["setting"], row["wall"], row["values"]) for row in 
 SIMULATED = 8.0
 """End of the FSI3 scenes, s."""
 
-FSI3_METHODS = {
+FSI3_METHODS: dict[str, dict[str, Any]] = {
     "bare profile": fsi3.BARE, "cosine mask": fsi3.COSINE, "two-thirds filter": fsi3.TWO_THIRDS,
     "pressure jump, iterated": fsi3.PRESSURE_JUMP,
 }  # fmt: skip
@@ -326,7 +326,7 @@ def cost_groups(data: Data) -> dict[str, tuple[str, list[tuple[float, float]]]]:
     """Cost in µs over size by what is measured; the label of the size first."""
 
     def of_step(method: str, phase: str) -> list[tuple[float, float]]:
-        return [(record.about["size"], part_of(record, phase)) for record in data.of("report/cost/*", method=method)]
+        return [(r.about["size"], part_of(r, phase) or np.nan) for r in data.of("report/cost/*", method=method)]
 
     bench = [(row["points"], row["step"]) for row in speed.found(data, "step")]
     iterations = [
