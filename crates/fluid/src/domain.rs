@@ -6,7 +6,6 @@ use crate::bodies::Bodies;
 use crate::clock::Clock;
 use crate::grid::Grid;
 use crate::spectral::Spectral;
-use crate::state::Flow;
 use crate::zone::Zone;
 
 /// The box of a scene.
@@ -23,10 +22,8 @@ pub struct Domain {
     pub bodies: Bodies,
     /// Transforms and projection.
     pub spectral: Spectral,
-    /// What a step hands to the spectral solve, m/s.
+    /// What a step hands to the spectral solve, m/s. Between steps the first holds Pi (m²/s²), if that was asked for.
     pub w: [Vec<f64>; 2],
-    /// The flow that a step makes. Between steps its vorticity holds Pi (m²/s²), if that was asked for.
-    pub next: Flow,
     /// Times the phases of a step.
     pub clock: Clock,
 }
@@ -44,7 +41,6 @@ impl Domain {
             zones,
             spectral: Spectral::new(&grid, fluid.filter, fluid.threads),
             w: [field(), field()],
-            next: Flow::uniform([0.0; 2], grid.len()),
             clock: Clock::default(),
             grid,
         }

@@ -25,7 +25,7 @@ pub struct Fluid {
     probes: Vec<Probe>,
     /// Where the beam is told to go; absent without a beam.
     motion: Option<Motion>,
-    /// Whether `domain.next.vorticity` is Pi at the present time.
+    /// Whether `domain.w[0]` is Pi at the present time.
     total_pressure_is_current: bool,
     /// The state before a communication step of several steps, for an error on the way; made when first needed.
     undo: Option<State>,
@@ -265,7 +265,7 @@ impl Fluid {
     /// Static pressure over the density at a grid point, Pi − u²/2, m²/s²; Pi must be current.
     fn pressure_at(&self, point: usize) -> f64 {
         let [u, v] = self.present.flow.velocity.each_ref().map(|velocity| velocity[point]);
-        self.domain.next.vorticity[point] - 0.5 * (u * u + v * v)
+        self.domain.w[0][point] - 0.5 * (u * u + v * v)
     }
 
     fn make_total_pressure(&mut self) {
@@ -289,7 +289,7 @@ impl Fluid {
     /// Largest divergence of the velocity times the cell size over the largest speed; three transforms.
     pub fn divergence(&mut self) -> f64 {
         let velocity @ [u, v] = &self.present.flow.velocity;
-        let divergence = &mut self.domain.w[0];
+        let divergence = &mut self.domain.w[1];
         self.domain.spectral.divergence(velocity, divergence);
         let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.abs()));
         let fastest = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max(u.hypot(*v)));

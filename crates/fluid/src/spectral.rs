@@ -51,7 +51,8 @@ impl Spectral {
         (self.spectra[0].len() / self.grid.nx).div_ceil(self.scratch.len()) * self.grid.nx
     }
 
-    /// From `w` to `flow`, and the largest `|u|/dx + |v|/dy` in it (1/s), which is not finite where the flow is not.
+    /// From `w` to `flow`, and the largest `|u|/dx + |v|/dy` in it (1/s); where that would not be finite it is not a
+    /// number, and `flow` stays as it was.
     ///
     /// `solve(projection, row, own, [u, v, omega])` makes the spectra of the flow from those of w in `u` and `v`, row by
     /// row. `own` is what the caller has for the row, by shares and by rows. Between the two passes along y, each row
@@ -86,6 +87,9 @@ impl Spectral {
             }
         });
         clock.mark(Phase::Rows);
+        if !self.is_finite() {
+            return f64::NAN;
+        }
 
         let Flow { velocity: [u, v], vorticity } = flow;
         let [u_hat, v_hat, omega_hat] = &self.spectra;
@@ -111,18 +115,32 @@ impl Spectral {
             }
         });
         clock.mark(Phase::Back);
-        // A transform spreads what is not a number to every point: the first tells of all.
-        if (u[0] + v[0]).is_finite() { f64::from_bits(largest.into_inner()) } else { f64::NAN }
+        f64::from_bits(largest.into_inner())
     }
 
-    /// Pi (m²/s²) that belongs to `w` (m/s) of a step with `per_tau` (1/s).
-    pub fn pressure(&mut self, w: &[Vec<f64>; 2], per_tau: f64, pi: &mut [f64]) {
+    /// Whether the flow of the spectra is finite, seen before it is made, from the modes of the first column. A transform
+    /// along x spreads what is not a number over its row, and of what is larger than `LARGEST` at least its rounding.
+    fn is_finite(&self) -> bool {
+        /// A sum over a column and the conversion to rates stay finite with this; rounding, 1e-16 of a number near the
+        /// end of the range, is above it.
+        const LARGEST: f64 = 1e250;
+        let [u_hat, v_hat, _] = &self.spectra;
+        let mut modes = u_hat.iter().step_by(self.grid.nx).chain(v_hat.iter().step_by(self.grid.nx));
+        modes.all(|mode| mode.re.iter().chain(&mode.im).all(|part| part.abs() < LARGEST))
+    }
+
+    /// Find Pi that belongs to `w` (m/s) of a step with `per_tau` (1/s), for [`Self::pressure`].
+    pub fn solve_for_pressure(&mut self, w: &[Vec<f64>; 2], per_tau: f64) {
         let [wx_hat, wy_hat, pi_hat] = &mut self.spectra;
         let scratch = &mut self.scratch[0];
         self.fft.forward(&w[0], wx_hat, scratch);
         self.fft.forward(&w[1], wy_hat, scratch);
         self.projection.pressure(wx_hat, wy_hat, per_tau, pi_hat);
-        self.fft.inverse(pi_hat, pi, scratch);
+    }
+
+    /// Pi, m²/s², as [`Self::solve_for_pressure`] found it.
+    pub fn pressure(&mut self, pi: &mut [f64]) {
+        self.fft.inverse(&mut self.spectra[2], pi, &mut self.scratch[0]);
     }
 
     /// Divergence (1/s) of a velocity (m/s).

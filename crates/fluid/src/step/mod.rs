@@ -1,4 +1,4 @@
-//! The time schemes. Each makes the next flow beside the present one and takes it over only if it is one.
+//! The time schemes. Each makes the next flow where no present one stands, and takes it over only if it is one.
 
 mod rk2;
 mod sbdf2;
@@ -133,17 +133,17 @@ impl Scheme {
         }
     }
 
-    /// Pi at the present time (m²/s²) into `domain.next.vorticity`: what makes the rate of change free of divergence.
+    /// Pi at the present time (m²/s²) into `domain.w[0]`: what makes the rate of change free of divergence.
     pub fn make_total_pressure(&self, present: &Present, domain: &mut Domain) {
-        let (w, per_tau) = match self {
-            Self::Sbdf2(scheme) => (&scheme.memory.w, scheme.memory.per_tau),
+        match self {
+            Self::Sbdf2(scheme) => domain.spectral.solve_for_pressure(&scheme.memory.w, scheme.memory.per_tau),
             Self::Rk2(_) => {
                 // The velocity itself has no divergence.
                 rk2::add_rate_of_change(present.time, &present.flow, 1.0, domain);
-                (&domain.w, 1.0)
+                domain.spectral.solve_for_pressure(&domain.w, 1.0);
             }
-        };
-        domain.spectral.pressure(w, per_tau, &mut domain.next.vorticity);
+        }
+        domain.spectral.pressure(&mut domain.w[0]);
     }
 }
 

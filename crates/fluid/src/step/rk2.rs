@@ -13,7 +13,7 @@
 
 use std::array::from_fn;
 use std::f64::consts::TAU;
-use std::mem::{swap, take};
+use std::mem::swap;
 
 use super::Step;
 use crate::bodies::{Bodies, Cell, Loads};
@@ -29,7 +29,8 @@ use crate::transform::Quad;
 pub struct Rk2 {
     /// Spectrum of the present velocity, m/s, `[rows, nx]` per component.
     pub u_hat: [Vec<Quad>; 2],
-    /// The same of the velocity that a step makes.
+    /// The flow that a step makes, and the spectrum of its velocity.
+    next: Flow,
     next_u_hat: [Vec<Quad>; 2],
     decay: Decay,
 }
@@ -65,27 +66,25 @@ impl Rk2 {
             spectrum
         };
         let decay = Decay::new(&domain.grid, spectrum.len() / domain.grid.nx);
-        Self { u_hat: velocity.map(uniform), next_u_hat: [spectrum.clone(), spectrum], decay }
+        let next = Flow::uniform([0.0; 2], domain.grid.len());
+        Self { u_hat: velocity.map(uniform), next, next_u_hat: [spectrum.clone(), spectrum], decay }
     }
 
     pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
         present.advection_rate = self.solve_wave_by_wave(Stage::Start, present.time, domain);
-        self.take_over(&mut present.flow, domain);
+        self.take_over(&mut present.flow);
     }
 
     pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
         self.decay.set_viscosity(step.dt * domain.nu);
         add_rate_of_change(present.time, &present.flow, step.dt, domain);
         domain.bodies.place(step.end, step.stations, &domain.grid);
-        self.solve_wave_by_wave(Stage::First, step.end, domain);
-        // Taken out, so that it can be read while w is written.
-        let first = take(&mut domain.next);
-        add_rate_of_change(step.end, &first, step.dt, domain);
-        domain.next = first;
+        step.check(self.solve_wave_by_wave(Stage::First, step.end, domain))?;
+        add_rate_of_change(step.end, &self.next, step.dt, domain);
         let advection_rate = self.solve_wave_by_wave(Stage::Second, step.end, domain);
         step.check(advection_rate)?;
 
-        self.take_over(&mut present.flow, domain);
+        self.take_over(&mut present.flow);
         domain.bodies.sample(&present.flow.velocity);
         let drag = |cell: &Cell| present_drag(&present.flow, cell);
         let exchange = present.beam.as_mut().map(|beam| &mut beam.exchange);
@@ -95,12 +94,12 @@ impl Rk2 {
     }
 
     /// Make the new flow the present one.
-    fn take_over(&mut self, flow: &mut Flow, domain: &mut Domain) {
-        swap(flow, &mut domain.next);
+    fn take_over(&mut self, flow: &mut Flow) {
+        swap(flow, &mut self.next);
         swap(&mut self.u_hat, &mut self.next_u_hat);
     }
 
-    /// From `domain.w` to `domain.next`, the flow after a stage at a time (s), and its advection rate, 1/s.
+    /// From `domain.w` to `next`, the flow after a stage at a time (s), and its advection rate, 1/s.
     fn solve_wave_by_wave(&mut self, stage: Stage, time: f64, domain: &mut Domain) -> f64 {
         domain.hold_mean_flow(time);
         domain.spectral.projection.set_viscosity(0.0);
@@ -122,7 +121,7 @@ impl Rk2 {
                 v_after.copy_from_slice(v);
             }
         };
-        domain.spectral.solve(&domain.w, shares, solve, &mut domain.next, &mut domain.clock)
+        domain.spectral.solve(&domain.w, shares, solve, &mut self.next, &mut domain.clock)
     }
 }
 

@@ -49,7 +49,7 @@ impl Sbdf2 {
     /// In no time viscosity does nothing: what is left of the solve wave by wave is the projection.
     pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
         domain.hold_mean_flow(present.time);
-        present.advection_rate = solve_wave_by_wave(f64::MIN_POSITIVE, domain);
+        present.advection_rate = self.solve_wave_by_wave(f64::MIN_POSITIVE, domain);
         self.take_over(&mut present.flow, domain);
         self.memory.per_tau = 0.0;
     }
@@ -66,12 +66,13 @@ impl Sbdf2 {
         domain.add_velocities(step.end, |rate| 1.0 / (scheme.c[0] + rate));
         domain.clock.mark(Phase::Velocities);
         domain.hold_mean_flow(step.end);
-        let advection_rate = solve_wave_by_wave(scheme.tau, domain);
+        let advection_rate = self.solve_wave_by_wave(scheme.tau, domain);
         step.check(advection_rate)?;
 
+        let memory = &self.memory;
         let drag = |cell: &Cell| {
             [0, 1].map(|axis| {
-                let (_, g) = components[axis].right_side(&scheme, cell.index);
+                let g = memory.per_tau * (memory.w[axis][cell.index] - present.flow.velocity[axis][cell.index]);
                 let u_star = domain.w[axis][cell.index] - scheme.tau * g;
                 cell.rate * (u_star - cell.velocity[axis])
             })
@@ -85,10 +86,19 @@ impl Sbdf2 {
         Ok(())
     }
 
+    /// From `domain.w` to a new flow in the place of the one before, which is not needed any more; and its advection
+    /// rate, 1/s.
+    fn solve_wave_by_wave(&mut self, tau: f64, domain: &mut Domain) -> f64 {
+        domain.spectral.projection.set_viscosity(tau * domain.nu);
+        let solve = |projection: &crate::projection::Projection, row, (), [u, v, omega]: [&mut [_]; 3]| {
+            projection.project(row, u, v, omega);
+        };
+        domain.spectral.solve(&domain.w, repeat(repeat(())), solve, &mut self.memory.before, &mut domain.clock)
+    }
+
     /// Make the new flow the present one, that the one before, and keep w.
     fn take_over(&mut self, flow: &mut Flow, domain: &mut Domain) {
         swap(flow, &mut self.memory.before);
-        swap(flow, &mut domain.next);
         swap(&mut self.memory.w, &mut domain.w);
     }
 
@@ -144,15 +154,6 @@ fn solve_locally(components: &[Component; 2], scheme: &Differences, domain: &mut
             }
         }
     });
-}
-
-/// From `domain.w` to `domain.next`, and its advection rate, 1/s.
-fn solve_wave_by_wave(tau: f64, domain: &mut Domain) -> f64 {
-    domain.spectral.projection.set_viscosity(tau * domain.nu);
-    let solve = |projection: &crate::projection::Projection, row, (), [u, v, omega]: [&mut [_]; 3]| {
-        projection.project(row, u, v, omega);
-    };
-    domain.spectral.solve(&domain.w, repeat(repeat(())), solve, &mut domain.next, &mut domain.clock)
 }
 
 /// Coefficients of the two-step backward differences with a step that may change.
