@@ -48,7 +48,7 @@ test: lint rust-test bindings-check python-test ## everything that has to pass
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --bins --locked -- -D warnings
 	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
@@ -117,8 +117,9 @@ rod-study: $(READY_DEV) ## write docs/rod anew: the tables and figures of the ro
 	$(RUN) studies/clamp.py
 	$(RUN) studies/rod.py
 
-bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
-	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
+bench-rod: ## time a Newton iteration of the rod, and its solver beside faer's
+	$(ROD_STUDY) -- target/rod-study runtime
+	cat target/rod-study/runtime.csv
 
 fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours), write docs/fluid; ARGS="--list", "--only 'dt/*'"
 	$(RUN) studies/fluid.py $(ARGS)
