@@ -7,9 +7,9 @@ use std::time::Instant;
 use nervure_rod::{Parameters, Rod, Root};
 use scene::{Bending, Calibration, Material, RodScheme, Scene, Section};
 
-use crate::Table;
 use crate::common::{elastica, total_energy, unit_rod};
 use crate::rods::{SCHEMES, build, csm3, settled, thesis_beam, tip_angle};
+use crate::{Table, row};
 
 const CALIBRATIONS: [(&str, Calibration); 3] = [
     ("second order", Calibration::SecondOrder),
@@ -19,13 +19,13 @@ const CALIBRATIONS: [(&str, Calibration); 3] = [
 
 /// Shape of the beam of section 2.4.1 under its weight against the exact inextensible elastica (thesis figure 2.7).
 pub fn deflection() -> Table {
-    let mut table = Table::new("model,n,x,y");
+    let mut table = vec!["model,n,x,y".to_string()];
     let exact = elastica(1.0, 0.0571 * 0.7, 0.0259, f64::INFINITY, 100);
-    exact.iter().for_each(|[x, y]| table.push(&[&"elastica", &0, x, y]));
+    exact.iter().for_each(|[x, y]| table.push(row(&[&"elastica", &0, x, y])));
     for (name, calibration) in CALIBRATIONS {
         for n in [8, 32, 128] {
             let rod = settled(build(Parameters { calibration, ..thesis_beam::<2>(n) }));
-            rod.positions(0).iter().zip(rod.positions(1)).for_each(|(x, y)| table.push(&[&name, &n, x, y]));
+            rod.positions(0).iter().zip(rod.positions(1)).for_each(|(x, y)| table.push(row(&[&name, &n, x, y])));
         }
     }
     table
@@ -34,26 +34,24 @@ pub fn deflection() -> Table {
 /// Error of the tip against the exact elastica of the same EA, relative to the deflection; with the thesis' calibration and
 /// for an EA of 1e7 N against the inextensible one.
 pub fn order_in_n() -> Table {
-    let mut table = Table::new("calibration,plane,gravity,tip_angle,n,error");
+    let mut table = vec!["calibration,plane,gravity,tip_angle,n,error".to_string()];
     let inextensible = ("second order, inextensible", Calibration::SecondOrder);
     for (name, calibration) in [CALIBRATIONS[0], inextensible, CALIBRATIONS[1], CALIBRATIONS[2]] {
         for (plane, angle) in [("xz", 0.0_f64), ("diagonal", FRAC_PI_4)] {
-            for g in [0.7, 2.0, 8.0] {
-                for n in (3..10).map(|k| 1 << k) {
-                    let mut beam = Parameters { calibration, gravity: tilted(g, angle), ..thesis_beam(n) };
-                    let Section { line_density, bending_stiffness, ref mut axial_stiffness, .. } = beam.section;
-                    // A constant k_e has no EA of its own: its limit of many segments does not stretch.
-                    let axial = if name == "second order" { *axial_stiffness } else { f64::INFINITY };
-                    if name == inextensible.0 {
-                        *axial_stiffness = 1e7;
-                    }
-                    let exact = elastica(1.0, g * line_density, bending_stiffness, axial, 1)[1];
-                    let rod = settled(build(beam));
-                    let [x, y, z] = rod.tip_displacement();
-                    let [y, z] = [y - exact[1] * angle.sin(), z - exact[1] * angle.cos()];
-                    let error = (x + 1.0 - exact[0]).hypot(y).hypot(z) / exact[1].abs();
-                    table.push(&[&name, &plane, &g, &format!("{:.1}", tip_angle(&rod)), &n, &error]);
+            for (g, n) in [0.7, 2.0, 8.0].into_iter().flat_map(|g| (3..10).map(move |k| (g, 1 << k))) {
+                let mut beam = Parameters { calibration, gravity: tilted(g, angle), ..thesis_beam(n) };
+                let Section { line_density, bending_stiffness, ref mut axial_stiffness, .. } = beam.section;
+                // A constant k_e has no EA of its own: its limit of many segments does not stretch.
+                let axial = if name == "second order" { *axial_stiffness } else { f64::INFINITY };
+                if name == inextensible.0 {
+                    *axial_stiffness = 1e7;
                 }
+                let exact = elastica(1.0, g * line_density, bending_stiffness, axial, 1)[1];
+                let rod = settled(build(beam));
+                let [x, y, z] = rod.tip_displacement();
+                let [y, z] = [y - exact[1] * angle.sin(), z - exact[1] * angle.cos()];
+                let error = (x + 1.0 - exact[0]).hypot(y).hypot(z) / exact[1].abs();
+                table.push(row(&[&name, &plane, &g, &format!("{:.1}", tip_angle(&rod)), &n, &error]));
             }
         }
     }
@@ -68,7 +66,7 @@ fn tilted(gravity: f64, angle: f64) -> [f64; 3] {
 /// A tip force 5 sin²(πt/2) N on a soft rod of four segments (mu = EI = L = 1, EA = 100) until t = 1, and the beam of CSM3
 /// in 16 segments bending freely from rest until t = 1 s: error of the tip and run time for each scheme and step.
 pub fn order_in_dt() -> Table {
-    let mut table = Table::new("case,scheme,dt,error,seconds,iterations");
+    let mut table = vec!["case,scheme,dt,error,seconds,iterations".to_string()];
     let pushed = unit_rod(4, 100.0, RodScheme::default());
     let run = |parameters: &Parameters<2>, scheme: RodScheme, steps: usize, force: f64| {
         let mut rod = build(Parameters { scheme, ..parameters.clone() });
@@ -94,7 +92,7 @@ pub fn order_in_dt() -> Table {
                 let runs = (0..3).filter_map(|_| run(&parameters, scheme, steps, force));
                 let Some((tip, seconds, iterations)) = runs.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
                 let error = (tip[0] - exact[0]).hypot(tip[1] - exact[1]) / exact[0].hypot(exact[1]);
-                table.push(&[&case, &name, &(1.0 / steps as f64), &error, &seconds, &iterations]);
+                table.push(row(&[&case, &name, &(1.0 / steps as f64), &error, &seconds, &iterations]));
             }
         }
     }
@@ -103,7 +101,7 @@ pub fn order_in_dt() -> Table {
 
 /// Tip deflection in the plane and in the diagonal plane by both bending models, n = 128.
 pub fn bending_models() -> Table {
-    let mut table = Table::new("gravity,tip_angle,invariant_diagonal,projected_plane,projected_diagonal");
+    let mut table = vec!["gravity,tip_angle,invariant_diagonal,projected_plane,projected_diagonal".to_string()];
     for gravity in [0.7, 1.5, 3.0, 6.0] {
         let bent = |bending, angle| {
             let rod = settled(build(Parameters { gravity: tilted(gravity, angle), bending, ..thesis_beam(128) }));
@@ -114,7 +112,7 @@ pub fn bending_models() -> Table {
         let off = |bending, angle| format!("{:.2e}", bent(bending, angle).0 / exact - 1.0);
         let [invariant, projected] = [Bending::Invariant, Bending::Projected].map(|bending| off(bending, FRAC_PI_4));
         let plane = off(Bending::Projected, 0.0);
-        table.push(&[&gravity, &format!("{angle:.1}"), &invariant, &plane, &projected]);
+        table.push(row(&[&gravity, &format!("{angle:.1}"), &invariant, &plane, &projected]));
     }
     table
 }
@@ -122,7 +120,7 @@ pub fn bending_models() -> Table {
 /// CSM1 at rest and CSM3 over ten periods of 0.91 s, (max ± min)/2 of each averaged, as the scenes are shipped and without
 /// shear and set-back: tip, m, and frequency, Hz, from the first to the last crossing of the mean.
 pub fn csm() -> Table {
-    let mut table = Table::new("scene,rod,quantity,value");
+    let mut table = vec!["scene,rod,quantity,value".to_string()];
     for (rod_is, stiff) in [("as shipped", false), ("without shear and set-back", true)] {
         let built = |name: &str| {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../scenes").join(name);
@@ -139,10 +137,11 @@ pub fn csm() -> Table {
         let mut next = || rod.step(dt).map(|()| rod.tip_displacement()).expect("an easy step");
         let tips: Vec<[f64; 2]> = (0..periods * steps).map(|_| next()).collect();
         for (name, value) in ["tip_ux.mean", "tip_uy.mean"].iter().zip(at_rest) {
-            table.push(&[&"csm1", &rod_is, name, &value]);
+            table.push(row(&[&"csm1", &rod_is, name, &value]));
         }
         for (d, name) in ["tip_ux", "tip_uy"].into_iter().enumerate() {
-            let mut push = |what: &str, value: f64| table.push(&[&"csm3", &rod_is, &format!("{name}.{what}"), &value]);
+            let mut push =
+                |what: &str, value: f64| table.push(row(&[&"csm3", &rod_is, &format!("{name}.{what}"), &value]));
             let values: Vec<f64> = tips.iter().map(|tip| tip[d]).collect();
             let highest = |part: &[f64]| part.iter().copied().fold(f64::MIN, f64::max);
             let lowest = |part: &[f64]| part.iter().copied().fold(f64::MAX, f64::min);
@@ -164,7 +163,7 @@ pub fn csm() -> Table {
 /// Total energy in 60 s of CSM3 from rest, relative to the largest energy in gravity, every 0.2 s, with the highest until
 /// then and the sub-steps that were halved; the trapezoid also unwatched.
 pub fn csm3_energy() -> Table {
-    let mut table = Table::new("scheme,n,dt,time,energy,highest,halvings");
+    let mut table = vec!["scheme,n,dt,time,energy,highest,halvings".to_string()];
     let unwatched = [("trapezoid, unwatched", RodScheme::Trapezoid)];
     for (name, scheme) in unwatched.into_iter().chain(SCHEMES) {
         for (n, dt) in [(32, 0.02), (32, 0.01), (128, 0.01), (128, 0.005)] {
@@ -193,7 +192,7 @@ pub fn csm3_energy() -> Table {
             }
             for (time, both, halvings) in energies {
                 let [energy, highest] = both.map(|energy| format!("{:.3e}", energy / scale));
-                table.push(&[&name, &n, &dt, &time, &energy, &highest, &halvings]);
+                table.push(row(&[&name, &n, &dt, &time, &energy, &highest, &halvings]));
             }
         }
     }

@@ -8,15 +8,15 @@ use faer::linalg::solvers::DenseSolveCore;
 use nervure_rod::Parameters;
 use scene::{Calibration, Section};
 
-use crate::Table;
 use crate::rods::{build, entry, thesis_beam};
+use crate::{Table, row};
 
 pub fn table() -> Table {
-    let mut table = Table::new("n,order,k_e,dt,full,eliminated");
+    let mut table = vec!["n,order,k_e,dt,full,eliminated".to_string()];
     for (k_e, dt) in [(5e4, 1e-3), (1e5, 1e-3), (2e5, 1e-3), (1e5, 1e-2)] {
         for n in [32, 64, 128, 256, 512] {
             let [full, eliminated] = conditions(n, k_e, dt).map(|number| format!("{number:.6e}"));
-            table.push(&[&n, &(6 * (n - 1)), &k_e, &dt, &full, &eliminated]);
+            table.push(row(&[&n, &(6 * (n - 1)), &k_e, &dt, &full, &eliminated]));
         }
     }
     table

@@ -29,21 +29,12 @@ const STUDIES: [(&str, fn() -> Table); 10] = [
 ];
 
 /// Lines of a CSV file; the first has the names of the columns.
-pub struct Table(Vec<String>);
+type Table = Vec<String>;
 
-impl Table {
-    fn new(header: &str) -> Self {
-        Self(vec![header.into()])
-    }
-
-    /// Add a row; a text with commas is quoted.
-    fn push(&mut self, cells: &[&dyn Display]) {
-        let quoted = |cell: &&dyn Display| {
-            let text = cell.to_string();
-            if text.contains(',') { format!("\"{}\"", text.replace('"', "'")) } else { text }
-        };
-        self.0.push(cells.iter().map(quoted).collect::<Vec<_>>().join(","));
-    }
+/// A line; a text with commas is quoted.
+fn row(cells: &[&dyn Display]) -> String {
+    let quoted = |text: String| if text.contains(',') { format!("\"{}\"", text.replace('"', "'")) } else { text };
+    cells.iter().map(|cell| quoted(cell.to_string())).collect::<Vec<_>>().join(",")
 }
 
 fn main() -> Result<(), String> {
@@ -57,7 +48,7 @@ fn main() -> Result<(), String> {
     {
         eprintln!("{name} …");
         let path = Path::new(folder).join(name).with_extension("csv");
-        let text = compute().0.join("\n") + "\n";
+        let text = compute().join("\n") + "\n";
         fs::write(&path, text).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     }
     Ok(())

@@ -7,14 +7,13 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::LltError;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 use nervure_rod::{Banded, Parameters};
 
-use crate::Table;
 use crate::rods::{build, entry, thesis_beam};
+use crate::{Table, row};
 
 /// Step, s.
 const DT: f64 = 1e-3;
@@ -24,17 +23,16 @@ const SPARSE: [f64; 8] = [32.514, 37.006, 46.888, 81.209, 216.240, 1142.829, 351
 const DENSE: [f64; 8] = [30.042, 36.388, 50.297, 104.936, 359.969, 2014.8, 10166.194, 53284.245];
 
 pub fn table() -> Table {
-    let mut table =
-        Table::new("n,iterations_per_step,iteration_3d,iteration_2d,banded,sparse,dense,thesis_sparse,thesis_dense");
+    let mut table = vec![
+        "n,iterations_per_step,iteration_3d,iteration_2d,banded,sparse,dense,thesis_sparse,thesis_dense".to_string(),
+    ];
     for k in 0..11 {
         let n = 8 << k;
         let ((spatial, iterations), (planar, _)) = (iteration_time::<3>(n), iteration_time::<2>(n));
-        let matrix = newton_matrix(n);
-        let [banded, sparse] = [banded_time(&matrix), sparse_time(&matrix)];
-        let dense = if n <= 1024 { dense_time(&matrix).to_string() } else { String::new() };
+        let [banded, sparse, dense] = solver_times(&newton_matrix(n));
         let [sparse_then, dense_then] =
             [SPARSE, DENSE].map(|times| times.get(k).map_or_else(String::new, f64::to_string));
-        table.push(&[&n, &iterations, &spatial, &planar, &banded, &sparse, &dense, &sparse_then, &dense_then]);
+        table.push(row(&[&n, &iterations, &spatial, &planar, &banded, &sparse, &dense, &sparse_then, &dense_then]));
     }
     table
 }
@@ -63,42 +61,30 @@ fn newton_matrix(n: usize) -> Banded {
     matrix
 }
 
-fn banded_time(matrix: &Banded) -> f64 {
-    let fresh = || (matrix.clone(), vec![1.0; matrix.order()]);
-    time(matrix.order(), fresh, |(factors, b)| {
-        factors.factorise().expect("a positive definite matrix");
+/// Factorise and solve: banded, by faer's sparse Cholesky, whose symbolic part is done once, and up to n = 1024 its dense one.
+fn solver_times(matrix: &Banded) -> [String; 3] {
+    let (order, good) = (matrix.order(), "a positive definite matrix");
+    let copies = || (matrix.clone(), vec![1.0; order]);
+    let banded = time(order, copies, |(factors, b)| {
+        factors.factorise().expect(good);
         factors.solve(b);
-    })
-}
-
-/// faer's sparse Cholesky: the numeric part, the symbolic one being done once.
-fn sparse_time(matrix: &Banded) -> f64 {
-    let order = matrix.order();
+    });
     let below = |j| j..order.min(j + matrix.half_bandwidth() + 1);
     let lower = (0..order).flat_map(|j| below(j).map(move |i| Triplet::new(i, j, entry(matrix, i, j))));
     let entries: Vec<_> = lower.filter(|entry| entry.val != 0.0).collect();
-    let sparse = SparseColMat::<usize, f64>::try_new_from_triplets(order, order, &entries).expect("entries inside");
-    let symbolic = SymbolicLlt::try_new(sparse.symbolic(), Side::Lower).expect("enough memory");
-    time(
-        order,
-        || ones(order),
-        |b| {
-            let factors: Result<_, LltError> =
-                Llt::try_new_with_symbolic(symbolic.clone(), sparse.as_ref(), Side::Lower);
-            factors.expect("a positive definite matrix").solve_in_place(b);
-        },
-    )
-}
-
-fn dense_time(matrix: &Banded) -> f64 {
-    let order = matrix.order();
-    let dense = Mat::from_fn(order, order, |i, j| entry(matrix, i, j));
-    let solve = |b: &mut Mat<f64>| dense.llt(Side::Lower).expect("a positive definite matrix").solve_in_place(b);
-    time(order * order, || ones(order), solve)
-}
-
-fn ones(order: usize) -> Mat<f64> {
-    Mat::from_fn(order, 1, |_, _| 1.0)
+    let faers = SparseColMat::<usize, f64>::try_new_from_triplets(order, order, &entries).expect("entries inside");
+    let symbolic = SymbolicLlt::try_new(faers.symbolic(), Side::Lower).expect("enough memory");
+    let ones = || Mat::from_fn(order, 1, |_, _| 1.0);
+    let sparse = time(order, ones, |b| {
+        let factors = Llt::try_new_with_symbolic(symbolic.clone(), faers.as_ref(), Side::Lower);
+        factors.expect(good).solve_in_place(b);
+    });
+    if order > 3 * 1024 {
+        return [banded.to_string(), sparse.to_string(), String::new()];
+    }
+    let full = Mat::from_fn(order, order, |i, j| entry(matrix, i, j));
+    let dense = time(order * order, ones, |b| full.llt(Side::Lower).expect(good).solve_in_place(b));
+    [banded, sparse, dense].map(|seconds| seconds.to_string())
 }
 
 /// Of as many runs as `size` leaves time for, each on a fresh input.
