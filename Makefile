@@ -48,7 +48,7 @@ test: lint rust-test bindings-check python-test ## everything that has to pass
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --bins --locked -- -D warnings
 	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
@@ -121,8 +121,9 @@ shown-rows: build $(READY_DEV) ## run the stale ones among the cases that README
 rod-study: $(READY_DEV) ## run what is missing of the rod's study (ten minutes), write docs/rod; ARGS="--list", "--only 'study/csm*'"
 	$(STUDY) rod $(ARGS)
 
-bench-rod: ## benchmark a Newton iteration of the rod and its solver against faer's
-	cargo bench --locked --manifest-path crates/rod/study/Cargo.toml --target-dir target/rod-study
+bench-rod: ## time a Newton iteration of the rod, and its solver beside faer's
+	$(ROD_STUDY) -- target/rod-study runtime
+	cat target/rod-study/runtime.csv
 
 fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours), write docs/fluid
 	$(STUDY) fluid $(ARGS)

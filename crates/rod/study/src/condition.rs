@@ -5,51 +5,44 @@
 
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
-use rod::{Parameters, Rod};
+use nervure_rod::Parameters;
 use scene::{Calibration, Section};
 
-use crate::Table;
-use crate::rods::thesis_beam;
+use crate::rods::{build, entry, thesis_beam};
+use crate::{Table, row};
 
 pub fn table() -> Table {
-    let mut table = Table::new("n,order,k_e,dt,full,eliminated");
+    let mut table = vec!["n,order,k_e,dt,full,eliminated".to_string()];
     for (k_e, dt) in [(5e4, 1e-3), (1e5, 1e-3), (2e5, 1e-3), (1e5, 1e-2)] {
         for n in [32, 64, 128, 256, 512] {
-            let (full, eliminated) = conditions(n, k_e, dt);
-            table.push(&[&n, &(6 * (n - 1)), &k_e, &dt, &format!("{full:.6e}"), &format!("{eliminated:.6e}")]);
+            let [full, eliminated] = conditions(n, k_e, dt).map(|number| format!("{number:.6e}"));
+            table.push(row(&[&n, &(6 * (n - 1)), &k_e, &dt, &full, &eliminated]));
         }
     }
     table
 }
 
 /// Of the full Jacobian and of the one without velocities.
-fn conditions(n: usize, k_e: f64, dt: f64) -> (f64, f64) {
+fn conditions(n: usize, k_e: f64, dt: f64) -> [f64; 2] {
     let h = 1.0 / n as f64;
-    let mut rod = Rod::new(Parameters {
+    let stiffness = build(Parameters {
         length: h * (n - 1) as f64,
         section: Section { line_density: 1.0, bending_stiffness: 1.0, axial_stiffness: 1.0, shear_stiffness: None },
         calibration: Calibration::Thesis { k_e },
         ..thesis_beam::<3>(n - 1)
     })
-    .expect("these parameters are good");
-    let stiffness = rod.stiffness().expect("a straight rod has no fold");
+    .stiffness()
+    .expect("a straight rod has no fold");
     let order = stiffness.order();
-    let k = Mat::from_fn(order, order, |i, j| {
-        let (row, column) = (i.max(j), i.min(j));
-        if row - column <= stiffness.half_bandwidth() { stiffness.column(column)[row - column] } else { 0.0 }
-    });
+    let k = |i, j| entry(&stiffness, i, j);
     let full = Mat::from_fn(2 * order, 2 * order, |i, j| match (i < order, j < order) {
         (true, true) => f64::from(i == j),
         (true, false) => -0.5 * dt * f64::from(i == j - order),
-        (false, true) => 0.5 * dt * k[(i - order, j)],
+        (false, true) => 0.5 * dt * k(i - order, j),
         (false, false) => h * f64::from(i == j),
     });
-    let eliminated = Mat::from_fn(order, order, |i, j| k[(i, j)] + 4.0 * h / (dt * dt) * f64::from(i == j));
-    (condition(&full), condition(&eliminated))
-}
-
-fn condition(matrix: &Mat<f64>) -> f64 {
-    norm_1(matrix) * norm_1(&matrix.partial_piv_lu().inverse())
+    let eliminated = Mat::from_fn(order, order, |i, j| k(i, j) + 4.0 * h / (dt * dt) * f64::from(i == j));
+    [full, eliminated].map(|matrix| norm_1(&matrix) * norm_1(&matrix.partial_piv_lu().inverse()))
 }
 
 /// Largest sum of a column's magnitudes.

@@ -3,21 +3,19 @@
 //! `rod-study FOLDER [NAME …]` writes NAME.csv into FOLDER; without names all of them. Times are those of one core.
 
 mod accuracy;
+#[path = "../../tests/common/mod.rs"]
+mod common;
 mod condition;
 mod extreme;
-mod matrices;
 mod rods;
 mod runtime;
 
 use std::fmt::Display;
 use std::fs;
 use std::path::Path;
-use std::process::exit;
 
-/// Name of a CSV file, and what computes its first line and rows.
-type Study = (&'static str, fn() -> Table);
-
-const STUDIES: [Study; 10] = [
+/// Name of a CSV file, and what computes its lines.
+const STUDIES: [(&str, fn() -> Table); 10] = [
     ("condition", condition::table),
     ("runtime", runtime::table),
     ("deflection", accuracy::deflection),
@@ -30,47 +28,28 @@ const STUDIES: [Study; 10] = [
     ("situations", extreme::situations),
 ];
 
-/// Rows under a header.
-pub struct Table {
-    header: &'static str,
-    rows: Vec<String>,
+/// Lines of a CSV file; the first has the names of the columns.
+type Table = Vec<String>;
+
+/// A line; a text with commas is quoted.
+fn row(cells: &[&dyn Display]) -> String {
+    let quoted = |text: String| if text.contains(',') { format!("\"{}\"", text.replace('"', "'")) } else { text };
+    cells.iter().map(|cell| quoted(cell.to_string())).collect::<Vec<_>>().join(",")
 }
 
-impl Table {
-    fn new(header: &'static str) -> Self {
-        Self { header, rows: Vec::new() }
-    }
-
-    /// Add a row; a text with commas is quoted.
-    fn push(&mut self, cells: &[&dyn Display]) {
-        let quoted = |cell: &&dyn Display| {
-            let text = cell.to_string();
-            if text.contains(',') { format!("\"{}\"", text.replace('"', "'")) } else { text }
-        };
-        self.rows.push(cells.iter().map(quoted).collect::<Vec<_>>().join(","));
-    }
-
-    fn write(&self, path: &Path) {
-        let text = format!("{}\n{}\n", self.header, self.rows.join("\n"));
-        fs::write(path, text).unwrap_or_else(|error| fail(&format!("cannot write {}: {error}", path.display())));
-    }
-}
-
-fn fail(message: &str) -> ! {
-    eprintln!("{message}");
-    exit(2)
-}
-
-fn main() {
+fn main() -> Result<(), String> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let Some((folder, names)) = arguments.split_first() else { fail("usage: rod-study FOLDER [NAME …]") };
+    let (folder, names) = arguments.split_first().ok_or("usage: rod-study FOLDER [NAME …]")?;
     if let Some(unknown) = names.iter().find(|name| STUDIES.iter().all(|(known, _)| known != name)) {
-        fail(&format!("there is no study {unknown:?}; there are {:?}", STUDIES.map(|(name, _)| name)));
+        return Err(format!("there is no study {unknown:?}; there are {:?}", STUDIES.map(|(name, _)| name)));
     }
-    for (name, compute) in STUDIES {
-        if names.is_empty() || names.iter().any(|wanted| wanted == name) {
-            eprintln!("{name} …");
-            compute().write(&Path::new(folder).join(name).with_extension("csv"));
-        }
+    for (name, compute) in
+        STUDIES.iter().filter(|(name, _)| names.is_empty() || names.iter().any(|wanted| wanted == name))
+    {
+        eprintln!("{name} …");
+        let path = Path::new(folder).join(name).with_extension("csv");
+        let text = compute().join("\n") + "\n";
+        fs::write(&path, text).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     }
+    Ok(())
 }

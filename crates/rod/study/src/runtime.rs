@@ -1,127 +1,106 @@
-//! Run time against the number of segments (thesis table 2.3, figure 2.6), in space.
+//! Run time against the number of segments (thesis table 2.3, figure 2.6), in space; an iteration in the plane beside it.
 //!
 //! All solvers get the same matrix, that of the first Newton iteration of a step of the thesis' beam; the rest of an
-//! iteration (derivatives, assembly, check of the residual) is the library's own.
+//! iteration (derivatives, assembly, check of the residual) is the library's own. Times are medians.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use faer::linalg::solvers::Solve;
-use faer::sparse::linalg::LltError;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
+use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
-use rod::{Banded, Rod};
+use nervure_rod::{Banded, Parameters};
 
-use crate::Table;
-use crate::matrices::{DT, newton_matrix, to_sparse};
-use crate::rods::thesis_beam;
+use crate::rods::{build, entry, thesis_beam};
+use crate::{Table, row};
+
+/// Step, s.
+const DT: f64 = 1e-3;
+
+/// Seconds that the thesis prints for n = 8 … 1024.
+const SPARSE: [f64; 8] = [32.514, 37.006, 46.888, 81.209, 216.240, 1142.829, 3511.771, 16337.062];
+const DENSE: [f64; 8] = [30.042, 36.388, 50.297, 104.936, 359.969, 2014.8, 10166.194, 53284.245];
 
 pub fn table() -> Table {
-    let mut table =
-        Table::new("n,iterations_per_step,iteration_3d,iteration_2d,banded,sparse,dense,thesis_sparse,thesis_dense");
-    let thesis = [
-        (8, 32.514, 30.042),
-        (16, 37.006, 36.388),
-        (32, 46.888, 50.297),
-        (64, 81.209, 104.936),
-        (128, 216.240, 359.969),
-        (256, 1142.829, 2014.8),
-        (512, 3511.771, 10166.194),
-        (1024, 16337.062, 53284.245),
+    let mut table = vec![
+        "n,iterations_per_step,iteration_3d,iteration_2d,banded,sparse,dense,thesis_sparse,thesis_dense".to_string(),
     ];
-    for n in (3..14).map(|k| 1 << k) {
-        let (spatial, iterations) = iteration_time::<3>(n);
-        let (planar, _) = iteration_time::<2>(n);
-        let matrix = newton_matrix(n);
-        let (sparse_thesis, dense_thesis) = thesis
-            .iter()
-            .find(|row| row.0 == n)
-            .map_or_else(Default::default, |row| (row.1.to_string(), row.2.to_string()));
-        let dense = if n <= 1024 { dense_time(&matrix).to_string() } else { String::new() };
-        table.push(&[
-            &n,
-            &iterations,
-            &spatial,
-            &planar,
-            &banded_time(&matrix),
-            &sparse_time(&matrix),
-            &dense,
-            &sparse_thesis,
-            &dense_thesis,
-        ]);
+    for k in 0..11 {
+        let n = 8 << k;
+        let ((spatial, iterations), (planar, _)) = (iteration_time::<3>(n), iteration_time::<2>(n));
+        let [banded, sparse, dense] = solver_times(&newton_matrix(n));
+        let [sparse_then, dense_then] =
+            [SPARSE, DENSE].map(|times| times.get(k).map_or_else(String::new, f64::to_string));
+        table.push(row(&[&n, &iterations, &spatial, &planar, &banded, &sparse, &dense, &sparse_then, &dense_then]));
     }
     table
 }
 
 /// Seconds of a step by its iterations, and the mean number of these: the beam falls from rest.
 fn iteration_time<const D: usize>(n: usize) -> (f64, f64) {
-    let mut rod = Rod::new(thesis_beam::<D>(n)).expect("these parameters are good");
+    let mut rod = build(thesis_beam::<D>(n));
     let steps = (163_840 / n).clamp(100, 2000);
     let mut iterations = 0;
-    let times = (0..steps)
-        .map(|_| {
-            let start = Instant::now();
-            rod.step(DT).expect("an easy step");
-            iterations += rod.statistics().iterations;
-            start.elapsed().as_secs_f64() / rod.statistics().iterations as f64
-        })
-        .collect();
-    (undisturbed(times), iterations as f64 / steps as f64)
-}
-
-fn banded_time(matrix: &Banded) -> f64 {
-    repeat(matrix.order(), || {
-        let mut factors = matrix.clone();
-        let mut b = vec![1.0; matrix.order()];
+    let times = (0..steps).map(|_| {
         let start = Instant::now();
-        factors.factorise().expect("a positive definite matrix");
-        factors.solve(&mut b);
-        let seconds = start.elapsed().as_secs_f64();
-        black_box(b);
-        seconds
-    })
+        rod.step(DT).expect("an easy step");
+        iterations += rod.statistics().iterations;
+        start.elapsed().as_secs_f64() / rod.statistics().iterations as f64
+    });
+    (median(times.collect()), iterations as f64 / steps as f64)
 }
 
-/// faer's sparse Cholesky: the numeric part, the symbolic one being done once.
-fn sparse_time(matrix: &Banded) -> f64 {
-    let sparse = to_sparse(matrix);
-    let symbolic = SymbolicLlt::try_new(sparse.symbolic(), Side::Lower).expect("enough memory");
-    repeat(matrix.order(), || {
-        let mut b = Mat::from_fn(matrix.order(), 1, |_, _| 1.0);
-        let start = Instant::now();
-        let factors: Result<_, LltError> = Llt::try_new_with_symbolic(symbolic.clone(), sparse.as_ref(), Side::Lower);
-        factors.expect("a positive definite matrix").solve_in_place(&mut b);
-        let seconds = start.elapsed().as_secs_f64();
-        black_box(b);
-        seconds
-    })
+/// K + 4 m/dt² of the thesis' beam in space, bending in the diagonal plane, so that no entry of the band vanishes.
+fn newton_matrix(n: usize) -> Banded {
+    let mut rod = build(Parameters { gravity: [0.0, -0.5, -0.5], ..thesis_beam::<3>(n) });
+    (0..5).for_each(|_| rod.step(DT).expect("an easy step"));
+    let mut matrix = rod.stiffness().expect("a shape that steps have reached");
+    let inertia = 4.0 * 0.0571 / n as f64 / (DT * DT);
+    (0..matrix.order()).for_each(|j| matrix.column_mut(j)[0] += inertia);
+    matrix
 }
 
-fn dense_time(matrix: &Banded) -> f64 {
-    let sparse = to_sparse(matrix);
-    let mut dense = sparse.to_dense();
-    for j in 0..dense.ncols() {
-        for i in 0..j {
-            dense[(i, j)] = dense[(j, i)];
-        }
+/// Factorise and solve: banded, by faer's sparse Cholesky, whose symbolic part is done once, and up to n = 1024 its dense one.
+fn solver_times(matrix: &Banded) -> [String; 3] {
+    let (order, good) = (matrix.order(), "a positive definite matrix");
+    let copies = || (matrix.clone(), vec![1.0; order]);
+    let banded = time(order, copies, |(factors, b)| {
+        factors.factorise().expect(good);
+        factors.solve(b);
+    });
+    let below = |j| j..order.min(j + matrix.half_bandwidth() + 1);
+    let lower = (0..order).flat_map(|j| below(j).map(move |i| Triplet::new(i, j, entry(matrix, i, j))));
+    let entries: Vec<_> = lower.filter(|entry| entry.val != 0.0).collect();
+    let faers = SparseColMat::<usize, f64>::try_new_from_triplets(order, order, &entries).expect("entries inside");
+    let symbolic = SymbolicLlt::try_new(faers.symbolic(), Side::Lower).expect("enough memory");
+    let ones = || Mat::from_fn(order, 1, |_, _| 1.0);
+    let sparse = time(order, ones, |b| {
+        let factors = Llt::try_new_with_symbolic(symbolic.clone(), faers.as_ref(), Side::Lower);
+        factors.expect(good).solve_in_place(b);
+    });
+    if order > 3 * 1024 {
+        return [banded.to_string(), sparse.to_string(), String::new()];
     }
-    repeat(matrix.order() * matrix.order(), || {
-        let mut b = Mat::from_fn(matrix.order(), 1, |_, _| 1.0);
+    let full = Mat::from_fn(order, order, |i, j| entry(matrix, i, j));
+    let dense = time(order * order, ones, |b| full.llt(Side::Lower).expect(good).solve_in_place(b));
+    [banded, sparse, dense].map(|seconds| seconds.to_string())
+}
+
+/// Of as many runs as `size` leaves time for, each on a fresh input.
+fn time<T>(size: usize, fresh: impl Fn() -> T, run: impl Fn(&mut T)) -> f64 {
+    let times = (0..(1_000_000 / size).clamp(3, 300)).map(|_| {
+        let mut input = fresh();
         let start = Instant::now();
-        dense.llt(Side::Lower).expect("a positive definite matrix").solve_in_place(&mut b);
+        run(black_box(&mut input));
         let seconds = start.elapsed().as_secs_f64();
-        black_box(b);
+        black_box(input);
         seconds
-    })
+    });
+    median(times.collect())
 }
 
-/// As many runs as `size` leaves time for.
-fn repeat(size: usize, mut run: impl FnMut() -> f64) -> f64 {
-    undisturbed((0..(1_000_000 / size).clamp(3, 300)).map(|_| run()).collect())
-}
-
-/// The lower decile: what a machine that others use as well takes when it is left alone.
-fn undisturbed(mut times: Vec<f64>) -> f64 {
+fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
-    times[times.len() / 10]
+    times[times.len() / 2]
 }
