@@ -22,7 +22,7 @@ class Run(results.Results):
         """The columns `names` over time, below each other; `figure.savefig(path)` writes them."""
         for name in names:
             if name not in self.series:
-                raise Refusal(f"{name} was not recorded: there are {', '.join(self.columns)}")
+                raise Refusal(f"{name} was not recorded: there are {', '.join(self.series)}")
         if "ipykernel" in sys.modules:
             import matplotlib.pyplot  # noqa: F401  lets the notebook draw a figure that a cell gives
 

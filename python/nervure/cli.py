@@ -153,10 +153,7 @@ def plot(
     runs = [results.read(folder) for folder in folders]
     target = output or folders[0]
     target.mkdir(parents=True, exist_ok=True)
-    written = plots.time_series(target, results.labelled(runs), runs[0].scene)
-    if len(runs) == 1:
-        written += plots.cylinder(target, runs[0], runs[0].scene, runs[0].summary)
-        written += plots.driven_root(target, runs[0], runs[0].summary)
+    written = plots.write(target, results.labelled(runs))
     if not written:
         raise Refusal(f"{', '.join(map(str, folders))}: no tip, drag or lift was recorded")
     for path in written:

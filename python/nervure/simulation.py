@@ -7,16 +7,14 @@ from pathlib import Path
 
 from rich.console import Console
 
-from nervure import checkpoint, coupling, master, results
+from nervure import checkpoint, master, results
 from nervure.errors import Refusal
 from nervure.evaluate.summary import summarize
 from nervure.pack import package
-from nervure.recorder import Recorder
 from nervure.scene import Scene, kinds, typed
 from nervure.show import fields
 from nervure.show.progress import Display, interruptible
 from nervure.show.table import print_table
-from nervure.unit import Unit
 
 
 @dataclass(frozen=True)
@@ -34,19 +32,6 @@ class Setup:
     fmus: dict[str, Path]
     foreign: bool  # Whether one of them is not ours
     options: OutputOptions
-
-
-def assemble(
-    scene: Scene, fmus: Mapping[str, Path], stack: ExitStack, drive: coupling.Drive | None = None, foreign: bool = False
-) -> tuple[dict[str, Unit], coupling.Single, master.Clock, Recorder]:
-    """The packed units of `scene`, coupled and ready to step, with clock and recorder; `stack` closes them. `drive`
-    moves a root that the scene leaves to the master; `foreign` says that a unit is not ours."""
-    clock = master.Clock(scene.time.end, scene.time.communication_step)
-    units = {}
-    for kind, path in fmus.items():
-        units[kind] = Unit(path, kind, clock.end)
-        stack.callback(units[kind].close)
-    return units, coupling.couple(units, scene.coupling, drive, foreign), clock, Recorder(units, clock.steps)
 
 
 def consoles(quiet: bool) -> tuple[Console, Console]:
@@ -108,7 +93,7 @@ def _execute(
         errors.print(f"warning: {message}", markup=False)
 
     with ExitStack() as stack:
-        units, scheme, clock, recorder = assemble(scene, setup.fmus, stack, foreign=setup.foreign)
+        units, scheme, clock, recorder = master.assemble(scene, setup.fmus, stack, foreign=setup.foreign)
         if chosen := scheme.choice:
             text = f"load {chosen.load}: {chosen.load_reason}\nscheme {chosen.scheme}: {chosen.scheme_reason}"
             console.print(text, soft_wrap=True)
@@ -137,13 +122,12 @@ def _execute(
         from nervure.show import plots
 
         summary = summarize(scene, units, scheme, recorder, status)
+        made = results.Results(scene, folder, summary, recorder.series, recorder.units)
         try:
-            results.write(folder, scene, recorder, scheme, summary)
+            results.write(made, scheme)
             if options.fields_every is None:
                 fields.clear(folder)
-            plots.time_series(folder, {scene.name: recorder}, scene)
-            plots.cylinder(folder, recorder, scene, summary)
-            plots.driven_root(folder, recorder, summary)
+            plots.write(folder, {scene.name: made})
             if status.error is None:
                 plots.vorticity(folder, scene, units, status.simulated)
         except OSError as error:
@@ -154,7 +138,7 @@ def _execute(
         console.print(f"stopped; `nervure resume {folder}` goes on", soft_wrap=True)
     if status.completed:
         checkpoint.clear(folder)
-    return results.of(scene, folder, summary, recorder)
+    return made
 
 
 def _inside(path: Path, folder: Path) -> str:

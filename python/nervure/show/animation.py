@@ -77,8 +77,9 @@ class Frames:
         """The periods of the run's main signal; None without a record of it, or if it has none."""
         if not (self.folder / "series.csv").is_file():
             return None
-        series = np.genfromtxt(self.folder / "series.csv", delimiter=",", names=True)
-        main = main_signal(series.dtype.names or (), series.__getitem__)
+        table = np.genfromtxt(self.folder / "series.csv", delimiter=",", names=True)
+        series = {name: table[name] for name in table.dtype.names or ()}
+        main = main_signal(series)
         window = statistics.find_window(series["time"], series[main]) if main else None
         return window if window and window.periods else None
 

@@ -12,14 +12,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from nervure import checkpoint, coupling, master, results
+from nervure import checkpoint, master, results
 from nervure.errors import Refusal
 from nervure.pack import package
-from nervure.recorder import Recorder
 from nervure.scene import kinds, load
 from nervure.show import fields
 from nervure.show.table import print_table
-from nervure.unit import Unit, UnitError, Variable, variables_of
+from nervure.unit import UnitError, Variable, variables_of
 
 FLAGS = (
     "canHandleVariableCommunicationStepSize",
@@ -88,19 +87,13 @@ def show_scene(console: Console, path: Path) -> None:
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         fmus = {kind: package.pack(kind, scene, folder) for kind in kinds(scene)}
-        clock = master.Clock(scene.time.end, scene.time.communication_step)
         before = _resident()
-        units = {}
-        for kind, fmu in fmus.items():
-            units[kind] = Unit(fmu, kind, clock.end)
-            stack.callback(units[kind].close)
-        scheme = coupling.couple(units, scene.coupling)
+        units, scheme, clock, recorder = master.assemble(scene, fmus, stack)
         scheme.start()
         for i in range(min(2, clock.steps)):  # the second one has a history as well
             scheme.step(*clock.step(i))
         resident = _resident()
         memory = resident - before if resident is not None and before is not None else None
-        recorder = Recorder(units, clock.steps)
         stations = len(fields.stations(units)) if scene.beam else 0
 
     rows = [("description", scene.description)] if scene.description else []

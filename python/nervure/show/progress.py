@@ -62,7 +62,7 @@ class Display:
         latest = self.recorder.latest
         values = []
         for name in self.shown:
-            unit, scale = shown_in(self.recorder.unit_of[name])
+            unit, scale = shown_in(self.recorder.units[name])
             values.append(f"{name} {latest[name] * scale:.2f} {unit}")
         left = wall * (self.end - time) / time
         text = ", ".join([f"t {time:.3f} of {self.end:g} s", f"wall {wall:.0f} s, {left:.0f} s left", *values])
