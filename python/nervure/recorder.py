@@ -7,12 +7,8 @@ import numpy as np
 
 from nervure.unit import Unit
 
-MAX_ROWS = 200_000
-"""A run of more steps is recorded at every second, third, … step, so that the table stays below this."""
-
-KINDS = ("Real", "Integer")
-"""FMI types of the outputs that are recorded, in the order of the columns of a unit."""
-
+MAX_ROWS = 200_000  # A run of more steps is recorded at every second, third, … step, so that the table stays below this
+KINDS = ("Real", "Integer")  # FMI types of the outputs that are recorded, in the order of the columns of a unit
 Series = Mapping[str, np.ndarray]
 """Recorded values over time, by column."""
 
@@ -60,8 +56,3 @@ class Recorder:
     def series(self) -> dict[str, np.ndarray]:
         """What was recorded so far, by column."""
         return dict(zip(self.columns, self.table[: self.rows].T, strict=True))
-
-    @property
-    def latest(self) -> dict[str, float]:
-        """The last row."""
-        return dict(zip(self.columns, self.table[self.rows - 1].tolist(), strict=True))

@@ -79,6 +79,5 @@ def write(run: Results, scheme: Single) -> None:
 
 def labelled(runs: list[Results]) -> dict[str, Results]:
     """`runs` by the names of their folders, or by their paths where those are the same."""
-    names = [run.folder.resolve().name for run in runs]
-    unique = len(set(names)) == len(names)
-    return {name if unique else str(run.folder): run for name, run in zip(names, runs, strict=True)}
+    named = {run.folder.resolve().name: run for run in runs}
+    return named if len(named) == len(runs) else {str(run.folder): run for run in runs}

@@ -1,7 +1,7 @@
 """Pictures of a run: tip, drag and lift over time, and the vorticity around the solids at its end."""
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -20,15 +20,9 @@ from nervure.show import shown_in
 from nervure.show.fields import outline, stations
 from nervure.unit import Unit
 
-BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
-"""Colours that colour-blind readers tell apart (Okabe & Ito 2008)."""
-
-VORTICITY_PERCENTILE = 99.0
-"""Part of the picture's points, in percent, whose vorticity lies inside the colour scale."""
-
-COLOUR_MAP = "RdBu_r"
-"""Diverging, white at 0, and the same to colour-blind readers."""
-
+BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-blind readers tell apart (Okabe & Ito 2008)
+VORTICITY_PERCENTILE = 99.0  # Part of the picture's points, in percent, whose vorticity lies inside the colour scale
+COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 COLOURS = (BLUE, ORANGE, GREEN)
 
 SOLID = "0.55"
@@ -60,9 +54,8 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
             axis.plot(run.series["time"], run.series[column] * scale, linewidth=0.8, **look)
         band = reference.quantities.get(column) if reference else None
         if reference and band and band.mean is not None and band.amplitude is not None:
-            axis.axhspan(
-                (band.mean - band.amplitude) * scale, (band.mean + band.amplitude) * scale, color="0.85", zorder=0
-            )
+            low, high = band.mean - band.amplitude, band.mean + band.amplitude
+            axis.axhspan(low * scale, high * scale, color="0.85", zorder=0)
             axes[0, 0].set_title(f"grey: mean ± amplitude of {reference.source}", fontsize="small")
         axis.set_ylabel(f"{column.replace('_', ' ')} [{unit or '1'}]")
         axis.margins(x=0)
@@ -82,25 +75,19 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
     published = coefficients.published(run.scene.reference)
     window = run.summary.window.last(statistics.MIN_PERIODS)
     part = window.of(time)
-    if window.periods:
-        lines: tuple[str, ...] = ("max", "min")
-        layout: list[Any] = [["cd", "orbit"], ["cl", "orbit"]]
-    else:
-        lines, layout = ("mean",), [["cd"], ["cl"]]
+    lines = ("max", "min") if window.periods else ("mean",)
+    layout: list[Any] = [["cd", "orbit"], ["cl", "orbit"]] if window.periods else [["cd"], ["cl"]]
     figure = Figure(figsize=(12 if window.periods else 8, 5), layout="constrained")
     axes = figure.subplot_mosaic(layout, width_ratios=[1.6, 1] if window.periods else None)
     for name, label, colour in (("cd", "$c_D$", BLUE), ("cl", "$c_L$", ORANGE)):
         axes[name].plot(time, curves[name], color=colour, linewidth=0.8)
         levels = [published[f"{name}_{what}"] for what in lines if f"{name}_{what}" in published]
-        for level in levels:
-            axes[name].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
+        for where, level in product([name, "orbit"] if window.periods and name == "cd" else [name], levels):
+            axes[where].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
         low, high = min([curves[name][part].min(), *levels]), max([curves[name][part].max(), *levels])
         margin = max(0.5 * (high - low), 0.02 * abs(high))
         axes[name].set(ylabel=label, ylim=(low - margin, high + margin), xlim=(0, time[-1]))
         axes[name].axvspan(window.begin, window.end, color="0.93", zorder=0)
-        if window.periods and name == "cd":
-            for level in levels:
-                axes["orbit"].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
     axes["cl"].set_xlabel("time [s]")
     if window.periods:
         axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
@@ -140,18 +127,14 @@ def driven_root(folder: Path, run: Results) -> list[Path]:
         ("damping_power", -1, "by damping"),
     ]
     starts = np.searchsorted(phase, np.arange(window.periods + 1))
-    per_depth = "" if "tip_uz" in series else "/m"
-    for place, curves, title, unit in (
-        ("force", forces, told, f"N{per_depth}"),
-        ("power", powers, "power", f"W{per_depth}"),
-    ):
+    for place, curves, title, unit in (("force", forces, told, "N"), ("power", powers, "power", "W")):
         shown = [curve for curve in curves if curve[0] in series and series[curve[0]].any()]
         for (column, sign, label), colour in zip(shown, COLOURS, strict=False):
             values = sign * series[column][part]
             for begin, end in pairwise(starts):
                 look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
                 axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
-        axes[place].set(xlabel="t/T", ylabel=f"[{unit}]", title=title)
+        axes[place].set(xlabel="t/T", ylabel=f"[{unit}]" if "tip_uz" in series else f"[{unit}/m]", title=title)
     for axis in axes.values():
         axis.legend(fontsize="small")
     figure.suptitle(f"{window.periods} periods from t = {window.begin:.3g} s, the last one dark", fontsize="small")
