@@ -179,15 +179,16 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         outcome = master.run(scheme, clock, recorder)
         memory = resident() - before
         evaluated = summarize(typed(scene), units, scheme, recorder, outcome)
-        timed(results.write, seconds, "output")(folder, typed(scene), recorder, scheme, evaluated)
+        made = results.Results(typed(scene), folder, evaluated, recorder.series, recorder.units)
+        timed(results.write, seconds, "output")(made, scheme)
         if pictures:
-            plots.time_series(folder, {scene["name"]: recorder}, typed(scene))
-            plots.vorticity(folder, typed(scene), units, outcome.simulated)
+            plots.write(folder, {scene["name"]: made})
+            plots.vorticity(folder, made.scene, units, outcome.simulated)
         summary = evaluated.document()
         phases = summary["phases_s"]
         phases["python"] = phases.pop("exchange_and_python") - seconds["fmi"] - seconds["recording"]
         phases |= seconds
-        columns: Any = {name: recorder.column(name) for name in recorder.columns}
+        columns: Any = made.series
         np.savez_compressed(folder / "series.npz", **columns)
         last = {name: float(values[-1]) for name, values in columns.items()}
         return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "memory_mb": memory, "last": last}
@@ -211,16 +212,6 @@ def run(case: Case, folder: Path) -> dict[str, Any]:
     first["phases_s"] = {phase: min(other["phases_s"][phase] for other in runs) for phase in first["phases_s"]}
     found: dict[str, Any] = json_numbers(first | {"runs": len(runs)})
     return found
-
-
-class Columns:
-    """Recorded columns, in the place of a recorder."""
-
-    def __init__(self, series: dict[str, np.ndarray]):
-        self.series, self.columns, self.unit_of = series, list(series), dict.fromkeys(series)
-
-    def column(self, name: str) -> np.ndarray:
-        return self.series[name]
 
 
 def sizes(scene: dict[str, Any]) -> tuple[int, int]:

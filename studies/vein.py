@@ -141,12 +141,12 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
 def settled(case: Case, run: Run) -> dict[str, float]:
     """Means over whole periods at the end, and the energy that is missing, by the loads and by what the fluid
     exerted."""
-    summary, series = run.found, simulate.Columns(run.series)
+    summary = run.found
     begin, end = summary["window_s"]
     window = statistics.Window(begin, end, summary["periods"])
     if case.name.startswith(("grid/", "dt/")):
         window = statistics.Window(0.0, float(run.series["time"][-1]), 1)
-    flapped = flapping.evaluate(typed(case.built()), series, window)
+    flapped = flapping.evaluate(typed(case.built()), run.series, window)
     assert flapped, f"{case.name} drives no root"
     found = asdict(flapped)
     names = (
@@ -217,10 +217,10 @@ def part(case: Case, run: Run) -> dict[str, float]:
 def stiff_limit(case: Case, folder: Path) -> dict[str, Any]:
     """How far the forces of a stiff rod are from those of the prescribed motion."""
     coupled, prescribed = (driven_root.record(case.built(), folder, rigid=rigid) for rigid in (False, True))
-    time, rows = coupled.column("time"), []
+    time, rows = coupled["time"], []
     later = time > 1.0
     for name in FORCES:
-        forces = [run.column(name) for run in (coupled, prescribed)]
+        forces = [run[name] for run in (coupled, prescribed)]
         stiff, rigid = (driven_root.filtered(time, force) for force in forces)
         row = {
             "rms": np.sqrt(np.mean((stiff - rigid) ** 2) / np.mean(rigid**2)),

@@ -14,7 +14,7 @@ import numpy as np
 from nervure import coupling, master
 from nervure.evaluate import flapping, statistics
 from nervure.evaluate.statistics import Window
-from nervure.recorder import Recorder
+from nervure.recorder import Series
 from nervure.scene import typed
 from studies import simulate
 
@@ -50,17 +50,17 @@ class Found:
         return (self.value - self.expected) / (self.expected or 1.0)
 
 
-Run = Callable[..., Recorder]
+Run = Callable[..., Series]
 """`record` without its folder: the scene and, by keyword, whether the rod is rigid, to what was recorded."""
 
 
-def record(scene: Scene, folder: Path, drive: coupling.Drive | None = None, rigid: bool = False) -> Recorder:
+def record(scene: Scene, folder: Path, drive: coupling.Drive | None = None, rigid: bool = False) -> Series:
     """What a run that reaches its end recorded."""
     with ExitStack() as stack:
         _, scheme, clock, recorder = simulate.assemble(scene, folder, stack, rigid, drive)
         outcome = master.run(scheme, clock, recorder)
     assert outcome.error is None, outcome.error
-    return recorder
+    return recorder.series
 
 
 def small_pitching() -> Scene:
@@ -90,7 +90,7 @@ def stiff_limit(run: Run) -> list[Found]:
     both = run(scene), run(scene, rigid=True)
     found = []
     for name in FORCES:
-        stiff, rigid = (filtered(recorder.column("time"), recorder.column(name)) for recorder in both)
+        stiff, rigid = (filtered(series["time"], series[name]) for series in both)
         found.append(Found(name, np.abs(stiff - rigid).max() / np.abs(rigid).max(), 0.0, 0.01))
     return found
 
@@ -118,11 +118,9 @@ def transfer_function(run: Run) -> list[Found]:
         "scheme": "tr_bdf2",
         "root_motion": {"laws": {"y": {"sine": {"amplitude": 1e-4, "frequency": frequency, "ramp": 20 / frequency}}}},
     }
-    recorder = run(scene)
+    series = run(scene)
     window = Window(30 / frequency, 40 / frequency, 10)
-    tip, root = (
-        flapping.harmonic(recorder.column("time"), recorder.column(name), window) for name in ("tip_uy", "rigid_tip_uy")
-    )
+    tip, root = (flapping.harmonic(series["time"], series[name], window) for name in ("tip_uy", "rigid_tip_uy"))
     exact = (np.cos(b) + np.cosh(b)) / (1 + np.cos(b) * np.cosh(b))
     return [Found("tip by root", float((tip / root).real), float(exact), 5e-3)]
 
@@ -163,9 +161,9 @@ def free_vibration(run: Run) -> list[Found]:
     scene["rod"]["material"]["section"] = {"line_density": mu, "bending_stiffness": ei, "axial_stiffness": 1e4}
     nudge = {"table": {"times": [0.0, 0.25, 0.5], "values": [0.0, 0.004, 0.0]}}
     scene["rod"]["root_motion"] = {"laws": {"rotations": [{"angle": nudge}]}}
-    recorder = run(scene)
-    later = recorder.column("time") > 0.75
-    time, uy = recorder.column("time")[later], recorder.column("tip_uy")[later]
+    series = run(scene)
+    later = series["time"] > 0.75
+    time, uy = series["time"][later], series["tip_uy"][later]
     crossings = statistics.upward_crossings(time, uy, 0.0, uy.max())
     found = (crossings.size - 1) / (crossings[-1] - crossings[0])
     expected = frequency_of_the_wet_plate(ei, mu, side**2)

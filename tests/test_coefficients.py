@@ -4,21 +4,12 @@ import numpy as np
 import pytest
 
 from nervure.evaluate import coefficients, statistics
-from nervure.recorder import Recorder
 from nervure.scene import load, override, read, typed
 
 
 @pytest.fixture
 def scene():
     return read("cylinder-2d2-900x180")
-
-
-def recorder(columns):
-    """A recorder that holds `columns`."""
-    made = Recorder({}, len(columns["time"]))
-    made.columns = list(columns)
-    made.table, made.rows = np.column_stack(list(columns.values())), len(columns["time"])
-    return made
 
 
 def test_the_scale_is_that_of_the_benchmark(scene):
@@ -49,9 +40,8 @@ def test_a_known_oscillation_gives_its_own_coefficients(scene):
         "drag": 0.16 + 0.0016 * np.cos(4 * np.pi * 3 * time),
         "lift": 0.05 * np.sin(2 * np.pi * 3 * time),
     }
-    made = recorder(columns)
     found = coefficients.evaluate(
-        coefficients.scale(typed(scene)), made, statistics.find_window(time, columns["lift"]), 0.0
+        coefficients.scale(typed(scene)), columns, statistics.find_window(time, columns["lift"]), 0.0
     )
     expected = {"cd_max": 3.232, "cd_min": 3.168, "cd_mean": 3.2, "cl_max": 1.0, "cl_min": -1.0, "cl_peak_to_peak": 2.0}
     assert {name: found[name] for name in expected} == pytest.approx(expected, rel=1e-4)
@@ -64,14 +54,14 @@ def test_the_extremes_are_those_of_the_last_five_periods(scene):
     drag = np.where(time < 5, 0.15, 0.16)  # the drag still grows where the lift has settled
     columns = {"time": time, "drag": drag, "lift": 0.05 * np.sin(2 * np.pi * 3 * time)}
     found = coefficients.evaluate(
-        coefficients.scale(typed(scene)), recorder(columns), statistics.find_window(time, columns["lift"]), 0.0
+        coefficients.scale(typed(scene)), columns, statistics.find_window(time, columns["lift"]), 0.0
     )
     assert found["cd_min"] == pytest.approx(3.2)
 
 
 def test_a_lift_without_a_frequency_has_no_strouhal_number(scene):
     time = np.linspace(0, 1, 101)
-    still = recorder({"time": time, "drag": 0.16 + 0 * time, "lift": 0 * time})
+    still = {"time": time, "drag": 0.16 + 0 * time, "lift": 0 * time}
     found = coefficients.evaluate(coefficients.scale(typed(scene)), still, statistics.Window(0.0, 1.0, 2), 0.0)
     assert found["cd_max"] == pytest.approx(3.2) and "st" not in found
 
@@ -81,7 +71,7 @@ def test_the_pressure_difference_is_between_the_probes_on_the_cylinder(scene):
     time = np.linspace(0, 1, 101)
     steady = {"drag": 0.28 + 0 * time, "lift": 0 * time, "probe_a_p": 0.11 + 0 * time, "probe_b_p": -0.01 + 0 * time}
     scale = coefficients.scale(typed(scene))
-    found = coefficients.evaluate(scale, recorder({"time": time} | steady), statistics.Window(0.5, 1.0, 0), 0.0)
+    found = coefficients.evaluate(scale, {"time": time} | steady, statistics.Window(0.5, 1.0, 0), 0.0)
     assert found == pytest.approx({"cd_mean": 5.6, "cl_mean": 0.0, "dp_mean": 0.12})
 
 

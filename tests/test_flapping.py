@@ -42,7 +42,7 @@ def test_master_drives_the_root_as_the_laws_do(pitching, record, chosen):
 
     by_master = record(pitching | {"rod": pitching["rod"] | {"root_motion": "master"}}, drive)
     for column in ("tip_uy", "lift", "root_power"):
-        found, expected = by_master.column(column), by_laws.column(column)
+        found, expected = by_master[column], by_laws[column]
         assert np.abs(found - expected).max() < 1e-6 * np.abs(expected).max(), column
 
 
@@ -53,7 +53,7 @@ def test_root_that_nothing_drives_is_refused(pitching, record):
 
 
 def known_signal():
-    """Times, columns and recorder of a drive of 2 Hz along x whose tip lags by 30 degrees and goes 1.5 times as far."""
+    """Columns and window of a drive of 2 Hz along x whose tip lags by 30 degrees and goes 1.5 times as far."""
     time = np.linspace(0, 4, 4001)
     omega = 4 * np.pi
     columns = {
@@ -70,13 +70,7 @@ def known_signal():
         "beam_lift": -0.5 + np.cos(omega * time),
     }
 
-    class Known:
-        def column(self, name):
-            return columns[name]
-
-    known = Known()
-    known.columns = list(columns)
-    return known, statistics.find_window(time, columns["tip_ux"])
+    return columns, statistics.find_window(time, columns["tip_ux"])
 
 
 def test_averages_of_a_known_signal(fluid_only):

@@ -99,7 +99,7 @@ def test_iterated_scheme_gives_the_monolithic_solution_at_ten_times_the_mass():
     outcome, recorder = run(scheme)
     assert outcome.error is None
     assert scheme.rod.state["q"] == pytest.approx(monolithic(), rel=1e-6)
-    assert recorder.column("iterations")[1:].max() <= 5, "Aitken's relaxation is exact for one unknown"
+    assert recorder.series["iterations"][1:].max() <= 5, "Aitken's relaxation is exact for one unknown"
 
 
 def test_explicit_scheme_blows_up_at_ten_times_the_mass():
@@ -191,4 +191,4 @@ def test_long_runs_are_recorded_in_a_table_of_bounded_size():
     for step in range(1_000_001):
         recorder.record(step, float(step), 1)
     assert recorder.rows == 200_001
-    assert recorder.column("time")[-1] == 1_000_000.0
+    assert recorder.series["time"][-1] == 1_000_000.0

@@ -22,7 +22,7 @@ class Run(results.Results):
         """The columns `names` over time, below each other; `figure.savefig(path)` writes them."""
         for name in names:
             if name not in self.series:
-                raise Refusal(f"{name} was not recorded: there are {', '.join(self.columns)}")
+                raise Refusal(f"{name} was not recorded: there are {', '.join(self.series)}")
         if "ipykernel" in sys.modules:
             import matplotlib.pyplot  # noqa: F401  lets the notebook draw a figure that a cell gives
 
@@ -62,9 +62,8 @@ def run(
     elif overrides := list(overrides):
         raise Refusal(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
     foreign = {"rod": rod_fmu, "fluid": fluid_fmu}
-    options = simulation.OutputOptions(checkpoint_every, fields_every)
     folder = None if output is None else Path(output)
-    done = Run(**vars(simulation.run(scene, folder, foreign, options, *simulation.consoles(quiet))))
+    done = Run(**vars(simulation.run(scene, folder, foreign, checkpoint_every, fields_every, quiet)))
     if done.summary.error is not None:
         raise RunError(done)
     if not done.summary.completed:

@@ -18,6 +18,7 @@ import numpy as np
 
 from nervure.coupling import Single
 from nervure.errors import Refusal
+from nervure.files import write_whole
 from nervure.recorder import Recorder
 from nervure.scene import Scene
 from nervure.unit import Unit, UnitError
@@ -25,8 +26,7 @@ from nervure.unit import Unit, UnitError
 FILE = "checkpoint.npz"
 FORMAT = 4
 
-EXCHANGED = ("inputs", "outputs", "integers")
-"""The arrays of a unit that the next step or the next row may need."""
+EXCHANGED = ("inputs", "outputs", "integers")  # The arrays of a unit that the next step or the next row may need
 
 
 class CheckpointError(Refusal):
@@ -97,28 +97,30 @@ class Checkpoint:
             "seconds": {kind: unit.seconds for kind, unit in self.units.items()},
         }
         arrays["about"] = np.frombuffer(json.dumps(about).encode(), np.uint8)
-        unfinished = self.path.with_name(f"unfinished-{FILE}")
-        try:
-            with open(unfinished, "wb") as file:
+
+        def writer(path: Path) -> None:
+            with open(path, "wb") as file:
                 np.savez(file, allow_pickle=False, **arrays)
                 file.flush()
                 os.fsync(file.fileno())
-            unfinished.replace(self.path)
-        except OSError:
-            unfinished.unlink(missing_ok=True)
-            raise
-        _sync_folder(self.path.parent)
+
+        write_whole(self.path, writer)
+        if hasattr(os, "O_DIRECTORY"):  # where a folder can be opened, let the renaming reach the disk too
+            descriptor = os.open(self.path.parent, os.O_RDONLY | os.O_DIRECTORY)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
 
     def restore(self, kept: Kept) -> tuple[int, float]:
         """Put started units, scheme and recorder into the state that was kept; returns steps done and wall time (s)."""
         about, arrays = kept.about, kept.arrays
         for kind, unit in self.units.items():
-            if about["guids"][kind] != unit.description.guid:
+            here, there = unit.description.guid, about["guids"][kind]
+            if here != there:
                 raise CheckpointError(
-                    f"the checkpoint {kept.path} is of another {kind}: its GUID is {unit.description.guid} here, but "
-                    f"{about['guids'][kind]} there"
+                    f"the checkpoint {kept.path} is of another {kind}: its GUID is {here} here, but {there} there"
                 )
-        for kind, unit in self.units.items():
             try:
                 unit.deserialize(arrays[f"{kind}_state"].tobytes())
             except UnitError as error:
@@ -156,13 +158,3 @@ class Checkpoint:
 def clear(folder: Path) -> None:
     """Remove the checkpoint from `folder`."""
     (folder / FILE).unlink(missing_ok=True)
-
-
-def _sync_folder(folder: Path) -> None:
-    """Let the renaming of a file in `folder` reach the disk, on systems that can open a folder."""
-    if hasattr(os, "O_DIRECTORY"):
-        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)

@@ -1,13 +1,16 @@
 """The co-simulation master: one loop for a rod, a fluid or the two coupled; `coupling` has what happens in a step."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
+from pathlib import Path
 from time import perf_counter, process_time
 
-from nervure.coupling import CouplingError, Single
+from nervure.coupling import CouplingError, Drive, Single, couple
 from nervure.recorder import Recorder
-from nervure.unit import UnitError
+from nervure.scene import Scene
+from nervure.unit import Unit, UnitError
 
 Watcher = Callable[[int, float, float], None]
 """Called at the start and after every step with the number of steps done, the simulated time and the wall time (s)."""
@@ -48,6 +51,19 @@ class RunStatus:
     def stopped(self) -> bool:
         """Whether it was asked to stop."""
         return not self.completed and self.error is None
+
+
+def assemble(
+    scene: Scene, fmus: Mapping[str, Path], stack: ExitStack, drive: Drive | None = None, foreign: bool = False
+) -> tuple[dict[str, Unit], Single, Clock, Recorder]:
+    """The packed units of `scene`, coupled and ready to step, with clock and recorder; `stack` closes them. `drive`
+    moves a root that the scene leaves to the master; `foreign` says that a unit is not ours."""
+    clock = Clock(scene.time.end, scene.time.communication_step)
+    units = {}
+    for kind, path in fmus.items():
+        units[kind] = Unit(path, kind, clock.end)
+        stack.callback(units[kind].close)
+    return units, couple(units, scene.coupling, drive, foreign), clock, Recorder(units, clock.steps)
 
 
 def run(

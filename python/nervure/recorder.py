@@ -1,42 +1,25 @@
 """Keeps the scalar outputs of the units over time, in one table that is allocated before the run."""
 
 import re
-from collections.abc import Mapping, Sequence
-from typing import Protocol
+from collections.abc import Mapping
 
 import numpy as np
 
 from nervure.unit import Unit
 
-MAX_ROWS = 200_000
-"""A run of more steps is recorded at every second, third, … step, so that the table stays below this."""
-
-KINDS = ("Real", "Integer")
-"""FMI types of the outputs that are recorded, in the order of the columns of a unit."""
+MAX_ROWS = 200_000  # A run of more steps is recorded at every second, third, … step, so that the table stays below this
+KINDS = ("Real", "Integer")  # FMI types of the outputs that are recorded, in the order of the columns of a unit
+Series = Mapping[str, np.ndarray]
+"""Recorded values over time, by column."""
 
 PUNCTUATION = re.compile(r"[.\[\]]+")
-
-
-class Record(Protocol):
-    """Columns over time: of a run that goes on, or of one that was read again."""
-
-    @property
-    def columns(self) -> Sequence[str]:
-        """Their names."""
-
-    @property
-    def unit_of(self) -> Mapping[str, str | None]:
-        """Their units."""
-
-    def column(self, name: str) -> np.ndarray:
-        """The values of column `name`."""
 
 
 class Recorder:
     """Table of time (s), the scalar outputs of `units` and iterations, one row a recorded step.
 
-    Dots and brackets in names become underscores; a name that two units have gets that of its unit in front. To be
-    made after the units are connected.
+    Dots and brackets in names become underscores; a name that two units have gets that of its unit in front. `units`
+    has the physical unit of each column but the last. To be made after the units are connected.
     """
 
     def __init__(self, units: dict[str, Unit], steps: int):
@@ -44,11 +27,11 @@ class Recorder:
         outputs = [(unit, kind, name) for unit in units.values() for kind in KINDS for name in unit.scalars(kind)]
         names = [name for _, _, name in outputs]
         self.columns = ["time"]
-        self.unit_of: dict[str, str | None] = {"time": "s"}
+        self.units: dict[str, str | None] = {"time": "s"}
         for unit, _, name in outputs:
             column = PUNCTUATION.sub("_", name if names.count(name) == 1 else f"{unit.name}_{name}")
             self.columns.append(column)
-            self.unit_of[column] = unit.variables[name].unit
+            self.units[column] = unit.variables[name].unit
         self.columns.append("iterations")
         self.table = np.empty((steps // self.stride + 1, len(self.columns)))
         self.rows = 0
@@ -69,11 +52,7 @@ class Recorder:
         self.rows = len(table)
         self.table[: self.rows] = table
 
-    def column(self, name: str) -> np.ndarray:
-        """What was recorded of column `name`."""
-        return self.table[: self.rows, self.columns.index(name)]
-
     @property
-    def latest(self) -> dict[str, float]:
-        """The last row."""
-        return dict(zip(self.columns, self.table[self.rows - 1].tolist(), strict=True))
+    def series(self) -> dict[str, np.ndarray]:
+        """What was recorded so far, by column."""
+        return dict(zip(self.columns, self.table[: self.rows].T, strict=True))

@@ -13,7 +13,7 @@ from nervure.coupling import Single
 from nervure.errors import Refusal
 from nervure.evaluate.summary import Summary
 from nervure.files import write_together
-from nervure.recorder import Recorder
+from nervure.recorder import Series
 from nervure.scene import Scene, text, typed
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
@@ -32,28 +32,8 @@ class Results:
     scene: Scene
     folder: Path
     summary: Summary
-    series: Mapping[str, np.ndarray]  # Columns by name
+    series: Series  # In full precision where the run was made in this process
     units: Mapping[str, str | None]  # Their units; a column without one counts something
-
-    @property
-    def columns(self) -> list[str]:
-        """Names of the columns."""
-        return list(self.series)
-
-    @property
-    def unit_of(self) -> Mapping[str, str | None]:
-        """The same as `units`: so a run that was read stands in for a `Recorder` where it is drawn."""
-        return self.units
-
-    def column(self, name: str) -> np.ndarray:
-        """The values of column `name`."""
-        return self.series[name]
-
-
-def of(scene: Scene, folder: Path, summary: Summary, recorder: Recorder) -> Results:
-    """The results of a run in this process, in full precision."""
-    series = {name: recorder.column(name).copy() for name in recorder.columns}
-    return Results(scene, folder, summary, series, dict(recorder.unit_of))
 
 
 def read(folder: Path) -> Results:
@@ -78,31 +58,26 @@ def read(folder: Path) -> Results:
     return Results(scene, folder, known, dict(zip(columns, table.T, strict=True)), known.series)
 
 
-def write(folder: Path, scene: Scene, recorder: Recorder, scheme: Single, summary: Summary) -> None:
-    """Write scene.json, series.csv, the scheme's logs and summary.json into `folder`, in the place of the results of an
-    earlier run: where one cannot be written those stay, else nothing of theirs does."""
-    folder.mkdir(parents=True, exist_ok=True)
-
-    def series(path: Path) -> None:
-        header = ",".join(recorder.columns)
-        np.savetxt(path, recorder.table[: recorder.rows], "%.10g", ",", header=header, comments="")
-
-    summarized = json.dumps(summary.document(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+def write(run: Results, scheme: Single) -> None:
+    """Write scene.json, series.csv, the scheme's logs and summary.json into the folder of `run`, in the place of the
+    results of an earlier run: where one cannot be written those stay, else nothing of theirs does."""
+    run.folder.mkdir(parents=True, exist_ok=True)
+    summarized = json.dumps(run.summary.document(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     writers: dict[str, Callable[[Path], object]] = {
-        "scene.json": lambda path: path.write_text(text(scene), encoding="utf-8"),
-        "series.csv": series,
+        "scene.json": lambda path: path.write_text(text(run.scene), encoding="utf-8"),
         "summary.json": lambda path: path.write_text(summarized, encoding="utf-8"),
     }
-    for name, log in scheme.logs().items():
-        header = ",".join(log.dtype.names or ())
-        writers[f"{name}.csv"] = partial(np.savetxt, X=log, fmt="%.10g", delimiter=",", header=header, comments="")
-    write_together(folder, writers)
+    tables = {"series": (list(run.series), np.column_stack(list(run.series.values())))}
+    tables |= {name: (list(log.dtype.names or ()), log) for name, log in scheme.logs().items()}
+    for name, (columns, table) in tables.items():
+        header = ",".join(columns)
+        writers[f"{name}.csv"] = partial(np.savetxt, X=table, fmt="%.10g", delimiter=",", header=header, comments="")
+    write_together(run.folder, writers)
     for name in {*FILES, *FURTHER_FILES} - writers.keys():
-        (folder / name).unlink(missing_ok=True)
+        (run.folder / name).unlink(missing_ok=True)
 
 
 def labelled(runs: list[Results]) -> dict[str, Results]:
     """`runs` by the names of their folders, or by their paths where those are the same."""
-    names = [run.folder.resolve().name for run in runs]
-    unique = len(set(names)) == len(names)
-    return {name if unique else str(run.folder): run for name, run in zip(names, runs, strict=True)}
+    named = {run.folder.resolve().name: run for run in runs}
+    return named if len(named) == len(runs) else {str(run.folder): run for run in runs}

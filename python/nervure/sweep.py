@@ -20,8 +20,6 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
-from rich.console import Console
-
 from nervure import simulation
 from nervure.errors import Refusal, SceneError
 from nervure.files import json_numbers, write_csv, write_whole
@@ -35,9 +33,7 @@ ROW = "row.json"
 FINISHED, FAILED, KILLED = "finished", "failed", "killed"
 """How a run ended: at its end; by a refusal or an error; with its worker, as often as it was tried."""
 
-CONNECT_S = 5
-"""How long a scheduler has to answer, s."""
-
+CONNECT_S = 5  # How long a scheduler has to answer, s
 STATISTICS = ("mean", "amplitude", "frequency_hz")
 REPORTED = ("simulated_s", "steps", "periods", "amplitude_drift", "iterations_mean")
 """What the table has of a summary's quantities, and of the summary itself."""
@@ -105,11 +101,10 @@ def known(case: Case, folder: Path) -> Row | None:
 def one(scene: Document, folder: Path) -> Row:
     """Run a case on a worker; returns what its row has of it."""
     wall, cpu = perf_counter(), process_time()
-    quiet = Console(quiet=True)
     row: Row = {"status": FINISHED, "reason": None}
     found: Row = {}
     try:
-        summary = simulation.run(typed(scene), folder, {}, simulation.OutputOptions(), quiet, quiet).summary
+        summary = simulation.run(typed(scene), folder, {}, quiet=True).summary
         if not summary.completed:
             row = {"status": FAILED, "reason": summary.error}
         found = {name: getattr(summary, name) for name in REPORTED}
@@ -185,17 +180,13 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None) -> Iter
 
         waiting, running = iter(cases), dict[Any, Case]()
         done = distributed.as_completed()
-
-        def hand_out() -> None:
-            free = max(1, len(client.nthreads())) - len(running)  # below 0 while workers are being started again
-            for case in itertools.islice(waiting, max(0, free)):
-                future = client.submit(one, case.scene, (folder / case.folder).resolve(), pure=False)
-                running[future] = case
-                done.add(future)
-
         while True:
             try:
-                hand_out()
+                free = max(1, len(client.nthreads())) - len(running)  # below 0 while workers are being started again
+                for case in itertools.islice(waiting, max(0, free)):
+                    future = client.submit(one, case.scene, (folder / case.folder).resolve(), pure=False)
+                    running[future] = case
+                    done.add(future)
                 if not running:
                     return
                 future = next(done)
@@ -218,12 +209,9 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None) -> Iter
 def _collect(folder: Path, rows: dict[str, Row | None]) -> None:
     """Write sweep.csv and sweep.json of the rows that there are, in the order of the grid."""
     folder.mkdir(parents=True, exist_ok=True)
-    table = [row for row in rows.values() if row]
-    columns = list(dict.fromkeys(column for row in table for column in row if column != "key"))
-
-    def cells(row: Row) -> Row:
-        return {name: json.dumps(v) if isinstance(v, list | dict) else v for name, v in row.items() if name != "key"}
-
-    write_csv(folder / "sweep.csv", list(map(cells, table)))
+    table = [{name: value for name, value in row.items() if name != "key"} for row in rows.values() if row]
+    columns = list(dict.fromkeys(name for row in table for name in row))
+    cells = [{name: json.dumps(v) if isinstance(v, list | dict) else v for name, v in row.items()} for row in table]
+    write_csv(folder / "sweep.csv", cells)
     text = json.dumps([{name: row.get(name) for name in columns} for row in table], indent=2) + "\n"
     write_whole(folder / "sweep.json", lambda path: path.write_text(text, encoding="utf-8"))

@@ -1,22 +1,13 @@
 """How units are coupled: schemes, what accelerates those that iterate, and guards (`docs/coupling.md`)."""
 
 from nervure.coupling.acceleration import Aitken, IqnIls
-from nervure.coupling.schemes import (
-    Choice,
-    Drive,
-    Explicit,
-    Iterated,
-    ParallelExplicit,
-    Single,
-    connections,
-    root_inputs,
-)
+from nervure.coupling.schemes import Choice, Drive, Explicit, Iterated, ParallelExplicit, Single, connections
 from nervure.coupling.watch import CouplingError, Watch, takes_momentum
 from nervure.scene.types import Coupling, CouplingSchemeIterated, Guards, Iterated as Iteration
 from nervure.unit import Unit
 
 __all__ = ["Aitken", "Choice", "CouplingError", "Drive", "Explicit", "IqnIls", "Iterated", "ParallelExplicit", "Single"]
-__all__ += ["Watch", "connections", "couple", "root_inputs"]
+__all__ += ["Watch", "connections", "couple"]
 
 
 def couple(
@@ -43,13 +34,11 @@ def couple(
         scheme = CouplingSchemeIterated(iterated=Iteration())
         reason = "the pressure jump holds the added mass, which an explicit scheme leaves a step late"
     made: Explicit
-    name: str
-    if scheme == "explicit":
-        made, name = Explicit(rod, fluid, drive, guards), scheme
-    elif scheme == "parallel_explicit":
-        made, name = ParallelExplicit(rod, fluid, drive, guards), scheme
-    else:
+    if isinstance(scheme, CouplingSchemeIterated):
         made, name = Iterated(rod, fluid, scheme.iterated, drive), f"iterated, {scheme.iterated.acceleration}"
+    else:
+        made = (Explicit if scheme == "explicit" else ParallelExplicit)(rod, fluid, drive, guards)
+        name = scheme
     why = rod.variables.get("load.reason")
     made.choice = Choice(load, (why.start[0] if why else None) or "the rod has no other input", name, reason)
     return made

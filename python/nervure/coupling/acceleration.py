@@ -8,11 +8,8 @@ FIRST_RELAXATION = 0.1
 AITKEN_START = (FIRST_RELAXATION, 0.5)
 """Range of Aitken's relaxation at the start of a step. Within it the last one of the step before is kept."""
 
-MOST_COLUMNS, WINDOWS_REUSED = 60, 15
-"""Differences that IQN-ILS keeps at most, and for how many steps."""
-
-FILTER = 1.2e-3
-"""A difference of which less than this part is new, given the younger ones, is deleted (QR2 of preCICE)."""
+MOST_COLUMNS, WINDOWS_REUSED = 60, 15  # Differences that IQN-ILS keeps at most, and for how many steps
+FILTER = 1.2e-3  # A difference of which less than this part is new, given the younger ones, is deleted (QR2 of preCICE)
 
 
 class Aitken:

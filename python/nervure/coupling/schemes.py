@@ -75,14 +75,20 @@ class Single:
         self.unit, self.drive, self.root = unit, drive, unit.inputs
 
     def start(self) -> None:
+        """Let all agree on the start values and leave initialization."""
         self.unit.get()
         self.unit.start()
 
     def step(self, t: float, h: float) -> int:
-        if self.drive:
-            self.root[:] = self.drive(t + h)
+        """Step from `t` to `t + h` (s); returns the number of iterations."""
+        self.move_root(t + h)
         self.unit.step(t, h)
         return 1
+
+    def move_root(self, t: float) -> None:
+        """Put a driven root where it is at `t` (s)."""
+        if self.drive:
+            self.root[:] = self.drive(t)
 
     def memory(self) -> dict[str, np.ndarray]:
         """What the scheme itself carries from step to step, for a checkpoint."""
@@ -99,6 +105,9 @@ class Single:
 class Explicit(Single):
     """Rod and fluid with one exchange a step, the rod first."""
 
+    parallel = False
+    """Whether the fluid steps with the stations at the beginning of the step."""
+
     def __init__(self, rod: Unit, fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
         self.rod, self.fluid, self.drive = rod, fluid, drive
         loads, stations, root = connections(fluid, rod), connections(rod, fluid), root_inputs(rod)
@@ -114,7 +123,6 @@ class Explicit(Single):
         self.watch = Watch(guards, rod, fluid) if guards else None
 
     def start(self) -> None:
-        """Let both agree on the start values and leave initialization."""
         self.rod.get()
         self.fluid.inputs[:] = self.stations
         self.fluid.set()
@@ -125,20 +133,17 @@ class Explicit(Single):
         self.fluid.start()
 
     def step(self, t: float, h: float) -> int:
-        """Step both from `t` to `t + h` (s); returns the number of iterations."""
-        self.take(t + h)
+        self.taken[:] = self.loads
+        self.move_root(t + h)
+        if self.parallel:
+            self.fluid.inputs[:] = self.stations
         self.rod.step(t, h)
-        self.fluid.inputs[:] = self.stations
+        if not self.parallel:
+            self.fluid.inputs[:] = self.stations
         self.fluid.step(t, h)
         if self.watch:
             self.watch.check(t + h)
         return 1
-
-    def take(self, t: float) -> None:
-        """Inputs of the rod for its step to `t` (s)."""
-        self.taken[:] = self.loads
-        if self.drive:
-            self.root[:] = self.drive(t)
 
     def memory(self) -> dict[str, np.ndarray]:
         return {"balance": np.array(self.watch.balance)} if self.watch else {}
@@ -151,14 +156,7 @@ class Explicit(Single):
 class ParallelExplicit(Explicit):
     """Rod and fluid with one exchange a step, each with what the other gave at its beginning."""
 
-    def step(self, t: float, h: float) -> int:
-        self.take(t + h)
-        self.fluid.inputs[:] = self.stations
-        self.rod.step(t, h)
-        self.fluid.step(t, h)
-        if self.watch:
-            self.watch.check(t + h)
-        return 1
+    parallel = True
 
 
 ITERATIONS = ("step", "total_iterations", "iterations", "columns", "deleted", "dropped")
@@ -187,11 +185,11 @@ class Iterated(Explicit):
         self.iterations, self.convergence = array("d"), array("d")
 
     def step(self, t: float, h: float) -> int:
-        rod, fluid, stations, given = self.rod, self.fluid, self.stations, self.fluid.inputs
+        rod, fluid, stations, given, a = self.rod, self.fluid, self.stations, self.fluid.inputs, self.acceleration
         before = stations.copy()
         rounding = STATION_ROUNDING * float(np.linalg.norm(before[self.displacement]))
         number = len(self.iterations) // len(ITERATIONS) + 1
-        self.acceleration.begin()
+        a.begin()
         rod.save()
         fluid.save()
 
@@ -202,30 +200,27 @@ class Iterated(Explicit):
                 rod.restore()
                 fluid.restore()
             fluid.step(t, h)
-            self.take(t + h)
+            self.taken[:] = self.loads
+            self.move_root(t + h)
             rod.step(t, h)
             residual = (stations - given)[self.displacement]
             change = float(np.linalg.norm((stations - before)[self.displacement]))
             error = float(np.linalg.norm(residual))
             limit = max(self.tolerance * change, rounding)
             self.convergence.extend((number, iteration, error / change if change > 0.0 else 0.0))
-            self.acceleration.learn(residual, stations)
+            a.learn(residual, stations)
             if error <= limit:
-                self._log(number, iteration)
+                total = iteration + (self.iterations[-len(ITERATIONS) + 1] if self.iterations else 0.0)
+                self.iterations.extend((number, total, iteration, a.columns, a.deleted, a.dropped))
                 self.last_stations = before
                 return iteration
             if not np.isfinite(error):
                 break
-            given[:] = self.acceleration.guess(given, stations)
+            given[:] = a.guess(given, stations)
         raise CouplingError(
             f"the step from t = {t:g} s to {t + h:g} s did not converge in {iteration} iterations: the "
             f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit"
         )
-
-    def _log(self, number: int, iterations: int) -> None:
-        total = self.iterations[-len(ITERATIONS) + 1] if self.iterations else 0.0
-        a = self.acceleration
-        self.iterations.extend((number, total + iterations, iterations, a.columns, a.deleted, a.dropped))
 
     def memory(self) -> dict[str, np.ndarray]:
         own = {"iterations": np.array(self.iterations), "convergence": np.array(self.convergence)}

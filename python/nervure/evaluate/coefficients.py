@@ -6,11 +6,12 @@ with F the force per metre of depth, Ubar the mean velocity of the inflow after 
 """
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
 from nervure.evaluate import statistics
-from nervure.recorder import Record
+from nervure.recorder import Series
 from nervure.scene import Scene
 from nervure.scene.types import Reference, TimeLaw, TimeLawCosineRamp, TimeLawSteady
 
@@ -50,29 +51,30 @@ def scale(scene: Scene) -> Scale | None:
     )
 
 
-def final_value(law: TimeLaw) -> float | None:
-    """The value that a law keeps in the end; None where it does not become steady by itself."""
+def final_value(law: TimeLaw, by: float = inf) -> float | None:
+    """The value that a law keeps from the time `by` (s) on; None where it does not become steady until then."""
     if isinstance(law, TimeLawSteady):
         return law.steady
-    return law.cosine_ramp.value if isinstance(law, TimeLawCosineRamp) else None
+    ramp = law.cosine_ramp if isinstance(law, TimeLawCosineRamp) else None
+    return ramp.value if ramp and ramp.duration <= by else None
 
 
-def series(scale: Scale, record: Record, width: float = 0.0) -> dict[str, np.ndarray]:
+def curves(scale: Scale, series: Series, width: float = 0.0) -> dict[str, np.ndarray]:
     """cD and cL over time, and dp (Pa) where there are probes, under a box filter of `width` (s)."""
-    time = record.column("time")
-    found = {name: record.column(force) / scale.force for name, force in (("cd", "drag"), ("cl", "lift"))}
+    time = series["time"]
+    found = {name: series[force] / scale.force for name, force in (("cd", "drag"), ("cl", "lift"))}
     if scale.front and scale.back:
-        found["dp"] = record.column(scale.front) - record.column(scale.back)
+        found["dp"] = series[scale.front] - series[scale.back]
     return {name: statistics.box_filter(time, values, width) for name, values in found.items()}
 
 
-def evaluate(scale: Scale, record: Record, window: statistics.Window, width: float) -> dict[str, float]:
+def evaluate(scale: Scale, series: Series, window: statistics.Window, width: float) -> dict[str, float]:
     """Those of `NAMES` that a run has, over the last five periods of `window`: the drag's extremes see growth that is
     still within what the window allows the lift."""
     window = window.last(statistics.MIN_PERIODS)
-    time = record.column("time")
+    time = series["time"]
     result = {}
-    for name, values in series(scale, record, width).items():
+    for name, values in curves(scale, series, width).items():
         found = statistics.evaluate(time, values, window)
         result[f"{name}_mean"] = found.mean
         if window.periods and name != "dp":

@@ -4,17 +4,17 @@ Thrust is the force of the fluid on the beam against the stream, or against x in
 Power in comes from the drive at the root. What is averaged are whole periods of the drive, by the trapezoidal rule.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from nervure.evaluate import statistics
+from nervure.evaluate.coefficients import final_value
 from nervure.evaluate.statistics import Window
-from nervure.recorder import Record
+from nervure.recorder import Series
 from nervure.scene import Scene
-from nervure.scene.types import TimeLaw, TimeLawCosineRamp, TimeLawSteady
+from nervure.scene.types import TimeLawSteady
 
 AXES = "xyz"
 
@@ -41,96 +41,75 @@ class Flapping:
     energy_balance: dict[str, float | None]  # Works, J per metre of depth, and the part that is missing
 
 
-def main_axis(columns: Sequence[str], column: Callable[[str], np.ndarray]) -> str | None:
+def main_axis(series: Series) -> str | None:
     """The axis along which the tip would go farthest on a rigid rod; None where no root is driven."""
-    extents = {axis: np.ptp(column(name)) for axis in AXES if (name := f"rigid_tip_u{axis}") in columns}
+    extents = {axis: np.ptp(series[name]) for axis in AXES if (name := f"rigid_tip_u{axis}") in series}
     return max(extents, key=extents.__getitem__) if extents else None
-
-
-def drive_window(record: Record, settled: Window) -> Window | None:
-    """The last whole periods of the drive, as many as the tip has `settled`; None if there is none."""
-    axis = main_axis(record.columns, record.column)
-    if axis is None or settled.periods == 0:
-        return None
-    window = statistics.find_window(record.column("time"), record.column(f"rigid_tip_u{axis}"))
-    return window.last(settled.periods) if window.periods else None
 
 
 def stream(scene: Scene, window: Window) -> np.ndarray | None:
     """Velocity of the stream over `window`, m/s, `[2]`, where the scene drives one that is steady then; else None."""
-    if scene.fluid is None:
+    if scene.fluid and (flow := scene.fluid.mean_flow):
+        laws = [flow.x, flow.y]
+    elif scene.fluid and (inflow := scene.fluid.inflow):
+        laws = [inflow.mean_velocity, TimeLawSteady(steady=0.0)]
+    else:
         return None
-    flow, inflow = scene.fluid.mean_flow, scene.fluid.inflow
-    along = (
-        [_steady(flow.x, window), _steady(flow.y, window)]
-        if flow
-        else [_steady(inflow.mean_velocity, window), 0.0]
-        if inflow
-        else []
-    )
-    velocity = [value for value in along if value is not None]
-    return np.array(velocity) if len(velocity) == 2 and any(velocity) else None
+    velocity = [final_value(law, window.begin) for law in laws]
+    return np.array(velocity) if None not in velocity and any(velocity) else None
 
 
-def _steady(law: TimeLaw, window: Window) -> float | None:
-    """Value of a law that is steady over `window`; None of another."""
-    if isinstance(law, TimeLawSteady):
-        return law.steady
-    ramp = law.cosine_ramp if isinstance(law, TimeLawCosineRamp) else None
-    return ramp.value if ramp and ramp.duration <= window.begin else None
-
-
-def evaluate(scene: Scene, record: Record, settled: Window) -> Flapping | None:
-    """What the root does with its rod, where the tip is `settled`; None without a drive or a whole period."""
-    window = drive_window(record, settled)
-    axis = main_axis(record.columns, record.column)
-    if window is None or axis is None:
+def evaluate(scene: Scene, series: Series, settled: Window) -> Flapping | None:
+    """What the root does with its rod over the last whole periods of the drive, as many as the tip has `settled`; None
+    without a drive or a whole period."""
+    time, axis = series["time"], main_axis(series)
+    if axis is None or settled.periods == 0:
         return None
-    time = record.column("time")
+    window = statistics.find_window(time, series[f"rigid_tip_u{axis}"]).last(settled.periods)
+    if window.periods == 0:
+        return None
 
     def mean(name: str) -> float:
-        return average(time, record.column(name), window)
+        return average(time, series[name], window)
 
     power = mean("root_power")
     fluid: dict[str, Any] = {}
-    if "beam_drag" in record.columns:
+    if "beam_drag" in series:
         force, velocity = np.array([mean("beam_drag"), mean("beam_lift")]), stream(scene, window)
         ahead = np.array([-1.0, 0.0]) if velocity is None else -velocity / np.linalg.norm(velocity)
         fluid = {"thrust": float(force @ ahead), "lift": float(force[1])}
-        if velocity is not None:
-            fluid |= {
-                "stream": tuple(velocity.tolist()),
-                "efficiency": float(-force @ velocity) / power if power else None,
-            }
-        else:
+        if velocity is None:
             fluid["thrust_by_power"] = fluid["thrust"] / power if power else None
-    tip, rigid = (harmonic(time, record.column(f"{name}_u{axis}"), window) for name in ("tip", "rigid_tip"))
+        else:
+            fluid["stream"] = tuple(velocity.tolist())
+            fluid["efficiency"] = float(-force @ velocity) / power if power else None
+    tip, rigid = (harmonic(time, series[f"{name}_u{axis}"], window) for name in ("tip", "rigid_tip"))
     return Flapping(
         axis=axis,
         window_s=(window.begin, window.end),
         periods=window.periods,
         power_in=power,
         **fluid,
-        tip_amplitude=statistics.extent(record.column(f"tip_u{axis}")[window.of(time)])[1],
+        tip_amplitude=statistics.extent(series[f"tip_u{axis}"][window.of(time)])[1],
         tip_by_rigid_tip=abs(tip) / abs(rigid),
         phase_lag_deg=float(-np.degrees(np.angle(tip / rigid))),
-        energy_balance=balance(record, window),
+        energy_balance=balance(series, window),
     )
 
 
-def balance(record: Record, window: Window) -> dict[str, float | None]:
+def balance(series: Series, window: Window) -> dict[str, float | None]:
     """Work over `window`, J: of the root, of the loads, what the damping took and what the rod's energy gained;
     `missing` is the first two less the last two, relative to the magnitudes of the root's."""
-    time = record.column("time")
+    time = series["time"]
     length = window.end - window.begin
-    work = {name: length * average(time, record.column(column), window) for name, column in BALANCE.items()}
-    energy = sum(record.column(name) for name in ENERGIES)
+    work = {name: length * average(time, series[column], window) for name, column in BALANCE.items()}
+    energy = sum(series[name] for name in ENERGIES)
     gained = float(np.diff(np.interp([window.begin, window.end], time, energy))[0])
-    exchanged = length * average(time, np.abs(record.column("root_power")), window)
+    exchanged = length * average(time, np.abs(series["root_power"]), window)
     missing = work["root"] + work["load"] - work["damping"] - gained
     found: dict[str, float | None] = {**work, "gained": gained, "missing": missing / exchanged if exchanged else None}
-    if "beam_power" in record.columns:
-        found["fluid"] = length * average(time, record.column("beam_power"), window)
+    if "beam_power" in series:
+        found["fluid"] = length * average(time, series["beam_power"], window)
     return found
 
 

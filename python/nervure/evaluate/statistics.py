@@ -10,9 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-MIN_PERIODS = 5
-"""Periods in a window, as far as the signal has them."""
-
+MIN_PERIODS = 5  # Periods in a window, as far as the signal has them
 SETTLED = 0.02
 """A period before those belongs to the window while its amplitude differs by less than this part from theirs."""
 
@@ -22,17 +20,12 @@ HYSTERESIS = 0.5
 OSCILLATING = 1e-3
 """Amplitude at the end, relative to the largest value of the record, below which a signal counts as steady."""
 
-FORCE_FILTER = 5e-3
-"""Largest width of the box filter over forces, s."""
-
+FORCE_FILTER = 5e-3  # Largest width of the box filter over forces, s
 FORCE_FILTER_PERIODS = 1 / 50
 """Largest width of the box filter in periods: it takes at most 0.3 % from an oscillation at twice the frequency."""
 
-HARMONICS = 6
-"""Multiples of the fundamental frequency that are fitted."""
-
-FIT_ITERATIONS = 6
-"""Iterations of the fit for the fundamental frequency; it converges quadratically."""
+HARMONICS = 6  # Multiples of the fundamental frequency that are fitted
+FIT_ITERATIONS = 6  # Iterations of the fit for the fundamental frequency; it converges quadratically
 
 
 @dataclass(frozen=True)

@@ -4,30 +4,27 @@ A key whose field here has a default is left out of the file where it is None.
 """
 
 import platform
-from collections.abc import Callable, Sequence
-from dataclasses import MISSING, asdict, dataclass, fields, is_dataclass
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from typing import Any
 
 import numpy as np
+from pydantic import TypeAdapter
 
 from nervure.coupling import Choice, Single
 from nervure.evaluate import coefficients, flapping, statistics
 from nervure.files import json_numbers
 from nervure.master import RunStatus
 from nervure.provenance import Machine, Revision, git_revision, machine
-from nervure.recorder import Record, Recorder
+from nervure.recorder import Recorder, Series
 from nervure.scene import Scene
 from nervure.unit import Unit
 
 QUANTITIES = ("tip_ux", "tip_uy", "tip_uz", "drag", "lift")
 """The outputs that are evaluated, as far as the units have them."""
 
-MAIN_SIGNALS = ("tip_uy", "lift")
-"""The first of these that there is decides on the periods."""
-
-FORCES = ("drag", "lift")
-"""The outputs that a box filter goes over before their extremes are taken."""
+MAIN_SIGNALS = ("tip_uy", "lift")  # The first of these that there is decides on the periods
+FORCES = ("drag", "lift")  # The outputs that a box filter goes over before their extremes are taken
 
 
 @dataclass(frozen=True)
@@ -41,12 +38,9 @@ class Published:
 
 
 @dataclass(frozen=True)
-class Quantity:
+class Quantity(statistics.Statistics):
     """A recorded output over the window."""
 
-    mean: float  # (max + min) / 2, in `unit`
-    amplitude: float  # (max - min) / 2, in `unit`
-    frequency_hz: float | None  # Hz; None where it does not oscillate
     unit: str
     fit: statistics.Statistics | None  # The same of the harmonics that fit best; None where it does not oscillate
     reference: Published | None = None
@@ -126,71 +120,54 @@ class Summary:
 
     def document(self) -> dict[str, Any]:
         """What summary.json holds."""
-        kept: dict[str, Any] = json_numbers(_without_absent(self))
+        kept: dict[str, Any] = json_numbers(TypeAdapter(Summary).dump_python(self, exclude_defaults=True))
         return kept
 
 
-def _without_absent(value: Any) -> Any:
-    if is_dataclass(value):
-        shown = [field for field in fields(value) if field.default is MISSING or getattr(value, field.name) is not None]
-        return {field.name: _without_absent(getattr(value, field.name)) for field in shown}
-    return {key: _without_absent(part) for key, part in value.items()} if isinstance(value, dict) else value
-
-
-def main_signal(columns: Sequence[str], column: Callable[[str], np.ndarray]) -> str | None:
-    """Which of the recorded `columns` decides on the periods: where a root is driven, the tip along its main axis."""
-    axis = flapping.main_axis(columns, column)
+def main_signal(series: Series) -> str | None:
+    """Which of the recorded columns decides on the periods: where a root is driven, the tip along its main axis."""
+    axis = flapping.main_axis(series)
     signals = (f"tip_u{axis}", *MAIN_SIGNALS) if axis else MAIN_SIGNALS
-    return next((signal for signal in signals if signal in columns), None)
+    return next((signal for signal in signals if signal in series), None)
 
 
-def evaluate(record: Record, scene: Scene) -> tuple[dict[str, Quantity], statistics.Window | None, float]:
-    """The quantities of a record of `scene`, their window (None without a signal to take it from) and the width of the
-    filter over forces (s)."""
-    time, main = record.column("time"), main_signal(record.columns, record.column)
-    if main is None or time.size < 3:
-        return {}, None, 0.0
-    window = statistics.find_window(time, record.column(main))
-    width = statistics.force_filter_width(window)
-
-    quantities = {}
-    for name in QUANTITIES:
-        if name not in record.columns:
-            continue
-        values = record.column(name)
-        if name in FORCES:
-            values = statistics.box_filter(time, values, width)
-        extremes = statistics.evaluate(time, values, window)
-        fit = statistics.fit(time, values, window) if extremes.frequency_hz is not None else None
-        unit = record.unit_of[name] or ""
-        quantities[name] = Quantity(**asdict(extremes), unit=unit, fit=fit, reference=_published(scene, name))
-    return quantities, window, width
-
-
-def _published(scene: Scene, quantity: str) -> Published | None:
-    if scene.reference is None or quantity not in scene.reference.quantities:
-        return None
-    found = scene.reference.quantities[quantity]
-    return Published(found.mean, found.amplitude, found.frequency_hz, scene.reference.source)
+def _quantity(
+    name: str, unit: str | None, series: Series, scene: Scene, window: statistics.Window, width: float
+) -> Quantity:
+    """The output `name` over `window`; forces are filtered over `width` (s)."""
+    time, values, reference = series["time"], series[name], None
+    if name in FORCES:
+        values = statistics.box_filter(time, values, width)
+    extremes = statistics.evaluate(time, values, window)
+    fit = statistics.fit(time, values, window) if extremes.frequency_hz is not None else None
+    if scene.reference and (found := scene.reference.quantities.get(name)):
+        reference = Published(found.mean, found.amplitude, found.frequency_hz, scene.reference.source)
+    return Quantity(**asdict(extremes), unit=unit or "", fit=fit, reference=reference)
 
 
 def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Recorder, status: RunStatus) -> Summary:
     """The summary of a run."""
-    quantities, window, width = evaluate(recorder, scene)
-    time = recorder.column("time")
-    iterations = recorder.column("iterations")[1:]
-    main = main_signal(recorder.columns, recorder.column) if quantities else None
+    series = recorder.series
+    time, iterations = series["time"], series["iterations"][1:]
+    main = main_signal(series) if time.size > 2 else None
+    window = statistics.find_window(time, series[main]) if main else None
+    width = statistics.force_filter_width(window) if window else 0.0
     inside = {kind: unit.seconds for kind, unit in units.items()}
+    about = {kind: unit.description for kind, unit in units.items()}
     return Summary(
         scene=scene.name,
         completed=status.completed,
         error=status.error,
-        quantities=quantities,
-        coefficients=_coefficients(scene, recorder, window, width) if window else None,
-        flapping=flapping.evaluate(scene, recorder, window) if window else None,
+        quantities={
+            name: _quantity(name, recorder.units[name], series, scene, window, width)
+            for name in QUANTITIES
+            if window and name in series
+        },
+        coefficients=_coefficients(scene, series, window, width) if window else None,
+        flapping=flapping.evaluate(scene, series, window) if window else None,
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
-        amplitude_drift=statistics.drift(time, recorder.column(main), window) if main and window else None,
+        amplitude_drift=statistics.drift(time, series[main], window) if main and window else None,
         method=Method(
             coupling=scheme.choice,
             communication_step_s=scene.time.communication_step,
@@ -200,7 +177,7 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
             amplitude_drift=f"change of the amplitude of {main} from the first to the second half of the window, "
             "relative",
         ),
-        interface=interface(recorder),
+        interface=interface(series),
         simulated_s=status.simulated,
         wall_s=status.wall,
         cpu_s=status.cpu,
@@ -208,31 +185,26 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
         steps=status.steps,
         iterations_mean=float(iterations.mean()) if iterations.size else None,
         phases_s=inside | {"exchange_and_python": status.wall - sum(inside.values())},
-        units={kind: _unit_info(unit) for kind, unit in units.items()},
-        series=dict(recorder.unit_of),
+        units={kind: UnitInfo(d.modelName, d.version, d.generationTool, d.guid) for kind, d in about.items()},
+        series=recorder.units,
         versions={"python": platform.python_version()} | {name: version(name) for name in ("fmpy", "numpy")},
         git=git_revision(),
         machine=machine(),
     )
 
 
-def _unit_info(unit: Unit) -> UnitInfo:
-    about = unit.description
-    return UnitInfo(about.modelName, about.version, about.generationTool, about.guid)
-
-
-def _coefficients(scene: Scene, record: Record, window: statistics.Window, width: float) -> Coefficients | None:
+def _coefficients(scene: Scene, series: Series, window: statistics.Window, width: float) -> Coefficients | None:
     scale = coefficients.scale(scene)
-    values = coefficients.evaluate(scale, record, window, width) if scale else {}
+    values = coefficients.evaluate(scale, series, window, width) if scale else {}
     source = scene.reference.source if scene.reference else None
     return Coefficients(values, coefficients.published(scene.reference), source) if values else None
 
 
-def interface(record: Record) -> Interface | None:
+def interface(series: Series) -> Interface | None:
     """Work done across the interface; None where a unit does not tell."""
-    if not {"load_work", "beam_work"} <= set(record.columns):
+    if not {"load_work", "beam_work"} <= series.keys():
         return None
-    took, gave = (record.column(name) for name in ("load_work", "beam_work"))
+    took, gave = (series[name] for name in ("load_work", "beam_work"))
     exchanged = float(np.abs(np.diff(gave)).sum())
     return Interface(
         work_on_rod=float(took[-1]),

@@ -58,14 +58,12 @@ def merge(sources: list[Path], target: Path) -> Path:
                 files = {name: archive.read(name) for name in archive.namelist()}
         except (OSError, zipfile.BadZipFile) as error:
             raise SceneError(f"{path} cannot be read as an FMU: {error}") from error
-        others = {name for name in contents.keys() ^ files.keys() if not name.startswith("binaries/")}
-        differing = sorted(
-            (others if contents else set())
-            | {name for name in contents.keys() & files.keys() if contents[name] != files[name]}
-        )
-        if differing:
+        both = contents.keys() & files.keys()
+        differing = {name for name in both if contents[name] != files[name]}
+        differing |= {name for name in contents.keys() ^ files.keys() if not name.startswith("binaries/")}
+        if contents and differing:
             raise SceneError(
-                f"{path} differs from {sources[0]} in {', '.join(differing)}: only other binaries are allowed"
+                f"{path} differs from {sources[0]} in {', '.join(sorted(differing))}: only other binaries are allowed"
             )
         contents |= files
     return write_archive(target, contents)

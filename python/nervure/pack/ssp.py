@@ -25,21 +25,16 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     outputs: dict[str, str] = {}
     inputs: list[tuple[str, str]] = []
     for unit, path in fmus.items():
-        component = etree.SubElement(
-            elements,
-            f"{{{SSD}}}Component",
-            name=unit,
-            type="application/x-fmu-sharedlibrary",
-            source=f"resources/{path.name}",
-        )
+        about = {"name": unit, "type": "application/x-fmu-sharedlibrary", "source": f"resources/{path.name}"}
+        component = etree.SubElement(elements, f"{{{SSD}}}Component", **about)
         connectors = etree.SubElement(component, f"{{{SSD}}}Connectors")
         for variable in fmpy.read_model_description(str(path), validate=False).modelVariables:
-            if variable.causality not in ("input", "output"):
-                continue
             if variable.causality == "output":
                 outputs[variable.name] = unit
-            else:
+            elif variable.causality == "input":
                 inputs.append((variable.name, unit))
+            else:
+                continue
             connector = etree.SubElement(connectors, f"{{{SSD}}}Connector", name=variable.name, kind=variable.causality)
             etree.SubElement(connector, f"{{{SSC}}}{variable.type}")
     connections = etree.SubElement(system, f"{{{SSD}}}Connections")

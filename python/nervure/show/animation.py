@@ -15,28 +15,20 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
+from nervure import results
 from nervure.errors import Refusal
 from nervure.evaluate import statistics
-from nervure.evaluate.summary import main_signal
 from nervure.files import write_whole
 from nervure.scene import typed
 from nervure.scene.types import Fluid
 from nervure.show import fields, plots
 
-PERIODS = 2
-"""Whole periods that the animation shows, unless times are asked for."""
-
+PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
 PHASES = 4
 
-SHAPES = 24
-"""Most shapes of a rod alone that motion.png shows."""
-
-WIDTH, DPI = 9.0, 100
-"""Width of the animation, in, and points an inch."""
-
-FRAME_MS = 60
-"""How long a frame is shown, ms."""
-
+SHAPES = 24  # Most shapes of a rod alone that motion.png shows
+WIDTH, DPI = 9.0, 100  # Width of the animation, in, and points an inch
+FRAME_MS = 60  # How long a frame is shown, ms
 GREYS = 32
 """Colours of the animation's palette that are left to text, axes and solids; the other ones are the colour scale's."""
 
@@ -74,12 +66,11 @@ class Frames:
         return None if self.beam is None else self.points(frame)[:, :2]
 
     def window(self) -> statistics.Window | None:
-        """The periods of the run's main signal; None without a record of it, or if it has none."""
-        if not (self.folder / "series.csv").is_file():
+        """The periods of the run's main signal; None without results, or if it has none."""
+        try:
+            window = results.read(self.folder).summary.window
+        except Refusal:
             return None
-        series = np.genfromtxt(self.folder / "series.csv", delimiter=",", names=True)
-        main = main_signal(series.dtype.names or (), series.__getitem__)
-        window = statistics.find_window(series["time"], series[main]) if main else None
         return window if window and window.periods else None
 
     def between(self, begin: float, end: float) -> list[int]:
@@ -109,9 +100,8 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
         shown = chosen if begin is not None or end is not None else frames.between(last.begin, last.end)
         write_whole(folder / "motion.png", lambda path: motion(frames, shown, path))
         return [folder / "motion.png"]
-    limit = plots.vorticity_limit(
-        frames.flow, [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
-    )
+    sampled = [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
+    limit = plots.vorticity_limit(frames.flow, sampled)
 
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
@@ -150,9 +140,8 @@ def motion(frames: Frames, chosen: list[int], path: Path) -> None:
         for number, colour in zip(shown, colours, strict=True):
             axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
         axis.set(xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]", aspect="equal")
-    figure.suptitle(
-        f"t = {frames.times[chosen[0]]:.3f} s (dark) to {frames.times[chosen[-1]]:.3f} s", fontsize="medium"
-    )
+    begin, end = frames.times[chosen[0]], frames.times[chosen[-1]]
+    figure.suptitle(f"t = {begin:.3f} s (dark) to {end:.3f} s", fontsize="medium")
     figure.savefig(path, dpi=150)
 
 

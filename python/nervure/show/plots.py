@@ -1,7 +1,7 @@
 """Pictures of a run: tip, drag and lift over time, and the vorticity around the solids at its end."""
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -12,56 +12,50 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Circle, Polygon
 
 from nervure.evaluate import coefficients, flapping, statistics
-from nervure.evaluate.summary import Summary
 from nervure.files import write_whole
-from nervure.recorder import Record
+from nervure.results import Results
 from nervure.scene import Scene
 from nervure.scene.types import Fluid, Reference
 from nervure.show import shown_in
 from nervure.show.fields import outline, stations
 from nervure.unit import Unit
 
-BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
-"""Colours that colour-blind readers tell apart (Okabe & Ito 2008)."""
-
-VORTICITY_PERCENTILE = 99.0
-"""Part of the picture's points, in percent, whose vorticity lies inside the colour scale."""
-
-COLOUR_MAP = "RdBu_r"
-"""Diverging, white at 0, and the same to colour-blind readers."""
-
+BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-blind readers tell apart (Okabe & Ito 2008)
+VORTICITY_PERCENTILE = 99.0  # Part of the picture's points, in percent, whose vorticity lies inside the colour scale
+COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 COLOURS = (BLUE, ORANGE, GREEN)
 
 SOLID = "0.55"
 
 
-def time_series(folder: Path, runs: Mapping[str, Record], scene: Scene) -> list[Path]:
+def write(folder: Path, runs: Mapping[str, Results]) -> list[Path]:
     """Write tip.png, drag.png and lift.png, as far as a run has such an output, with the bands that are published of
-    `scene`; several `runs`, by their labels, over each other. Returns what was written."""
+    the first run's scene; several `runs`, by their labels, over each other. Of one run coefficients.png and
+    flapping.png besides, where it has what they show. Returns what was written."""
+    first, *others = runs.values()
     written = []
     for file, wanted in (("tip", ("tip_ux", "tip_uy", "tip_uz")), ("drag", ("drag",)), ("lift", ("lift",))):
-        columns = [column for column in wanted if any(column in run.columns for run in runs.values())]
+        columns = [column for column in wanted if any(column in run.series for run in runs.values())]
         if columns:
-            written.append(_save(over_time(runs, columns, scene.reference), folder / f"{file}.png"))
-    return written
+            written.append(_save(over_time(runs, columns, first.scene.reference), folder / f"{file}.png"))
+    return written if others else [*written, *cylinder(folder, first), *driven_root(folder, first)]
 
 
-def over_time(runs: Mapping[str, Record], columns: Sequence[str], reference: Reference | None = None) -> Figure:
+def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Reference | None = None) -> Figure:
     """`columns` over time below each other, with what `reference` has of them."""
     figure = Figure(figsize=(9, 1.5 + 2 * len(columns)), layout="constrained")
     axes = figure.subplots(len(columns), sharex=True, squeeze=False)
     for number, column in enumerate(columns):
         axis, colour = axes[number, 0], COLOURS[number % len(COLOURS)]
-        having = {label: run for label, run in runs.items() if column in run.columns}
-        unit, scale = shown_in(next(iter(having.values())).unit_of[column])
+        having = {label: run for label, run in runs.items() if column in run.series}
+        unit, scale = shown_in(next(iter(having.values())).units[column])
         for label, run in having.items():
             look = {"color": colour} if len(runs) == 1 else {"label": label}
-            axis.plot(run.column("time"), run.column(column) * scale, linewidth=0.8, **look)
+            axis.plot(run.series["time"], run.series[column] * scale, linewidth=0.8, **look)
         band = reference.quantities.get(column) if reference else None
         if reference and band and band.mean is not None and band.amplitude is not None:
-            axis.axhspan(
-                (band.mean - band.amplitude) * scale, (band.mean + band.amplitude) * scale, color="0.85", zorder=0
-            )
+            low, high = band.mean - band.amplitude, band.mean + band.amplitude
+            axis.axhspan(low * scale, high * scale, color="0.85", zorder=0)
             axes[0, 0].set_title(f"grey: mean ± amplitude of {reference.source}", fontsize="small")
         axis.set_ylabel(f"{column.replace('_', ' ')} [{unit or '1'}]")
         axis.margins(x=0)
@@ -71,35 +65,29 @@ def over_time(runs: Mapping[str, Record], columns: Sequence[str], reference: Ref
     return figure
 
 
-def cylinder(folder: Path, record: Record, scene: Scene, summary: Summary) -> list[Path]:
+def cylinder(folder: Path, run: Results) -> list[Path]:
     """Write coefficients.png, cD and cL over time and, where the flow is periodic, against each other, with the
     published values; nothing if the scene is not a cylinder alone. Returns what was written."""
-    scale = coefficients.scale(scene)
-    if scale is None or summary.window is None:
+    scale = coefficients.scale(run.scene)
+    if scale is None or run.summary.window is None:
         return []
-    time, curves = record.column("time"), coefficients.series(scale, record)
-    published = coefficients.published(scene.reference)
-    window = summary.window.last(statistics.MIN_PERIODS)
+    time, curves = run.series["time"], coefficients.curves(scale, run.series)
+    published = coefficients.published(run.scene.reference)
+    window = run.summary.window.last(statistics.MIN_PERIODS)
     part = window.of(time)
-    if window.periods:
-        lines: tuple[str, ...] = ("max", "min")
-        layout: list[Any] = [["cd", "orbit"], ["cl", "orbit"]]
-    else:
-        lines, layout = ("mean",), [["cd"], ["cl"]]
+    lines = ("max", "min") if window.periods else ("mean",)
+    layout: list[Any] = [["cd", "orbit"], ["cl", "orbit"]] if window.periods else [["cd"], ["cl"]]
     figure = Figure(figsize=(12 if window.periods else 8, 5), layout="constrained")
     axes = figure.subplot_mosaic(layout, width_ratios=[1.6, 1] if window.periods else None)
     for name, label, colour in (("cd", "$c_D$", BLUE), ("cl", "$c_L$", ORANGE)):
         axes[name].plot(time, curves[name], color=colour, linewidth=0.8)
         levels = [published[f"{name}_{what}"] for what in lines if f"{name}_{what}" in published]
-        for level in levels:
-            axes[name].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
+        for where, level in product([name, "orbit"] if window.periods and name == "cd" else [name], levels):
+            axes[where].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
         low, high = min([curves[name][part].min(), *levels]), max([curves[name][part].max(), *levels])
         margin = max(0.5 * (high - low), 0.02 * abs(high))
         axes[name].set(ylabel=label, ylim=(low - margin, high + margin), xlim=(0, time[-1]))
         axes[name].axvspan(window.begin, window.end, color="0.93", zorder=0)
-        if window.periods and name == "cd":
-            for level in levels:
-                axes["orbit"].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
     axes["cl"].set_xlabel("time [s]")
     if window.periods:
         axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
@@ -108,28 +96,28 @@ def cylinder(folder: Path, record: Record, scene: Scene, summary: Summary) -> li
     return [_save(figure, folder / "coefficients.png")]
 
 
-def driven_root(folder: Path, record: Record, summary: Summary) -> list[Path]:
+def driven_root(folder: Path, run: Results) -> list[Path]:
     """Write flapping.png, the path of the tip, its way beside that of a rigid rod, forces and power over the periods of
     the window; nothing if no root is driven. Returns what was written."""
-    found = summary.flapping
+    found, series = run.summary.flapping, run.series
     if found is None:
         return []
-    time, main, window = record.column("time"), found.axis, statistics.Window(*found.window_s, found.periods)
+    time, main, window = series["time"], found.axis, statistics.Window(*found.window_s, found.periods)
     part = window.of(time)
     phase = (time[part] - window.begin) * window.periods / (window.end - window.begin)
-    other = max((axis for axis in flapping.AXES if axis != main and f"tip_u{axis}" in record.columns),
-                key=lambda axis: np.ptp(record.column(f"tip_u{axis}")[part]))  # fmt: skip
+    other = max((axis for axis in flapping.AXES if axis != main and f"tip_u{axis}" in series),
+                key=lambda axis: np.ptp(series[f"tip_u{axis}"][part]))  # fmt: skip
     figure = Figure(figsize=(11, 7.5), layout="constrained")
     axes = figure.subplot_mosaic([["path", "tip"], ["force", "power"]])
     for name, colour, label in (("rigid_tip", "0.6", "rigid"), ("tip", BLUE, "tip")):
-        along, across = (record.column(f"{name}_u{axis}")[part] for axis in (main, other))
+        along, across = (series[f"{name}_u{axis}"][part] for axis in (main, other))
         axes["path"].plot(across, along, color=colour, linewidth=0.8, label=label)
         axes["tip"].plot(phase, along, color=colour, linewidth=0.8, label=label)
     axes["path"].set(xlabel=f"tip u{other} [m]", ylabel=f"tip u{main} [m]", title="path of the tip", aspect="equal")
     axes["path"].set_adjustable("datalim")
     axes["tip"].set(xlabel="periods", ylabel=f"tip u{main} [m]", title="tip and rigid rod")
 
-    if "beam_drag" in record.columns:
+    if "beam_drag" in series:
         forces, told = [("beam_drag", -1, "thrust"), ("beam_lift", 1, "lift")], "force of the fluid"
     else:
         forces, told = [(f"root_force_{axis}", 1, f"along {axis}") for axis in flapping.AXES], "force at the root"
@@ -139,18 +127,14 @@ def driven_root(folder: Path, record: Record, summary: Summary) -> list[Path]:
         ("damping_power", -1, "by damping"),
     ]
     starts = np.searchsorted(phase, np.arange(window.periods + 1))
-    per_depth = "" if "tip_uz" in record.columns else "/m"
-    for place, curves, title, unit in (
-        ("force", forces, told, f"N{per_depth}"),
-        ("power", powers, "power", f"W{per_depth}"),
-    ):
-        shown = [curve for curve in curves if curve[0] in record.columns and record.column(curve[0]).any()]
+    for place, curves, title, unit in (("force", forces, told, "N"), ("power", powers, "power", "W")):
+        shown = [curve for curve in curves if curve[0] in series and series[curve[0]].any()]
         for (column, sign, label), colour in zip(shown, COLOURS, strict=False):
-            values = sign * record.column(column)[part]
+            values = sign * series[column][part]
             for begin, end in pairwise(starts):
                 look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
                 axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
-        axes[place].set(xlabel="t/T", ylabel=f"[{unit}]", title=title)
+        axes[place].set(xlabel="t/T", ylabel=f"[{unit}]" if "tip_uz" in series else f"[{unit}/m]", title=title)
     for axis in axes.values():
         axis.legend(fontsize="small")
     figure.suptitle(f"{window.periods} periods from t = {window.begin:.3g} s, the last one dark", fontsize="small")
