@@ -26,13 +26,9 @@ fn main() -> Result<(), csv::Error> {
         let setting = format!("box of {} radii", 20.0 * half_box);
         row("added mass", &setting, "displaced masses", found, "1", Some(expected))?;
     }
-    let flows = [
-        ("two_thirds", noise(Filter::TwoThirds)),
-        ("none", noise(Filter::None)),
-        ("smooth", noise(Filter::Smooth)),
-        ("smooth, waves up to two thirds", measures::resolved_noise()),
-    ];
-    for (setting, fluid) in flows {
+    let filters = [("two_thirds", Filter::TwoThirds), ("none", Filter::None), ("smooth", Filter::Smooth)];
+    let flows = filters.map(|(name, filter)| (name, noise(filter)));
+    for (setting, fluid) in flows.into_iter().chain([("smooth, waves up to two thirds", measures::resolved_noise())]) {
         let [energy, enstrophy] = made_by_advection(fluid);
         row("made by advection", setting, "energy", energy, "1", None)?;
         row("made by advection", setting, "enstrophy", enstrophy, "1", None)?;
