@@ -15,7 +15,7 @@ use cpu_time::ThreadTime;
 use libloading::Library;
 use nervure_fluid::Fluid;
 use nervure_fluid::internals::{Fft2, Phase, Projection};
-use scene::{Filter, Scene, TimeLaw};
+use scene::{Filter, Scene};
 
 /// How long a row of a table is measured.
 const TIME: Duration = Duration::from_millis(3000);
@@ -154,17 +154,12 @@ struct Flow {
 }
 
 impl Flow {
-    /// Some steps of a shipped scene on a grid, without the ramp of its inflow.
+    /// Some steps of a shipped scene on a grid.
     fn new(name: &str, cells: [usize; 2], step: f64, threads: usize) -> Self {
         let path = format!("{}/../../../scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let mut scene = Scene::from_file(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
         let fluid = scene.fluid.as_mut().expect("the scene has a fluid");
         (fluid.domain.cells, fluid.threads) = (cells, threads);
-        if let Some(inflow) = &mut fluid.inflow
-            && let TimeLaw::CosineRamp { value, .. } = inflow.mean_velocity
-        {
-            inflow.mean_velocity = TimeLaw::Steady(value);
-        }
         let (filter, amplitude) = (fluid.filter, scene.beam.as_ref().map_or(0.0, |beam| 0.086 * beam.length));
         let fluid = Fluid::new(&scene).unwrap_or_else(|error| panic!("{error}"));
         let mut flow = Self { fluid, filter, amplitude, step };
@@ -189,7 +184,9 @@ impl Flow {
                 stations.velocity[1][k] = velocity * shape;
             }
         }
-        self.fluid.advance(self.fluid.time(), self.step).unwrap_or_else(|error| panic!("{error}"));
+        // It begins where the inflow's ramp has ended.
+        let time = self.fluid.time().max(10.0);
+        self.fluid.advance(time, self.step).unwrap_or_else(|error| panic!("{error}"));
         let cfl = self.fluid.cfl();
         assert!(cfl < 0.4, "the step was divided: CFL number {cfl}");
     }

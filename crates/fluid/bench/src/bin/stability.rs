@@ -1,4 +1,4 @@
-//! Writes the stability table: `stability FILE.csv`.
+//! Writes the stability table, of runs over 200 communication steps of 0.01 s: `stability FILE.csv`.
 
 #[path = "../../../tests/common/cases.rs"]
 mod cases;
@@ -6,21 +6,11 @@ mod cases;
 use cases::{Case, LOG_LINEAR, Outcome, channel, hard_scenes, outcome};
 use scene::Scene;
 
-const C_ETA: [f64; 7] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8];
-const REYNOLDS: [f64; 5] = [1.0, 20.0, 100.0, 1e3, 1e4];
-/// Up to the limit of the two-step scheme, and beyond.
-const CFL: [f64; 4] = [0.1, 0.25, 0.4, 1.0];
-/// The same for Heun's method.
-const CFL_RK2: [f64; 4] = [0.1, 0.25, 0.6, 1.0];
-
-/// Communication steps of 0.01 s in a run.
-const STEPS: usize = 200;
-
 fn main() -> Result<(), csv::Error> {
     let mut file = csv::Writer::from_path(std::env::args().nth(1).expect("the file to write"))?;
     file.write_record(["group", "scene", "reynolds", "cfl", "c_eta", "outcome", "speed", "time", "message"])?;
     let mut run = |group: &str, name: &str, case: Case, scene: Result<Scene, String>| {
-        let (outcome, speed, time, message) = match outcome(scene, STEPS) {
+        let (outcome, speed, time, message) = match outcome(scene, 200) {
             Outcome::Ok { fastest } => ("ok", Some(fastest), None, String::new()),
             Outcome::Wild { fastest } => ("bad", Some(fastest), None, "too fast for a flow".into()),
             Outcome::NotFinite => ("bad", None, None, "not finite".into()),
@@ -40,12 +30,15 @@ fn main() -> Result<(), csv::Error> {
         }
         Ok::<_, csv::Error>(())
     };
+    let (c_etas, numbers) = ([1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8], [1.0, 20.0, 100.0, 1e3, 1e4]);
+    // Up to the limit of each scheme, and beyond.
+    let (cfls, cfls_rk2) = ([0.1, 0.25, 0.4, 1.0], [0.1, 0.25, 0.6, 1.0]);
     let (others, some, few) = ([1e-2, 1e-4, 1e-8], [1.0, 100.0, 1e4], [0.25, 0.4, 1.0]);
     let (sharp, cosine) = (("sharp", ""), ("cosine", r#", "half_width": 1.0"#));
-    channels("Backward differences, log-linear mask", "sbdf2", LOG_LINEAR, &C_ETA, &REYNOLDS, &CFL)?;
+    channels("Backward differences, log-linear mask", "sbdf2", LOG_LINEAR, &c_etas, &numbers, &cfls)?;
     channels("Backward differences, sharp mask", "sbdf2", sharp, &others, &some, &few)?;
     channels("Backward differences, cosine mask", "sbdf2", cosine, &others, &some, &few)?;
-    channels("Heun's method, sharp mask", "rk2", sharp, &[1e-2, 1e-3, 1e-8], &REYNOLDS, &CFL_RK2)?;
+    channels("Heun's method, sharp mask", "rk2", sharp, &[1e-2, 1e-3, 1e-8], &numbers, &cfls_rk2)?;
     for reynolds in [20.0, 1e4] {
         let case = Case { scheme: "sbdf2", mask: LOG_LINEAR, c_eta: 1e-5, cfl: 0.4, reynolds };
         for (name, scene) in hard_scenes(case).expect("they are scenes") {
