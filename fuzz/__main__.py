@@ -20,6 +20,7 @@ from studies.reliability.unit import SCENE, FMU2Unit
 
 FUZZ = ROOT / "fuzz"
 TARGETS = ("rod_state", "fluid_state", "rod_scene", "fluid_scene")
+COMMAND = ("cargo", "+nightly", "fuzz")
 OPTIONS = ("-timeout=30", "-max_len=65536", f"-dict={FUZZ / 'target' / 'scene.dict'}", "-print_final_stats=1")
 
 
@@ -56,7 +57,7 @@ def words(schema: object) -> set[str]:
 
 def run(target: str, options: list[str]) -> dict:
     """A row of the table; what libFuzzer says is shown as it comes."""
-    command = ["cargo", "+nightly", "fuzz", "run", "--fuzz-dir", FUZZ, target, "--", *OPTIONS, *options]
+    command = [*COMMAND, "run", "--fuzz-dir", FUZZ, target, "--", *OPTIONS, *options]
     said = ""
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, errors="replace") as process:
         for line in process.stderr:
@@ -72,6 +73,9 @@ def run(target: str, options: list[str]) -> dict:
 
 if __name__ == "__main__":
     write_seeds()
+    if subprocess.run([*COMMAND, "--version"], capture_output=True, check=False).returncode:
+        needed = "rustup toolchain install nightly --profile minimal; cargo install cargo-fuzz"
+        sys.exit(f"The seeds are in fuzz/corpus. To run the targets, install nightly Rust and cargo-fuzz: {needed}")
     rows = [run(target, sys.argv[1:] or ["-max_total_time=300"]) for target in TARGETS]
     write_csv(ROOT / "docs" / "fuzz.csv", rows)
     sys.exit(any(row["found"] != "nothing" for row in rows))

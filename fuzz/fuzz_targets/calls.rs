@@ -44,7 +44,7 @@ unsafe extern "C" {
 
 const OK: fmi2Status = fmi2Status::fmi2OK;
 
-/// Communication step of the flag, s: that of `scripts/studies/reliability.py`.
+/// Communication step of the flag, s: that of `studies/reliability/scene.json`.
 const STEP: f64 = 2e-4;
 
 /// A panic inside the unit becomes an error there, and a finding here.

@@ -16,6 +16,7 @@ import ngsolve as ng
 import numpy as np
 from netgen.occ import Circle, OCCGeometry, Rectangle
 from ngsolve import BilinearForm, CoefficientFunction, GridFunction, InnerProduct, dx
+from ngsolve.solvers import Newton
 
 NU, WIDTH = 1e-3, 0.41
 STEP_BY_SIZE, END = 1e-2, 6.0  # s/m, s
@@ -57,14 +58,8 @@ def steady(size: float) -> dict:
     form = BilinearForm(space)
     form += (stokes(u, p, v, q) + InnerProduct(ng.Grad(u) * u, v)) * dx
     flow = started(space, 0.3)
-    residual, update = flow.vec.CreateVector(), flow.vec.CreateVector()
-    for _ in range(12):
-        form.Apply(flow.vec, residual)
-        form.AssembleLinearization(flow.vec)
-        update.data = form.mat.Inverse(space.FreeDofs(), inverse="umfpack") * residual
-        flow.vec.data -= update
-        if update.Norm() < 1e-10 * flow.vec.Norm():
-            break
+    Newton(form, flow, maxerr=1e-12, inverse="umfpack", printing=False)
+    residual = flow.vec.CreateVector()
     form.Apply(flow.vec, residual)
     # 2/(Ubar² D) with Ubar = 0.2, D = 0.1
     cd, cl = (-500 * InnerProduct(residual, field) for field in unit_fields(space))

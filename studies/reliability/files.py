@@ -17,11 +17,10 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from nervure import checkpoint, coupling, results
+from nervure import checkpoint, results
 from nervure.pack import package
-from nervure.recorder import Recorder
 from nervure.scene import typed
-from nervure.unit import Unit
+from nervure.simulation import assemble
 
 from .unit import SCENE, STEP, FMU2Unit
 
@@ -44,10 +43,10 @@ class Run:
     `outputs` and `tables` are, by steps, what they are where nothing happens to the run.
     """
 
-    def __init__(self, kind: str, folder: Path):
-        self.unit, self.folder = Unit(package.pack(kind, SCENE, folder), kind, 1.0), folder
-        self.scheme, self.recorder = coupling.Single(self.unit), Recorder({kind: self.unit}, LONGEST + 1)
-        self.kept = checkpoint.Checkpoint(folder, typed(SCENE), {}, {kind: self.unit}, self.scheme, self.recorder)
+    def __init__(self, kind: str, folder: Path, stack: ExitStack):
+        scene, self.folder = typed(SCENE), folder
+        units, self.scheme, _, self.recorder = assemble(scene, {kind: package.pack(kind, SCENE, folder)}, stack)
+        self.unit, self.kept = units[kind], checkpoint.Checkpoint(folder, scene, {}, units, self.scheme, self.recorder)
         self.scheme.start()
         self.recorder.record(0, 0.0, 0)
         self.kept.save(0, 0.0)
@@ -104,8 +103,8 @@ class Run:
 def kills(unit: FMU2Unit, count: int) -> str:
     """SIGKILL while checkpoint and results are written: the old or the new ones load, and the run goes on from them."""
     chance, progress, inside, done = random.Random(5), mmap(-1, 2), 0, LONGEST
-    with TemporaryDirectory() as place:
-        run = Run(unit.kind, Path(place))
+    with TemporaryDirectory() as place, ExitStack() as stack:
+        run = Run(unit.kind, Path(place), stack)
         for case in range(count):
             if done > LONGEST // 2:
                 run.begin(Path(place, "run"))
@@ -121,7 +120,6 @@ def kills(unit: FMU2Unit, count: int) -> str:
             inside += any(path.stat().st_mtime_ns > begin for path in run.folder.glob("unfinished-*"))
             end = max(began, done) + 1
             done, written = run.check(range(max(finished, done), end), range(max(finished, written), end))
-        run.unit.close()
     return f"old or new, and on to the same bits; {inside} were killed within a file"
 
 
@@ -132,8 +130,7 @@ def full_disks(unit: FMU2Unit, count: int) -> str:
         place = Path(stack.enter_context(TemporaryDirectory()))
         disk = place / "disk"
         disk.mkdir()
-        run = Run(unit.kind, place)
-        stack.callback(run.unit.close)
+        run = Run(unit.kind, place, stack)
         refused = filled(run, place / "run", None, chance, count)
         said = f"limit on the size of files: {refused} writes refused, {2 * count - refused} made"
         mount = ["mount", "-t", "tmpfs", "-o", f"size={DISK}", "tmpfs", str(disk)]
@@ -153,10 +150,8 @@ def filled(run: Run, folder: Path, disk: Path | None, chance: random.Random, cou
             run.step(1)
             saved = written = 0
         done, before = saved + 1, contents(folder)
-        for write, files in (
-            (run.kept.save, {checkpoint.FILE: before[checkpoint.FILE]}),
-            (run.write, run.tables[done]),
-        ):
+        writes = {run.kept.save: {checkpoint.FILE: before[checkpoint.FILE]}, run.write: run.tables[done]}
+        for write, files in writes.items():
             try:
                 with scarce(disk, chance.uniform(0.0, 1.5), [len(data) for data in files.values()]):
                     write(done, 0.0)

@@ -50,9 +50,13 @@ class FMU2Unit(FMU2Slave):  # fmpy takes the version of FMI from the name of the
         unit = copy.copy(self)
         unit.instantiate(callbacks=self.log)
         if start:
-            unit.enter()
-            unit.exitInitializationMode()
+            unit.start()
         return unit
+
+    def start(self) -> None:
+        """Go through initialization, up to the first step."""
+        self.enter()
+        self.exitInitializationMode()
 
     def enter(self) -> None:
         """Enter initialization mode."""

@@ -5,76 +5,63 @@ mod common;
 #[path = "../../../tests/common/measures.rs"]
 mod measures;
 
-use std::fmt::Write;
-
-use measures::{
-    added_mass, aliased, arrays, flux_error, made_by_advection, noise, resolved_noise, taylor_green_error, walls,
-};
+use measures::{made_by_advection, noise};
 use nervure_fluid::internals::DragProfile;
 use scene::{Filter, Mask, TimeScheme, WallTarget};
 
-fn main() {
-    let path = std::env::args().nth(1).expect("the file to write");
-    let mut text = String::from("measure,setting,quantity,value,unit,expected\n");
+fn main() -> Result<(), csv::Error> {
+    let mut file = csv::Writer::from_path(std::env::args().nth(1).expect("the file to write"))?;
+    file.write_record(["measure", "setting", "quantity", "value", "unit", "expected"])?;
     let mut row = |measure: &str, setting: &str, quantity: &str, value: f64, unit: &str, expected: Option<f64>| {
-        let expected = expected.map(|expected| expected.to_string()).unwrap_or_default();
-        writeln!(text, "{measure},\"{setting}\",{quantity},{value:e},{unit},{expected}").expect("a string takes all");
+        file.serialize((measure, setting, quantity, value, unit, expected))
     };
     for (name, scheme) in [("sbdf2", TimeScheme::Sbdf2), ("rk2", TimeScheme::Rk2)] {
         for steps in [80, 160] {
-            let error = taylor_green_error(scheme, steps, &[1.0]);
-            row("Taylor-Green", &format!("{name}, {steps} steps"), "error", error, "m/s", None);
+            let error = measures::taylor_green_error(scheme, steps, &[1.0]);
+            row("Taylor-Green", &format!("{name}, {steps} steps"), "error", error, "m/s", None)?;
         }
     }
     for (half_box, cells) in [(1.0, 256), (0.7, 180)] {
-        let [found, expected] = added_mass(half_box, cells);
+        let [found, expected] = measures::added_mass(half_box, cells);
         let setting = format!("box of {} radii", 20.0 * half_box);
-        row("added mass", &setting, "displaced masses", found, "1", Some(expected));
+        row("added mass", &setting, "displaced masses", found, "1", Some(expected))?;
     }
-    let flows = [
-        ("two_thirds", noise(Filter::TwoThirds)),
-        ("none", noise(Filter::None)),
-        ("smooth", noise(Filter::Smooth)),
-        ("smooth, waves up to two thirds", resolved_noise()),
-    ];
-    for (setting, fluid) in flows {
+    let filters = [("two_thirds", Filter::TwoThirds), ("none", Filter::None), ("smooth", Filter::Smooth)];
+    let flows = filters.map(|(name, filter)| (name, noise(filter)));
+    for (setting, fluid) in flows.into_iter().chain([("smooth, waves up to two thirds", measures::resolved_noise())]) {
         let [energy, enstrophy] = made_by_advection(fluid);
-        row("made by advection", setting, "energy", energy, "1", None);
-        row("made by advection", setting, "enstrophy", enstrophy, "1", None);
+        row("made by advection", setting, "energy", energy, "1", None)?;
+        row("made by advection", setting, "enstrophy", enstrophy, "1", None)?;
     }
     for (waves, which) in [([[7, 1], [6, 2]], "7 and 6"), ([[9, 1], [8, 3]], "9 and 8")] {
         for (name, filter) in [("two_thirds", Filter::TwoThirds), ("smooth", Filter::Smooth), ("none", Filter::None)] {
             // The two-thirds rule has no waves 9 and 8.
             if which == "7 and 6" || filter != Filter::TwoThirds {
-                row("aliasing", &format!("{which}, {name}"), "share", aliased(filter, waves), "1", None);
+                row("aliasing", &format!("{which}, {name}"), "share", measures::aliased(filter, waves), "1", None)?;
             }
         }
     }
     for e_fold in [0.2, 0.25, 0.3] {
-        let [least, most] = walls(e_fold);
-        row("wall", &format!("e-fold {e_fold}"), "least", least, "cells", None);
-        row("wall", &format!("e-fold {e_fold}"), "most", most, "cells", None);
+        let [least, most] = measures::walls(e_fold);
+        row("wall", &format!("e-fold {e_fold}"), "least", least, "cells", None)?;
+        row("wall", &format!("e-fold {e_fold}"), "most", most, "cells", None)?;
     }
     for cells in [64, 128] {
-        row("flux", &format!("{cells} cells"), "error", flux_error(cells), "1", None);
+        row("flux", &format!("{cells} cells"), "error", measures::flux_error(cells), "1", None)?;
     }
-    for (e_fold, name, target) in [
-        (0.2, "curvature", WallTarget::Curvature),
-        (0.25, "curvature", WallTarget::Curvature),
-        (0.3, "curvature", WallTarget::Curvature),
-        (0.25, "shear", WallTarget::Shear),
-    ] {
+    let targets = [0.2, 0.25, 0.3].map(|e_fold| (e_fold, "curvature", WallTarget::Curvature));
+    for (e_fold, name, target) in targets.into_iter().chain([(0.25, "shear", WallTarget::Shear)]) {
         let mask = Mask::LogLinear { c_eta: 1e-5, e_fold, target };
         let profile = DragProfile::new(&mask, 1e-5, 1e-3, 1.0);
         let DragProfile::LogLinear { shrink, target: Some(target), .. } = profile else { unreachable!() };
         let setting = format!("e-fold {e_fold}, {name}");
-        row("wall target", &setting, "m", target.mirror, "1", None);
+        row("wall target", &setting, "m", target.mirror, "1", None)?;
         if name == "curvature" {
-            row("wall target", &setting, "c", target.curvature, "1", None);
-            row("wall target", &setting, "D_c", target.depth, "cells", None);
+            row("wall target", &setting, "c", target.curvature, "1", None)?;
+            row("wall target", &setting, "D_c", target.depth, "cells", None)?;
         }
-        row("wall target", &setting, "shift", shrink, "cells", None);
+        row("wall target", &setting, "shift", shrink, "cells", None)?;
     }
-    row("memory", "320 x 120, with a beam", "arrays of the grid's size", arrays(), "1", None);
-    std::fs::write(&path, text).expect("a writable path");
+    row("memory", "320 x 120, with a beam", "arrays of the grid's size", measures::arrays(), "1", None)?;
+    Ok(file.flush()?)
 }
