@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nervure import coupling, master, results, scene as scenes, simulation
-from nervure.evaluate import coefficients
+from nervure.evaluate import coefficients, statistics
 from nervure.evaluate.summary import summarize
 from nervure.files import json_numbers
 from nervure.pack import package
@@ -51,17 +51,18 @@ def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
     return scene
 
 
+def on_grid(nx: int, ny: int, step: float) -> dict[str, Any]:
+    """The changes to another grid and step."""
+    return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
+
+
 def assignments(changes: dict[str, Any]) -> list[str]:
     """Changes as `--set` takes them."""
-    texts = {
-        key: "null"
-        if value == "absent"
-        else value
-        if isinstance(value, str)
-        else json.dumps(value, separators=(",", ":"))
-        for key, value in changes.items()
-    }
-    return [f"{key}={text}" for key, text in texts.items()]
+
+    def text(value: Any) -> str:
+        return value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+
+    return [f"{key}={'null' if value == 'absent' else text(value)}" for key, value in changes.items()]
 
 
 @lru_cache
@@ -163,9 +164,8 @@ def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Ca
 
 
 def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: bool = False) -> dict[str, Any]:
-    """One run into `folder`: its summary, with the wall time of FMI, Python, recording and output, and the memory
-    that it
-    has added."""
+    """One run into `folder`: its summary, with the wall time of FMI, Python, recording and output, and the memory that
+    it has added."""
     with ExitStack() as stack:
         before = resident()
         units, scheme, clock, recorder = assemble(scene, folder, stack, rigid)
@@ -193,8 +193,7 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
 
 def run(case: Case, folder: Path) -> dict[str, Any]:
     """Run the scene of a case, as often as its option `repeats` says; the summary of the first run, with quartiles of
-    the
-    times (lower, median, upper, s) and the shortest phases of those that are timed."""
+    the times (lower, median, upper, s) and the shortest phases of those that are timed."""
     options = dict(case.options)
     repeats, scene = options.pop("repeats", 0), case.built()
     first = once(scene, folder, **options)
@@ -236,6 +235,12 @@ def quantities(summary: dict[str, Any]) -> dict[str, float]:
         if part["fit"]:
             found[f"{name}.fit"] = part["fit"]["amplitude"]
     return {name: value for name, value in found.items() if value is not None}
+
+
+def window(summary: dict[str, Any]) -> statistics.Window:
+    """What was evaluated of a run."""
+    begin, end = summary["window_s"]
+    return statistics.Window(begin, end, summary["periods"])
 
 
 def times(summary: dict[str, Any]) -> dict[str, Any]:

@@ -61,10 +61,9 @@ def phases(data: Data) -> list[dict[str, Any]]:
 
 
 def all_phases(data: Data) -> list[str]:
-    scenes = found(data, "phases")
-    names = [phase for group in GROUPS.values() for phase in group] + ["step"]
-    table = [[name, *(f"{row[name]:g}" for row in scenes)] for name in names]
-    return show.markdown(["phase", *(row["scene"] for row in scenes)], table)
+    names = {name: name for group in (*GROUPS.values(), ("step",)) for name in group}
+    scenes = {row["scene"]: row for row in found(data, "phases")}
+    return show.matrix("phase", names, scenes, lambda name, row: f"{row[name]:g}")
 
 
 def motion(data: Data) -> list[str]:

@@ -15,7 +15,7 @@ from nervure.resources import ROOT
 from studies import simulate
 from studies.engine import COUPLED, FLUID, ROD, THREADS, Case, Run
 from studies.report import elastica
-from studies.vein import on_grid
+from studies.simulate import on_grid
 
 SCENES = {
     "rod-static": "csm1",
