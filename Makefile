@@ -53,7 +53,7 @@ rust-test:
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
 
-LINTED := python examples scripts tests modelDescription hatch_build.py
+LINTED := python examples scripts studies tests modelDescription hatch_build.py
 
 lint: $(READY_DEV) ## check style, types and layers of the Python side
 	$(RUN) -m ruff check $(LINTED)

@@ -223,7 +223,8 @@ def measure_cases() -> Iterator[Case]:
 
 def stability(data: Data) -> list[str]:
     """The map of stability."""
-    rows, letters = data["fluid-measures/crate/stability"].tables["stability"], {}
+    rows = data["fluid-measures/crate/stability"].tables["stability"]
+    letters: dict[str, tuple[str, str]] = {}
 
     def cell(row: dict[str, Any]) -> str:
         if row["outcome"] == "ok":

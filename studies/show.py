@@ -148,9 +148,10 @@ def errors(
 ) -> None:  # fmt: skip
     """Figure docs/NAME.png of the errors of runs: a row for each of `along`, a value or quartiles; a column for each
     quantity; a line for each group, and in grey what no run beats. Failed runs are crosses at the top."""
-    figure, axes = panel(len(along), len(quantities), (3.7 * len(quantities), 3.2 * len(along)), sharey="col")
+    figure, axes = panel(len(along), len(quantities), (3.7 * len(quantities), 1.2 + 2.8 * len(along)), sharey="col")
     for (line, column), axis in np.ndenumerate(axes):
-        key, quantity, seen = list(along)[line], f"{quantities[column]}.{kind}", []
+        key, quantity = list(along)[line], f"{quantities[column]}.{kind}"
+        seen: list[tuple[float, float]] = []
         for runs, colour, marker in zip(groups.values(), cycle(COLOURS), cycle(MARKERS)):
             there = [(*np.broadcast_to(run[key], 3)[[1, 0, 2]], run.get(quantity)) for run in runs if run.get(key)]
             if good := sorted((*x, max(abs(y), 1e-8)) for *x, y in there if y is not None):

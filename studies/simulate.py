@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from nervure import coupling, master, results, scene as scenes, simulation
+from nervure import coupling, master, results, scene as scenes
 from nervure.evaluate import coefficients, statistics
 from nervure.evaluate.summary import summarize
 from nervure.files import json_numbers
@@ -135,13 +135,15 @@ def assemble(
     """Units, scheme, clock and recorder of a scene; `rigid` puts a rigid rod that follows its root in the place of the
     rod, `drive` gives the motion of a root that the master drives."""
     packed = {key: part for key, part in scene.items() if key not in ("rod", "coupling")} if rigid else scene
-    fmus = {kind: package.pack(kind, packed, folder) for kind in kinds(packed)}
-    units, scheme, clock, recorder = simulation.assemble(typed(packed), fmus, stack, drive)
-    for path in fmus.values():
+    clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+    units = {}
+    for kind in kinds(packed):
+        path = package.pack(kind, packed, folder)
+        units[kind] = Unit(path, kind, clock.end)
+        stack.callback(units[kind].close)
         path.unlink()
-    if rigid:  # which connects the fluid, and only then it can be recorded
-        scheme, recorder = Rigid(units["fluid"], scene), Recorder(units, clock.steps)
-    return units, scheme, clock, recorder
+    scheme = Rigid(units["fluid"], scene) if rigid else coupling.couple(units, typed(scene).coupling, drive)
+    return units, scheme, clock, Recorder(units, clock.steps)
 
 
 def resident() -> float:

@@ -74,7 +74,6 @@ def motion(data: Data) -> list[str]:
 
 TABLES: dict[str, Callable[[Data], Any]] = {
     "speed-pairs": partial(found, table="pair"),
-    "speed-rustfft": partial(found, table="pair"),
     "speed-steps": partial(found, table="step"),
     "speed-threads": partial(found, table="threads"),
     "speed-phases": phases,

@@ -15,7 +15,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-from nervure.files import rounded, write_together
+from nervure.files import json_numbers, rounded, write_together
 from nervure.resources import ROOT
 from studies import machine, simulate
 from studies.engine import Case, Run, Study
@@ -125,8 +125,9 @@ class Data:
     def take(self, study: Study, case: Case, run: Run, new_times: bool = False) -> bool:
         """Take in a run; whether that has changed anything."""
         error = run.found.get("error")
-        kept = {} if error and not run.found.get("quantities") else study.keep(case, run)
+        kept = json_numbers({} if error and not run.found.get("quantities") else study.keep(case, run))
         values, tables, times = (rounded(kept.get(part, {})) for part in ("values", "tables", "times"))
+        values = {quantity: value for quantity, value in values.items() if value is not None}
         name, on = f"{study.name}/{case.name}", machine.key(run.machine)
         record = Record(name, case, study.command(case), run.digest, values, tables, error, times, on)
         before = self.records.get(name)

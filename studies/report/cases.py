@@ -37,7 +37,7 @@ SCHEMES = {
     "BDF2": "bdf2",
     "TR-BDF2": "tr_bdf2",
 }
-CALIBRATIONS = {
+CALIBRATIONS: dict[str, dict[str, Any]] = {
     "rod": {"rod.calibration": "second_order", "rod.material.plane_strain.shear_factor": "absent"},
     "rod with shear": {"rod.calibration": "second_order"},
     "rod, calibration of the thesis": {
@@ -73,7 +73,7 @@ def peer(kind: str, method: str, setting: str, *arguments: str, repeats: int = 3
 def run_peer(case: Case, folder: Path) -> dict[str, Any]:
     """Run a peer's script in its own environment: what it prints last."""
     if not PYTHON.is_file():
-        raise Refusal("not installed: make target/report/venv/.ready")
+        raise FileNotFoundError("the peers are not installed: make target/report/venv/.ready")
     script, *arguments = case.options["command"]
     command = [str(PYTHON), str(PEERS / script), *arguments]
     try:
@@ -91,7 +91,7 @@ def run_peer(case: Case, folder: Path) -> dict[str, Any]:
 def cases() -> Iterator[Case]:
     for method, calibration in CALIBRATIONS.items():
         for n in (8, 16, 32, 64, 128):
-            changes = {"beam.segments": n, "rod.clamp_setback": 0.0, "time.end": 8.0} | calibration
+            changes: dict[str, Any] = {"beam.segments": n, "rod.clamp_setback": 0.0, "time.end": 8.0} | calibration
             yield case("rod-static", method, f"n = {n}", n, changes, repeats=5)
     for scheme, value in SCHEMES.items():
         for step in (8e-3, 4e-3, 2e-3, 1e-3):

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 
-from studies import coupling, fsi3, rod, show, simulate, speed
+from studies import coupling, fsi3, show, simulate, speed
 from studies.engine import Run, Study
 from studies.report import cases, leave_out
 from studies.show import COLOURS, label, markdown, percent
@@ -63,10 +63,9 @@ def points(data: Data, case: str) -> list[Point]:
     if case == "fsi3":
         for record in data.of("fsi3/grid/*"):
             found.append(point(record, method="momentum load", setting=record["name"]))
-        for method, change in FSI3_METHODS.items():
-            for group in fsi3.VARIED:
-                if record := data.get(f"fsi3/{group}/{change}"):
-                    found.append(point(record, method=method, setting=group))
+        changed = [(method, group) for method in FSI3_METHODS for group in fsi3.VARIED]
+        for method, group in changed:
+            found += [point(r, method=method, setting=group) for r in data.of(f"fsi3/{group}/{FSI3_METHODS[method]}")]
         expected = simulate.published(fsi3.COARSE)
         for row in CITED[:2]:
             errors = {f"{q}.error": (value - expected[q][0]) / expected[q][1] for q, value in row["values"].items()}
