@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import copy
-import ctypes
 import json
-import resource
 import tomllib
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -146,13 +144,6 @@ def assemble(
     return units, scheme, clock, Recorder(units, clock.steps)
 
 
-def resident() -> float:
-    """Resident set of this process, MB, without what is free."""
-    ctypes.CDLL(None).malloc_trim(0)
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * resource.getpagesize() / 1e6
-
-
 def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Callable[..., Any]:
     """`call`, whose wall time is added to `seconds[phase]`."""
 
@@ -166,20 +157,17 @@ def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Ca
 
 
 def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: bool = False) -> dict[str, Any]:
-    """One run into `folder`: its summary, with the wall time of FMI, Python, recording and output, and the memory that
-    it has added."""
+    """One run into `folder`: its summary, with the wall time of FMI, Python and recording."""
     with ExitStack() as stack:
-        before = resident()
         units, scheme, clock, recorder = assemble(scene, folder, stack, rigid)
-        seconds = {"fmi": 0.0, "recording": 0.0, "output": 0.0}
+        seconds = {"fmi": 0.0, "recording": 0.0}
         for unit in units.values():
             for name in ("set", "get"):
                 setattr(unit, name, timed(getattr(unit, name), seconds, "fmi"))
         setattr(recorder, "record", timed(recorder.record, seconds, "recording"))  # noqa: B010
         outcome = master.run(scheme, clock, recorder)
-        memory = resident() - before
         evaluated = summarize(typed(scene), units, scheme, recorder, outcome)
-        timed(results.write, seconds, "output")(folder, typed(scene), recorder, scheme, evaluated)
+        results.write(folder, typed(scene), recorder, scheme, evaluated)
         if pictures:
             plots.time_series(folder, {scene["name"]: recorder}, typed(scene))
             plots.vorticity(folder, typed(scene), units, outcome.simulated)
@@ -190,7 +178,7 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         columns: Any = {name: recorder.column(name) for name in recorder.columns}
         np.savez_compressed(folder / "series.npz", **columns)
         last = {name: float(values[-1]) for name, values in columns.items()}
-        return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "memory_mb": memory, "last": last}
+        return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "last": last}
 
 
 def run(case: Case, folder: Path) -> dict[str, Any]:

@@ -63,7 +63,7 @@ def cases() -> Iterator[Case]:
 def keep(case: Case, run: Run) -> dict[str, Any]:
     xml, variables = simulate.sizes(case.built())
     last = {f"last {name}": run.found["last"][name] for name in COLUMNS if name in run.found["last"]}
-    times = simulate.times(run.found) | {"memory_mb": run.found["memory_mb"], "steps": run.found["steps"]}
+    times = simulate.times(run.found) | {"steps": run.found["steps"]}
     return {"values": {"xml": xml, "variables": variables} | last, "times": times}
 
 
