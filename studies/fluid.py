@@ -35,9 +35,6 @@ QUANTITIES = ("cd_max", "cl_peak_to_peak", "st")
 """What the errors of 2D-2 are taken of."""
 
 
-# Cases
-
-
 def cylinder(
     flow: str, nx: int, name: str, dt: float | None = None, mask: str = "curvature", c_eta: float = 1e-5,
     filter: str = "smooth", scheme: str = "sbdf2", offset: tuple[float, float] = (0.0, 0.0), free: bool = False,
@@ -126,9 +123,6 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
     return {"values": summary["coefficients"]["values"] | values, "times": simulate.times(summary)}
 
 
-# Pages
-
-
 def thesis(table: str, data: Data) -> list[str]:
     """Tables 3.3 and 3.4 of the thesis, its settings run again, and ours."""
     printed = {int(nx): row for nx, row in simulate.LISTED["thesis"][f"table_{table}"].items()}
@@ -170,16 +164,8 @@ def hardness(data: Data) -> list[str]:
     return show.matrix("C_eta, s", c_etas, {on(nx): nx for nx in (450, 600, 900)}, cell)
 
 
-MASKS = {
-    "wall target `curvature`": "grid/2D-2-curvature-{}",
-    "the same, grid aside (900: half a cell both ways; 600: a quarter both ways)": "",
-    "`shear`": "grid/2D-2-shear-{}",
-    "`none`: the bare profile": "grid/2D-2-none-{}",
-    "cosine, half-width a cell, C_eta = 1e-4 s": "grid/2D-2-cosine-{}",
-    "cosine, uncorrected": "grid/2D-2-cosine-uncorrected-{}",
-    "sharp, C_eta = 1e-4 s": "grid/2D-2-sharp-{}",
-    "thesis: Heun, sharp, uncorrected, C_eta = 1e-3 s, two-thirds rule": "thesis/{}",
-}
+MASKS: dict[str, str] = simulate.LISTED["fluid"]["masks"]
+"""Cases by mask, with the number of points in `{}`."""
 ASIDE = {600: "offset/2D-2-curvature-0.25-0.25", 900: "offset/2D-2-curvature-900"}
 
 

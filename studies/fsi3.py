@@ -50,9 +50,6 @@ SAMPLES, SHOWN_PERIODS = 120, 2
 """Points of the series that are kept of each grid, and the periods that they span."""
 
 
-# Cases
-
-
 def told(changes: Changes, without: str = "") -> str:
     """Changes as a table has them."""
     return ", ".join(f"`{text}`" for text in assignments(changes) if not (without and text.startswith(without)))
@@ -89,9 +86,6 @@ def cases() -> Iterator[Case]:
     for name, changes in LISTED["waves"].items():
         said = told(changes, "time.end") or "none, with the scene's own `bdf2`"
         yield case(f"waves/{name}", THESIS, changes, "a ramp of 2 s" if name == "ramp" else said)
-
-
-# What is kept of a run
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
@@ -171,9 +165,6 @@ def last_periods(series: Series) -> list[dict[str, float]]:
 FURTHER: dict[str, tuple[Callable[[Series], dict[str, float]], ...]]
 FURTHER = {"grid": (extremes,), "thesis": (extremes,), "waves": (waves,), "exchange": (exchange,)}
 """What is made of the series of a group's runs, besides the summary."""
-
-
-# Tables
 
 
 def published(scene: str, name: str) -> View:
@@ -291,9 +282,6 @@ def exchanged(data: Data) -> list[View]:
                 moved = row["tip"] if row["tip"] > 1e-3 else None
                 rows.append(row | {"begin": begin, "end": end, "step": step, "moved": moved})
     return rows
-
-
-# Figures
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:

@@ -74,9 +74,6 @@ def extremes(rows: Rows) -> dict[str, Any]:
     return {"tables": tables, "times": {"longest step": longest}}
 
 
-# Pages
-
-
 def table_of(data: Data, name: str) -> Rows:
     return data[f"rod/study/{name}"].tables[name]
 
@@ -176,9 +173,6 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "rod-schemes": schemes,
     "rod-csm": csm,
 }
-
-
-# Figures
 
 
 def line(rows: Rows, x: str, y: str, label: str | None, **style: Any) -> dict[str, Any]:

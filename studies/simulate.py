@@ -94,9 +94,6 @@ def unit_of(quantity: str) -> str:
     return {"tip_ux": "m", "tip_uy": "m", "drag": "N/m", "lift": "N/m", "dp_mean": "Pa"}.get(name, "")
 
 
-# Running
-
-
 class Rigid(coupling.Single):
     """A fluid whose stations are those of a rigid rod along x that pitches about the origin."""
 

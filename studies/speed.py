@@ -4,24 +4,13 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
-from studies import commands, show
+from studies import commands, show, simulate
 from studies.engine import Case, Run, Study
 from studies.store import Data
 
 MANIFEST, TARGET = "crates/fluid/bench/Cargo.toml", "target/fluid-bench"
 
-GROUPS = {
-    "transforms": (
-        "transforms, two along y",
-        "transforms, five along x",
-        "transforms, three back along y, and the CFL number",
-    ),
-    "local solve": ("local solve", "velocities of bodies and zones"),
-    "projection": ("projection",),
-    "painting": ("painting of the moving bodies", "wall target"),
-    "forces and loads": ("forces on the bodies", "loads and impedance of the stations"),
-    "rest": ("rest",),
-}
+GROUPS: dict[str, list[str]] = simulate.LISTED["fluid-speed"]["groups"]
 """What users ask for, and the phases of it."""
 
 

@@ -136,8 +136,6 @@ class Data:
         self.records[name], self.machines[on] = record, run.machine
         return True
 
-    # Files
-
     def load(self, folder: Path = REPORT) -> Data:
         files = [folder / name for name in ("results.json", "times.json")]
         if not files[0].is_file():

@@ -24,7 +24,6 @@ from tests.driven_root import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
 
 FORWARD, HOVER, SPACE = "vein-forward-384x192", "vein-hover-288x256", "vein-3d"
 CYLINDER = "cylinder-oscillating-460x100"
-SCENES = {PITCHING: "pitching", FORWARD: "forward", HOVER: "hover", SPACE: "in space"}
 
 STIFFNESS = "rod.material.section.bending_stiffness"
 
@@ -52,8 +51,8 @@ def cases() -> Iterator[Case]:
         named = {"name": name.replace("/", "-").replace(" ", "-").replace(",", "")} | changes
         return Case(name, FLUID if scene == CYLINDER else COUPLED, scene, named, options)
 
-    for scene in (SPACE, FORWARD, HOVER, PITCHING):
-        yield Case(f"scene/{scene}", COUPLED, scene)
+    for scene, said in {SPACE: "in space", FORWARD: "forward", HOVER: "hover", PITCHING: "pitching"}.items():
+        yield Case(f"scene/{scene}", COUPLED, scene, about={"name": said})
     for stiffness in (0.5, 1, 2, 4, 8, 16, 32, 64, 128):
         yield case(f"flexibility/{stiffness:g}", FORWARD, {"time.end": 8, STIFFNESS: stiffness})
     for nx, ny, h in ((230, 50, 4e-3), (345, 75, 2.5e-3), (460, 100, 2e-3), (690, 150, 1.6e-3), (920, 200, 1e-3)):
@@ -79,9 +78,6 @@ def cases() -> Iterator[Case]:
     yield Case("further/jumps", COUPLED, PITCHING, thick, action=jumps)
     for name in LIMITS:
         yield Case(f"limits/{name}", (*COUPLED, "limits"), options={"limit": name}, action=limit)
-
-
-# What is kept of a run
 
 
 def limit(case: Case, folder: Path) -> dict[str, Any]:
@@ -204,9 +200,6 @@ def stiff_limit(case: Case, folder: Path) -> dict[str, Any]:
     return {"tables": {"stiff": rows}}
 
 
-# Pages and figures
-
-
 def parts(data: Data) -> list[dict[str, Any]]:
     """Time of a step of the fluid (ms) with each part, and its variables, against the first."""
     records = data.of("vein/parts/*")
@@ -215,27 +208,6 @@ def parts(data: Data) -> list[dict[str, Any]]:
         r.view | {"step": step, "time": step / steps[0] - 1, "more": r["variables"] - records[0]["variables"]}
         for r, step in zip(records, steps)
     ]
-
-
-def scenes(data: Data) -> list[dict[str, Any]]:
-    """What the shipped scenes give."""
-    return [data[f"vein/scene/{scene}"].view | {"name": name} for scene, name in SCENES.items()]
-
-
-def convergence(data: Data) -> list[str]:
-    """Thrust and tip of the pitching vein over grid and step, against the last of each."""
-
-    def half(group: str) -> list[list[str]]:
-        *records, last = data.of(f"vein/{group}/*")
-        names = ("thrust", "tip_amplitude")
-        rows = [[r["label"], *(f"{100 * (r[name] / last[name] - 1):+.1f} %" for name in names)] for r in records]
-        return [*rows, [last["label"], *(f"{last[name]:.4g}" for name in names)]]
-
-    rows = [[*left, "", *right] for left, right in zip(half("grid"), half("dt"))]
-    return show.markdown(["grid", "thrust", "tip", "", "step, s", "thrust", "tip"], rows)
-
-
-TABLES: dict[str, Callable[[Data], Any]] = {"vein-scenes": scenes, "vein-convergence": convergence, "vein-parts": parts}
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
@@ -258,4 +230,4 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
         show.curves("vein/cylinder", ("time [s]", "drag [N/m]"), lines, log=False)
 
 
-STUDY = Study("vein", cases, keep, TABLES, draw)
+STUDY = Study("vein", cases, keep, {"vein-parts": parts}, draw)

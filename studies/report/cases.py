@@ -17,22 +17,13 @@ from studies.engine import COUPLED, ROD, THREADS, Case, Run
 from studies.report import elastica
 from studies.simulate import on_grid
 
-SCENES = {"rod-static": "csm1", "csm3": "csm3", "cylinder-2d1": "cylinder-2d1-450x90",
-          "cylinder-2d2": "cylinder-2d2-900x180", "cost": "fsi3-325x72"}  # fmt: skip
+LISTED: dict[str, Any] = simulate.LISTED["report"]
+SCENES: dict[str, str] = LISTED["scenes"]
 
 PEERS = ROOT / "studies" / "peers"
 PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
 LONGEST = 3600.0
 """Wall time that a peer may take, s."""
-
-SCHEMES = {"trapezoid": "trapezoid", "generalised-α 0.5": {"generalised_alpha": {"rho_inf": 0.5}},
-           "BDF2": "bdf2", "TR-BDF2": "tr_bdf2"}  # fmt: skip
-NO_SHEAR = {"rod.material.plane_strain.shear_factor": "absent"}
-CALIBRATIONS: dict[str, dict[str, Any]] = {
-    "rod": {"rod.calibration": "second_order"} | NO_SHEAR,
-    "rod with shear": {"rod.calibration": "second_order"},
-    "rod, calibration of the thesis": {"rod.calibration": {"thesis": {"k_e": 1e5}}} | NO_SHEAR,
-}
 
 COST_STEPS = 200
 """Communication steps of the runs that only tell what a step costs."""
@@ -66,11 +57,11 @@ def run_peer(case: Case, folder: Path) -> dict[str, Any]:
 
 
 def cases() -> Iterator[Case]:
-    for method, calibration in CALIBRATIONS.items():
+    for method, calibration in LISTED["calibrations"].items():
         for n in (8, 16, 32, 64, 128):
             changes: dict[str, Any] = {"beam.segments": n, "rod.clamp_setback": 0.0, "time.end": 8.0} | calibration
             yield case("rod-static", method, f"n = {n}", changes, repeats=5)
-    for scheme, value in SCHEMES.items():
+    for scheme, value in LISTED["schemes"].items():
         for step in (8e-3, 4e-3, 2e-3, 1e-3):
             changes = {"rod.scheme": value, "time.communication_step": step, "beam.segments": 32}
             yield case("csm3", scheme, f"n = 32, H = {step:g} s", changes, repeats=3)
