@@ -197,16 +197,6 @@ def run(case: Case, folder: Path) -> dict[str, Any]:
     return found
 
 
-class Columns:
-    """Recorded columns, in the place of a recorder."""
-
-    def __init__(self, series: dict[str, np.ndarray]):
-        self.series, self.columns, self.unit_of = series, list(series), dict.fromkeys(series)
-
-    def column(self, name: str) -> np.ndarray:
-        return self.series[name]
-
-
 def sizes(scene: dict[str, Any]) -> tuple[int, int]:
     """Bytes of the XML descriptions and scalar variables of a scene's units."""
     texts = [package.describe(kind, scene) for kind in kinds(scene)]

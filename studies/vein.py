@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -125,7 +126,7 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
 def settled(case: Case, run: Run) -> dict[str, float]:
     """Means over whole periods at the end, and the energy that is missing, by the loads and by what the fluid
     exerted."""
-    series = simulate.Columns(run.series)
+    series: Any = SimpleNamespace(columns=list(run.series), column=run.series.__getitem__)
     whole = statistics.Window(0.0, float(run.series["time"][-1]), 1)
     window = whole if case.name.startswith(("grid/", "dt/")) else simulate.window(run.found)
     found = flapping.evaluate(typed(case.built()), series, window)
