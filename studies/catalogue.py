@@ -11,8 +11,7 @@ from studies.store import REPORT, Data
 STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, vein.STUDY, running.STUDY,
            leave_out.STUDY, pages.STUDY)  # fmt: skip
 
-STALE = REPORT / "stale.md"
-"""Depends on the sources besides the results: it is not compared by the test of the pages."""
+STALE = REPORT / "stale.md"  # Depends on the sources besides the results: it is not compared by the test of the pages
 
 
 def load() -> Data:

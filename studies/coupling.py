@@ -11,11 +11,9 @@ from studies.engine import COUPLED, Case, Run, Study
 from studies.fsi3 import COARSE, RAMP
 from studies.store import Data, Record
 
-RATIOS = (0.01, 0.1, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0)
-"""Density of the rod over that of the fluid."""
+RATIOS = (0.01, 0.1, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0)  # Density of the rod over that of the fluid
 
-START = 0.2
-"""Start-up of the inflow, s; 2 s in FSI3."""
+START = 0.2  # Start-up of the inflow, s; 2 s in FSI3
 
 END, END_OTHER, END_ITERATED, END_LONG = 1.5, 1.0, 0.6, 3.0
 """End of the runs, s, with the default explicit scheme, other explicit ones, iterated ones, and of one at full

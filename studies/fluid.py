@@ -18,21 +18,16 @@ STEP = {"2D-1": 2e-3 * 450, "2D-2": 2.5e-4 * 900}
 """Step times number of points along x: the same CFL number on each grid."""
 GRIDS = {"2D-1": (300, 450, 600, 900), "2D-2": (300, 450, 600, 800, 900, 1100)}
 """Points along x; a fifth of them along y."""
-COARSE = 600
-"""Points along x up to which every mask is tried; the default and the cosine mask go on."""
-LARGEST_CFL = {"sbdf2": 0.4, "rk2": 0.6}
-"""That a scene may have."""
+COARSE = 600  # Points along x up to which every mask is tried; the default and the cosine mask go on
+LARGEST_CFL = {"sbdf2": 0.4, "rk2": 0.6}  # That a scene may have
 
 THESIS_GRIDS = (400, 600, 800, 900, 1000, 1100)
-THESIS_END = 8.0
-"""Of the repeated runs, s; the thesis goes on to 15 s."""
+THESIS_END = 8.0  # Of the repeated runs, s; the thesis goes on to 15 s
 THESIS_STEP = 2.2e-4 * 900
 """The thesis gives CFL = 0.25; its largest |u|/dx + |v|/dy of this flow is about 1.1e3 1/s on 900 x 180."""
-THESIS_U_INF = 0.694444
-"""Mean velocity over the box at the start (thesis table 3.2), m/s."""
+THESIS_U_INF = 0.694444  # Mean velocity over the box at the start (thesis table 3.2), m/s
 
-QUANTITIES = ("cd_max", "cl_peak_to_peak", "st")
-"""What the errors of 2D-2 are taken of."""
+QUANTITIES = ("cd_max", "cl_peak_to_peak", "st")  # What the errors of 2D-2 are taken of
 
 
 def cylinder(
@@ -164,8 +159,7 @@ def hardness(data: Data) -> list[str]:
     return show.matrix("C_eta, s", c_etas, {on(nx): nx for nx in (450, 600, 900)}, cell)
 
 
-MASKS: dict[str, str] = simulate.LISTED["fluid"]["masks"]
-"""Cases by mask, with the number of points in `{}`."""
+MASKS: dict[str, str] = simulate.LISTED["fluid"]["masks"]  # Cases by mask, with the number of points in `{}`
 ASIDE = {600: "offset/2D-2-curvature-0.25-0.25", 900: "offset/2D-2-curvature-900"}
 
 

@@ -31,8 +31,7 @@ GRIDS = ("325x72", "650x144", "960x216", "1300x288")
 SHIPPED = ("325x72", "650x144", "1300x288")
 
 LISTED: dict[str, Any] = simulate.LISTED["fsi3"]
-VARIED = ("coarse", "fine")
-"""Groups in which one thing is changed at a time."""
+VARIED = ("coarse", "fine")  # Groups in which one thing is changed at a time
 
 RAMP = "fluid.inflow.mean_velocity.cosine_ramp.duration"
 RATIOS, ACCELERATIONS = (1, 0.1, 0.01), ("iqn_ils", "aitken")
@@ -44,10 +43,8 @@ THESIS_WINDOWS = ((1.1, 4.375), (3.5, 4.375))
 
 PIECE, TREND = 0.02, 4
 """Length of the pieces in which short waves are looked for, s, and the degree of the polynomial that is not a wave."""
-LARGE = 1.0
-"""Velocity of the tip, m/s, up to which a wave grows exponentially."""
-SAMPLES, SHOWN_PERIODS = 120, 2
-"""Points of the series that are kept of each grid, and the periods that they span."""
+LARGE = 1.0  # Velocity of the tip, m/s, up to which a wave grows exponentially
+SAMPLES, SHOWN_PERIODS = 120, 2  # Points of the series that are kept of each grid, and the periods that they span
 
 
 def told(changes: Changes, without: str = "") -> str:

@@ -22,14 +22,12 @@ FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "ben
 THESIS_CONDITION = [number for row in simulate.LISTED["thesis"]["condition"] for number in row["numbers"]]
 """Tables 2.1 and 2.2 of the thesis, in the order of the study's rows."""
 
-STEPS = 10_000
-"""Time steps of the runs of the thesis' table 2.3, about."""
+STEPS = 10_000  # Time steps of the runs of the thesis' table 2.3, about
 SOLVERS = ("banded", "sparse", "dense")
 SCHEMES = {"trapezoid, unwatched": 1, "trapezoid": 1, "generalised-alpha 0.5": 1, "generalised-alpha 0.8": 1,
            "BDF2": 1, "TR-BDF2": 2}  # fmt: skip
 """Solves a step."""
-EXTREME = ("n", "k_e", "EI", "dt")
-"""What the stiff cases vary."""
+EXTREME = ("n", "k_e", "EI", "dt")  # What the stiff cases vary
 
 
 def cases() -> Iterator[Case]:

@@ -13,8 +13,7 @@ from studies import simulate
 from studies.engine import COUPLED, Case, Study
 
 SCENES = ("fsi3-325x72", "fsi3-650x144", "fsi3-1300x288")
-REPEATS, STEPS = 10, 10
-"""Frames and checkpoints that are written, and steps before a frame."""
+REPEATS, STEPS = 10, 10  # Frames and checkpoints that are written, and steps before a frame
 
 
 def measure(case: Case, folder: Path) -> dict[str, Any]:

@@ -10,8 +10,7 @@ from studies.store import Data
 
 MANIFEST, TARGET = "crates/fluid/bench/Cargo.toml", "target/fluid-bench"
 
-GROUPS: dict[str, list[str]] = simulate.LISTED["fluid-speed"]["groups"]
-"""What users ask for, and the phases of it."""
+GROUPS: dict[str, list[str]] = simulate.LISTED["fluid-speed"]["groups"]  # What users ask for, and the phases of it
 
 
 def cases() -> Iterator[Case]:

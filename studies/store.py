@@ -27,18 +27,15 @@ REPORT = ROOT / "docs" / "report"
 class Record:
     """A case and what is committed of it."""
 
-    name: str
-    """`study/group/label`."""
+    name: str  # `study/group/label`
     case: Case
     command: str
-    digest: str
-    """Of when it was run; empty where that was not recorded."""
+    digest: str  # Of when it was run; empty where that was not recorded
     values: dict[str, Any] = field(default_factory=dict)
     tables: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
     error: str | None = None
     times: dict[str, Any] = field(default_factory=dict)
-    machine: str = ""
-    """Key into the machines of times.json."""
+    machine: str = ""  # Key into the machines of times.json
 
     def __getitem__(self, name: str) -> Any:
         return self.view[name]

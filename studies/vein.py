@@ -28,10 +28,8 @@ CYLINDER = "cylinder-oscillating-460x100"
 
 STIFFNESS = "rod.material.section.bending_stiffness"
 
-END = 3.02
-"""End of the pitching runs, s: the tip is settled in the third period, which is averaged."""
-COUPLED_END, AT = 2.05, 1.5
-"""End of the runs under other couplings, s, and the time at which their tips are compared."""
+END = 3.02  # End of the pitching runs, s: the tip is settled in the third period, which is averaged
+COUPLED_END, AT = 2.05, 1.5  # End of the runs under other couplings, s, and the time at which their tips are compared
 NOISE_WIDTH = 0.08
 """Width of the box filter, s, applied twice, whose remainder is called noise of the oscillating cylinder: a fiftieth
 of its period, in which it passes one to six cells where it is fast."""

@@ -22,11 +22,9 @@ SCENES: dict[str, str] = LISTED["scenes"]
 
 PEERS = ROOT / "studies" / "peers"
 PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
-LONGEST = 3600.0
-"""Wall time that a peer may take, s."""
+LONGEST = 3600.0  # Wall time that a peer may take, s
 
-COST_STEPS = 200
-"""Communication steps of the runs that only tell what a step costs."""
+COST_STEPS = 200  # Communication steps of the runs that only tell what a step costs
 
 
 def case(kind: str, method: str, setting: str, changes: dict[str, Any], size: float = 0, **options: Any) -> Case:

@@ -10,11 +10,9 @@ from studies.store import Data
 
 SCENES = sorted(path.stem for path in FOLDER.glob("*.json"))
 
-STEPS = {"rod": 400, "fluid": 60}
-"""Communication steps of a run, of scenes without and with a fluid."""
+STEPS = {"rod": 400, "fluid": 60}  # Communication steps of a run, of scenes without and with a fluid
 REPEATS = 3
-WEAK = 1e9
-"""Relaxation time of a sponge that does nothing, s."""
+WEAK = 1e9  # Relaxation time of a sponge that does nothing, s
 COLUMNS = ("tip_ux", "tip_uy", "tip_vx", "tip_vy", "drag", "lift")
 
 Scene = dict[str, Any]

@@ -24,8 +24,7 @@ FLOWS = {"cylinder-2d1": "2D-1", "cylinder-2d2": "2D-2"}
 MASKS = {"none": "bare profile", "cosine": "cosine mask", "curvature": "wall target"}
 
 CITED: list[dict[str, Any]] = simulate.LISTED["solvers"]
-SIMULATED = 8.0
-"""End of the FSI3 scenes, s."""
+SIMULATED = 8.0  # End of the FSI3 scenes, s
 
 FSI3_METHODS: dict[str, str] = LISTED["fsi3"]
 """Changes of FSI3 that have a line of their own beside the shipped scenes."""
