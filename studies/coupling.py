@@ -72,8 +72,7 @@ def cases() -> Iterator[Case]:
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
-    """Reached time (s), iterations a step, noise of the lift over the last third: its second difference by its
-    spread."""
+    """Reached time (s), iterations a step, noise of the last third of the lift: its second difference by its spread."""
     summary, lift = run.found, run.series["lift"]
     values = {"reached": summary["simulated_s"]}
     if not summary["error"]:

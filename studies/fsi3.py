@@ -1,5 +1,4 @@
-"""FSI3: its grids, what moves it, the bar held still, the thesis' own settings, iterations and the interface's
-exchange."""
+"""FSI3: its grids, what moves it, the bar held still, the thesis' settings, iterations, the interface's exchange."""
 
 from __future__ import annotations
 

@@ -65,8 +65,7 @@ def assignments(changes: dict[str, Any]) -> list[str]:
 
 @lru_cache
 def reference(name: str) -> dict[str, Any]:
-    """Published values of a shipped scene: `quantities` or `coefficients` and, of some, the `spread` of several
-    sources."""
+    """Published `quantities` or `coefficients` of a shipped scene and, of some, the `spread` of several sources."""
     return changed(name, {}).get("reference") or {} if name else {}
 
 
@@ -167,7 +166,6 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         results.write(folder, typed(scene), recorder, scheme, evaluated)
         if pictures:
             plots.time_series(folder, {scene["name"]: recorder}, typed(scene))
-            plots.vorticity(folder, typed(scene), units, outcome.simulated)
         summary = evaluated.document()
         phases = summary["phases_s"]
         phases["python"] = phases.pop("exchange_and_python") - seconds["fmi"] - seconds["recording"]

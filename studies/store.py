@@ -161,11 +161,8 @@ class Data:
             "times.json": '{\n"machines": ' + lines(machines) + ',\n"cases": ' + lines(times) + "\n}",
         }
         folder.mkdir(parents=True, exist_ok=True)
-        write_together(folder, {name: partial(write, text + "\n") for name, text in texts.items()})
-
-
-def write(text: str, path: Path) -> None:
-    path.write_text(text, encoding="utf-8")
+        write = partial(partial, Path.write_text, encoding="utf-8")
+        write_together(folder, {name: write(data=text + "\n") for name, text in texts.items()})
 
 
 def lines(parts: dict[str, Any]) -> str:

@@ -1,5 +1,4 @@
-"""The flapping vein: the shipped scenes, convergence, stiffness, other couplings, limits, and a cylinder that
-oscillates."""
+"""The flapping vein: shipped scenes, convergence, stiffness, couplings, limits, and an oscillating cylinder."""
 
 from __future__ import annotations
 
@@ -122,8 +121,7 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
 
 
 def settled(case: Case, run: Run) -> dict[str, float]:
-    """Means over whole periods at the end, and the energy that is missing, by the loads and by what the fluid
-    exerted."""
+    """Means over whole periods at the end, and the energy that is missing, by the loads and by the fluid's forces."""
     series: Any = SimpleNamespace(columns=list(run.series), column=run.series.__getitem__)
     whole = statistics.Window(0.0, float(run.series["time"][-1]), 1)
     window = whole if case.name.startswith(("grid/", "dt/")) else simulate.window(run.found)

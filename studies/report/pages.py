@@ -101,8 +101,7 @@ def cited(data: Data) -> list[Point]:
 
 
 def beaten(data: Data) -> list[Point]:
-    """CPU time of ours and of the peers for the largest error over all quantities of a case: a single one may pass
-    through zero."""
+    """CPU time of ours and of the peers for a case's largest error: a single one may pass through zero."""
     rows = []
     for case, quantities in QUANTITIES.items():
         worst = []
