@@ -93,13 +93,6 @@ def errors(data: Data) -> list[Point]:
     return rows
 
 
-def cited(data: Data) -> list[Point]:
-    def told(quantity: str, value: float) -> str:
-        return f"{value * 1e3:.3g} mm" if "amplitude" in quantity else f"{value:.3g} Hz"
-
-    return [row | {"value": ", ".join(told(*cell) for cell in row["values"].items())} for row in CITED]
-
-
 def beaten(data: Data) -> list[Point]:
     """CPU time of ours and of the peers for a case's largest error: a single one may pass through zero."""
     rows = []
@@ -284,8 +277,8 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
 
 TABLES: dict[str, Callable[[Data], Any]] = {
     "report-missed": missed, "report-peers": beaten, "report-machine": machine, "report-errors": errors,
-    "report-bands": lambda data: [fsi3.LEVEL_4, *fsi3.costs(data)], "report-cited": cited, "report-maps": maps,
-    "report-failed": failed, "report-lacking": leave_out.lacking, "report-left-out": leave_out.added,
-    "report-exponents": exponents, "report-steps": steps,
+    "report-bands": lambda data: [fsi3.LEVEL_4, *fsi3.costs(data)], "report-maps": maps, "report-failed": failed,
+    "report-cited": lambda data: [row | row["values"] for row in CITED], "report-lacking": leave_out.lacking,
+    "report-left-out": leave_out.added, "report-exponents": exponents, "report-steps": steps,
 }  # fmt: skip
 STUDY = Study("report", cases.cases, cases.keep, TABLES, draw)
