@@ -50,10 +50,10 @@ def main(
             typer.echo(record.name)
         return
     if check:
-        stale_pages = catalogue.render(data, check=True)
-        for path in stale_pages:
+        changed_pages = catalogue.render(data, check=True)
+        for path in changed_pages:
             typer.echo(f"{path} would change")
-        raise typer.Exit(1 if stale_pages else 0)
+        raise typer.Exit(bool(changed_pages))
     known = {study.name: study for study in catalogue.STUDIES}
     if unknown := [name for name in names or () if name not in known]:
         raise typer.BadParameter(f"there is no study {unknown[0]!r}; there are {', '.join(known)}")
@@ -64,15 +64,17 @@ def main(
         studies = list({study.name: study for study, _ in cases}.values())
     else:
         cases = engine.chosen(studies, only, full)
-    states = [state(study, case, data) for study, case in cases]
-    if listing:
-        for (study, case), found in zip(cases, states):
+    todo = []
+    for study, case in cases:
+        found = state(study, case, data)
+        if listing:
             typer.echo(f"{found:8} {study.name}/{case.name}")
-        return
-    for (study, case), found in zip(cases, states):
-        if found == "run" and not again and (run := study.run_of(case)):
+        elif again or found in ("stale", "missing"):
+            todo.append((study, case))
+        elif found == "run" and (run := study.run_of(case)):
             data.take(study, case, run, times)
-    todo = [pair for pair, found in zip(cases, states) if again or found in ("stale", "missing")]
+    if listing:
+        return
     for study, case, run in engine.run(todo, jobs, scheduler):
         changed = data.take(study, case, run, times)
         data.save()

@@ -1,46 +1,43 @@
 """All studies, and the documents that show what they have found."""
 
 import re
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from studies import coupling, fluid, fsi3, robustness, rod, running, show, speed, vein
-from studies.engine import Study
+from studies import commands, coupling, fluid, fsi3, rod, running, show, speed, vein
 from studies.report import leave_out, pages
 from studies.store import REPORT, Data
 
 STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, vein.STUDY, running.STUDY,
-           robustness.STUDY, leave_out.STUDY, pages.STUDY)  # fmt: skip
+           leave_out.STUDY, pages.STUDY)  # fmt: skip
 
-STALE = REPORT / "stale.md"
-"""Depends on the sources besides the results: it is not compared by the test of the pages."""
+STALE = REPORT / "stale.md"  # Depends on the sources besides the results: it is not compared by the test of the pages
 
 
-def load(studies: Iterable[Study] = STUDIES) -> Data:
-    return Data(studies).load()
+def load() -> Data:
+    return Data(STUDIES).load()
 
 
 def lines_of(key: str, data: Data) -> list[str]:
-    """Lines of a table: as the study makes them, or of the rows that it makes by tables.toml."""
-    made = next((study.tables[key] for study in STUDIES if key in study.tables), None)
-    if key not in show.SPECS:
+    """Lines of a table: as a study makes them, or of the rows that tables.toml or a study has for its columns."""
+    made: Any = next((study.tables[key] for study in STUDIES if key in study.tables), None)
+    spec = show.SPECS.get(key)
+    if spec is None:
         if made is None:
             raise KeyError(f"there is no table called {key}")
         found: list[str] = made(data)
         return found
-    rows: list[dict[str, Any]] = made(data) if made else views(data, show.SPECS[key]["of"])
-    return show.table(key, rows)
-
-
-def views(data: Data, pattern: str) -> list[dict[str, Any]]:
-    """What there is to show of the cases that match, and `NAME.off`, how far each number is from that of the last
-    one."""
-    rows = [record.view for record in data.of(pattern)]
-    last = {name: value for name, value in rows[-1].items() if isinstance(value, float) and value}
-    return [
-        row | {f"{name}.off": row[name] / value - 1 for name, value in last.items() if row.get(name)} for row in rows
-    ]
+    if made:
+        return show.table(key, made(data))
+    if "csv" in spec:
+        return show.table(key, commands.read(show.DOCS / spec["csv"]))
+    records = data.of(spec["of"])
+    if "table" in spec:
+        tables = [(record["label"], record.tables.get(spec["table"], [])) for record in records]
+        return show.table(key, [{"label": label} | row for label, rows in tables for row in rows])
+    last = {name: value for name, value in records[-1].view.items() if isinstance(value, float) and value}
+    offs = [{f"{name}.off": r[name] / value - 1 for name, value in last.items() if r.get(name)} for r in records]
+    return show.table(key, [record.view | off for record, off in zip(records, offs)])
 
 
 def filled(text: str, data: Data) -> str:

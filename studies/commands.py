@@ -21,8 +21,7 @@ def cargo(manifest: str, target: str, *arguments: str, binary: str = "") -> list
 
 
 def tables(case: Case, folder: Path) -> dict[str, Any]:
-    """Run the option `command`, in which `{folder}` stands for the case's folder; the tables that it has written
-    there."""
+    """Run the option `command`, with the case's folder for `{folder}`; the tables that it has written there."""
     command = [part.format(folder=folder) for part in case.options["command"]]
     done = subprocess.run(command, cwd=ROOT, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode:

@@ -1,5 +1,6 @@
 """Which coupling holds where: FSI3 with rods of other densities, over C_eta, H and scheme."""
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,16 +11,13 @@ from studies.engine import COUPLED, Case, Run, Study
 from studies.fsi3 import COARSE, RAMP
 from studies.store import Data, Record
 
-RATIOS = (0.01, 0.1, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0)
-"""Density of the rod over that of the fluid."""
+RATIOS = (0.01, 0.1, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0)  # Density of the rod over that of the fluid
 
-START = 0.2
-"""Start-up of the inflow, s; 2 s in FSI3."""
+START = 0.2  # Start-up of the inflow, s; 2 s in FSI3
 
 END, END_OTHER, END_ITERATED, END_LONG = 1.5, 1.0, 0.6, 3.0
 """End of the runs, s, with the default explicit scheme, other explicit ones, iterated ones, and of one at full
-amplitude: an
-iteration that does not hold fails at once, an explicit scheme may take its time."""
+amplitude: an iteration that does not hold fails at once, an explicit scheme may take its time."""
 
 MOST_NOISE = 0.25
 """A run whose lift changes its slope by more than this part of its own spread from step to step is bad. The mask's way
@@ -31,9 +29,8 @@ SCHEMES: dict[str, dict[str, Any]] = simulate.LISTED["coupling"]["schemes"]
 def cell(
     scheme: str, ratio: float, c_eta: float, step: float = 4e-4, end: float = END, max_step: float | None = None
 ) -> Case:
-    name = f"{scheme}/{ratio:g}-{c_eta:g}-{step:g}{'-long' if end == END_LONG else ''}".replace(", ", "-").replace(
-        " ", "-"
-    )
+    long = "-long" if end == END_LONG else ""
+    name = f"{scheme}/{ratio:g}-{c_eta:g}-{step:g}{long}".replace(", ", "-").replace(" ", "-")
     changes = {
         "name": name.replace("/", "-"),
         "time.end": end,
@@ -75,8 +72,7 @@ def cases() -> Iterator[Case]:
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
-    """Reached time (s), iterations a step, noise of the lift over the last third: its second difference by its
-    spread."""
+    """Reached time (s), iterations a step, noise of the last third of the lift: its second difference by its spread."""
     summary, lift = run.found, run.series["lift"]
     values = {"reached": summary["simulated_s"]}
     if not summary["error"]:
@@ -103,22 +99,15 @@ def shown(record: Record | None) -> str:
 def held(data: Data) -> list[str]:
     """A table for each scheme and step: outcome by density ratio and C_eta."""
     records, text = data.of("coupling/*"), []
-    groups: dict[tuple[Any, ...], list[Record]] = {}
-    for record in records:
-        groups.setdefault(tuple(record.about[key] for key in ("scheme", "step", "end")), []).append(record)
-    for (scheme, step, end), members in groups.items():
-        c_etas = sorted({record.about["c_eta"] for record in members}, reverse=True)
-        at = {(record.about["ratio"], record.about["c_eta"]): record for record in members}
-        ratios = sorted({ratio for ratio, _ in at})
-        rows = [[f"{ratio:g}", *(shown(at.get((ratio, c_eta))) for c_eta in c_etas)] for ratio in ratios]
+    for (scheme, step, end), members in show.grouped(records, "scheme", "step", "end").items():
+        at = {(record["ratio"], record["c_eta"]): record for record in members}
+        c_etas = {f"C_eta = {c_eta:g} s": c_eta for c_eta in sorted({c_eta for _, c_eta in at}, reverse=True)}
+        ratios = {f"{ratio:g}": ratio for ratio in sorted({ratio for ratio, _ in at})}
         text += [f"**{scheme}**, H = {step:g} s, to t = {end:g} s", ""]
-        text += [*show.markdown(["density ratio", *(f"C_eta = {c:g} s" for c in c_etas)], rows), ""]
-    counts = {what: sum(outcome(record) == what for record in records) for what in ("ok", "error", "bad")}
-    every = len(list(cases()))
-    return [
-        *text,
-        f"{len(records)} of {every} cells were run: {', '.join(f'{n} {what}' for what, n in counts.items())}.",
-    ]
+        text += [*show.matrix("density ratio", ratios, c_etas, lambda *place, at=at: shown(at.get(place))), ""]
+    counts = Counter(map(outcome, records))
+    said = ", ".join(f"{counts[what]} {what}" for what in ("ok", "error", "bad"))
+    return [*text, f"{len(records)} of {len(list(cases()))} cells were run: {said}."]
 
 
 STUDY = Study("coupling", cases, keep, {"coupling-map": held})

@@ -50,8 +50,7 @@ FLUID = ("scene", "fluid", "evaluation")
 ROD = ("scene", "rod", "evaluation")
 COUPLED = ("scene", "fluid", "rod", "coupling", "evaluation")
 
-UNREAD = ("$schema", "description", "reference")
-"""Keys of a scene that change no result."""
+UNREAD = ("$schema", "description", "reference")  # Keys of a scene that change no result
 
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
@@ -60,21 +59,17 @@ THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THR
 class Case:
     """One run: of a scene with some keys changed, or of any function."""
 
-    name: str
-    """`group/label`, unique in its study."""
-    rooms: tuple[str, ...]
-    """Keys of `ROOMS`."""
+    name: str  # `group/label`, unique in its study
+    rooms: tuple[str, ...]  # Keys of `ROOMS`
     scene: str = ""
     changes: dict[str, Any] = field(default_factory=dict)
     """Values by dotted key; "absent" takes the key away."""
-    options: dict[str, Any] = field(default_factory=dict)
-    """Further arguments of `action`; part of the digest as well."""
+    options: dict[str, Any] = field(default_factory=dict)  # Further arguments of `action`; part of the digest as well
     action: Callable[..., dict[str, Any]] = simulate.run
     """Called with the case and its folder; what it returns is kept in run.json."""
     about: dict[str, Any] = field(default_factory=dict)
     """What tables need to know of the case: method, size, published case and the like."""
-    quick: bool = True
-    """Run without `--full`."""
+    quick: bool = True  # Run without `--full`
 
     def built(self) -> dict[str, Any]:
         """The scene with its changes."""
@@ -95,8 +90,7 @@ class Run:
     """What a case left in its folder."""
 
     folder: Path
-    found: dict[str, Any]
-    """What its action returned."""
+    found: dict[str, Any]  # What its action returned
     digest: str
     machine: dict[str, Any]
 

@@ -1,19 +1,16 @@
-"""The fluid alone: cylinders over grid, step, mask and filter, the thesis' settings, the map of stability,
-invariants."""
+"""The fluid alone: cylinders over grid, step, mask and filter, the thesis' settings, map of stability, invariants."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from itertools import cycle
 from typing import Any
 
-from nervure.evaluate import statistics
 from studies import commands, show, simulate, speed
 from studies.engine import FLUID, Case, Run, Study
-from studies.show import COLOURS, LABELS, MARKERS, markdown, number
-from studies.store import Data, Record
+from studies.show import markdown
+from studies.store import Data
 
 SCENES = {"2D-1": "cylinder-2d1-450x90", "2D-2": "cylinder-2d2-900x180"}
 
@@ -21,29 +18,16 @@ STEP = {"2D-1": 2e-3 * 450, "2D-2": 2.5e-4 * 900}
 """Step times number of points along x: the same CFL number on each grid."""
 GRIDS = {"2D-1": (300, 450, 600, 900), "2D-2": (300, 450, 600, 800, 900, 1100)}
 """Points along x; a fifth of them along y."""
-COARSE = 600
-"""Points along x up to which every mask is tried; the default and the cosine mask go on."""
-LARGEST_CFL = {"sbdf2": 0.4, "rk2": 0.6}
-"""That a scene may have."""
+COARSE = 600  # Points along x up to which every mask is tried; the default and the cosine mask go on
+LARGEST_CFL = {"sbdf2": 0.4, "rk2": 0.6}  # That a scene may have
 
 THESIS_GRIDS = (400, 600, 800, 900, 1000, 1100)
-THESIS_END = 8.0
-"""Of the repeated runs, s; the thesis goes on to 15 s."""
+THESIS_END = 8.0  # Of the repeated runs, s; the thesis goes on to 15 s
 THESIS_STEP = 2.2e-4 * 900
 """The thesis gives CFL = 0.25; its largest |u|/dx + |v|/dy of this flow is about 1.1e3 1/s on 900 x 180."""
-THESIS_U_INF = 0.694444
-"""Mean velocity over the box at the start (thesis table 3.2), m/s."""
-THESIS_TABLE_3_3: dict[int, dict[str, float]]
-THESIS_TABLE_3_4: dict[int, float]
-THESIS_TABLE_3_3, THESIS_TABLE_3_4 = (
-    {int(nx): row for nx, row in simulate.LISTED["thesis"][table].items()} for table in ("table_3_3", "table_3_4")
-)
+THESIS_U_INF = 0.694444  # Mean velocity over the box at the start (thesis table 3.2), m/s
 
-QUANTITIES = {"2D-1": ("cd_mean", "cl_mean", "dp_mean"), "2D-2": ("cd_max", "cl_peak_to_peak", "st")}
-"""What the errors are taken of."""
-
-
-# Cases
+QUANTITIES = ("cd_max", "cl_peak_to_peak", "st")  # What the errors of 2D-2 are taken of
 
 
 def cylinder(
@@ -51,11 +35,9 @@ def cylinder(
     filter: str = "smooth", scheme: str = "sbdf2", offset: tuple[float, float] = (0.0, 0.0), free: bool = False,
     thesis: bool = False,
 ) -> Case:  # fmt: skip
-    """A cylinder of Schäfer and Turek on `nx` points; `offset` shifts the grid by parts of a cell, `free` lets the
-    unit take
-    steps up to its CFL limit, `thesis` starts by a jump. The masks `curvature`, `shear` and `none` are wall targets
-    of the
-    log-linear profile."""
+    """A cylinder of Schäfer and Turek on `nx` points; `offset` shifts the grid by parts of a cell, `free` lets the unit
+    take steps up to its CFL limit, `thesis` starts by a jump. The masks `curvature`, `shear` and `none` are wall
+    targets of the log-linear profile."""
     dt, ny = dt or STEP[flow] / nx, nx // 5
     base = simulate.changed(SCENES[flow], {})["fluid"]["box"]
     box = {}
@@ -68,15 +50,14 @@ def cylinder(
         shape["displacement_corrected"] = False
     if kind == "cosine":
         shape["half_width"] = 1.0
+    target = {"log_linear": {"c_eta": c_eta, "target": kind}}
     changes: dict[str, Any] = {
         "name": f"cylinder-{flow.lower().replace('-', '')}-{name.replace('/', '-')}",
         "fluid.box": box | {"cells": [nx, ny]},
         "fluid.inflow.x.0": box["x"][0],
         "time.communication_step": dt,
         "fluid.time_stepping.max_step": dt,
-        "fluid.mask": {kind: shape}
-        if kind in ("cosine", "sharp")
-        else {"log_linear": {"c_eta": c_eta, "target": kind}},
+        "fluid.mask": {kind: shape} if kind in ("cosine", "sharp") else target,
         "fluid.filter": filter,
     }
     if free:
@@ -87,9 +68,8 @@ def cylinder(
     if thesis:
         changes |= {"fluid.inflow.mean_velocity": {"steady": 1.0}, "fluid.initial_velocity": [THESIS_U_INF, 0.0]}
         changes["time.end"] = THESIS_END
-    about = {"published": SCENES[flow], "flow": flow, "nx": nx, "dt": dt, "mask": mask, "c_eta": c_eta,
-             "filter": filter,
-             "scheme": scheme, "ny": ny, "aside": "{:g}, {:g}".format(*offset)}  # fmt: skip
+    about = {"published": SCENES[flow], "flow": flow, "nx": nx, "ny": ny, "dt": dt, "mask": mask, "c_eta": c_eta,
+             "filter": filter, "scheme": scheme, "aside": "{:g}, {:g}".format(*offset)}  # fmt: skip
     return Case(name, FLUID, SCENES[flow], changes, options, about=about)
 
 
@@ -133,35 +113,30 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
     summary, series = run.found, run.series
     if summary["coefficients"] is None:
         return {}
-    begin, end = summary["window_s"]
-    window = statistics.Window(begin, end, summary["periods"])
-    values = summary["coefficients"]["values"] | {
-        "flow_rate": float(series["flow_rate"][window.of(series["time"])].mean()),
-        "cfl": float(series["cfl"].max()),
-    }
-    return {"values": values, "times": simulate.times(summary)}
+    flow_rate = series["flow_rate"][simulate.window(summary).of(series["time"])].mean()
+    values = {"flow_rate": float(flow_rate), "cfl": float(series["cfl"].max())}
+    return {"values": summary["coefficients"]["values"] | values, "times": simulate.times(summary)}
 
 
-# Pages
-
-
-def thesis(name: str, data: Data) -> list[str]:
+def thesis(table: str, data: Data) -> list[str]:
     """Tables 3.3 and 3.4 of the thesis, its settings run again, and ours."""
-    again = {record.about["nx"]: record.values for record in data.of("fluid/thesis/*")}
-    ours = {record.about["nx"]: record.values for record in data.of("fluid/grid/2D-2-curvature-*")}
-    expected = {q: value for q, (value, _) in simulate.published(SCENES["2D-2"]).items()}
+    printed = {int(nx): row for nx, row in simulate.LISTED["thesis"][f"table_{table}"].items()}
+    again, ours = ({r["nx"]: r.view for r in data.of(f"fluid/{of}")} for of in ("thesis/*", "grid/2D-2-curvature-*"))
+    who = {"thesis": printed, "repeated": again, "ours": ours}
+    expected = simulate.published(SCENES["2D-2"])
 
-    def row(quantity: str, printed: dict[int, dict[str, float]]) -> list[str]:
-        cells = [found.get(nx, {}).get(quantity) for nx in printed for found in (printed, again, ours)]
-        return [*(number(cell, ".4f") for cell in cells), number(expected.get(quantity), ".6g")]
+    def cells(quantity: str, grids: Iterable[int]) -> list[str]:
+        found = [show.form(f"{{{quantity}:.4f}}", of.get(nx, {})) for nx in grids for of in who.values()]
+        return [*found, f"{expected[quantity][0]:.6g}" if quantity in expected else ""]
 
-    who = ("thesis", "repeated", "ours")
-    if name == "3.3":
-        header = [f"{nx} x {nx // 5}: {whose}" for nx in THESIS_TABLE_3_3 for whose in who]
-        rows = [[quantity, *row(quantity, THESIS_TABLE_3_3)] for quantity in THESIS_TABLE_3_3[900]]
-        return show.markdown(["quantity", *header, "reference"], rows)
-    rows = [[f"{nx} x {nx // 5}", *row("cd_mean", {nx: {"cd_mean": one}})] for nx, one in THESIS_TABLE_3_4.items()]
-    return show.markdown(["grid", *who, "reference"], rows)
+    if table == "3_4":
+        return markdown(["grid", *who, "reference"], [[on(nx), *cells("cd_mean", [nx])] for nx in printed])
+    header = [f"{on(nx)}: {whose}" for nx in printed for whose in who]
+    return markdown(["quantity", *header, "reference"], [[q, *cells(q, printed)] for q in printed[900]])
+
+
+def on(nx: int) -> str:
+    return f"{nx} x {nx // 5}"
 
 
 def errors(data: Data, name: str) -> str:
@@ -169,79 +144,49 @@ def errors(data: Data, name: str) -> str:
     record = data.get(f"fluid/{name}")
     if record is None or record.error:
         return ""
-    found = (record.off(q) or 0.0 for q in QUANTITIES["2D-2"])
-    return " / ".join(f"{100 * e:.{1 if abs(e) >= 0.1 else 2}f}" for e in found)
+    found = [record[f"{quantity}.error"] for quantity in QUANTITIES]
+    return " / ".join(f"{100 * error:.{1 if abs(error) >= 0.1 else 2}f}" for error in found)
 
 
 def hardness(data: Data) -> list[str]:
     """Errors of 2D-2 with the default mask by C_eta and grid."""
-    names = {450: "c_eta/curvature-{}", 600: "hard/curvature-600-{}", 900: "hard/curvature-900-{}"}
-    table = []
-    for c_eta, shown in (("0.0001", "1e-4"), ("1e-05", "1e-5"), ("1e-06", "1e-6")):
-        shipped = c_eta == "1e-05"
-        found = [f"grid/2D-2-curvature-{nx}" if shipped else name.format(c_eta) for nx, name in names.items()]
-        table.append([shown, *(errors(data, name) for name in found)])
-    return markdown(["C_eta, s", *(f"{nx} x {nx // 5}" for nx in names)], table)
+
+    def cell(c_eta: str, nx: int) -> str:
+        group = f"c_eta/curvature-{c_eta}" if nx == 450 else f"hard/curvature-{nx}-{c_eta}"
+        return errors(data, f"grid/2D-2-curvature-{nx}" if c_eta == "1e-05" else group)
+
+    c_etas = {"1e-4": "0.0001", "1e-5": "1e-05", "1e-6": "1e-06"}
+    return show.matrix("C_eta, s", c_etas, {on(nx): nx for nx in (450, 600, 900)}, cell)
 
 
-MASKS = {
-    "wall target `curvature`": "grid/2D-2-curvature-{}",
-    "the same, grid aside (900: half a cell both ways; 600: a quarter both ways)": "",
-    "`shear`": "grid/2D-2-shear-{}",
-    "`none`: the bare profile": "grid/2D-2-none-{}",
-    "cosine, half-width a cell, C_eta = 1e-4 s": "grid/2D-2-cosine-{}",
-    "cosine, uncorrected": "grid/2D-2-cosine-uncorrected-{}",
-    "sharp, C_eta = 1e-4 s": "grid/2D-2-sharp-{}",
-    "thesis: Heun, sharp, uncorrected, C_eta = 1e-3 s, two-thirds rule": "thesis/{}",
-}
+MASKS: dict[str, str] = simulate.LISTED["fluid"]["masks"]  # Cases by mask, with the number of points in `{}`
 ASIDE = {600: "offset/2D-2-curvature-0.25-0.25", 900: "offset/2D-2-curvature-900"}
 
 
 def masks(data: Data) -> list[str]:
     """Errors of 2D-2 by mask and grid."""
-    grids = (450, 600, 800, 900, 1100)
-    table = [
-        [label, *(errors(data, name.format(nx) if name else ASIDE.get(nx, "none")) for nx in grids)]
-        for label, name in MASKS.items()
-    ]
-    return markdown(["mask", *(f"{nx} x {nx // 5}" for nx in grids)], table)
 
+    def cell(name: str, nx: int) -> str:
+        return errors(data, name.format(nx) if name else ASIDE.get(nx, ""))
 
-# Figures
-
-
-def error_panels(name: str, records: list[Record], label: str, along: str) -> None:
-    """The errors of 2D-2 over `along`, a line for each mask and scheme; what failed stands at the top."""
-    groups: dict[str, list[Record]] = {}
-    for record in records:
-        groups.setdefault(f"{record.about['mask']}, {record.about['scheme']}", []).append(record)
-    figure, axes = show.panel(1, 3, (13, 4.6))
-    for axis, quantity in zip(axes[0], QUANTITIES["2D-2"]):
-        for (key, part), colour, marker in zip(groups.items(), cycle(COLOURS), cycle(MARKERS[:7])):
-            good = sorted(
-                (record.view[along], abs(record.view[f"{quantity}.error"])) for record in part if not record.error
-            )
-            line = "-" if along == "nx" else ""
-            axis.plot(*zip(*good), marker + line, color=colour, markersize=4, linewidth=1, label=key)
-            failed = [record.view[along] for record in part if record.error and along in record.view]
-            axis.plot(failed, [0.97] * len(failed), "x", color=colour, transform=axis.get_xaxis_transform())
-        axis.set(xscale="log", yscale="log", xlabel=label, title=LABELS[quantity])
-    axes[0, 0].set_ylabel("relative error (x at the top: failed)")
-    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=8)
-    show.save(figure, f"fluid/{name}")
+    return show.matrix("mask", MASKS, {on(nx): nx for nx in (450, 600, 800, 900, 1100)}, cell)
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    grids = data.of("fluid/grid/*", flow="2D-2")
-    error_panels("grid_2d2", grids, "points along x", "nx")
-    error_panels("work_2d2", grids + data.of("fluid/thesis/*"), "processor time [s]", "cpu_s")
+    grids, repeated = data.of("fluid/grid/*", flow="2D-2"), data.of("fluid/thesis/*")
+    for name, records, along in (
+        ("grid_2d2", grids, {"nx": "points along x"}),
+        ("work_2d2", grids + repeated, {"cpu_s": "CPU time [s]"}),
+    ):
+        groups = show.grouped((r.view | {"line": f"{r['mask']}, {r['scheme']}"} for r in records), "line")
+        show.errors(f"fluid/{name}", groups, QUANTITIES, along)
 
 
 TABLES: dict[str, Callable[[Data], Any]] = {
     "cylinder-2d2-masks": masks,
     "cylinder-2d2-c_eta": hardness,
-    "thesis-3-3": partial(thesis, "3.3"),
-    "thesis-3-4": partial(thesis, "3.4"),
+    "thesis-3-3": partial(thesis, "3_3"),
+    "thesis-3-4": partial(thesis, "3_4"),
 }
 STUDY = Study("fluid", cases, keep, TABLES, draw)
 
@@ -252,19 +197,13 @@ STUDY = Study("fluid", cases, keep, TABLES, draw)
 def measure_cases() -> Iterator[Case]:
     for name in ("measures", "stability"):
         command = commands.cargo(speed.MANIFEST, speed.TARGET, f"{{folder}}/{name}.csv", binary=name)
-        yield Case(
-            f"crate/{name}", ("scene", "fluid", "fluid measures"), options={"command": command}, action=commands.tables
-        )
-
-
-def keep_tables(case: Case, run: Run) -> dict[str, Any]:
-    return {"tables": run.found["tables"]}
+        rooms = ("scene", "fluid", "fluid measures")
+        yield Case(f"crate/{name}", rooms, options={"command": command}, action=commands.tables)
 
 
 def stability(data: Data) -> list[str]:
     """The map of stability."""
-    record = data.get("fluid-measures/crate/stability")
-    rows = record.tables["stability"] if record else []
+    rows = data["fluid-measures/crate/stability"].tables["stability"]
     letters: dict[str, tuple[str, str]] = {}
 
     def cell(row: dict[str, Any]) -> str:
@@ -278,42 +217,34 @@ def stability(data: Data) -> list[str]:
         return letter if row["time"] is None else f"{letter} at {row['time']:.2f} s"
 
     text: list[str] = []
-    channels = [row for row in rows if row["scene"] is None]
-    for (name,), part in show.grouped(channels, "group").items():
-        c_etas = list(dict.fromkeys(row["c_eta"] for row in part))
-        cells = [
-            [f"{re_:g}", f"{cfl:g}", *(cell(row) for row in line)]
-            for (re_, cfl), line in show.grouped(part, "reynolds", "cfl").items()
-        ]
-        text += [f"## {name}", "", *markdown(["Re", "CFL", *(f"C_eta {c_eta:.0e}" for c_eta in c_etas)], cells), ""]
-    hard = show.grouped([row for row in rows if row["scene"] is not None], "scene")
+    for name, part in show.grouped((row for row in rows if row["scene"] is None), "group").items():
+        lines = show.grouped(part, "reynolds", "cfl").items()
+        cells = [[f"{reynolds:g}", f"{cfl:g}", *map(cell, line)] for (reynolds, cfl), line in lines]
+        c_etas = dict.fromkeys(f"C_eta {row['c_eta']:.0e}" for row in part)
+        text += [f"## {name}", "", *markdown(["Re", "CFL", *c_etas], cells), ""]
+    hard = show.grouped((row for row in rows if row["scene"] is not None), "scene")
     text += ["## Hard scenes", "", "The same channel, log-linear mask, C_eta = 1e-5 s, CFL 0.4.", ""]
-    text += [*markdown(["scene", "Re 20", "Re 1e4"], [[name, *map(cell, part)] for (name,), part in hard.items()]), ""]
-    counts = {what: sum(row["outcome"] == what for row in rows) for what in ("ok", "error", "bad")}
-    text += [f"{counts['ok']} runs went through, {counts['error']} ended in an error, {counts['bad']} were bad.", ""]
-    text += markdown(["letter", "the message of its first case"], letters.values())
-    return text
+    text += [*markdown(["scene", "Re 20", "Re 1e4"], [[name, *map(cell, part)] for name, part in hard.items()]), ""]
+    ok, error, bad = (sum(row["outcome"] == what for row in rows) for what in ("ok", "error", "bad"))
+    text += [f"{ok} runs went through, {error} ended in an error, {bad} were bad.", ""]
+    return text + markdown(["letter", "the message of its first case"], letters.values())
 
 
-def wall_targets(data: Data) -> list[dict[str, Any]]:
-    """Weights of the wall target by the decay length."""
-    rows = [row for row in data["fluid-measures/crate/measures"].tables["measures"] if row["measure"] == "wall target"]
+def measures(data: Data, walls: bool) -> list[dict[str, Any]]:
+    """Weights of the wall target by the decay length, or exact solutions and invariants."""
+    rows = data["fluid-measures/crate/measures"].tables["measures"]
+    if not walls:
+        return [row for row in rows if row["measure"] != "wall target"]
     table = []
-    for (setting,), part in show.grouped(rows, "setting").items():
+    for setting, part in show.grouped((row for row in rows if row["measure"] == "wall target"), "setting").items():
         name = re.sub(r"^(e-fold|decay length) |, curvature$", "", setting).replace("shear", "`shear`")
         table.append({"name": name} | {row["quantity"]: row["value"] for row in part})
     return table
 
 
-def measures(data: Data) -> list[dict[str, Any]]:
-    """Exact solutions and invariants."""
-    rows = data["fluid-measures/crate/measures"].tables["measures"]
-    return [row for row in rows if row["measure"] != "wall target"]
-
-
-MEASURES = Study(
-    "fluid-measures",
-    measure_cases,
-    keep_tables,
-    {"wall-target": wall_targets, "fluid-measures": measures, "fluid-stability": stability},
-)
+MEASURE_TABLES: dict[str, Callable[[Data], Any]] = {
+    "wall-target": partial(measures, walls=True),
+    "fluid-measures": partial(measures, walls=False),
+    "fluid-stability": stability,
+}
+MEASURES = Study("fluid-measures", measure_cases, lambda case, run: {"tables": run.found["tables"]}, MEASURE_TABLES)

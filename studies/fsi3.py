@@ -1,11 +1,10 @@
-"""FSI3: its grids, what moves it, the bar held still, the thesis' own settings, iterations and the interface's
-exchange."""
+"""FSI3: its grids, what moves it, the bar held still, the thesis' settings, iterations, the interface's exchange."""
 
 from __future__ import annotations
 
 import shutil
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -16,111 +15,86 @@ from nervure.evaluate import statistics
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
 from studies.show import COLOURS
+from studies.simulate import assignments, on_grid
 from studies.store import Data
 
-SIGNALS = ("tip_ux", "tip_uy", "drag", "lift")
+Changes = dict[str, Any]
+Series = dict[str, np.ndarray]
+View = dict[str, Any]
 
 COARSE, FINE, FINEST, STILL, THESIS = (
     "fsi3-325x72", "fsi3-650x144", "fsi3-1300x288", "cfd3-650x144", "fsi3-thesis-325x72"
 )  # fmt: skip
-
-Changes = dict[str, Any]
-
-
-def on_grid(nx: int, ny: int, step: float) -> Changes:
-    return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
-
-
-def label_of(changes: Changes) -> str:
-    return ", ".join(simulate.assignments(changes))
-
-
-PRESSURE_JUMP = {"coupling": {"load": "pressure_jump"}}
-COSINE = {"fluid.mask": {"cosine": {"c_eta": 1e-4, "half_width": 1.0}}}
-TWO_THIRDS = {"fluid.filter": "two_thirds"}
-BARE = {"fluid.mask.log_linear.target": "none"}
-
+SIGNALS = {"tip_ux": "$u_x$ [mm]", "tip_uy": "$u_y$ [mm]", "drag": "drag [N/m]", "lift": "lift [N/m]"}
 GRIDS = ("325x72", "650x144", "960x216", "1300x288")
 SHIPPED = ("325x72", "650x144", "1300x288")
 
-VARIED: dict[str, dict[str, Any]] = {group: simulate.LISTED["fsi3"][group] for group in ("coarse", "fine")}
-"""Scene, grid and changes of the groups in which one thing is changed at a time."""
+LISTED: dict[str, Any] = simulate.LISTED["fsi3"]
+VARIED = ("coarse", "fine")  # Groups in which one thing is changed at a time
 
 RAMP = "fluid.inflow.mean_velocity.cosine_ramp.duration"
 RATIOS, ACCELERATIONS = (1, 0.1, 0.01), ("iqn_ils", "aitken")
 EXCHANGE_STEPS = (4e-4, 2e-4, 1e-4)
 EXCHANGE_WINDOWS = {"first": (0.0, 0.5), "swinging": (1.2, 1.6)}
 """Times over which both sides of the interface are compared, s."""
-
-THESIS_RUNS: dict[str, Changes] = simulate.LISTED["fsi3"]["thesis"]
-WAVES: dict[str, Changes] = simulate.LISTED["fsi3"]["waves"]
-
 THESIS_WINDOWS = ((1.1, 4.375), (3.5, 4.375))
 """Over which the thesis takes its extremes (table 4.2), and the part that it calls more accurate, s."""
-THESIS_TABLE_4_2: dict[str, dict[str, float]] = simulate.LISTED["thesis"]["table_4_2"]
 
 PIECE, TREND = 0.02, 4
 """Length of the pieces in which short waves are looked for, s, and the degree of the polynomial that is not a wave."""
-LARGE = 1.0
-"""Velocity of the tip, m/s, up to which a wave grows exponentially."""
-SAMPLES, SHOWN_PERIODS = 120, 2
-"""Points of the series that are kept of each grid, and the periods that they span."""
+LARGE = 1.0  # Velocity of the tip, m/s, up to which a wave grows exponentially
+SAMPLES, SHOWN_PERIODS = 120, 2  # Points of the series that are kept of each grid, and the periods that they span
 
 
-# Cases
+def told(changes: Changes, without: str = "") -> str:
+    """Changes as a table has them."""
+    return ", ".join(f"`{text}`" for text in assignments(changes) if not (without and text.startswith(without)))
 
 
 def cases() -> Iterator[Case]:
-    runs: dict[str, tuple[str, Changes]] = {
-        "grid/325x72": (COARSE, {}),
-        "grid/650x144": (FINE, {}),
-        "grid/960x216": (FINE, on_grid(960, 216, 1.3e-4)),
-        "grid/1300x288": (FINEST, {}),
-        "still/650x144": (STILL, {}),
-        "still/1300x288": (STILL, on_grid(1300, 288, 1.25e-4)),
-    }
-    for group, varied in VARIED.items():
-        runs |= {f"{group}/{label_of(changes)}": (varied["scene"], changes) for changes in varied["changes"]}
+    def case(name: str, scene: str, changes: Changes, said: str = "", **options: Any) -> Case:
+        about = {"name": said or name.split("/")[1].replace("x", " x ")}
+        about |= {"published": scene if name.startswith(("grid", "still", *VARIED)) else ""}
+        return Case(name, FLUID if scene == STILL else COUPLED, scene, changes, options, about=about)
+
+    yield case("grid/325x72", COARSE, {})
+    yield case("grid/650x144", FINE, {}, pictures=True)
+    yield case("grid/960x216", FINE, on_grid(960, 216, 1.3e-4))
+    yield case("grid/1300x288", FINEST, {})
+    yield case("still/650x144", STILL, {})
+    yield case("still/1300x288", STILL, on_grid(1300, 288, 1.25e-4))
+    for group in VARIED:
+        for changes in LISTED[group]["changes"]:
+            yield case(f"{group}/{', '.join(assignments(changes))}", LISTED[group]["scene"], changes, told(changes))
     for ratio in RATIOS:
         for name in ACCELERATIONS:
             scheme = {"load": "pressure_jump", "scheme": {"iterated": {"acceleration": name}}}
             light = {"rod.material.plane_strain.density": 1000 * ratio, "coupling": scheme}
-            runs[f"iterations/{ratio:g}, {name}"] = COARSE, {"time.end": 0.15, RAMP: 0.5} | light
+            yield case(f"iterations/{ratio:g}, {name}", COARSE, {"time.end": 0.15, RAMP: 0.5} | light)
     for segments in (30, 42):
         for step in EXCHANGE_STEPS:
             # The shipped number of segments is sampled from the start only, the smallest step as well.
             end = 0.5 if segments == 42 or step == EXCHANGE_STEPS[-1] else 1.6
             changes = {RAMP: 0.2, "time.end": end, "beam.segments": segments, "time.communication_step": step}
-            runs[f"exchange/{segments}, {step:g}"] = COARSE, changes
-    runs |= {f"thesis/{name}": (THESIS, changes) for name, changes in THESIS_RUNS.items()}
-    runs |= {f"waves/{name}": (THESIS, changes) for name, changes in WAVES.items()}
-    for name, (scene, changes) in runs.items():
-        published = scene if name.startswith(("grid", "still", *VARIED)) else ""
-        options = {"pictures": True} if name == "grid/650x144" else {}
-        yield Case(name, FLUID if scene == STILL else COUPLED, scene, changes, options, about={"published": published})
-
-
-# What is kept of a run
+            yield case(f"exchange/{segments}, {step:g}", COARSE, changes)
+    for name, changes in LISTED["thesis"].items():
+        yield case(f"thesis/{name}", THESIS, changes, told(changes) or "none")
+    for name, changes in LISTED["waves"].items():
+        said = told(changes, "time.end") or "none, with the scene's own `bdf2`"
+        yield case(f"waves/{name}", THESIS, changes, "a ramp of 2 s" if name == "ramp" else said)
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
     summary, series, group = run.found, run.series, case.name.split("/")[0]
     values = simulate.quantities(summary) | {"periods": summary["periods"], "reached": summary["simulated_s"]}
-    values |= {"amplitude_drift": summary["amplitude_drift"], "iterations": summary["iterations_mean"]}
-    if summary["window_s"]:
-        values["window.begin"], values["window.end"] = summary["window_s"]
-    values["cfl"] = series["cfl"].max()
-    if summary["interface"]:
-        gave = series["beam_power"]
-        values["imbalance"] = summary["interface"]["imbalance"]
-        values["powers"] = np.abs(series["load_power"] - gave).mean() / np.abs(gave).mean()
+    values |= {"iterations": summary["iterations_mean"], "cfl": series["cfl"].max()}
     values |= {name: value for part in FURTHER.get(group, ()) for name, value in part(series).items()}
     values = {name: float(value) for name, value in values.items() if value is not None and np.isfinite(value)}
     tables = {"periods": last_periods(series)} if group == "grid" else {}
     return {"values": values, "tables": tables, "times": simulate.times(summary)}
 
 
-def extremes(series: dict[str, np.ndarray]) -> dict[str, float]:
+def extremes(series: Series) -> dict[str, float]:
     """Largest and smallest drag, lift (N/m) and deflection (m) over the thesis' windows, unfiltered."""
     found = {}
     for begin, end in THESIS_WINDOWS:
@@ -132,10 +106,9 @@ def extremes(series: dict[str, np.ndarray]) -> dict[str, float]:
     return found
 
 
-def waves(series: dict[str, np.ndarray]) -> dict[str, float]:
+def waves(series: Series) -> dict[str, float]:
     """Waves in the tip's velocity that are shorter than a piece: rate at which they grow or decay, 1/s, to which
-    time, s,
-    their size there, m/s, and their frequency, Hz."""
+    time, s, their size there, m/s, and their frequency, Hz."""
     time, sizes = series["time"], []
     starts = np.arange(2 * PIECE, time[-1] - PIECE, PIECE)
     for start in starts:
@@ -153,10 +126,9 @@ def waves(series: dict[str, np.ndarray]) -> dict[str, float]:
     return {"growth": rate, "growth.to": reached, "growth.size": sizes[-1], "growth.frequency_hz": strongest}
 
 
-def exchange(series: dict[str, np.ndarray]) -> dict[str, float]:
+def exchange(series: Series) -> dict[str, float]:
     """Differences of what the rod took and the fluid exerted: rms of the lift's by that of the lift; sum of the
-    magnitudes
-    of the work's, step by step, by that of the work exchanged; net work by the same."""
+    magnitudes of the work's, step by step, by that of the work exchanged; net work by the same."""
     found = {}
     for name, (begin, end) in EXCHANGE_WINDOWS.items():
         inside = (series["time"] > begin) & (series["time"] <= end)
@@ -172,7 +144,7 @@ def exchange(series: dict[str, np.ndarray]) -> dict[str, float]:
     return found
 
 
-def last_periods(series: dict[str, np.ndarray]) -> list[dict[str, float]]:
+def last_periods(series: Series) -> list[dict[str, float]]:
     """The last whole periods, from an upward crossing of uy on, by the fundamental frequency."""
     time = series["time"]
     window = statistics.find_window(time, series["tip_uy"])
@@ -186,39 +158,25 @@ def last_periods(series: dict[str, np.ndarray]) -> list[dict[str, float]]:
     return [dict(zip(columns, map(float, row))) for row in zip(*columns.values())]
 
 
-FURTHER: dict[str, tuple[Callable[[dict[str, np.ndarray]], dict[str, float]], ...]] = {
-    "grid": (extremes, waves),
-    "thesis": (extremes,),
-    "waves": (waves,),
-    "exchange": (exchange,),
-}
+FURTHER: dict[str, tuple[Callable[[Series], dict[str, float]], ...]]
+FURTHER = {"grid": (extremes,), "thesis": (extremes,), "waves": (waves,), "exchange": (exchange,)}
 """What is made of the series of a group's runs, besides the summary."""
-
-
-# Tables
-
-View = dict[str, Any]
 
 
 def published(scene: str, name: str) -> View:
     return {"name": name} | {quantity: value for quantity, (value, _) in simulate.published(scene).items()}
 
 
-def by_grid(data: Data, grids: Iterable[str] = GRIDS) -> list[View]:
-    return [data[f"fsi3/grid/{grid}"].view | {"name": grid.replace("x", " x ")} for grid in grids]
-
-
-def told(changes: Changes, without: str = "") -> str:
-    found = [f"`{text}`" for text in simulate.assignments(changes) if not (without and text.startswith(without))]
-    return ", ".join(found)
-
-
 LEVEL_4 = published(COARSE, "FeatFlow, level 4")
+
+
+def of(data: Data, pattern: str) -> list[View]:
+    return [record.view for record in data.of(f"fsi3/{pattern}")]
 
 
 def readme(data: Data) -> list[View]:
     names = ["`make fsi3` (325 x 72)", "`make fsi3 GRID=650x144`", "`make fsi3 GRID=1300x288`"]
-    rows = [row | {"name": name} for row, name in zip(by_grid(data, SHIPPED), names)]
+    rows = [data[f"fsi3/grid/{grid}"].view | {"name": name} for grid, name in zip(SHIPPED, names)]
     return [LEVEL_4 | {"name": "reference (FeatFlow, level 4)"}, *reversed(rows)]
 
 
@@ -230,37 +188,31 @@ def grids(data: Data) -> list[View]:
         scale = 1e3 if name.startswith("tip") and what == "amplitude" else 1.0
         return " to ".join(f"{scale * edge:g}" for edge in spread[name][what])
 
-    last = {f"{name} spread": between(name, "amplitude") for name in SIGNALS} | {
-        "f spread": between("tip_uy", "frequency_hz")
-    }
+    last = {f"{name} spread": between(name, "amplitude") for name in SIGNALS}
+    last |= {"name": "published spread", "f spread": between("tip_uy", "frequency_hz")}
     last["drag spread"] = f"{between('drag', 'mean')}, {last['drag spread']}"
-    return [*by_grid(data), LEVEL_4, {"name": "published spread"} | last]
+    return [*of(data, "grid/*"), LEVEL_4, last]
 
 
 def costs(data: Data) -> list[View]:
     """Processor time and its shares by grid."""
     rows = []
-    for row, grid in zip(by_grid(data), GRIDS):
-        phases = data[f"fsi3/grid/{grid}"].times["phases_s"]
-        shares = {kind: phases[kind] / row["wall_s"] for kind in ("rod", "fluid")}
-        rows.append(row | shares | {"exchange": 1 - sum(shares.values()), "spent": row["cpu_s"] / row["reached"]})
+    for record in data.of("fsi3/grid/*"):
+        phases = record.times["phases_s"]
+        shares = {kind: phases[kind] / record["wall_s"] for kind in ("rod", "fluid")}
+        more = {"exchange": 1 - sum(shares.values()), "spent": record["cpu_s"] / record["reached"]}
+        rows.append(record.view | shares | more)
     return rows
-
-
-def still(data: Data) -> list[View]:
-    rows = [data[f"fsi3/still/{grid}"].view | {"name": grid.replace("x", " x ")} for grid in ("650x144", "1300x288")]
-    return [*rows, published(STILL, "Turek & Hron")]
 
 
 def varied(group: str, data: Data) -> list[View]:
     """What one change does, on the grid of a group."""
-    base = data[f"fsi3/grid/{VARIED[group]['grid']}"].view | {"name": "none"}
-    return [base, *(record.view | {"name": told(record.case.changes)} for record in data.of(f"fsi3/{group}/*"))]
+    return [data[f"fsi3/grid/{LISTED[group]['grid']}"].view | {"name": "none"}, *of(data, f"{group}/*")]
 
 
-def extremes_of(found: View, begin: float | None = None) -> View:
+def extremes_of(found: View, name: str, begin: float | None = None) -> View:
     """`QUANTITY.max` and `.min` over a window, of uy in mm; of published means and amplitudes without one."""
-    view = dict(found)
+    view = found | {"name": name}
     for q, scale in (("drag", 1.0), ("lift", 1.0), ("tip_uy", 1e3)):
         for what, sign in (("max", 1), ("min", -1)):
             at = f"{q}.{what}, from {begin:g} s" if begin else ""
@@ -270,44 +222,32 @@ def extremes_of(found: View, begin: float | None = None) -> View:
 
 def thesis_extremes(data: Data) -> list[View]:
     """Largest and smallest values over the thesis' window, printed and here."""
-    rows = []
+    rows, printed = [], simulate.LISTED["thesis"]["table_4_2"]
     for level, name in (("level 1", "none"), ("level 2", "level 2")):
         here = data[f"fsi3/thesis/{name}"].view
-        rows.append(THESIS_TABLE_4_2[level] | {"name": f"thesis, {level}"})
-        rows.append(extremes_of(here, 1.1) | {"name": f"here, {level}"})
-    rows += [
-        extremes_of(here, 3.5) | {"name": "here, level 2, from 3.5 s on"},
-        extremes_of(LEVEL_4) | {"name": "reference"},
-    ]
-    return rows
+        rows += [printed[level] | {"name": f"thesis, {level}"}, extremes_of(here, f"here, {level}", 1.1)]
+    return [*rows, extremes_of(here, "here, level 2, from 3.5 s on", 3.5), extremes_of(LEVEL_4, "reference")]
 
 
 def thesis_changes(data: Data) -> list[View]:
     """One change of the thesis' settings at a time: extremes, and the settled motion."""
-    runs = {told(changes) or "none": f"thesis/{name}" for name, changes in THESIS_RUNS.items() if name != "level 2"}
-    runs["the shipped `scenes/fsi3-325x72.json`"] = "grid/325x72"
-    rows = [extremes_of(data[f"fsi3/{run}"].view, 1.1) | {"name": name} for name, run in runs.items()]
-    return [*rows, extremes_of(LEVEL_4) | {"name": "reference"}]
+    rows = [extremes_of(r.view, r["name"], 1.1) for r in data.of("fsi3/thesis/*") if not r.name.endswith("level 2")]
+    shipped = extremes_of(data["fsi3/grid/325x72"].view, "the shipped `scenes/fsi3-325x72.json`", 1.1)
+    return [*rows, shipped, extremes_of(LEVEL_4, "reference")]
+
+
+KINDS = {"singular": "a projected angle is singular", "converge": "no convergence", "unstable": "the load is unstable"}
 
 
 def thesis_waves(data: Data) -> list[View]:
     """Growth of short waves, and how the runs end."""
-    kinds = {
-        "singular": "a projected angle is singular",
-        "converge": "no convergence",
-        "unstable": "the load is unstable",
-    }
     rows = []
-    for name, changes in WAVES.items():
-        view = dict(data[f"fsi3/waves/{name}"].view)
-        if name == "bdf2, iterated":
-            continue
-        if "growth" in view:
-            view["size"] = 1e3 * view["growth.size"]
-        reason = next((said for word, said in kinds.items() if word in view["said"]), view["said"][:60])
-        end = f"holds (to {view['reached']:g} s)" if reason == "ok" else f"{view['reached']:.3f} s: {reason}"
-        label = "a ramp of 2 s" if name == "ramp" else told(changes, "time.end") or "none, with the scene's own `bdf2`"
-        rows.append(view | {"name": label, "end": end})
+    for record in data.of("fsi3/waves/*"):
+        reason = next((said for word, said in KINDS.items() if word in record["said"]), record["said"][:60])
+        end = f"{record['reached']:.3f} s: {reason}" if record.error else f"holds (to {record['reached']:g} s)"
+        size = {"size": 1e3 * record["growth.size"]} if record.get("growth") else {}
+        if not record.name.endswith("bdf2, iterated"):
+            rows.append(record.view | size | {"end": end})
     return rows
 
 
@@ -323,11 +263,11 @@ def iterations(data: Data) -> list[str]:
         record = data[f"fsi3/iterations/{ratio:g}, {name}"]
         return f"stops at t = {1e3 * record['reached']:.0f} ms" if record.error else f"{record['iterations']:.1f}"
 
-    header = ["density ratio", *(f"`{name}`" for name in ACCELERATIONS)]
-    return show.markdown(header, [[f"{ratio:g}", *(cell(ratio, name) for name in ACCELERATIONS)] for ratio in RATIOS])
+    ratios, names = {f"{ratio:g}": ratio for ratio in RATIOS}, {f"`{name}`": name for name in ACCELERATIONS}
+    return show.matrix("density ratio", ratios, names, cell)
 
 
-def exchange_table(data: Data) -> list[View]:
+def exchanged(data: Data) -> list[View]:
     """Differences of both sides of the interface, over window and step."""
     rows = []
     for window, (begin, end) in EXCHANGE_WINDOWS.items():
@@ -340,21 +280,16 @@ def exchange_table(data: Data) -> list[View]:
     return rows
 
 
-# Figures
-
-
-def bands(data: Data) -> None:
+def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     """Two periods of FSI3 on each grid, in the band of the published amplitudes around the published mean."""
-    titles = {"tip_ux": "$u_x$ [mm]", "tip_uy": "$u_y$ [mm]", "drag": "drag [N/m]", "lift": "lift [N/m]"}
     figure, axes = show.panel(2, 2, (9.5, 6), sharex=True)
-    reference, others = LEVEL_4, simulate.reference(COARSE)["spread"]["quantities"]
-    for axis, (name, title) in zip(axes.flat, titles.items()):
+    for axis, (name, title) in zip(axes.flat, SIGNALS.items()):
         factor = 1e3 if name.startswith("tip") else 1.0
-        mean, amplitude = reference[f"{name}.mean"], reference[f"{name}.amplitude"]
-        low, high = others[name]["amplitude"]
+        mean, amplitude = LEVEL_4[f"{name}.mean"], LEVEL_4[f"{name}.amplitude"]
+        band = np.array(simulate.reference(COARSE)["spread"]["quantities"][name]["amplitude"])
         for sign in (-1, 1):
-            edges = sorted((mean + sign * low, mean + sign * high))
-            axis.axhspan(edges[0] * factor, edges[1] * factor, color="#999999", alpha=0.35, linewidth=0)
+            low, high = sorted(factor * (mean + sign * band))
+            axis.axhspan(low, high, color="#999999", alpha=0.35, linewidth=0)
             axis.axhline((mean + sign * amplitude) * factor, color="#000000", linewidth=0.8, linestyle=":")
         for grid, colour, style in zip(SHIPPED, COLOURS, ("-", "--", "-.")):
             rows = data[f"fsi3/grid/{grid}"].tables.get("periods", [])
@@ -368,21 +303,16 @@ def bands(data: Data) -> None:
     labels += ["published spread of the extremes", "FeatFlow, level 4"]
     figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=8)
     show.save(figure, "report/fsi3_bands")
-
-
-def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    bands(data)
     if run := runs("fsi3/grid/650x144"):
-        for name in ("tip", "drag", "lift", "vorticity"):
+        for name in ("tip", "drag", "lift"):
             shutil.copy(run.folder / f"{name}.png", show.DOCS / "fsi3")
 
 
 TABLES: dict[str, Callable[[Data], Any]] = {
     "fsi3": readme,
     "fsi3-grids": grids,
-    "fsi3-errors": by_grid,
     "fsi3-costs": costs,
-    "cfd3": still,
+    "cfd3": lambda data: [*of(data, "still/*"), published(STILL, "Turek & Hron")],
     "fsi3-coarse": partial(varied, "coarse"),
     "fsi3-fine": partial(varied, "fine"),
     "thesis-extremes": thesis_extremes,
@@ -390,7 +320,6 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "thesis-waves": thesis_waves,
     "thesis-error": thesis_error,
     "coupling-iterations": iterations,
-    "coupling-exchange": exchange_table,
+    "coupling-exchange": exchanged,
 }
-
-STUDY = Study("fsi3", cases, keep, TABLES, draw=draw)
+STUDY = Study("fsi3", cases, keep, TABLES, draw)

@@ -15,8 +15,7 @@ from nervure.provenance import cpu_model, git_revision
 @lru_cache
 def here() -> dict[str, Any]:
     """This machine, the versions on it, the revision of the sources and the day."""
-    git = git_revision()
-    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    git, memory = git_revision(), os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     return {
         "cpu": cpu_model(),
         "cores": os.cpu_count(),

@@ -19,23 +19,15 @@ FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "ben
           "extreme", "situations")  # fmt: skip
 """What the program can be asked for; each is a file of that name."""
 
-THESIS_CONDITION = {(row["k_e"], row["dt"]): row["numbers"] for row in simulate.LISTED["thesis"]["condition"]}
-"""Tables 2.1 and 2.2 of the thesis by (k_e, dt)."""
+THESIS_CONDITION = [number for row in simulate.LISTED["thesis"]["condition"] for number in row["numbers"]]
+"""Tables 2.1 and 2.2 of the thesis, in the order of the study's rows."""
 
-STEPS = 10_000
-"""Time steps of the runs of the thesis' table 2.3, about."""
+STEPS = 10_000  # Time steps of the runs of the thesis' table 2.3, about
 SOLVERS = ("banded", "sparse", "dense")
-SCHEMES = {
-    "trapezoid, unwatched": 1,
-    "trapezoid": 1,
-    "generalised-alpha 0.5": 1,
-    "generalised-alpha 0.8": 1,
-    "BDF2": 1,
-    "TR-BDF2": 2,
-}
+SCHEMES = {"trapezoid, unwatched": 1, "trapezoid": 1, "generalised-alpha 0.5": 1, "generalised-alpha 0.8": 1,
+           "BDF2": 1, "TR-BDF2": 2}  # fmt: skip
 """Solves a step."""
-EXTREME = ("n", "k_e", "EI", "dt")
-"""What the stiff cases vary."""
+EXTREME = ("n", "k_e", "EI", "dt")  # What the stiff cases vary
 
 
 def cases() -> Iterator[Case]:
@@ -80,66 +72,50 @@ def extremes(rows: Rows) -> dict[str, Any]:
     return {"tables": tables, "times": {"longest step": longest}}
 
 
-# Pages
-
-
 def table_of(data: Data, name: str) -> Rows:
     return data[f"rod/study/{name}"].tables[name]
 
 
-def condition_rows(data: Data) -> Rows:
+def conditions(data: Data) -> Rows:
     """Condition numbers here and as printed."""
-    groups = grouped(table_of(data, "condition"), "k_e", "dt")
-    return [
-        row | {"printed": printed, "ratio": row["full"] / printed}
-        for key, group in groups.items() for row, printed in zip(group, THESIS_CONDITION[key])
-    ]  # fmt: skip
+    rows = zip(table_of(data, "condition"), THESIS_CONDITION)
+    return [row | {"printed": printed, "ratio": row["full"] / printed} for row, printed in rows]
 
 
 def run_times(data: Data) -> Rows:
     """What an iteration costs, and seconds of `STEPS` steps in space with the factorise-and-solve of each solver."""
     rows = []
     for row in data["rod/study/runtime"].times["rows"]:
-        times = STEPS * row["iterations_per_step"]
-        runs = {
-            f"run {name}": times * (row["iteration_3d"] - row["banded"] + row[name]) for name in SOLVERS if row[name]
-        }
+        solvers = [name for name in SOLVERS if row[name]]
+        times, rest = STEPS * row["iterations_per_step"], row["iteration_3d"] - row["banded"]
+        runs = {f"run {name}": times * (rest + row[name]) for name in solvers}
         runs |= {f"run thesis {name}": row[f"thesis_{name}"] for name in ("sparse", "dense")}
-        micro = {name: 1e6 * row[name] for name in ("iteration_3d", "iteration_2d", *SOLVERS) if row[name]}
+        micro = {name: 1e6 * row[name] for name in ("iteration_3d", "iteration_2d", *solvers)}
         ratios = {"3D/2D": row["iteration_3d"] / row["iteration_2d"], "sparse/banded": row["sparse"] / row["banded"]}
         rows.append({"n": row["n"]} | runs | micro | ratios)
     return rows
 
 
-def fit(rows: Rows, name: str) -> tuple[list[float], list[float], float, int]:
-    """n, the column `name`, its exponent and from which n on it was fitted."""
-    there = {row["n"]: row[name] for row in rows if row.get(name)}
-    first = 128 if "thesis" in name else 64
-    late = [n for n in there if n >= first]
-    return list(there), list(there.values()), exponent(late, [there[n] for n in late]), first
-
-
-def orders(data: Data, name: str, along: str, sign: int, part: slice) -> Rows:
+def orders(data: Data, name: str, keys: tuple[str, ...], along: str, sign: int, part: slice) -> Rows:
     """Rows of a convergence study by sequence: errors by `along`, and the observed order over a part of them."""
     found = []
-    for group in grouped(table_of(data, name), *SEQUENCES[name]).values():
+    for group in grouped(table_of(data, name), *keys).values():
         x, y = ([row[key] for row in group[part]] for key in (along, "error"))
         errors = {f"{row[along]:.3g}": row["error"] for row in group}
-        found.append(
-            group[-1] | errors | {"order": sign * exponent(x, y), "x": [row[along] for row in group], "group": group}
-        )
+        found.append(group[-1] | errors | {"order": sign * exponent(x, y), "group": group})
     return found
 
 
-SEQUENCES = {"order_in_n": ("calibration", "plane", "gravity"), "order_in_dt": ("case", "scheme")}
-ERRORS_IN_N = partial(orders, name="order_in_n", along="n", sign=-1, part=slice(2, 5))
-ERRORS_IN_DT = partial(orders, name="order_in_dt", along="dt", sign=1, part=slice(2, 7))
+ERRORS_IN_N = partial(
+    orders, name="order_in_n", keys=("calibration", "plane", "gravity"), along="n", sign=-1, part=slice(2, 5)
+)
+ERRORS_IN_DT = partial(orders, name="order_in_dt", keys=("case", "scheme"), along="dt", sign=1, part=slice(2, 7))
 
 
 def energies(data: Data) -> Rows:
     """The end of each run of CSM3 by scheme; cells by n and dt."""
     found = []
-    for (scheme,), group in grouped(table_of(data, "csm3_energy"), "scheme").items():
+    for scheme, group in grouped(table_of(data, "csm3_energy"), "scheme").items():
         cells = {}
         for row in group:
             ended = "" if row["time"] > 59 else f" (ended at {row['time']:.0f} s)"
@@ -167,115 +143,99 @@ def schemes(data: Data) -> Rows:
     return [rows[scheme] for scheme in SCHEMES]
 
 
-def csm(data: Data) -> list[str]:
+def csm(data: Data) -> Rows:
     """Against Turek & Hron."""
-    rows, table = {(row["scene"], row["quantity"], row["rod"]): row["value"] for row in table_of(data, "csm")}, []
-    for scene, quantity, rod in rows:
+    table = []
+    for (scene, quantity), runs in grouped(table_of(data, "csm"), "scene", "quantity").items():
         expected, extent = simulate.published(scene).get(quantity, (0.0, 0.0))
-        if rod == "as shipped" and extent:
+        if extent:
             name, _, what = quantity.partition(".")
             scale, unit, digits = (1, "Hz", 4) if what == "frequency_hz" else (1e3, "mm", 3)
-            runs = [rows[scene, quantity, rod] for rod in ("as shipped", "without shear and set-back")]
-            cells = [f"{scale * value:.{digits}f} ({100 * (value - expected) / extent:+.2f} %)" for value in runs]
-            label = f"{scene.upper()}, {name[4:]}, {what.replace('_hz', '')}, {unit}"
-            table.append([label, f"{scale * expected:.{digits}f}", *cells])
-    return show.markdown(["", "Turek & Hron", "as shipped", "without shear and set-back"], table)
+            cells = {
+                row["rod"]: f"{scale * row['value']:.{digits}f} ({100 * (row['value'] - expected) / extent:+.2f} %)"
+                for row in runs
+            }
+            said = f"{scene.upper()}, {name[4:]}, {what.replace('_hz', '')}, {unit}"
+            table.append(cells | {"name": said, "expected": f"{scale * expected:.{digits}f}"})
+    return table
 
 
 TABLES: dict[str, Callable[[Data], Any]] = {
-    "rod-condition": condition_rows,
+    "rod-condition": conditions,
     "rod-runtime": run_times,
     "rod-order-in-n": ERRORS_IN_N,
     "rod-order-in-dt": ERRORS_IN_DT,
-    "rod-bending": partial(table_of, name="bending_models"),
     "rod-energy": energies,
     "rod-extreme": stiff,
-    "rod-situations": partial(table_of, name="situations"),
     "rod-clamp": lambda data: [row | {"cowper": 10 / (12 - row["poisson"])} for row in table_of(data, "clamp")],
     "rod-schemes": schemes,
     "rod-csm": csm,
 }
 
 
-# Figures
+def line(rows: Rows, x: str, y: str, label: str | None, **style: Any) -> dict[str, Any]:
+    """A line of `show.curves` through what the rows have."""
+    there = [row for row in rows if row.get(y) is not None]
+    return {"x": [row[x] for row in there], "y": [row[y] for row in there], "label": label} | style
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    conditions, times = condition_rows(data), run_times(data)
     lines: Rows = []
     # One on top of the other: the larger ones below.
-    for ((k_e, dt), group), marker, size, colour in zip(
-        grouped(conditions, "k_e", "dt").items(), "osv^", (13, 9.5, 6.5, 5), COLOURS
+    for ((k_e, dt), rows), marker, size, colour in zip(
+        grouped(conditions(data), "k_e", "dt").items(), "osv^", (13, 9.5, 6.5, 5), COLOURS
     ):
-        n, full, printed = ([row[key] for row in group] for key in ("n", "full", "printed"))
+        n, full = ([row[key] for row in rows] for key in ("n", "full"))
         label = f"k_e = {k_e:g} N/m, dt = {dt:g} s: n^{exponent(n, full):.2f}"
-        lines.append(
-            {"x": n, "y": full, "marker": marker, "linewidth": 0, "markersize": size, "label": label, "color": colour}
-        )
-        lines.append(
-            {"x": n, "y": printed, "linestyle": "--", "color": colour, "label": "thesis" if not lines[2:] else None}
-        )
+        lines.append(line(rows, "n", "full", label, marker=marker, linewidth=0, markersize=size, color=colour))
+        lines.append(line(rows, "n", "printed", None if lines[2:] else "thesis", linestyle="--", color=colour))
         if k_e == 1e5:
-            eliminated = [row["eliminated"] for row in group]
-            lines.append(
-                {
-                    "x": n,
-                    "y": eliminated,
-                    "linestyle": ":",
-                    "color": colour,
-                    "label": f"velocities eliminated, dt = {dt:g} s",
-                }
-            )
+            label = f"velocities eliminated, dt = {dt:g} s"
+            lines.append(line(rows, "n", "eliminated", label, linestyle=":", color=colour))
     labels = ("mass points n", "condition number, 1-norm")
     show.curves("rod/condition", labels, lines, ticks=n, loc="lower right")
 
-    lines = []
+    times, lines = run_times(data), []
     for name, marker in zip((name for name in times[0] if name.startswith("run")), "osv^D"):
-        n, seconds, slope, first = fit(times, name)
-        lines.append({"x": n, "y": seconds, "marker": marker, "label": f"{name[4:]}: n^{slope:.2f} from {first} on"})
+        first = 128 if "thesis" in name else 64
+        late = [row for row in times if row["n"] >= first and row.get(name)]
+        slope = exponent([row["n"] for row in late], [row[name] for row in late])
+        lines.append(line(times, "n", name, f"{name[4:]}: n^{slope:.2f} from {first} on", marker=marker))
     show.curves("rod/runtime", ("segments n", f"seconds for {STEPS} steps"), lines, ticks=[row["n"] for row in times])
 
-    lines = []
+    styles, lines = {"second order": "-", "thesis k_e=1e3": "--", "thesis k_e=1e6": ":"}, []
     for row in ERRORS_IN_N(data):
-        if row["plane"] == "diagonal" and row["gravity"] != 2.0 and "inextensible" not in row["calibration"]:
-            style = {"second order": "-", "thesis k_e=1e3": "--", "thesis k_e=1e6": ":"}[row["calibration"]]
+        if row["plane"] == "diagonal" and row["gravity"] != 2.0 and row["calibration"] in styles:
             label = f"{row['calibration']}, tip at {row['tip_angle']:.0f}°: n^{-row['order']:.2f}"
-            errors = [one["error"] for one in row["group"]]
-            lines.append({"x": row["x"], "y": errors, "linestyle": style, "marker": "o", "label": label})
-    show.curves(
-        "rod/order_in_n",
-        ("segments n", "error of the tip / deflection"),
-        lines,
-        ticks=row["x"],
-        limits={"ylim": (3e-8, None)},
-    )
+            lines.append(line(row["group"], "n", "error", label, linestyle=styles[row["calibration"]], marker="o"))
+    labels = ("segments n", "error of the tip / deflection")
+    show.curves("rod/order_in_n", labels, lines, ticks=lines[0]["x"], limits={"ylim": (3e-8, None)})
 
     by_dt, by_time, seconds = [], [], iter(data["rod/study/order_in_dt"].times["seconds"])
     for row, marker in zip(ERRORS_IN_DT(data), "osv^D" * 2):
-        line = {"y": [one["error"] for one in row["group"]], "marker": marker}
-        spent = [next(seconds) for _ in row["group"]]
+        timed = [one | {"seconds": next(seconds)} for one in row["group"]]
         if "pushed" in row["case"]:
-            by_dt.append(line | {"x": row["x"], "label": f"{row['scheme']}: dt^{row['order']:.2f}"})
-            by_time.append(line | {"x": spent, "label": row["scheme"]})
+            by_dt.append(line(timed, "dt", "error", f"{row['scheme']}: dt^{row['order']:.2f}", marker=marker))
+            by_time.append(line(timed, "seconds", "error", row["scheme"], marker=marker))
     show.curves("rod/order_in_dt_pushed", ("dt, s", "error of the tip, relative"), by_dt)
     show.curves("rod/work_precision_pushed", ("run time, s", "error of the tip, relative"), by_time)
 
     if run := runs("rod/study/deflection"):
         lines = []
-        for (model, n), group in grouped(run.found["tables"]["deflection"], "model", "n").items():
-            shape: dict[str, Any] = {"x": [row["x"] for row in group], "y": [row["y"] for row in group]}
+        for (model, n), rows in grouped(run.found["tables"]["deflection"], "model", "n").items():
             if model == "elastica":
-                lines.append(shape | {"linewidth": 5, "alpha": 0.25, "color": "k", "label": "exact elastica"})
+                lines.append(line(rows, "x", "y", "exact elastica", linewidth=5, alpha=0.25, color="k"))
             elif model in ("second order", "thesis k_e=1e3"):
-                look = {"linestyle": {8.0: ":", 32.0: "--", 128.0: "-"}[n], "color": COLOURS["thesis" in model]}
-                lines.append(shape | look | {"label": f"{model}, n = {n:.0f}"})
+                style = {"linestyle": {8.0: ":", 32.0: "--", 128.0: "-"}[n], "color": COLOURS["thesis" in model]}
+                lines.append(line(rows, "x", "y", f"{model}, n = {n:.0f}", **style))
         show.curves("rod/deflection", ("x/L", "y/L"), lines, log=False, loc="lower left")
     if run := runs("rod/study/csm3_energy"):
-        lines = []
-        for (scheme, n, dt), group in grouped(run.found["tables"]["csm3_energy"], "scheme", "n", "dt").items():
-            if (n, dt) == (32.0, 0.02):
-                time, energy = ([row[key] for row in group] for key in ("time", "energy"))
-                lines.append({"x": time, "y": energy, "label": f"{scheme}, dt = 0.02 s"})
+        groups = grouped(run.found["tables"]["csm3_energy"], "scheme", "n", "dt")
+        lines = [
+            line(rows, "time", "energy", f"{scheme}, dt = 0.02 s")
+            for (scheme, n, dt), rows in groups.items()
+            if (n, dt) == (32.0, 0.02)
+        ]
         labels = ("time, s", "gain of energy / largest energy in gravity")
         show.curves("rod/csm3_energy", labels, lines, log=False, limits={"ylim": (-0.15, 0.5)}, loc="upper left")
 

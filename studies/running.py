@@ -10,12 +10,10 @@ from nervure import checkpoint
 from nervure.scene import typed
 from nervure.show import fields
 from studies import simulate
-from studies.engine import COUPLED, Case, Run, Study
-from studies.store import Data
+from studies.engine import COUPLED, Case, Study
 
 SCENES = ("fsi3-325x72", "fsi3-650x144", "fsi3-1300x288")
-REPEATS, STEPS = 10, 10
-"""Frames and checkpoints that are written, and steps before a frame."""
+REPEATS, STEPS = 10, 10  # Frames and checkpoints that are written, and steps before a frame
 
 
 def measure(case: Case, folder: Path) -> dict[str, Any]:
@@ -49,9 +47,8 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
         size = (folder / checkpoint.FILE).stat().st_size
     fields.clear(folder)
     checkpoint.clear(folder)
-    return {f"{what}_ms": round(min(found), 3) for what, found in spent.items()} | {
-        "checkpoint_mb": round(size / 1e6, 2)
-    }
+    shortest = {f"{what}_ms": round(min(found), 3) for what, found in spent.items()}
+    return shortest | {"checkpoint_mb": round(size / 1e6, 2)}
 
 
 def cases() -> Iterator[Case]:
@@ -59,12 +56,4 @@ def cases() -> Iterator[Case]:
         yield Case(f"keeping/{scene}", (*COUPLED, "keeping"), scene, action=measure)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
-    return {"times": run.found}
-
-
-def keeping(data: Data) -> list[dict[str, Any]]:
-    return [record.times | {"name": record.label} for record in data.of("running/keeping/*")]
-
-
-STUDY = Study("running", cases, keep, {"running-keeping": keeping})
+STUDY = Study("running", cases, lambda case, run: {"times": run.found})

@@ -5,7 +5,8 @@ Everything between `<!--table:KEY-->` and `<!--end-->` in a document is a table 
 
 import re
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, StrMethodFormatter
 
 from nervure.files import write_whole
@@ -28,20 +30,13 @@ MARKERS = "osv^Dp*hX"
 
 plt.rcParams["axes.prop_cycle"] = matplotlib.rcsetup.cycler(color=COLOURS)
 
-LABELS = {
-    "cd_mean": "$c_D$",
-    "cl_mean": "$c_L$",
-    "dp_mean": "$\\Delta p$",
-    "cd_max": "$c_D$ max",
-    "cl_peak_to_peak": "$c_L$ peak to peak",
-    "st": "St",
-    "tip_ux": "$u_x$",
-    "tip_uy": "$u_y$",
-    "frequency_hz": "frequency",
-}
+LABELS = {"cd_mean": "$c_D$", "cl_mean": "$c_L$", "dp_mean": "$\\Delta p$", "cd_max": "$c_D$ max", "st": "St",
+          "cl_peak_to_peak": "$c_L$ peak to peak", "tip_ux": "$u_x$", "tip_uy": "$u_y$",
+          "frequency_hz": "frequency"}  # fmt: skip
 
 SPECS: dict[str, dict[str, str]] = tomllib.loads(Path(__file__).with_name("tables.toml").read_text(encoding="utf-8"))
 """Columns of the tables, by key."""
+SOURCES = ("of", "table", "csv", "like")  # Keys of a table that say where its rows and columns come from
 
 TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.DOTALL)
 
@@ -65,8 +60,7 @@ OPTIONAL = re.compile(r"<([^<>]*)>")
 
 def form(text: str, values: Mapping[str, Any]) -> str:
     """`text` with the numbers of `values` in the place of `{name:format}`: a percentage where the format ends so, mm
-    for `name[mm]`. Where
-    one is missing the part of the text in `<>` around it is left out, or else all of it."""
+    for `name[mm]`. Where one is missing the part of the text in `<>` around it is left out, or else all of it."""
 
     def one(match: re.Match[str]) -> str:
         name, _, unit = match[1].partition("[")
@@ -78,36 +72,30 @@ def form(text: str, values: Mapping[str, Any]) -> str:
             return format(100 * value, spec if spec.endswith("g") else spec + "f") + " %"
         return format(value * 1e3 if unit == "mm]" else value, match[2])
 
-    def part(match: re.Match[str]) -> str:
+    def filled(text: str, inner: Callable[[re.Match[str]], str] | None = None) -> str:
         try:
-            return FIELD.sub(one, match[1])
+            return FIELD.sub(one, OPTIONAL.sub(inner, text) if inner else text)
         except KeyError:
             return ""
 
-    try:
-        return FIELD.sub(one, OPTIONAL.sub(part, text))
-    except KeyError:
-        return ""
-
-
-def columns(key: str) -> dict[str, str]:
-    """Headings and forms of a table of tables.toml."""
-    found: dict[str, str] = SPECS[key]
-    return columns(found["like"]) if "like" in found else {name: text for name, text in found.items() if name != "of"}
+    return filled(text, lambda match: filled(match[1]))
 
 
 def table(key: str, rows: Iterable[Mapping[str, Any]]) -> list[str]:
     """Lines of a table of tables.toml."""
-    forms = columns(key)
+    spec = SPECS[key]
+    forms = {name: text for name, text in SPECS[spec.get("like", key)].items() if name not in SOURCES}
     return markdown(list(forms), [[form(text, row) for text in forms.values()] for row in rows])
+
+
+def matrix(corner: str, rows: Mapping[str, Any], columns: Mapping[str, Any], cell: Callable[..., str]) -> list[str]:
+    """Lines of a table of `cell(row, column)`, both by what is written beside them."""
+    body = [[name, *(cell(row, column) for column in columns.values())] for name, row in rows.items()]
+    return markdown([corner, *columns], body)
 
 
 def percent(value: float | None, form: str = "+.2f") -> str:
     return "" if value is None else f"{100 * value:{form}} %"
-
-
-def number(value: float | None, form: str = ".4g") -> str:
-    return "" if value is None else format(value, form)
 
 
 def documents() -> list[Path]:
@@ -118,9 +106,7 @@ def documents() -> list[Path]:
 # Figures
 
 
-def panel(
-    rows: int = 1, columns: int = 1, size: tuple[float, float] = (6.4, 4.4), **how: Any
-) -> tuple[Figure, np.ndarray[Any, Any]]:
+def panel(rows: int = 1, columns: int = 1, size: tuple[float, float] = (6.4, 4.4), **how: Any) -> tuple[Figure, Any]:
     """A figure and its axes `[rows, columns]`."""
     figure, axes = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False, **how)
     for axis in axes.flat:
@@ -137,13 +123,9 @@ def save(figure: Figure, name: str, dpi: int = 110) -> None:
 
 
 def curves(
-    name: str,
-    labels: tuple[str, str],
-    lines: Iterable[dict[str, Any]],
-    log: bool = True,
-    ticks: Sequence[float] = (),
+    name: str, labels: tuple[str, str], lines: Iterable[dict[str, Any]], log: bool = True, ticks: Sequence[float] = (),
     **legend: Any,
-) -> None:
+) -> None:  # fmt: skip
     """Figure docs/NAME.png of lines, each `x`, `y` and what else `plot` takes; `ticks` are those of a logarithmic x."""
     figure, axes = panel()
     axis = axes[0, 0]
@@ -157,6 +139,39 @@ def curves(
         axis.xaxis.set_minor_formatter(NullFormatter())
     axis.legend(fontsize=8, **legend)
     save(figure, name, 130)
+
+
+def errors(
+    name: str, groups: Mapping[Any, Iterable[Mapping[str, Any]]], quantities: Sequence[str], along: Mapping[str, str],
+    kind: str = "error",
+) -> None:  # fmt: skip
+    """Figure docs/NAME.png of the errors of runs: a row for each of `along`, a value or quartiles; a column for each
+    quantity; a line for each group, and in grey what no run beats. Failed runs are crosses at the top."""
+    figure, axes = panel(len(along), len(quantities), (3.7 * len(quantities), 1.2 + 2.8 * len(along)), sharey="col")
+    for (line, column), axis in np.ndenumerate(axes):
+        key, quantity = list(along)[line], f"{quantities[column]}.{kind}"
+        seen: list[tuple[float, float]] = []
+        for runs, colour, marker in zip(groups.values(), cycle(COLOURS), cycle(MARKERS)):
+            there = [(*np.broadcast_to(run[key], 3)[[1, 0, 2]], run.get(quantity)) for run in runs if run.get(key)]
+            if good := sorted((*x, max(abs(y), 1e-8)) for *x, y in there if y is not None):
+                x, low, high, y = np.array(good).T
+                bars = [x - low, high - x] if np.ptp([low, high], 0).any() else None
+                axis.errorbar(x, y, xerr=bars, marker=marker, color=colour, capsize=2, markersize=4, linewidth=1)
+                seen += zip(x, y)
+            failed = [x for x, *_, y in there if y is None]
+            axis.plot(failed, [0.97] * len(failed), "x", color=colour, transform=axis.get_xaxis_transform())
+        if seen:
+            x, y = np.array(sorted(seen)).T
+            axis.step(x, np.minimum.accumulate(y), where="post", color="#000000", linewidth=3, alpha=0.15, zorder=0)
+        axis.set(xscale="log", yscale="log", xlabel=along[key])
+        few_labels(axis.xaxis)
+        few_labels(axis.yaxis)
+        axes[0, column].set_title(label(quantities[column]), fontsize=10)
+        axes[line, 0].set_ylabel("relative error" if kind == "error" else "discretisation error, relative")
+    handles = [Line2D([], [], color=c, marker=m, label=k) for k, c, m in zip(groups, cycle(COLOURS), cycle(MARKERS))]
+    handles.append(Line2D([], [], color="#000000", linewidth=3, alpha=0.15, label="Pareto front"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)), fontsize=8)
+    save(figure, name)
 
 
 def few_labels(axis: Any) -> None:
@@ -175,9 +190,9 @@ def exponent(x: Sequence[float], y: Sequence[float]) -> float:
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
-def grouped(rows: Iterable[dict[str, Any]], *keys: str) -> dict[tuple[Any, ...], list[dict[str, Any]]]:
-    """Rows by the values that they have in `keys`."""
-    groups: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+def grouped(rows: Iterable[Any], *keys: str) -> dict[Any, list[Any]]:
+    """Rows by the value that they have in one key, or by those in several."""
+    groups: dict[Any, list[Any]] = {}
     for row in rows:
-        groups.setdefault(tuple(row[key] for key in keys), []).append(row)
+        groups.setdefault(row[keys[0]] if len(keys) == 1 else tuple(row[key] for key in keys), []).append(row)
     return groups

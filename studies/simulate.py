@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import copy
-import ctypes
 import json
-import resource
 import tomllib
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -17,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from nervure import coupling, master, results, scene as scenes
-from nervure.evaluate import coefficients
+from nervure.evaluate import coefficients, statistics
 from nervure.evaluate.summary import summarize
 from nervure.files import json_numbers
 from nervure.pack import package
@@ -51,23 +49,23 @@ def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
     return scene
 
 
+def on_grid(nx: int, ny: int, step: float) -> dict[str, Any]:
+    """The changes to another grid and step."""
+    return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
+
+
 def assignments(changes: dict[str, Any]) -> list[str]:
     """Changes as `--set` takes them."""
-    texts = {
-        key: "null"
-        if value == "absent"
-        else value
-        if isinstance(value, str)
-        else json.dumps(value, separators=(",", ":"))
-        for key, value in changes.items()
-    }
-    return [f"{key}={text}" for key, text in texts.items()]
+
+    def text(value: Any) -> str:
+        return value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
+
+    return [f"{key}={'null' if value == 'absent' else text(value)}" for key, value in changes.items()]
 
 
 @lru_cache
 def reference(name: str) -> dict[str, Any]:
-    """Published values of a shipped scene: `quantities` or `coefficients` and, of some, the `spread` of several
-    sources."""
+    """Published `quantities` or `coefficients` of a shipped scene and, of some, the `spread` of several sources."""
     return changed(name, {}).get("reference") or {} if name else {}
 
 
@@ -93,9 +91,6 @@ def unit_of(quantity: str) -> str:
     if what in ("frequency_hz", "growth"):
         return "Hz"
     return {"tip_ux": "m", "tip_uy": "m", "drag": "N/m", "lift": "N/m", "dp_mean": "Pa"}.get(name, "")
-
-
-# Running
 
 
 class Rigid(coupling.Single):
@@ -145,13 +140,6 @@ def assemble(
     return units, scheme, clock, Recorder(units, clock.steps)
 
 
-def resident() -> float:
-    """Resident set of this process, MB, without what is free."""
-    ctypes.CDLL(None).malloc_trim(0)
-    pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * resource.getpagesize() / 1e6
-
-
 def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Callable[..., Any]:
     """`call`, whose wall time is added to `seconds[phase]`."""
 
@@ -165,25 +153,20 @@ def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Ca
 
 
 def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: bool = False) -> dict[str, Any]:
-    """One run into `folder`: its summary, with the wall time of FMI, Python, recording and output, and the memory
-    that it
-    has added."""
+    """One run into `folder`: its summary, with the wall time of FMI, Python and recording."""
     with ExitStack() as stack:
-        before = resident()
         units, scheme, clock, recorder = assemble(scene, folder, stack, rigid)
-        seconds = {"fmi": 0.0, "recording": 0.0, "output": 0.0}
+        seconds = {"fmi": 0.0, "recording": 0.0}
         for unit in units.values():
             for name in ("set", "get"):
                 setattr(unit, name, timed(getattr(unit, name), seconds, "fmi"))
         setattr(recorder, "record", timed(recorder.record, seconds, "recording"))  # noqa: B010
         outcome = master.run(scheme, clock, recorder)
-        memory = resident() - before
         evaluated = summarize(typed(scene), units, scheme, recorder, outcome)
         made = results.Results(typed(scene), folder, evaluated, recorder.series, recorder.units)
-        timed(results.write, seconds, "output")(made, scheme)
+        results.write(made, scheme)
         if pictures:
             plots.write(folder, {scene["name"]: made})
-            plots.vorticity(folder, made.scene, units, outcome.simulated)
         summary = evaluated.document()
         phases = summary["phases_s"]
         phases["python"] = phases.pop("exchange_and_python") - seconds["fmi"] - seconds["recording"]
@@ -191,13 +174,12 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         columns: Any = made.series
         np.savez_compressed(folder / "series.npz", **columns)
         last = {name: float(values[-1]) for name, values in columns.items()}
-        return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "memory_mb": memory, "last": last}
+        return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "last": last}
 
 
 def run(case: Case, folder: Path) -> dict[str, Any]:
     """Run the scene of a case, as often as its option `repeats` says; the summary of the first run, with quartiles of
-    the
-    times (lower, median, upper, s) and the shortest phases of those that are timed."""
+    the times (lower, median, upper, s) and the shortest phases of those that are timed."""
     options = dict(case.options)
     repeats, scene = options.pop("repeats", 0), case.built()
     first = once(scene, folder, **options)
@@ -229,6 +211,12 @@ def quantities(summary: dict[str, Any]) -> dict[str, float]:
         if part["fit"]:
             found[f"{name}.fit"] = part["fit"]["amplitude"]
     return {name: value for name, value in found.items() if value is not None}
+
+
+def window(summary: dict[str, Any]) -> statistics.Window:
+    """What was evaluated of a run."""
+    begin, end = summary["window_s"]
+    return statistics.Window(begin, end, summary["periods"])
 
 
 def times(summary: dict[str, Any]) -> dict[str, Any]:

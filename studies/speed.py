@@ -4,25 +4,13 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
-from studies import commands, show
+from studies import commands, show, simulate
 from studies.engine import Case, Run, Study
 from studies.store import Data
 
 MANIFEST, TARGET = "crates/fluid/bench/Cargo.toml", "target/fluid-bench"
 
-GROUPS = {
-    "transforms": (
-        "transforms, two along y",
-        "transforms, five along x",
-        "transforms, three back along y, and the CFL number",
-    ),
-    "local solve": ("local solve", "velocities of bodies and zones"),
-    "projection": ("projection",),
-    "painting": ("painting of the moving bodies", "wall target"),
-    "forces and loads": ("forces on the bodies", "loads and impedance of the stations"),
-    "rest": ("rest",),
-}
-"""What users ask for, and the phases of it."""
+GROUPS: dict[str, list[str]] = simulate.LISTED["fluid-speed"]["groups"]  # What users ask for, and the phases of it
 
 
 def cases() -> Iterator[Case]:
@@ -61,10 +49,9 @@ def phases(data: Data) -> list[dict[str, Any]]:
 
 
 def all_phases(data: Data) -> list[str]:
-    scenes = found(data, "phases")
-    names = [phase for group in GROUPS.values() for phase in group] + ["step"]
-    table = [[name, *(f"{row[name]:g}" for row in scenes)] for name in names]
-    return show.markdown(["phase", *(row["scene"] for row in scenes)], table)
+    names = {name: name for group in (*GROUPS.values(), ("step",)) for name in group}
+    scenes = {row["scene"]: row for row in found(data, "phases")}
+    return show.matrix("phase", names, scenes, lambda name, row: f"{row[name]:g}")
 
 
 def motion(data: Data) -> list[str]:

@@ -1,5 +1,4 @@
-"""The flapping vein: the shipped scenes, convergence, stiffness, other couplings, limits, and a cylinder that
-oscillates."""
+"""The flapping vein: shipped scenes, convergence, stiffness, couplings, limits, and an oscillating cylinder."""
 
 from __future__ import annotations
 
@@ -17,39 +16,31 @@ from nervure.evaluate import flapping, statistics
 from nervure.scene import typed
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
+from studies.simulate import on_grid
 from studies.store import Data
 from tests import driven_root
 from tests.driven_root import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
 
-FORWARD, HOVER, SPACE, CYLINDER = (
-    "vein-forward-384x192",
-    "vein-hover-288x256",
-    "vein-3d",
-    "cylinder-oscillating-460x100",
-)
-SCENES = {PITCHING: "pitching", FORWARD: "forward", HOVER: "hover", SPACE: "in space"}
+FORWARD, HOVER, SPACE = "vein-forward-384x192", "vein-hover-288x256", "vein-3d"
+CYLINDER = "cylinder-oscillating-460x100"
 
 STIFFNESS = "rod.material.section.bending_stiffness"
 
-END = 3.02
-"""End of the pitching runs, s: the tip is settled in the third period, which is averaged."""
-COUPLED_END, AT = 2.05, 1.5
-"""End of the runs under other couplings, s, and the time at which their tips are compared."""
+END = 3.02  # End of the pitching runs, s: the tip is settled in the third period, which is averaged
+COUPLED_END, AT = 2.05, 1.5  # End of the runs under other couplings, s, and the time at which their tips are compared
 NOISE_WIDTH = 0.08
 """Width of the box filter, s, applied twice, whose remainder is called noise of the oscillating cylinder: a fiftieth
-of its
-period, in which it passes one to six cells where it is fast."""
+of its period, in which it passes one to six cells where it is fast."""
 
 PARTS: dict[str, dict[str, Any]] = simulate.LISTED["vein"]["parts"]
 COUPLINGS: dict[str, dict[str, Any]] = simulate.LISTED["vein"]["coupling"]
 PART_STEPS, PART_REPEATS = 40, 9
 
+MEANS = ("thrust", "lift", "power_in", "efficiency", "tip_amplitude", "tip_by_rigid_tip", "phase_lag_deg", "periods")
+"""What is kept of a flapping vein."""
+
 THICK, DIRECTIONS = "coupling/thickness-0.05", 20
 """The case whose iteration stops at a step that is looked into, and the random ways in which its stations are moved."""
-
-
-def on_grid(nx: int, ny: int, step: float) -> dict[str, Any]:
-    return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
 
 
 def cases() -> Iterator[Case]:
@@ -57,8 +48,8 @@ def cases() -> Iterator[Case]:
         named = {"name": name.replace("/", "-").replace(" ", "-").replace(",", "")} | changes
         return Case(name, FLUID if scene == CYLINDER else COUPLED, scene, named, options)
 
-    for scene in (SPACE, FORWARD, HOVER, PITCHING):
-        yield Case(f"scene/{scene}", COUPLED, scene)
+    for scene, said in {SPACE: "in space", FORWARD: "forward", HOVER: "hover", PITCHING: "pitching"}.items():
+        yield Case(f"scene/{scene}", COUPLED, scene, about={"name": said})
     for stiffness in (0.5, 1, 2, 4, 8, 16, 32, 64, 128):
         yield case(f"flexibility/{stiffness:g}", FORWARD, {"time.end": 8, STIFFNESS: stiffness})
     for nx, ny, h in ((230, 50, 4e-3), (345, 75, 2.5e-3), (460, 100, 2e-3), (690, 150, 1.6e-3), (920, 200, 1e-3)):
@@ -77,34 +68,24 @@ def cases() -> Iterator[Case]:
         yield case(f"noise/{nx}x{ny}", PITCHING, plate | on_grid(nx, ny, 1e-3 * 128 / nx), rigid=True)
     for name, changes in PARTS.items():
         # The vein stands still in a flow: a fluid at rest has numbers so small that the processor is slow with them.
-        moving = {
-            "fluid.initial_velocity": [1.0, 0.3],
-            "rod": "absent",
-            "coupling": "absent",
-            "time.end": PART_STEPS * 4e-4,
-        }
-        yield case(f"parts/{name}", PITCHING, moving | changes, repeats=PART_REPEATS)
+        moving = {"fluid.initial_velocity": [1.0, 0.3], "rod": "absent", "coupling": "absent"}
+        short = {"time.end": PART_STEPS * 4e-4}
+        yield case(f"parts/{name}", PITCHING, moving | short | changes, repeats=PART_REPEATS)
     thick = {"name": "thick", "time.end": COUPLED_END} | COUPLINGS["thickness-0.05"]
     yield Case("further/jumps", COUPLED, PITCHING, thick, action=jumps)
     for name in LIMITS:
         yield Case(f"limits/{name}", (*COUPLED, "limits"), options={"limit": name}, action=limit)
 
 
-# What is kept of a run
-
-
 def limit(case: Case, folder: Path) -> dict[str, Any]:
     """What `driven_root` finds."""
-    run = partial(driven_root.record, folder=folder)
-    return {
-        "tables": {"found": [asdict(found) | {"error": found.error} for found in LIMITS[case.options["limit"]](run)]}
-    }
+    all_found = LIMITS[case.options["limit"]](partial(driven_root.record, folder=folder))
+    return {"tables": {"found": [asdict(found) | {"error": found.error} for found in all_found]}}
 
 
 def jumps(case: Case, folder: Path) -> dict[str, Any]:
     """Where the iteration of the thick vein stops: how much the pressure jump of the step changes when the stations
-    of the
-    last guess are moved by 1e-13 to 1e-6 in random ways, with the velocities that go with that, relative to its
+    of the last guess are moved by 1e-13 to 1e-6 in random ways, with the velocities that go with that, relative to its
     norm."""
     with ExitStack() as stack:
         units, scheme, clock, recorder = simulate.assemble(case.built(), folder, stack)
@@ -139,36 +120,17 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
 
 
 def settled(case: Case, run: Run) -> dict[str, float]:
-    """Means over whole periods at the end, and the energy that is missing, by the loads and by what the fluid
-    exerted."""
-    summary = run.found
-    begin, end = summary["window_s"]
-    window = statistics.Window(begin, end, summary["periods"])
-    if case.name.startswith(("grid/", "dt/")):
-        window = statistics.Window(0.0, float(run.series["time"][-1]), 1)
-    flapped = flapping.evaluate(typed(case.built()), run.series, window)
-    assert flapped, f"{case.name} drives no root"
-    found = asdict(flapped)
-    names = (
-        "thrust",
-        "lift",
-        "power_in",
-        "efficiency",
-        "tip_amplitude",
-        "tip_by_rigid_tip",
-        "phase_lag_deg",
-        "periods",
-    )
-    values = {name: found[name] for name in names if found.get(name) is not None}
-    balance = found["energy_balance"]
-    values["missing"] = balance["missing"]
+    """Means over whole periods at the end, and the energy that is missing, by the loads and by the fluid's forces."""
+    whole = statistics.Window(0.0, float(run.series["time"][-1]), 1)
+    window = whole if case.name.startswith(("grid/", "dt/")) else simulate.window(run.found)
+    found = flapping.evaluate(typed(case.built()), run.series, window)
+    assert found, f"{case.name} has no driven root"
+    there = {name: getattr(found, name) for name in MEANS}
+    balance: dict[str, Any] = found.energy_balance
+    values = {name: value for name, value in there.items() if value is not None} | {"missing": balance["missing"]}
     if balance.get("fluid") is not None:
-        values["by_fluid"] = (balance["root"] + balance["fluid"] - balance["damping"] - balance["gained"]) / balance[
-            "root"
-        ]
-    if case.scene == HOVER:
-        drive = case.built()["rod"]["root_motion"]["laws"]["y"]["sine"]
-        values["lift_coefficient"] = values["thrust"] / ((2 * np.pi * drive["frequency"] * drive["amplitude"]) ** 2 / 2)
+        left = balance["root"] + balance["fluid"] - balance["damping"] - balance["gained"]
+        values["by_fluid"] = left / balance["root"]
     return values
 
 
@@ -233,53 +195,14 @@ def stiff_limit(case: Case, folder: Path) -> dict[str, Any]:
     return {"tables": {"stiff": rows}}
 
 
-# Pages and figures
-
-
-def tables(name: str, key: str) -> Callable[[Data], list[dict[str, Any]]]:
-    """Rows of the tables of cases."""
-    return lambda data: [{"label": r.label} | row for r in data.of(f"vein/{name}") for row in r.tables.get(key, [])]
-
-
 def parts(data: Data) -> list[dict[str, Any]]:
     """Time of a step of the fluid (ms) with each part, and its variables, against the first."""
-    rows = [
-        record.view | {"step": 1e3 * record.times["phases_s"]["fluid"] / PART_STEPS}
-        for record in data.of("vein/parts/*")
-    ]
-    first = rows[0]
+    records = data.of("vein/parts/*")
+    steps = [1e3 * record.times["phases_s"]["fluid"] / PART_STEPS for record in records]
     return [
-        row | {"time": row["step"] / first["step"] - 1, "more": row["variables"] - first["variables"]} for row in rows
+        r.view | {"step": step, "time": step / steps[0] - 1, "more": r["variables"] - records[0]["variables"]}
+        for r, step in zip(records, steps)
     ]
-
-
-def scenes(data: Data) -> list[dict[str, Any]]:
-    """What the shipped scenes give."""
-    return [data[f"vein/scene/{scene}"].view | {"name": name} for scene, name in SCENES.items()]
-
-
-def convergence(data: Data) -> list[str]:
-    """Thrust and tip of the pitching vein over grid and step, against the last of each."""
-    halves = []
-    for group in ("grid", "dt"):
-        records, half = data.of(f"vein/{group}/*"), []
-        for record in records:
-            values = [(record[name], records[-1][name]) for name in ("thrust", "tip_amplitude")]
-            cells = [f"{a:.4g}" if record is records[-1] else f"{100 * (a / b - 1):+.1f} %" for a, b in values]
-            half.append([record.label, *cells])
-        halves.append(half)
-    rows = [[*left, "", *right] for left, right in zip(*halves)]
-    return show.markdown(["grid", "thrust", "tip", "", "step, s", "thrust", "tip"], rows)
-
-
-TABLES: dict[str, Callable[[Data], Any]] = {
-    "vein-scenes": scenes,
-    "vein-convergence": convergence,
-    "vein-jumps": tables("further/jumps", "jumps"),
-    "vein-stiff": tables("stiff/both", "stiff"),
-    "vein-limits": tables("limits/*", "found"),
-    "vein-parts": parts,
-}
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
@@ -287,16 +210,19 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     figure, axes = show.panel(1, 3, (12, 3.6))
     shown = {"thrust": "thrust [N/m]", "efficiency": "efficiency", "phase_lag_deg": "phase lag of the tip [degrees]"}
     for axis, (name, label) in zip(axes[0], shown.items()):
-        axis.plot([float(record.label) for record in records], [record[name] for record in records], "o-", markersize=4)
+        axis.plot(
+            [float(record["label"]) for record in records], [record[name] for record in records], "o-", markersize=4
+        )
         axis.set(xscale="log", xlabel="EI [N m]", ylabel=label)
     show.save(figure, "vein/flexibility", 130)
-    ran = {record.label: run.series for record in data.of("vein/cylinder/*") if (run := runs(record.name))}
     lines = []
-    for grid, series in ran.items():
-        second = series["time"] >= 4.0
-        lines.append({"x": series["time"][second], "y": series["drag"][second], "linewidth": 0.8, "label": grid})
+    for record in data.of("vein/cylinder/*"):
+        if run := runs(record.name):
+            second = run.series["time"] >= 4.0
+            x, y = (run.series[name][second] for name in ("time", "drag"))
+            lines.append({"x": x, "y": y, "linewidth": 0.8, "label": record["label"]})
     if lines:
         show.curves("vein/cylinder", ("time [s]", "drag [N/m]"), lines, log=False)
 
 
-STUDY = Study("vein", cases, keep, TABLES, draw)
+STUDY = Study("vein", cases, keep, {"vein-parts": parts}, draw)

@@ -12,7 +12,7 @@ SMALLEST = (
     "report/rod-static/rod/n = 32",
     "report/rod-static/rod with shear/n = 8",
     "report/csm3/BDF2/n = 32, H = 0.008 s",
-    "report/cylinder-2d1/wall target/300 x 60",
+    "fluid/grid/2D-1-curvature-300",
 )
 """Cases that are measured anew: seconds each. test_fsi3.py runs FSI3."""
 

@@ -4,7 +4,6 @@ import pytest
 
 from studies import catalogue, engine, fluid, fsi3, show
 from studies.engine import Case, Study
-from studies.report.convergence import front, limit
 from studies.store import Data
 
 
@@ -140,18 +139,3 @@ def test_short_waves_are_found_with_their_rate():
         {"time": time, "tip_vy": 1e-3 * np.exp(5 * time) * np.sin(2 * np.pi * 200 * time) + 0.3 * np.sin(6 * time)}
     )
     assert found["growth"] == pytest.approx(5, rel=0.02) and found["growth.frequency_hz"] == 200
-
-
-def test_extrapolation_finds_a_limit_and_its_order():
-    sizes = [10, 20, 40, 80]
-    found = limit(sizes, [3.0 + 5.0 / n**2 for n in sizes])
-    assert (found.order, found.value) == (pytest.approx(2.0, abs=1e-6), pytest.approx(3.0, rel=1e-9))
-
-
-def test_extrapolation_refuses_what_is_not_asymptotic():
-    assert "change sign" in limit([10, 20, 40], [1.0, 1.2, 1.1]).verdict
-    assert "not settled" in limit([10, 20, 40, 80], [1.0, 1.3, 1.5, 1.55]).verdict
-
-
-def test_the_front_keeps_what_nothing_beats():
-    assert front([(1.0, 0.5), (2.0, 0.6), (3.0, 0.1), (0.5, 0.9)]) == [3, 0, 2]

@@ -13,61 +13,27 @@ import numpy as np
 from nervure.errors import Refusal
 from nervure.resources import ROOT
 from studies import simulate
-from studies.engine import COUPLED, FLUID, ROD, THREADS, Case, Run
+from studies.engine import COUPLED, ROD, THREADS, Case, Run
 from studies.report import elastica
-from studies.vein import on_grid
+from studies.simulate import on_grid
 
-SCENES = {
-    "rod-static": "csm1",
-    "csm3": "csm3",
-    "cylinder-2d1": "cylinder-2d1-450x90",
-    "cylinder-2d2": "cylinder-2d2-900x180",
-    "fsi3": "fsi3-325x72",
-    "cost": "fsi3-325x72",
-}
+LISTED: dict[str, Any] = simulate.LISTED["report"]
+SCENES: dict[str, str] = LISTED["scenes"]
 
 PEERS = ROOT / "studies" / "peers"
 PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
-LONGEST = 3600.0
-"""Wall time that a peer may take, s."""
+LONGEST = 3600.0  # Wall time that a peer may take, s
 
-SCHEMES = {
-    "trapezoid": "trapezoid",
-    "generalised-α 0.5": {"generalised_alpha": {"rho_inf": 0.5}},
-    "BDF2": "bdf2",
-    "TR-BDF2": "tr_bdf2",
-}
-CALIBRATIONS: dict[str, dict[str, Any]] = {
-    "rod": {"rod.calibration": "second_order", "rod.material.plane_strain.shear_factor": "absent"},
-    "rod with shear": {"rod.calibration": "second_order"},
-    "rod, calibration of the thesis": {
-        "rod.calibration": {"thesis": {"k_e": 1e5}},
-        "rod.material.plane_strain.shear_factor": "absent",
-    },
-}
-
-COST_STEPS = 200
-"""Communication steps of the runs that only tell what a step costs."""
+COST_STEPS = 200  # Communication steps of the runs that only tell what a step costs
 
 
-def case(
-    kind: str,
-    method: str,
-    setting: str,
-    size: float,
-    changes: dict[str, Any],
-    step: float | None = None,
-    **options: Any,
-) -> Case:
-    rooms = {"rod-static": ROD, "csm3": ROD, "fsi3": COUPLED, "cost": COUPLED}.get(kind, FLUID)
-    about = {"published": SCENES[kind], "kind": kind, "method": method, "setting": setting, "size": size, "step": step}
-    return Case(f"{kind}/{method}/{setting}", rooms, SCENES[kind], changes, options, about=about)
-
-
-def peer(kind: str, method: str, setting: str, *arguments: str, repeats: int = 3, quick: bool = True) -> Case:
-    about = {"published": SCENES[kind], "kind": kind, "method": method, "setting": setting, "size": 0, "step": None}
-    options = {"command": [*arguments, str(repeats)]}
-    return Case(f"{kind}/{method}/{setting}", ("peers",), options=options, action=run_peer, about=about, quick=quick)
+def case(kind: str, method: str, setting: str, changes: dict[str, Any], size: float = 0, **options: Any) -> Case:
+    rooms = ("peers",) if "command" in options else COUPLED if kind == "cost" else ROD
+    scene, action, quick = SCENES[kind], simulate.run, options.pop("quick", True)
+    about = {"published": scene, "kind": kind, "method": method, "setting": setting, "size": size}
+    if "command" in options:
+        scene, action = "", run_peer
+    return Case(f"{kind}/{method}/{setting}", rooms, scene, changes, options, action, about, quick)
 
 
 def run_peer(case: Case, folder: Path) -> dict[str, Any]:
@@ -89,51 +55,43 @@ def run_peer(case: Case, folder: Path) -> dict[str, Any]:
 
 
 def cases() -> Iterator[Case]:
-    for method, calibration in CALIBRATIONS.items():
+    for method, calibration in LISTED["calibrations"].items():
         for n in (8, 16, 32, 64, 128):
             changes: dict[str, Any] = {"beam.segments": n, "rod.clamp_setback": 0.0, "time.end": 8.0} | calibration
-            yield case("rod-static", method, f"n = {n}", n, changes, repeats=5)
-    for scheme, value in SCHEMES.items():
+            yield case("rod-static", method, f"n = {n}", changes, repeats=5)
+    for scheme, value in LISTED["schemes"].items():
         for step in (8e-3, 4e-3, 2e-3, 1e-3):
             changes = {"rod.scheme": value, "time.communication_step": step, "beam.segments": 32}
-            yield case("csm3", scheme, f"n = 32, H = {step:g} s", 32, changes, step, repeats=3)
+            yield case("csm3", scheme, f"n = 32, H = {step:g} s", changes, repeats=3)
     for n in (8, 16, 32, 64, 128):
-        yield case("csm3", "TR-BDF2, H = 1 ms", f"n = {n}", n, {"beam.segments": n}, repeats=3)
+        yield case("csm3", "TR-BDF2, H = 1 ms", f"n = {n}", {"beam.segments": n}, repeats=3)
     for n in (8, 16, 32):
         for kind in ("rod-static", "csm3"):
-            yield peer(kind, "PyElastica", f"n = {n}", "pyelastica_beam.py", SCENES[kind], str(n))
-    # The fluid's study has the other grids.
-    for flow, step in (("2d1", 3e-3), ("2d2", 7.5e-4)):
-        yield case(f"cylinder-{flow}", "wall target", "300 x 60", 300, on_grid(300, 60, step), repeats=3)
+            command = ["pyelastica_beam.py", SCENES[kind], str(n), "3"]
+            yield case(kind, "PyElastica", f"n = {n}", {}, command=command)
     for flow, sizes in (("2d1", (0.1, 0.05, 0.03)), ("2d2", (0.1, 0.07, 0.05))):
         for size in sizes:
-            setting, quick = f"mesh {size:g} m", flow == "2d1" or size > 0.07
-            arguments = ("ngsolve_cylinder.py", flow, f"{size:g}")
-            yield peer(f"cylinder-{flow}", "NGSolve, Taylor–Hood", setting, *arguments, repeats=1, quick=quick)
-    yield case("fsi3", "momentum load", "325 x 72", 325, {}, repeats=3)
+            command, quick = ["ngsolve_cylinder.py", flow, f"{size:g}", "1"], flow == "2d1" or size > 0.07
+            name = f"cylinder-{flow}"
+            yield case(name, "NGSolve, Taylor–Hood", f"mesh {size:g} m", {}, command=command, quick=quick)
     short = {"time.end": COST_STEPS * 4e-4}
     for n in (21, 42, 84, 168):
-        yield case("cost", "stations", f"{n} segments", n, short | {"beam.segments": n}, repeats=9)
-    yield case("cost", "bar still", "42 segments", 42, short | {"rod": "absent", "coupling": "absent"}, repeats=9)
+        yield case("cost", "stations", f"{n} segments", short | {"beam.segments": n}, n, repeats=9)
+    still = {"rod": "absent", "coupling": "absent"}
+    yield case("cost", "bar still", "42 segments", short | still, 42, repeats=9)
     for nx, ny in ((160, 36), (325, 72), (640, 144), (1280, 288)):
         changes = on_grid(nx, ny, 1e-4) | {"time.end": COST_STEPS * 1e-4}
-        yield case("cost", "grid", f"{nx} x {ny}", nx * ny, changes, repeats=5)
+        yield case("cost", "grid", f"{nx} x {ny}", changes, nx * ny, repeats=5)
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
-    found, kind = run.found, case.about["kind"]
+    found = run.found
     if "command" in case.options:
-        clocks = {
-            f"{name}_s": np.percentile([spent[i] for spent in found["runs"]], [25, 50, 75]).tolist()
-            for i, name in enumerate(("wall", "cpu"))
-        }
-        return {
-            "values": found["values"] | {"dofs": found.get("dofs", 0)},
-            "times": clocks | {"runs": len(found["runs"])},
-        }
-    if kind == "cost":
-        return {"values": {"steps": found["steps"]}, "times": simulate.times(found)}
-    return {"values": simulate.quantities(found), "times": simulate.times(found)}
+        walls, cpus = (np.percentile(spent, [25, 50, 75]).tolist() for spent in zip(*found["runs"]))
+        times = {"wall_s": walls, "cpu_s": cpus, "runs": len(found["runs"])}
+        return {"values": found["values"], "times": times}
+    values = {"steps": found["steps"]} if case.about["kind"] == "cost" else simulate.quantities(found)
+    return {"values": values, "times": simulate.times(found)}
 
 
 @lru_cache

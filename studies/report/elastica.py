@@ -1,5 +1,4 @@
-"""A cantilever under its own weight by Reissner's beam (1972), to rounding: what rods with these stiffnesses converge
-to."""
+"""A cantilever under its own weight by Reissner's beam (1972), to rounding: what a rod without error gives."""
 
 import numpy as np
 

@@ -6,16 +6,13 @@ from typing import Any
 from nervure.resources import SCENES as FOLDER
 from studies import simulate
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
-from studies.show import form, markdown
-from studies.store import Data, Record
+from studies.store import Data
 
 SCENES = sorted(path.stem for path in FOLDER.glob("*.json"))
 
-STEPS = {"rod": 400, "fluid": 60}
-"""Communication steps of a run, of scenes without and with a fluid."""
+STEPS = {"rod": 400, "fluid": 60}  # Communication steps of a run, of scenes without and with a fluid
 REPEATS = 3
-WEAK = 1e9
-"""Relaxation time of a sponge that does nothing, s."""
+WEAK = 1e9  # Relaxation time of a sponge that does nothing, s
 COLUMNS = ("tip_ux", "tip_uy", "tip_vx", "tip_vy", "drag", "lift")
 
 Scene = dict[str, Any]
@@ -46,23 +43,6 @@ def parts(scene: Scene) -> Iterator[tuple[str, Scene]]:
         yield "four probes, read at every step", {"fluid.probes": fluid.get("probes", []) + probes}
 
 
-def absent(scene: Scene) -> list[str]:
-    """Parts that a scene can have and this one has not."""
-    fluid, rod, beam = (scene.get(name) or {} for name in ("fluid", "rod", "beam"))
-    material = next(iter(rod.get("material", {"": {}}).values()))
-    there = {"fluid": fluid}
-    there |= {
-        key.replace("_", " "): fluid.get(key)
-        for key in ("channel", "inflow", "mean_flow", "sponge", "cylinders", "probes")
-    }
-    there |= {"beam": beam, "rod": rod, "root motion": rod.get("root_motion")}
-    there |= {"third dimension": len(beam.get("root", {}).get("at", {}).get("direction", [0.0, 0.0])) == 3}
-    there |= {key: rod.get(key) for key in ("gravity", "damping")}
-    there |= {"shear": material.get("shear_factor") or material.get("shear_stiffness")}
-    there |= {"rest shape": beam.get("rest_angles"), "coupling": fluid and rod}
-    return [name for name, part in there.items() if not part]
-
-
 def cases() -> Iterator[Case]:
     for name in SCENES:
         scene = simulate.changed(name, {})
@@ -81,45 +61,46 @@ def cases() -> Iterator[Case]:
 def keep(case: Case, run: Run) -> dict[str, Any]:
     xml, variables = simulate.sizes(case.built())
     last = {f"last {name}": run.found["last"][name] for name in COLUMNS if name in run.found["last"]}
-    times = simulate.times(run.found) | {"memory_mb": run.found["memory_mb"], "steps": run.found["steps"]}
+    times = simulate.times(run.found) | {"steps": run.found["steps"]}
     return {"values": {"xml": xml, "variables": variables} | last, "times": times}
 
 
-def lacking(data: Data) -> list[str]:
-    return markdown(["scene", "has not"], [[name, ", ".join(absent(simulate.changed(name, {})))] for name in SCENES])
-
-
-def added(data: Data) -> list[str]:
-    """What a part adds to the scene without it."""
-    first = {
-        "XML": "{xml:.1f} kB",
-        "variables": "{variables:d}",
-        "memory": "{memory:.1f} MB",
-        "CPU a step": "{cpu:.1f} µs",
-    }
-    more = {name: text.replace(":", ":+") for name, text in first.items()} | {"CPU a step": "{cpu:+.0%}"}
-    more |= {"change of the result": "{change:.0e}"}
+def lacking(data: Data) -> list[dict[str, str]]:
+    """Parts that a scene can have and does not have."""
     rows = []
     for name in SCENES:
-        shipped = size_of(data[f"leave-out/{name}/as shipped"])
-        rows.append([name, "as shipped", *(form(text, shipped) for text in first.values()), ""])
-        for record in data.of(f"leave-out/{name}/*"):
-            if record.label in ("as shipped", "without shear"):
-                continue
-            plain = data.get(f"leave-out/{name}/without shear") if record.label == SPACE else None
-            own, base = size_of(record), size_of(plain) if plain else shipped
-            added = {key: own[key] - base[key] for key in ("xml", "variables", "memory")} | {
-                "cpu": own["cpu"] / base["cpu"] - 1
-            }
-            added["change"] = max(abs(own[q] - base[q]) / (abs(base[q]) or 1.0) for q in base if q.startswith("last"))
-            rows.append([name, record.label, *(form(text, added) for text in more.values())])
-    return markdown(["scene", "part", *more], rows)
+        scene = simulate.changed(name, {})
+        fluid, rod, beam = (scene.get(key) or {} for key in ("fluid", "rod", "beam"))
+        material = next(iter(rod.get("material", {"": {}}).values()))
+        there = {"fluid": fluid}
+        there |= {key: fluid.get(key) for key in ("channel", "inflow", "mean_flow", "sponge", "cylinders", "probes")}
+        there |= {"beam": beam, "rod": rod, "root_motion": rod.get("root_motion")}
+        there |= {"third dimension": len(beam.get("root", {}).get("at", {}).get("direction", ())) == 3}
+        there |= {key: rod.get(key) for key in ("gravity", "damping")}
+        there |= {"shear": material.get("shear_factor") or material.get("shear_stiffness")}
+        there |= {"rest shape": beam.get("rest_angles"), "coupling": fluid and rod}
+        rows.append({"scene": name, "not": ", ".join(key.replace("_", " ") for key, part in there.items() if not part)})
+    return rows
 
 
-def size_of(record: Record) -> dict[str, Any]:
-    """XML (kB), variables, memory (MB), CPU time a step (µs), and tip and forces at the end."""
-    cpu = 1e6 * (record.clock("cpu_s") or 0.0) / record.times["steps"]
-    return record.values | {"xml": record["xml"] / 1e3, "memory": record.times["memory_mb"], "cpu": cpu}
+def added(data: Data) -> list[dict[str, Any]]:
+    """What a part adds to the scene without it: XML (kB), variables, CPU time a step (µs), change of the result."""
+    rows = []
+    for record in data.of("leave-out/*"):
+        size = {"xml": record["xml"] / 1e3, "cpu": 1e6 * record["cpu_s"] / record["steps"]}
+        own = {name: value for name, value in record.values.items() if name != "xml"} | size
+        row = {"scene": record["scene"], "part": record["label"]}
+        if record["label"] in ("as shipped", "without shear"):
+            base = own
+            if record["label"] == "as shipped":
+                shipped = base
+                rows.append(row | {f"own {name}": value for name, value in own.items()})
+            continue
+        added = {key: own[key] - base[key] for key in ("xml", "variables")} | {"cpu": own["cpu"] / base["cpu"] - 1}
+        change = max(abs(own[q] - base[q]) / (abs(base[q]) or 1.0) for q in base if q.startswith("last"))
+        rows.append(row | added | {"change": change})
+        base = shipped
+    return rows
 
 
 STUDY = Study("leave-out", cases, keep)
