@@ -14,6 +14,7 @@ from mmap import mmap
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -64,8 +65,9 @@ class Run:
         self.recorder.record(done, done * STEP, 1)
 
     def write(self, done: int, _: float = 0.0) -> None:
-        summary = SimpleNamespace(document=lambda: {"steps": done})
-        results.write(self.folder, typed(SCENE), self.recorder, self.scheme, summary)
+        summary: Any = SimpleNamespace(document=lambda: {"steps": done})
+        recorded = self.recorder.series, self.recorder.units
+        results.write(results.Results(typed(SCENE), self.folder, summary, *recorded), self.scheme)
 
     def begin(self, folder: Path) -> None:
         """Be at the start again, with nothing but its checkpoint in `folder`."""
