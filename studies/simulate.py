@@ -180,7 +180,7 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         made = results.Results(typed(scene), folder, evaluated, recorder.series, recorder.units)
         timed(results.write, seconds, "output")(made, scheme)
         if pictures:
-            plots.write(folder, {scene["name"]: made})
+            plots.write(folder, [made])
             plots.vorticity(folder, made.scene, units, outcome.simulated)
         summary = evaluated.document()
         phases = summary["phases_s"]

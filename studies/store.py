@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from nervure.files import rounded, write_together
+from nervure.files import write_together
 from nervure.resources import ROOT
 from studies import machine, simulate
 from studies.engine import Case, Run, Study
@@ -189,6 +189,15 @@ class Data:
         }
         folder.mkdir(parents=True, exist_ok=True)
         write_together(folder, {name: partial(write, text + "\n") for name, text in texts.items()})
+
+
+def rounded(value: Any) -> Any:
+    """Numbers with eight digits, anywhere in `value`: what is beyond is noise, and makes a file twice as long."""
+    if isinstance(value, float):
+        return float(f"{value:.8g}")
+    if isinstance(value, dict):
+        return {key: rounded(part) for key, part in value.items()}
+    return [rounded(part) for part in value] if isinstance(value, list) else value
 
 
 def result_of(record: Record) -> tuple[Any, ...]:

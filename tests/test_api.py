@@ -104,7 +104,7 @@ def test_an_interruption_writes_what_there_is_and_leaves_the_handlers(falling, t
 
 def test_a_notebook_sees_one_line_that_moves(falling, tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("nervure.show.progress.TERMINAL_INTERVAL", 0.0)
-    console = Console(force_jupyter=True)
-    simulation.run(falling, tmp_path, {}, simulation.OutputOptions(), console, console)
+    monkeypatch.setattr(simulation, "Console", lambda **_: Console(force_jupyter=True))
+    nervure.run(falling, tmp_path)
     shown = capsys.readouterr().out
     assert shown.count("\r") == 100 and "\rt 0.010 of 0.01 s" in shown and "tip_uy" in shown

@@ -11,7 +11,6 @@ from contextlib import ExitStack, contextmanager
 
 import pytest
 from conftest import FSI3, TOOL, nervure, run_scene
-from rich.console import Console
 
 from nervure import results, simulation
 from nervure.errors import Refusal
@@ -184,7 +183,6 @@ def contents(folder):
 def test_results_that_cannot_be_written_leave_the_former_ones(result, rod_only, monkeypatch):
     folder = result("falling")
     before = contents(folder)
-    quiet = Console(quiet=True)
     write = results.write
 
     def when_full(*arguments):
@@ -193,7 +191,7 @@ def test_results_that_cannot_be_written_leave_the_former_ones(result, rod_only, 
 
     monkeypatch.setattr(results, "write", when_full)
     with ExitStack() as disk, pytest.raises(Refusal, match=f"results cannot be written into {folder}: File too large"):
-        simulation.run(typed(rod_only), folder, {}, simulation.OutputOptions(), quiet, quiet)
+        simulation.run(typed(rod_only), folder, {}, quiet=True)
     assert contents(folder) == before
 
 

@@ -62,9 +62,8 @@ def run(
     elif overrides := list(overrides):
         raise Refusal(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
     foreign = {"rod": rod_fmu, "fluid": fluid_fmu}
-    options = simulation.OutputOptions(checkpoint_every, fields_every)
     folder = None if output is None else Path(output)
-    done = Run(**vars(simulation.run(scene, folder, foreign, options, *simulation.consoles(quiet))))
+    done = Run(**vars(simulation.run(scene, folder, foreign, checkpoint_every, fields_every, quiet)))
     if done.summary.error is not None:
         raise RunError(done)
     if not done.summary.completed:

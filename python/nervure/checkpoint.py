@@ -18,15 +18,15 @@ import numpy as np
 
 from nervure.coupling import Single
 from nervure.errors import Refusal
+from nervure.files import write_whole
 from nervure.recorder import Recorder
 from nervure.scene import Scene
 from nervure.unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
 FORMAT = 4
-
-EXCHANGED = ("inputs", "outputs", "integers")
-"""The arrays of a unit that the next step or the next row may need."""
+About = dict[str, Any]  # What a checkpoint says in JSON, as a whole or of one thing
+EXCHANGED = ("inputs", "outputs", "integers")  # The arrays of a unit that the next step or the next row may need
 
 
 class CheckpointError(Refusal):
@@ -38,7 +38,7 @@ class Kept:
     """What a checkpoint holds."""
 
     path: Path
-    about: dict[str, Any]  # The scene, its set-up, the units' GUIDs, steps done and times
+    about: About  # The scene, its set-up, the units' GUIDs, steps done and times
     arrays: dict[str, np.ndarray]
 
 
@@ -65,13 +65,7 @@ class Checkpoint:
     """The checkpoint of a run in `folder`; to be made after the units are connected."""
 
     def __init__(
-        self,
-        folder: Path,
-        scene: Scene,
-        setup: dict[str, Any],
-        units: dict[str, Unit],
-        scheme: Single,
-        recorder: Recorder,
+        self, folder: Path, scene: Scene, setup: About, units: dict[str, Unit], scheme: Single, recorder: Recorder
     ):
         for unit in units.values():
             if not unit.can_serialize:
@@ -86,39 +80,37 @@ class Checkpoint:
         """Keep the run as it is after step `done`, at `wall` (s), so that a crash at any moment leaves this or the
         one before."""
         arrays = {"series": self.recorder.table[: self.recorder.rows]}
+        about: About = self.about | {"guids": {}, "done": done, "wall": wall, "seconds": {}}
         for kind, unit in self.units.items():
             arrays[f"{kind}_state"] = np.frombuffer(unit.serialize(), np.uint8)
             arrays |= {f"{kind}_{name}": getattr(unit, name) for name in EXCHANGED}
+            about["guids"][kind], about["seconds"][kind] = unit.description.guid, unit.seconds
         arrays |= {f"scheme_{name}": array for name, array in self.scheme.memory().items()}
-        about = self.about | {
-            "guids": {kind: unit.description.guid for kind, unit in self.units.items()},
-            "done": done,
-            "wall": wall,
-            "seconds": {kind: unit.seconds for kind, unit in self.units.items()},
-        }
         arrays["about"] = np.frombuffer(json.dumps(about).encode(), np.uint8)
-        unfinished = self.path.with_name(f"unfinished-{FILE}")
-        try:
-            with open(unfinished, "wb") as file:
+
+        def writer(path: Path) -> None:
+            with open(path, "wb") as file:
                 np.savez(file, allow_pickle=False, **arrays)
                 file.flush()
                 os.fsync(file.fileno())
-            unfinished.replace(self.path)
-        except OSError:
-            unfinished.unlink(missing_ok=True)
-            raise
-        _sync_folder(self.path.parent)
+
+        write_whole(self.path, writer)
+        if hasattr(os, "O_DIRECTORY"):  # where a folder can be opened, let the renaming reach the disk too
+            descriptor = os.open(self.path.parent, os.O_RDONLY | os.O_DIRECTORY)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
 
     def restore(self, kept: Kept) -> tuple[int, float]:
         """Put started units, scheme and recorder into the state that was kept; returns steps done and wall time (s)."""
         about, arrays = kept.about, kept.arrays
         for kind, unit in self.units.items():
-            if about["guids"][kind] != unit.description.guid:
+            here, there = unit.description.guid, about["guids"][kind]
+            if here != there:
                 raise CheckpointError(
-                    f"the checkpoint {kept.path} is of another {kind}: its GUID is {unit.description.guid} here, but "
-                    f"{about['guids'][kind]} there"
+                    f"the checkpoint {kept.path} is of another {kind}: its GUID is {here} here, but {there} there"
                 )
-        for kind, unit in self.units.items():
             try:
                 unit.deserialize(arrays[f"{kind}_state"].tobytes())
             except UnitError as error:
@@ -156,13 +148,3 @@ class Checkpoint:
 def clear(folder: Path) -> None:
     """Remove the checkpoint from `folder`."""
     (folder / FILE).unlink(missing_ok=True)
-
-
-def _sync_folder(folder: Path) -> None:
-    """Let the renaming of a file in `folder` reach the disk, on systems that can open a folder."""
-    if hasattr(os, "O_DIRECTORY"):
-        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)

@@ -1,9 +1,5 @@
 """All that the project does with scenes, from one command line.
 
-    nervure run fsi3-325x72 --end-time 1 --set fluid.mask.log_linear.c_eta=1e-4
-    nervure resume results/fsi3-325x72
-    nervure --help
-
 Here are the options of each command and what it prints; what it does is elsewhere in the package, and loaded when it is
 run: help and errors of the command line come at once.
 Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot be used, 130 interrupted.
@@ -20,12 +16,9 @@ from nervure.errors import Refusal
 from nervure.resources import SOURCE
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
     from nervure.evaluate.summary import Summary
 
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
-
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a shipped scene.")]
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="Result folder of a run.")]
 Overrides = Annotated[
@@ -53,7 +46,6 @@ def build(
     """Pack the units of a scene without running it; in the source tree, build both libraries before."""
     from nervure.pack import package
     from nervure.scene import kinds, read, typed
-    from nervure.simulation import default_folder
 
     document = read(scene_file)
     if SOURCE is not None:
@@ -69,7 +61,7 @@ def build(
             path = descriptions / f"fmu_{kind}.xml"
             path.write_text(package.describe(kind, scene), encoding="utf-8")
         else:
-            path = package.pack(kind, scene, output or default_folder(scene))
+            path = package.pack(kind, scene, output or Path("results") / scene.name)
         typer.echo(path)
 
 
@@ -94,11 +86,8 @@ def run(
     from nervure import simulation
     from nervure.scene import load
 
-    scene = load(scene_file, overrides or (), end_time)
-    options = simulation.OutputOptions(checkpoint_every, fields_every)
-    console, errors = simulation.consoles(quiet)
-    fmus = {"rod": rod_fmu, "fluid": fluid_fmu}
-    _exit(simulation.run(scene, output, fmus, options, console, errors).summary, errors)
+    scene, fmus = load(scene_file, overrides or (), end_time), {"rod": rod_fmu, "fluid": fluid_fmu}
+    _exit(simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet).summary)
 
 
 @app.command()
@@ -106,14 +95,13 @@ def resume(folder: Folder, quiet: Quiet = False) -> None:
     """Go on from the checkpoint in a result folder, with the scene, the units and the options of its run."""
     from nervure import simulation
 
-    console, errors = simulation.consoles(quiet)
-    _exit(simulation.resume(folder, console, errors).summary, errors)
+    _exit(simulation.resume(folder, quiet).summary)
 
 
-def _exit(summary: "Summary", errors: "Console") -> None:
+def _exit(summary: "Summary") -> None:
     """End the command with the exit code of a run."""
     if summary.error is not None:
-        errors.print(f"error: {summary.error}", markup=False)
+        _say_error(summary.error)
         raise typer.Exit(FAILED)
     if not summary.completed:
         raise typer.Exit(INTERRUPTED)
@@ -153,8 +141,7 @@ def plot(
     runs = [results.read(folder) for folder in folders]
     target = output or folders[0]
     target.mkdir(parents=True, exist_ok=True)
-    written = plots.write(target, results.labelled(runs))
-    if not written:
+    if not (written := plots.write(target, runs)):
         raise Refusal(f"{', '.join(map(str, folders))}: no tip, drag or lift was recorded")
     for path in written:
         typer.echo(path)
@@ -200,17 +187,17 @@ def sweep(
 
     The same command goes on where it was: what is finished is not run again.
     """
-    from nervure import simulation, sweep as sweeps
+    from rich.console import Console
+
+    from nervure import sweep as sweeps
     from nervure.scene import read
 
     scenes = [read(name, overrides or (), end_time) for name in scene_files]
     cases = sweeps.grid(scenes, [sweeps.values(text) for text in vary or []])
     folder = output or Path("results") / f"sweep-{sweeps.plain_name(scenes[0])}"
-    console, _ = simulation.consoles(quiet)
-    rows = sweeps.run(
-        cases, folder, scheduler, retry_failed, lambda text: console.print(text, markup=False, soft_wrap=True)
-    )
-    console.print(f"table in {folder / 'sweep.csv'}", soft_wrap=True)
+    console = Console(quiet=quiet, highlight=False, soft_wrap=True)
+    rows = sweeps.run(cases, folder, scheduler, retry_failed, lambda text: console.print(text, markup=False))
+    console.print(f"table in {folder / 'sweep.csv'}")
     if any(row["status"] != sweeps.FINISHED for row in rows):
         raise typer.Exit(FAILED)
 
@@ -244,7 +231,11 @@ def main() -> None:
     try:
         app()
     except Refusal as error:
-        from rich.console import Console
-
-        Console(stderr=True, highlight=False, soft_wrap=True).print(f"error: {error}", markup=False)
+        _say_error(error)
         sys.exit(REFUSED)
+
+
+def _say_error(error: object) -> None:
+    from rich.console import Console
+
+    Console(stderr=True, highlight=False, soft_wrap=True).print(f"error: {error}", markup=False)

@@ -38,15 +38,6 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     write_whole(path, writer)
 
 
-def rounded(value: Any) -> Any:
-    """Numbers with eight digits, anywhere in `value`: what is beyond is noise, and makes a file twice as long."""
-    if isinstance(value, float):
-        return float(f"{value:.8g}")
-    if isinstance(value, dict):
-        return {key: rounded(part) for key, part in value.items()}
-    return [rounded(part) for part in value] if isinstance(value, list) else value
-
-
 def json_numbers(value: Any) -> Any:
     """`value` with null for the numbers that JSON does not have: a run that failed can leave infinities."""
     if isinstance(value, dict):

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from rich.console import Console
@@ -13,49 +12,23 @@ from nervure.evaluate.summary import summarize
 from nervure.pack import package
 from nervure.scene import Scene, kinds, typed
 from nervure.show import fields
-from nervure.show.progress import Display, interruptible
+from nervure.show.progress import display, interruptible
 from nervure.show.table import print_table
-
-
-@dataclass(frozen=True)
-class OutputOptions:
-    """What a run writes besides its tables."""
-
-    checkpoint_every: float | None = None  # Wall time between checkpoints, min
-    fields_every: float | None = None  # Simulated time between fields, s
-
-
-@dataclass(frozen=True)
-class Setup:
-    """The units of a run and what it writes."""
-
-    fmus: dict[str, Path]
-    foreign: bool  # Whether one of them is not ours
-    options: OutputOptions
-
-
-def consoles(quiet: bool) -> tuple[Console, Console]:
-    """Where a run prints what it does, and what went wrong."""
-    return Console(quiet=quiet, highlight=False), Console(stderr=True, highlight=False, soft_wrap=True)
-
-
-def default_folder(scene: Scene) -> Path:
-    """results/NAME, for a scene that a unit has accepted."""
-    return Path("results") / scene.name
 
 
 def run(
     scene: Scene,
     folder: Path | None,
     foreign: Mapping[str, Path | None],
-    options: OutputOptions,
-    console: Console,
-    errors: Console,
+    checkpoint_every: float | None = None,
+    fields_every: float | None = None,
+    quiet: bool = False,
 ) -> results.Results:
-    """Run `scene` from its start into `folder` or results/NAME, with the FMUs `foreign` in the place of ours."""
+    """Run `scene` from its start into `folder` or results/NAME, with the FMUs `foreign` in the place of ours, minutes
+    of wall time between checkpoints and simulated seconds between fields."""
     for kind in kinds(scene):
         package.describe(kind, scene)
-    folder = folder or default_folder(scene)
+    folder = folder or Path("results") / scene.name
     if (folder / checkpoint.FILE).exists():
         raise Refusal(
             f"{folder} holds the checkpoint of a run that was stopped: `nervure resume {folder}` goes on; to begin "
@@ -65,57 +38,64 @@ def run(
         fmus = {kind: foreign.get(kind) or package.pack(kind, scene, folder) for kind in kinds(scene)}
     except OSError as error:
         raise Refusal(f"cannot write into the result folder {folder}: {error.strerror}") from error
-    return _execute(scene, Setup(fmus, any(foreign.values()), options), folder, None, console, errors)
+    options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every}
+    return _execute(scene, fmus, any(foreign.values()), options, folder, quiet)
 
 
-def resume(folder: Path, console: Console, errors: Console) -> results.Results:
+def resume(folder: Path, quiet: bool) -> results.Results:
     """Go on from the checkpoint in `folder` with the FMUs that the run had."""
     kept = checkpoint.read(folder)
-    about = kept.about["setup"]
-    setup = Setup(
-        {kind: folder / path for kind, path in about["fmus"].items()},
-        about["foreign"],
-        OutputOptions(**about["options"]),
-    )
-    for kind, path in setup.fmus.items():
+    setup = kept.about["setup"]
+    fmus = {kind: folder / path for kind, path in setup["fmus"].items()}
+    for kind, path in fmus.items():
         if not path.is_file():
             raise Refusal(f"the {kind} of the run in {folder} is not there any more: {path}")
-    return _execute(typed(kept.about["scene"]), setup, folder, kept, console, errors)
+    return _execute(typed(kept.about["scene"]), fmus, setup["foreign"], setup["options"], folder, quiet, kept)
 
 
 def _execute(
-    scene: Scene, setup: Setup, folder: Path, kept: checkpoint.Kept | None, console: Console, errors: Console
+    scene: Scene,
+    fmus: dict[str, Path],
+    foreign: bool,
+    options: dict[str, float | None],
+    folder: Path,
+    quiet: bool,
+    kept: checkpoint.Kept | None = None,
 ) -> results.Results:
-    """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder`."""
-    options = setup.options
+    """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder`;
+    `foreign` says that a unit is not ours."""
+    checkpoint_every, fields_every = options["checkpoint_every"], options["fields_every"]
+    console, errors = Console(quiet=quiet, highlight=False), Console(stderr=True, highlight=False, soft_wrap=True)
 
     def warn(message: str) -> None:
         errors.print(f"warning: {message}", markup=False)
 
     with ExitStack() as stack:
-        units, scheme, clock, recorder = master.assemble(scene, setup.fmus, stack, foreign=setup.foreign)
+        units, scheme, clock, recorder = master.assemble(scene, fmus, stack, foreign=foreign)
         if chosen := scheme.choice:
             text = f"load {chosen.load}: {chosen.load_reason}\nscheme {chosen.scheme}: {chosen.scheme_reason}"
             console.print(text, soft_wrap=True)
 
         done, wall, saved = 0, 0.0, None
         watchers: list[master.Watcher] = []
-        if options.checkpoint_every is not None:
-            inside = {kind: _inside(path, folder) for kind, path in setup.fmus.items()}
-            about = {"fmus": inside, "foreign": setup.foreign, "options": asdict(options)}
-            saved = checkpoint.Checkpoint(folder, scene, about, units, scheme, recorder)
+        if checkpoint_every is not None:
+            home, places = folder.resolve(), {kind: path.resolve() for kind, path in fmus.items()}
+            # The folder may be moved: what is in it is known from there.
+            inside = {kind: str(p.relative_to(home) if p.is_relative_to(home) else p) for kind, p in places.items()}
+            setup = {"fmus": inside, "foreign": foreign, "options": options}
+            saved = checkpoint.Checkpoint(folder, scene, setup, units, scheme, recorder)
             if kept is not None:
                 scheme.start()
                 done, wall = saved.restore(kept)
-        if options.fields_every is not None:
-            frames = fields.Fields(folder, scene, units, clock, options.fields_every, done)
+        if fields_every is not None:
+            frames = fields.Fields(folder, scene, units, clock, fields_every, done)
             stack.callback(frames.close)
             watchers.append(frames.watch(warn))
-        if saved and options.checkpoint_every is not None:
-            watchers.append(saved.every(options.checkpoint_every * 60, wall, warn))
+        if saved and checkpoint_every is not None:
+            watchers.append(saved.every(checkpoint_every * 60, wall, warn))
 
-        with interruptible() as stopping, Display(console, recorder, clock.end) as display:
-            status = master.run(scheme, clock, recorder, [*watchers, display.show], stopping, done, wall)
+        with interruptible() as stopping, display(console, recorder, clock.end) as show:
+            status = master.run(scheme, clock, recorder, [*watchers, show], stopping, done, wall)
         if saved and status.stopped and status.steps > 0:
             saved.try_to_save(status.steps, status.simulated, status.wall, warn)
 
@@ -125,9 +105,9 @@ def _execute(
         made = results.Results(scene, folder, summary, recorder.series, recorder.units)
         try:
             results.write(made, scheme)
-            if options.fields_every is None:
+            if fields_every is None:
                 fields.clear(folder)
-            plots.write(folder, {scene.name: made})
+            plots.write(folder, [made])
             if status.error is None:
                 plots.vorticity(folder, scene, units, status.simulated)
         except OSError as error:
@@ -139,9 +119,3 @@ def _execute(
     if status.completed:
         checkpoint.clear(folder)
     return made
-
-
-def _inside(path: Path, folder: Path) -> str:
-    """`path` from `folder`, which may be moved, or as a whole where it is not in it."""
-    path, folder = path.resolve(), folder.resolve()
-    return str(path.relative_to(folder) if path.is_relative_to(folder) else path)

@@ -20,9 +20,7 @@ from fmpy.logging import addLoggerProxy
 from nervure.errors import Refusal
 
 FMI_WARNING, FMI_FATAL = 1, 4
-ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")
-"""Categories of FMI 2.0 in which a unit says why it failed: some say it only when asked to."""
-
+ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of FMI 2.0: some units say only in these why they failed
 ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 
 
@@ -72,33 +70,26 @@ class Unit:
 
     def __init__(self, path: Path, name: str, stop_time: float):
         self.name = name
-        self.seconds = 0.0
-        """Wall time spent on steps and rollback, s."""
+        self.seconds = 0.0  # Wall time spent on steps and rollback
         self.fmu: Any = None
         self._folder: str | None = None
-        self.state = ctypes.c_void_p()
-        """Handle of the state that `save` keeps."""
+        self.state = ctypes.c_void_p()  # Handle of the state that `save` keeps
         _messages[name].clear()
-        try:
-            self.description = fmpy.read_model_description(str(path), validate=False)
-        except Exception as error:  # fmpy raises whatever zip and XML readers raise
-            raise UnitError(f"{path} cannot be read as an FMU: {error}") from error
+        self.description = read_description(path)
         if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
             raise UnitError(f"{path} is not a co-simulation unit of FMI 2.0")
         self.variables = variables_of(self.description)
+        self.can_roll_back = bool(self.description.coSimulation.canGetAndSetFMUstate)
+        self.can_serialize = self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
         try:
             self._folder = tempfile.mkdtemp()
             try:
                 fmpy.extract(str(path), self._folder)
             except OSError as error:
                 raise UnitError(f"{path} cannot be unpacked into {tempfile.gettempdir()}: {error.strerror}") from error
-            self.fmu = self._call(
-                FMU2Slave,
-                guid=self.description.guid,
-                unzipDirectory=self._folder,
-                modelIdentifier=self.description.coSimulation.modelIdentifier,
-                instanceName=name,
-            )
+            guid, model = self.description.guid, self.description.coSimulation.modelIdentifier
+            place = {"unzipDirectory": self._folder, "instanceName": name}
+            self.fmu = self._call(FMU2Slave, guid=guid, modelIdentifier=model, **place)
             self._call(self.fmu.instantiate, callbacks=_callbacks)
             categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
             if categories:
@@ -108,24 +99,7 @@ class Unit:
         except BaseException:
             self.close()
             raise
-        self._bind()
         self.connect([], [])
-
-    def _bind(self) -> None:
-        """Bind the calls of the loop to the C functions themselves: fmpy's wrappers build lists element by element."""
-
-        def function(name: str, *arguments: Any) -> Any:
-            bound = self.fmu.dll[name]
-            bound.argtypes = [ctypes.c_void_p, *arguments]
-            bound.restype = ctypes.c_int
-            return bound
-
-        self._component = self.fmu.component
-        pointer, size, real = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double
-        self._set_real = function("fmi2SetReal", pointer, size, pointer)
-        self._get_real = function("fmi2GetReal", pointer, size, pointer)
-        self._get_integer = function("fmi2GetInteger", pointer, size, pointer)
-        self._do_step = function("fmi2DoStep", real, real, ctypes.c_int)
 
     def connect(self, inputs: list[str], outputs: list[str]) -> None:
         """Choose the Real variables that `step` sets and gets, in this order.
@@ -133,50 +107,38 @@ class Unit:
         `outputs` holds them as far as `exchanged` goes, then the unit's scalar outputs, which are always fetched;
         `integers` holds the scalar Integer outputs; `slices` says where each of `outputs` is.
         """
-        self._alive: list[np.ndarray] = []
-        real_scalars, integer_scalars = self.scalars("Real"), self.scalars("Integer")
-        self.inputs, self._set_arguments = self._buffer(inputs, float)
-        self.outputs, self._get_arguments = self._buffer(outputs + real_scalars, float)
-        self.integers, self._get_integer_arguments = self._buffer(integer_scalars, np.intc)
-        sizes = [self.variables[name].size for name in outputs + real_scalars]
-        ends = np.cumsum(sizes, dtype=int).tolist()
-        self.slices = {name: slice(e - n, e) for name, n, e in zip(outputs + real_scalars, sizes, ends, strict=True)}
-        self.exchanged = self.outputs[: self.outputs.size - len(real_scalars)]
-        self.reals = self.outputs[self.exchanged.size :]
+        scalars = self.scalars("Real")
+        fetched = [*outputs, *scalars]
+        self.inputs, self._set_arguments = self._buffer(inputs, ctypes.c_double)
+        self.outputs, self._get_arguments = self._buffer(fetched, ctypes.c_double)
+        self.integers, self._get_integer_arguments = self._buffer(self.scalars("Integer"), ctypes.c_int)
+        ends = np.cumsum([self.variables[name].size for name in fetched], dtype=int).tolist()
+        self.slices = {name: slice(begin, end) for name, begin, end in zip(fetched, [0, *ends], ends, strict=False)}
+        self.exchanged, self.reals = np.split(self.outputs, [self.outputs.size - len(scalars)])
 
     def scalars(self, kind: str) -> list[str]:
         """Names of the scalar outputs of FMI type `kind`."""
         return [v.name for v in self.variables.values() if v.causality == "output" and v.kind == kind and v.size == 1]
 
-    def _buffer(self, names: list[str], dtype: type) -> tuple[np.ndarray, tuple[Any, ...]]:
-        """Start values of `names`, and the arguments with which the unit sets or gets them."""
-        references = [reference for name in names for reference in self.variables[name].references]
-        values: np.ndarray = np.array(
-            [float(start or 0) for name in names for start in self.variables[name].start], dtype
-        )
-        c_references = np.array(references, np.uintc)
-        self._alive += [c_references, values]  # what the addresses in the arguments point to
-        return values, (self._component, c_references.ctypes.data, len(references), values.ctypes.data)
-
-    def output(self, name: str) -> np.ndarray:
-        """View of one of `outputs`."""
-        view: np.ndarray = self.outputs[self.slices[name]]
-        return view
+    def _buffer(self, names: list[str], c_type: Any) -> tuple[np.ndarray, tuple[Any, ...]]:
+        """Start values of `names`, and the arguments of the C function that sets or gets them: those of fmpy's own
+        methods are lists, which are copied element by element."""
+        chosen = [self.variables[name] for name in names]
+        references = np.array([reference for variable in chosen for reference in variable.references], np.uintc)
+        values = np.array([float(start or 0) for variable in chosen for start in variable.start]).astype(c_type)
+        references_at = references.ctypes.data_as(ctypes.POINTER(ctypes.c_uint))
+        values_at = values.ctypes.data_as(ctypes.POINTER(c_type))
+        return values, (self.fmu.component, references_at, references.size, values_at)
 
     def set(self) -> None:
         """Hand `inputs` to the unit."""
-        status = self._set_real(*self._set_arguments)
-        if status > FMI_WARNING:
-            raise self._error("refused its inputs", status)
+        self._call(self.fmu.fmi2SetReal, *self._set_arguments, what="refused its inputs")
 
     def get(self) -> None:
         """Fetch `outputs` from the unit."""
-        status = self._get_real(*self._get_arguments)
-        if status > FMI_WARNING:
-            raise self._error("gave no outputs", status)
-        status = self._get_integer(*self._get_integer_arguments) if self.integers.size else 0
-        if status > FMI_WARNING:
-            raise self._error("gave no Integer outputs", status)
+        self._call(self.fmu.fmi2GetReal, *self._get_arguments, what="gave no outputs")
+        if self.integers.size:
+            self._call(self.fmu.fmi2GetInteger, *self._get_integer_arguments, what="gave no Integer outputs")
 
     def start(self) -> None:
         """Leave initialization mode."""
@@ -185,32 +147,16 @@ class Unit:
     def step(self, t: float, h: float) -> None:
         """Set the inputs, step from `t` to `t + h` (s), get the outputs."""
         self.set()
-        start = perf_counter()
-        status = self._do_step(self._component, t, h, 1)
-        self.seconds += perf_counter() - start
-        if status > FMI_WARNING:
-            raise self._error(f"failed in the step from t = {t:g} s to {t + h:g} s", status)
+        self._timed(self.fmu.doStep, t, h, what=f"failed in the step from t = {t:g} s to {t + h:g} s")
         self.get()
 
     def save(self) -> None:
         """Keep the unit's state for `restore`, in place of the one kept before."""
-        start = perf_counter()
-        self._call(self.fmu.fmi2GetFMUstate, self.fmu.component, ctypes.byref(self.state))
-        self.seconds += perf_counter() - start
+        self._timed(self.fmu.fmi2GetFMUstate, self.fmu.component, ctypes.byref(self.state))
 
     def restore(self) -> None:
         """Put the unit back into the state that was kept last."""
-        start = perf_counter()
-        self._call(self.fmu.setFMUstate, self.state)
-        self.seconds += perf_counter() - start
-
-    @property
-    def can_roll_back(self) -> bool:
-        return bool(self.description.coSimulation.canGetAndSetFMUstate)
-
-    @property
-    def can_serialize(self) -> bool:
-        return self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
+        self._timed(self.fmu.setFMUstate, self.state)
 
     def serialize(self) -> bytes:
         """The unit's whole state; replaces the one that `save` kept."""
@@ -235,19 +181,16 @@ class Unit:
 
     def shown_field(self, name: str) -> np.ndarray | None:
         """The same; None if the unit does not show it."""
-        try:
-            function = self.fmu.dll["fmu_field"]
-        except AttributeError:
+        function = getattr(self.fmu.dll, "fmu_field", None)
+        if function is None:
             return None
         size, pointer = ctypes.c_size_t, ctypes.c_void_p
         function.argtypes = [pointer, ctypes.c_char_p, pointer, size, pointer]
-        function.restype = ctypes.c_int
         shape = (size * 2)()
         if function(self.fmu.component, name.encode(), None, 0, shape) != 0:
             return None
         values = np.empty(tuple(shape))
-        if function(self.fmu.component, name.encode(), values.ctypes.data, values.size, shape) != 0:
-            return None
+        function(self.fmu.component, name.encode(), values.ctypes.data, values.size, shape)
         return values
 
     def close(self) -> None:
@@ -259,11 +202,16 @@ class Unit:
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
 
-    def _call(self, function: Callable[..., Any], *arguments: Any, **keywords: Any) -> Any:
+    def _timed(self, function: Callable[..., Any], *arguments: Any, what: str = "") -> None:
+        start = perf_counter()
+        self._call(function, *arguments, what=what)
+        self.seconds += perf_counter() - start
+
+    def _call(self, function: Callable[..., Any], *arguments: Any, what: str = "", **keywords: Any) -> Any:
         try:
             return function(*arguments, **keywords)
         except FMICallException as error:
-            raise self._error(f"failed: {error}", error.status) from error
+            raise self._error(what or f"failed: {error}", error.status) from error
         except Exception as error:  # fmpy raises plain exceptions where no instance or library comes about
             raise self._error(str(error)) from error
 
@@ -272,6 +220,14 @@ class Unit:
             self.fmu.component = None  # no function may be called for it any more, fmi2FreeInstance included
         said = "; ".join(dict.fromkeys(_messages[self.name]))
         return UnitError(f"{self.name}: {said or what}")
+
+
+def read_description(path: Path) -> Any:
+    """The model description of an FMU as fmpy has it."""
+    try:
+        return fmpy.read_model_description(str(path), validate=False)
+    except Exception as error:  # fmpy raises whatever zip and XML readers raise
+        raise UnitError(f"{path} cannot be read as an FMU: {error}") from error
 
 
 def variables_of(description: Any) -> dict[str, Variable]:
@@ -287,12 +243,7 @@ def variables_of(description: Any) -> dict[str, Variable]:
             raise UnitError(f"the array `{name}` of {description.modelName} is not counted from 1 to {len(elements)}")
         ordered = [elements[index] for index in sorted(elements)]
         first = ordered[0]
-        variables[name] = Variable(
-            name=name,
-            kind=first.type,
-            causality=first.causality,
-            unit=first.unit or (first.declaredType.unit if first.declaredType else None),
-            references=[scalar.valueReference for scalar in ordered],
-            start=[scalar.start for scalar in ordered],
-        )
+        unit = first.unit or (first.declaredType.unit if first.declaredType else None)
+        references, start = [scalar.valueReference for scalar in ordered], [scalar.start for scalar in ordered]
+        variables[name] = Variable(name, first.type, first.causality, unit, references, start)
     return variables

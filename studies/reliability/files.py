@@ -66,7 +66,8 @@ class Run:
 
     def write(self, done: int, _: float = 0.0) -> None:
         summary = SimpleNamespace(document=lambda: {"steps": done})
-        results.write(self.folder, typed(SCENE), self.recorder, self.scheme, summary)
+        made = results.Results(typed(SCENE), self.folder, summary, self.recorder.series, self.recorder.units)
+        results.write(made, self.scheme)
 
     def begin(self, folder: Path) -> None:
         """Be at the start again, with nothing but its checkpoint in `folder`."""

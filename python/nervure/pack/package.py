@@ -16,9 +16,7 @@ from nervure.scene import Document, Scene, document, kinds, text
 __all__ = ["KINDS", "describe", "kinds", "library", "merge", "pack", "write_archive"]
 
 COMPRESSION = zipfile.ZIP_DEFLATED
-
-ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
-"""Date of every file in an FMU, so that the same scene and library give the same bytes."""
+ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # Of every file in an FMU: the same scene and library give the same bytes
 
 
 def describe(kind: str, scene: Scene | Document) -> str:
@@ -58,14 +56,12 @@ def merge(sources: list[Path], target: Path) -> Path:
                 files = {name: archive.read(name) for name in archive.namelist()}
         except (OSError, zipfile.BadZipFile) as error:
             raise SceneError(f"{path} cannot be read as an FMU: {error}") from error
-        others = {name for name in contents.keys() ^ files.keys() if not name.startswith("binaries/")}
-        differing = sorted(
-            (others if contents else set())
-            | {name for name in contents.keys() & files.keys() if contents[name] != files[name]}
-        )
-        if differing:
+        both = contents.keys() & files.keys()
+        differing = {name for name in both if contents[name] != files[name]}
+        differing |= {name for name in contents.keys() ^ files.keys() if not name.startswith("binaries/")}
+        if contents and differing:
             raise SceneError(
-                f"{path} differs from {sources[0]} in {', '.join(differing)}: only other binaries are allowed"
+                f"{path} differs from {sources[0]} in {', '.join(sorted(differing))}: only other binaries are allowed"
             )
         contents |= files
     return write_archive(target, contents)

@@ -1,7 +1,6 @@
 """What people look at: pictures, fields, animations, tables, progress."""
 
-DISPLAY = {"m": ("mm", 1e3)}
-"""Units that people read in another scale."""
+DISPLAY = {"m": ("mm", 1e3)}  # Units that people read in another scale
 
 
 def shown_in(unit: str | None) -> tuple[str, float]:

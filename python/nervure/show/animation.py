@@ -15,73 +15,43 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
+from nervure import results
 from nervure.errors import Refusal
 from nervure.evaluate import statistics
-from nervure.evaluate.summary import main_signal
 from nervure.files import write_whole
 from nervure.scene import typed
-from nervure.scene.types import Fluid
 from nervure.show import fields, plots
 
-PERIODS = 2
-"""Whole periods that the animation shows, unless times are asked for."""
-
+PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
 PHASES = 4
-
-SHAPES = 24
-"""Most shapes of a rod alone that motion.png shows."""
-
-WIDTH, DPI = 9.0, 100
-"""Width of the animation, in, and points an inch."""
-
-FRAME_MS = 60
-"""How long a frame is shown, ms."""
-
-GREYS = 32
-"""Colours of the animation's palette that are left to text, axes and solids; the other ones are the colour scale's."""
+SHAPES = 24  # Most shapes of a rod alone that motion.png shows
+WIDTH, DPI = 9.0, 100  # Width of the animation, in, and points an inch
+FRAME_MS = 60  # How long a frame is shown, ms
+GREYS = 32  # Colours of the palette for text, axes and solids; the other ones are the colour scale's
 
 
 class Frames:
     """The frames of a result folder: times (s), vorticity and the beam's outline."""
 
     def __init__(self, folder: Path):
-        self.folder = folder
         alone = not (folder / fields.FLUID).exists() and (folder / fields.BEAM).exists()
         self.fluid: Any = None if alone else h5py.File(folder / fields.FLUID)
         first: Any = h5py.File(folder / fields.BEAM) if alone else self.fluid
-        self.scene = typed(json.loads(first[fields.SCENE][()]))
+        scene = typed(json.loads(first[fields.SCENE][()]))
+        self.flow: Any = scene.fluid
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
-        self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if self.scene.beam else None
-
-    @property
-    def flow(self) -> Fluid:
-        """The fluid of the scene, where there are fields of it."""
-        if self.scene.fluid is None:
-            raise Refusal(f"{self.folder} holds fields of a fluid that its scene does not have")
-        return self.scene.fluid
+        self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if scene.beam else None
 
     def vorticity(self, frame: int) -> np.ndarray:
-        stored: np.ndarray = self.fluid["VTKHDF/PointData/vorticity"][frame]
-        return stored.T
+        return np.array(self.fluid["VTKHDF/PointData/vorticity"][frame]).T
 
     def points(self, frame: int) -> np.ndarray:
         """Outline of the beam in the plane, its centre line in space, `[n, 3]`."""
         n = self.beam["NumberOfPoints"][0]
-        points: np.ndarray = self.beam["Points"][frame * n : (frame + 1) * n]
-        return points
+        return np.array(self.beam["Points"][frame * n : (frame + 1) * n])
 
     def outline(self, frame: int) -> np.ndarray | None:
         return None if self.beam is None else self.points(frame)[:, :2]
-
-    def window(self) -> statistics.Window | None:
-        """The periods of the run's main signal; None without a record of it, or if it has none."""
-        if not (self.folder / "series.csv").is_file():
-            return None
-        table = np.genfromtxt(self.folder / "series.csv", delimiter=",", names=True)
-        series = {name: table[name] for name in table.dtype.names or ()}
-        main = main_signal(series)
-        window = statistics.find_window(series["time"], series[main]) if main else None
-        return window if window and window.periods else None
 
     def between(self, begin: float, end: float) -> list[int]:
         """Frames of the times from `begin` up to `end`, without `end` itself."""
@@ -95,8 +65,11 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
         raise Refusal(f"{folder} holds no fields, which a run writes with --fields-every: {error}") from error
-    window = frames.window()
-    if window:
+    try:
+        window = results.read(folder).summary.window
+    except Refusal:
+        window = None
+    if window and window.periods:
         looped, last = window.last(PERIODS), window.last(1)
     else:
         looped = last = statistics.Window(0.0, float(frames.times[-1]) * (1 + 1e-9), 0)
@@ -110,9 +83,8 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
         shown = chosen if begin is not None or end is not None else frames.between(last.begin, last.end)
         write_whole(folder / "motion.png", lambda path: motion(frames, shown, path))
         return [folder / "motion.png"]
-    limit = plots.vorticity_limit(
-        frames.flow, [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
-    )
+    sampled = [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
+    limit = plots.vorticity_limit(frames.flow, sampled)
 
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
@@ -151,9 +123,8 @@ def motion(frames: Frames, chosen: list[int], path: Path) -> None:
         for number, colour in zip(shown, colours, strict=True):
             axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
         axis.set(xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]", aspect="equal")
-    figure.suptitle(
-        f"t = {frames.times[chosen[0]]:.3f} s (dark) to {frames.times[chosen[-1]]:.3f} s", fontsize="medium"
-    )
+    begin, end = frames.times[chosen[0]], frames.times[chosen[-1]]
+    figure.suptitle(f"t = {begin:.3f} s (dark) to {end:.3f} s", fontsize="medium")
     figure.savefig(path, dpi=150)
 
 

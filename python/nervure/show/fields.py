@@ -12,16 +12,13 @@ from typing import Any
 import numpy as np
 
 from nervure.errors import SceneError
-from nervure.master import Clock
+from nervure.master import Clock, Watcher
 from nervure.scene import Scene, text
 from nervure.scene.types import Beam as SceneBeam, Fluid
 from nervure.unit import Unit
 
-FLUID, BEAM = "fields.vtkhdf", "beam.vtkhdf"
-FILES = (FLUID, BEAM)
-SCENE = "scene"
-"""Dataset with the text of the scene, outside of what VTK reads."""
-
+FILES = FLUID, BEAM = "fields.vtkhdf", "beam.vtkhdf"
+SCENE = "scene"  # Dataset with the text of the scene, outside of what VTK reads
 CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
@@ -64,7 +61,7 @@ class Fields:
         if scene.beam:
             self.files.append(Beam(folder / BEAM, scene, scene.beam, units, frames, known))
 
-    def watch(self, warn: Callable[[str], None]) -> Callable[[int, float, float], None]:
+    def watch(self, warn: Callable[[str], None]) -> Watcher:
         """Watcher of a run. Where the disk does not take a frame, the run goes on and the files end there."""
 
         def watch(done: int, time: float, _wall: float) -> None:
@@ -89,10 +86,7 @@ class Series:
     def __init__(self, path: Path, scene: Scene, frames: int, known: int):
         import h5py  # only here: a run without fields does not need it
 
-        self.path = path
-        if known:
-            self._continue(h5py, scene, frames, known)
-        else:
+        if not known:
             self.file = h5py.File(path, "w")
             self.file.create_dataset(SCENE, data=np.bytes_(text(scene).encode()))
             self.root = self.file.create_group("VTKHDF")
@@ -100,24 +94,19 @@ class Series:
             self.steps = self.root.create_group("Steps")
             self.steps.attrs["NSteps"] = 0
             self.times = self.steps.create_dataset("Values", (0,), float, maxshape=(frames,), chunks=(frames,))
-
-    def _continue(self, h5py: Any, scene: Scene, frames: int, known: int) -> None:
+            return
         try:
-            self.file = h5py.File(self.path, "r+")
+            self.file = h5py.File(path, "r+")
             self.root = self.file["VTKHDF"]
-            self.steps = self.root["Steps"]
-            self.times = self.steps["Values"]
+            self.steps, self.times = self.root["Steps"], self.root["Steps/Values"]
             fits = self.file[SCENE][()].decode() == text(scene) and self.times.maxshape == (frames,)
         except (OSError, KeyError) as error:
-            raise SceneError(f"the fields in {self.path} cannot be continued: {error}") from error
+            raise SceneError(f"the fields in {path} cannot be continued: {error}") from error
         if not fits or len(self.times) < known:
             raise SceneError(
-                f"the fields in {self.path} cannot be continued: another scene or --fields-every, or frames are missing"
+                f"the fields in {path} cannot be continued: another scene or --fields-every, or frames are missing"
             )
         self._count(known)
-
-    def _kind(self, name: str) -> None:
-        self.root.attrs["Type"] = np.bytes_(name)
 
     def _place(self, group: Any, name: str, shape: tuple[int, ...]) -> Any:
         """A dataset of single precision whose room is laid out now and filled later."""
@@ -147,11 +136,9 @@ class Grid(Series):
         if not known:
             nx, ny = fluid.field("u").shape
             (x0, x1), (y0, y1) = flow.box.x, flow.box.y
-            self._kind("ImageData")
-            self.root.attrs["WholeExtent"] = (0, nx - 1, 0, ny - 1, 0, 0)
-            self.root.attrs["Origin"] = (x0, y0, 0.0)
-            self.root.attrs["Spacing"] = ((x1 - x0) / nx, (y1 - y0) / ny, 1.0)
-            self.root.attrs["Direction"] = np.eye(3).ravel()
+            spacing = (x1 - x0) / nx, (y1 - y0) / ny, 1.0
+            self.root.attrs.update(Type=np.bytes_("ImageData"), WholeExtent=(0, nx - 1, 0, ny - 1, 0, 0))
+            self.root.attrs.update(Origin=(x0, y0, 0.0), Spacing=spacing, Direction=np.eye(3).ravel())
             data = self.root.create_group("PointData")
             for name, components in (("velocity", (3,)), ("vorticity", ()), ("pressure", ())):
                 self._place(data, name, (frames, ny, nx, *components))
@@ -160,10 +147,9 @@ class Grid(Series):
 
     def write(self, frame: int, time: float) -> None:
         """Put the fluid's fields at `time` (s) into place number `frame`."""
-        u, v = self.fluid.field("u").T, self.fluid.field("v").T
+        u, v, omega, p = (self.fluid.field(name).T for name in ("u", "v", "vorticity", "p"))
         self.data["velocity"][frame] = np.stack([u, v, np.zeros_like(u)], axis=-1)
-        self.data["vorticity"][frame] = self.fluid.field("vorticity").T
-        self.data["pressure"][frame] = self.fluid.field("p").T
+        self.data["vorticity"][frame], self.data["pressure"][frame] = omega, p
         self._count(frame + 1, time)
 
 
@@ -175,7 +161,7 @@ class Beam(Series):
         self.units, self.thickness = units, beam.thickness
         if not known:
             n = len(self._points())
-            self._kind("PolyData")
+            self.root.attrs["Type"] = np.bytes_("PolyData")
             self.root["NumberOfPoints"] = np.full(1, n)
             self._place(self.root, "Points", (frames * n, 3))
             shape = "Polygons" if stations(units).shape[1] == 2 else "Lines"
@@ -194,10 +180,7 @@ class Beam(Series):
 
     def _points(self) -> np.ndarray:
         points = stations(self.units)
-        if points.shape[1] == 3:
-            return points
-        corners = outline(points, self.thickness)
-        return np.column_stack([corners, np.zeros(len(corners))])
+        return points if points.shape[1] == 3 else np.pad(outline(points, self.thickness), ((0, 0), (0, 1)))
 
     def write(self, frame: int, time: float) -> None:
         """Put the beam at `time` (s) into place number `frame`."""

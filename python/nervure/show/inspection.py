@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from contextlib import ExitStack
 from pathlib import Path
 
-import fmpy
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -18,7 +17,7 @@ from nervure.pack import package
 from nervure.scene import kinds, load
 from nervure.show import fields
 from nervure.show.table import print_table
-from nervure.unit import UnitError, Variable, variables_of
+from nervure.unit import UnitError, read_description, variables_of
 
 FLAGS = (
     "canHandleVariableCommunicationStepSize",
@@ -33,8 +32,7 @@ FLAGS = (
 )
 """What a co-simulation unit says of itself (FMI 2.0.4, section 4.3.1)."""
 
-PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "probes")
-"""What can be in a fluid."""
+PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "probes")  # What can be in a fluid
 
 
 def _print(console: Console, title: str, rows: Iterable[tuple[str, str]]) -> None:
@@ -47,15 +45,11 @@ def _print(console: Console, title: str, rows: Iterable[tuple[str, str]]) -> Non
 
 def show_unit(console: Console, path: Path) -> None:
     """Model, flags, and the variables by arrays."""
-    try:
-        description = fmpy.read_model_description(str(path), validate=False)
-        with zipfile.ZipFile(path) as archive:
-            platforms = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
-    except Exception as error:  # fmpy raises whatever zip and XML readers raise
-        raise UnitError(f"{path} cannot be read as an FMU: {error}") from error
+    description = read_description(path)
+    with zipfile.ZipFile(path) as archive:
+        platforms = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
     if description.coSimulation is None:
         raise UnitError(f"{path} is not a co-simulation unit")
-    experiment = description.defaultExperiment
     rows = [
         ("description", description.description or ""),
         ("made by", " ".join(filter(None, (description.generationTool, description.version)))),
@@ -63,22 +57,17 @@ def show_unit(console: Console, path: Path) -> None:
         ("GUID", description.guid),
         ("flags", "\n".join(f"{flag} {getattr(description.coSimulation, flag, None)}" for flag in FLAGS)),
     ]
-    if experiment:
+    if experiment := description.defaultExperiment:
         rows.insert(3, ("experiment", f"to {experiment.stopTime} s in steps of {experiment.stepSize} s"))
     _print(console, description.modelName, rows)
-    table = Table(box=None, padding=(0, 1))
-    for heading in ("variable", "causality", "type", "unit", "start"):
-        table.add_column(heading)
+    table = Table("variable", "causality", "type", "unit", "start", box=None, padding=(0, 1))
     for variable in variables_of(description).values():
-        table.add_row(*map(escape, _described(variable)))
+        starts = list(dict.fromkeys(start for start in variable.start if start is not None))
+        name = f"{variable.name}[1 … {variable.size}]" if variable.size > 1 else variable.name
+        start = starts[0] if len(starts) == 1 else f"{starts[0]} … {starts[-1]}" if starts else ""
+        cells = name, variable.causality or "", variable.kind, variable.unit or "", start
+        table.add_row(*map(escape, cells))
     console.print(table)
-
-
-def _described(variable: Variable) -> tuple[str, str, str, str, str]:
-    starts = list(dict.fromkeys(start for start in variable.start if start is not None))
-    name = f"{variable.name}[1 … {variable.size}]" if variable.size > 1 else variable.name
-    start = starts[0] if len(starts) == 1 else f"{starts[0]} … {starts[-1]}" if starts else ""
-    return name, variable.causality or "", variable.kind, variable.unit or "", start
 
 
 def show_scene(console: Console, path: Path) -> None:
@@ -93,44 +82,30 @@ def show_scene(console: Console, path: Path) -> None:
         for i in range(min(2, clock.steps)):  # the second one has a history as well
             scheme.step(*clock.step(i))
         resident = _resident()
-        memory = resident - before if resident is not None and before is not None else None
         stations = len(fields.stations(units)) if scene.beam else 0
 
     rows = [("description", scene.description)] if scene.description else []
-    rows += [
-        ("units", " and ".join(fmus)),
-        ("time", f"to {clock.end:g} s, {clock.steps} steps of {clock.communication_step:g} s"),
-    ]
+    rows.append(("units", " and ".join(fmus)))
+    rows.append(("time", f"to {clock.end:g} s, {clock.steps} steps of {clock.communication_step:g} s"))
     if fluid := scene.fluid:
         (nx, ny), (x0, x1), (y0, y1) = fluid.box.cells, fluid.box.x, fluid.box.y
-        parts = [name for name in PARTS if getattr(fluid, name)]
-        rows += [
-            ("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"),
-            ("in it", ", ".join(name.replace("_", " ") for name in parts) or "nothing"),
-        ]
+        rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
+        rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     if beam := scene.beam:
-        size = f"{beam.length:g} x {beam.thickness:g} m"
-        rows.append(("beam", f"{size}, {beam.segments} segments, {stations} stations"))
-    if scheme.choice:
-        chosen = scheme.choice
-        rows += [
-            ("load", f"{chosen.load}: {chosen.load_reason}"),
-            ("scheme", f"{chosen.scheme}: {chosen.scheme_reason}"),
-        ]
+        rows.append(("beam", f"{beam.length:g} x {beam.thickness:g} m, {beam.segments} segments, {stations} stations"))
+    if chosen := scheme.choice:
+        rows.append(("load", f"{chosen.load}: {chosen.load_reason}"))
+        rows.append(("scheme", f"{chosen.scheme}: {chosen.scheme_reason}"))
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
-    if memory is not None:
-        total = memory + recorder.table.nbytes
-        rows.append(("memory", f"about {total / 1e6:.0f} MB for units and record, beside Python's own"))
+    if memory := resident and resident - before + recorder.table.nbytes:
+        rows.append(("memory", f"about {memory / 1e6:.0f} MB for units and record, beside Python's own"))
     _print(console, scene.name, rows)
 
 
-def _resident() -> int | None:
-    """Resident memory of this process, bytes; None where the system does not tell."""
-    try:
-        pages = Path("/proc/self/statm").read_text(encoding="utf-8").split()[1]
-    except OSError:
-        return None
-    return int(pages) * os.sysconf("SC_PAGE_SIZE")
+def _resident() -> int:
+    """Resident memory of this process, bytes; 0 where the system does not tell."""
+    pages = Path("/proc/self/statm")
+    return int(pages.read_text(encoding="utf-8").split()[1]) * os.sysconf("SC_PAGE_SIZE") if pages.exists() else 0
 
 
 def show_results(console: Console, folder: Path) -> None:
@@ -150,6 +125,5 @@ def show_results(console: Console, folder: Path) -> None:
         console.print(f"revision {revision}, {summary.machine.cpu}", markup=False, soft_wrap=True)
     if stopped:
         about = checkpoint.read(folder).about
-        reached = f"checkpoint after {about['done']} steps, {about['wall']:.0f} s of wall time"
-        text = f"{reached}: `nervure resume {folder}` goes on"
-        console.print(text, markup=False, soft_wrap=True)
+        text = f"checkpoint after {about['done']} steps, {about['wall']:.0f} s of wall time"
+        console.print(f"{text}: `nervure resume {folder}` goes on", markup=False, soft_wrap=True)

@@ -1,7 +1,7 @@
 """Pictures of a run: tip, drag and lift over time, and the vorticity around the solids at its end."""
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -20,30 +20,25 @@ from nervure.show import shown_in
 from nervure.show.fields import outline, stations
 from nervure.unit import Unit
 
-BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
-"""Colours that colour-blind readers tell apart (Okabe & Ito 2008)."""
-
-VORTICITY_PERCENTILE = 99.0
-"""Part of the picture's points, in percent, whose vorticity lies inside the colour scale."""
-
-COLOUR_MAP = "RdBu_r"
-"""Diverging, white at 0, and the same to colour-blind readers."""
-
+BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-blind readers tell apart (Okabe & Ito 2008)
+VORTICITY_PERCENTILE = 99.0  # Part of the picture's points, in percent, whose vorticity lies inside the colour scale
+COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 COLOURS = (BLUE, ORANGE, GREEN)
-
 SOLID = "0.55"
 
 
-def write(folder: Path, runs: Mapping[str, Results]) -> list[Path]:
+def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     """Write tip.png, drag.png and lift.png, as far as a run has such an output, with the bands that are published of
-    the first run's scene; several `runs`, by their labels, over each other. Of one run coefficients.png and
-    flapping.png besides, where it has what they show. Returns what was written."""
-    first, *others = runs.values()
+    the first run's scene; several `runs` over each other, by the names of their folders, or by their paths where those
+    are the same. Of one run coefficients.png and flapping.png too. Returns what was written."""
+    first, *others = runs
+    named = {run.folder.resolve().name: run for run in runs}
+    labelled = named if len(named) == len(runs) else {str(run.folder): run for run in runs}
     written = []
     for file, wanted in (("tip", ("tip_ux", "tip_uy", "tip_uz")), ("drag", ("drag",)), ("lift", ("lift",))):
-        columns = [column for column in wanted if any(column in run.series for run in runs.values())]
+        columns = [column for column in wanted if any(column in run.series for run in runs)]
         if columns:
-            written.append(_save(over_time(runs, columns, first.scene.reference), folder / f"{file}.png"))
+            written.append(_save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.png"))
     return written if others else [*written, *cylinder(folder, first), *driven_root(folder, first)]
 
 
@@ -60,9 +55,8 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
             axis.plot(run.series["time"], run.series[column] * scale, linewidth=0.8, **look)
         band = reference.quantities.get(column) if reference else None
         if reference and band and band.mean is not None and band.amplitude is not None:
-            axis.axhspan(
-                (band.mean - band.amplitude) * scale, (band.mean + band.amplitude) * scale, color="0.85", zorder=0
-            )
+            low, high = band.mean - band.amplitude, band.mean + band.amplitude
+            axis.axhspan(low * scale, high * scale, color="0.85", zorder=0)
             axes[0, 0].set_title(f"grey: mean ± amplitude of {reference.source}", fontsize="small")
         axis.set_ylabel(f"{column.replace('_', ' ')} [{unit or '1'}]")
         axis.margins(x=0)
@@ -82,25 +76,19 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
     published = coefficients.published(run.scene.reference)
     window = run.summary.window.last(statistics.MIN_PERIODS)
     part = window.of(time)
-    if window.periods:
-        lines: tuple[str, ...] = ("max", "min")
-        layout: list[Any] = [["cd", "orbit"], ["cl", "orbit"]]
-    else:
-        lines, layout = ("mean",), [["cd"], ["cl"]]
+    lines = ("max", "min") if window.periods else ("mean",)
+    layout: list[Any] = [["cd", "orbit"], ["cl", "orbit"]] if window.periods else [["cd"], ["cl"]]
     figure = Figure(figsize=(12 if window.periods else 8, 5), layout="constrained")
     axes = figure.subplot_mosaic(layout, width_ratios=[1.6, 1] if window.periods else None)
     for name, label, colour in (("cd", "$c_D$", BLUE), ("cl", "$c_L$", ORANGE)):
         axes[name].plot(time, curves[name], color=colour, linewidth=0.8)
         levels = [published[f"{name}_{what}"] for what in lines if f"{name}_{what}" in published]
-        for level in levels:
-            axes[name].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
+        for where, level in product([name, "orbit"] if window.periods and name == "cd" else [name], levels):
+            axes[where].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
         low, high = min([curves[name][part].min(), *levels]), max([curves[name][part].max(), *levels])
         margin = max(0.5 * (high - low), 0.02 * abs(high))
         axes[name].set(ylabel=label, ylim=(low - margin, high + margin), xlim=(0, time[-1]))
         axes[name].axvspan(window.begin, window.end, color="0.93", zorder=0)
-        if window.periods and name == "cd":
-            for level in levels:
-                axes["orbit"].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
     axes["cl"].set_xlabel("time [s]")
     if window.periods:
         axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
@@ -140,18 +128,14 @@ def driven_root(folder: Path, run: Results) -> list[Path]:
         ("damping_power", -1, "by damping"),
     ]
     starts = np.searchsorted(phase, np.arange(window.periods + 1))
-    per_depth = "" if "tip_uz" in series else "/m"
-    for place, curves, title, unit in (
-        ("force", forces, told, f"N{per_depth}"),
-        ("power", powers, "power", f"W{per_depth}"),
-    ):
+    for place, curves, title, unit in (("force", forces, told, "N"), ("power", powers, "power", "W")):
         shown = [curve for curve in curves if curve[0] in series and series[curve[0]].any()]
         for (column, sign, label), colour in zip(shown, COLOURS, strict=False):
             values = sign * series[column][part]
             for begin, end in pairwise(starts):
                 look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
                 axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
-        axes[place].set(xlabel="t/T", ylabel=f"[{unit}]", title=title)
+        axes[place].set(xlabel="t/T", ylabel=f"[{unit}]" if "tip_uz" in series else f"[{unit}/m]", title=title)
     for axis in axes.values():
         axis.legend(fontsize="small")
     figure.suptitle(f"{window.periods} periods from t = {window.begin:.3g} s, the last one dark", fontsize="small")
@@ -178,15 +162,9 @@ def draw_vorticity(axis: Axes, fluid: Fluid, field: np.ndarray, corners: np.ndar
     those of the beam."""
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
-    picture = axis.imshow(
-        field.T,
-        origin="lower",
-        extent=(x0 - half_x, x1 - half_x, y0 - half_y, y1 - half_y),
-        cmap=COLOUR_MAP,
-        vmin=-limit,
-        vmax=limit,
-        interpolation="bilinear",
-    )
+    extent = (x0 - half_x, x1 - half_x, y0 - half_y, y1 - half_y)
+    look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": -limit, "vmax": limit, "interpolation": "bilinear"}
+    picture = axis.imshow(field.T, origin="lower", extent=extent, **look)
     for cylinder in fluid.cylinders:
         if cylinder.motion is None:
             axis.add_patch(Circle(cylinder.center, cylinder.radius, color=SOLID))
