@@ -12,13 +12,8 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-SHIPPED = (
-    "scenes",
-    *(f"fmu-{kind}/{name}" for kind in ("rod", "fluid") for name in ("model.png", "documentation.html")),
-    "modelDescription/scene.schema.json",
-    "LICENSE-MIT",
-    "LICENSE-APACHE",
-)
+SHIPPED = ["scenes", "modelDescription/scene.schema.json", "LICENSE-MIT", "LICENSE-APACHE"]
+SHIPPED += [f"fmu-{kind}/{name}" for kind in ("rod", "fluid") for name in ("model.png", "documentation.html")]
 
 
 class Units(BuildHookInterface):  # type: ignore[type-arg]

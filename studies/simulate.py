@@ -166,7 +166,8 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         made = results.Results(typed(scene), folder, evaluated, recorder.series, recorder.units)
         results.write(made, scheme)
         if pictures:
-            plots.write(folder, {scene["name"]: made})
+            plots.write(folder, [made])
+            plots.vorticity(folder, made.scene, units, outcome.simulated)
         summary = evaluated.document()
         phases = summary["phases_s"]
         phases["python"] = phases.pop("exchange_and_python") - seconds["fmi"] - seconds["recording"]

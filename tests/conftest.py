@@ -11,6 +11,7 @@ from contextlib import ExitStack, chdir, redirect_stderr, redirect_stdout
 from pathlib import Path
 from unittest.mock import patch
 
+import numpy as np
 import pytest
 
 from nervure import coupling
@@ -132,6 +133,11 @@ def start(instantiate):
         return scheme
 
     return make
+
+
+def output(unit: Unit, name: str) -> np.ndarray:
+    """View of one of a unit's outputs."""
+    return unit.outputs[unit.slices[name]]
 
 
 TOOL = [sys.executable, "-m", "nervure"]

@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import run_scene
+from conftest import output, run_scene
 from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
@@ -137,7 +137,7 @@ def test_frequency_and_decay_in_the_analytic_fluid(still, own, open_unit, foreig
     for t, h in map(clock.step, range(clock.steps)):
         coupled.step(t, h)
         times.append(t + h)
-        tip.append(rod.output("tip.uy")[0])
+        tip.append(output(rod, "tip.uy")[0])
 
     beam, added = density * THICKNESS, FLUID_DENSITY * math.pi * LENGTH / 4
     in_vacuo = FIRST_MODE**2 / LENGTH**2 * math.sqrt(BENDING_STIFFNESS / beam)

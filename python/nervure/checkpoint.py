@@ -25,7 +25,7 @@ from nervure.unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
 FORMAT = 4
-
+About = dict[str, Any]  # What a checkpoint says in JSON, as a whole or of one thing
 EXCHANGED = ("inputs", "outputs", "integers")  # The arrays of a unit that the next step or the next row may need
 
 
@@ -38,7 +38,7 @@ class Kept:
     """What a checkpoint holds."""
 
     path: Path
-    about: dict[str, Any]  # The scene, its set-up, the units' GUIDs, steps done and times
+    about: About  # The scene, its set-up, the units' GUIDs, steps done and times
     arrays: dict[str, np.ndarray]
 
 
@@ -65,13 +65,7 @@ class Checkpoint:
     """The checkpoint of a run in `folder`; to be made after the units are connected."""
 
     def __init__(
-        self,
-        folder: Path,
-        scene: Scene,
-        setup: dict[str, Any],
-        units: dict[str, Unit],
-        scheme: Single,
-        recorder: Recorder,
+        self, folder: Path, scene: Scene, setup: About, units: dict[str, Unit], scheme: Single, recorder: Recorder
     ):
         for unit in units.values():
             if not unit.can_serialize:
@@ -86,16 +80,12 @@ class Checkpoint:
         """Keep the run as it is after step `done`, at `wall` (s), so that a crash at any moment leaves this or the
         one before."""
         arrays = {"series": self.recorder.table[: self.recorder.rows]}
+        about: About = self.about | {"guids": {}, "done": done, "wall": wall, "seconds": {}}
         for kind, unit in self.units.items():
             arrays[f"{kind}_state"] = np.frombuffer(unit.serialize(), np.uint8)
             arrays |= {f"{kind}_{name}": getattr(unit, name) for name in EXCHANGED}
+            about["guids"][kind], about["seconds"][kind] = unit.description.guid, unit.seconds
         arrays |= {f"scheme_{name}": array for name, array in self.scheme.memory().items()}
-        about = self.about | {
-            "guids": {kind: unit.description.guid for kind, unit in self.units.items()},
-            "done": done,
-            "wall": wall,
-            "seconds": {kind: unit.seconds for kind, unit in self.units.items()},
-        }
         arrays["about"] = np.frombuffer(json.dumps(about).encode(), np.uint8)
 
         def writer(path: Path) -> None:

@@ -1,9 +1,5 @@
 """All that the project does with scenes, from one command line.
 
-    nervure run fsi3-325x72 --end-time 1 --set fluid.mask.log_linear.c_eta=1e-4
-    nervure resume results/fsi3-325x72
-    nervure --help
-
 Here are the options of each command and what it prints; what it does is elsewhere in the package, and loaded when it is
 run: help and errors of the command line come at once.
 Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot be used, 130 interrupted.
@@ -23,7 +19,6 @@ if TYPE_CHECKING:
     from nervure.evaluate.summary import Summary
 
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
-
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a shipped scene.")]
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="Result folder of a run.")]
 Overrides = Annotated[
@@ -51,7 +46,6 @@ def build(
     """Pack the units of a scene without running it; in the source tree, build both libraries before."""
     from nervure.pack import package
     from nervure.scene import kinds, read, typed
-    from nervure.simulation import default_folder
 
     document = read(scene_file)
     if SOURCE is not None:
@@ -67,7 +61,7 @@ def build(
             path = descriptions / f"fmu_{kind}.xml"
             path.write_text(package.describe(kind, scene), encoding="utf-8")
         else:
-            path = package.pack(kind, scene, output or default_folder(scene))
+            path = package.pack(kind, scene, output or Path("results") / scene.name)
         typer.echo(path)
 
 
@@ -147,8 +141,7 @@ def plot(
     runs = [results.read(folder) for folder in folders]
     target = output or folders[0]
     target.mkdir(parents=True, exist_ok=True)
-    written = plots.write(target, results.labelled(runs))
-    if not written:
+    if not (written := plots.write(target, runs)):
         raise Refusal(f"{', '.join(map(str, folders))}: no tip, drag or lift was recorded")
     for path in written:
         typer.echo(path)

@@ -13,17 +13,14 @@ from pathlib import Path
 from nervure.errors import SceneError
 from nervure.resources import ROOT, SOURCE
 
-KINDS = ("rod", "fluid")
-"""The units that a scene can have; unit KIND is the library and the model identifier `fmu_KIND`."""
-
-SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+KINDS = ("rod", "fluid")  # Units that a scene can have; unit KIND is the library and the model identifier `fmu_KIND`
+PREFIX, SUFFIX = {"win32": ("", ".dll"), "darwin": ("lib", ".dylib")}.get(sys.platform, ("lib", ".so"))
 
 
 def library(kind: str) -> Path:
     """Path of the library of unit `kind`: that of the wheel, or as cargo built it in the source tree."""
-    prefix = "" if sys.platform == "win32" else "lib"
     built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-    path = (built if SOURCE else ROOT / "binaries") / f"{prefix}fmu_{kind}{SUFFIX}"
+    path = (built if SOURCE else ROOT / "binaries") / f"{PREFIX}fmu_{kind}{SUFFIX}"
     if not path.is_file():
         raise SceneError(f"the library {path} is not built; `make build` or `nervure build SCENE.json` builds it")
     return path
@@ -33,15 +30,12 @@ def describe(kind: str, text: str) -> str:
     """modelDescription.xml of unit `kind` for the text of a scene, or `SceneError` with the unit's words."""
     function = ctypes.CDLL(str(library(kind)))["fmu_model_description"]
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
-    function.restype = ctypes.c_int
-    needed = ctypes.c_size_t(1 << 16)
+    needed, buffer = ctypes.c_size_t(1 << 16), ctypes.create_string_buffer(1)
     with tempfile.TemporaryDirectory() as resources:
         Path(resources, "scene.json").write_text(text, encoding="utf-8")
-        capacity = 0
-        while capacity < needed.value:
-            capacity = needed.value
-            buffer = ctypes.create_string_buffer(capacity)
-            refused = function(os.fsencode(resources), buffer, capacity, ctypes.byref(needed))
+        while len(buffer) < needed.value:
+            buffer = ctypes.create_string_buffer(needed.value)
+            refused = function(os.fsencode(resources), buffer, len(buffer), ctypes.byref(needed))
     said = buffer.value.decode("utf-8")
     if refused:
         raise SceneError(said)

@@ -32,9 +32,7 @@ def git_revision() -> Revision | None:
         return None
 
     def git(*arguments: str) -> str:
-        return subprocess.run(
-            ["git", *arguments], cwd=SOURCE, capture_output=True, text=True, check=True
-        ).stdout.strip()
+        return subprocess.check_output(["git", *arguments], cwd=SOURCE, stderr=subprocess.DEVNULL, text=True).strip()
 
     try:
         changed = git("status", "--porcelain", "--untracked-files=no", "--", ":!docs", ":!README.md")

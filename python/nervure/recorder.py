@@ -9,9 +9,7 @@ from nervure.unit import Unit
 
 MAX_ROWS = 200_000  # A run of more steps is recorded at every second, third, … step, so that the table stays below this
 KINDS = ("Real", "Integer")  # FMI types of the outputs that are recorded, in the order of the columns of a unit
-Series = Mapping[str, np.ndarray]
-"""Recorded values over time, by column."""
-
+Series = Mapping[str, np.ndarray]  # Recorded values over time, by column
 PUNCTUATION = re.compile(r"[.\[\]]+")
 
 
@@ -41,10 +39,7 @@ class Recorder:
         """Add a row if step number `step` is one that is recorded."""
         if step % self.stride:
             return
-        values = [time]
-        for scalars in self._scalars:
-            values += scalars.tolist()
-        self.table[self.rows] = [*values, iterations]
+        self.table[self.rows] = [time, *(value for scalars in self._scalars for value in scalars.tolist()), iterations]
         self.rows += 1
 
     def resume(self, table: np.ndarray) -> None:

@@ -44,17 +44,16 @@ def read(folder: Path) -> Results:
         with open(folder / "series.csv", encoding="utf-8") as file:
             columns = file.readline().strip().split(",")
             table = np.loadtxt(file, delimiter=",", ndmin=2)
+        known = TypeAdapter(Summary).validate_python(summary)
     except OSError as error:
         missing = Path(error.filename).name
         raise Refusal(f"{folder} holds no results: {missing}: {error.strerror}; `nervure run` makes them") from error
+    except ValidationError as error:
+        raise Refusal(f"the results in {folder} are damaged, or of another version: summary.json: {error}") from error
     except ValueError as error:
         raise Refusal(f"the results in {folder} are damaged: {error}") from error
     if table.shape[1] != len(columns):
         raise Refusal(f"the results in {folder} are damaged: series.csv has rows of another length than its header")
-    try:
-        known = TypeAdapter(Summary).validate_python(summary)
-    except ValidationError as error:
-        raise Refusal(f"the results in {folder} are damaged, or of another version: summary.json: {error}") from error
     return Results(scene, folder, known, dict(zip(columns, table.T, strict=True)), known.series)
 
 
@@ -75,9 +74,3 @@ def write(run: Results, scheme: Single) -> None:
     write_together(run.folder, writers)
     for name in {*FILES, *FURTHER_FILES} - writers.keys():
         (run.folder / name).unlink(missing_ok=True)
-
-
-def labelled(runs: list[Results]) -> dict[str, Results]:
-    """`runs` by the names of their folders, or by their paths where those are the same."""
-    named = {run.folder.resolve().name: run for run in runs}
-    return named if len(named) == len(runs) else {str(run.folder): run for run in runs}

@@ -16,11 +16,6 @@ from nervure.show.progress import display, interruptible
 from nervure.show.table import print_table
 
 
-def default_folder(scene: Scene) -> Path:
-    """results/NAME, for a scene that a unit has accepted."""
-    return Path("results") / scene.name
-
-
 def run(
     scene: Scene,
     folder: Path | None,
@@ -33,7 +28,7 @@ def run(
     of wall time between checkpoints and simulated seconds between fields."""
     for kind in kinds(scene):
         package.describe(kind, scene)
-    folder = folder or default_folder(scene)
+    folder = folder or Path("results") / scene.name
     if (folder / checkpoint.FILE).exists():
         raise Refusal(
             f"{folder} holds the checkpoint of a run that was stopped: `nervure resume {folder}` goes on; to begin "
@@ -43,7 +38,8 @@ def run(
         fmus = {kind: foreign.get(kind) or package.pack(kind, scene, folder) for kind in kinds(scene)}
     except OSError as error:
         raise Refusal(f"cannot write into the result folder {folder}: {error.strerror}") from error
-    return _execute(scene, fmus, any(foreign.values()), folder, checkpoint_every, fields_every, quiet)
+    options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every}
+    return _execute(scene, fmus, any(foreign.values()), options, folder, quiet)
 
 
 def resume(folder: Path, quiet: bool) -> results.Results:
@@ -54,22 +50,21 @@ def resume(folder: Path, quiet: bool) -> results.Results:
     for kind, path in fmus.items():
         if not path.is_file():
             raise Refusal(f"the {kind} of the run in {folder} is not there any more: {path}")
-    scene, foreign = typed(kept.about["scene"]), setup["foreign"]
-    return _execute(scene, fmus, foreign, folder, **setup["options"], quiet=quiet, kept=kept)
+    return _execute(typed(kept.about["scene"]), fmus, setup["foreign"], setup["options"], folder, quiet, kept)
 
 
 def _execute(
     scene: Scene,
     fmus: dict[str, Path],
     foreign: bool,
+    options: dict[str, float | None],
     folder: Path,
-    checkpoint_every: float | None,
-    fields_every: float | None,
     quiet: bool,
     kept: checkpoint.Kept | None = None,
 ) -> results.Results:
     """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder`;
     `foreign` says that a unit is not ours."""
+    checkpoint_every, fields_every = options["checkpoint_every"], options["fields_every"]
     console, errors = Console(quiet=quiet, highlight=False), Console(stderr=True, highlight=False, soft_wrap=True)
 
     def warn(message: str) -> None:
@@ -84,8 +79,9 @@ def _execute(
         done, wall, saved = 0, 0.0, None
         watchers: list[master.Watcher] = []
         if checkpoint_every is not None:
-            inside = {kind: _inside(path, folder) for kind, path in fmus.items()}
-            options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every}
+            home, places = folder.resolve(), {kind: path.resolve() for kind, path in fmus.items()}
+            # The folder may be moved: what is in it is known from there.
+            inside = {kind: str(p.relative_to(home) if p.is_relative_to(home) else p) for kind, p in places.items()}
             setup = {"fmus": inside, "foreign": foreign, "options": options}
             saved = checkpoint.Checkpoint(folder, scene, setup, units, scheme, recorder)
             if kept is not None:
@@ -111,7 +107,7 @@ def _execute(
             results.write(made, scheme)
             if fields_every is None:
                 fields.clear(folder)
-            plots.write(folder, {scene.name: made})
+            plots.write(folder, [made])
             if status.error is None:
                 plots.vorticity(folder, scene, units, status.simulated)
         except OSError as error:
@@ -123,9 +119,3 @@ def _execute(
     if status.completed:
         checkpoint.clear(folder)
     return made
-
-
-def _inside(path: Path, folder: Path) -> str:
-    """`path` from `folder`, which may be moved, or as a whole where it is not in it."""
-    path, folder = path.resolve(), folder.resolve()
-    return str(path.relative_to(folder) if path.is_relative_to(folder) else path)

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
@@ -26,13 +26,9 @@ from nervure.files import json_numbers, write_csv, write_whole
 from nervure.library import library
 from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, typed
 
-Row = dict[str, Any]
-"""What the table has of a run, by column."""
-
+Row = dict[str, Any]  # What the table has of a run, by column
 ROW = "row.json"
-FINISHED, FAILED, KILLED = "finished", "failed", "killed"
-"""How a run ended: at its end; by a refusal or an error; with its worker, as often as it was tried."""
-
+FINISHED, FAILED, KILLED = "finished", "failed", "killed"  # Killed: with its worker, as often as it was tried
 CONNECT_S = 5  # How long a scheduler has to answer, s
 STATISTICS = ("mean", "amplitude", "frequency_hz")
 REPORTED = ("simulated_s", "steps", "periods", "amplitude_drift", "iterations_mean")
@@ -72,7 +68,7 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
     keys = [key for key, _ in variations]
     if len(set(keys)) < len(keys):
         raise SceneError(f"the variations name a key twice: {', '.join(keys)}")
-    digests: dict[str, bytes] = {}
+    library_digest = cache(lambda kind: hashlib.sha256(library(kind).read_bytes()).digest())
     cases: dict[str, Case] = {}
     for base in scenes:
         for combination in itertools.product(*(listed for _, listed in variations)):
@@ -81,9 +77,7 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
                 assign(scene, key, copy.deepcopy(value))
             digest = hashlib.sha256(text(scene).encode())
             for kind in kinds(scene):
-                if kind not in digests:
-                    digests[kind] = hashlib.sha256(library(kind).read_bytes()).digest()
-                digest.update(digests[kind])
+                digest.update(library_digest(kind))
             case = Case(scene, varied, digest.hexdigest())
             cases[case.folder] = case
     return list(cases.values())
@@ -129,17 +123,15 @@ def run(
     say(f"{len(cases)} runs, {len(todo)} to do, into {folder}")
     try:
         _collect(folder, rows)
-        if todo:
-            for case, result in _distributed(todo, folder, scheduler):
-                row = {"folder": case.folder, "scene": case.scene.get("name"), **case.varied, **result, "key": case.key}
-                rows[case.folder] = row
-                (folder / case.folder).mkdir(exist_ok=True)
-                line = json.dumps(row) + "\n"
-                write_whole(folder / case.folder / ROW, partial(Path.write_text, data=line))
-                _collect(folder, rows)
-                changes = ", ".join(f"{key}={json.dumps(value)}" for key, value in case.varied.items())
-                told = row["reason"] or f"in {row['wall_s']:.1f} s"
-                say(f"{row['scene']} {changes}: {row['status']} {told}")
+        for case, result in _distributed(todo, folder, scheduler) if todo else ():
+            row = {"folder": case.folder, "scene": case.scene.get("name"), **case.varied, **result, "key": case.key}
+            rows[case.folder] = row
+            (folder / case.folder).mkdir(exist_ok=True)
+            write_whole(folder / case.folder / ROW, partial(Path.write_text, data=json.dumps(row) + "\n"))
+            _collect(folder, rows)
+            changes = ", ".join(f"{key}={json.dumps(value)}" for key, value in case.varied.items())
+            told = row["reason"] or f"in {row['wall_s']:.1f} s"
+            say(f"{row['scene']} {changes}: {row['status']} {told}")
     except OSError as error:
         raise Refusal(f"cannot write into {folder}: {error.strerror or error}") from error
     return [row for row in rows.values() if row]
@@ -155,14 +147,9 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None) -> Iter
         if scheduler is None:
             from dask.system import CPU_COUNT
 
-            cluster = distributed.LocalCluster(
-                n_workers=min(CPU_COUNT, len(cases)),
-                threads_per_worker=1,
-                memory_limit=None,
-                dashboard_address="127.0.0.1:0",
-                silence_logs=logging.CRITICAL,
-            )
-            scheduler = stack.enter_context(cluster)
+            quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
+            workers = {"n_workers": min(CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
+            scheduler = stack.enter_context(distributed.LocalCluster(**workers, **quiet))
         try:
             client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
         except (OSError, ValueError) as error:

@@ -21,10 +21,7 @@ from fmpy.logging import addLoggerProxy
 from nervure.errors import Refusal
 
 FMI_WARNING, FMI_FATAL = 1, 4
-
-ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")
-"""Categories of FMI 2.0 in which a unit says why it failed: some say it only when asked to."""
-
+ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of FMI 2.0: some units say only in these why they failed
 ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 
 
@@ -83,19 +80,17 @@ class Unit:
         if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
             raise UnitError(f"{path} is not a co-simulation unit of FMI 2.0")
         self.variables = variables_of(self.description)
+        self.can_roll_back = bool(self.description.coSimulation.canGetAndSetFMUstate)
+        self.can_serialize = self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
         try:
             self._folder = tempfile.mkdtemp()
             try:
                 fmpy.extract(str(path), self._folder)
             except OSError as error:
                 raise UnitError(f"{path} cannot be unpacked into {tempfile.gettempdir()}: {error.strerror}") from error
-            self.fmu = self._call(
-                FMU2Slave,
-                guid=self.description.guid,
-                unzipDirectory=self._folder,
-                modelIdentifier=self.description.coSimulation.modelIdentifier,
-                instanceName=name,
-            )
+            guid, model = self.description.guid, self.description.coSimulation.modelIdentifier
+            place = {"unzipDirectory": self._folder, "instanceName": name}
+            self.fmu = self._call(FMU2Slave, guid=guid, modelIdentifier=model, **place)
             self._call(self.fmu.instantiate, callbacks=_callbacks)
             categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
             if categories:
@@ -132,13 +127,9 @@ class Unit:
         chosen = [self.variables[name] for name in names]
         references = np.array([reference for variable in chosen for reference in variable.references], np.uintc)
         values = np.array([float(start or 0) for variable in chosen for start in variable.start]).astype(c_type)
-        pointers = references.ctypes.data_as(POINTER(ctypes.c_uint)), values.ctypes.data_as(POINTER(c_type))
-        return values, (self.fmu.component, pointers[0], references.size, pointers[1])
-
-    def output(self, name: str) -> np.ndarray:
-        """View of one of `outputs`."""
-        view: np.ndarray = self.outputs[self.slices[name]]
-        return view
+        references_at = references.ctypes.data_as(ctypes.POINTER(ctypes.c_uint))
+        values_at = values.ctypes.data_as(ctypes.POINTER(c_type))
+        return values, (self.fmu.component, references_at, references.size, values_at)
 
     def set(self) -> None:
         """Hand `inputs` to the unit."""
@@ -168,14 +159,6 @@ class Unit:
         """Put the unit back into the state that was kept last."""
         self._timed(self.fmu.setFMUstate, self.state)
 
-    @property
-    def can_roll_back(self) -> bool:
-        return bool(self.description.coSimulation.canGetAndSetFMUstate)
-
-    @property
-    def can_serialize(self) -> bool:
-        return self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
-
     def serialize(self) -> bytes:
         """The unit's whole state; replaces the one that `save` kept."""
         self.save()
@@ -204,13 +187,11 @@ class Unit:
             return None
         size, pointer = ctypes.c_size_t, ctypes.c_void_p
         function.argtypes = [pointer, ctypes.c_char_p, pointer, size, pointer]
-        function.restype = ctypes.c_int
         shape = (size * 2)()
         if function(self.fmu.component, name.encode(), None, 0, shape) != 0:
             return None
         values = np.empty(tuple(shape))
-        if function(self.fmu.component, name.encode(), values.ctypes.data, values.size, shape) != 0:
-            return None
+        function(self.fmu.component, name.encode(), values.ctypes.data, values.size, shape)
         return values
 
     def close(self) -> None:

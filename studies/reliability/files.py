@@ -65,9 +65,9 @@ class Run:
         self.recorder.record(done, done * STEP, 1)
 
     def write(self, done: int, _: float = 0.0) -> None:
-        summary: Any = SimpleNamespace(document=lambda: {"steps": done})
-        recorded = self.recorder.series, self.recorder.units
-        results.write(results.Results(typed(SCENE), self.folder, summary, *recorded), self.scheme)
+        summary = SimpleNamespace(document=lambda: {"steps": done})
+        made = results.Results(typed(SCENE), self.folder, summary, self.recorder.series, self.recorder.units)
+        results.write(made, self.scheme)
 
     def begin(self, folder: Path) -> None:
         """Be at the start again, with nothing but its checkpoint in `folder`."""

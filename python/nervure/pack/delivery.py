@@ -34,9 +34,9 @@ def write(scene: Scene, folder: Path) -> None:
     needed = {kind: glibc(package.library(kind)) for kind in kinds}
     for kind, version in needed.items():
         if sys.platform == "linux" and version > OLDEST_GLIBC:
+            newer, oldest = (".".join(map(str, each)) for each in (version, OLDEST_GLIBC))
             raise SceneError(
-                f"the library of the {kind} needs glibc {'.'.join(map(str, version))}, but "
-                f"{'.'.join(map(str, OLDEST_GLIBC))} is to suffice; `make dist` builds it so"
+                f"the library of the {kind} needs glibc {newer}, but {oldest} is to suffice; `make dist` builds it so"
             )
     unfinished = folder.with_name(folder.name + ".unfinished")
     shutil.rmtree(unfinished, ignore_errors=True)

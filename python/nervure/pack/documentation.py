@@ -3,9 +3,9 @@
 from html import escape
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import quoteattr
 
 from lxml import etree
+from lxml.builder import E
 
 from nervure.resources import ROOT
 
@@ -50,17 +50,12 @@ def page(kind: str, description: str) -> str:
 
 def terminals(description: str) -> str:
     """terminalsAndIcons.xml (FMI 3.0): each array of inputs or outputs is a terminal with its elements as members."""
-    lines = []
+    listed = []
     for name, scalars in _arrays(description).items():
-        if scalars[0].get("name") == name or scalars[0].get("causality") not in ("input", "output"):
-            continue
-        text = quoteattr(scalars[0].get("description"))
-        lines.append(f'    <Terminal name={quoteattr(name)} matchingRule="plug" description={text}>')
-        for scalar in scalars:
-            name = quoteattr(scalar.get("name"))
-            lines.append(f'      <TerminalMemberVariable variableName={name} memberName={name} variableKind="signal"/>')
-        lines.append("    </Terminal>")
-    if lines:
-        lines = ["  <Terminals>", *lines, "  </Terminals>"]
-    head = ['<?xml version="1.0" encoding="UTF-8"?>', '<fmiTerminalsAndIcons fmiVersion="3.0">']
-    return "\n".join([*head, *lines, "</fmiTerminalsAndIcons>"]) + "\n"
+        if scalars[0].get("name") != name and scalars[0].get("causality") in ("input", "output"):
+            members = [scalar.get("name") for scalar in scalars]
+            elements = [E.TerminalMemberVariable(variableName=m, memberName=m, variableKind="signal") for m in members]
+            about = {"name": name, "matchingRule": "plug", "description": scalars[0].get("description")}
+            listed.append(E.Terminal(*elements, **about))
+    root = E.fmiTerminalsAndIcons(*([E.Terminals(*listed)] if listed else []), fmiVersion="3.0")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{etree.tostring(root, encoding="unicode", pretty_print=True)}'

@@ -16,9 +16,7 @@ from nervure.scene import Document, Scene, document, kinds, text
 __all__ = ["KINDS", "describe", "kinds", "library", "merge", "pack", "write_archive"]
 
 COMPRESSION = zipfile.ZIP_DEFLATED
-
-ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)
-"""Date of every file in an FMU, so that the same scene and library give the same bytes."""
+ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # Of every file in an FMU: the same scene and library give the same bytes
 
 
 def describe(kind: str, scene: Scene | Document) -> str:

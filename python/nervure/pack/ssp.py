@@ -5,6 +5,7 @@ from pathlib import Path
 
 import fmpy
 from lxml import etree
+from lxml.builder import ElementMaker
 
 from nervure.errors import SceneError
 from nervure.pack import package
@@ -16,33 +17,26 @@ SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 
 def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     """SystemStructure.ssd of the units `fmus` by name: every input is connected with the output of the same name."""
-    root = etree.Element(
-        f"{{{SSD}}}SystemStructureDescription", nsmap={"ssd": SSD, "ssc": SSC}, version="1.0", name=name
-    )
-    # A name of SSP is an identifier in some readers.
-    system = etree.SubElement(root, f"{{{SSD}}}System", name=re.sub(r"\W", "_", name))
-    elements = etree.SubElement(system, f"{{{SSD}}}Elements")
-    outputs: dict[str, str] = {}
-    inputs: list[tuple[str, str]] = []
+    names = {"ssd": SSD, "ssc": SSC}
+    ssd, ssc = ElementMaker(namespace=SSD, nsmap=names), ElementMaker(namespace=SSC, nsmap=names)
+    components, outputs, inputs = [], dict[str, str](), list[tuple[str, str]]()
     for unit, path in fmus.items():
+        variables = fmpy.read_model_description(str(path), validate=False).modelVariables
+        outputs |= {v.name: unit for v in variables if v.causality == "output"}
+        inputs += [(v.name, unit) for v in variables if v.causality == "input"]
+        exchanged = [v for v in variables if v.causality in ("input", "output")]
+        connectors = [ssd.Connector(ssc(v.type), name=v.name, kind=v.causality) for v in exchanged]
         about = {"name": unit, "type": "application/x-fmu-sharedlibrary", "source": f"resources/{path.name}"}
-        component = etree.SubElement(elements, f"{{{SSD}}}Component", **about)
-        connectors = etree.SubElement(component, f"{{{SSD}}}Connectors")
-        for variable in fmpy.read_model_description(str(path), validate=False).modelVariables:
-            if variable.causality == "output":
-                outputs[variable.name] = unit
-            elif variable.causality == "input":
-                inputs.append((variable.name, unit))
-            else:
-                continue
-            connector = etree.SubElement(connectors, f"{{{SSD}}}Connector", name=variable.name, kind=variable.causality)
-            etree.SubElement(connector, f"{{{SSC}}}{variable.type}")
-    connections = etree.SubElement(system, f"{{{SSD}}}Connections")
-    for variable, unit in inputs:
-        if source := outputs.get(variable):
-            ends = {"startElement": source, "startConnector": variable, "endElement": unit, "endConnector": variable}
-            etree.SubElement(connections, f"{{{SSD}}}Connection", **ends)
-    etree.SubElement(root, f"{{{SSD}}}DefaultExperiment", startTime="0.0", stopTime=repr(float(end)))
+        components.append(ssd.Component(ssd.Connectors(*connectors), **about))
+    connections = [
+        ssd.Connection(startElement=outputs[variable], startConnector=variable, endElement=unit, endConnector=variable)
+        for variable, unit in inputs
+        if variable in outputs
+    ]
+    # A name of SSP is an identifier in some readers.
+    system = ssd.System(ssd.Elements(*components), ssd.Connections(*connections), name=re.sub(r"\W", "_", name))
+    experiment = ssd.DefaultExperiment(startTime="0.0", stopTime=repr(float(end)))
+    root = ssd.SystemStructureDescription(system, experiment, version="1.0", name=name)
     return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True))
 
 

@@ -16,14 +16,11 @@ from pydantic import ValidationError
 from nervure.errors import SceneError
 from nervure.library import KINDS, describe
 from nervure.resources import SCENES
-from nervure.scene.part import Part
 from nervure.scene.types import Scene
 
-__all__ = ["Document", "Part", "Scene", "SceneError", "assign", "document", "json_or_text", "kinds", "load"]
-__all__ += ["override", "read", "text", "typed"]
+__all__ = ["Document", "Scene", "assign", "document", "kinds", "load", "override", "read", "text", "typed"]
 
-Document = dict[str, Any]
-"""A scene as JSON has it, which no unit need have seen."""
+Document = dict[str, Any]  # A scene as JSON has it, which no unit need have seen
 
 
 def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Document:
@@ -100,9 +97,8 @@ def json_or_text(value: str) -> Any:
 def assign(scene: Document, key: str, value: Any) -> None:
     """Set one value of `scene` by its dotted path, in which a number is an index into a list. A last key that does not
     exist is added: whether it is allowed is for the units to say."""
-    parents: list[Any]
-    last: Any
-    *parents, last = [int(part) if part.isdecimal() else part for part in key.split(".")]
+    path: list[Any] = [int(part) if part.isdecimal() else part for part in key.split(".")]
+    *parents, last = path
     target: Any = scene
     try:
         for part in parents:

@@ -33,12 +33,11 @@ class Part(BaseModel):
 
     def document(self) -> dict[str, Any]:
         """What was given, as JSON has it, without defaults: a file stays as short as its author wrote it."""
-        given = {}
-        for name, field in type(self).model_fields.items():
-            value = getattr(self, name)
-            if name in self.model_fields_set or value != field.get_default(call_default_factory=True):
-                given[field.alias or name] = _plain(value)
-        return given
+        return {
+            field.alias or name: _plain(getattr(self, name))
+            for name, field in type(self).model_fields.items()
+            if name in self.model_fields_set or getattr(self, name) != field.get_default(call_default_factory=True)
+        }
 
 
 def _plain(value: Any) -> Any:

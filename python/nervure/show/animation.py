@@ -20,58 +20,38 @@ from nervure.errors import Refusal
 from nervure.evaluate import statistics
 from nervure.files import write_whole
 from nervure.scene import typed
-from nervure.scene.types import Fluid
 from nervure.show import fields, plots
 
 PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
 PHASES = 4
-
 SHAPES = 24  # Most shapes of a rod alone that motion.png shows
 WIDTH, DPI = 9.0, 100  # Width of the animation, in, and points an inch
 FRAME_MS = 60  # How long a frame is shown, ms
-GREYS = 32
-"""Colours of the animation's palette that are left to text, axes and solids; the other ones are the colour scale's."""
+GREYS = 32  # Colours of the palette for text, axes and solids; the other ones are the colour scale's
 
 
 class Frames:
     """The frames of a result folder: times (s), vorticity and the beam's outline."""
 
     def __init__(self, folder: Path):
-        self.folder = folder
         alone = not (folder / fields.FLUID).exists() and (folder / fields.BEAM).exists()
         self.fluid: Any = None if alone else h5py.File(folder / fields.FLUID)
         first: Any = h5py.File(folder / fields.BEAM) if alone else self.fluid
-        self.scene = typed(json.loads(first[fields.SCENE][()]))
+        scene = typed(json.loads(first[fields.SCENE][()]))
+        self.flow: Any = scene.fluid
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
-        self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if self.scene.beam else None
-
-    @property
-    def flow(self) -> Fluid:
-        """The fluid of the scene, where there are fields of it."""
-        if self.scene.fluid is None:
-            raise Refusal(f"{self.folder} holds fields of a fluid that its scene does not have")
-        return self.scene.fluid
+        self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if scene.beam else None
 
     def vorticity(self, frame: int) -> np.ndarray:
-        stored: np.ndarray = self.fluid["VTKHDF/PointData/vorticity"][frame]
-        return stored.T
+        return np.array(self.fluid["VTKHDF/PointData/vorticity"][frame]).T
 
     def points(self, frame: int) -> np.ndarray:
         """Outline of the beam in the plane, its centre line in space, `[n, 3]`."""
         n = self.beam["NumberOfPoints"][0]
-        points: np.ndarray = self.beam["Points"][frame * n : (frame + 1) * n]
-        return points
+        return np.array(self.beam["Points"][frame * n : (frame + 1) * n])
 
     def outline(self, frame: int) -> np.ndarray | None:
         return None if self.beam is None else self.points(frame)[:, :2]
-
-    def window(self) -> statistics.Window | None:
-        """The periods of the run's main signal; None without results, or if it has none."""
-        try:
-            window = results.read(self.folder).summary.window
-        except Refusal:
-            return None
-        return window if window and window.periods else None
 
     def between(self, begin: float, end: float) -> list[int]:
         """Frames of the times from `begin` up to `end`, without `end` itself."""
@@ -85,8 +65,11 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
         raise Refusal(f"{folder} holds no fields, which a run writes with --fields-every: {error}") from error
-    window = frames.window()
-    if window:
+    try:
+        window = results.read(folder).summary.window
+    except Refusal:
+        window = None
+    if window and window.periods:
         looped, last = window.last(PERIODS), window.last(1)
     else:
         looped = last = statistics.Window(0.0, float(frames.times[-1]) * (1 + 1e-9), 0)

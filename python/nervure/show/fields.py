@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 
 from nervure.errors import SceneError
-from nervure.master import Clock
+from nervure.master import Clock, Watcher
 from nervure.scene import Scene, text
 from nervure.scene.types import Beam as SceneBeam, Fluid
 from nervure.unit import Unit
 
-FLUID, BEAM = "fields.vtkhdf", "beam.vtkhdf"
-FILES = (FLUID, BEAM)
+FILES = FLUID, BEAM = "fields.vtkhdf", "beam.vtkhdf"
 SCENE = "scene"  # Dataset with the text of the scene, outside of what VTK reads
 CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
@@ -62,7 +61,7 @@ class Fields:
         if scene.beam:
             self.files.append(Beam(folder / BEAM, scene, scene.beam, units, frames, known))
 
-    def watch(self, warn: Callable[[str], None]) -> Callable[[int, float, float], None]:
+    def watch(self, warn: Callable[[str], None]) -> Watcher:
         """Watcher of a run. Where the disk does not take a frame, the run goes on and the files end there."""
 
         def watch(done: int, time: float, _wall: float) -> None:
@@ -137,11 +136,9 @@ class Grid(Series):
         if not known:
             nx, ny = fluid.field("u").shape
             (x0, x1), (y0, y1) = flow.box.x, flow.box.y
-            self.root.attrs["Type"] = np.bytes_("ImageData")
-            self.root.attrs["WholeExtent"] = (0, nx - 1, 0, ny - 1, 0, 0)
-            self.root.attrs["Origin"] = (x0, y0, 0.0)
-            self.root.attrs["Spacing"] = ((x1 - x0) / nx, (y1 - y0) / ny, 1.0)
-            self.root.attrs["Direction"] = np.eye(3).ravel()
+            spacing = (x1 - x0) / nx, (y1 - y0) / ny, 1.0
+            self.root.attrs.update(Type=np.bytes_("ImageData"), WholeExtent=(0, nx - 1, 0, ny - 1, 0, 0))
+            self.root.attrs.update(Origin=(x0, y0, 0.0), Spacing=spacing, Direction=np.eye(3).ravel())
             data = self.root.create_group("PointData")
             for name, components in (("velocity", (3,)), ("vorticity", ()), ("pressure", ())):
                 self._place(data, name, (frames, ny, nx, *components))
@@ -183,10 +180,7 @@ class Beam(Series):
 
     def _points(self) -> np.ndarray:
         points = stations(self.units)
-        if points.shape[1] == 3:
-            return points
-        corners = outline(points, self.thickness)
-        return np.column_stack([corners, np.zeros(len(corners))])
+        return points if points.shape[1] == 3 else np.pad(outline(points, self.thickness), ((0, 0), (0, 1)))
 
     def write(self, frame: int, time: float) -> None:
         """Put the beam at `time` (s) into place number `frame`."""

@@ -50,7 +50,6 @@ def show_unit(console: Console, path: Path) -> None:
         platforms = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
     if description.coSimulation is None:
         raise UnitError(f"{path} is not a co-simulation unit")
-    experiment = description.defaultExperiment
     rows = [
         ("description", description.description or ""),
         ("made by", " ".join(filter(None, (description.generationTool, description.version)))),
@@ -58,7 +57,7 @@ def show_unit(console: Console, path: Path) -> None:
         ("GUID", description.guid),
         ("flags", "\n".join(f"{flag} {getattr(description.coSimulation, flag, None)}" for flag in FLAGS)),
     ]
-    if experiment:
+    if experiment := description.defaultExperiment:
         rows.insert(3, ("experiment", f"to {experiment.stopTime} s in steps of {experiment.stepSize} s"))
     _print(console, description.modelName, rows)
     table = Table("variable", "causality", "type", "unit", "start", box=None, padding=(0, 1))
@@ -82,7 +81,7 @@ def show_scene(console: Console, path: Path) -> None:
         scheme.start()
         for i in range(min(2, clock.steps)):  # the second one has a history as well
             scheme.step(*clock.step(i))
-        memory = _resident() - before
+        resident = _resident()
         stations = len(fields.stations(units)) if scene.beam else 0
 
     rows = [("description", scene.description)] if scene.description else []
@@ -90,19 +89,16 @@ def show_scene(console: Console, path: Path) -> None:
     rows.append(("time", f"to {clock.end:g} s, {clock.steps} steps of {clock.communication_step:g} s"))
     if fluid := scene.fluid:
         (nx, ny), (x0, x1), (y0, y1) = fluid.box.cells, fluid.box.x, fluid.box.y
-        parts = [name for name in PARTS if getattr(fluid, name)]
         rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
-        rows.append(("in it", ", ".join(name.replace("_", " ") for name in parts) or "nothing"))
+        rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     if beam := scene.beam:
-        size = f"{beam.length:g} x {beam.thickness:g} m"
-        rows.append(("beam", f"{size}, {beam.segments} segments, {stations} stations"))
+        rows.append(("beam", f"{beam.length:g} x {beam.thickness:g} m, {beam.segments} segments, {stations} stations"))
     if chosen := scheme.choice:
         rows.append(("load", f"{chosen.load}: {chosen.load_reason}"))
         rows.append(("scheme", f"{chosen.scheme}: {chosen.scheme_reason}"))
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
-    if memory:
-        total = memory + recorder.table.nbytes
-        rows.append(("memory", f"about {total / 1e6:.0f} MB for units and record, beside Python's own"))
+    if memory := resident and resident - before + recorder.table.nbytes:
+        rows.append(("memory", f"about {memory / 1e6:.0f} MB for units and record, beside Python's own"))
     _print(console, scene.name, rows)
 
 

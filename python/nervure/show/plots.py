@@ -24,20 +24,21 @@ BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-bli
 VORTICITY_PERCENTILE = 99.0  # Part of the picture's points, in percent, whose vorticity lies inside the colour scale
 COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 COLOURS = (BLUE, ORANGE, GREEN)
-
 SOLID = "0.55"
 
 
-def write(folder: Path, runs: Mapping[str, Results]) -> list[Path]:
+def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     """Write tip.png, drag.png and lift.png, as far as a run has such an output, with the bands that are published of
-    the first run's scene; several `runs`, by their labels, over each other. Of one run coefficients.png and
-    flapping.png besides, where it has what they show. Returns what was written."""
-    first, *others = runs.values()
+    the first run's scene; several `runs` over each other, by the names of their folders, or by their paths where those
+    are the same. Of one run coefficients.png and flapping.png too. Returns what was written."""
+    first, *others = runs
+    named = {run.folder.resolve().name: run for run in runs}
+    labelled = named if len(named) == len(runs) else {str(run.folder): run for run in runs}
     written = []
     for file, wanted in (("tip", ("tip_ux", "tip_uy", "tip_uz")), ("drag", ("drag",)), ("lift", ("lift",))):
-        columns = [column for column in wanted if any(column in run.series for run in runs.values())]
+        columns = [column for column in wanted if any(column in run.series for run in runs)]
         if columns:
-            written.append(_save(over_time(runs, columns, first.scene.reference), folder / f"{file}.png"))
+            written.append(_save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.png"))
     return written if others else [*written, *cylinder(folder, first), *driven_root(folder, first)]
 
 
@@ -161,15 +162,9 @@ def draw_vorticity(axis: Axes, fluid: Fluid, field: np.ndarray, corners: np.ndar
     those of the beam."""
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
-    picture = axis.imshow(
-        field.T,
-        origin="lower",
-        extent=(x0 - half_x, x1 - half_x, y0 - half_y, y1 - half_y),
-        cmap=COLOUR_MAP,
-        vmin=-limit,
-        vmax=limit,
-        interpolation="bilinear",
-    )
+    extent = (x0 - half_x, x1 - half_x, y0 - half_y, y1 - half_y)
+    look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": -limit, "vmax": limit, "interpolation": "bilinear"}
+    picture = axis.imshow(field.T, origin="lower", extent=extent, **look)
     for cylinder in fluid.cylinders:
         if cylinder.motion is None:
             axis.add_patch(Circle(cylinder.center, cylinder.radius, color=SOLID))

@@ -4,7 +4,7 @@ from dataclasses import fields
 
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
+from rich.table import Column, Table
 
 from nervure.evaluate.summary import Published, Summary
 from nervure.show import shown_in
@@ -12,9 +12,8 @@ from nervure.show import shown_in
 
 def print_table(console: Console, summary: Summary) -> None:
     """Show quantities against the reference, window and cost."""
-    table = Table("quantity", title=summary.scene)
-    for heading in ("computed", "reference", "difference"):
-        table.add_column(heading, justify="right")
+    headings = (Column(heading, justify="right") for heading in ("computed", "reference", "difference"))
+    table = Table("quantity", *headings, title=summary.scene)
 
     def row(label: str, value: float | None, expected: float | None, digits: int, scale: float = 1.0) -> None:
         cells = [f"{v * scale:.{digits}g}" if v is not None else "–" for v in (value, expected)]
