@@ -6,7 +6,6 @@ import shutil
 import tempfile
 from collections import defaultdict
 from collections.abc import Callable
-from ctypes import POINTER
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
