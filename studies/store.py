@@ -15,7 +15,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
-from nervure.files import write_together
+from nervure.files import json_numbers, write_together
 from nervure.resources import ROOT
 from studies import machine, simulate
 from studies.engine import Case, Run, Study
@@ -172,26 +172,6 @@ def rounded(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: rounded(part) for key, part in value.items()}
     return [rounded(part) for part in value] if isinstance(value, list) else value
-
-
-def result_of(record: Record) -> tuple[Any, ...]:
-    """What must be the same for a run to agree with what is committed."""
-    return record.digest, record.values, record.tables, record.error
-
-
-def entry_of(record: Record) -> dict[str, Any]:
-    """A record as it stands in results.json."""
-    entry: dict[str, Any] = {"command": record.command, "digest": record.digest}
-    if record.error:
-        entry["error"] = record.error
-    entry["rows"] = record.rows()
-    if record.tables:
-        entry["tables"] = {key: packed(rows) for key, rows in record.tables.items()}
-    return entry
-
-
-def write(text: str, path: Path) -> None:
-    path.write_text(text, encoding="utf-8")
 
 
 def lines(parts: dict[str, Any]) -> str:

@@ -14,14 +14,13 @@ from mmap import mmap
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 
 from nervure import checkpoint, results
+from nervure.master import assemble
 from nervure.pack import package
 from nervure.scene import typed
-from nervure.simulation import assemble
 
 from .unit import SCENE, STEP, FMU2Unit
 
