@@ -112,7 +112,7 @@ STUDY := $(RUN) -m studies
 
 .PHONY: studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study vein-study shown-rows
 
-studies: $(READY_DEV) ## write all pages and tables of results.json anew; ARGS="--stale" lists what the code has changed since
+studies: $(READY_DEV) ## write all pages and tables of results.json anew; docs/report/stale.md lists what the code has since changed
 	$(STUDY) $(ARGS)
 
 shown-rows: build $(READY_DEV) ## run the stale ones among the cases that README shows; goes on where it was stopped

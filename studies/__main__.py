@@ -4,7 +4,6 @@ writes the pages.
     python -m studies fluid --list                  the cases, and what is known of them
     python -m studies fluid --only 'dt/*' --jobs 2  run some of those that are missing, two at a time
     python -m studies --shown README.md             run the stale ones among those that a document shows
-    python -m studies --stale                       list what the code has since changed
     python -m studies --check                       fail if a page or a table would be written otherwise
 """
 
@@ -40,15 +39,10 @@ def main(
     again: Annotated[bool, typer.Option("--again", help="Run what is known as well.")] = False,
     times: Annotated[bool, typer.Option("--times", help="Take new times where the results agree, too.")] = False,
     shown: Annotated[Path | None, typer.Option(metavar="FILE", help="Only the cases that this document shows.")] = None,
-    stale: Annotated[bool, typer.Option("--stale", help="List the stale cases and run nothing.")] = False,
     check: Annotated[bool, typer.Option("--check", help="Write nothing; fail if a page would change.")] = False,
 ) -> None:
     """Run studies and write the pages that show them."""
     data = catalogue.load()
-    if stale:
-        for record in data.stale():
-            typer.echo(record.name)
-        return
     if check:
         changed_pages = catalogue.render(data, check=True)
         for path in changed_pages:

@@ -259,3 +259,28 @@ def test_forces_and_probes_tell_bodies_and_sides_apart(flow, run):
     assert lifted.read("beam.lift")[0] > 0.0 < lifted.read("probe.above.v")[0]
     assert lifted.read("pressure_jump")[4] < 0.0, "the stream comes from below"
     assert lifted.read("beam.moment")[0] > 0.0, "and turns the beam to the left about its root"
+
+
+def test_newton_outputs_count_sub_steps_and_iterations(still, instantiate):
+    """Four sub-steps where `max_step` asks for them, each with at least one iteration. A long step under a push needs shift
+    and line search, and meets negative pivots only past Euler's load."""
+    del still["rod"]["material"]["section"]["shear_stiffness"]
+    euler = np.pi**2 * SECTION["bending_stiffness"] / (4 * still["beam"]["length"] ** 2)
+    still["time"]["end"] = 10.0
+
+    def newton(step, push, **keys):
+        scene = copy.deepcopy(still)
+        scene["rod"] |= keys
+        unit = instantiate(scene)["rod"]
+        unit.start()
+        unit.fmu.setReal([unit.variables["force_x"].references[-1]], [push])
+        unit.fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=step)
+        names = ("iterations", "substeps", "rescues", "negative_pivots")
+        return unit.fmu.getInteger([unit.variables[f"newton.{name}"].references[0] for name in names])
+
+    iterations, substeps, rescues, pivots = newton(0.01, 0.0, max_step=2.5e-3)
+    assert (substeps, rescues, pivots) == (4, 0, 0) and iterations >= 2 * substeps, iterations
+    iterations, substeps, rescues, pivots = newton(0.7, -0.5 * euler)
+    assert (substeps, pivots) == (1, 0) and 0 < rescues < iterations
+    iterations, substeps, rescues, pivots = newton(0.7, -4 * euler)
+    assert substeps == 1 and pivots > 0 and rescues > 0 and iterations > rescues + pivots
