@@ -262,8 +262,8 @@ def test_forces_and_probes_tell_bodies_and_sides_apart(flow, run):
 
 
 def test_newton_outputs_count_sub_steps_and_iterations(still, instantiate):
-    """Four sub-steps where `max_step` asks for them, each with at least one iteration. A long step under a push needs shift
-    and line search, and meets negative pivots only past Euler's load."""
+    """Four sub-steps where `max_step` asks for them, each with at least one iteration. A long step under a push needs
+    shift and line search, and meets negative pivots only past Euler's load."""
     del still["rod"]["material"]["section"]["shear_stiffness"]
     euler = np.pi**2 * SECTION["bending_stiffness"] / (4 * still["beam"]["length"] ** 2)
     still["time"]["end"] = 10.0
