@@ -15,7 +15,9 @@ use std::fs;
 use std::path::Path;
 
 /// Name of a CSV file, and what computes its lines.
-const STUDIES: [(&str, fn() -> Table); 10] = [
+type Study = (&'static str, fn() -> Table);
+
+const STUDIES: [Study; 10] = [
     ("condition", condition::table),
     ("runtime", runtime::table),
     ("deflection", accuracy::deflection),
