@@ -2,9 +2,7 @@
 
 The file is an uncompressed NumPy archive (a zip file, whose checksums show damage): the scene and how it was set up,
 the units' serialized states and what was last exchanged, the memory of the coupling scheme, the clock, and every row
-recorded so far. The rows are rewritten each time: the table has a limit (`recorder.MAX_ROWS`) and is about as large as
-the state of a fluid, and with one file there is one moment, the renaming, at which the new checkpoint takes the place
-of the old.
+recorded so far. With one file there is one moment, the renaming, at which a new checkpoint replaces the old.
 """
 
 import json

@@ -1,7 +1,6 @@
 """All that the project does with scenes, from one command line.
 
-Here are the options of each command and what it prints; what it does is elsewhere in the package, and loaded when it is
-run: help and errors of the command line come at once.
+What a command does is elsewhere in the package, and loaded when it is run: help and errors come at once.
 Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot be used, 130 interrupted.
 """
 
@@ -29,9 +28,7 @@ EndTime = Annotated[float | None, typer.Option(help="End of the run, s, in place
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of ours.")]
 
-app = typer.Typer(
-    help="Build, run and look at rod and fluid as FMI units.", no_args_is_help=True, pretty_exceptions_enable=False
-)
+app = typer.Typer(help="Build, run and look at FMI units.", no_args_is_help=True, pretty_exceptions_enable=False)
 
 
 @app.command()

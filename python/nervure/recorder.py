@@ -24,13 +24,11 @@ class Recorder:
         self.stride = -(-steps // MAX_ROWS)
         outputs = [(unit, kind, name) for unit in units.values() for kind in KINDS for name in unit.scalars(kind)]
         names = [name for _, _, name in outputs]
-        self.columns = ["time"]
         self.units: dict[str, str | None] = {"time": "s"}
         for unit, _, name in outputs:
             column = PUNCTUATION.sub("_", name if names.count(name) == 1 else f"{unit.name}_{name}")
-            self.columns.append(column)
             self.units[column] = unit.variables[name].unit
-        self.columns.append("iterations")
+        self.columns = [*self.units, "iterations"]
         self.table = np.empty((steps // self.stride + 1, len(self.columns)))
         self.rows = 0
         self._scalars = [values for unit in units.values() for values in (unit.reals, unit.integers)]

@@ -1,8 +1,7 @@
 """A grid of runs on Dask's workers, which are processes of one thread, and the table of what they gave.
 
-Each run has a result folder of its own, named by its scene, and in it `row.json`, its row of the table: that is what a
-sweep that is started again goes by. Dask starts a run again whose worker died, and gives up after a number of deaths
-(`distributed.scheduler.allowed-failures`, 3 unless it is configured otherwise).
+Each run has a folder named by its scene with `row.json`, its row of the table: a sweep that is started again goes by
+it. Dask repeats a run whose worker died, up to `distributed.scheduler.allowed-failures` times, 3 by default.
 """
 
 import copy

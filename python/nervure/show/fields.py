@@ -1,8 +1,7 @@
 """Fields over time in files that ParaView opens (VTKHDF 2): the fluid's grid in one, the beam in another.
 
-Every frame has its place from the beginning, and is counted only when it is there: a file of a run that was killed is
-readable up to its last frame, and a resumed run writes on as if nothing had been. The price is that nothing is
-compressed; what was not reached is a hole, which takes no room on the disk. Values are single precision.
+Every frame has its place from the beginning, and is counted only when it is there: the file of a killed run can be
+read up to its last frame, and a resumed run writes on. For that nothing is compressed. Values are single precision.
 """
 
 from collections.abc import Callable
