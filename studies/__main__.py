@@ -1,10 +1,9 @@
-"""`python -m studies NAME …` runs what is missing of studies, takes it in and writes the pages; without names it only
-writes the pages.
+"""`python -m studies NAME …` runs what is missing of studies and writes the pages; without names it only writes them.
 
-    python -m studies fluid --list                  the cases, and what is known of them
-    python -m studies fluid --only 'dt/*' --jobs 2  run some of those that are missing, two at a time
-    python -m studies --shown README.md             run the stale ones among those that a document shows
-    python -m studies --check                       fail if a page or a table would be written otherwise
+python -m studies fluid --list                  the cases, and what is known of them
+python -m studies fluid --only 'dt/*' --jobs 2  run some of those that are missing, two at a time
+python -m studies --shown README.md             run the stale ones among those that a document shows
+python -m studies --check                       fail if a page or a table would be written otherwise
 """
 
 import sys

@@ -1,7 +1,4 @@
-"""Markdown tables and pages, figures, and the blocks of documents that are generated.
-
-Everything between `<!--table:KEY-->` and `<!--end-->` in a document is a table that a study makes.
-"""
+"""Figures, Markdown, and the tables that studies make: `<!--table:KEY-->` … `<!--end-->` in a document."""
 
 import re
 import tomllib

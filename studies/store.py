@@ -1,8 +1,7 @@
 """What studies have found, as it is committed: docs/report/results.json, and docs/report/times.json beside it.
 
-results.json has a line for each case: the command that repeats it, the digest of what it depends on, and its rows, a
-value with unit, published value and error each; tables of map cells and the like besides. times.json has what it took
-and on which machine and revision. A case that is run again with the same digest and the same values changes neither.
+results.json has a line for each case: its command, the digest of what it depends on, rows of values with unit,
+published value and error, and tables. times.json has what it took, where. A run that agrees changes neither.
 """
 
 from __future__ import annotations

@@ -23,8 +23,7 @@ from . import calls, files, trials
 from .unit import SCENE, FMU2Unit, child, tried
 
 RESULTS = ROOT / "docs" / "reliability.csv"
-TIMEOUT = 3600.0
-"""How long a check may take before it counts as hung, s."""
+TIMEOUT = 3600.0  # How long a check may take before it counts as hung, s
 CHECKS: dict[str, tuple[Callable[[FMU2Unit, int], str], int, int]] = {
     "sequences": (calls.sequences, 100_000, 200),
     "hostile": (trials.hostile, 10_000, 300),

@@ -8,8 +8,7 @@ from typing import Any
 
 from .unit import DISCARD, ERROR, INPUTS, OK, STEP, FMU2Unit
 
-CALLS = 50
-"""Calls of one sequence."""
+CALLS = 50  # Calls of one sequence
 STATES = ("instantiated", "initialization", "complete", "terminated")
 INSTANTIATED, INITIALIZATION, COMPLETE, TERMINATED = STATES
 KINDS = ("Real", "Integer", "Boolean", "String")

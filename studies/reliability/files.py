@@ -24,13 +24,10 @@ from nervure.scene import typed
 
 from .unit import SCENE, STEP, FMU2Unit
 
-LONGEST = 100
-"""Steps of a run that is killed again and again; then it begins anew."""
-MOST_S = 0.05
-"""A run is killed within this time, s: it writes all its files in 3 to 10 ms."""
+LONGEST = 100  # Steps of a run that is killed again and again; then it begins anew
+MOST_S = 0.05  # A run is killed within this time, s: it writes all its files in 3 to 10 ms
 TABLES = ("scene.json", "series.csv", "summary.json")
-DISK = 1 << 20
-"""Size of the disk that gets full, bytes."""
+DISK = 1 << 20  # Size of the disk that gets full, bytes
 
 
 def contents(folder: Path) -> dict[str, bytes]:

@@ -17,8 +17,7 @@ from .unit import ERROR, STEP, FMU2Unit, child
 
 HOSTILE = (math.nan, math.inf, -math.inf, 1e308, -1e308, 1e200, 1e100, -1e50, 1e20, -1e10, 1e6, 1e3, -1.0, 5e-324, 0.0)
 STEPS = (math.nan, math.inf, -math.inf, 1e308, 1e100, 1e20, 1e9, 1e6, -1.0, 0.0, 5e-324, 1e-300, 1e-100, 1e-20)
-BEFORE, AFTER = 5, 3
-"""Steps up to the state that is damaged, and steps that are compared after it."""
+BEFORE, AFTER = 5, 3  # Steps up to the state that is damaged, and steps that are compared after it
 HEADER = 62
 """Bytes before the payload of a state, the last twelve its length and checksum (crates/fmi2/src/snapshot.rs)."""
 

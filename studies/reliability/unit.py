@@ -18,8 +18,7 @@ OK, WARNING, DISCARD, ERROR = range(4)
 SCENE = json.loads(Path(__file__).with_name("scene.json").read_text(encoding="utf-8"))
 """A thick flag in a stream, small enough for a million cases."""
 STEP = SCENE["time"]["communication_step"]
-INPUTS = {"rod": ("force_x", "force_y"), "fluid": ("x", "y", "vx", "vy")}
-"""Inputs that the checks change."""
+INPUTS = {"rod": ("force_x", "force_y"), "fluid": ("x", "y", "vx", "vy")}  # Inputs that the checks change
 
 
 class FMU2Unit(FMU2Slave):  # fmpy takes the version of FMI from the name of the class
