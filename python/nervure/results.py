@@ -58,19 +58,20 @@ def read(folder: Path) -> Results:
 
 
 def write(run: Results, scheme: Single) -> None:
-    """Write scene.json, series.csv, the scheme's logs and summary.json into the folder of `run`, in the place of the
-    results of an earlier run: where one cannot be written those stay, else nothing of theirs does."""
+    """Write scene.json, series.csv, the scheme's logs and, last, summary.json into the folder of `run`, in the place of
+    the results of an earlier run: where one cannot be written those stay, else nothing of theirs does."""
     run.folder.mkdir(parents=True, exist_ok=True)
     summarized = json.dumps(run.summary.document(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     writers: dict[str, Callable[[Path], object]] = {
-        "scene.json": lambda path: path.write_text(text(run.scene), encoding="utf-8"),
-        "summary.json": lambda path: path.write_text(summarized, encoding="utf-8"),
+        "scene.json": lambda path: path.write_text(text(run.scene), encoding="utf-8")
     }
     tables = {"series": (list(run.series), np.column_stack(list(run.series.values())))}
     tables |= {name: (list(log.dtype.names or ()), log) for name, log in scheme.logs().items()}
     for name, (columns, table) in tables.items():
         header = ",".join(columns)
         writers[f"{name}.csv"] = partial(np.savetxt, X=table, fmt="%.10g", delimiter=",", header=header, comments="")
+    # Where it is new, the others are.
+    writers["summary.json"] = lambda path: path.write_text(summarized, encoding="utf-8")
     write_together(run.folder, writers)
     for name in {*FILES, *FURTHER_FILES} - writers.keys():
         (run.folder / name).unlink(missing_ok=True)
