@@ -54,7 +54,9 @@ class Writer:
             return f"dict[str, {self.annotation(schema['additionalProperties'])}]"
         if schema["type"] == "array":
             item, size = self.annotation(schema["items"]), schema.get("maxItems")
-            return f"tuple[{', '.join([item] * size)}]" if size else f"list[{item}]"
+            if size is not None and size == schema.get("minItems"):
+                return f"tuple[{', '.join([item] * size)}]"
+            return f"list[{item}]"
         return SCALARS[schema["type"]]
 
     def define(self, schema: Schema) -> str:

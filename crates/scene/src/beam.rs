@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::SceneError;
-use crate::check::{Check, above, finite, require};
+use crate::check::{Check, require};
 
 /// A beam of constant thickness with a flat tip; its stations are the rod's nodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -15,10 +15,13 @@ pub struct Beam {
     /// Where the beam is clamped.
     pub root: Root,
     /// Length from root to tip, m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub length: f64,
     /// Thickness, m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub thickness: f64,
     /// Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root.
+    #[schemars(range(min = 2, max = 65536))]
     pub segments: usize,
     /// Direction of each segment at rest against that at the root, rad, positive to the left: `[segments]`; absent for
     /// a straight beam. In two dimensions only: a curved rod in space needs a material frame and its twist.
@@ -41,19 +44,16 @@ pub enum Root {
     /// At a point, in two or three dimensions.
     At {
         /// Position, m: 2 or 3 components.
+        #[schemars(length(min = 2, max = 3))]
         position: Vec<f64>,
         /// Direction of the beam at the root; any length but 0.
+        #[schemars(length(min = 2, max = 3))]
         direction: Vec<f64>,
     },
 }
 
 impl Check for Beam {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
-        above(&format!("{key}.length"), self.length, 0.0)?;
-        above(&format!("{key}.thickness"), self.thickness, 0.0)?;
-        require((2..=65536).contains(&self.segments), &format!("{key}.segments"), self.segments, || {
-            "it must be between 2 and 65536".into()
-        })?;
         let angles = &self.rest_angles;
         if !angles.is_empty() {
             let key = format!("{key}.rest_angles");
@@ -71,19 +71,10 @@ impl Check for Beam {
                 })?;
             }
         }
-        match &self.root {
-            Root::OnCylinder { angle, .. } => finite(&format!("{key}.root.on_cylinder.angle"), *angle),
-            Root::At { position, direction } => {
-                let good = |v: &[f64]| matches!(v.len(), 2 | 3) && v.iter().all(|c| c.is_finite());
-                require(good(position), &format!("{key}.root.at.position"), format!("{position:?}"), || {
-                    "it must be 2 or 3 finite numbers".into()
-                })?;
-                let points =
-                    direction.len() == position.len() && good(direction) && direction.iter().any(|&c| c != 0.0);
-                require(points, &format!("{key}.root.at.direction"), format!("{direction:?}"), || {
-                    format!("it must be {} finite numbers, not all 0", position.len())
-                })
-            }
-        }
+        let Root::At { position, direction } = &self.root else { return Ok(()) };
+        let points = direction.len() == position.len() && direction.iter().any(|&c| c != 0.0);
+        require(points, &format!("{key}.root.at.direction"), format!("{direction:?}"), || {
+            format!("it must be {} numbers, not all 0", position.len())
+        })
     }
 }

@@ -4,7 +4,8 @@ use std::fmt::Display;
 
 use crate::SceneError;
 
-/// Something in a scene that can be checked under the path of its key.
+/// Something in a scene whose values are checked against each other, under the path of its key. Types and ranges are
+/// those of the schema, and checked before.
 pub(crate) trait Check {
     fn check_at(&self, key: &str) -> Result<(), SceneError>;
 }
@@ -34,26 +35,7 @@ pub(crate) fn require(
     Err(SceneError::Value { key: key.into(), value: value.to_string(), allowed: allowed() })
 }
 
-/// `value` must be finite and above `limit`.
-pub(crate) fn above(key: &str, value: f64, limit: f64) -> Result<(), SceneError> {
-    require(value.is_finite() && value > limit, key, value, || format!("it must be a finite number above {limit}"))
-}
-
-/// `value` must be finite and at least `limit`.
-pub(crate) fn at_least(key: &str, value: f64, limit: f64) -> Result<(), SceneError> {
-    require(value.is_finite() && value >= limit, key, value, || {
-        format!("it must be a finite number of at least {limit}")
-    })
-}
-
-/// `value` must be finite.
-pub(crate) fn finite(key: &str, value: f64) -> Result<(), SceneError> {
-    require(value.is_finite(), key, value, || "it must be a finite number".into())
-}
-
-/// An interval must be finite and have a positive length.
+/// An interval must have a positive length.
 pub(crate) fn interval(key: &str, [low, high]: [f64; 2]) -> Result<(), SceneError> {
-    require(low.is_finite() && high.is_finite() && low < high, key, format!("[{low}, {high}]"), || {
-        "it must be two finite numbers, the smaller first".into()
-    })
+    require(low < high, key, format!("[{low}, {high}]"), || "it must be two numbers, the smaller first".into())
 }

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::check::{Check, above, at_least, require};
+use crate::check::require;
 use crate::{Scene, SceneError, TimeScheme};
 
 /// How fluid and rod exchange; what is left out is chosen by the rules of `docs/coupling.md`.
@@ -35,29 +35,20 @@ pub struct Guards {
     pub window_steps: u32,
     /// Largest difference of the powers that the rod takes and that the fluid gives under the load `momentum`, relative to the
     /// latter, means of the magnitudes: 0.04 in FSI3, 1 where it blows up. `null`: off.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub largest_imbalance: Option<f64>,
     /// Largest second difference, from step to step, of the power that the rod takes under the load `pressure_jump`, relative to
     /// the power, means of the magnitudes: 4 for a sawtooth, 2.4 for noise, below 0.8 in runs that hold. `null`: off.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub largest_noise: Option<f64>,
     /// Mean power below which noise stops nothing, W per metre of depth: a rod at rest takes nothing but rounding.
+    #[schemars(range(min = 0.0))]
     pub quiet_power: f64,
 }
 
 impl Default for Guards {
     fn default() -> Self {
         Self { window_steps: 500, largest_imbalance: Some(0.5), largest_noise: Some(1.5), quiet_power: 1e-9 }
-    }
-}
-
-impl Check for Guards {
-    fn check_at(&self, key: &str) -> Result<(), SceneError> {
-        require(self.window_steps >= 1, &format!("{key}.window_steps"), self.window_steps, || {
-            "it must be at least 1".into()
-        })?;
-        for (name, largest) in [("largest_imbalance", self.largest_imbalance), ("largest_noise", self.largest_noise)] {
-            largest.map_or(Ok(()), |largest| above(&format!("{key}.{name}"), largest, 0.0))?;
-        }
-        at_least(&format!("{key}.quiet_power"), self.quiet_power, 0.0)
     }
 }
 
@@ -84,9 +75,11 @@ pub enum CouplingScheme {
     Iterated {
         /// Residual of the interface displacement at which the step is accepted, relative to its change over the step.
         #[serde(default = "default_tolerance")]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
         tolerance: f64,
         /// Largest number of iterations in a step; more is an error.
         #[serde(default = "default_max_iterations")]
+        #[schemars(range(min = 2))]
         max_iterations: u32,
         /// What brings the next guess from the residuals.
         #[serde(default)]
@@ -175,7 +168,6 @@ impl Scene {
         require(coupled || self.coupling.is_none(), "coupling", "present", || {
             "it may be there only when the scene has both a fluid and a rod".into()
         })?;
-        self.coupling.as_ref().and_then(|coupling| coupling.guards).check_at("coupling.guards")?;
         let Some((load, _)) = self.chosen_load() else { return Ok(()) };
         if let (Load::Momentum, Some([own, displaced])) = (load, self.line_densities()) {
             require(own >= displaced, "coupling.load", "momentum", || {
@@ -186,13 +178,9 @@ impl Scene {
             })?;
         }
         let scheme = self.coupling.as_ref().and_then(|coupling| coupling.scheme);
-        if let Some(CouplingScheme::Iterated { tolerance, max_iterations, .. }) = scheme {
+        if let Some(CouplingScheme::Iterated { .. }) = scheme {
             require(load == Load::PressureJump, "coupling.scheme", "iterated", || {
                 "with the load momentum it must be explicit: that load with its impedance is already implicit".into()
-            })?;
-            above("coupling.scheme.iterated.tolerance", tolerance, 0.0)?;
-            require(max_iterations >= 2, "coupling.scheme.iterated.max_iterations", max_iterations, || {
-                "it must be at least 2".into()
             })?;
         }
         Ok(())
@@ -262,10 +250,19 @@ mod tests {
         let off = guards(r#"{ "largest_imbalance": null }"#).unwrap();
         assert_eq!(off, Guards { largest_imbalance: None, ..whole });
         for (wrong, expected) in [
-            (r#"{ "window_steps": 0 }"#, "`coupling.guards.window_steps` is 0, but it must be at least 1"),
-            (r#"{ "largest_imbalance": 0.0 }"#, "`coupling.guards.largest_imbalance` is 0, but it must be"),
-            (r#"{ "largest_noise": -1.5 }"#, "`coupling.guards.largest_noise` is -1.5, but it must be"),
-            (r#"{ "quiet_power": -1e-9 }"#, "`coupling.guards.quiet_power` is -0.000000001, but it must be"),
+            (
+                r#"{ "window_steps": 0 }"#,
+                "`coupling.guards.window_steps` is 0, but it must be a whole number of at least 1",
+            ),
+            (r#"{ "largest_imbalance": 0.0 }"#, "`coupling.guards.largest_imbalance` is 0.0, but it must be"),
+            (
+                r#"{ "largest_noise": -1.5 }"#,
+                "`coupling.guards.largest_noise` is -1.5, but it must be a number above 0, or null",
+            ),
+            (
+                r#"{ "quiet_power": -1e-9 }"#,
+                "`coupling.guards.quiet_power` is -1e-9, but it must be a number of at least 0",
+            ),
         ] {
             let refused = guards(wrong).unwrap_err().to_string();
             assert!(refused.contains(expected), "{refused}, but expected {expected}");

@@ -15,6 +15,7 @@ mod law;
 mod reference;
 mod rod;
 mod schema;
+mod text;
 
 use std::path::Path;
 
@@ -31,7 +32,7 @@ pub use law::TimeLaw;
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
 pub use rod::{Bending, Calibration, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section};
 
-use check::{Check, above, require};
+use check::{Check, require};
 use rod::Z_AXIS;
 
 /// A whole scene: at least a fluid or a rod.
@@ -41,7 +42,9 @@ pub struct Scene {
     /// Where the JSON Schema of this file is; read by editors only.
     #[serde(rename = "$schema", default)]
     pub schema: Option<String>,
-    /// Short name: letters, digits, `.`, `_` and `-`; names the units and the result folder.
+    /// Short name of at most 100 characters: letters, digits, `.`, `_` and `-`, the first one a letter, a digit or `_`;
+    /// names the units and the result folder.
+    #[schemars(regex(pattern = NAME))]
     pub name: String,
     /// One sentence for people.
     #[serde(default)]
@@ -65,13 +68,25 @@ pub struct Scene {
     pub reference: Option<Reference>,
 }
 
+/// What a name of a scene looks like.
+const NAME: &str = "^[A-Za-z0-9_][A-Za-z0-9._-]{0,99}$";
+
+/// Most characters of a name: file names of its units stay within what file systems take.
+const NAME_LENGTH: usize = 100;
+
+/// Most steps of a unit's own in a communication step, and most communication steps in a run: more never end.
+const MOST_SUBSTEPS: f64 = 1e5;
+const MOST_STEPS: f64 = 1e12;
+
 /// Clock of the co-simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Time {
     /// End of the run, s.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub end: f64,
     /// Communication step of the master, s. Each unit takes as many equal steps of its own inside as it needs.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub communication_step: f64,
 }
 
@@ -86,15 +101,15 @@ pub enum SceneError {
         /// Answer of the system.
         source: std::io::Error,
     },
-    /// Not JSON, an unknown or missing key, or a value of the wrong type.
+    /// Not JSON, or a key that is there twice.
     #[error("scene key `{key}`: {source}")]
     Parse {
         /// Path of the key inside the file.
         key: String,
-        /// What the parser expected and where.
+        /// What the parser found, with line and column.
         source: serde_json::Error,
     },
-    /// A value that no solver could run.
+    /// A key that is missing or unknown, or a value that no solver could run.
     #[error("scene key `{key}` is {value}, but {allowed}")]
     Value {
         /// Path of the key inside the file.
@@ -116,38 +131,56 @@ impl Scene {
 
     /// Read and check a scene from JSON text.
     pub fn from_json(text: &str) -> Result<Self, SceneError> {
-        let mut deserializer = serde_json::Deserializer::from_str(text);
-        let scene: Self = serde_path_to_error::deserialize(&mut deserializer)
+        let tree = text::parse(text)?;
+        text::check(&tree)?;
+        let scene: Self = serde_path_to_error::deserialize(&tree)
             .map_err(|e| SceneError::Parse { key: e.path().to_string(), source: e.into_inner() })?;
-        deserializer.end().map_err(|source| SceneError::Parse { key: ".".into(), source })?;
-        scene.check()?;
+        scene.check_relations()?;
         Ok(scene)
     }
 
     /// Check every value; the first that cannot be run is the error.
     pub fn check(&self) -> Result<(), SceneError> {
+        text::check(&serde_json::to_value(self).expect("a scene is plain JSON"))?;
+        self.check_relations()
+    }
+
+    /// Check what the schema cannot say: words, and what relates several keys.
+    fn check_relations(&self) -> Result<(), SceneError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
-        require(!self.name.is_empty() && self.name.chars().all(plain), "name", &self.name, || {
-            "it must be one or more of the letters a-z, A-Z, the digits and . _ -".into()
+        let begins = self.name.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_');
+        let good = begins && self.name.len() <= NAME_LENGTH && self.name.chars().all(plain);
+        require(good, "name", format!("{:?}", self.name), || {
+            format!(
+                "it must be 1 to {NAME_LENGTH} of the letters a-z, A-Z, the digits and . _ -, and begin with a letter, a \
+                 digit or _"
+            )
         })?;
-        above("time.end", self.time.end, 0.0)?;
-        above("time.communication_step", self.time.communication_step, 0.0)?;
-        require(self.fluid.is_some() || self.rod.is_some(), "fluid", "absent", || {
+        let Time { end, communication_step } = self.time;
+        require(
+            end / communication_step <= MOST_STEPS,
+            "time.communication_step",
+            format!("{communication_step:?}"),
+            || format!("it must be at least {:e}: a run has at most {MOST_STEPS:e} steps", end / MOST_STEPS),
+        )?;
+        require(self.fluid.is_some() || self.rod.is_some(), "fluid", "missing", || {
             "a scene needs a fluid, a rod with a beam, or both".into()
         })?;
+        self.check_substeps()?;
         self.fluid.check_at("fluid")?;
         self.beam.check_at("beam")?;
         self.rod.check_at("rod")?;
         if let Some(Beam { root: Root::OnCylinder { cylinder, .. }, .. }) = &self.beam {
             let count = self.fluid.as_ref().map_or(0, |f| f.cylinders.len());
-            require(*cylinder < count, "beam.root.on_cylinder.cylinder", cylinder, || {
-                format!("the scene has {count} cylinders, counted from 0")
+            require(*cylinder < count, "beam.root.on_cylinder.cylinder", cylinder, || match count {
+                0 => "the scene has no cylinder".into(),
+                count => format!("it must be at most {}: the scene has {count}, counted from 0", count - 1),
             })?;
         }
 
         if let Some(rod) = &self.rod {
             let Some(beam) = &self.beam else {
-                return require(false, "beam", "absent", || "a rod needs a beam: its geometry".into());
+                return require(false, "beam", "missing", || "a rod needs a beam: its geometry".into());
             };
             let dimension = self.dimension(beam);
             require(
@@ -184,6 +217,35 @@ impl Scene {
         }
         self.reference.check_at("reference")?;
         self.check_coupling()
+    }
+
+    /// Steps so short that no run would end are refused where they are asked for: a unit could only say of the first
+    /// step that it is too long.
+    fn check_substeps(&self) -> Result<(), SceneError> {
+        let step = self.time.communication_step;
+        let reachable = |key: &str, longest: f64| {
+            require(step / longest <= MOST_SUBSTEPS, key, format!("{longest:?}"), || {
+                let least = step / MOST_SUBSTEPS;
+                format!(
+                    "it must be at least {least:e}: a communication step of {step} s has at most {MOST_SUBSTEPS} steps"
+                )
+            })
+        };
+        if let Some(longest) = self.rod.as_ref().and_then(|rod| rod.max_step) {
+            reachable("rod.max_step", longest)?;
+        }
+        let Some(fluid) = &self.fluid else { return Ok(()) };
+        let TimeStepping { max_step, max_cfl, .. } = fluid.time_stepping;
+        reachable("fluid.time_stepping.max_step", max_step)?;
+        let rate = fluid.advection_rate();
+        require(rate * step / max_cfl <= MOST_SUBSTEPS, "fluid.time_stepping.max_cfl", format!("{max_cfl:?}"), || {
+            format!(
+                "it must be at least {:.3e}: the flow that drives the scene has the CFL number {:.3e} in a communication step of \
+                 {step} s, which has at most {MOST_SUBSTEPS} steps",
+                1.001 * rate * step / MOST_SUBSTEPS, // what it is rounded to will do
+                rate * step
+            )
+        })
     }
 
     /// Number of space dimensions in which `beam` moves, 2 or 3.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::check::{Check, above, at_least, finite, require};
+use crate::check::{Check, require};
 use crate::{SceneError, TimeLaw};
 
 /// Elastic model of the beam.
@@ -14,9 +14,11 @@ pub struct Rod {
     pub material: Material,
     /// Gravity, m/s²: as many components as the beam's root; absent where there is none.
     #[serde(default)]
+    #[schemars(length(max = 3))]
     pub gravity: Vec<f64>,
     /// Damping force per length and velocity, kg/(m s) per metre of depth.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub damping: f64,
     /// Bending model.
     #[serde(default)]
@@ -26,6 +28,7 @@ pub struct Rod {
     pub calibration: Calibration,
     /// Length by which the clamp lies behind the root, m: the elastic part of the foundation. It only softens the clamp.
     #[serde(default)]
+    #[schemars(range(min = 0.0))]
     pub clamp_setback: f64,
     /// Prescribed motion of the root; absent where it is still.
     #[serde(default)]
@@ -35,6 +38,7 @@ pub struct Rod {
     pub scheme: RodScheme,
     /// Largest step of the rod's own inside a communication step, s; absent: the communication step.
     #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub max_step: Option<f64>,
 }
 
@@ -45,14 +49,18 @@ pub enum Material {
     /// A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 − ν²).
     PlaneStrain {
         /// Density, kg/m³.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
         density: f64,
         /// Young's modulus E, Pa.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
         youngs_modulus: f64,
         /// Poisson's ratio ν.
+        #[schemars(extend("exclusiveMinimum" = -1.0, "exclusiveMaximum" = 0.5))]
         poisson_ratio: f64,
         /// Shear correction factor k of GA_s = k E h / (2 (1 + ν)), above 0 and at most 1; 10/(12 − ν) for a plate (Cowper 1966). Absent: the
         /// section stays at right angles to the rod.
         #[serde(default)]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = 1.0))]
         shear_factor: Option<f64>,
     },
     /// The section's own numbers (per metre of depth in a two-dimensional scene).
@@ -64,13 +72,17 @@ pub enum Material {
 #[serde(deny_unknown_fields)]
 pub struct Section {
     /// Mass per length, kg/m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub line_density: f64,
     /// Bending stiffness EI, N m².
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub bending_stiffness: f64,
     /// Axial stiffness EA, N.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub axial_stiffness: f64,
     /// Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles to the rod.
     #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub shear_stiffness: Option<f64>,
 }
 
@@ -98,6 +110,7 @@ pub enum Calibration {
     /// segment's mass at every node. Of first order.
     Thesis {
         /// Axial stiffness of a segment, N/m; takes the place of EA.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
         k_e: f64,
     },
 }
@@ -189,6 +202,7 @@ pub enum RodScheme {
     /// Generalised-α (Chung & Hulbert 1993).
     GeneralisedAlpha {
         /// Spectral radius at infinite frequency, 0 … 1.
+        #[schemars(range(min = 0.0, max = 1.0))]
         rho_inf: f64,
     },
     /// Trapezoid to 2 − √2 of the step, then two-step backward differences over the rest (Bank et al. 1985; Hosea &
@@ -220,27 +234,10 @@ impl Material {
 
 impl Check for Rod {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
-        self.material.check_at(&format!("{key}.material"))?;
-        for (d, g) in self.gravity.iter().enumerate() {
-            finite(&format!("{key}.gravity[{d}]"), *g)?;
+        match &self.root_motion {
+            Some(RootMotion::Laws(laws)) => laws.check_at(&format!("{key}.root_motion.laws")),
+            _ => Ok(()),
         }
-        at_least(&format!("{key}.damping"), self.damping, 0.0)?;
-        at_least(&format!("{key}.clamp_setback"), self.clamp_setback, 0.0)?;
-        if let Calibration::Thesis { k_e } = self.calibration {
-            above(&format!("{key}.calibration.thesis.k_e"), k_e, 0.0)?;
-        }
-        if let Some(RootMotion::Laws(laws)) = &self.root_motion {
-            laws.check_at(&format!("{key}.root_motion.laws"))?;
-        }
-        if let RodScheme::GeneralisedAlpha { rho_inf } = self.scheme {
-            require(
-                (0.0..=1.0).contains(&rho_inf),
-                &format!("{key}.scheme.generalised_alpha.rho_inf"),
-                rho_inf,
-                || "it must be between 0 and 1".into(),
-            )?;
-        }
-        self.max_step.map_or(Ok(()), |step| above(&format!("{key}.max_step"), step, 0.0))
     }
 }
 
@@ -256,39 +253,8 @@ impl Check for RootLaws {
 impl Check for Rotation {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
         self.angle.check_at(&format!("{key}.angle"))?;
-        let points = self.axis.iter().all(|c| c.is_finite()) && self.axis.iter().any(|&c| c != 0.0);
-        require(points, &format!("{key}.axis"), format!("{:?}", self.axis), || {
-            "it must be 3 finite numbers, not all 0".into()
-        })
-    }
-}
-
-impl Check for Material {
-    fn check_at(&self, key: &str) -> Result<(), SceneError> {
-        match self {
-            Self::PlaneStrain { density, youngs_modulus, poisson_ratio, shear_factor } => {
-                above(&format!("{key}.plane_strain.density"), *density, 0.0)?;
-                above(&format!("{key}.plane_strain.youngs_modulus"), *youngs_modulus, 0.0)?;
-                require(
-                    *poisson_ratio > -1.0 && *poisson_ratio < 0.5,
-                    &format!("{key}.plane_strain.poisson_ratio"),
-                    poisson_ratio,
-                    || "it must be above -1 and below 0.5".into(),
-                )?;
-                let Some(factor) = *shear_factor else { return Ok(()) };
-                require(factor > 0.0 && factor <= 1.0, &format!("{key}.plane_strain.shear_factor"), factor, || {
-                    "it must be above 0 and at most 1".into()
-                })
-            }
-            Self::Section(section) => {
-                above(&format!("{key}.section.line_density"), section.line_density, 0.0)?;
-                above(&format!("{key}.section.bending_stiffness"), section.bending_stiffness, 0.0)?;
-                above(&format!("{key}.section.axial_stiffness"), section.axial_stiffness, 0.0)?;
-                section
-                    .shear_stiffness
-                    .map_or(Ok(()), |shear| above(&format!("{key}.section.shear_stiffness"), shear, 0.0))
-            }
-        }
+        let points = self.axis.iter().any(|&c| c != 0.0);
+        require(points, &format!("{key}.axis"), format!("{:?}", self.axis), || "it must be 3 numbers, not all 0".into())
     }
 }
 
