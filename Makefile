@@ -12,7 +12,7 @@ READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
 
-.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check bindings-check schema descriptions record lock clean
+.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check bindings-check schema messages descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -76,6 +76,10 @@ schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the classes
 	cargo run --quiet --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
 	$(RUN) modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
+
+messages: build $(READY_DEV) ## write docs/messages.md anew: what the tool says of input that it cannot use
+	$(RUN) tests/bad_input.py > docs/messages.md.new
+	mv docs/messages.md.new docs/messages.md
 
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
 	$(NERVURE) build fsi3-325x72 --descriptions modelDescription

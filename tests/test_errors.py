@@ -83,47 +83,6 @@ def test_another_scene_under_the_same_description_is_refused(kind, small_fsi3, t
         Unit(rewrite(fmu, tmp_path / "other.fmu", change), kind, 1.0)
 
 
-@pytest.mark.parametrize(
-    ("assignment", "named"),
-    [
-        ("fluid.colour=1", ["colour"]),
-        ("fluid.threads=0", ["fluid.threads", "is 0", "between 1 and 1024"]),
-        ("fluid.box.cells=[32768,32768]", ["fluid.box.cells", "is [32768, 32768]", "at most 67108864 cells together"]),
-        ("fluid.box.cells.1=0", ["fluid.box.cells[1]", "is 0", "at least 8|between 8"]),
-        ("fluid.density=-1", ["fluid.density", "-1", "above 0"]),
-        ("fluid.density=NaN", ["fluid.density"]),
-        ("fluid.time_stepping.scheme=euler", ["fluid.time_stepping.scheme", "euler", "sbdf2"]),
-        ('fluid.probes=[{"name": "a.b", "position": [0, 0.2]}]', ["fluid.probes[0].name", "a.b", "letter"]),
-        ('fluid.probes=[{"name": "a", "position": [0, 9]}]', ["fluid.probes[0].position[1]", "is 9", "inside the box"]),
-        (
-            'fluid.probes=[{"name": "a", "position": [0, 0]}, {"name": "a", "position": [0, 0.1]}]',
-            ["fluid.probes[1].name", "is a", "another"],
-        ),
-        ('fluid.mean_flow={"x": {"steady": 0}}', ["fluid.mean_flow", "inflow", "leave one"]),
-        (
-            'fluid.sponge={"x": [2, 9], "mean_velocity": {"steady": 1}, "c_eta": 0.1}',
-            ["fluid.sponge.x", "[2, 9]", "inside the box"],
-        ),
-        ("beam.segments=1000000000000", ["beam.segments", "1000000000000", "between 2 and 65536"]),
-        ("beam.root.on_cylinder.cylinder=5", ["beam.root.on_cylinder.cylinder", "is 5", "1 cylinders, counted from 0"]),
-        ("beam.segments=-3", ["beam.segments", "-3"]),
-        ("rod.material.plane_strain.poisson_ratio=0.5", ["poisson_ratio", "0.5"]),
-        ("time.communication_step=0", ["time.communication_step", "is 0", "above 0"]),
-        ("time.end=-1", ["time.end", "-1", "above 0"]),
-        ("name=a/b", ["name", "a/b"]),
-        ("fluid=null", ["cylinder|fluid"]),
-    ],
-)
-@both
-def test_a_wrong_scene_names_key_value_and_limit(kind, assignment, named, fsi3):
-    override(fsi3, assignment)
-    with pytest.raises(SceneError) as caught:
-        package.describe(kind, fsi3)
-    message = str(caught.value)
-    for part in named:
-        assert any(alternative in message for alternative in part.split("|")), message
-
-
 @both
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_an_input_that_is_not_finite_is_named(kind, value, small_fsi3, instantiate, steps_still):

@@ -19,11 +19,30 @@ PREFIX, SUFFIX = {"win32": ("", ".dll"), "darwin": ("lib", ".dylib")}.get(sys.pl
 
 def library(kind: str) -> Path:
     """Path of the library of unit `kind`: that of the wheel, or as cargo built it in the source tree."""
-    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-    path = (built if SOURCE else ROOT / "binaries") / f"{PREFIX}fmu_{kind}{SUFFIX}"
+    path = _path(kind)
     if not path.is_file():
         raise SceneError(f"the library {path} is not built; `make build` or `nervure build SCENE.json` builds it")
     return path
+
+
+def _path(kind: str) -> Path:
+    built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
+    return (built if SOURCE else ROOT / "binaries") / f"{PREFIX}fmu_{kind}{SUFFIX}"
+
+
+def is_built(kind: str) -> bool:
+    """Whether there is a library of unit `kind`."""
+    return _path(kind).is_file()
+
+
+def check(text: str) -> None:
+    """Raise `SceneError` with the units' words where they refuse a key or a value of a scene. Either library reads all
+    of it, also where the scene has no such unit; the rod's makes least besides."""
+    try:
+        describe("rod", text)
+    except SceneError as error:
+        if error.key:
+            raise
 
 
 def describe(kind: str, text: str) -> str:

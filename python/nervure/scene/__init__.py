@@ -6,6 +6,7 @@ become part of every result and stay there when a later version has better ones.
 """
 
 import json
+import math
 from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
@@ -14,8 +15,9 @@ from typing import Any
 from pydantic import ValidationError
 
 from nervure.errors import SceneError
-from nervure.library import KINDS, describe
+from nervure.library import KINDS, check, is_built
 from nervure.resources import SCENES
+from nervure.scene.source import Source, parse
 from nervure.scene.types import Scene
 
 __all__ = ["Document", "Scene", "assign", "document", "kinds", "load", "override", "read", "text", "typed"]
@@ -26,20 +28,44 @@ Document = dict[str, Any]  # A scene as JSON has it, which no unit need have see
 def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Document:
     """The scene file at the path `name`, or else the shipped scene of that name, with `overrides` (key=value) and
     another end time, s; raises `SceneError` if it is not a JSON object."""
+    return _changed(_open(name).document(), overrides, end_time)
+
+
+def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Scene:
+    """The same as an object with types; raises `SceneError` in the units' words where they refuse it, with the place in
+    the file. Where the libraries are not built only the types are checked."""
+    source, assignments = _open(name), list(overrides)
+    scene = _changed(source.document(), assignments, end_time)
+    try:
+        if is_built("rod"):
+            check(text(scene))
+        return typed(scene)
+    except SceneError as error:
+        changed = [assignment.partition("=")[0] for assignment in assignments] + ["time.end"] * (end_time is not None)
+        place = source.place_of(error.key, changed) if error.key else None
+        raise SceneError(f"{error} ({place})" if place else str(error)) from error
+
+
+def _open(name: str | Path) -> Source:
     path, shipped = Path(name), SCENES / f"{name}.json"
     if not path.exists() and shipped.is_file():
         path = shipped
+    if path.is_dir():
+        inside = path / "scene.json"
+        hint = f"; `{inside}` is the scene of its run" if inside.is_file() else ""
+        raise SceneError(f"{path} is a folder, but a scene is a file or the name of a shipped scene{hint}")
     try:
-        scene = json.loads(path.read_text(encoding="utf-8"))
+        return Source(path, path.read_text(encoding="utf-8-sig"))
     except OSError as error:
-        known = {found.name: found.stem for found in sorted(SCENES.glob("*.json"))}
-        near = get_close_matches(path.with_suffix(".json").name, known, 1)
-        hint = f"did you mean {known[near[0]]}?" if near else f"the shipped scenes are {', '.join(known.values())}"
+        known = [found.stem for found in sorted(SCENES.glob("*.json"))]
+        near = [name for name in known if name.startswith(path.stem)] or get_close_matches(path.stem, known, 1)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"the shipped scenes are {', '.join(known)}"
         raise SceneError(f"cannot read the scene file {path}: {error.strerror}; {hint}") from error
-    except ValueError as error:
-        raise SceneError(f"the scene file {path} is not JSON: {error}") from error
-    if not isinstance(scene, dict):
-        raise SceneError(f"the scene file {path} holds a JSON {type(scene).__name__}, but it must be an object")
+    except UnicodeDecodeError as error:
+        raise SceneError(f"the scene file {path} is no text in UTF-8: byte {error.start + 1} is not") from error
+
+
+def _changed(scene: Document, overrides: Iterable[str], end_time: float | None) -> Document:
     for assignment in overrides:
         override(scene, assignment)
     if end_time is not None:
@@ -47,18 +73,12 @@ def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     return scene
 
 
-def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Scene:
-    """The same as an object with types; raises `SceneError` in the units' words where they do not fit."""
-    return typed(read(name, overrides, end_time))
-
-
 def typed(scene: Document) -> Scene:
     """A scene as an object with types; raises `SceneError` in the units' words where they do not fit."""
     try:
         return Scene.model_validate(scene)
     except ValidationError as error:
-        for kind in kinds(scene):
-            describe(kind, text(scene))
+        check(text(scene))
         raise SceneError(f"the scene does not have the types of its keys: {error}") from error
 
 
@@ -69,7 +89,16 @@ def document(scene: Scene | Document) -> Document:
 
 def text(scene: Scene | Document) -> str:
     """A scene as the text of a scene file."""
-    return json.dumps(document(scene), indent=2, ensure_ascii=False) + "\n"
+    return json.dumps(_jsonable(document(scene)), indent=2, ensure_ascii=False) + "\n"
+
+
+def _jsonable(value: Any) -> Any:
+    """`value` with texts for the numbers that JSON does not have: the units refuse them under their keys."""
+    if isinstance(value, dict):
+        return {key: _jsonable(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_jsonable(part) for part in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def kinds(scene: Scene | Document) -> list[str]:
@@ -89,9 +118,11 @@ def override(scene: Document, assignment: str) -> None:
 def json_or_text(value: str) -> Any:
     """The value of a JSON text, or else the text itself."""
     try:
-        return json.loads(value)
-    except ValueError:
+        return parse(value)
+    except json.JSONDecodeError:
         return value
+    except ValueError as error:
+        raise SceneError(f"the value `{value[:60]}` cannot be used: {error}") from error
 
 
 def assign(scene: Document, key: str, value: Any) -> None:

@@ -1,0 +1,282 @@
+"""Scenes, files and arguments that cannot be used, and what the tool says of each: docs/messages.md.
+
+    python tests/bad_input.py > docs/messages.md
+
+`make messages` does so. Each of `TYPES` and `RELATIONS` is a shipped scene with a key replaced, as `--set` does it.
+What is wrong with the first the JSON Schema sees too, the second only the units.
+"""
+
+import io
+import os
+import sys
+import tempfile
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from pathlib import Path
+from unittest.mock import patch
+
+from nervure.cli import main
+from nervure.resources import ROOT
+from nervure.scene import read
+
+FSI3, CSM1, CYLINDER, VEIN, HOVER = (
+    "fsi3-325x72", "csm1", "cylinder-2d1-450x90", "vein-pitching-320x240", "vein-hover-288x256"
+)  # fmt: skip
+LAW, LOAD = "fluid.inflow.mean_velocity", "coupling.load"
+PROBE = '{{"name": "{}", "position": {}}}'
+
+TYPES = [
+    (FSI3, "name="),
+    (FSI3, "name=a/b"),
+    (FSI3, "name=.."),
+    (FSI3, "name=-x"),
+    (FSI3, f"name={'long-' * 21}"),
+    (FSI3, "name=7"),
+    (FSI3, "description=null"),
+    (FSI3, "colour=red"),
+    (FSI3, "time=null"),
+    (FSI3, "time=[8, 4e-4]"),
+    (FSI3, "time=8"),
+    (FSI3, 'time={"end": 8}'),
+    (FSI3, "time.end=0"),
+    (FSI3, "time.end=-1"),
+    (FSI3, "time.end=NaN"),
+    (FSI3, "time.end=Infinity"),
+    (FSI3, "time.end=1e999"),
+    (FSI3, 'time.end="8"'),
+    (FSI3, "time.end=true"),
+    (FSI3, "time.begin=0"),
+    (FSI3, "time.communication_step=0"),
+    (FSI3, "fluid=3"),
+    (FSI3, "fluid={}"),
+    (FSI3, "fluid=[]"),
+    (FSI3, "fluid.colour=1"),
+    (FSI3, "fluid.density=0"),
+    (FSI3, "fluid.density=-1000"),
+    (FSI3, "fluid.density=heavy"),
+    (FSI3, "fluid.density=null"),
+    (FSI3, "fluid.kinematic_viscosity=0"),
+    (FSI3, "fluid.box=3"),
+    (FSI3, "fluid.box.x=0"),
+    (FSI3, "fluid.box.x=[0, 1, 2]"),
+    (FSI3, 'fluid.box.y=[0, "1"]'),
+    (FSI3, "fluid.box.cells=[325]"),
+    (FSI3, "fluid.box.cells=[325.0, 72]"),
+    (FSI3, "fluid.box.cells.1=0"),
+    (FSI3, "fluid.box.cells.0=-325"),
+    (FSI3, "fluid.box.cells.0=1e9"),
+    (FSI3, "fluid.initial_velocity=1"),
+    (FSI3, "fluid.channel=[0, 0.41]"),
+    (FSI3, "fluid.channel={}"),
+    (FSI3, "fluid.inflow.profile=poiseuille"),
+    (FSI3, "fluid.inflow.c_eta=0"),
+    (FSI3, f"{LAW}=2"),
+    (FSI3, f"{LAW}=fast"),
+    (FSI3, f"{LAW}={{}}"),
+    (FSI3, f'{LAW}={{"steady": [2]}}'),
+    (FSI3, f'{LAW}={{"jump": 2}}'),
+    (FSI3, f'{LAW}={{"steady": 2, "sine": {{}}}}'),
+    (FSI3, f'{LAW}={{"cosine_ramp": {{"value": 2, "duration": 0}}}}'),
+    (FSI3, f'{LAW}={{"sine": {{"amplitude": 1}}}}'),
+    (FSI3, f'{LAW}={{"sine": {{"amplitude": 1, "frequency": -1}}}}'),
+    (FSI3, f'{LAW}={{"table": {{"times": [0], "values": [0]}}}}'),
+    (FSI3, "fluid.cylinders={}"),
+    (FSI3, "fluid.cylinders=[7]"),
+    (FSI3, "fluid.cylinders.0.radius=0"),
+    (FSI3, "fluid.cylinders.0.center=[0.2]"),
+    (FSI3, "fluid.cylinders.0.diameter=0.1"),
+    (FSI3, "fluid.mask={}"),
+    (FSI3, "fluid.mask=sharp"),
+    (FSI3, 'fluid.mask={"sharp": {"c_eta": 1e-3}, "cosine": {"c_eta": 1e-3, "half_width": 1}}'),
+    (FSI3, 'fluid.mask={"sharp": {}}'),
+    (FSI3, 'fluid.mask={"sharp": {"c_eta": 0}}'),
+    (FSI3, 'fluid.mask={"cosine": {"c_eta": 1e-3, "half_width": 0}}'),
+    (FSI3, "fluid.mask.log_linear.c_eta=-1e-5"),
+    (FSI3, "fluid.mask.log_linear.e_fold=0"),
+    (FSI3, "fluid.mask.log_linear.target=mirror"),
+    (FSI3, "fluid.filter=sharp"),
+    (FSI3, "fluid.filter=1"),
+    (FSI3, "fluid.time_stepping.scheme=euler"),
+    (FSI3, "fluid.time_stepping.max_step=0"),
+    (FSI3, "fluid.time_stepping.max_cfl=0"),
+    (FSI3, "fluid.time_stepping.max_cfl=1"),
+    (FSI3, "fluid.threads=0"),
+    (FSI3, "fluid.threads=2000"),
+    (CYLINDER, f"fluid.probes=[{PROBE.format('a.b', '[0, 0.2]')}]"),
+    (CYLINDER, f"fluid.probes=[{PROBE.format('a', '0.2')}]"),
+    (FSI3, "beam.length=0"),
+    (FSI3, "beam.thickness=thin"),
+    (FSI3, "beam.segments=8.5"),
+    (FSI3, "beam.segments=1"),
+    (FSI3, "beam.segments=1000000000000"),
+    (FSI3, "beam.root=cylinder"),
+    (FSI3, "beam.root.on_cylinder.cylinder=-1"),
+    (CSM1, "beam.root.at.position=[0.25]"),
+    (CSM1, "rod=elastic"),
+    (CSM1, 'rod.material={"steel": {}}'),
+    (CSM1, "rod.material.plane_strain.density=0"),
+    (CSM1, "rod.material.plane_strain.poisson_ratio=0.5"),
+    (CSM1, "rod.material.plane_strain.shear_factor=2"),
+    (CSM1, "rod.gravity=-2"),
+    (CSM1, "rod.damping=-1"),
+    (CSM1, "rod.scheme=newmark"),
+    (CSM1, 'rod.scheme={"generalised_alpha": {"rho_inf": 2}}'),
+    (CSM1, "rod.max_step=0"),
+    (VEIN, "rod.root_motion=free"),
+    (VEIN, 'rod.root_motion.laws.rotations=[{"axis": [0, 0, 1]}]'),
+    (FSI3, f"{LOAD}=traction"),
+    (FSI3, 'coupling.scheme={"iterated": {"max_iterations": 1}}'),
+    (FSI3, 'coupling.guards={"window_steps": 0}'),
+    (FSI3, "reference.source="),
+    (FSI3, "reference.quantities.tip_uy.amplitude=-1"),
+]
+"""What types and ranges do not allow."""
+
+RELATIONS = [
+    (FSI3, "fluid=null"),
+    (FSI3, "rod=null"),
+    (CSM1, "beam=null"),
+    (FSI3, "fluid.box.x=[2.5, -0.1771]"),
+    (FSI3, "fluid.box.cells=[32768, 32768]"),
+    (FSI3, "fluid.channel=null"),
+    (FSI3, "fluid.channel.y=[0.0, 4.1]"),
+    (FSI3, "fluid.inflow.x=[-9, 0]"),
+    (FSI3, f'{LAW}={{"table": {{"times": [1, 0], "values": [0, 1]}}}}'),
+    (FSI3, f'{LAW}={{"table": {{"times": [0, 1], "values": [0, 1, 2]}}}}'),
+    (FSI3, 'fluid.mean_flow={"x": {"steady": 0}}'),
+    (HOVER, 'fluid.mean_flow={"x": {"steady": 1}}'),
+    (FSI3, "fluid.time_stepping.max_cfl=0.5"),
+    (FSI3, "fluid.time_stepping.max_cfl=1e-9"),
+    (FSI3, "fluid.time_stepping.max_step=1e-12"),
+    (FSI3, "rod.max_step=1e-12"),
+    (FSI3, "time.communication_step=1e-300"),
+    (CYLINDER, f"fluid.probes=[{PROBE.format('a', '[0, 9]')}]"),
+    (CYLINDER, f"fluid.probes=[{PROBE.format('a', '[0, 0]')}, {PROBE.format('a', '[0, 0.1]')}]"),
+    (FSI3, "beam.root.on_cylinder.cylinder=5"),
+    (FSI3, "beam.length=35"),
+    (FSI3, "beam.rest_angles=[0, 0.1]"),
+    (CSM1, "beam.root.at.direction=[0, 0]"),
+    (CSM1, "beam.root.at.direction=[1, 0, 0]"),
+    (CSM1, "rod.gravity=[0, -2, 0]"),
+    (VEIN, "rod.root_motion.laws.rotations.0.axis=[0, 0, 0]"),
+    (VEIN, "rod.root_motion.laws.rotations.0.axis=[1, 0, 0]"),
+    (CSM1, 'coupling={"load": "momentum"}'),
+    (FSI3, "rod.material.plane_strain.density=900"),
+    (FSI3, 'coupling.scheme={"iterated": {}}'),
+    (FSI3, "reference.spread.quantities.lift.amplitude=[174, 146]"),
+]
+"""What is allowed by itself, but not together with the rest of the scene."""
+
+FILES = {
+    "empty": "",
+    "a comma too few": '{\n  "name": "x"\n  "time": {}\n}',
+    "a comment": '{\n  "name": "x", // mine\n}',
+    "a list": "[]",
+    "a key twice": '{\n  "name": "x",\n  "time": { "end": 1, "communication_step": 0.1, "end": 2 }\n}',
+    "a thousand brackets": "[" * 1000,
+    "a wrong value": '{\n  "name": "x",\n  "time": {\n    "end": -1,\n    "communication_step": 0.1\n  }\n}',
+    "a missing key": '{\n  "name": "x",\n  "time": {\n    "end": 1\n  }\n}',
+    "no text": b"\x89PNG\r\n",
+}
+"""Texts of a scene file."""
+
+ARGUMENTS = [
+    ["run"],
+    ["run", "fsi3"],
+    ["run", "nothing-like-it.json"],
+    ["run", "."],
+    ["run", FSI3, "--end-time", "0"],
+    ["run", FSI3, "--end-time", "nan"],
+    ["run", FSI3, "--end-time", "soon"],
+    ["run", FSI3, "--set", "fluid.density"],
+    ["run", FSI3, "--set", "fluid.nothing.here=1"],
+    ["run", FSI3, "--set", "fluid.cylinders.5.radius=1"],
+    ["run", FSI3, "--set", 'fluid.mask={"sharp": 1, "sharp": 2}'],
+    ["run", FSI3, "--rod-fmu", "none.fmu"],
+    ["run", FSI3, "--checkpoint-every", "-1"],
+    ["run", FSI3, "--fields-every", "-1"],
+    ["run", FSI3, "--colour"],
+    ["resume", "."],
+    ["inspect", "none.fmu"],
+    ["inspect", "nothing-like-it.json"],
+    ["plot", "."],
+    ["merge", "one.fmu", "--output", "two.fmu"],
+    ["sweep", FSI3, "--vary", "fluid.density"],
+    ["fly"],
+]
+"""Arguments of the command."""
+
+HEAD = """\
+# Messages
+
+What the tool says of scenes, files and arguments that it cannot use. Each ends with exit status
+2, and nothing is written. A message names the key, its value and what is allowed; for a file also
+line and column. `make messages` writes this page, and `tests/test_messages.py` holds it.
+
+Types and ranges stand in the [JSON Schema](../modelDescription/scene.schema.json), so an editor
+shows them while you type. Two things differ there: a whole number may be written `8.0` for the
+schema, not for the units; and what relates several keys only the units see.
+"""
+
+
+def said(*arguments: str) -> tuple[int, str]:
+    """Exit status and message of the command, run in this process."""
+    wide = {"TERMINAL_WIDTH": "1000", "COLUMNS": "1000", "NO_COLOR": "1"}
+    errors, status = io.StringIO(), 0
+    try:
+        with (
+            patch.dict(os.environ, wide),
+            patch.object(sys, "argv", ["nervure", *arguments]),
+            redirect_stdout(io.StringIO()),
+            redirect_stderr(errors),
+        ):
+            main()
+    except SystemExit as ended:
+        status = int(ended.code or 0)
+    return status, errors.getvalue().replace(f"{ROOT}{os.sep}", "")
+
+
+def sentence(text: str) -> str:
+    """The message alone: without the frame that the command line puts around its own, and what it shows before."""
+    lines = [line.strip("│ ").strip() for line in text.splitlines() if not set(line.strip()) <= set("╭╰─╮╯ Error")]
+    lines = [line for line in lines if line and not line.startswith(("Usage:", "Try "))]
+    return " ".join(lines).removeprefix("error: ")
+
+
+def scene(base: str, assignment: str) -> dict:
+    """The document that `TYPES` and `RELATIONS` are about."""
+    return read(base, [assignment])
+
+
+def tables() -> dict[str, list[tuple[str, int, str]]]:
+    """By heading what was given, and exit status and message."""
+    found = {
+        heading: [(assignment, *said("run", base, "--set", assignment)) for base, assignment in cases]
+        for heading, cases in (("Types and ranges", TYPES), ("Keys that do not go together", RELATIONS))
+    }
+    files = found["Files"] = []
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        for name, text in FILES.items():
+            Path("my-scene.json").write_bytes(text if isinstance(text, bytes) else text.encode())
+            files.append((name, *said("run", "my-scene.json")))
+        Path("my-scene.json").unlink()
+        found["Arguments"] = [(" ".join(arguments), *said(*arguments)) for arguments in ARGUMENTS]
+        assert not os.listdir(), os.listdir()
+    return found
+
+
+def page(found: dict[str, list[tuple[str, int, str]]]) -> str:
+    """docs/messages.md."""
+    parts = [HEAD]
+    for heading, rows in found.items():
+        parts.append(f"\n## {heading}\n\n| given | message |\n|---|---|\n")
+        parts += [f"| `{cell(given)}` | {cell(sentence(text))} |\n" for given, _, text in rows]
+    return "".join(parts)
+
+
+def cell(text: str) -> str:
+    """`text` for a cell of a table."""
+    return text.replace("|", "\\|").replace("<", "&lt;")
+
+
+if __name__ == "__main__":
+    sys.stdout.write(page(tables()))
