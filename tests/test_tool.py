@@ -61,7 +61,7 @@ def test_inspect_shows_what_a_scene_will_do(small_fsi3, tmp_path):
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
     shown = nervure("inspect", path).stdout
-    sizes = ("20000 steps of 0.0004 s", "160 x 36 cells", "20 segments, 21 stations")
+    sizes = ("20000 of 0.0004 s", "Re 100", "wall time", "160 x 36 cells", "20 segments, 21 stations")
     for part in ("rod and fluid", *sizes, "load ", "scheme ", " MB"):
         assert part in shown, shown
 
@@ -125,7 +125,7 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
         (["run", "scenes/fsi3-325x73.json"], ["scenes/fsi3-325x73.json", "did you mean fsi3-325x72?"]),
         (["run", "nowhere/qqq.json"], ["cannot read the scene file nowhere/qqq.json", "scenes"]),
         (["inspect", "nowhere/qqq.json"], ["cannot read the scene file"]),
-        (["run", FSI3, "--output", "EMPTY", "--set", "fluid.colour=red"], ["colour", "unknown"]),
+        (["run", FSI3, "--output", "EMPTY", "--set", "fluid.colour=red"], ["fluid.colour", "not known"]),
         (["run", FSI3, "--output", "EMPTY", "--set", "fluid.density=heavy"], ["fluid.density", "heavy"]),
         (["run", FSI3, "--output", "EMPTY", "--end-time", "-1"], ["time.end", "-1"]),
         (["run", FSI3, "--output", "FILE"], ["cannot write into the result folder", "FILE"]),

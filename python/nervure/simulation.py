@@ -11,7 +11,7 @@ from nervure.errors import Refusal
 from nervure.evaluate.summary import summarize
 from nervure.pack import package
 from nervure.scene import Scene, kinds, typed
-from nervure.show import fields
+from nervure.show import fields, forecast
 from nervure.show.progress import display, interruptible
 from nervure.show.table import print_table
 
@@ -72,12 +72,14 @@ def _execute(
 
     with ExitStack() as stack:
         units, scheme, clock, recorder = master.assemble(scene, fmus, stack, foreign=foreign)
-        if chosen := scheme.choice:
-            text = f"load {chosen.load}: {chosen.load_reason}\nscheme {chosen.scheme}: {chosen.scheme_reason}"
-            console.print(text, soft_wrap=True)
+        if not quiet:
+            for name, value in [*forecast.rows(scene), *(forecast.chosen(scheme.choice) if scheme.choice else ())]:
+                console.print(f"{name}: {value}", markup=False, soft_wrap=True)
+            for text in forecast.warnings(scene):
+                warn(text)
 
         done, wall, saved = 0, 0.0, None
-        watchers: list[master.Watcher] = []
+        watchers: list[master.Watcher] = [] if quiet else [forecast.announce(console, scene, units)]
         if checkpoint_every is not None:
             home, places = folder.resolve(), {kind: path.resolve() for kind, path in fmus.items()}
             # The folder may be moved: what is in it is known from there.

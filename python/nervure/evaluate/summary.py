@@ -12,7 +12,9 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from nervure.coupling import Choice, Single
-from nervure.evaluate import coefficients, flapping, statistics
+from nervure.evaluate import bodies, coefficients, dimensionless, flapping, statistics
+from nervure.evaluate.bodies import BodyCoefficients
+from nervure.evaluate.dimensionless import Dimensionless
 from nervure.files import json_numbers
 from nervure.master import RunStatus
 from nervure.provenance import Machine, Revision, git_revision, machine
@@ -93,6 +95,8 @@ class Summary:
     completed: bool
     error: str | None
     quantities: dict[str, Quantity]
+    dimensionless: Dimensionless | None  # None without a fluid
+    bodies: dict[str, BodyCoefficients]  # Empty where nothing drives the flow
     coefficients: Coefficients | None  # None where the scene is not one still cylinder in an inflow
     flapping: flapping.Flapping | None  # None where no root is driven
     window_s: tuple[float, float] | None  # What was evaluated, s; None without a signal to take it from
@@ -152,6 +156,7 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
     main = main_signal(series) if time.size > 2 else None
     window = statistics.find_window(time, series[main]) if main else None
     width = statistics.force_filter_width(window) if window else 0.0
+    numbers = dimensionless.evaluate(scene)
     inside = {kind: unit.seconds for kind, unit in units.items()}
     about = {kind: unit.description for kind, unit in units.items()}
     return Summary(
@@ -163,6 +168,8 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
             for name in QUANTITIES
             if window and name in series
         },
+        dimensionless=numbers,
+        bodies=bodies.evaluate(scene, numbers, series, window, width) if window else {},
         coefficients=_coefficients(scene, series, window, width) if window else None,
         flapping=flapping.evaluate(scene, series, window) if window else None,
         window_s=(window.begin, window.end) if window else None,

@@ -1,11 +1,11 @@
 """Short tables about FMUs, scenes and result folders."""
 
-import os
 import tempfile
 import zipfile
 from collections.abc import Iterable
 from contextlib import ExitStack
 from pathlib import Path
+from time import perf_counter
 
 from rich.console import Console
 from rich.markup import escape
@@ -15,7 +15,7 @@ from nervure import checkpoint, master, results
 from nervure.errors import Refusal
 from nervure.pack import package
 from nervure.scene import kinds, load
-from nervure.show import fields
+from nervure.show import fields, forecast
 from nervure.show.table import print_table
 from nervure.unit import UnitError, read_description, variables_of
 
@@ -71,41 +71,43 @@ def show_unit(console: Console, path: Path) -> None:
 
 
 def show_scene(console: Console, path: Path) -> None:
-    """Sizes, and what the units and the rule of the coupling make of the scene; it packs them and makes two steps."""
+    """Sizes, and what the units and the rule of the coupling make of the scene, with the time that it will take: it
+    packs them and makes steps for half a second."""
     scene = load(path)
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         fmus = {kind: package.pack(kind, scene, folder) for kind in kinds(scene)}
-        before = _resident()
+        before = forecast.resident()
         units, scheme, clock, recorder = master.assemble(scene, fmus, stack)
         scheme.start()
-        for i in range(min(2, clock.steps)):  # the second one has a history as well
+        pace, whole, begin = forecast.Pace(scene, units), None, perf_counter()
+        for i in range(clock.steps):
+            wall = perf_counter() - begin
+            whole = pace.after(i, wall)
+            if wall > forecast.TIMED and whole is not None:
+                break
             scheme.step(*clock.step(i))
-        resident = _resident()
+        else:
+            whole = perf_counter() - begin
+        resident = forecast.resident()
         stations = len(fields.stations(units)) if scene.beam else 0
 
     rows = [("description", scene.description)] if scene.description else []
     rows.append(("units", " and ".join(fmus)))
-    rows.append(("time", f"to {clock.end:g} s, {clock.steps} steps of {clock.communication_step:g} s"))
     if fluid := scene.fluid:
         (nx, ny), (x0, x1), (y0, y1) = fluid.box.cells, fluid.box.x, fluid.box.y
         rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     if beam := scene.beam:
         rows.append(("beam", f"{beam.length:g} x {beam.thickness:g} m, {beam.segments} segments, {stations} stations"))
-    if chosen := scheme.choice:
-        rows.append(("load", f"{chosen.load}: {chosen.load_reason}"))
-        rows.append(("scheme", f"{chosen.scheme}: {chosen.scheme_reason}"))
+    rows += forecast.rows(scene)
+    rows += forecast.chosen(scheme.choice) if scheme.choice else ()
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
     if memory := resident and resident - before + recorder.table.nbytes:
         rows.append(("memory", f"about {memory / 1e6:.0f} MB for units and record, beside Python's own"))
+    rows.append(("wall time", f"about {forecast.duration(whole)} on this machine"))
+    rows += (("warning", text) for text in forecast.warnings(scene))
     _print(console, scene.name, rows)
-
-
-def _resident() -> int:
-    """Resident memory of this process, bytes; 0 where the system does not tell."""
-    pages = Path("/proc/self/statm")
-    return int(pages.read_text(encoding="utf-8").split()[1]) * os.sysconf("SC_PAGE_SIZE") if pages.exists() else 0
 
 
 def show_results(console: Console, folder: Path) -> None:

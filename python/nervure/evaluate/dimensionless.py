@@ -1,0 +1,189 @@
+"""The dimensionless numbers of a scene, and how its grid resolves its bodies.
+
+    Re = U L / nu,   k = pi f L / U,   M = mu / (rho L),   K = EI / (rho U² L³)
+
+with U the velocity that drives the flow, L the diameter of the first cylinder or the length of the beam (in M and K
+that of the beam), f the frequency of the drive, mu the mass per area and EI the stiffness of the beam per depth.
+
+The added mass is that of a thin plate across the flow, pi/4 rho L² (Theodorsen 1935). The layer at the front of a body
+is that of the stagnation flow with the strain rate of potential flow: 4 U/D at a cylinder, 2 U/L amid a plate.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import hypot, pi, sqrt
+from typing import NamedTuple
+
+from nervure.scene import Scene
+from nervure.scene.types import (
+    Cylinder,
+    MaterialPlaneStrain,
+    RootMotionLaws,
+    Section,
+    TimeLaw,
+    TimeLawCosineRamp,
+    TimeLawSine,
+    TimeLawSteady,
+    TimeLawTable,
+)
+
+PEAK = {"uniform": 1.0, "parabolic": 1.5}  # Largest velocity of an inflow's profile by its mean
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """How the grid resolves a body; a number of cells is that of the coarser direction."""
+
+    length: float  # Diameter of a cylinder, length of a beam, m
+    thickness_cells: float  # Cells in the diameter of a cylinder, in the thickness of a beam
+    layer_cells: float | None  # Cells in the boundary layer at the front; None in still fluid and for a beam in a wake
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dimensionless:
+    """Those of a scene with a fluid. What a scene does not have is None."""
+
+    velocity: float | None  # U, m/s; None where nothing drives the flow
+    velocity_of: str | None
+    length: float | None  # L, m; None without a body
+    length_of: str | None
+    reynolds: float | None
+    reduced_frequency: float | None  # Of a sine that drives a body or the flow
+    mass_ratio: float | None  # mu / (rho L)
+    density_ratio: float | None  # Mass of the beam by that of the fluid it displaces
+    added_mass_ratio: float | None  # Added mass of a plate by the mass of the beam
+    stiffness: float | None  # EI / (rho U² L³)
+    cfl: float | None  # CFL number of the longest step, with twice the largest velocity, as at the side of a cylinder
+    bodies: dict[str, Body]  # By the names of their forces: cylinder_1, …, beam
+
+
+class Drive(NamedTuple):
+    """A velocity that drives the flow."""
+
+    speed: float  # m/s
+    name: str
+    frequency: float | None  # Hz
+
+
+def evaluate(scene: Scene) -> Dimensionless | None:
+    """The numbers of `scene`; None without a fluid."""
+    fluid, beam = scene.fluid, scene.beam
+    if fluid is None:
+        return None
+    lengths = {f"cylinder_{i}": 2 * cylinder.radius for i, cylinder in enumerate(fluid.cylinders, 1)}
+    if beam:
+        lengths["beam"] = beam.length
+    length_of = next(iter(lengths), None)
+    length = lengths[length_of] if length_of else None
+
+    streams, motions = list(_streams(scene)), list(_motions(scene))
+    drive = next((drive for drive in [*streams, *motions] if drive.speed > 0), None)
+    velocity = drive.speed if drive else None
+    frequency = next((found for _, _, found in [*motions, *streams] if found), None)
+    fastest = hypot(*(max((speed for speed, _, _ in drives), default=0.0) for drives in (streams, motions)))
+    if fluid.inflow:
+        fastest *= PEAK[fluid.inflow.profile]
+
+    (x0, x1), (y0, y1), (nx, ny) = fluid.box.x, fluid.box.y, fluid.box.cells
+    dx, dy = (x1 - x0) / nx, (y1 - y0) / ny
+    step = min(scene.time.communication_step, fluid.time_stepping.max_step)
+    bodies = {}
+    for name, size in lengths.items():
+        strain = (2 if name == "beam" else 4) * fastest / size if name == length_of or name != "beam" else 0.0
+        bodies[name] = Body(
+            length=size,
+            thickness_cells=(beam.thickness if beam and name == "beam" else size) / max(dx, dy),
+            layer_cells=sqrt(fluid.kinematic_viscosity / strain) / max(dx, dy) if strain else None,
+        )
+    section, span = _section(scene), beam.length if beam else 0.0
+    mass = section.line_density / fluid.density if section else None
+    return Dimensionless(
+        velocity=velocity,
+        velocity_of=drive.name if drive else None,
+        length=length,
+        length_of=length_of,
+        reynolds=velocity * length / fluid.kinematic_viscosity if velocity and length else None,
+        reduced_frequency=pi * frequency * length / velocity if frequency and length and velocity else None,
+        mass_ratio=mass / span if mass else None,
+        density_ratio=mass / beam.thickness if mass and beam else None,
+        added_mass_ratio=pi / 4 * span / mass if mass else None,
+        stiffness=section.bending_stiffness / (fluid.density * velocity**2 * span**3) if section and velocity else None,
+        cfl=2 * fastest * step / min(dx, dy) if fastest else None,
+        bodies=bodies,
+    )
+
+
+def _streams(scene: Scene) -> Iterator[Drive]:
+    """Velocities of the flow that the scene asks for, the first that is not 0 being U."""
+    fluid = scene.fluid
+    if fluid is None:
+        return
+    if inflow := fluid.inflow:
+        yield Drive(largest(inflow.mean_velocity), "inflow", _frequency(inflow.mean_velocity))
+    if flow := fluid.mean_flow:
+        yield Drive(hypot(largest(flow.x), largest(flow.y)), "mean flow", _frequency(flow.x) or _frequency(flow.y))
+    if fluid.sponge:
+        yield Drive(largest(fluid.sponge.mean_velocity), "sponge", _frequency(fluid.sponge.mean_velocity))
+    yield Drive(hypot(*fluid.initial_velocity), "initial velocity", None)
+
+
+def _motions(scene: Scene) -> Iterator[Drive]:
+    """Largest speeds of the bodies that are driven; of a beam that of its tip if it were rigid."""
+    cylinders: list[Cylinder] = scene.fluid.cylinders if scene.fluid else []
+    for i, cylinder in enumerate(cylinders, 1):
+        if motion := cylinder.motion:
+            speed = hypot(largest_rate(motion.x), largest_rate(motion.y))
+            yield Drive(speed, f"motion of cylinder {i}", _frequency(motion.x) or _frequency(motion.y))
+    if scene.rod and scene.beam and isinstance(scene.rod.root_motion, RootMotionLaws):
+        laws = scene.rod.root_motion.laws
+        shifts, turns = [laws.x, laws.y, laws.z], [rotation.angle for rotation in laws.rotations]
+        turning = scene.beam.length * hypot(*map(largest_rate, turns))
+        frequencies = [found for law in [*shifts, *turns] if (found := _frequency(law))]
+        yield Drive(hypot(turning, *map(largest_rate, shifts)), "drive of the root", next(iter(frequencies), None))
+
+
+def largest(law: TimeLaw) -> float:
+    """Largest magnitude of a law; of a sine with a mean, both together."""
+    match law:
+        case TimeLawSteady():
+            return abs(law.steady)
+        case TimeLawCosineRamp():
+            return abs(law.cosine_ramp.value)
+        case TimeLawSine():
+            return abs(law.sine.mean) + abs(law.sine.amplitude)
+        case TimeLawTable():
+            return max(map(abs, law.table.values))
+
+
+def largest_rate(law: TimeLaw) -> float:
+    """Largest magnitude of a law's rate, per second; of a sine without its ramp, of a table by its secants."""
+    match law:
+        case TimeLawSteady():
+            return 0.0
+        case TimeLawCosineRamp():
+            return abs(law.cosine_ramp.value) * pi / 2 / law.cosine_ramp.duration
+        case TimeLawSine():
+            return abs(law.sine.amplitude) * 2 * pi * law.sine.frequency
+        case TimeLawTable():
+            times, values = law.table.times, law.table.values
+            return max(abs((values[i + 1] - values[i]) / (times[i + 1] - times[i])) for i in range(len(times) - 1))
+
+
+def _frequency(law: TimeLaw) -> float | None:
+    return law.sine.frequency if isinstance(law, TimeLawSine) and law.sine.amplitude else None
+
+
+def _section(scene: Scene) -> Section | None:
+    """Mass and bending stiffness of the beam, per metre of depth."""
+    if scene.rod is None or scene.beam is None:
+        return None
+    material, thickness = scene.rod.material, scene.beam.thickness
+    if not isinstance(material, MaterialPlaneStrain):
+        return material.section
+    strain = material.plane_strain
+    modulus = strain.youngs_modulus / (1 - strain.poisson_ratio**2)
+    return Section(
+        line_density=strain.density * thickness,
+        bending_stiffness=modulus * thickness**3 / 12,
+        axial_stiffness=modulus * thickness,
+    )

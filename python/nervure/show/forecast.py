@@ -1,0 +1,178 @@
+"""What a scene will do and take, said before it runs: dimensionless numbers, resolution, steps, time and memory.
+
+The speed of the machine is measured by the run's own steps: nothing else has their mix of transforms, solves and
+Python. `docs/running.md` has where the ranges come from.
+"""
+
+import os
+from collections.abc import Iterator, Mapping
+from math import ceil
+from pathlib import Path
+
+from rich.console import Console
+
+from nervure.coupling import Choice
+from nervure.evaluate import dimensionless
+from nervure.evaluate.dimensionless import Body, Dimensionless
+from nervure.master import Clock, Watcher
+from nervure.scene import Scene
+from nervure.unit import Unit
+
+WARM_UP = 2  # Steps that are not timed: the first has no history, the second no cached code
+TIMED = 0.5  # Wall time after which the speed of the machine is known, s
+ROUNDING = 1e-9  # Relative: a number on the limit is within
+
+THICKNESS_CELLS = 2.5  # Least cells in a thickness
+LAYER_CELLS = 0.8  # Least cells in the boundary layer at the front of a cylinder
+REYNOLDS = (20.0, 200.0)  # Range with published values
+DENSITY_RATIO = (0.01, 1000.0)  # Range of the map of the coupling
+SOFTNESS = 1e-3  # Largest C_eta U / L
+SEGMENT = 0.25  # Least length of a segment, in thicknesses
+
+
+def substeps(scene: Scene, numbers: Dimensionless) -> int:
+    """Steps that the fluid is expected to make in a communication step."""
+    if scene.fluid is None:
+        return 1
+    stepping, step = scene.fluid.time_stepping, scene.time.communication_step
+    divided = ceil(step / stepping.max_step - ROUNDING)
+    return max(1, divided) * max(1, ceil((numbers.cfl or 0.0) / stepping.max_cfl - ROUNDING))
+
+
+def rows(scene: Scene) -> Iterator[tuple[str, str]]:
+    """What is known of a scene without a step of its units, by name."""
+    clock = Clock(scene.time.end, scene.time.communication_step)
+    steps = f"{clock.steps} of {clock.communication_step:g} s to {clock.end:g} s"
+    numbers = dimensionless.evaluate(scene)
+    if scene.fluid is None or numbers is None:
+        yield "steps", steps
+        return
+    if numbers.velocity is None:
+        yield "flow", "nothing drives it"
+    else:
+        parts = [f"U {numbers.velocity:.3g} m/s ({numbers.velocity_of})"]
+        if numbers.reynolds is not None:
+            parts = [f"Re {numbers.reynolds:.3g}", *parts, f"L {numbers.length:.3g} m ({numbers.length_of})"]
+        if numbers.reduced_frequency is not None:
+            parts.append(f"reduced frequency {numbers.reduced_frequency:.3g}")
+        yield "flow", ", ".join(parts)
+    if numbers.mass_ratio is not None:
+        parts = [f"mass ratio {numbers.mass_ratio:.3g}"]
+        if numbers.stiffness is not None:
+            parts.append(f"stiffness number {numbers.stiffness:.3g}")
+        parts += [f"{numbers.density_ratio:.3g} of the mass of the fluid it displaces"]
+        yield "beam", ", ".join([*parts, f"added mass {numbers.added_mass_ratio:.3g} of its own"])
+    for name, body in numbers.bodies.items():
+        layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
+        yield f"cells of {name}", f"{body.thickness_cells:.3g} in the {_across(name)}{layer}"
+    if numbers.cfl is not None:
+        each, largest = substeps(scene, numbers), scene.fluid.time_stepping.max_cfl
+        divided = f", each divided into {each} of the fluid" if each > 1 else ""
+        steps += f"{divided}; CFL number about {min(numbers.cfl, largest):.2g}, at most {largest:g}"
+    yield "steps", steps
+
+
+def warnings(scene: Scene) -> Iterator[str]:
+    """Where a scene is outside of what the method was tried for."""
+    numbers = dimensionless.evaluate(scene)
+    if scene.fluid is None or numbers is None:
+        return
+    for name, body in numbers.bodies.items():
+        yield from _unresolved(name, body)
+    if numbers.reynolds is not None and not _within(numbers.reynolds, REYNOLDS):
+        low, high = REYNOLDS
+        yield f"Re is {numbers.reynolds:.3g}; forces were compared with published ones from {low:g} to {high:g}"
+    if numbers.density_ratio is not None and not _within(numbers.density_ratio, DENSITY_RATIO):
+        ratio, (low, high) = numbers.density_ratio, DENSITY_RATIO
+        yield f"the rod weighs {ratio:.3g} of the fluid it displaces; the coupling was tried from {low:g} to {high:g}"
+    if numbers.velocity and numbers.length:
+        (mask,) = scene.fluid.mask.document().values()
+        softness = mask["c_eta"] * numbers.velocity / numbers.length
+        if softness > SOFTNESS * (1 + ROUNDING):
+            yield f"the mask is soft: C_eta U/L is {softness:.2g}; above {SOFTNESS:g} forces are off by 10 % and more"
+    if (beam := scene.beam) and (ratio := beam.length / beam.segments / beam.thickness) < SEGMENT * (1 - ROUNDING):
+        yield f"segments are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
+
+
+def _unresolved(name: str, body: Body) -> Iterator[str]:
+    if body.thickness_cells < THICKNESS_CELLS:
+        across = f"{body.thickness_cells:.3g} cells in the {_across(name)} of {name}"
+        yield f"{across} are few: forces and motion want {THICKNESS_CELLS:g} or more"
+    if name != "beam" and body.layer_cells is not None and body.layer_cells < LAYER_CELLS:
+        layer = f"the boundary layer at the front of {name} has {body.layer_cells:.2g} cells"
+        yield f"{layer}; with less than {LAYER_CELLS:g} drag is off by some and lift by ten per cent and more"
+
+
+def _across(name: str) -> str:
+    return "thickness" if name == "beam" else "diameter"
+
+
+def _within(value: float, limits: tuple[float, float]) -> bool:
+    return limits[0] * (1 - ROUNDING) <= value <= limits[1] * (1 + ROUNDING)
+
+
+def chosen(choice: Choice) -> Iterator[tuple[str, str]]:
+    """Load and scheme of a coupled run, and why."""
+    yield "load", f"{choice.load}: {choice.load_reason}"
+    yield "scheme", f"{choice.scheme}: {choice.scheme_reason}"
+
+
+class Pace:
+    """Finds by the steps of a run how long the whole will take."""
+
+    def __init__(self, scene: Scene, units: Mapping[str, Unit]):
+        numbers = dimensionless.evaluate(scene)
+        self.fluid, self.factor = units.get("fluid"), substeps(scene, numbers) if numbers else 1
+        self.steps = Clock(scene.time.end, scene.time.communication_step).steps
+        self.begin: tuple[int, float, float] | None = None
+        self.first: int | None = None
+
+    def after(self, done: int, wall: float) -> float | None:
+        """Wall time of the whole run, s, after `done` steps at the time `wall` (s); None as long as too few were timed.
+        At the start the flow is slow, so steps of the fluid that are expected to be divided later count as often."""
+        inside = self.fluid.seconds if self.fluid else 0.0
+        if self.first is None:
+            self.first = done
+        if self.begin is None:
+            if done - self.first >= WARM_UP:
+                self.begin = done, wall, inside
+            return None
+        made, timed = done - self.begin[0], wall - self.begin[1]
+        if made == 0:
+            return None
+        return (timed + (self.factor - 1) * (inside - self.begin[2])) / made * self.steps
+
+
+def announce(console: Console, scene: Scene, units: Mapping[str, Unit]) -> Watcher:
+    """The watcher that says after half a second how long the run will take; one that has ended before says nothing."""
+    pace, said = Pace(scene, units), False
+
+    def watch(done: int, _time: float, wall: float) -> None:
+        nonlocal said
+        if said or (whole := pace.after(done, wall)) is None or pace.begin is None or wall - pace.begin[1] < TIMED:
+            return
+        said = True
+        console.print(f"forecast: {cost(whole)}", soft_wrap=True)
+
+    return watch
+
+
+def cost(wall: float) -> str:
+    """Time and memory in words."""
+    memory = resident()
+    held = f", {memory / 1e6:.0f} MB of memory with Python's own" if memory else ""
+    return f"about {duration(wall)} of wall time on this machine{held}"
+
+
+def duration(seconds: float) -> str:
+    """A time with two digits, in the unit that fits."""
+    for limit, unit, name in ((120.0, 1.0, "s"), (7200.0, 60.0, "min"), (172800.0, 3600.0, "h")):
+        if seconds < limit:
+            return f"{seconds / unit:.2g} {name}" if seconds / unit < 99.5 else f"{seconds / unit:.0f} {name}"
+    return f"{seconds / 86400:.0f} days"
+
+
+def resident() -> int:
+    """Resident memory of this process, bytes; 0 where the system does not tell."""
+    pages = Path("/proc/self/statm")
+    return int(pages.read_text(encoding="utf-8").split()[1]) * os.sysconf("SC_PAGE_SIZE") if pages.exists() else 0

@@ -1,0 +1,155 @@
+"""What is said before a run, and the dimensionless results after it."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from conftest import FSI3, run_scene
+from test_flapping import known_signal
+
+from nervure.evaluate import bodies, dimensionless, flapping
+from nervure.scene import override, read, typed
+from nervure.show import forecast
+
+
+def numbers(name, *overrides):
+    return dimensionless.evaluate(typed(read(name, overrides)))
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        # Turek & Hron 2006: Re 200, density ratio 1, Ae = E/(rho Ubar²) = 1400; K = Ae (h/L)³ / (12 (1 - nu²))
+        (
+            "fsi3-650x144",
+            {
+                "reynolds": 200,
+                "density_ratio": 1,
+                "mass_ratio": 0.02 / 0.35,
+                "stiffness": 1400 * (0.02 / 0.35) ** 3 / (12 * (1 - 0.4**2)),
+                "added_mass_ratio": np.pi / 4 * 0.35 / 0.02,
+            },
+        ),
+        ("cylinder-2d1-450x90", {"reynolds": 20, "density_ratio": None, "stiffness": None, "reduced_frequency": None}),
+        # k = pi f c / U, as the description has it: Re 200
+        ("vein-forward-384x192", {"reynolds": 200, "reduced_frequency": np.pi / 2.5, "density_ratio": 2}),
+        # In still fluid the drive gives the velocity: k = L / (2 A)
+        ("vein-hover-288x256", {"reynolds": 1.25 * 2 * np.pi / 0.08, "reduced_frequency": 1 / 2.5}),
+        ("cylinder-oscillating-460x100", {"reynolds": 0.25 * 2 * np.pi * 0.25 * 0.1 / 1e-3}),
+    ],
+)
+def test_dimensionless_numbers_are_those_of_the_definition(name, expected):
+    found = vars(numbers(name))
+    for key, value in expected.items():
+        assert found[key] == (value if value is None else pytest.approx(value, rel=1e-12)), key
+
+
+def test_cells_in_diameter_thickness_and_layer():
+    found = numbers("fsi3-1300x288")
+    dx = 2.6771 / 1300
+    cylinder, beam = found.bodies["cylinder_1"], found.bodies["beam"]
+    assert cylinder.thickness_cells == pytest.approx(0.1 / dx)
+    assert beam.thickness_cells == pytest.approx(0.02 / dx)
+    assert cylinder.layer_cells == pytest.approx(np.sqrt(1e-3 * 0.1 / (4 * 3.0)) / dx)  # u_max of the parabola is 3 m/s
+    assert beam.layer_cells is None, "the beam is in the cylinder's wake"
+
+
+def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
+    assert dimensionless.evaluate(typed(read("csm1"))) is None
+    fluid_only["fluid"] |= {"initial_velocity": [0.0, 0.0], "inflow": None}
+    found = dimensionless.evaluate(typed(fluid_only))
+    assert (found.velocity, found.reynolds, found.cfl) == (None, None, None)
+    assert list(forecast.warnings(typed(fluid_only))) == []
+
+
+@pytest.mark.parametrize(
+    ("assignments", "said"),
+    [
+        ([], []),
+        (
+            ["fluid.box.cells=[325, 72]"],
+            [
+                "the front of cylinder_1 has 0.35 cells",
+                "2.43 cells in the thickness of beam are few: forces and motion",
+            ],
+        ),
+        (["fluid.kinematic_viscosity=5e-4"], ["Re is 400; forces were compared with published ones from 20 to 200"]),
+        (["rod.material.plane_strain.density=1e7"], ["the rod weighs 1e+04 of the fluid it displaces"]),
+        (["fluid.mask.log_linear.c_eta=1e-3"], ["the mask is soft: C_eta U/L is 0.02"]),
+        (["beam.segments=100"], ["segments are 0.17 thicknesses long"]),
+    ],
+)
+def test_what_is_outside_of_the_tried_ranges_is_warned_of(assignments, said):
+    warnings = list(forecast.warnings(typed(read("fsi3-1300x288", assignments))))
+    assert len(warnings) == len(said) and all(part in text for part, text in zip(said, warnings, strict=True)), warnings
+
+
+@pytest.mark.parametrize("kind", ["stream", "still"])
+def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
+    """A beam of 1 m in a stream along y with 1.2 m/s, or driven at 0.4 π m/s in still fluid of 1 kg/m³."""
+    known, window = known_signal()
+    scene = read("vein-hover-288x256")
+    override(scene, 'rod.root_motion.laws.y={"sine": {"amplitude": 0.1, "frequency": 2.0}}')
+    if kind == "stream":
+        override(scene, "fluid.initial_velocity=[0, 1.2]")
+        override(scene, 'fluid.mean_flow={"y": {"steady": 1.2}}')
+    scene = typed(scene)
+    of_scene = dimensionless.evaluate(scene)
+    velocity = 1.2 if kind == "stream" else 0.1 * 4 * np.pi
+    assert of_scene.velocity == pytest.approx(velocity)
+    found = bodies.evaluate(scene, of_scene, known, window, 0.0)["beam"]
+    pressure = velocity**2 / 2
+    assert found.cd_mean == pytest.approx(-0.25 / pressure, rel=1e-4)
+    assert found.cl_amplitude == pytest.approx(1.0 / pressure, rel=1e-4)
+    assert found.ct == pytest.approx((0.5 if kind == "stream" else 0.25) / pressure, rel=1e-4)
+    assert found.cp == pytest.approx(3.0 / pressure / velocity, rel=1e-4)
+    assert found.st == pytest.approx(2.0 / velocity, rel=1e-4)
+    assert found.st_tip == pytest.approx(2.0 * 0.3 / velocity, rel=1e-4)
+    if kind == "stream":
+        assert found.ct / found.cp == pytest.approx(flapping.evaluate(scene, known, window).efficiency, rel=1e-9)
+
+
+def test_pace_counts_steps_after_the_first_and_those_of_the_fluid_to_come():
+    """Steps of 30 ms, 20 of them in the fluid, which will have to divide each into 2: (30 + 20) ms for each of 100."""
+    scene = read("vein-pitching-320x240")
+    override(scene, "time.end=0.04")
+    fluid = SimpleNamespace(seconds=0.0)
+    pace = forecast.Pace(typed(scene), {"fluid": fluid})
+    assert pace.factor == 2 and pace.steps == 100
+    wall, found = 0.0, []
+    for done in range(12):
+        found.append(pace.after(done, wall))
+        step = 5.0 if done < forecast.WARM_UP else 0.03
+        wall, fluid.seconds = wall + step, fluid.seconds + step * 2 / 3
+    assert found[: forecast.WARM_UP + 1] == [None] * (forecast.WARM_UP + 1)
+    assert found[forecast.WARM_UP + 1 :] == pytest.approx([5.0] * (11 - forecast.WARM_UP))
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(0.16, "0.16 s"), (7.84, "7.8 s"), (119, "119 s"), (130, "2.2 min"), (7300, "2 h"), (3e6, "35 days")],
+)
+def test_durations_have_two_digits(seconds, text):
+    assert forecast.duration(seconds) == text
+
+
+def test_head_of_a_run_has_numbers_steps_and_warnings(libraries, tmp_path, monkeypatch):
+    monkeypatch.setattr(forecast, "TIMED", 0.0)
+    command = [FSI3, "--output", tmp_path, "--end-time", "0.004"]
+    done = run_scene(*command)
+    for part in (
+        "Re 200",
+        "mass ratio 0.0571",
+        "12.1 in the diameter",
+        "steps: 10 of",
+        "load: momentum",
+        "forecast: about",
+    ):
+        assert part in done.stdout, done.stdout
+    assert "warning: 2.43 cells in the thickness of beam" in done.stderr, done.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
+    assert summary["dimensionless"]["reynolds"] == pytest.approx(200)
+    assert {"cd_mean", "cl_amplitude", "ct", "cp", "st"} <= summary["bodies"]["cylinder_1"].keys()
+    quiet = run_scene(*command, "--quiet")
+    assert (quiet.stdout, quiet.stderr) == ("", "")
