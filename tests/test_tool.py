@@ -60,8 +60,8 @@ def test_inspect_shows_what_a_scene_will_do(small_fsi3, tmp_path):
     del small_fsi3["coupling"]
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
-    shown = nervure("inspect", path).stdout
-    sizes = ("20000 of 0.0004 s", "Re 100", "wall time", "160 x 36 cells", "20 segments, 21 stations")
+    shown = nervure("inspect", path, "--set", "time.end=4").stdout
+    sizes = ("10000 of 0.0004 s to 4 s", "Re 100", "wall time", "160 x 36 cells", "20 segments, 21 stations")
     for part in ("rod and fluid", *sizes, "load ", "scheme ", " MB"):
         assert part in shown, shown
 

@@ -106,20 +106,25 @@ def _exit(summary: "Summary") -> None:
 
 @app.command()
 def inspect(
-    path: Annotated[Path, typer.Argument(metavar="UNIT.fmu|SCENE.json|FOLDER", help="What to look at.")],
+    path: Annotated[Path, typer.Argument(metavar="UNIT.fmu|SCENE|FOLDER", help="What to look at.")],
+    end_time: EndTime = None,
+    overrides: Overrides = None,
 ) -> None:
     """Show what an FMU offers, what a scene will do and take, or what a run has given."""
     from rich.console import Console
 
+    from nervure.scene import load
     from nervure.show import inspection
 
     console = Console(highlight=False)
+    if (overrides or end_time is not None) and (path.is_dir() or path.suffix == ".fmu"):
+        raise Refusal(f"{path} is no scene, but --set and --end-time change one")
     if path.is_dir():
         inspection.show_results(console, path)
     elif path.suffix == ".fmu":
         inspection.show_unit(console, path)
     else:
-        inspection.show_scene(console, path)
+        inspection.show_scene(console, load(path, overrides or (), end_time))
 
 
 @app.command()

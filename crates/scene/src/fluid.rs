@@ -258,13 +258,18 @@ pub enum Filter {
 /// The fluid's own step inside a communication step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend(
+    "if" = { "properties": { "scheme": { "const": TimeScheme::Rk2 } }, "required": ["scheme"] },
+    "then" = { "properties": { "max_cfl": { "maximum": TimeScheme::Rk2.largest_cfl() } } },
+    "else" = { "properties": { "max_cfl": { "maximum": TimeScheme::Sbdf2.largest_cfl() } } }
+))]
 pub struct TimeStepping {
     /// Largest step, s.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub max_step: f64,
     /// Largest CFL number max(|u|/dx + |v|/dy) dt; smaller steps are taken where it would be exceeded. At most 0.4 with
     /// sbdf2 and 0.6 with rk2: above, advection is unstable.
-    #[schemars(extend("exclusiveMinimum" = 0.0, "maximum" = TimeScheme::Rk2.largest_cfl()))]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub max_cfl: f64,
     /// How a step is made.
     #[serde(default)]

@@ -68,14 +68,15 @@ mod tests {
 
     use super::*;
 
-    /// `visit` every object that has properties, with its place in the schema.
+    /// `visit` every object that has properties, with its place in the schema; conditions are about those of others.
     fn objects(place: &str, schema: &Value, visit: &mut impl FnMut(&str, &Map<String, Value>)) {
         match schema {
             Value::Object(entries) => {
                 if entries.contains_key("properties") {
                     visit(place, entries);
                 }
-                entries.iter().for_each(|(key, part)| objects(&format!("{place}/{key}"), part, visit));
+                let parts = entries.iter().filter(|(key, _)| !["if", "then", "else"].contains(&key.as_str()));
+                parts.for_each(|(key, part)| objects(&format!("{place}/{key}"), part, visit));
             }
             Value::Array(parts) => {
                 parts.iter().enumerate().for_each(|(i, part)| objects(&format!("{place}/{i}"), part, visit));

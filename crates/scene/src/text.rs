@@ -338,7 +338,7 @@ mod tests {
     /// What the checker enforces, what needs a look at several keys or words, and what only tells.
     const ENFORCED: &str = "$ref anyOf oneOf const type properties required additionalProperties items minItems maxItems \
                             minimum maximum exclusiveMinimum exclusiveMaximum";
-    const ELSEWHERE: &str = "pattern";
+    const ELSEWHERE: &str = "pattern if then else";
     const TELLING: &str = "$schema $defs title description default format";
 
     #[test]

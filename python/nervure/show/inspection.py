@@ -14,7 +14,7 @@ from rich.table import Table
 from nervure import checkpoint, master, results
 from nervure.errors import Refusal
 from nervure.pack import package
-from nervure.scene import kinds, load
+from nervure.scene import Scene, kinds
 from nervure.show import fields, forecast
 from nervure.show.table import print_table
 from nervure.unit import UnitError, read_description, variables_of
@@ -70,10 +70,9 @@ def show_unit(console: Console, path: Path) -> None:
     console.print(table)
 
 
-def show_scene(console: Console, path: Path) -> None:
+def show_scene(console: Console, scene: Scene) -> None:
     """Sizes, and what the units and the rule of the coupling make of the scene, with the time that it will take: it
     packs them and makes steps for half a second."""
-    scene = load(path)
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         fmus = {kind: package.pack(kind, scene, folder) for kind in kinds(scene)}
