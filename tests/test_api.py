@@ -57,6 +57,12 @@ def test_a_scene_is_run_by_its_name_with_overrides(tmp_path):
     assert run.scene.beam.segments == 8 and run.summary.simulated_s == pytest.approx(0.01)
 
 
+def test_a_scene_is_inspected_as_by_the_command(falling, capsys):
+    nervure.inspect(falling)
+    shown = capsys.readouterr().out
+    assert "100 of 0.0001 s to 0.01 s" in shown and "wall time" in shown, shown
+
+
 def test_what_cannot_be_used_is_refused(falling, tmp_path):
     falling.beam.thickness = -1.0
     with pytest.raises(nervure.Refusal, match="beam.thickness"):

@@ -4,6 +4,7 @@
     scene = nervure.load("fsi3-325x72")            # a shipped scene, or a file
     scene.time.end = 10.0
     scene.fluid.kinematic_viscosity = 1.1e-3
+    nervure.inspect(scene)                         # says what a run will do and take
     run = nervure.run(scene)                       # results/fsi3-325x72
     print(run.summary.quantities["tip_uy"].amplitude)
     run.series["tip_uy"]                           # a NumPy array, in run.units["tip_uy"]
@@ -18,11 +19,11 @@ many runs.
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from nervure.api import Run, RunError, load, read, run
+    from nervure.api import Run, RunError, inspect, load, read, run
     from nervure.errors import Refusal
     from nervure.scene import Scene
 
-__all__ = ["Refusal", "Run", "RunError", "Scene", "load", "read", "run"]
+__all__ = ["Refusal", "Run", "RunError", "Scene", "inspect", "load", "read", "run"]
 
 
 def __getattr__(name: str) -> Any:

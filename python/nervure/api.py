@@ -1,4 +1,4 @@
-"""What a Python program does with scenes and runs: `nervure.load`, `nervure.run`, `nervure.read`."""
+"""What a Python program does with scenes and runs: `nervure.load`, `nervure.inspect`, `nervure.run`, `nervure.read`."""
 
 import sys
 from collections.abc import Iterable
@@ -12,7 +12,7 @@ from nervure.scene import Scene, load
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Run", "RunError", "load", "read", "run"]
+__all__ = ["Run", "RunError", "inspect", "load", "read", "run"]
 
 
 class Run(results.Results):
@@ -37,6 +37,16 @@ class RunError(Exception):
     def __init__(self, run: Run):
         super().__init__(run.summary.error)
         self.run = run
+
+
+def inspect(scene: Scene | str | Path) -> None:
+    """Print what a run of a scene, an object or the name of one, will do and take, as `nervure inspect` does; it makes
+    steps for half a second. Raises `Refusal` where the scene cannot be used."""
+    from rich.console import Console
+
+    from nervure.show import inspection
+
+    inspection.show_scene(Console(highlight=False), scene if isinstance(scene, Scene) else load(scene))
 
 
 def run(

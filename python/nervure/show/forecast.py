@@ -67,7 +67,7 @@ def rows(scene: Scene) -> Iterator[tuple[str, str]]:
         yield f"cells of {name}", f"{body.thickness_cells:.3g} in the {_across(name)}{layer}"
     if numbers.cfl is not None:
         each, largest = substeps(scene, numbers), scene.fluid.time_stepping.max_cfl
-        divided = f", each divided into {each} of the fluid" if each > 1 else ""
+        divided = f", in which the fluid makes up to {each}" if each > 1 else ""
         steps += f"{divided}; CFL number about {min(numbers.cfl, largest):.2g}, at most {largest:g}"
     yield "steps", steps
 
