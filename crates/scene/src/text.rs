@@ -394,6 +394,7 @@ mod tests {
     fn wrong_values_are_told_in_words_of_people() {
         let end = r#""end": 4.0"#;
         for (old, new, expected) in [
+            (end, r#""end": 0.0"#, "`time.end` is 0.0, but it must be a number above 0"),
             (end, r#""end": "late""#, "`time.end` is \"late\", but it must be a number above 0"),
             (end, r#""end": [1.0, -2.5e-9]"#, "`time.end` is [1.0, -2.5e-9], but it must be a number above 0"),
             (
@@ -411,6 +412,17 @@ mod tests {
                 r#""root": { "at": {"#,
                 r#""root": { "on": {"#,
                 "an object with just one of the keys `on_cylinder` and `at`",
+            ),
+            (r#""gravity": [0.0, -2.0]"#, r#""gravity": [0, 0, 0, 0]"#, "it must be a list of at most 3 numbers"),
+            (
+                r#"{ "end": 4.0, "communication_step": 5e-3 }"#,
+                "[4.0, 5e-3]",
+                "`time` is [4.0, 0.005], but it must be an object",
+            ),
+            (
+                r#""poisson_ratio": 0.4, "#,
+                "",
+                "`rod.material.plane_strain.poisson_ratio` is missing, but it must be a number",
             ),
         ] {
             let message = refused(old, new);

@@ -89,7 +89,7 @@ def warnings(scene: Scene) -> Iterator[str]:
         (mask,) = scene.fluid.mask.document().values()
         softness = mask["c_eta"] * numbers.velocity / numbers.length
         if softness > SOFTNESS * (1 + ROUNDING):
-            yield f"the mask is soft: C_eta U/L is {softness:.2g}; above {SOFTNESS:g} forces are off by 10 % and more"
+            yield f"the mask is soft: C_eta U/L is {softness:.2g}; above {SOFTNESS:g} forces can be off by 10 %"
     if (beam := scene.beam) and (ratio := beam.length / beam.segments / beam.thickness) < SEGMENT * (1 - ROUNDING):
         yield f"segments are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
 
@@ -100,7 +100,7 @@ def _unresolved(name: str, body: Body) -> Iterator[str]:
         yield f"{across} are few: forces and motion want {THICKNESS_CELLS:g} or more"
     if name != "beam" and body.layer_cells is not None and body.layer_cells < LAYER_CELLS:
         layer = f"the boundary layer at the front of {name} has {body.layer_cells:.2g} cells"
-        yield f"{layer}; with less than {LAYER_CELLS:g} drag is off by some and lift by ten per cent and more"
+        yield f"{layer}; with less than {LAYER_CELLS:g} drag can be off by some per cent and lift by ten"
 
 
 def _across(name: str) -> str:
