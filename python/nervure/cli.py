@@ -42,9 +42,9 @@ def build(
 ) -> None:
     """Pack the units of a scene without running it; in the source tree, build both libraries before."""
     from nervure.pack import package
-    from nervure.scene import kinds, read, typed
+    from nervure.scene import kinds, load, read
 
-    document = read(scene_file)
+    read(scene_file)  # what is no scene need not wait for the libraries
     if SOURCE is not None:
         try:
             built = subprocess.run(["cargo", "build", "--release", "--locked"], cwd=SOURCE)
@@ -52,7 +52,7 @@ def build(
             raise Refusal("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
         if built.returncode != 0:
             raise Refusal("the libraries cannot be built: cargo says above why")
-    scene = typed(document)
+    scene = load(scene_file)
     for kind in kinds(scene):
         if descriptions:
             path = descriptions / f"fmu_{kind}.xml"
