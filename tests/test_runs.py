@@ -20,7 +20,7 @@ def run(tmp_path, scene, *arguments):
     """Run a scene given as a dict; returns its series by column name and its summary."""
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(scene))
-    done = run_scene(path, "--output", tmp_path / "results", *arguments)
+    done = run_scene(path, "--output", tmp_path / "results", "--force", *arguments)
     assert done.returncode == 0, done.stderr
     return results(tmp_path / "results")
 

@@ -48,22 +48,25 @@ def run(
     fluid_fmu: Path | None = None,
     checkpoint_every: float | None = None,
     fields_every: float | None = None,
+    force: bool = False,
     quiet: bool = False,
 ) -> Run:
     """Run a scene, an object or the name of one, into the folder `output` or results/NAME.
 
-    `overrides` (key=value), the FMUs in the place of ours, the minutes between checkpoints and the seconds between
-    fields are those of `nervure run`. Raises `Refusal` where something that was given cannot be used, `RunError` where
-    the run failed and `KeyboardInterrupt` where it was interrupted; in the last two cases the results so far are
-    written.
+    `overrides` (key=value), the FMUs in the place of ours, the minutes between checkpoints, the seconds between fields
+    and `force`, which replaces results of another scene, are those of `nervure run`. Raises `Refusal` where something
+    that was given cannot be used, `RunError` where the run failed and `KeyboardInterrupt` where it was interrupted; in
+    the last two cases the results so far are written.
     """
     if not isinstance(scene, Scene):
         scene = load(scene, overrides)
     elif overrides := list(overrides):
         raise Refusal(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
     foreign = {"rod": rod_fmu, "fluid": fluid_fmu}
+    if output == "":
+        raise Refusal("the output is empty, but it must be the path of a folder")
     folder = None if output is None else Path(output)
-    done = Run(**vars(simulation.run(scene, folder, foreign, checkpoint_every, fields_every, quiet)))
+    done = Run(**vars(simulation.run(scene, folder, foreign, checkpoint_every, fields_every, quiet, force)))
     if done.summary.error is not None:
         raise RunError(done)
     if not done.summary.completed:

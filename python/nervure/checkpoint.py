@@ -45,8 +45,8 @@ def read(folder: Path) -> Kept:
     path = folder / FILE
     if not path.is_file():
         raise CheckpointError(
-            f"there is no checkpoint {path} to resume from: a run leaves one if it has --checkpoint-every and is "
-            "stopped before its end"
+            f"there is no checkpoint {path} to resume from: a run leaves one where Ctrl-C or SIGTERM stops it, and "
+            "with --checkpoint-every where it is killed"
         )
     try:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:

@@ -18,14 +18,27 @@ if TYPE_CHECKING:
     from nervure.evaluate.summary import Summary
 
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
+
+
+def _folder(text: str) -> Path:
+    """A path that was given: an empty one, as of a variable that is not set, would be the folder that one is in."""
+    if not text:
+        raise typer.BadParameter("it is empty, but it must be the path of a folder; `.` is the one that you are in")
+    return Path(text)
+
+
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a shipped scene.")]
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="Result folder of a run.")]
 Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Override a scene key by its dotted path; repeatable."),
 ]
+Output = Annotated[
+    Path | None, typer.Option(metavar="FOLDER", parser=_folder, help="Result folder; default: results/NAME.")
+]
 EndTime = Annotated[float | None, typer.Option(help="End of the run, s, in place of the scene's.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace the results of another scene in the folder.")]
 FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of ours.")]
 
 app = typer.Typer(help="Build, run and look at FMI units.", no_args_is_help=True, pretty_exceptions_enable=False)
@@ -34,7 +47,7 @@ app = typer.Typer(help="Build, run and look at FMI units.", no_args_is_help=True
 @app.command()
 def build(
     scene_file: SceneFile,
-    output: Annotated[Path | None, typer.Option(help="Folder of the FMUs; default: results/NAME.")] = None,
+    output: Output = None,
     descriptions: Annotated[
         Path | None,
         typer.Option(exists=True, file_okay=False, help="Write fmu_KIND.xml into this folder in place of FMUs."),
@@ -66,7 +79,7 @@ def build(
 def run(
     scene_file: SceneFile,
     end_time: EndTime = None,
-    output: Annotated[Path | None, typer.Option(help="Result folder; default: results/NAME.")] = None,
+    output: Output = None,
     overrides: Overrides = None,
     rod_fmu: FmuPath = None,
     fluid_fmu: FmuPath = None,
@@ -77,6 +90,7 @@ def run(
     fields_every: Annotated[
         float | None, typer.Option(min=0, metavar="SECONDS", help="Write fields every so many simulated seconds.")
     ] = None,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a scene: pack its units, couple them, write results/NAME with tables, a summary and pictures."""
@@ -84,7 +98,7 @@ def run(
     from nervure.scene import load
 
     scene, fmus = load(scene_file, overrides or (), end_time), {"rod": rod_fmu, "fluid": fluid_fmu}
-    _exit(simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet).summary)
+    _exit(simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet, force).summary)
 
 
 @app.command()
@@ -126,7 +140,10 @@ def inspect(
 def plot(
     folders: Annotated[list[Path], typer.Argument(metavar="FOLDER...", help="Result folders of runs.")],
     output: Annotated[
-        Path | None, typer.Option(help="Folder of the pictures; default: that of the run, if it is one.")
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", parser=_folder, help="Folder of the pictures; default: that of the run, if it is one."
+        ),
     ] = None,
 ) -> None:
     """Draw tip.png, drag.png and lift.png anew from series.csv, several runs over each other."""
@@ -173,7 +190,10 @@ def sweep(
     ] = None,
     overrides: Overrides = None,
     end_time: EndTime = None,
-    output: Annotated[Path | None, typer.Option(help="Folder of the sweep; default: results/sweep-NAME.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", parser=_folder, help="Folder of the sweep; default: results/sweep-NAME."),
+    ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler to run on, in place of this machine's cores.")
     ] = None,

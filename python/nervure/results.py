@@ -1,10 +1,11 @@
 """What a run leaves in its folder: written, and read again."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
@@ -23,6 +24,11 @@ FURTHER_FILES = (
     "coefficients.png", "flapping.png", "vorticity.gif", "phases.png", "motion.png", "iterations.csv", "convergence.csv"
 )  # fmt: skip
 """What a cylinder alone, a driven root, `animate` and an iterated scheme leave besides."""
+
+REMARKS = ("$schema", "description", "display", "reference")
+"""Keys of a scene that change no result."""
+
+ABSENT, LONGEST_SHOWN = "absent", 60  # How a message shows a key that is not there, and the most characters of a value
 
 
 @dataclass(frozen=True)
@@ -57,9 +63,57 @@ def read(folder: Path) -> Results:
     return Results(scene, folder, known, dict(zip(columns, table.T, strict=True)), known.series)
 
 
-def write(run: Results, scheme: Single) -> None:
+def other(folder: Path, scene: Scene, models: Mapping[str, str]) -> str | None:
+    """What `folder` holds that a run of `scene` with units of these `models` would replace by something else; None
+    where there is nothing, or the same run."""
+    held = [name for name in (*FILES, *FURTHER_FILES) if (folder / name).exists()]
+    if not held:
+        return None
+    try:
+        there = json.loads((folder / "scene.json").read_text(encoding="utf-8"))
+        units = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["units"]
+        ran = {kind: unit["model"] for kind, unit in units.items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return f"{held[0]}, but no results that can be read"
+    here = scene.document()
+    for remark in REMARKS:
+        there.pop(remark, None)
+        here.pop(remark, None)
+    if found := _difference(there, here):
+        return "the results of another scene: {} is {} there, but {} here".format(*found)
+    for kind, model in models.items():
+        if ran.get(kind) != model:
+            return f"the results of another {kind}: it is {ran.get(kind)} there, but {model} here"
+    return None
+
+
+def scene_name(folder: Path) -> str | None:
+    """The name of the scene whose results are in `folder`; None where that cannot be read."""
+    try:
+        return str(json.loads((folder / "scene.json").read_text(encoding="utf-8"))["name"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _difference(there: Any, here: Any, key: str = "") -> tuple[str, str, str] | None:
+    """Dotted key and both values of the first difference of two JSON values; None where they are the same."""
+    for kind in (dict, list):
+        if isinstance(there, kind) and isinstance(here, kind):
+            mine, theirs = (dict(part if kind is dict else enumerate(part)) for part in (here, there))
+            parts = ((name, theirs.get(name, ABSENT), mine.get(name, ABSENT)) for name in {**theirs, **mine})
+            found = (_difference(old, new, f"{key}.{name}" if key else str(name)) for name, old, new in parts)
+            return next(filter(None, found), None)
+    if there == here:
+        return None
+    shown = [str(value) if value is ABSENT else json.dumps(value, ensure_ascii=False) for value in (there, here)]
+    short = [text if len(text) <= LONGEST_SHOWN else f"{text[:LONGEST_SHOWN]}…" for text in shown]
+    return key, short[0], short[1]
+
+
+def write(run: Results, scheme: Single, strays: Iterable[Path] = ()) -> None:
     """Write scene.json, series.csv, the scheme's logs and, last, summary.json into the folder of `run`, in the place of
-    the results of an earlier run: where one cannot be written those stay, else nothing of theirs does."""
+    the results of an earlier run, whose other files are `strays`: where one cannot be written those stay, else nothing
+    of theirs does."""
     run.folder.mkdir(parents=True, exist_ok=True)
     summarized = json.dumps(run.summary.document(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     writers: dict[str, Callable[[Path], object]] = {
@@ -75,3 +129,5 @@ def write(run: Results, scheme: Single) -> None:
     write_together(run.folder, writers)
     for name in {*FILES, *FURTHER_FILES} - writers.keys():
         (run.folder / name).unlink(missing_ok=True)
+    for path in strays:
+        path.unlink(missing_ok=True)

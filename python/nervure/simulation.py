@@ -1,6 +1,6 @@
 """A run from its scene to its results, and its resumption."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from nervure.scene import Scene, kinds, typed
 from nervure.show import fields
 from nervure.show.progress import display, interruptible
 from nervure.show.table import print_table
+from nervure.unit import read_description
 
 
 def run(
@@ -23,23 +24,43 @@ def run(
     checkpoint_every: float | None = None,
     fields_every: float | None = None,
     quiet: bool = False,
+    force: bool = False,
 ) -> results.Results:
     """Run `scene` from its start into `folder` or results/NAME, with the FMUs `foreign` in the place of ours, minutes
-    of wall time between checkpoints and simulated seconds between fields."""
+    of wall time between checkpoints and simulated seconds between fields. What the folder holds of another scene, or
+    of a run that was stopped, is refused, or with `force` replaced."""
     for kind in kinds(scene):
         package.describe(kind, scene)
     folder = folder or Path("results") / scene.name
-    if (folder / checkpoint.FILE).exists():
-        raise Refusal(
-            f"{folder} holds the checkpoint of a run that was stopped: `nervure resume {folder}` goes on; to begin "
-            f"anew, delete {checkpoint.FILE} or give another --output"
-        )
+    strays = _make_room(scene, folder, foreign, force)
     try:
         fmus = {kind: foreign.get(kind) or package.pack(kind, scene, folder) for kind in kinds(scene)}
     except OSError as error:
         raise Refusal(f"cannot write into the result folder {folder}: {error.strerror}") from error
+    strays -= {path.parent.resolve() / path.name for path in fmus.values()}
     options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every}
-    return _execute(scene, fmus, any(foreign.values()), options, folder, quiet)
+    return _execute(scene, fmus, any(foreign.values()), options, folder, quiet, strays=strays)
+
+
+def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], force: bool) -> set[Path]:
+    """The units of an earlier scene in `folder`, which the results of this one will replace; raises `Refusal` where
+    that would lose something, unless `force` allows it."""
+    if (folder / checkpoint.FILE).exists():
+        if not force:
+            raise Refusal(
+                f"{folder} holds the checkpoint of a run that was stopped: `nervure resume {folder}` goes on; to begin "
+                "anew, give another --output, or --force to replace it"
+            )
+        checkpoint.clear(folder)
+    models = {
+        kind: read_description(path).modelName if (path := foreign.get(kind)) else f"{scene.name}.{kind}"
+        for kind in kinds(scene)
+    }
+    if held := results.other(folder, scene, models):
+        if not force:
+            raise Refusal(f"{folder} holds {held}; give another --output, or --force to replace what is there")
+        return {folder.resolve() / f"{results.scene_name(folder)}-{kind}.fmu" for kind in package.KINDS}
+    return set()
 
 
 def resume(folder: Path, quiet: bool) -> results.Results:
@@ -61,9 +82,10 @@ def _execute(
     folder: Path,
     quiet: bool,
     kept: checkpoint.Kept | None = None,
+    strays: Iterable[Path] = (),
 ) -> results.Results:
-    """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder`;
-    `foreign` says that a unit is not ours."""
+    """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder` in
+    place of `strays`; `foreign` says that a unit is not ours."""
     checkpoint_every, fields_every = options["checkpoint_every"], options["fields_every"]
     console, errors = Console(quiet=quiet, highlight=False), Console(stderr=True, highlight=False, soft_wrap=True)
 
@@ -78,7 +100,7 @@ def _execute(
 
         done, wall, saved = 0, 0.0, None
         watchers: list[master.Watcher] = []
-        if checkpoint_every is not None:
+        if checkpoint_every is not None or all(unit.can_serialize for unit in units.values()):
             home, places = folder.resolve(), {kind: path.resolve() for kind, path in fmus.items()}
             # The folder may be moved: what is in it is known from there.
             inside = {kind: str(p.relative_to(home) if p.is_relative_to(home) else p) for kind, p in places.items()}
@@ -104,7 +126,7 @@ def _execute(
         summary = summarize(scene, units, scheme, recorder, status)
         made = results.Results(scene, folder, summary, recorder.series, recorder.units)
         try:
-            results.write(made, scheme)
+            results.write(made, scheme, strays)
             if fields_every is None:
                 fields.clear(folder)
             plots.write(folder, [made])
@@ -114,8 +136,9 @@ def _execute(
             raise Refusal(f"the results cannot be written into {folder}: {error.strerror}") from error
     print_table(console, summary)
     console.print(f"results in {folder}", soft_wrap=True)
-    if status.stopped and saved:
-        console.print(f"stopped; `nervure resume {folder}` goes on", soft_wrap=True)
+    if status.stopped:
+        how = f"`nervure resume {folder}` goes on" if (folder / checkpoint.FILE).exists() else "there is no checkpoint"
+        console.print(f"stopped at t = {status.simulated:g} of {clock.end:g} s; {how}", soft_wrap=True)
     if status.completed:
         checkpoint.clear(folder)
     return made

@@ -12,13 +12,15 @@ from nervure.show import shown_in
 
 def print_table(console: Console, summary: Summary) -> None:
     """Show quantities against the reference, window and cost."""
-    headings = (Column(heading, justify="right") for heading in ("computed", "reference", "difference"))
+    compared = summary.not_compared is None
+    shown = ("computed", "reference", "difference") if compared else ("computed",)
+    headings = (Column(heading, justify="right") for heading in shown)
     table = Table("quantity", *headings, title=summary.scene)
 
     def row(label: str, value: float | None, expected: float | None, digits: int, scale: float = 1.0) -> None:
         cells = [f"{v * scale:.{digits}g}" if v is not None else "–" for v in (value, expected)]
         apart = f"{(value / expected - 1) * 100:+.1f} %" if value is not None and expected else ""
-        table.add_row(escape(label), *cells, apart)
+        table.add_row(escape(label), *[*cells, apart][: len(shown)])
 
     for name, quantity in summary.quantities.items():
         unit, scale = shown_in(quantity.unit)
@@ -34,6 +36,8 @@ def print_table(console: Console, summary: Summary) -> None:
         if isinstance(value, float):
             row(field.name.replace("_", " "), value, None, 4)
     console.print(table)
+    if not compared:
+        console.print(f"not compared with published values: {summary.not_compared}", markup=False, soft_wrap=True)
 
     if summary.window_s:
         begin, end = summary.window_s
