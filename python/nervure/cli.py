@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot 
 
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -122,13 +123,15 @@ def _exit(summary: "Summary") -> None:
 def inspect(
     path: Annotated[Path, typer.Argument(metavar="UNIT.fmu|SCENE.json|FOLDER", help="What to look at.")],
 ) -> None:
-    """Show what an FMU offers, what a scene will do and take, or what a run has given."""
+    """Show what an FMU offers, what a scene will do and take, or what a run or a sweep has given."""
     from rich.console import Console
 
-    from nervure.show import inspection
+    from nervure.show import inspection, sweeps
 
     console = Console(highlight=False)
-    if path.is_dir():
+    if (path / "sweep.json").is_file():
+        sweeps.print_table(console, sweeps.read(path))
+    elif path.is_dir():
         inspection.show_results(console, path)
     elif path.suffix == ".fmu":
         inspection.show_unit(console, path)
@@ -198,9 +201,10 @@ def sweep(
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler to run on, in place of this machine's cores.")
     ] = None,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Run again what failed or was killed.")] = False,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a grid of scenes, each in a process of its own, and write sweep.csv and sweep.json.
+    """Run a grid of scenes, each in a process of its own, and write sweep.csv, sweep.json and sweep.png.
 
     The same command goes on where it was: what is finished is not run again.
     """
@@ -208,14 +212,23 @@ def sweep(
 
     from nervure import sweep as sweeps
     from nervure.scene import read
+    from nervure.show import sweeps as shown
+    from nervure.show.progress import counting
 
     scenes = [read(name, overrides or (), end_time) for name in scene_files]
     cases = sweeps.grid(scenes, [sweeps.values(text) for text in vary or []])
     folder = output or Path("results") / f"sweep-{sweeps.plain_name(scenes[0])}"
-    console = Console(quiet=quiet, highlight=False, soft_wrap=True)
-    rows = sweeps.run(cases, folder, scheduler, retry_failed, lambda text: console.print(text, markup=False))
-    console.print(f"table in {folder / 'sweep.csv'}")
-    if any(row["status"] != sweeps.FINISHED for row in rows):
+    console = Console(quiet=quiet, highlight=False)
+    todo = sweeps.unknown(cases, folder, retry_failed)
+    console.print(f"{len(cases)} runs, {len(todo)} to do, into {folder}", markup=False, soft_wrap=True)
+    with counting(console, len(todo), sum(case.steps for case in todo)) as count:
+        say = partial(console.print, markup=False, soft_wrap=True)
+        rows = sweeps.run(cases, folder, scheduler, todo, force, say, count)
+    shown.print_table(console, rows)
+    picture = shown.plot(folder, rows)
+    told = f"{folder / 'sweep.csv'}, picture in {picture}" if picture else str(folder / "sweep.csv")
+    console.print(f"table in {told}", markup=False, soft_wrap=True)
+    if any(row["status"] != shown.FINISHED for row in rows):
         raise typer.Exit(FAILED)
 
 

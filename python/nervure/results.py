@@ -15,7 +15,7 @@ from nervure.errors import Refusal
 from nervure.evaluate.summary import Summary
 from nervure.files import write_together
 from nervure.recorder import Series
-from nervure.scene import Scene, text, typed
+from nervure.scene import Document, Scene, document, text, typed
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
 """The files that a coupled run leaves in its folder, besides the FMUs."""
@@ -63,7 +63,7 @@ def read(folder: Path) -> Results:
     return Results(scene, folder, known, dict(zip(columns, table.T, strict=True)), known.series)
 
 
-def other(folder: Path, scene: Scene, models: Mapping[str, str]) -> str | None:
+def other(folder: Path, scene: Scene | Document, models: Mapping[str, str]) -> str | None:
     """What `folder` holds that a run of `scene` with units of these `models` would replace by something else; None
     where there is nothing, or the same run."""
     held = [name for name in (*FILES, *FURTHER_FILES) if (folder / name).exists()]
@@ -75,7 +75,7 @@ def other(folder: Path, scene: Scene, models: Mapping[str, str]) -> str | None:
         ran = {kind: unit["model"] for kind, unit in units.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return f"{held[0]}, but no results that can be read"
-    here = scene.document()
+    here = dict(document(scene))
     for remark in REMARKS:
         there.pop(remark, None)
         here.pop(remark, None)

@@ -1,6 +1,7 @@
 """A run from its scene to its results, and its resumption."""
 
-from collections.abc import Iterable, Mapping
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from nervure.scene import Scene, kinds, typed
 from nervure.show import fields
 from nervure.show.progress import display, interruptible
 from nervure.show.table import print_table
-from nervure.unit import read_description
+from nervure.unit import Unit, read_description
 
 
 def run(
@@ -63,6 +64,14 @@ def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], f
     return set()
 
 
+def sample(scene: Scene, folder: Path, watchers: Sequence[master.Watcher]) -> results.Results:
+    """Run `scene` into `folder` as one of many: without FMUs and pictures, which take longer than a short run."""
+    with tempfile.TemporaryDirectory() as temporary:
+        fmus = {kind: package.unpacked(kind, scene, Path(temporary)) for kind in kinds(scene)}
+        options = {"checkpoint_every": None, "fields_every": None}
+        return _execute(scene, fmus, False, options, folder, quiet=True, many=True, watchers=watchers)
+
+
 def resume(folder: Path, quiet: bool) -> results.Results:
     """Go on from the checkpoint in `folder` with the FMUs that the run had."""
     kept = checkpoint.read(folder)
@@ -78,14 +87,17 @@ def _execute(
     scene: Scene,
     fmus: dict[str, Path],
     foreign: bool,
-    options: dict[str, float | None],
+    options: Mapping[str, float | None],
     folder: Path,
     quiet: bool,
     kept: checkpoint.Kept | None = None,
     strays: Iterable[Path] = (),
+    many: bool = False,
+    watchers: Sequence[master.Watcher] = (),
 ) -> results.Results:
     """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder` in
-    place of `strays`; `foreign` says that a unit is not ours."""
+    place of `strays`; `foreign` says that a unit is not ours, `many` that the run is one of many, which has neither
+    pictures nor a checkpoint."""
     checkpoint_every, fields_every = options["checkpoint_every"], options["fields_every"]
     console, errors = Console(quiet=quiet, highlight=False), Console(stderr=True, highlight=False, soft_wrap=True)
 
@@ -99,8 +111,8 @@ def _execute(
             console.print(text, soft_wrap=True)
 
         done, wall, saved = 0, 0.0, None
-        watchers: list[master.Watcher] = []
-        if checkpoint_every is not None or all(unit.can_serialize for unit in units.values()):
+        watchers = list(watchers)
+        if checkpoint_every is not None or (not many and all(unit.can_serialize for unit in units.values())):
             home, places = folder.resolve(), {kind: path.resolve() for kind, path in fmus.items()}
             # The folder may be moved: what is in it is known from there.
             inside = {kind: str(p.relative_to(home) if p.is_relative_to(home) else p) for kind, p in places.items()}
@@ -121,17 +133,14 @@ def _execute(
         if saved and status.stopped and status.steps > 0:
             saved.try_to_save(status.steps, status.simulated, status.wall, warn)
 
-        from nervure.show import plots
-
         summary = summarize(scene, units, scheme, recorder, status)
         made = results.Results(scene, folder, summary, recorder.series, recorder.units)
         try:
             results.write(made, scheme, strays)
             if fields_every is None:
                 fields.clear(folder)
-            plots.write(folder, [made])
-            if status.error is None:
-                plots.vorticity(folder, scene, units, status.simulated)
+            if not many:
+                _draw(made, units, status)
         except OSError as error:
             raise Refusal(f"the results cannot be written into {folder}: {error.strerror}") from error
     print_table(console, summary)
@@ -142,3 +151,12 @@ def _execute(
     if status.completed:
         checkpoint.clear(folder)
     return made
+
+
+def _draw(made: results.Results, units: dict[str, Unit], status: master.RunStatus) -> None:
+    """Write the pictures of a run."""
+    from nervure.show import plots
+
+    plots.write(made.folder, [made])
+    if status.error is None:
+        plots.vorticity(made.folder, made.scene, units, status.simulated)

@@ -62,7 +62,7 @@ addLoggerProxy(ctypes.byref(_callbacks))
 
 
 class Unit:
-    """A co-simulation FMU (FMI 2.0), instantiated and in initialization mode.
+    """A co-simulation FMU (FMI 2.0), packed or as a folder, instantiated and in initialization mode.
 
     `connect` chooses what is exchanged; after it, `inputs` and `outputs` are plain arrays, and `step` moves each of
     them with one call. A status worse than a warning raises `UnitError` with what the unit logged.
@@ -82,13 +82,16 @@ class Unit:
         self.can_roll_back = bool(self.description.coSimulation.canGetAndSetFMUstate)
         self.can_serialize = self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
         try:
-            self._folder = tempfile.mkdtemp()
-            try:
-                fmpy.extract(str(path), self._folder)
-            except OSError as error:
-                raise UnitError(f"{path} cannot be unpacked into {tempfile.gettempdir()}: {error.strerror}") from error
+            if not path.is_dir():
+                self._folder = tempfile.mkdtemp()
+                try:
+                    fmpy.extract(str(path), self._folder)
+                except OSError as error:
+                    raise UnitError(
+                        f"{path} cannot be unpacked into {tempfile.gettempdir()}: {error.strerror}"
+                    ) from error
             guid, model = self.description.guid, self.description.coSimulation.modelIdentifier
-            place = {"unzipDirectory": self._folder, "instanceName": name}
+            place = {"unzipDirectory": self._folder or str(path), "instanceName": name}
             self.fmu = self._call(FMU2Slave, guid=guid, modelIdentifier=model, **place)
             self._call(self.fmu.instantiate, callbacks=_callbacks)
             categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
