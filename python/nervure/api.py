@@ -48,15 +48,16 @@ def run(
     fluid_fmu: Path | None = None,
     checkpoint_every: float | None = None,
     fields_every: float | None = None,
+    series_every: float | None = None,
     force: bool = False,
     quiet: bool = False,
 ) -> Run:
     """Run a scene, an object or the name of one, into the folder `output` or results/NAME.
 
     `overrides` (key=value), the FMUs in the place of ours, the minutes between checkpoints, the seconds between fields
-    and `force`, which replaces results of another scene, are those of `nervure run`. Raises `Refusal` where something
-    that was given cannot be used, `RunError` where the run failed and `KeyboardInterrupt` where it was interrupted; in
-    the last two cases the results so far are written.
+    and between rows of the series, and `force`, which replaces results of another scene, are those of `nervure run`.
+    Raises `Refusal` where something that was given cannot be used, `RunError` where the run failed and
+    `KeyboardInterrupt` where it was interrupted; in the last two cases the results so far are written.
     """
     if not isinstance(scene, Scene):
         scene = load(scene, overrides)
@@ -66,7 +67,9 @@ def run(
     if output == "":
         raise Refusal("the output is empty, but it must be the path of a folder")
     folder = None if output is None else Path(output)
-    done = Run(**vars(simulation.run(scene, folder, foreign, checkpoint_every, fields_every, quiet, force)))
+    done = Run(
+        **vars(simulation.run(scene, folder, foreign, checkpoint_every, fields_every, quiet, force, series_every))
+    )
     if done.summary.error is not None:
         raise RunError(done)
     if not done.summary.completed:

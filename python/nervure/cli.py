@@ -91,6 +91,9 @@ def run(
     fields_every: Annotated[
         float | None, typer.Option(min=0, metavar="SECONDS", help="Write fields every so many simulated seconds.")
     ] = None,
+    series_every: Annotated[
+        float | None, typer.Option(min=0, metavar="SECONDS", help="Record the series every so many simulated seconds.")
+    ] = None,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
@@ -99,7 +102,8 @@ def run(
     from nervure.scene import load
 
     scene, fmus = load(scene_file, overrides or (), end_time), {"rod": rod_fmu, "fluid": fluid_fmu}
-    _exit(simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet, force).summary)
+    done = simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet, force, series_every)
+    _exit(done.summary)
 
 
 @app.command()

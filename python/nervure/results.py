@@ -21,9 +21,12 @@ FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lif
 """The files that a coupled run leaves in its folder, besides the FMUs."""
 
 FURTHER_FILES = (
-    "coefficients.png", "flapping.png", "vorticity.gif", "phases.png", "motion.png", "iterations.csv", "convergence.csv"
+    "coefficients.png", "flapping.png", "vorticity.gif", "vorticity.mp4", "phases.png", "motion.png", "iterations.csv",
+    "convergence.csv", "series.h5",
 )  # fmt: skip
-"""What a cylinder alone, a driven root, `animate` and an iterated scheme leave besides."""
+"""What a cylinder alone, a driven root, `animate`, an iterated scheme and a long run leave besides."""
+
+LONG = 10_000  # Rows from which on the series is written as series.h5 too, where h5py is there
 
 REMARKS = ("$schema", "description", "display", "reference")
 """Keys of a scene that change no result."""
@@ -43,13 +46,11 @@ class Results:
 
 
 def read(folder: Path) -> Results:
-    """The results in `folder`; series.csv has ten digits."""
+    """The results in `folder`; series.csv has ten digits, series.h5 of a long run has all."""
     try:
         scene = typed(json.loads((folder / "scene.json").read_text(encoding="utf-8")))
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        with open(folder / "series.csv", encoding="utf-8") as file:
-            columns = file.readline().strip().split(",")
-            table = np.loadtxt(file, delimiter=",", ndmin=2)
+        columns, table = _read_series(folder)
         known = TypeAdapter(Summary).validate_python(summary)
     except OSError as error:
         missing = Path(error.filename).name
@@ -61,6 +62,34 @@ def read(folder: Path) -> Results:
     if table.shape[1] != len(columns):
         raise Refusal(f"the results in {folder} are damaged: series.csv has rows of another length than its header")
     return Results(scene, folder, known, dict(zip(columns, table.T, strict=True)), known.series)
+
+
+def _read_series(folder: Path) -> tuple[list[str], np.ndarray]:
+    """Names and table of what was recorded, `[rows, columns]`."""
+    h5py = _h5py()
+    if h5py and (folder / "series.h5").exists():
+        with h5py.File(folder / "series.h5") as file:
+            columns = list(file)
+            return columns, np.column_stack([file[column] for column in columns])
+    with open(folder / "series.csv", encoding="utf-8") as table:
+        columns = table.readline().strip().split(",")
+        return columns, np.loadtxt(table, delimiter=",", ndmin=2)
+
+
+def _write_series(path: Path, run: Results) -> None:
+    """Write the series as HDF5: a dataset for each column in its order, with the attribute `unit`."""
+    with _h5py().File(path, "w", track_order=True) as file:
+        for name, values in run.series.items():
+            file.create_dataset(name, data=values).attrs["unit"] = run.units.get(name) or ""
+
+
+def _h5py() -> Any:
+    """The package h5py, which only runs with fields need; None without it."""
+    try:
+        import h5py
+    except ImportError:
+        return None
+    return h5py
 
 
 def other(folder: Path, scene: Scene | Document, models: Mapping[str, str]) -> str | None:
@@ -124,6 +153,8 @@ def write(run: Results, scheme: Single, strays: Iterable[Path] = ()) -> None:
     for name, (columns, table) in tables.items():
         header = ",".join(columns)
         writers[f"{name}.csv"] = partial(np.savetxt, X=table, fmt="%.10g", delimiter=",", header=header, comments="")
+    if len(run.series["time"]) >= LONG and _h5py():
+        writers["series.h5"] = lambda path: _write_series(path, run)
     # Where it is new, the others are.
     writers["summary.json"] = lambda path: path.write_text(summarized, encoding="utf-8")
     write_together(run.folder, writers)

@@ -26,10 +26,13 @@ def run(
     fields_every: float | None = None,
     quiet: bool = False,
     force: bool = False,
+    series_every: float | None = None,
 ) -> results.Results:
     """Run `scene` from its start into `folder` or results/NAME, with the FMUs `foreign` in the place of ours, minutes
-    of wall time between checkpoints and simulated seconds between fields. What the folder holds of another scene, or
-    of a run that was stopped, is refused, or with `force` replaced."""
+    of wall time between checkpoints, and simulated seconds between fields and between rows of the series.
+
+    What the folder holds of another scene, or of a run that was stopped, is refused, or with `force` replaced.
+    """
     for kind in kinds(scene):
         package.describe(kind, scene)
     folder = folder or Path("results") / scene.name
@@ -39,13 +42,13 @@ def run(
     except OSError as error:
         raise Refusal(f"cannot write into the result folder {folder}: {error.strerror}") from error
     strays -= {path.parent.resolve() / path.name for path in fmus.values()}
-    options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every}
+    options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
     return _execute(scene, fmus, any(foreign.values()), options, folder, quiet, strays=strays)
 
 
 def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], force: bool) -> set[Path]:
-    """The units of an earlier scene in `folder`, which the results of this one will replace; raises `Refusal` where
-    that would lose something, unless `force` allows it."""
+    """The units of an earlier scene in `folder` and its row of a sweep, which the results of this one will replace;
+    raises `Refusal` where that would lose something, unless `force` allows it."""
     if (folder / checkpoint.FILE).exists():
         if not force:
             raise Refusal(
@@ -60,7 +63,8 @@ def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], f
     if held := results.other(folder, scene, models):
         if not force:
             raise Refusal(f"{folder} holds {held}; give another --output, or --force to replace what is there")
-        return {folder.resolve() / f"{results.scene_name(folder)}-{kind}.fmu" for kind in package.KINDS}
+        units = {f"{results.scene_name(folder)}-{kind}.fmu" for kind in package.KINDS}
+        return {folder.resolve() / name for name in (*units, "row.json")}
     return set()
 
 
@@ -68,8 +72,7 @@ def sample(scene: Scene, folder: Path, watchers: Sequence[master.Watcher]) -> re
     """Run `scene` into `folder` as one of many: without FMUs and pictures, which take longer than a short run."""
     with tempfile.TemporaryDirectory() as temporary:
         fmus = {kind: package.unpacked(kind, scene, Path(temporary)) for kind in kinds(scene)}
-        options = {"checkpoint_every": None, "fields_every": None}
-        return _execute(scene, fmus, False, options, folder, quiet=True, many=True, watchers=watchers)
+        return _execute(scene, fmus, False, {}, folder, quiet=True, many=True, watchers=watchers)
 
 
 def resume(folder: Path, quiet: bool) -> results.Results:
@@ -98,14 +101,15 @@ def _execute(
     """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder` in
     place of `strays`; `foreign` says that a unit is not ours, `many` that the run is one of many, which has neither
     pictures nor a checkpoint."""
-    checkpoint_every, fields_every = options["checkpoint_every"], options["fields_every"]
+    checkpoint_every, fields_every = options.get("checkpoint_every"), options.get("fields_every")
     console, errors = Console(quiet=quiet, highlight=False), Console(stderr=True, highlight=False, soft_wrap=True)
 
     def warn(message: str) -> None:
         errors.print(f"warning: {message}", markup=False)
 
     with ExitStack() as stack:
-        units, scheme, clock, recorder = master.assemble(scene, fmus, stack, foreign=foreign)
+        every = options.get("series_every")
+        units, scheme, clock, recorder = master.assemble(scene, fmus, stack, foreign=foreign, series_every=every)
         if chosen := scheme.choice:
             text = f"load {chosen.load}: {chosen.load_reason}\nscheme {chosen.scheme}: {chosen.scheme_reason}"
             console.print(text, soft_wrap=True)
