@@ -94,6 +94,16 @@ def test_a_series_is_sampled_from_the_same_run(small_fsi3, tmp_path):
         assert (part[name] == whole[name][::10]).all(), name
 
 
+def test_guards_watch_every_step_of_a_sampled_run(small_fsi3, tmp_path):
+    small_fsi3["coupling"]["guards"] = {"window_steps": 5, "largest_imbalance": 1e-6}
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(small_fsi3))
+    options = ["--output", tmp_path / "results", "--end-time", "0.02", "--quiet", "--force"]
+    whole = run_scene(path, *options)
+    part = run_scene(path, *options, "--series-every", "0.008")
+    assert whole.returncode == part.returncode == 1 and whole.stderr == part.stderr, (whole.stderr, part.stderr)
+
+
 def test_outputs_are_read_only_for_rows_that_are_recorded(fluid_only, tmp_path, monkeypatch):
     read = []
     monkeypatch.setattr(Unit, "get", lambda self, get=Unit.get: read.append(self.name) or get(self))

@@ -199,13 +199,16 @@ def test_a_file_that_is_no_result_is_not_replaced(rod_only, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "end", "said"),
-    [("csm1", 0.3, "tip_ux still changes by"), ("csm3", 1.5, "whole periods of tip_uy, and 4 is the least")],
+    ("name", "end", "damping", "said"),
+    [
+        ("csm1", 0.3, 100, "tip_ux still changes by"),
+        ("csm3", 1.5, 0, "whole periods of tip_uy, and 4 is the least"),
+        ("csm3", 8, 3, "the amplitude of tip_uy still changes by -"),
+    ],
 )
-def test_a_run_that_is_too_short_is_not_compared(name, end, said, tmp_path):
-    short = nervure(
-        "run", name, "--output", tmp_path / "short", "--end-time", end, "--set", "time.communication_step=2e-3"
-    )
+def test_a_run_that_is_too_short_is_not_compared(name, end, damping, said, tmp_path):
+    options = ["--end-time", end, "--set", "time.communication_step=5e-3", "--set", f"rod.damping={damping}"]
+    short = nervure("run", name, "--output", tmp_path / "short", *options)
     assert said in short.stdout and "difference" not in short.stdout, short.stdout
     assert said in json.loads((tmp_path / "short" / "summary.json").read_text())["not_compared"]
 
