@@ -8,7 +8,9 @@
     print(run.summary.quantities["tip_uy"].amplitude)
     run.series["tip_uy"]                           # a NumPy array, in run.units["tip_uy"]
     run.plot("tip_uy", "lift").savefig("tip.png")
-    nervure.read("results/fsi3-325x72")            # the same of an earlier run
+    run.animate()                                  # vorticity.gif, if it was run with fields_every=0.01
+    before = nervure.read("results/fsi3-325x72")   # an earlier run
+    nervure.compare(before, run)                   # both over each other
 
 `scene` has the scene, `pack` makes its FMUs, `unit` wraps one, `coupling` is what happens in a step, `master` is the
 loop, `simulation` is a run from its scene to its results; `evaluate` and `show` are what comes after, `sweep` makes
@@ -18,11 +20,11 @@ many runs.
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from nervure.api import Run, RunError, load, read, run
+    from nervure.api import Run, RunError, compare, load, read, run
     from nervure.errors import Refusal
     from nervure.scene import Scene
 
-__all__ = ["Refusal", "Run", "RunError", "Scene", "load", "read", "run"]
+__all__ = ["Refusal", "Run", "RunError", "Scene", "compare", "load", "read", "run"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,7 +1,7 @@
 """What a Python program does with scenes and runs: `nervure.load`, `nervure.run`, `nervure.read`."""
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from nervure.scene import Scene, load
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Run", "RunError", "load", "read", "run"]
+__all__ = ["Run", "RunError", "compare", "load", "read", "run"]
 
 
 class Run(results.Results):
@@ -20,15 +20,35 @@ class Run(results.Results):
 
     def plot(self, *names: str) -> "Figure":
         """The columns `names` over time, below each other; `figure.savefig(path)` writes them."""
-        for name in names:
-            if name not in self.series:
-                raise Refusal(f"{name} was not recorded: there are {', '.join(self.series)}")
+        self.known(names)
         if "ipykernel" in sys.modules:
             import matplotlib.pyplot  # noqa: F401  lets the notebook draw a figure that a cell gives
 
         from nervure.show import plots
 
         return plots.over_time({self.scene.name: self}, names, self.scene.reference)
+
+    def known(self, names: Iterable[str]) -> None:
+        """Raise `Refusal` where one of `names` was not recorded."""
+        for name in names:
+            if name not in self.series:
+                raise Refusal(f"{name} was not recorded: there are {', '.join(self.series)}")
+
+    def animate(self, begin: float | None = None, end: float | None = None) -> list[Path]:
+        """Write vorticity.gif, vorticity.mp4 and phases.png of the times from `begin` to `end` (s), or of the last two
+        whole periods, into the folder; returns them. The run needs `fields_every`."""
+        from nervure.show import animation
+
+        return animation.write(self.folder, begin, end)
+
+
+def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
+    """The columns `names` of several runs over each other, labelled by their folders."""
+    for run in runs:
+        run.known(names)
+    from nervure.show import plots
+
+    return plots.over_time({run.folder.name: run for run in runs}, names, runs[0].scene.reference)
 
 
 class RunError(Exception):
