@@ -147,7 +147,7 @@ def _execute(
                 _draw(made, units, status)
         except OSError as error:
             raise Refusal(f"the results cannot be written into {folder}: {error.strerror}") from error
-    print_table(console, summary)
+    print_table(console, summary, scene.display)
     console.print(f"results in {folder}", soft_wrap=True)
     if status.stopped:
         how = f"`nervure resume {folder}` goes on" if (folder / checkpoint.FILE).exists() else "there is no checkpoint"
