@@ -34,7 +34,7 @@ def test_every_command_runs_as_written(tmp_path, libraries):
     assert len(rows) == 3 and {"thrust", "efficiency"} <= set(header.split(","))
 
 
-PAGES = ("tutorial", "running", "cluster", "vein", "gallery")
+PAGES = ("tutorial", "running", "cluster", "vein", "gallery", "own-solver", "masters")
 
 
 def typed_lines():

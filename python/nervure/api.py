@@ -20,7 +20,7 @@ class Run(results.Results):
 
     def plot(self, *names: str) -> "Figure":
         """The columns `names` over time, below each other; `figure.savefig(path)` writes them."""
-        self.known(names)
+        self._require(names)
         if "ipykernel" in sys.modules:
             import matplotlib.pyplot  # noqa: F401  lets the notebook draw a figure that a cell gives
 
@@ -28,7 +28,7 @@ class Run(results.Results):
 
         return plots.over_time({self.scene.name: self}, names, self.scene.reference)
 
-    def known(self, names: Iterable[str]) -> None:
+    def _require(self, names: Iterable[str]) -> None:
         """Raise `Refusal` where one of `names` was not recorded."""
         for name in names:
             if name not in self.series:
@@ -45,7 +45,7 @@ class Run(results.Results):
 def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
     """The columns `names` of several runs over each other, labelled by their folders."""
     for run in runs:
-        run.known(names)
+        run._require(names)
     from nervure.show import plots
 
     return plots.over_time({run.folder.name: run for run in runs}, names, runs[0].scene.reference)

@@ -21,8 +21,8 @@ FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lif
 """The files that a coupled run leaves in its folder, besides the FMUs."""
 
 FURTHER_FILES = (
-    "coefficients.png", "flapping.png", "vorticity.gif", "vorticity.mp4", "phases.png", "motion.png", "iterations.csv",
-    "convergence.csv", "series.h5",
+    "coefficients.png", "flapping.png", "vorticity.gif", "vorticity.mp4", "phases.png", "motion.png", "motion.gif",
+    "motion.mp4", "iterations.csv", "convergence.csv", "series.h5",
 )  # fmt: skip
 """What a cylinder alone, a driven root, `animate`, an iterated scheme and a long run leave besides."""
 

@@ -1,8 +1,8 @@
 """Animation and phases of a run that was made with --fields-every.
 
 vorticity.gif goes round without a seam over the last whole periods, vorticity.mp4 has the same where imageio-ffmpeg is
-installed, phases.png shows four phases of the last one. A rod alone has motion.png in their place: where it was over
-the last whole period.
+installed, phases.png shows four phases of the last one. A rod alone has motion.png and motion.gif
+in their place: where it was over the last whole period.
 """
 
 import json
@@ -28,6 +28,7 @@ from nervure.show import fields, plots, with_unit
 
 PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
 PHASES = 4
+FILM = 60  # Most frames of motion.gif
 SHAPES = 24  # Most shapes of a rod alone that motion.png shows
 WIDTH, DPI = 9.0, 100  # Width of the animation, in, and points an inch
 FRAME_MS = 60  # How long a frame is shown, ms
@@ -66,7 +67,7 @@ class Frames:
 
 def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     """Write vorticity.gif and vorticity.mp4 of the times from `begin` to `end` (s) and phases.png into a result folder,
-    or motion.png of a rod alone; returns them."""
+    or motion.png, motion.gif and motion.mp4 of a rod alone; returns them."""
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
@@ -88,19 +89,23 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     if frames.fluid is None:
         shown = chosen if begin is not None or end is not None else frames.between(last.begin, last.end)
         write_whole(folder / "motion.png", lambda path: motion(frames, shown, path))
-        return [folder / "motion.png"]
+        return [folder / "motion.png", *_films(folder / "motion", render_rod(frames, shown))]
     sampled = [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
     limit = plots.vorticity_limit(frames.scene, sampled)
 
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
     write_whole(folder / "phases.png", lambda path: phases(frames, nearest, limit, path))
-    pictures = render(frames, chosen, limit)
-    write_whole(folder / "vorticity.gif", lambda path: write_gif(pictures, path))
-    written = [folder / "phases.png", folder / "vorticity.gif"]
+    return [folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
+
+
+def _films(path: Path, pictures: list[np.ndarray]) -> list[Path]:
+    """Write the pictures as GIF and, where imageio-ffmpeg is installed, as MP4; returns the files."""
+    written = [path.with_suffix(".gif")]
+    write_whole(written[0], lambda unfinished: write_gif(pictures, unfinished))
     if find_spec("imageio_ffmpeg"):
-        write_whole(folder / "vorticity.mp4", lambda path: write_mp4(pictures, path))
-        written.append(folder / "vorticity.mp4")
+        written.append(path.with_suffix(".mp4"))
+        write_whole(written[1], lambda unfinished: write_mp4(pictures, unfinished))
     return written
 
 
@@ -119,24 +124,52 @@ def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
     figure.savefig(path, dpi=150)
 
 
-def motion(frames: Frames, chosen: list[int], path: Path) -> None:
-    """A rod alone at the times `chosen`, coloured by time, and the way of its tip: in the plane or from three sides."""
+def _rod_figure(frames: Frames, chosen: list[int]) -> tuple[Figure, list[Any], list[tuple[int, int]], Any, Any]:
+    """A figure of a rod alone with axes for each side from which it is seen, in the plane or from three sides; those
+    sides as pairs of axes of space, the shapes, `[frames, points, 3]`, and the way of the tip, `[frames, 3]`."""
     shapes = np.array([frames.points(frame) for frame in chosen])
     in_space = bool(np.ptp(shapes[..., 2]))
-    sides = ((0, 1), (0, 2), (1, 2)) if in_space else ((0, 1),)
+    sides = [(0, 1), (0, 2), (1, 2)] if in_space else [(0, 1)]
     figure = Figure(figsize=(4.2 * len(sides) + 1, 4.6), layout="constrained")
-    axes = figure.subplots(1, len(sides), squeeze=False)
-    tip = shapes[:, -1] if in_space else shapes[:, shapes.shape[1] // 2 - 1 : shapes.shape[1] // 2 + 1].mean(axis=1)
+    axes = list(figure.subplots(1, len(sides), squeeze=False)[0])
+    metre = plots.unit("m", frames.scene)
+    for axis, (across, up) in zip(axes, sides, strict=True):
+        axis.set(xlabel=with_unit("xyz"[across], metre), ylabel=with_unit("xyz"[up], metre), aspect="equal")
+        axis.locator_params(nbins=5)
+    middle = shapes.shape[1] // 2
+    return figure, axes, sides, shapes, shapes[:, -1] if in_space else shapes[:, middle - 1 : middle + 1].mean(axis=1)
+
+
+def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
+    """A rod alone with the way of its tip, as pictures, `[height, width, 3]` of bytes; at most `FILM` frames."""
+    chosen = chosen[:: -(-len(chosen) // FILM)]
+    figure, axes, sides, shapes, tip = _rod_figure(frames, chosen)
+    figure.set_dpi(DPI)
+    canvas, lines, pictures = FigureCanvasAgg(figure), [], []
+    for axis, (across, up) in zip(axes, sides, strict=True):
+        axis.plot(tip[:, across], tip[:, up], color="0.7", linewidth=0.8)
+        (line,) = axis.plot(shapes[..., across].ravel(), shapes[..., up].ravel(), color=plots.BLUE, linewidth=1.5)
+        axis.set(xlim=axis.get_xlim(), ylim=axis.get_ylim())
+        lines.append(line)
+    for frame, shape in zip(chosen, shapes, strict=True):
+        for line, (across, up) in zip(lines, sides, strict=True):
+            line.set_data(shape[:, across], shape[:, up])
+        figure.suptitle(frames.title(frame), fontsize="medium")
+        canvas.draw()
+        pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+    return pictures
+
+
+def motion(frames: Frames, chosen: list[int], path: Path) -> None:
+    """A rod alone at the times `chosen`, coloured by time, and the way of its tip: in the plane or from three sides."""
+    figure, axes, sides, shapes, tip = _rod_figure(frames, chosen)
     shown = np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int))
     times = Normalize(frames.times[chosen[0]], frames.times[chosen[-1]])
-    metre = plots.unit("m", frames.scene)
-    for axis, (across, up) in zip(axes[0], sides, strict=True):
+    for axis, (across, up) in zip(axes, sides, strict=True):
         axis.plot(tip[:, across], tip[:, up], color="0.5", linewidth=0.8)
         for number in shown:
             colour = colormaps["viridis"](times(frames.times[chosen[number]]))
             axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
-        axis.set(xlabel=with_unit("xyz"[across], metre), ylabel=with_unit("xyz"[up], metre), aspect="equal")
-        axis.locator_params(nbins=5)
     key = ScalarMappable(times, "viridis")
     figure.colorbar(key, ax=axes, label=with_unit("t", plots.unit("s", frames.scene)), pad=0.01)
     figure.suptitle("the rod, and in grey the way of its tip", fontsize="medium")
