@@ -99,3 +99,14 @@ def test_a_film_is_written_as_mp4(tmp_path):
     animation.write_gif(pictures, tmp_path / "film.gif")
     with Image.open(tmp_path / "film.gif") as film:
         assert film.size == (203, 101)
+
+
+def test_a_rod_alone_moves_in_its_frame(rod_only, tmp_path):
+    run = nervure.run(typed(rod_only), tmp_path, fields_every=1e-3, quiet=True)
+    written = {path.name for path in run.animate()}
+    assert {"motion.png", "motion.gif"} <= written
+    with Image.open(tmp_path / "motion.gif") as film:
+        assert film.n_frames == 11
+        ink = [np.asarray(film.convert("L")) < 200 for _ in [film.seek(n) for n in (0, 10)]]
+    frames = animation.render_rod(animation.Frames(tmp_path), list(range(11)))
+    assert (frames[0] != frames[10]).any() and ink[0].any()

@@ -20,11 +20,11 @@ many runs.
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from nervure.api import Run, RunError, compare, load, read, run
+    from nervure.api import Run, RunError, compare, load, read, resume, run
     from nervure.errors import Refusal
     from nervure.scene import Scene
 
-__all__ = ["Refusal", "Run", "RunError", "Scene", "compare", "load", "read", "run"]
+__all__ = ["Refusal", "Run", "RunError", "Scene", "compare", "load", "read", "resume", "run"]
 
 
 def __getattr__(name: str) -> Any:

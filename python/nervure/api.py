@@ -12,7 +12,7 @@ from nervure.scene import Scene, load
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Run", "RunError", "compare", "load", "read", "run"]
+__all__ = ["Run", "RunError", "compare", "load", "read", "resume", "run"]
 
 
 class Run(results.Results):
@@ -87,9 +87,17 @@ def run(
     if output == "":
         raise Refusal("the output is empty, but it must be the path of a folder")
     folder = None if output is None else Path(output)
-    done = Run(
-        **vars(simulation.run(scene, folder, foreign, checkpoint_every, fields_every, quiet, force, series_every))
-    )
+    every = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
+    return _ended(simulation.run(scene, folder, foreign, **every, quiet=quiet, force=force))
+
+
+def resume(folder: str | Path, *, quiet: bool = False) -> Run:
+    """Go on with the run in `folder` that was interrupted, from its checkpoint; raises what `run` does."""
+    return _ended(simulation.resume(Path(folder), quiet))
+
+
+def _ended(made: results.Results) -> Run:
+    done = Run(**vars(made))
     if done.summary.error is not None:
         raise RunError(done)
     if not done.summary.completed:

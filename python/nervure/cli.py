@@ -225,9 +225,13 @@ def sweep(
     console = Console(quiet=quiet, highlight=False)
     todo = sweeps.unknown(cases, folder, retry_failed)
     console.print(f"{len(cases)} runs, {len(todo)} to do, into {folder}", markup=False, soft_wrap=True)
-    with counting(console, len(todo), sum(case.steps for case in todo)) as count:
-        say = partial(console.print, markup=False, soft_wrap=True)
-        rows = sweeps.run(cases, folder, scheduler, todo, force, say, count)
+    try:
+        with counting(console, len(todo), sum(case.steps for case in todo)) as count:
+            say = partial(console.print, markup=False, soft_wrap=True)
+            rows = sweeps.run(cases, folder, scheduler, todo, force, say, count)
+    except KeyboardInterrupt:
+        console.print("stopped; the same command goes on with the runs that are missing")
+        raise typer.Exit(INTERRUPTED) from None
     shown.print_table(console, rows)
     picture = shown.plot(folder, rows)
     told = f"{folder / 'sweep.csv'}, picture in {picture}" if picture else str(folder / "sweep.csv")

@@ -10,9 +10,11 @@ import itertools
 import json
 import logging
 import re
+import signal
+import threading
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -207,6 +209,19 @@ def run(
     return [row for row in rows.values() if row]
 
 
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Within it, processes are started that Ctrl-C in the terminal does not reach: it is for the sweep to end them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 def _distributed(
     cases: Sequence[Case], folder: Path, scheduler: str | None, reached: Callable[[str, int], None]
 ) -> Iterator[tuple[Case, Row]]:
@@ -221,7 +236,8 @@ def _distributed(
 
             quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
             workers = {"n_workers": min(CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
-            scheduler = stack.enter_context(distributed.LocalCluster(**workers, **quiet))
+            with _deaf():
+                scheduler = stack.enter_context(distributed.LocalCluster(**workers, **quiet))
         try:
             client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
         except (OSError, ValueError) as error:

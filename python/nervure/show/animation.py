@@ -6,7 +6,6 @@ in their place: where it was over the last whole period.
 """
 
 import json
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -99,11 +98,21 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     return [folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
 
 
+def _has_ffmpeg() -> bool:
+    """Whether imageio-ffmpeg is installed and has or finds a program for this system."""
+    try:
+        import imageio_ffmpeg
+
+        return bool(imageio_ffmpeg.get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        return False
+
+
 def _films(path: Path, pictures: list[np.ndarray]) -> list[Path]:
-    """Write the pictures as GIF and, where imageio-ffmpeg is installed, as MP4; returns the files."""
+    """Write the pictures as GIF and, where there is ffmpeg, as MP4; returns the files."""
     written = [path.with_suffix(".gif")]
     write_whole(written[0], lambda unfinished: write_gif(pictures, unfinished))
-    if find_spec("imageio_ffmpeg"):
+    if _has_ffmpeg():
         written.append(path.with_suffix(".mp4"))
         write_whole(written[1], lambda unfinished: write_mp4(pictures, unfinished))
     return written
