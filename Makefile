@@ -186,7 +186,7 @@ $(SITE_VENV)/.ready: requirements/site.lock
 
 MOVING := vein-forward-384x192 vein-hover-288x256 vein-pitching-320x240 vein-3d csm1 csm3 cylinder-oscillating-460x100
 
-gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (six minutes)
+gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some minutes)
 	for name in $(MOVING); do $(NERVURE) run $$name --fields-every 0.04 --output results/gallery/$$name --force --quiet || exit; done
 	$(NERVURE) run cylinder-2d2-900x180 --set fluid.box.cells=[450,90] --fields-every 0.015 --force --quiet \
 	--output results/gallery/cylinder-2d2-450x90

@@ -135,6 +135,10 @@ def test_a_sweep_shows_its_values_and_replaces_no_other_scene(scene, tmp_path):
     inspected = nervure("inspect", folder)
     assert inspected.stdout.splitlines()[0] in first.stdout and "tip uy mean" in inspected.stdout, inspected.stderr
 
+    listed = nervure(*command, "--list", "--vary", "time.end=0.01,0.02")
+    assert "8 runs, 8 to do" in listed.stdout and f"{names[0]},end=0.02: 200 steps to do" in listed.stdout
+    assert f"{names[0]}: finished" in nervure(*command, "--list").stdout
+
     before = (folder / names[0] / "series.csv").read_bytes()
     other = nervure(*command, "--set", "rod.gravity=[0, -3]")
     assert other.returncode == 2 and "rod.gravity.1 is -2.0 there, but -3 here" in other.stderr, other.stderr

@@ -205,6 +205,9 @@ def sweep(
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler to run on, in place of this machine's cores.")
     ] = None,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Run again what failed or was killed.")] = False,
+    list_runs: Annotated[
+        bool, typer.Option("--list", help="Show the runs and what is known of them; run none.")
+    ] = False,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
@@ -225,6 +228,12 @@ def sweep(
     console = Console(quiet=quiet, highlight=False)
     todo = sweeps.unknown(cases, folder, retry_failed)
     console.print(f"{len(cases)} runs, {len(todo)} to do, into {folder}", markup=False, soft_wrap=True)
+    if list_runs:
+        for case in cases:
+            row = sweeps.known(case, folder)
+            told = f"{row['status']} {row['reason'] or ''}" if row else f"{case.steps} steps to do"
+            console.print(f"{case.folder}: {told}", markup=False, soft_wrap=True)
+        return
     try:
         with counting(console, len(todo), sum(case.steps for case in todo)) as count:
             say = partial(console.print, markup=False, soft_wrap=True)
