@@ -135,6 +135,9 @@ def test_a_sweep_shows_its_values_and_replaces_no_other_scene(scene, tmp_path):
     inspected = nervure("inspect", folder)
     assert inspected.stdout.splitlines()[0] in first.stdout and "tip uy mean" in inspected.stdout, inspected.stderr
 
+    drawn = (folder / "sweep.png").read_bytes()
+    (folder / "sweep.png").unlink()
+    assert nervure("plot", folder).returncode == 0 and (folder / "sweep.png").read_bytes() == drawn
     listed = nervure(*command, "--list", "--vary", "time.end=0.01,0.02")
     assert "8 runs, 8 to do" in listed.stdout and f"{names[0]},end=0.02: 200 steps to do" in listed.stdout
     assert f"{names[0]}: finished" in nervure(*command, "--list").stdout

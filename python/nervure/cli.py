@@ -153,12 +153,17 @@ def plot(
         ),
     ] = None,
 ) -> None:
-    """Draw tip.png, drag.png and lift.png anew from series.csv, several runs over each other."""
+    """Draw tip.png, drag.png and lift.png anew, several runs over each other, or sweep.png of a sweep."""
     if len(folders) > 1 and output is None:
         raise Refusal("where several runs are drawn over each other, --output has to say where the pictures go")
     from nervure import results
-    from nervure.show import plots
+    from nervure.show import plots, sweeps
 
+    if len(folders) == 1 and (folders[0] / "sweep.json").is_file():
+        if (picture := sweeps.plot(output or folders[0], sweeps.read(folders[0]))) is None:
+            raise Refusal(f"{folders[0]}: fewer than two runs of the sweep are finished")
+        typer.echo(picture)
+        return
     runs = [results.read(folder) for folder in folders]
     target = output or folders[0]
     target.mkdir(parents=True, exist_ok=True)

@@ -34,9 +34,6 @@ pub use rod::{Bending, Calibration, Material, Rod, RodScheme, RootLaws, RootMoti
 use check::{Check, above, require};
 use rod::Z_AXIS;
 
-/// Most characters of a scene's name: files are named by it and an ending, and file systems allow 255 bytes.
-const LONGEST_NAME: usize = 100;
-
 /// A whole scene: at least a fluid or a rod.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -44,8 +41,7 @@ pub struct Scene {
     /// Where the JSON Schema of this file is; read by editors only.
     #[serde(rename = "$schema", default)]
     pub schema: Option<String>,
-    /// Short name of at most 100 letters, digits, `.`, `_` and `-`, the first of them a letter, a digit or `_`; names
-    /// the units and the result folder.
+    /// Short name: letters, digits, `.`, `_` and `-`; names the units and the result folder.
     pub name: String,
     /// One sentence for people.
     #[serde(default)]
@@ -72,16 +68,6 @@ pub struct Scene {
     pub reference: Option<Reference>,
 }
 
-/// What pictures call a length and a time of 1 in a scene whose numbers are multiples of its own scales.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Display {
-    /// A length of 1, e.g. `chords`.
-    pub length: String,
-    /// A time of 1, e.g. `periods`.
-    pub time: String,
-}
-
 /// Clock of the co-simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -90,6 +76,16 @@ pub struct Time {
     pub end: f64,
     /// Communication step of the master, s. Each unit takes as many equal steps of its own inside as it needs.
     pub communication_step: f64,
+}
+
+/// What pictures call a length and a time of 1 in a scene whose numbers are multiples of its own scales.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Display {
+    /// A length of 1, e.g. `chords`.
+    pub length: String,
+    /// A time of 1, e.g. `periods`.
+    pub time: String,
 }
 
 /// Why a scene was refused.
@@ -144,12 +140,8 @@ impl Scene {
     /// Check every value; the first that cannot be run is the error.
     pub fn check(&self) -> Result<(), SceneError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
-        let fits = self.name.len() <= LONGEST_NAME && self.name.chars().all(plain);
-        require(fits && !self.name.is_empty() && !self.name.starts_with(['.', '-']), "name", &self.name, || {
-            format!(
-                "it must be 1 to {LONGEST_NAME} of the letters a-z, A-Z, the digits and . _ - and begin with neither . \
-                 nor -"
-            )
+        require(!self.name.is_empty() && self.name.chars().all(plain), "name", &self.name, || {
+            "it must be one or more of the letters a-z, A-Z, the digits and . _ -".into()
         })?;
         above("time.end", self.time.end, 0.0)?;
         above("time.communication_step", self.time.communication_step, 0.0)?;

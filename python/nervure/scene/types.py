@@ -755,8 +755,7 @@ class Scene(Part):
     """Where the JSON Schema of this file is; read by editors only."""
 
     name: str
-    """Short name of at most 100 letters, digits, `.`, `_` and `-`, the first of them a letter, a digit or `_`; names
-    the units and the result folder."""
+    """Short name: letters, digits, `.`, `_` and `-`; names the units and the result folder."""
 
     description: str = ""
     """One sentence for people."""
