@@ -74,7 +74,7 @@ def counting(console: Console, runs: int, steps: int) -> Iterator[Callable[[int,
 
     columns = BarColumn(), TextColumn("{task.description}")
     with Progress(*columns, console=console, transient=True, disable=console.quiet or not console.is_terminal) as bar:
-        task = bar.add_task("", total=1.0)
+        task = bar.add_task(f"0 of {runs} runs", total=1.0)
         yield show
 
 
