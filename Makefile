@@ -184,12 +184,15 @@ $(SITE_VENV)/.ready: requirements/site.lock
 	$(SITE_VENV)/bin/python $(LOCKED) requirements/site.lock
 	touch $@
 
-MOVING := vein-forward-384x192 vein-hover-288x256 vein-pitching-320x240 vein-3d csm1 csm3 cylinder-oscillating-460x100
+MOVING := vein-forward-384x192 vein-hover-288x256 vein-pitching-320x240 vein-3d csm1 csm3 cylinder-oscillating-460x100 \
+	cylinder-2d1-450x90
 
 gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some minutes)
 	for name in $(MOVING); do $(NERVURE) run $$name --fields-every 0.04 --output results/gallery/$$name --force --quiet || exit; done
 	$(NERVURE) run cylinder-2d2-900x180 --set fluid.box.cells=[450,90] --fields-every 0.015 --force --quiet \
 	--output results/gallery/cylinder-2d2-450x90
+	$(NERVURE) run cfd3-650x144 --set fluid.box.cells=[325,72] --fields-every 0.01 --force --quiet \
+	--output results/gallery/cfd3-325x72
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/gallery || exit; done
 
 .PHONY: dist
