@@ -53,7 +53,7 @@ rust-test:
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
 
-LINTED := python examples scripts studies tests modelDescription hatch_build.py
+LINTED := python examples scripts site studies tests modelDescription hatch_build.py
 
 lint: $(READY_DEV) ## check style, types and layers of the Python side
 	$(RUN) -m ruff check $(LINTED)
@@ -93,7 +93,7 @@ COMPILE := pip-compile --quiet --generate-hashes --strip-extras --no-header --al
 lock: ## pin the packages of pyproject.toml and requirements/*.in anew; needs pip-tools
 	$(COMPILE) --build-deps-for wheel --output-file requirements/run.lock pyproject.toml
 	$(COMPILE) --build-deps-for wheel --extra dev --output-file requirements/dev.lock pyproject.toml
-	for name in bench masters dist peers; do $(COMPILE) --output-file requirements/$$name.lock requirements/$$name.in || exit; done
+	for name in bench masters dist peers site; do $(COMPILE) --output-file requirements/$$name.lock requirements/$$name.in || exit; done
 
 clean: ## remove everything that was built; results stay
 	cargo clean
@@ -174,6 +174,30 @@ $(MASTERS_VENV)/.ready: requirements/dev.lock requirements/masters.lock
 	$(PYTHON) -m venv --clear $(MASTERS_VENV)
 	$(MASTERS_VENV)/bin/python $(LOCKED) requirements/dev.lock -r requirements/masters.lock
 	touch $@
+
+.PHONY: site gallery
+
+SITE_VENV := target/site/venv
+
+site: $(READY_DEV) $(SITE_VENV)/.ready ## the documents as a site, with a reference of keys, variables, command and Python, in target/site/html
+	$(RUN) site/make_pages.py target/site/pages
+	$(SITE_VENV)/bin/mkdocs build --quiet --strict --config-file site/mkdocs.yml
+
+$(SITE_VENV)/.ready: requirements/site.lock
+	$(PYTHON) -m venv --clear $(SITE_VENV)
+	$(SITE_VENV)/bin/python $(LOCKED) requirements/site.lock
+	touch $@
+
+MOVING := vein-forward-384x192 vein-hover-288x256 vein-pitching-320x240 vein-3d csm1 csm3 cylinder-oscillating-460x100 \
+	cylinder-2d1-450x90
+
+gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some minutes)
+	for name in $(MOVING); do $(NERVURE) run $$name --fields-every 0.04 --output results/gallery/$$name --force --quiet || exit; done
+	$(NERVURE) run cylinder-2d2-900x180 --set fluid.box.cells=[450,90] --fields-every 0.015 --force --quiet \
+	--output results/gallery/cylinder-2d2-450x90
+	$(NERVURE) run cfd3-650x144 --set fluid.box.cells=[325,72] --fields-every 0.01 --force --quiet \
+	--output results/gallery/cfd3-325x72
+	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/gallery || exit; done
 
 .PHONY: dist
 

@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 
 import nervure
-from nervure import simulation
+from nervure import checkpoint, simulation
 from nervure.scene import typed
 from nervure.unit import Unit
 
@@ -106,6 +106,29 @@ def test_an_interruption_writes_what_there_is_and_leaves_the_handlers(falling, t
         nervure.run(falling, tmp_path, quiet=True)
     assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before
     assert nervure.read(tmp_path).summary.simulated_s == pytest.approx(0.0102)
+    monkeypatch.undo()
+    falling.time.end = 0.02
+    with pytest.raises(nervure.Refusal, match="holds the checkpoint of a run that was stopped"):
+        nervure.run(falling, tmp_path, quiet=True)
+    kept = checkpoint.read(tmp_path)
+    assert kept.about["done"] == 102 and kept.about["scene"]["time"]["end"] == 1e4
+
+
+def test_an_interrupted_run_goes_on(falling, tmp_path, monkeypatch):
+    whole = nervure.run(falling, tmp_path / "whole", quiet=True)
+    step = Unit.step
+
+    def interrupted(self, t, h):
+        step(self, t, h)
+        if t > 0.005:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(Unit, "step", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        nervure.run(falling, tmp_path / "parts", quiet=True)
+    monkeypatch.undo()
+    parts = nervure.resume(tmp_path / "parts", quiet=True)
+    assert all((parts.series[name] == values).all() for name, values in whole.series.items())
 
 
 def test_a_notebook_sees_one_line_that_moves(falling, tmp_path, capsys, monkeypatch):

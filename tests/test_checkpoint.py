@@ -105,6 +105,25 @@ def test_an_interrupted_run_writes_where_it_was_and_another_run_does_not_replace
     assert before == {file.name: file.read_bytes() for file in folder.iterdir()}
 
 
+def test_ctrl_c_keeps_a_checkpoint_that_nobody_asked_for(scenes, tmp_path):
+    path = tmp_path / "scene.json"
+    scenes["explicit"]["time"]["end"] = 2.0
+    path.write_text(json.dumps(scenes["explicit"]))
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    assert run_scene(path, "--output", whole).returncode == 0
+    command = [*TOOL, "run", path, "--output", parts, "--fields-every", "0.1"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    while not (parts / "fields.vtkhdf").exists() and process.poll() is None:
+        time.sleep(0.02)
+    time.sleep(0.3)  # for some steps
+    process.send_signal(signal.SIGINT)
+    said, _ = process.communicate(timeout=300)
+    assert process.returncode == 130 and f"`nervure resume {parts}` goes on" in said, said
+    assert "the run ended at t = " in said.replace("not compared with published values: ", ""), said
+    assert nervure("resume", parts).returncode == 0
+    assert results(parts)[0] == results(whole)[0]
+
+
 def test_a_run_that_failed_keeps_its_last_checkpoint(scenes, tmp_path):
     scene = scenes["rod"]
     turning = {"sine": {"amplitude": 3.0, "frequency": 1000.0, "ramp": 0.05}}

@@ -107,7 +107,7 @@ class Powered(Fake):
         super().__init__(name, inputs, outputs)
         self.power, self.law, self.steps = power, law, 0
 
-    def connect(self, inputs, outputs):
+    def connect(self, inputs, outputs, _watched=()):
         super().connect(inputs, outputs)
         self.outputs = np.zeros(self.outputs.size + 1)
         self.exchanged = self.outputs[:-1]

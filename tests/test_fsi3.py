@@ -36,7 +36,7 @@ def fsi3_run(libraries, tmp_path_factory):
 def test_every_result_is_there(fsi3_run):
     folder, _ = fsi3_run
     name = load(FSI3).name
-    assert {path.name for path in folder.iterdir()} == {*FILES, f"{name}-rod.fmu", f"{name}-fluid.fmu"}
+    assert {path.name for path in folder.iterdir()} == {*FILES, "series.h5", f"{name}-rod.fmu", f"{name}-fluid.fmu"}
 
 
 def test_summary_tells_what_was_run_and_what_it_cost(fsi3_run):

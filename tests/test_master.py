@@ -23,7 +23,7 @@ class Fake:
         self.state = {"q": 0.0, "v": 0.0}
         self.reals, self.integers = np.empty(0), np.empty(0, int)
 
-    def connect(self, inputs, outputs):
+    def connect(self, inputs, outputs, _watched=()):
         self.names, self.inputs, self.outputs = inputs, np.zeros(2 * len(inputs)), np.zeros(2 * len(outputs))
         self.slices = {name: slice(2 * i, 2 * i + 2) for i, name in enumerate(outputs)}
         self.exchanged = self.outputs

@@ -5,11 +5,16 @@ import signal
 import subprocess
 import time
 
+import h5py
 import numpy as np
 import pytest
 from conftest import FSI3, TOOL, run_scene
 
+import nervure
+from nervure import simulation
 from nervure.pack import package
+from nervure.scene import typed
+from nervure.unit import Unit
 
 TABLES = ("scene.json", "series.csv", "summary.json")
 
@@ -20,7 +25,7 @@ def run(tmp_path, scene, *arguments):
     """Run a scene given as a dict; returns its series by column name and its summary."""
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(scene))
-    done = run_scene(path, "--output", tmp_path / "results", *arguments)
+    done = run_scene(path, "--output", tmp_path / "results", "--force", *arguments)
     assert done.returncode == 0, done.stderr
     return results(tmp_path / "results")
 
@@ -76,6 +81,50 @@ def test_the_end_time_is_reached_by_a_shorter_last_step(rod_only, tmp_path):
     series, summary = run(tmp_path, rod_only, "--end-time", "0.00025")
     assert summary["steps"] == 3
     assert series["time"][-1] == pytest.approx(0.00025, rel=1e-12)
+
+
+def test_a_series_is_sampled_from_the_same_run(small_fsi3, tmp_path):
+    """With guards, which need the powers in every step, and with probes of pressure."""
+    small_fsi3["fluid"]["probes"] = [{"name": "wake", "position": [1.0, 0.2]}]
+    small_fsi3["coupling"]["guards"] = {"window_steps": 5}
+    whole, _ = run(tmp_path, small_fsi3, "--end-time", "0.02")
+    part, summary = run(tmp_path, small_fsi3, "--end-time", "0.02", "--series-every", "0.004")
+    assert summary["steps"] == 50 and part.size == 6
+    for name in part.dtype.names:
+        assert (part[name] == whole[name][::10]).all(), name
+
+
+def test_guards_watch_every_step_of_a_sampled_run(small_fsi3, tmp_path):
+    small_fsi3["coupling"]["guards"] = {"window_steps": 5, "largest_imbalance": 1e-6}
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(small_fsi3))
+    options = ["--output", tmp_path / "results", "--end-time", "0.02", "--quiet", "--force"]
+    whole = run_scene(path, *options)
+    part = run_scene(path, *options, "--series-every", "0.008")
+    assert whole.returncode == part.returncode == 1 and whole.stderr == part.stderr, (whole.stderr, part.stderr)
+
+
+def test_outputs_are_read_only_for_rows_that_are_recorded(fluid_only, tmp_path, monkeypatch):
+    read = []
+    monkeypatch.setattr(Unit, "get", lambda self, get=Unit.get: read.append(self.name) or get(self))
+    scene = typed(fluid_only)
+    simulation.run(scene, tmp_path / "a", {}, quiet=True)
+    every = len(read)
+    simulation.run(scene, tmp_path / "b", {}, quiet=True, series_every=0.01)
+    assert every == 21 and len(read) - every == 4  # at the start twice, and at two of the 20 steps
+
+
+def test_a_long_series_is_written_with_all_its_digits(rod_only, tmp_path, monkeypatch):
+    monkeypatch.setattr("nervure.results.LONG", 100)
+    scene = typed(rod_only)
+    done = simulation.run(scene, tmp_path, {}, quiet=True)
+    with h5py.File(tmp_path / "series.h5") as file:
+        assert list(file) == list(done.series) and file["tip_uy"].attrs["unit"] == "m"
+        assert (file["tip_uy"][:] == done.series["tip_uy"]).all()
+    again = nervure.read(tmp_path)
+    assert all((again.series[name] == values).all() for name, values in done.series.items())
+    simulation.run(scene, tmp_path, {}, quiet=True, series_every=1e-3)
+    assert not (tmp_path / "series.h5").exists(), "a shorter series leaves none of the longer one"
 
 
 def test_an_override_is_in_the_scene_that_is_kept(rod_only, tmp_path):

@@ -119,6 +119,45 @@ def test_a_grid_is_run_a_failure_is_kept_and_only_what_is_missing_is_run_again(s
     assert "2 runs, 2 to do" in retried.stdout, retried.stderr
 
 
+def test_a_sweep_shows_its_values_and_replaces_no_other_scene(scene, tmp_path):
+    """Folders, table, picture and progress go by the values; nothing is packed or drawn for a single run."""
+    folder = tmp_path / "sweep"
+    command = ["sweep", scene, "--output", folder, "--vary", "beam.segments=8,16"]
+    command += ["--vary", "rod.material.plane_strain.youngs_modulus=1e6,2e6"]
+    first = nervure(*command)
+    assert first.returncode == 0, first.stderr
+    names = [f"segments={n},youngs_modulus={e}" for n in (8, 16) for e in (1000000, 2000000)]
+    assert {path.name for path in folder.iterdir()} == {*names, "sweep.csv", "sweep.json", "sweep.png"}
+    assert {path.name for path in (folder / names[0]).iterdir()} == {
+        "scene.json", "series.csv", "summary.json", "row.json"
+    }  # fmt: skip
+    assert " 16        2000000         finished" in first.stdout, first.stdout
+    inspected = nervure("inspect", folder)
+    assert inspected.stdout.splitlines()[0] in first.stdout and "tip uy mean" in inspected.stdout, inspected.stderr
+
+    drawn = (folder / "sweep.png").read_bytes()
+    (folder / "sweep.png").unlink()
+    assert nervure("plot", folder).returncode == 0 and (folder / "sweep.png").read_bytes() == drawn
+    listed = nervure(*command, "--list", "--vary", "time.end=0.01,0.02")
+    assert "8 runs, 8 to do" in listed.stdout and f"{names[0]},end=0.02: 200 steps to do" in listed.stdout
+    assert f"{names[0]}: finished" in nervure(*command, "--list").stdout
+
+    before = (folder / names[0] / "series.csv").read_bytes()
+    other = nervure(*command, "--set", "rod.gravity=[0, -3]")
+    assert other.returncode == 2 and "rod.gravity.1 is -2.0 there, but -3 here" in other.stderr, other.stderr
+    assert (folder / names[0] / "series.csv").read_bytes() == before
+    forced = nervure(*command, "--set", "rod.gravity=[0, -3]", "--force")
+    assert forced.returncode == 0 and (folder / names[0] / "series.csv").read_bytes() != before, forced.stderr
+
+
+def test_a_sweep_tells_how_many_steps_are_done(rod_only, tmp_path):
+    rod_only["time"]["end"] = 0.3
+    cases, told = sweep.grid([rod_only], [sweep.values("beam.segments=8,32")]), []
+    with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
+        sweep.run(cases, tmp_path, cluster.scheduler_address, progress=lambda *done: told.append(done))
+    assert told[-1] == (2, 6000) and any(0 < steps < 6000 for _, steps in told), told
+
+
 @pytest.mark.parametrize(
     ("workers", "said"), [({"n_workers": 0}, "has no workers"), ({"threads_per_worker": 2}, "--nthreads 1")]
 )
@@ -135,11 +174,11 @@ def test_a_scheduler_that_does_not_answer_is_said(scene, tmp_path):
 
 
 def running(process: subprocess.Popen) -> list[psutil.Process]:
-    """Workers of a sweep in which an unpacked FMU is loaded at the moment."""
+    """Workers of a sweep in which the library of a rod is loaded."""
     found = []
     for child in psutil.Process(process.pid).children(recursive=True):
         try:
-            if "/binaries/" in Path(f"/proc/{child.pid}/maps").read_text():
+            if "fmu_rod" in Path(f"/proc/{child.pid}/maps").read_text():
                 found.append(child)
         except OSError:
             pass
@@ -174,6 +213,21 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
     assert again.returncode == 1 and "2 runs, 0 to do" in again.stdout, again.stderr
 
 
+def test_ctrl_c_ends_a_sweep_without_a_traceback(scene, tmp_path):
+    """It goes to all processes of the terminal."""
+    folder = tmp_path / "sweep"
+    command = [*TOOL, "sweep", scene, "--output", folder, "--vary", "time.end=1e-3,1e5"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
+    process = subprocess.Popen(command, **pipes)
+    deadline = time.monotonic() + 60
+    while not list(folder.glob("*/row.json")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    os.killpg(process.pid, signal.SIGINT)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 130 and "the same command goes on" in output, output + errors
+    assert "Traceback" not in errors, errors
+
+
 @pytest.mark.parametrize(
     ("variations", "message"),
     [
@@ -186,6 +240,21 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
 def test_a_variation_that_leads_nowhere_is_said(variations, message, rod_only):
     with pytest.raises(SceneError, match=message):
         sweep.grid([rod_only], [sweep.values(text) for text in variations])
+
+
+@pytest.mark.parametrize(
+    ("variation", "folders"),
+    [
+        ("fluid.box.cells=[[32, 16], [64, 32]]", ["cells=32_16", "cells=64_32"]),
+        ("fluid.cylinders.0.radius=0.1,0.2", ["radius=0.1", "radius=0.2"]),
+        ("fluid.cylinders.0=1e-5,2e6", ["cylinders.0=1e-05", "cylinders.0=2000000"]),
+        ("name=..,-v", ["name=..", "name=-v"]),
+        (f"description={'x' * 150},y", [f"description={'x' * 79}-", "description=y"]),
+    ],
+)
+def test_a_folder_is_named_by_its_values(variation, folders, fluid_only):
+    cases = sweep.grid([fluid_only], [sweep.values(variation)])
+    assert all(case.folder.startswith(folder) and len(case.folder) <= 100 for case, folder in zip(cases, folders))
 
 
 def test_several_scenes_and_listed_values_make_one_grid(rod_only, fluid_only):

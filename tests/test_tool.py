@@ -131,6 +131,8 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
         (["run", FSI3, "--output", "FILE"], ["cannot write into the result folder", "FILE"]),
         (["run", FSI3, "--rod-fmu", "nowhere.fmu"], ["--rod-fmu", "nowhere.fmu", "does not exist"]),
         (["run", FSI3, "--output", "EMPTY", "--rod-fmu", "FILE"], ["FILE cannot be read as an FMU"]),
+        (["run", FSI3, "--output", ""], ["--output", "it is empty", "path of a"]),
+        (["sweep", FSI3, "--output", ""], ["--output", "it is empty"]),
         (["resume", "EMPTY"], ["there is no checkpoint", "--checkpoint-every"]),
         (["plot", "EMPTY"], ["holds no results", "scene.json", "nervure run"]),
         (["inspect", "EMPTY"], ["holds no results"]),
@@ -163,6 +165,54 @@ def test_libraries_that_are_not_built_are_said(tmp_path):
 def test_build_without_cargo_says_what_to_install(tmp_path):
     done = nervure("build", FSI3, "--output", tmp_path, env=os.environ | {"PATH": str(tmp_path)})
     assert done.returncode == 2 and "install Rust" in done.stderr, done.stderr
+
+
+def test_results_of_another_scene_are_replaced_only_by_force(result, rod_only, packed, tmp_path):
+    folder = result("falling", "--set", "name=first", "--fields-every", "1e-3")
+    (folder / "notes.txt").write_text("mine")
+    before = contents(folder)
+    command = ["run", tmp_path / "scene.json", "--output", folder]
+    other = nervure(*command, "--set", "rod.gravity=[0, -3]", "--set", "name=first")
+    assert other.returncode == 2 and "rod.gravity.1 is -2.0 there, but -3 here" in other.stderr, other.stderr
+    rod_only["name"] = "own"
+    unit = nervure(*command, "--set", "name=first", "--rod-fmu", packed("rod", rod_only))
+    assert unit.returncode == 2 and "it is first.rod there, but own.rod here" in unit.stderr, unit.stderr
+    assert contents(folder) == before
+
+    same = nervure(*command, "--set", "name=first", "--set", "description=a remark")
+    assert same.returncode == 0, same.stderr
+    forced = nervure(*command, "--force")
+    assert forced.returncode == 0, forced.stderr
+    assert contents(folder).keys() == {"falling-rod-rod.fmu", "notes.txt", *results.FILES[:4]}
+
+
+def test_a_file_that_is_no_result_is_not_replaced(rod_only, tmp_path):
+    """The folder of one's scene, which has the name of a result, is no result folder."""
+    path = tmp_path / "scene.json"
+    path.write_text(json.dumps(rod_only))
+    done = run_scene(path, "--output", tmp_path)
+    assert done.returncode == 2 and "scene.json, but no results that can be read" in done.stderr, done.stderr
+    assert json.loads(path.read_text()) == rod_only
+
+
+@pytest.mark.parametrize(
+    ("name", "end", "damping", "said"),
+    [
+        ("csm1", 0.3, 100, "tip_ux still changes by"),
+        ("csm3", 1.5, 0, "whole periods of tip_uy, and 4 is the least"),
+        ("csm3", 8, 3, "the amplitude of tip_uy still changes by -"),
+    ],
+)
+def test_a_run_that_is_too_short_is_not_compared(name, end, damping, said, tmp_path):
+    options = ["--end-time", end, "--set", "time.communication_step=5e-3", "--set", f"rod.damping={damping}"]
+    short = nervure("run", name, "--output", tmp_path / "short", *options)
+    assert said in short.stdout and "difference" not in short.stdout, short.stdout
+    assert said in json.loads((tmp_path / "short" / "summary.json").read_text())["not_compared"]
+
+
+def test_a_steady_run_that_is_long_enough_is_compared(tmp_path):
+    done = nervure("run", "csm1", "--output", tmp_path / "long", "--set", "time.communication_step=8e-3")
+    assert "difference" in done.stdout and "not compared" not in done.stdout, done.stdout
 
 
 @contextmanager

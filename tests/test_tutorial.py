@@ -2,9 +2,12 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 import nervure
 from nervure.resources import ROOT
@@ -21,7 +24,7 @@ def test_every_command_runs_as_written(tmp_path, libraries):
     install, *commands = "".join(re.findall(r"```sh\n(.*?)```", text, re.DOTALL)).splitlines()
     assert install == "pip install '.[run,sweep]'"
     for command in commands:
-        done = subprocess.run(command, shell=True, cwd=tmp_path, env=environment, capture_output=True, text=True)
+        done = subprocess.run(["bash", "-c", command], cwd=tmp_path, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
     for path in re.findall(r"`(my-[a-z-]+/\S+?)`", text):
         assert (tmp_path / path).is_file(), path
@@ -29,3 +32,24 @@ def test_every_command_runs_as_written(tmp_path, libraries):
     assert found.thrust > 0 and 0 < found.efficiency < 1 and found.phase_lag_deg > 0, found
     header, *rows = (tmp_path / "my-sweep" / "sweep.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) == 3 and {"thrust", "efficiency"} <= set(header.split(","))
+
+
+PAGES = ("tutorial", "running", "cluster", "vein", "gallery", "own-solver", "masters")
+
+
+def typed_lines():
+    """Lines to be typed: document, line."""
+    for name in PAGES:
+        text = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+        for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL):
+            yield from ((name, line) for line in block.replace("\\\n", " ").splitlines())
+
+
+@pytest.mark.parametrize(("document", "line"), list(typed_lines()))
+def test_a_line_means_the_same_to_bash_and_zsh(document, line, tmp_path):
+    """A comment behind a command does not: zsh takes it for arguments where it is typed."""
+    assert "#" not in line, f"{document}: {line}"
+    shells = [shell for shell in ("bash", "zsh") if shutil.which(shell)]
+    asked = [subprocess.run([shell, "-c", f"printf '<%s>\\n' {line}"], cwd=tmp_path, capture_output=True, text=True)
+             for shell in shells]  # fmt: skip
+    assert len({(done.returncode, done.stdout) for done in asked}) == 1 and asked[0].returncode == 0, asked

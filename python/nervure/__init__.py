@@ -9,7 +9,9 @@
     print(run.summary.quantities["tip_uy"].amplitude)
     run.series["tip_uy"]                           # a NumPy array, in run.units["tip_uy"]
     run.plot("tip_uy", "lift").savefig("tip.png")
-    nervure.read("results/fsi3-325x72")            # the same of an earlier run
+    run.animate()                                  # vorticity.gif, if it was run with fields_every=0.01
+    before = nervure.read("results/fsi3-325x72")   # an earlier run
+    nervure.compare(before, run)                   # both over each other
 
 `scene` has the scene, `pack` makes its FMUs, `unit` wraps one, `coupling` is what happens in a step, `master` is the
 loop, `simulation` is a run from its scene to its results; `evaluate` and `show` are what comes after, `sweep` makes
@@ -19,11 +21,11 @@ many runs.
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from nervure.api import Run, RunError, inspect, load, read, run
+    from nervure.api import Run, RunError, compare, inspect, load, read, resume, run
     from nervure.errors import Refusal
     from nervure.scene import Scene
 
-__all__ = ["Refusal", "Run", "RunError", "Scene", "inspect", "load", "read", "run"]
+__all__ = ["Refusal", "Run", "RunError", "Scene", "compare", "inspect", "load", "read", "resume", "run"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,7 +1,7 @@
 """What a Python program does with scenes and runs: `nervure.load`, `nervure.inspect`, `nervure.run`, `nervure.read`."""
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,7 @@ from nervure.scene import Scene, load
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Run", "RunError", "inspect", "load", "read", "run"]
+__all__ = ["Run", "RunError", "compare", "inspect", "load", "read", "resume", "run"]
 
 
 class Run(results.Results):
@@ -20,15 +20,35 @@ class Run(results.Results):
 
     def plot(self, *names: str) -> "Figure":
         """The columns `names` over time, below each other; `figure.savefig(path)` writes them."""
-        for name in names:
-            if name not in self.series:
-                raise Refusal(f"{name} was not recorded: there are {', '.join(self.series)}")
+        self._require(names)
         if "ipykernel" in sys.modules:
             import matplotlib.pyplot  # noqa: F401  lets the notebook draw a figure that a cell gives
 
         from nervure.show import plots
 
         return plots.over_time({self.scene.name: self}, names, self.scene.reference)
+
+    def _require(self, names: Iterable[str]) -> None:
+        """Raise `Refusal` where one of `names` was not recorded."""
+        for name in names:
+            if name not in self.series:
+                raise Refusal(f"{name} was not recorded: there are {', '.join(self.series)}")
+
+    def animate(self, begin: float | None = None, end: float | None = None) -> list[Path]:
+        """Write vorticity.gif, vorticity.mp4 and phases.png of the times from `begin` to `end` (s), or of the last two
+        whole periods, into the folder; returns them. The run needs `fields_every`."""
+        from nervure.show import animation
+
+        return animation.write(self.folder, begin, end)
+
+
+def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
+    """The columns `names` of several runs over each other, labelled by their folders."""
+    for run in runs:
+        run._require(names)
+    from nervure.show import plots
+
+    return plots.over_time({run.folder.name: run for run in runs}, names, runs[0].scene.reference)
 
 
 class RunError(Exception):
@@ -58,22 +78,36 @@ def run(
     fluid_fmu: Path | None = None,
     checkpoint_every: float | None = None,
     fields_every: float | None = None,
+    series_every: float | None = None,
+    force: bool = False,
     quiet: bool = False,
 ) -> Run:
     """Run a scene, an object or the name of one, into the folder `output` or results/NAME.
 
-    `overrides` (key=value), the FMUs in the place of ours, the minutes between checkpoints and the seconds between
-    fields are those of `nervure run`. Raises `Refusal` where something that was given cannot be used, `RunError` where
-    the run failed and `KeyboardInterrupt` where it was interrupted; in the last two cases the results so far are
-    written.
+    `overrides` (key=value), the FMUs in the place of ours, the minutes between checkpoints, the seconds between fields
+    and between rows of the series, and `force`, which replaces results of another scene, are those of `nervure run`.
+    Raises `Refusal` where something that was given cannot be used, `RunError` where the run failed and
+    `KeyboardInterrupt` where it was interrupted; in the last two cases the results so far are written.
     """
     if not isinstance(scene, Scene):
         scene = load(scene, overrides)
     elif overrides := list(overrides):
         raise Refusal(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
     foreign = {"rod": rod_fmu, "fluid": fluid_fmu}
+    if output == "":
+        raise Refusal("the output is empty, but it must be the path of a folder")
     folder = None if output is None else Path(output)
-    done = Run(**vars(simulation.run(scene, folder, foreign, checkpoint_every, fields_every, quiet)))
+    every = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
+    return _ended(simulation.run(scene, folder, foreign, **every, quiet=quiet, force=force))
+
+
+def resume(folder: str | Path, *, quiet: bool = False) -> Run:
+    """Go on with the run in `folder` that was interrupted, from its checkpoint; raises what `run` does."""
+    return _ended(simulation.resume(Path(folder), quiet))
+
+
+def _ended(made: results.Results) -> Run:
+    done = Run(**vars(made))
     if done.summary.error is not None:
         raise RunError(done)
     if not done.summary.completed:

@@ -22,7 +22,7 @@ from nervure.scene import Scene
 from nervure.unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
-FORMAT = 4
+FORMAT = 5
 About = dict[str, Any]  # What a checkpoint says in JSON, as a whole or of one thing
 EXCHANGED = ("inputs", "outputs", "integers")  # The arrays of a unit that the next step or the next row may need
 
@@ -45,8 +45,8 @@ def read(folder: Path) -> Kept:
     path = folder / FILE
     if not path.is_file():
         raise CheckpointError(
-            f"there is no checkpoint {path} to resume from: a run leaves one if it has --checkpoint-every and is "
-            "stopped before its end"
+            f"there is no checkpoint {path} to resume from: a run leaves one where Ctrl-C or SIGTERM stops it, and "
+            "with --checkpoint-every where it is killed"
         )
     try:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:

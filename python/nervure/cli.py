@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot 
 
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -18,14 +19,27 @@ if TYPE_CHECKING:
     from nervure.evaluate.summary import Summary
 
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
+
+
+def _folder(text: str) -> Path:
+    """A path that was given: an empty one, as of a variable that is not set, would be the folder that one is in."""
+    if not text:
+        raise typer.BadParameter("it is empty, but it must be the path of a folder; `.` is the one that you are in")
+    return Path(text)
+
+
 SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a shipped scene.")]
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="Result folder of a run.")]
 Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Override a scene key by its dotted path; repeatable."),
 ]
+Output = Annotated[
+    Path | None, typer.Option(metavar="FOLDER", parser=_folder, help="Result folder; default: results/NAME.")
+]
 EndTime = Annotated[float | None, typer.Option(help="End of the run, s, in place of the scene's.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace the results of another scene in the folder.")]
 FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of ours.")]
 
 app = typer.Typer(help="Build, run and look at FMI units.", no_args_is_help=True, pretty_exceptions_enable=False)
@@ -34,7 +48,7 @@ app = typer.Typer(help="Build, run and look at FMI units.", no_args_is_help=True
 @app.command()
 def build(
     scene_file: SceneFile,
-    output: Annotated[Path | None, typer.Option(help="Folder of the FMUs; default: results/NAME.")] = None,
+    output: Output = None,
     descriptions: Annotated[
         Path | None,
         typer.Option(exists=True, file_okay=False, help="Write fmu_KIND.xml into this folder in place of FMUs."),
@@ -66,7 +80,7 @@ def build(
 def run(
     scene_file: SceneFile,
     end_time: EndTime = None,
-    output: Annotated[Path | None, typer.Option(help="Result folder; default: results/NAME.")] = None,
+    output: Output = None,
     overrides: Overrides = None,
     rod_fmu: FmuPath = None,
     fluid_fmu: FmuPath = None,
@@ -77,6 +91,10 @@ def run(
     fields_every: Annotated[
         float | None, typer.Option(min=0, metavar="SECONDS", help="Write fields every so many simulated seconds.")
     ] = None,
+    series_every: Annotated[
+        float | None, typer.Option(min=0, metavar="SECONDS", help="Record the series every so many simulated seconds.")
+    ] = None,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a scene: pack its units, couple them, write results/NAME with tables, a summary and pictures."""
@@ -84,7 +102,8 @@ def run(
     from nervure.scene import load
 
     scene, fmus = load(scene_file, overrides or (), end_time), {"rod": rod_fmu, "fluid": fluid_fmu}
-    _exit(simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet).summary)
+    done = simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet, force, series_every)
+    _exit(done.summary)
 
 
 @app.command()
@@ -110,16 +129,18 @@ def inspect(
     end_time: EndTime = None,
     overrides: Overrides = None,
 ) -> None:
-    """Show what an FMU offers, what a scene will do and take, or what a run has given."""
+    """Show what an FMU offers, what a scene will do and take, or what a run or a sweep has given."""
     from rich.console import Console
 
     from nervure.scene import load
-    from nervure.show import inspection
+    from nervure.show import inspection, sweeps
 
     console = Console(highlight=False)
     if (overrides or end_time is not None) and (path.is_dir() or path.suffix == ".fmu"):
         raise Refusal(f"{path} is no scene, but --set and --end-time change one")
-    if path.is_dir():
+    if (path / "sweep.json").is_file():
+        sweeps.print_table(console, sweeps.read(path))
+    elif path.is_dir():
         inspection.show_results(console, path)
     elif path.suffix == ".fmu":
         inspection.show_unit(console, path)
@@ -131,15 +152,23 @@ def inspect(
 def plot(
     folders: Annotated[list[Path], typer.Argument(metavar="FOLDER...", help="Result folders of runs.")],
     output: Annotated[
-        Path | None, typer.Option(help="Folder of the pictures; default: that of the run, if it is one.")
+        Path | None,
+        typer.Option(
+            metavar="FOLDER", parser=_folder, help="Folder of the pictures; default: that of the run, if it is one."
+        ),
     ] = None,
 ) -> None:
-    """Draw tip.png, drag.png and lift.png anew from series.csv, several runs over each other."""
+    """Draw tip.png, drag.png and lift.png anew, several runs over each other, or sweep.png of a sweep."""
     if len(folders) > 1 and output is None:
         raise Refusal("where several runs are drawn over each other, --output has to say where the pictures go")
     from nervure import results
-    from nervure.show import plots
+    from nervure.show import plots, sweeps
 
+    if len(folders) == 1 and (folders[0] / "sweep.json").is_file():
+        if (picture := sweeps.plot(output or folders[0], sweeps.read(folders[0]))) is None:
+            raise Refusal(f"{folders[0]}: fewer than two runs of the sweep are finished")
+        typer.echo(picture)
+        return
     runs = [results.read(folder) for folder in folders]
     target = output or folders[0]
     target.mkdir(parents=True, exist_ok=True)
@@ -178,14 +207,21 @@ def sweep(
     ] = None,
     overrides: Overrides = None,
     end_time: EndTime = None,
-    output: Annotated[Path | None, typer.Option(help="Folder of the sweep; default: results/sweep-NAME.")] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="FOLDER", parser=_folder, help="Folder of the sweep; default: results/sweep-NAME."),
+    ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler to run on, in place of this machine's cores.")
     ] = None,
     retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Run again what failed or was killed.")] = False,
+    list_runs: Annotated[
+        bool, typer.Option("--list", help="Show the runs and what is known of them; run none.")
+    ] = False,
+    force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a grid of scenes, each in a process of its own, and write sweep.csv and sweep.json.
+    """Run a grid of scenes, each in a process of its own, and write sweep.csv, sweep.json and sweep.png.
 
     The same command goes on where it was: what is finished is not run again.
     """
@@ -193,14 +229,33 @@ def sweep(
 
     from nervure import sweep as sweeps
     from nervure.scene import read
+    from nervure.show import sweeps as shown
+    from nervure.show.progress import counting
 
     scenes = [read(name, overrides or (), end_time) for name in scene_files]
     cases = sweeps.grid(scenes, [sweeps.values(text) for text in vary or []])
     folder = output or Path("results") / f"sweep-{sweeps.plain_name(scenes[0])}"
-    console = Console(quiet=quiet, highlight=False, soft_wrap=True)
-    rows = sweeps.run(cases, folder, scheduler, retry_failed, lambda text: console.print(text, markup=False))
-    console.print(f"table in {folder / 'sweep.csv'}")
-    if any(row["status"] != sweeps.FINISHED for row in rows):
+    console = Console(quiet=quiet, highlight=False)
+    todo = sweeps.unknown(cases, folder, retry_failed)
+    console.print(f"{len(cases)} runs, {len(todo)} to do, into {folder}", markup=False, soft_wrap=True)
+    if list_runs:
+        for case in cases:
+            row = sweeps.known(case, folder)
+            told = f"{row['status']} {row['reason'] or ''}" if row else f"{case.steps} steps to do"
+            console.print(f"{case.folder}: {told}", markup=False, soft_wrap=True)
+        return
+    try:
+        with counting(console, len(todo), sum(case.steps for case in todo)) as count:
+            say = partial(console.print, markup=False, soft_wrap=True)
+            rows = sweeps.run(cases, folder, scheduler, todo, force, say, count)
+    except KeyboardInterrupt:
+        console.print("stopped; the same command goes on with the runs that are missing")
+        raise typer.Exit(INTERRUPTED) from None
+    shown.print_table(console, rows)
+    picture = shown.plot(folder, rows)
+    told = f"{folder / 'sweep.csv'}, picture in {picture}" if picture else str(folder / "sweep.csv")
+    console.print(f"table in {told}", markup=False, soft_wrap=True)
+    if any(row["status"] != shown.FINISHED for row in rows):
         raise typer.Exit(FAILED)
 
 

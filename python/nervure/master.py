@@ -54,16 +54,24 @@ class RunStatus:
 
 
 def assemble(
-    scene: Scene, fmus: Mapping[str, Path], stack: ExitStack, drive: Drive | None = None, foreign: bool = False
+    scene: Scene,
+    fmus: Mapping[str, Path],
+    stack: ExitStack,
+    drive: Drive | None = None,
+    foreign: bool = False,
+    series_every: float | None = None,
 ) -> tuple[dict[str, Unit], Single, Clock, Recorder]:
     """The packed units of `scene`, coupled and ready to step, with clock and recorder; `stack` closes them. `drive`
-    moves a root that the scene leaves to the master; `foreign` says that a unit is not ours."""
+    moves a root that the scene leaves to the master; `foreign` says that a unit is not ours; `series_every` is the
+    time between two rows of the recorder, s, rounded to whole steps."""
     clock = Clock(scene.time.end, scene.time.communication_step)
     units = {}
     for kind, path in fmus.items():
         units[kind] = Unit(path, kind, clock.end)
         stack.callback(units[kind].close)
-    return units, couple(units, scene.coupling, drive, foreign), clock, Recorder(units, clock.steps)
+    scheme = couple(units, scene.coupling, drive, foreign)
+    stride = max(1, round(series_every / clock.communication_step)) if series_every else 1
+    return units, scheme, clock, Recorder(units, clock.steps, stride)
 
 
 def run(

@@ -14,14 +14,18 @@ PUNCTUATION = re.compile(r"[.\[\]]+")
 
 
 class Recorder:
-    """Table of time (s), the scalar outputs of `units` and iterations, one row a recorded step.
+    """Table of time (s), the scalar outputs of `units` and iterations, one row for each of `steps` steps, or for every
+    `stride`-th. Then the units' scalars are fetched for those rows only.
 
     Dots and brackets in names become underscores; a name that two units have gets that of its unit in front. `units`
     has the physical unit of each column but the last. To be made after the units are connected.
     """
 
-    def __init__(self, units: dict[str, Unit], steps: int):
-        self.stride = -(-steps // MAX_ROWS)
+    def __init__(self, units: dict[str, Unit], steps: int, stride: int = 1):
+        self.stride = max(stride, -(-steps // MAX_ROWS))
+        self.sampled = list(units.values()) if self.stride > 1 else []
+        for unit in self.sampled:
+            unit.all_in_step = False
         outputs = [(unit, kind, name) for unit in units.values() for kind in KINDS for name in unit.scalars(kind)]
         names = [name for _, _, name in outputs]
         self.units: dict[str, str | None] = {"time": "s"}
@@ -37,6 +41,8 @@ class Recorder:
         """Add a row if step number `step` is one that is recorded."""
         if step % self.stride:
             return
+        for unit in self.sampled:
+            unit.get()
         self.table[self.rows] = [time, *(value for scalars in self._scalars for value in scalars.tolist()), iterations]
         self.rows += 1
 

@@ -1,6 +1,7 @@
 """A run from its scene to its results, and its resumption."""
 
-from collections.abc import Mapping
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from nervure.scene import Scene, kinds, typed
 from nervure.show import fields, forecast
 from nervure.show.progress import display, interruptible
 from nervure.show.table import print_table
+from nervure.unit import Unit, read_description
 
 
 def run(
@@ -23,23 +25,54 @@ def run(
     checkpoint_every: float | None = None,
     fields_every: float | None = None,
     quiet: bool = False,
+    force: bool = False,
+    series_every: float | None = None,
 ) -> results.Results:
     """Run `scene` from its start into `folder` or results/NAME, with the FMUs `foreign` in the place of ours, minutes
-    of wall time between checkpoints and simulated seconds between fields."""
+    of wall time between checkpoints, and simulated seconds between fields and between rows of the series.
+
+    What the folder holds of another scene, or of a run that was stopped, is refused, or with `force` replaced.
+    """
     for kind in kinds(scene):
         package.describe(kind, scene)
     folder = folder or Path("results") / scene.name
-    if (folder / checkpoint.FILE).exists():
-        raise Refusal(
-            f"{folder} holds the checkpoint of a run that was stopped: `nervure resume {folder}` goes on; to begin "
-            f"anew, delete {checkpoint.FILE} or give another --output"
-        )
+    strays = _make_room(scene, folder, foreign, force)
     try:
         fmus = {kind: foreign.get(kind) or package.pack(kind, scene, folder) for kind in kinds(scene)}
     except OSError as error:
         raise Refusal(f"cannot write into the result folder {folder}: {error.strerror}") from error
-    options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every}
-    return _execute(scene, fmus, any(foreign.values()), options, folder, quiet)
+    strays -= {path.parent.resolve() / path.name for path in fmus.values()}
+    options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
+    return _execute(scene, fmus, any(foreign.values()), options, folder, quiet, strays=strays)
+
+
+def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], force: bool) -> set[Path]:
+    """The units of an earlier scene in `folder` and its row of a sweep, which the results of this one will replace;
+    raises `Refusal` where that would lose something, unless `force` allows it."""
+    if (folder / checkpoint.FILE).exists():
+        if not force:
+            raise Refusal(
+                f"{folder} holds the checkpoint of a run that was stopped: `nervure resume {folder}` goes on; to begin "
+                "anew, give another --output, or --force to replace it"
+            )
+        checkpoint.clear(folder)
+    models = {
+        kind: read_description(path).modelName if (path := foreign.get(kind)) else f"{scene.name}.{kind}"
+        for kind in kinds(scene)
+    }
+    if held := results.other(folder, scene, models):
+        if not force:
+            raise Refusal(f"{folder} holds {held}; give another --output, or --force to replace what is there")
+        units = {f"{results.scene_name(folder)}-{kind}.fmu" for kind in package.KINDS}
+        return {folder.resolve() / name for name in (*units, "row.json")}
+    return set()
+
+
+def sample(scene: Scene, folder: Path, watchers: Sequence[master.Watcher]) -> results.Results:
+    """Run `scene` into `folder` as one of many: without FMUs and pictures, which take longer than a short run."""
+    with tempfile.TemporaryDirectory() as temporary:
+        fmus = {kind: package.unpacked(kind, scene, Path(temporary)) for kind in kinds(scene)}
+        return _execute(scene, fmus, False, {}, folder, quiet=True, many=True, watchers=watchers)
 
 
 def resume(folder: Path, quiet: bool) -> results.Results:
@@ -57,30 +90,35 @@ def _execute(
     scene: Scene,
     fmus: dict[str, Path],
     foreign: bool,
-    options: dict[str, float | None],
+    options: Mapping[str, float | None],
     folder: Path,
     quiet: bool,
     kept: checkpoint.Kept | None = None,
+    strays: Iterable[Path] = (),
+    many: bool = False,
+    watchers: Sequence[master.Watcher] = (),
 ) -> results.Results:
-    """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder`;
-    `foreign` says that a unit is not ours."""
-    checkpoint_every, fields_every = options["checkpoint_every"], options["fields_every"]
+    """Run the packed units of `scene`, from what was `kept` if there is such, and write the results into `folder` in
+    place of `strays`; `foreign` says that a unit is not ours, `many` that the run is one of many, which has neither
+    pictures nor a checkpoint."""
+    checkpoint_every, fields_every = options.get("checkpoint_every"), options.get("fields_every")
     console, errors = Console(quiet=quiet, highlight=False), Console(stderr=True, highlight=False, soft_wrap=True)
 
     def warn(message: str) -> None:
         errors.print(f"warning: {message}", markup=False)
 
     with ExitStack() as stack:
-        units, scheme, clock, recorder = master.assemble(scene, fmus, stack, foreign=foreign)
+        every = options.get("series_every")
+        units, scheme, clock, recorder = master.assemble(scene, fmus, stack, foreign=foreign, series_every=every)
+        done, wall, saved = 0, 0.0, None
+        watchers = list(watchers)
         if not quiet:
             for name, value in [*forecast.rows(scene), *(forecast.chosen(scheme.choice) if scheme.choice else ())]:
                 console.print(f"{name}: {value}", markup=False, soft_wrap=True)
             for text in forecast.warnings(scene):
                 warn(text)
-
-        done, wall, saved = 0, 0.0, None
-        watchers: list[master.Watcher] = [] if quiet else [forecast.announce(console, scene, units)]
-        if checkpoint_every is not None:
+            watchers.append(forecast.announce(console, scene, units))
+        if checkpoint_every is not None or (not many and all(unit.can_serialize for unit in units.values())):
             home, places = folder.resolve(), {kind: path.resolve() for kind, path in fmus.items()}
             # The folder may be moved: what is in it is known from there.
             inside = {kind: str(p.relative_to(home) if p.is_relative_to(home) else p) for kind, p in places.items()}
@@ -101,23 +139,30 @@ def _execute(
         if saved and status.stopped and status.steps > 0:
             saved.try_to_save(status.steps, status.simulated, status.wall, warn)
 
-        from nervure.show import plots
-
         summary = summarize(scene, units, scheme, recorder, status)
         made = results.Results(scene, folder, summary, recorder.series, recorder.units)
         try:
-            results.write(made, scheme)
+            results.write(made, scheme, strays)
             if fields_every is None:
                 fields.clear(folder)
-            plots.write(folder, [made])
-            if status.error is None:
-                plots.vorticity(folder, scene, units, status.simulated)
+            if not many:
+                _draw(made, units, status)
         except OSError as error:
             raise Refusal(f"the results cannot be written into {folder}: {error.strerror}") from error
-    print_table(console, summary)
+    print_table(console, summary, scene.display)
     console.print(f"results in {folder}", soft_wrap=True)
-    if status.stopped and saved:
-        console.print(f"stopped; `nervure resume {folder}` goes on", soft_wrap=True)
+    if status.stopped:
+        how = f"`nervure resume {folder}` goes on" if (folder / checkpoint.FILE).exists() else "there is no checkpoint"
+        console.print(f"stopped at t = {status.simulated:g} of {clock.end:g} s; {how}", soft_wrap=True)
     if status.completed:
         checkpoint.clear(folder)
     return made
+
+
+def _draw(made: results.Results, units: dict[str, Unit], status: master.RunStatus) -> None:
+    """Write the pictures of a run."""
+    from nervure.show import plots
+
+    plots.write(made.folder, [made])
+    if status.error is None:
+        plots.vorticity(made.folder, made.scene, units, status.simulated)

@@ -1,6 +1,6 @@
 """A grid of runs on Dask's workers, which are processes of one thread, and the table of what they gave.
 
-Each run has a folder named by its scene with `row.json`, its row of the table: a sweep that is started again goes by
+Each run has a folder named by its values with `row.json`, its row of the table: a sweep that is started again goes by
 it. Dask repeats a run whose worker died, up to `distributed.scheduler.allowed-failures` times, 3 by default.
 """
 
@@ -10,25 +10,31 @@ import itertools
 import json
 import logging
 import re
-from collections.abc import Callable, Iterable, Iterator
+import signal
+import threading
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
-from nervure import simulation
+from nervure import master, results, simulation
 from nervure.errors import Refusal, SceneError
 from nervure.files import json_numbers, write_csv, write_whole
 from nervure.library import library
+from nervure.master import Clock
 from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, typed
+from nervure.show.sweeps import FINISHED, Row, short_keys, short_value
 
-Row = dict[str, Any]  # What the table has of a run, by column
 ROW = "row.json"
-FINISHED, FAILED, KILLED = "finished", "failed", "killed"  # Killed: with its worker, as often as it was tried
+FAILED, KILLED = "failed", "killed"  # Killed: with its worker, as often as it was tried
 CONNECT_S = 5  # How long a scheduler has to answer, s
+PROGRESS, REPORT_S = "nervure-progress", 0.5  # Dask's topic of what is under way, and s between two reports of a run
+LONGEST_FOLDER = 100  # Characters
+Progress = Callable[[int, int], None]  # Given the runs and the steps that are done
 STATISTICS = ("mean", "amplitude", "frequency_hz")
 REPORTED = ("simulated_s", "steps", "periods", "amplitude_drift", "iterations_mean")
 """What the table has of a summary's quantities, and of the summary itself."""
@@ -41,16 +47,37 @@ class Case:
     scene: Document  # Which may be one that a unit refuses: that is then the result
     varied: dict[str, Any]  # What differs from the scene it was made of, by dotted keys
     key: str  # Digest of the scene and of its units' libraries: a row with the same key needs no other run
+    folder: str  # Its name says the values
 
     @property
-    def folder(self) -> str:
-        digest = hashlib.sha256(text(self.scene).encode()).hexdigest()
-        return f"{plain_name(self.scene)}-{digest[:10]}"
+    def steps(self) -> int:
+        """Communication steps of the run; 0 where its clock is one that the units will refuse."""
+        try:
+            clock = self.scene["time"]
+            return Clock(float(clock["end"]), float(clock["communication_step"])).steps
+        except (KeyError, TypeError, ValueError, ArithmeticError):
+            return 0
 
 
 def plain_name(scene: Document) -> str:
     """The name of a scene as a part of a path, whatever it holds: a unit has not seen it yet."""
-    return re.sub(r"[^\w.-]", "_", str(scene.get("name")))
+    return re.sub(r"[^\w.-]", "_", str(scene.get("name"))).lstrip(".-")[:LONGEST_FOLDER] or "scene"
+
+
+def _folder_name(scene: Document, varied: dict[str, Any], named: bool, taken: Collection[str]) -> str:
+    """What the values that a scene has of the varied keys make of the name of its folder, `named` with the name of the
+    scene in front; with a digest of the scene where that is too long, or `taken`."""
+    short = short_keys(varied)
+    parts = [f"{short[key]}={_plain_value(value)}" for key, value in varied.items()]
+    name = ",".join([plain_name(scene), *parts] if named or not parts else parts)
+    if len(name) > LONGEST_FOLDER or name in taken:
+        name = f"{name[: LONGEST_FOLDER - 9]}-{hashlib.sha256(text(scene).encode()).hexdigest()[:8]}"
+    return name
+
+
+def _plain_value(value: Any) -> str:
+    """A value as a part of a path."""
+    return re.sub(r"[^\w.+-]+", "_", short_value(value)).strip("_")
 
 
 def values(text: str) -> tuple[str, list[Any]]:
@@ -69,7 +96,9 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
         raise SceneError(f"the variations name a key twice: {', '.join(keys)}")
     library_digest = cache(lambda kind: hashlib.sha256(library(kind).read_bytes()).digest())
     cases: dict[str, Case] = {}
-    for base in scenes:
+    folders: set[str] = set()
+    bases = list(scenes)
+    for base in bases:
         for combination in itertools.product(*(listed for _, listed in variations)):
             scene, varied = copy.deepcopy(document(base)), dict(zip(keys, combination, strict=True))
             for key, value in varied.items():
@@ -77,8 +106,10 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
             digest = hashlib.sha256(text(scene).encode())
             for kind in kinds(scene):
                 digest.update(library_digest(kind))
-            case = Case(scene, varied, digest.hexdigest())
-            cases[case.folder] = case
+            if digest.hexdigest() not in cases:
+                name = _folder_name(scene, varied, len(bases) > 1, folders)
+                folders.add(name)
+                cases[digest.hexdigest()] = Case(scene, varied, digest.hexdigest(), name)
     return list(cases.values())
 
 
@@ -91,13 +122,34 @@ def known(case: Case, folder: Path) -> Row | None:
     return row if row.get("key") == case.key else None
 
 
+def unknown(cases: list[Case], folder: Path, retry_failed: bool) -> list[Case]:
+    """Those of `cases` that a former sweep into `folder` has no row of, or with `retry_failed` no finished one."""
+    rows = [(case, known(case, folder)) for case in cases]
+    return [case for case, row in rows if row is None or (retry_failed and row["status"] != FINISHED)]
+
+
+def _reporting(name: str) -> master.Watcher:
+    """Watcher that tells whoever made the sweep how many steps of the run in the folder `name` are done."""
+    import distributed
+
+    worker, due = distributed.get_worker(), 0.0
+
+    def watch(done: int, _time: float, wall: float) -> None:
+        nonlocal due
+        if wall >= due:
+            worker.log_event(PROGRESS, {"folder": name, "steps": done})
+            due = wall + REPORT_S
+
+    return watch
+
+
 def one(scene: Document, folder: Path) -> Row:
     """Run a case on a worker; returns what its row has of it."""
     wall, cpu = perf_counter(), process_time()
     row: Row = {"status": FINISHED, "reason": None}
     found: Row = {}
     try:
-        summary = simulation.run(typed(scene), folder, {}, quiet=True).summary
+        summary = simulation.sample(typed(scene), folder, [_reporting(folder.name)]).summary
         if not summary.completed:
             row = {"status": FAILED, "reason": summary.error}
         found = {name: getattr(summary, name) for name in REPORTED}
@@ -113,32 +165,68 @@ def one(scene: Document, folder: Path) -> Row:
 
 
 def run(
-    cases: list[Case], folder: Path, scheduler: str | None, retry_failed: bool, say: Callable[[str], None]
+    cases: list[Case],
+    folder: Path,
+    scheduler: str | None = None,
+    todo: Sequence[Case] | None = None,
+    force: bool = False,
+    say: Callable[[str], None] = lambda _: None,
+    progress: Progress = lambda _runs, _steps: None,
 ) -> list[Row]:
-    """Run those of `cases` that are not known, write sweep.csv and sweep.json into `folder`, return the rows."""
+    """Run `todo`, those of `cases` that are not known, write sweep.csv and sweep.json into `folder`, return the rows.
+    Raises `Refusal` where that would replace results of another scene, unless `force` allows it.
+
+    `say` is given a line for each run that ends; `progress` runs and steps done of those that are to do, at any time.
+    """
     rows = {case.folder: known(case, folder) for case in cases}
-    again = {name for name, row in rows.items() if row is None or (retry_failed and row["status"] != FINISHED)}
-    todo = [case for case in cases if case.folder in again]
-    say(f"{len(cases)} runs, {len(todo)} to do, into {folder}")
+    todo = unknown(cases, folder, False) if todo is None else todo
+    for case in [] if force else todo:
+        if held := results.other(folder / case.folder, case.scene, {}):
+            raise Refusal(
+                f"{folder / case.folder} holds {held}; give another --output, or --force to replace what is there"
+            )
+    done = dict.fromkeys((case.folder for case in todo), 0)  # Steps
+    ended = 0
+
+    def reached(name: str, steps: int) -> None:
+        done[name] = steps
+        progress(ended, sum(done.values()))
+
     try:
         _collect(folder, rows)
-        for case, result in _distributed(todo, folder, scheduler) if todo else ():
+        for case, result in _distributed(todo, folder, scheduler, reached) if todo else ():
             row = {"folder": case.folder, "scene": case.scene.get("name"), **case.varied, **result, "key": case.key}
             rows[case.folder] = row
             (folder / case.folder).mkdir(exist_ok=True)
             write_whole(folder / case.folder / ROW, partial(Path.write_text, data=json.dumps(row) + "\n"))
             _collect(folder, rows)
-            changes = ", ".join(f"{key}={json.dumps(value)}" for key, value in case.varied.items())
+            ended += 1
+            reached(case.folder, case.steps)
             told = row["reason"] or f"in {row['wall_s']:.1f} s"
-            say(f"{row['scene']} {changes}: {row['status']} {told}")
+            say(f"{case.folder}: {row['status']} {told}")
     except OSError as error:
         raise Refusal(f"cannot write into {folder}: {error.strerror or error}") from error
     return [row for row in rows.values() if row]
 
 
-def _distributed(cases: list[Case], folder: Path, scheduler: str | None) -> Iterator[tuple[Case, Row]]:
-    """Cases with their results, as they come in. No more are handed out than there are workers, so that one that kills
-    its worker takes no other with it."""
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Within it, processes are started that Ctrl-C in the terminal does not reach: it is for the sweep to end them."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _distributed(
+    cases: Sequence[Case], folder: Path, scheduler: str | None, reached: Callable[[str, int], None]
+) -> Iterator[tuple[Case, Row]]:
+    """Cases with their results, as they come in, and by `reached` the steps that those under way have done. No more are
+    handed out than there are workers, so that one that kills its worker takes no other with it."""
     import distributed
     from distributed.scheduler import KilledWorker
 
@@ -148,7 +236,8 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None) -> Iter
 
             quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
             workers = {"n_workers": min(CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
-            scheduler = stack.enter_context(distributed.LocalCluster(**workers, **quiet))
+            with _deaf():
+                scheduler = stack.enter_context(distributed.LocalCluster(**workers, **quiet))
         try:
             client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
         except (OSError, ValueError) as error:
@@ -164,7 +253,13 @@ def _distributed(cases: list[Case], folder: Path, scheduler: str | None) -> Iter
         if several := [f"{worker} has {count}" for worker, count in threads.items() if count != 1]:
             raise Refusal(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
 
+        def hear(event: tuple[float, Any]) -> None:
+            told = event[1]
+            if told["folder"] in {case.folder for case in list(running.values())}:
+                reached(told["folder"], told["steps"])
+
         waiting, running = iter(cases), dict[Any, Case]()
+        client.subscribe_topic(PROGRESS, hear)
         done = distributed.as_completed()
         while True:
             try:

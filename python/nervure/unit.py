@@ -5,7 +5,7 @@ import re
 import shutil
 import tempfile
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
@@ -62,7 +62,7 @@ addLoggerProxy(ctypes.byref(_callbacks))
 
 
 class Unit:
-    """A co-simulation FMU (FMI 2.0), instantiated and in initialization mode.
+    """A co-simulation FMU (FMI 2.0), packed or as a folder, instantiated and in initialization mode.
 
     `connect` chooses what is exchanged; after it, `inputs` and `outputs` are plain arrays, and `step` moves each of
     them with one call. A status worse than a warning raises `UnitError` with what the unit logged.
@@ -82,13 +82,16 @@ class Unit:
         self.can_roll_back = bool(self.description.coSimulation.canGetAndSetFMUstate)
         self.can_serialize = self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
         try:
-            self._folder = tempfile.mkdtemp()
-            try:
-                fmpy.extract(str(path), self._folder)
-            except OSError as error:
-                raise UnitError(f"{path} cannot be unpacked into {tempfile.gettempdir()}: {error.strerror}") from error
+            if not path.is_dir():
+                self._folder = tempfile.mkdtemp()
+                try:
+                    fmpy.extract(str(path), self._folder)
+                except OSError as error:
+                    raise UnitError(
+                        f"{path} cannot be unpacked into {tempfile.gettempdir()}: {error.strerror}"
+                    ) from error
             guid, model = self.description.guid, self.description.coSimulation.modelIdentifier
-            place = {"unzipDirectory": self._folder, "instanceName": name}
+            place = {"unzipDirectory": self._folder or str(path), "instanceName": name}
             self.fmu = self._call(FMU2Slave, guid=guid, modelIdentifier=model, **place)
             self._call(self.fmu.instantiate, callbacks=_callbacks)
             categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
@@ -101,20 +104,25 @@ class Unit:
             raise
         self.connect([], [])
 
-    def connect(self, inputs: list[str], outputs: list[str]) -> None:
+    def connect(self, inputs: list[str], outputs: list[str], watched: Sequence[str] = ()) -> None:
         """Choose the Real variables that `step` sets and gets, in this order.
 
-        `outputs` holds them as far as `exchanged` goes, then the unit's scalar outputs, which are always fetched;
-        `integers` holds the scalar Integer outputs; `slices` says where each of `outputs` is.
+        `outputs` holds them as far as `exchanged` goes, then those that are `watched`, then the unit's scalar outputs,
+        which are fetched in every step only if `all_in_step`; `integers` holds the scalar Integer outputs; `slices`
+        says where each of `outputs` is.
         """
         scalars = self.scalars("Real")
-        fetched = [*outputs, *scalars]
+        front = [*outputs, *watched]
         self.inputs, self._set_arguments = self._buffer(inputs, ctypes.c_double)
-        self.outputs, self._get_arguments = self._buffer(fetched, ctypes.c_double)
+        self.outputs, self._get_arguments = self._buffer([*front, *scalars], ctypes.c_double)
+        self.all_in_step = True
         self.integers, self._get_integer_arguments = self._buffer(self.scalars("Integer"), ctypes.c_int)
-        ends = np.cumsum([self.variables[name].size for name in fetched], dtype=int).tolist()
-        self.slices = {name: slice(begin, end) for name, begin, end in zip(fetched, [0, *ends], ends, strict=False)}
-        self.exchanged, self.reals = np.split(self.outputs, [self.outputs.size - len(scalars)])
+        names = [*front, *scalars]
+        ends = np.cumsum([self.variables[name].size for name in names], dtype=int).tolist()
+        places = [(name, slice(begin, end)) for name, begin, end in zip(names, [0, *ends], ends, strict=False)]
+        self.slices = dict(reversed(places))  # of a name that is there twice the first place, which every step fetches
+        exchanged = sum(self.variables[name].size for name in outputs)
+        self.exchanged, self.reals = self.outputs[:exchanged], self.outputs[self.outputs.size - len(scalars) :]
 
     def scalars(self, kind: str) -> list[str]:
         """Names of the scalar outputs of FMI type `kind`."""
@@ -136,6 +144,13 @@ class Unit:
         if (status := self.fmu.dll.fmi2SetReal(*self._set_arguments)) > FMI_WARNING:
             raise self._error("refused its inputs", status)
 
+    def get_exchanged(self) -> None:
+        """Fetch those of `outputs` that are exchanged or watched: a scalar may cost as much as half a step."""
+        component, references, _, values = self._get_arguments
+        size = self.outputs.size - self.reals.size
+        if (status := self.fmu.dll.fmi2GetReal(component, references, size, values)) > FMI_WARNING:
+            raise self._error("gave no outputs", status)
+
     def get(self) -> None:
         """Fetch `outputs` from the unit."""
         status = self.fmu.dll.fmi2GetReal(*self._get_arguments)
@@ -149,14 +164,17 @@ class Unit:
         self._call(self.fmu.exitInitializationMode)
 
     def step(self, t: float, h: float) -> None:
-        """Set the inputs, step from `t` to `t + h` (s), get the outputs."""
+        """Set the inputs, step from `t` to `t + h` (s), get the outputs, all or those that the next step needs."""
         self.set()
         start = perf_counter()
         status = self.fmu.dll.fmi2DoStep(self.fmu.component, t, h, 1)
         self.seconds += perf_counter() - start
         if status > FMI_WARNING:
             raise self._error(f"failed in the step from t = {t:g} s to {t + h:g} s", status)
-        self.get()
+        if self.all_in_step:
+            self.get()
+        else:
+            self.get_exchanged()
 
     def save(self) -> None:
         """Keep the unit's state for `restore`, in place of the one kept before."""

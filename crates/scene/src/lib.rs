@@ -49,6 +49,9 @@ pub struct Scene {
     /// One sentence for people.
     #[serde(default)]
     pub description: String,
+    /// What pictures call a length and a time of 1; absent where they are metres and seconds.
+    #[serde(default)]
+    pub display: Option<Display>,
     /// Clock of the co-simulation.
     pub time: Time,
     /// The fluid; absent in a rod-only scene.
@@ -88,6 +91,16 @@ pub struct Time {
     /// Communication step of the master, s. Each unit takes as many equal steps of its own inside as it needs.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub communication_step: f64,
+}
+
+/// What pictures call a length and a time of 1 in a scene whose numbers are multiples of its own scales.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Display {
+    /// A length of 1, e.g. `chords`.
+    pub length: String,
+    /// A time of 1, e.g. `periods`.
+    pub time: String,
 }
 
 /// Why a scene was refused.

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nervure.coupling.acceleration import Aitken, IqnIls
-from nervure.coupling.watch import CouplingError, Watch, takes_momentum
+from nervure.coupling.watch import CouplingError, Watch, takes_momentum, watched
 from nervure.scene.types import Guards, Iterated as Iteration
 from nervure.unit import Unit
 
@@ -116,8 +116,9 @@ class Explicit(Single):
                 "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of time, "
                 "or couple the units from Python with a drive"
             )
-        rod.connect(loads + root, stations)
-        fluid.connect(stations, loads)
+        powers = watched(rod, fluid) if guards else ([], [])
+        rod.connect(loads + root, stations, [name for name in powers[0] if name in rod.variables])
+        fluid.connect(stations, loads, [name for name in powers[1] if name in fluid.variables])
         self.loads, self.stations = fluid.exchanged, rod.exchanged
         self.taken, self.root = np.split(rod.inputs, [self.loads.size])
         self.watch = Watch(guards, rod, fluid) if guards else None

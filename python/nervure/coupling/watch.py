@@ -15,6 +15,11 @@ def takes_momentum(rod: Unit) -> bool:
     return impedance is not None and impedance.causality == "input"
 
 
+def watched(rod: Unit, fluid: Unit) -> tuple[list[str], list[str]]:
+    """The outputs of `rod` and `fluid` that a watch needs in every step."""
+    return ["load.power"], ["beam.power"] if takes_momentum(rod) else []
+
+
 class Watch:
     """Stops a run whose two sides have come apart, or whose load is noise.
 

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 MIN_PERIODS = 5  # Periods in a window, as far as the signal has them
+DRIFT_PERIODS = 4  # Least periods whose halves say whether the amplitude still changes
 SETTLED = 0.02
 """A period before those belongs to the window while its amplitude differs by less than this part from theirs."""
 
@@ -98,8 +99,8 @@ def find_window(time: np.ndarray, values: np.ndarray) -> Window:
 
 
 def drift(time: np.ndarray, values: np.ndarray, window: Window) -> float | None:
-    """Relative change of the amplitude from the first to the second half of the window; None below four periods."""
-    if window.periods < 4:
+    """Relative change of the amplitude from the first to the second half of the window; None below `DRIFT_PERIODS`."""
+    if window.periods < DRIFT_PERIODS:
         return None
     middle = window.begin + (window.end - window.begin) / 2
     halves = [Window(window.begin, middle, 0), Window(middle, window.end, 0)]

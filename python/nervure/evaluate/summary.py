@@ -25,6 +25,9 @@ from nervure.unit import Unit
 QUANTITIES = ("tip_ux", "tip_uy", "tip_uz", "drag", "lift")
 """The outputs that are evaluated, as far as the units have them."""
 
+PERIODIC = 0.1  # Largest `amplitude_drift` of a run that is compared with published values of a periodic state
+STEADY = 0.05  # Largest amplitude by mean of a run that is compared with published values of a steady one
+
 MAIN_SIGNALS = ("tip_uy", "lift")  # The first of these that there is decides on the periods
 FORCES = ("drag", "lift")  # The outputs that a box filter goes over before their extremes are taken
 
@@ -102,6 +105,7 @@ class Summary:
     window_s: tuple[float, float] | None  # What was evaluated, s; None without a signal to take it from
     periods: int  # Whole periods in it; 0 where nothing oscillates
     amplitude_drift: float | None
+    not_compared: str | None  # Why the numbers are no match for the published ones; None where they are
     method: Method
     interface: Interface | None  # None where a unit does not tell its power
     simulated_s: float
@@ -159,22 +163,25 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
     numbers = dimensionless.evaluate(scene)
     inside = {kind: unit.seconds for kind, unit in units.items()}
     about = {kind: unit.description for kind, unit in units.items()}
+    quantities = {
+        name: _quantity(name, recorder.units[name], series, scene, window, width)
+        for name in QUANTITIES
+        if window and name in series
+    }
+    drift = statistics.drift(time, series[main], window) if main and window else None
     return Summary(
         scene=scene.name,
         completed=status.completed,
         error=status.error,
-        quantities={
-            name: _quantity(name, recorder.units[name], series, scene, window, width)
-            for name in QUANTITIES
-            if window and name in series
-        },
+        quantities=quantities,
         dimensionless=numbers,
         bodies=bodies.evaluate(scene, numbers, series, window, width) if window else {},
         coefficients=_coefficients(scene, series, window, width) if window else None,
         flapping=flapping.evaluate(scene, series, window) if window else None,
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
-        amplitude_drift=statistics.drift(time, series[main], window) if main and window else None,
+        amplitude_drift=drift,
+        not_compared=_not_compared(scene, status, quantities, main, window, drift),
         method=Method(
             coupling=scheme.choice,
             communication_step_s=scene.time.communication_step,
@@ -198,6 +205,38 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
         git=git_revision(),
         machine=machine(),
     )
+
+
+def _not_compared(
+    scene: Scene,
+    status: RunStatus,
+    quantities: dict[str, Quantity],
+    main: str | None,
+    window: statistics.Window | None,
+    drift: float | None,
+) -> str | None:
+    """Why a run is too short to be compared with what is published of the final state of its scene."""
+    reference = scene.reference
+    if reference is None:
+        return None
+    if not status.completed:
+        return f"the run ended at t = {status.simulated:g} of {scene.time.end:g} s"
+    given = reference.coefficients
+    if any(q.amplitude or q.frequency_hz for q in reference.quantities.values()) or (given and given.st is not None):
+        if main is None or window is None or window.periods < statistics.DRIFT_PERIODS:
+            return (
+                f"the run has {window.periods if window else 0} whole periods of {main or 'the tip or the lift'}, and "
+                f"{statistics.DRIFT_PERIODS} is the least"
+            )
+        if drift is not None and abs(drift) > PERIODIC:
+            return f"the amplitude of {main} still changes by {drift:+.0%} over the window"
+        return None
+    shown = list(reference.quantities) or ["drag"]
+    for name in shown:
+        found = quantities.get(name)
+        if found and found.amplitude > STEADY * abs(found.mean):
+            return f"{name} still changes by {2 * found.amplitude:.2g} {found.unit} around {found.mean:.2g}"
+    return None
 
 
 def _coefficients(scene: Scene, series: Series, window: statistics.Window, width: float) -> Coefficients | None:

@@ -7,6 +7,16 @@ from pydantic import Field
 from nervure.scene.part import Flag, Integer, Part, Real
 
 
+class Display(Part):
+    """What pictures call a length and a time of 1 in a scene whose numbers are multiples of its own scales."""
+
+    length: str
+    """A length of 1, e.g. `chords`."""
+
+    time: str
+    """A time of 1, e.g. `periods`."""
+
+
 class Time(Part):
     """Clock of the co-simulation."""
 
@@ -750,6 +760,9 @@ class Scene(Part):
 
     description: str = ""
     """One sentence for people."""
+
+    display: Display | None = None
+    """What pictures call a length and a time of 1; absent where they are metres and seconds."""
 
     time: Time
     """Clock of the co-simulation."""

@@ -1,7 +1,8 @@
 """Animation and phases of a run that was made with --fields-every.
 
-vorticity.gif goes round without a seam over the last whole periods, phases.png shows four phases of the last one. A rod
-alone has motion.png in their place: where it was over the last whole period.
+vorticity.gif goes round without a seam over the last whole periods, vorticity.mp4 has the same where imageio-ffmpeg is
+installed, phases.png shows four phases of the last one. A rod alone has motion.png and motion.gif
+in their place: where it was over the last whole period.
 """
 
 import json
@@ -12,6 +13,8 @@ import h5py
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -20,10 +23,11 @@ from nervure.errors import Refusal
 from nervure.evaluate import statistics
 from nervure.files import write_whole
 from nervure.scene import typed
-from nervure.show import fields, plots
+from nervure.show import fields, plots, with_unit
 
 PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
 PHASES = 4
+FILM = 60  # Most frames of motion.gif
 SHAPES = 24  # Most shapes of a rod alone that motion.png shows
 WIDTH, DPI = 9.0, 100  # Width of the animation, in, and points an inch
 FRAME_MS = 60  # How long a frame is shown, ms
@@ -37,8 +41,7 @@ class Frames:
         alone = not (folder / fields.FLUID).exists() and (folder / fields.BEAM).exists()
         self.fluid: Any = None if alone else h5py.File(folder / fields.FLUID)
         first: Any = h5py.File(folder / fields.BEAM) if alone else self.fluid
-        scene = typed(json.loads(first[fields.SCENE][()]))
-        self.flow: Any = scene.fluid
+        self.scene = scene = typed(json.loads(first[fields.SCENE][()]))
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
         self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if scene.beam else None
 
@@ -50,6 +53,9 @@ class Frames:
         n = self.beam["NumberOfPoints"][0]
         return np.array(self.beam["Points"][frame * n : (frame + 1) * n])
 
+    def title(self, frame: int) -> str:
+        return f"t = {self.times[frame]:.3f} {plots.unit('s', self.scene)}"
+
     def outline(self, frame: int) -> np.ndarray | None:
         return None if self.beam is None else self.points(frame)[:, :2]
 
@@ -59,8 +65,8 @@ class Frames:
 
 
 def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
-    """Write vorticity.gif of the times from `begin` to `end` (s) and phases.png into a result folder, or motion.png of
-    a rod alone; returns them."""
+    """Write vorticity.gif and vorticity.mp4 of the times from `begin` to `end` (s) and phases.png into a result folder,
+    or motion.png, motion.gif and motion.mp4 of a rod alone; returns them."""
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
@@ -82,68 +88,138 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     if frames.fluid is None:
         shown = chosen if begin is not None or end is not None else frames.between(last.begin, last.end)
         write_whole(folder / "motion.png", lambda path: motion(frames, shown, path))
-        return [folder / "motion.png"]
+        return [folder / "motion.png", *_films(folder / "motion", render_rod(frames, shown))]
     sampled = [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
-    limit = plots.vorticity_limit(frames.flow, sampled)
+    limit = plots.vorticity_limit(frames.scene, sampled)
 
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
     write_whole(folder / "phases.png", lambda path: phases(frames, nearest, limit, path))
-    write_whole(folder / "vorticity.gif", lambda path: animation(frames, chosen, limit, path))
-    return [folder / "phases.png", folder / "vorticity.gif"]
+    return [folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
+
+
+def _has_ffmpeg() -> bool:
+    """Whether imageio-ffmpeg is installed and has or finds a program for this system."""
+    try:
+        import imageio_ffmpeg
+
+        return bool(imageio_ffmpeg.get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        return False
+
+
+def _films(path: Path, pictures: list[np.ndarray]) -> list[Path]:
+    """Write the pictures as GIF and, where there is ffmpeg, as MP4; returns the files."""
+    written = [path.with_suffix(".gif")]
+    write_whole(written[0], lambda unfinished: write_gif(pictures, unfinished))
+    if _has_ffmpeg():
+        written.append(path.with_suffix(".mp4"))
+        write_whole(written[1], lambda unfinished: write_mp4(pictures, unfinished))
+    return written
 
 
 def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
     """Four frames below each other, or two by two where the box is high, with one colour scale."""
-    columns = 2 if plots.size(frames.flow, WIDTH)[1] > WIDTH / 2 else 1
-    _, height = plots.size(frames.flow, WIDTH / columns)
+    columns = 2 if plots.size(frames.scene, WIDTH)[1] > WIDTH / 2 else 1
+    _, height = plots.size(frames.scene, WIDTH / columns)
     rows = len(chosen) // columns
     figure = Figure(figsize=(WIDTH, (height - 0.5) * rows + 0.5), layout="constrained")
     axes = figure.subplots(rows, columns, sharex=True, sharey=True)
     for axis, frame in zip(axes.flat, chosen, strict=True):
-        picture = plots.draw_vorticity(axis, frames.flow, frames.vorticity(frame), frames.outline(frame), limit)
-        axis.set_title(f"t = {frames.times[frame]:.3f} s", fontsize="medium")
+        picture = plots.draw_vorticity(axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit)
+        axis.set_title(frames.title(frame), fontsize="medium")
         axis.label_outer()
-    figure.colorbar(picture, ax=axes, label="vorticity [1/s]", extend="both", pad=0.01)
+    figure.colorbar(picture, ax=axes, label=plots.vorticity_label(frames.scene), extend="both", pad=0.01)
     figure.savefig(path, dpi=150)
+
+
+def _rod_figure(frames: Frames, chosen: list[int]) -> tuple[Figure, list[Any], list[tuple[int, int]], Any, Any]:
+    """A figure of a rod alone with axes for each side from which it is seen, in the plane or from three sides; those
+    sides as pairs of axes of space, the shapes, `[frames, points, 3]`, and the way of the tip, `[frames, 3]`."""
+    shapes = np.array([frames.points(frame) for frame in chosen])
+    in_space = bool(np.ptp(shapes[..., 2]))
+    sides = [(0, 1), (0, 2), (1, 2)] if in_space else [(0, 1)]
+    figure = Figure(figsize=(4.2 * len(sides) + 1, 4.6), layout="constrained")
+    axes = list(figure.subplots(1, len(sides), squeeze=False)[0])
+    metre = plots.unit("m", frames.scene)
+    for axis, (across, up) in zip(axes, sides, strict=True):
+        axis.set(xlabel=with_unit("xyz"[across], metre), ylabel=with_unit("xyz"[up], metre), aspect="equal")
+        axis.locator_params(nbins=5)
+    middle = shapes.shape[1] // 2
+    return figure, axes, sides, shapes, shapes[:, -1] if in_space else shapes[:, middle - 1 : middle + 1].mean(axis=1)
+
+
+def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
+    """A rod alone with the way of its tip, as pictures, `[height, width, 3]` of bytes; at most `FILM` frames."""
+    chosen = chosen[:: -(-len(chosen) // FILM)]
+    figure, axes, sides, shapes, tip = _rod_figure(frames, chosen)
+    figure.set_dpi(DPI)
+    canvas, lines, pictures = FigureCanvasAgg(figure), [], []
+    for axis, (across, up) in zip(axes, sides, strict=True):
+        axis.plot(tip[:, across], tip[:, up], color="0.7", linewidth=0.8)
+        (line,) = axis.plot(shapes[..., across].ravel(), shapes[..., up].ravel(), color=plots.BLUE, linewidth=1.5)
+        axis.set(xlim=axis.get_xlim(), ylim=axis.get_ylim())
+        lines.append(line)
+    for frame, shape in zip(chosen, shapes, strict=True):
+        for line, (across, up) in zip(lines, sides, strict=True):
+            line.set_data(shape[:, across], shape[:, up])
+        figure.suptitle(frames.title(frame), fontsize="medium")
+        canvas.draw()
+        pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+    return pictures
 
 
 def motion(frames: Frames, chosen: list[int], path: Path) -> None:
-    """A rod alone at the times `chosen`, dark to light, and the way of its tip: in the plane, or from three sides."""
-    shapes = np.array([frames.points(frame) for frame in chosen])
-    in_space = bool(np.ptp(shapes[..., 2]))
-    sides = ((0, 1), (0, 2), (1, 2)) if in_space else ((0, 1),)
-    figure = Figure(figsize=(4.2 * len(sides) + 1, 4.6), layout="constrained")
-    axes = figure.subplots(1, len(sides), squeeze=False)
-    tip = shapes[:, -1] if in_space else shapes[:, shapes.shape[1] // 2 - 1 : shapes.shape[1] // 2 + 1].mean(axis=1)
+    """A rod alone at the times `chosen`, coloured by time, and the way of its tip: in the plane or from three sides."""
+    figure, axes, sides, shapes, tip = _rod_figure(frames, chosen)
     shown = np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int))
-    colours = colormaps["viridis"](np.linspace(0, 0.95, len(shown)))
-    for axis, (across, up) in zip(axes[0], sides, strict=True):
+    times = Normalize(frames.times[chosen[0]], frames.times[chosen[-1]])
+    for axis, (across, up) in zip(axes, sides, strict=True):
         axis.plot(tip[:, across], tip[:, up], color="0.5", linewidth=0.8)
-        for number, colour in zip(shown, colours, strict=True):
+        for number in shown:
+            colour = colormaps["viridis"](times(frames.times[chosen[number]]))
             axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
-        axis.set(xlabel=f"{'xyz'[across]} [m]", ylabel=f"{'xyz'[up]} [m]", aspect="equal")
-    begin, end = frames.times[chosen[0]], frames.times[chosen[-1]]
-    figure.suptitle(f"t = {begin:.3f} s (dark) to {end:.3f} s", fontsize="medium")
+    key = ScalarMappable(times, "viridis")
+    figure.colorbar(key, ax=axes, label=with_unit("t", plots.unit("s", frames.scene)), pad=0.01)
+    figure.suptitle("the rod, and in grey the way of its tip", fontsize="medium")
     figure.savefig(path, dpi=150)
 
 
-def animation(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
-    """The frames one after the other, for ever. One palette without dithering: what stands still costs nothing."""
+def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
+    """The frames as pictures, `[height, width, 3]` of bytes."""
+    figure = Figure(figsize=plots.size(frames.scene, WIDTH), dpi=DPI, layout="constrained")
+    canvas, axis = FigureCanvasAgg(figure), figure.subplots()
+    bar, pictures = None, []
+    for frame in chosen:
+        axis.clear()
+        picture = plots.draw_vorticity(axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit)
+        axis.set_title(frames.title(frame), fontsize="medium")
+        bar = bar or figure.colorbar(picture, label=plots.vorticity_label(frames.scene), extend="both", pad=0.01)
+        canvas.draw()
+        pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+    return pictures
+
+
+def write_gif(pictures: list[np.ndarray], path: Path) -> None:
+    """The pictures one after the other, for ever. One palette without dithering: what stands still costs nothing."""
     scale = colormaps[plots.COLOUR_MAP](np.linspace(0, 1, 256 - GREYS))[:, :3]
     greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
     palette = Image.new("P", (1, 1))
     palette.putpalette((255 * np.concatenate([scale, greys])).round().astype(np.uint8).tobytes())
-    images = []
-    figure = Figure(figsize=plots.size(frames.flow, WIDTH), dpi=DPI, layout="constrained")
-    canvas, axis = FigureCanvasAgg(figure), figure.subplots()
-    bar = None
-    for frame in chosen:
-        axis.clear()
-        picture = plots.draw_vorticity(axis, frames.flow, frames.vorticity(frame), frames.outline(frame), limit)
-        axis.set_title(f"t = {frames.times[frame]:.3f} s", fontsize="medium")
-        bar = bar or figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
-        canvas.draw()
-        image = Image.fromarray(np.asarray(canvas.buffer_rgba())[..., :3].copy())
-        images.append(image.quantize(palette=palette, dither=Image.Dither.NONE))
+    images = [Image.fromarray(one).quantize(palette=palette, dither=Image.Dither.NONE) for one in pictures]
     images[0].save(path, "GIF", save_all=True, append_images=images[1:], duration=FRAME_MS, loop=0, optimize=True)
+
+
+def write_mp4(pictures: list[np.ndarray], path: Path) -> None:
+    """The pictures as H.264 in colours that every player shows; an odd last row or column is left out."""
+    import imageio_ffmpeg
+
+    height, width = (size // 2 * 2 for size in pictures[0].shape[:2])
+    options: dict[str, Any] = {"fps": 1000 / FRAME_MS, "codec": "libx264", "pix_fmt_out": "yuv420p"}
+    file = imageio_ffmpeg.write_frames(
+        path, (width, height), macro_block_size=1, ffmpeg_log_level="error", output_params=["-f", "mp4"], **options
+    )
+    file.send(None)
+    for one in pictures:
+        file.send(np.ascontiguousarray(one[:height, :width]))
+    file.close()

@@ -113,12 +113,13 @@ def show_results(console: Console, folder: Path) -> None:
     """The summary of a run, as the run printed it, or how far one came that was killed."""
     stopped = (folder / checkpoint.FILE).is_file()
     try:
-        summary = results.read(folder).summary
+        found = results.read(folder)
+        summary = found.summary
     except Refusal:
         if not stopped:
             raise
     else:
-        print_table(console, summary)
+        print_table(console, summary, found.scene.display)
         if not summary.completed:
             console.print(f"not completed: {summary.error or 'interrupted'}", markup=False, soft_wrap=True)
         git = summary.git

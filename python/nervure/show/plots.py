@@ -6,17 +6,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.patches import Circle, Polygon
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch, Polygon
 
 from nervure.evaluate import coefficients, flapping, statistics
 from nervure.files import write_whole
 from nervure.results import Results
 from nervure.scene import Scene
 from nervure.scene.types import Fluid, Reference
-from nervure.show import shown_in
+from nervure.show import shown_in, with_unit
 from nervure.show.fields import outline, stations
 from nervure.unit import Unit
 
@@ -24,6 +26,8 @@ BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-bli
 VORTICITY_PERCENTILE = 99.0  # Part of the picture's points, in percent, whose vorticity lies inside the colour scale
 COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 COLOURS = (BLUE, ORANGE, GREEN)
+CYCLE = (BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "0.3")  # For runs over each other
+START_UP = 0.01  # Part of the record that a start-up peak may last
 SOLID = "0.55"
 
 
@@ -42,28 +46,53 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     return written if others else [*written, *cylinder(folder, first), *driven_root(folder, first)]
 
 
+def unit(name: str, scene: Scene) -> str:
+    """What pictures of `scene` call a unit."""
+    return shown_in(name, scene.display)[0] if scene.display else name
+
+
 def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Reference | None = None) -> Figure:
     """`columns` over time below each other, with what `reference` has of them."""
     figure = Figure(figsize=(9, 1.5 + 2 * len(columns)), layout="constrained")
     axes = figure.subplots(len(columns), sharex=True, squeeze=False)
+    keys: dict[str, Any] = {}
+    display = next(iter(runs.values())).scene.display
     for number, column in enumerate(columns):
         axis, colour = axes[number, 0], COLOURS[number % len(COLOURS)]
         having = {label: run for label, run in runs.items() if column in run.series}
-        unit, scale = shown_in(next(iter(having.values())).units[column])
+        named, scale = shown_in(next(iter(having.values())).units[column], display)
+        ranges = []
         for label, run in having.items():
-            look = {"color": colour} if len(runs) == 1 else {"label": label}
-            axis.plot(run.series["time"], run.series[column] * scale, linewidth=0.8, **look)
+            values = run.series[column] * scale
+            look = {"color": colour} if len(runs) == 1 else {"color": CYCLE[list(runs).index(label) % len(CYCLE)]}
+            (line,) = axis.plot(run.series["time"], values, linewidth=0.8, **look)
+            ranges.append(_settled_range(run, values))
+            if len(runs) > 1:
+                keys[label] = line
         band = reference.quantities.get(column) if reference else None
         if reference and band and band.mean is not None and band.amplitude is not None:
-            low, high = band.mean - band.amplitude, band.mean + band.amplitude
-            axis.axhspan(low * scale, high * scale, color="0.85", zorder=0)
-            axes[0, 0].set_title(f"grey: mean ± amplitude of {reference.source}", fontsize="small")
-        axis.set_ylabel(f"{column.replace('_', ' ')} [{unit or '1'}]")
+            low, high = (band.mean - band.amplitude) * scale, (band.mean + band.amplitude) * scale
+            keys[f"{reference.source}: mean ± amplitude"] = axis.axhspan(low, high, color="0.85", zorder=0)
+            ranges.append((low, high))
+        low, high = min(low for low, _ in ranges), max(high for _, high in ranges)
+        margin = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
+        axis.set(ylabel=with_unit(column.replace("_", " "), named), ylim=(low - margin, high + margin))
         axis.margins(x=0)
-    if len(runs) > 1:
-        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize="small")
-    axes[-1, 0].set_xlabel("time [s]")
+    if keys:
+        figure.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=3, fontsize="small")
+    axes[-1, 0].set_xlabel(with_unit("time", shown_in("s", display)[0]))
     return figure
+
+
+def _settled_range(run: Results, values: np.ndarray) -> tuple[float, float]:
+    """Smallest and largest of `values` that a picture has to show: a peak of the start-up does not set its scale, which
+    is less than `START_UP` of the record and goes beyond the rest by more than its range."""
+    part = run.summary.window.of(run.series["time"]) if run.summary.window else slice(None)
+    usual = np.r_[np.quantile(values, (START_UP, 1 - START_UP)), values[part].min(), values[part].max()]
+    low, high = float(usual.min()), float(usual.max())
+    lowest, highest = float(values.min()), float(values.max())
+    span = high - low
+    return low if low - lowest > span else lowest, high if highest - high > span else highest
 
 
 def cylinder(folder: Path, run: Results) -> list[Path]:
@@ -89,11 +118,15 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
         margin = max(0.5 * (high - low), 0.02 * abs(high))
         axes[name].set(ylabel=label, ylim=(low - margin, high + margin), xlim=(0, time[-1]))
         axes[name].axvspan(window.begin, window.end, color="0.93", zorder=0)
-    axes["cl"].set_xlabel("time [s]")
+    axes["cl"].set_xlabel(with_unit("time", unit("s", run.scene)))
     if window.periods:
         axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
         axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
-    figure.suptitle("grey: window; dashed: published" if published else "grey: window", fontsize="small")
+    keys: list[Artist] = [Patch(color="0.93", label="window")]
+    if published:
+        source = run.scene.reference.source if run.scene.reference else ""
+        keys.append(Line2D([], [], color="0.4", linestyle="--", linewidth=0.8, label=source))
+    figure.legend(handles=keys, loc="outside lower center", ncols=2, fontsize="small")
     return [_save(figure, folder / "coefficients.png")]
 
 
@@ -110,13 +143,16 @@ def driven_root(folder: Path, run: Results) -> list[Path]:
                 key=lambda axis: np.ptp(series[f"tip_u{axis}"][part]))  # fmt: skip
     figure = Figure(figsize=(11, 7.5), layout="constrained")
     axes = figure.subplot_mosaic([["path", "tip"], ["force", "power"]])
-    for name, colour, label in (("rigid_tip", "0.6", "rigid"), ("tip", BLUE, "tip")):
+    for name, colour, label in (("rigid_tip", "0.6", "rigid"), ("tip", BLUE, "flexible")):
         along, across = (series[f"{name}_u{axis}"][part] for axis in (main, other))
         axes["path"].plot(across, along, color=colour, linewidth=0.8, label=label)
         axes["tip"].plot(phase, along, color=colour, linewidth=0.8, label=label)
-    axes["path"].set(xlabel=f"tip u{other} [m]", ylabel=f"tip u{main} [m]", title="path of the tip", aspect="equal")
+    length = unit("m", run.scene)
+    names = {"xlabel": with_unit(f"tip u{other}", length), "ylabel": with_unit(f"tip u{main}", length)}
+    axes["path"].set(**names, aspect="equal")
     axes["path"].set_adjustable("datalim")
-    axes["tip"].set(xlabel="periods", ylabel=f"tip u{main} [m]", title="tip and rigid rod")
+    axes["path"].locator_params(nbins=6)
+    axes["tip"].set(xlabel="t/T", ylabel=names["ylabel"])
 
     if "beam_drag" in series:
         forces, told = [("beam_drag", -1, "thrust"), ("beam_lift", 1, "lift")], "force of the fluid"
@@ -128,17 +164,19 @@ def driven_root(folder: Path, run: Results) -> list[Path]:
         ("damping_power", -1, "by damping"),
     ]
     starts = np.searchsorted(phase, np.arange(window.periods + 1))
-    for place, curves, title, unit in (("force", forces, told, "N"), ("power", powers, "power", "W")):
+    depth = "" if "tip_uz" in series else "/m"
+    for place, curves, title, name in (("force", forces, told, "N"), ("power", powers, "power", "W")):
         shown = [curve for curve in curves if curve[0] in series and series[curve[0]].any()]
         for (column, sign, label), colour in zip(shown, COLOURS, strict=False):
             values = sign * series[column][part]
             for begin, end in pairwise(starts):
                 look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
                 axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
-        axes[place].set(xlabel="t/T", ylabel=f"[{unit}]" if "tip_uz" in series else f"[{unit}/m]", title=title)
-    for axis in axes.values():
-        axis.legend(fontsize="small")
-    figure.suptitle(f"{window.periods} periods from t = {window.begin:.3g} s, the last one dark", fontsize="small")
+        axes[place].set(xlabel="t/T", ylabel=with_unit(title, "" if run.scene.display else name + depth), xlim=(0, 1))
+    for axis in axes.values():  # above the curves, not on them
+        axis.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, fontsize="small", frameon=False, borderaxespad=0)
+    first = f"t = {window.begin:.3g} {unit('s', run.scene)}"
+    figure.suptitle(f"{window.periods} periods from {first}, the last one dark", fontsize="small")
     return [_save(figure, folder / "flapping.png")]
 
 
@@ -149,17 +187,23 @@ def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -
     if field is None or scene.fluid is None:
         return
     corners = outline(stations(units), scene.beam.thickness) if scene.beam else None
-    figure = Figure(figsize=size(scene.fluid, 12.0), layout="constrained")
+    figure = Figure(figsize=size(scene, 12.0), layout="constrained")
     axis = figure.subplots()
-    picture = draw_vorticity(axis, scene.fluid, field, corners, vorticity_limit(scene.fluid, [field]))
-    axis.set_title(f"vorticity at t = {time:.3f} s")
-    figure.colorbar(picture, label="vorticity [1/s]", extend="both", pad=0.01)
+    picture = draw_vorticity(axis, scene, field, corners, vorticity_limit(scene, [field]))
+    axis.set_title(f"t = {time:.3f} {unit('s', scene)}")
+    figure.colorbar(picture, label=vorticity_label(scene), extend="both", pad=0.01)
     _save(figure, folder / "vorticity.png")
 
 
-def draw_vorticity(axis: Axes, fluid: Fluid, field: np.ndarray, corners: np.ndarray | None, limit: float) -> AxesImage:
+def vorticity_label(scene: Scene) -> str:
+    """What the colour scale of the vorticity is called."""
+    return with_unit("vorticity", unit("1/s", scene))
+
+
+def draw_vorticity(axis: Axes, scene: Scene, field: np.ndarray, corners: np.ndarray | None, limit: float) -> AxesImage:
     """Draw a vorticity `field`, `[nx, ny]`, with the solids, the colours from -`limit` to `limit` (1/s); `corners` are
     those of the beam."""
+    fluid = _fluid(scene)
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
     extent = (x0 - half_x, x1 - half_x, y0 - half_y, y1 - half_y)
@@ -171,12 +215,14 @@ def draw_vorticity(axis: Axes, fluid: Fluid, field: np.ndarray, corners: np.ndar
     if corners is not None:
         axis.add_patch(Polygon(corners, color=SOLID))
     left, right, bottom, top = _view(fluid)
-    axis.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]")
+    metre = unit("m", scene)
+    axis.set(xlim=(left, right), ylim=(bottom, top), xlabel=with_unit("x", metre), ylabel=with_unit("y", metre))
     return picture
 
 
-def vorticity_limit(fluid: Fluid, vorticities: list[np.ndarray]) -> float:
+def vorticity_limit(scene: Scene, vorticities: list[np.ndarray]) -> float:
     """End of the colour scale for `vorticities` of one run, 1/s: the largest values, at the walls, saturate."""
+    fluid = _fluid(scene)
     left, _, bottom, top = _view(fluid)
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     nx, ny = vorticities[0].shape
@@ -185,10 +231,15 @@ def vorticity_limit(fluid: Fluid, vorticities: list[np.ndarray]) -> float:
     return float(np.percentile(np.abs([field[seen] for field in vorticities]), VORTICITY_PERCENTILE)) or 1.0
 
 
-def size(fluid: Fluid, width: float) -> tuple[float, float]:
+def size(scene: Scene, width: float) -> tuple[float, float]:
     """Size of a figure of the fluid with a colour bar, in, for its width."""
-    left, right, bottom, top = _view(fluid)
+    left, right, bottom, top = _view(_fluid(scene))
     return width, max(0.21 * width, 0.875 * width * (top - bottom) / (right - left) + 0.8)
+
+
+def _fluid(scene: Scene) -> Fluid:
+    assert scene.fluid is not None, "only a fluid has a vorticity"
+    return scene.fluid
 
 
 def _view(fluid: Fluid) -> tuple[float, float, float, float]:

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from math import inf
+from time import perf_counter
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
@@ -52,6 +53,29 @@ def display(console: Console, recorder: Recorder, end: float) -> Iterator[Callab
         yield show
     if console.is_jupyter and interval < due < inf:
         sys.stdout.write("\n")
+
+
+@contextmanager
+def counting(console: Console, runs: int, steps: int) -> Iterator[Callable[[int, int], None]]:
+    """Within it, the function that it gives shows how many of `runs` and of their `steps` are done, and the time left;
+    it may be called from any thread."""
+    begin, due = perf_counter(), FILE_INTERVAL
+
+    def show(runs_done: int, steps_done: int) -> None:
+        nonlocal due
+        spent, share = perf_counter() - begin, steps_done / steps if steps else runs_done / max(1, runs)
+        left = f", {spent * (1 / share - 1):.0f} s left" if share else ""
+        text = f"{runs_done} of {runs} runs, {share:.0%} of the steps{left}"
+        if console.is_terminal:
+            bar.update(task, completed=share, description=text)
+        elif spent >= due and runs_done < runs:
+            due = spent + FILE_INTERVAL
+            console.print(text)
+
+    columns = BarColumn(), TextColumn("{task.description}")
+    with Progress(*columns, console=console, transient=True, disable=console.quiet or not console.is_terminal) as bar:
+        task = bar.add_task(f"0 of {runs} runs", total=1.0)
+        yield show
 
 
 @contextmanager

@@ -7,25 +7,31 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 from nervure.evaluate.summary import Published, Summary
-from nervure.show import shown_in
+from nervure.scene.types import Display
+from nervure.show import shown_in, with_unit
 
 
-def print_table(console: Console, summary: Summary) -> None:
-    """Show quantities against the reference, window and cost."""
-    headings = (Column(heading, justify="right") for heading in ("computed", "reference", "difference"))
+def print_table(console: Console, summary: Summary, display: Display | None = None) -> None:
+    """Show quantities against the reference, where there is one, window and cost; `display` is that of the scene."""
+    known = summary.coefficients is not None and bool(summary.coefficients.reference)
+    known |= any(quantity.reference is not None for quantity in summary.quantities.values())
+    compared = known and summary.not_compared is None
+    shown = ("computed", "reference", "difference") if compared else ("computed",)
+    headings = (Column(heading, justify="right") for heading in shown)
     table = Table("quantity", *headings, title=summary.scene)
 
     def row(label: str, value: float | None, expected: float | None, digits: int, scale: float = 1.0) -> None:
         cells = [f"{v * scale:.{digits}g}" if v is not None else "–" for v in (value, expected)]
         apart = f"{(value / expected - 1) * 100:+.1f} %" if value is not None and expected else ""
-        table.add_row(escape(label), *cells, apart)
+        table.add_row(escape(label), *[*cells, apart][: len(shown)])
 
     for name, quantity in summary.quantities.items():
-        unit, scale = shown_in(quantity.unit)
+        unit, scale = shown_in(quantity.unit, display)
         published = quantity.reference or Published()
-        row(f"{name} mean [{unit}]", quantity.mean, published.mean, 4, scale)
-        row(f"{name} amplitude [{unit}]", quantity.amplitude, published.amplitude, 4, scale)
-        row(f"{name} frequency [Hz]", quantity.frequency_hz, published.frequency_hz, 4)
+        row(with_unit(f"{name} mean", unit), quantity.mean, published.mean, 4, scale)
+        row(with_unit(f"{name} amplitude", unit), quantity.amplitude, published.amplitude, 4, scale)
+        per_time = f"1/{display.time}" if display else "Hz"
+        row(f"{name} frequency [{per_time}]", quantity.frequency_hz, published.frequency_hz, 4)
     if found := summary.coefficients:
         for name, value in found.values.items():
             row(name.replace("_", " "), value, found.reference.get(name), 6)
@@ -34,6 +40,8 @@ def print_table(console: Console, summary: Summary) -> None:
         if isinstance(value, float):
             row(field.name.replace("_", " "), value, None, 4)
     console.print(table)
+    if summary.not_compared is not None:
+        console.print(f"not compared with published values: {summary.not_compared}", markup=False, soft_wrap=True)
 
     if summary.window_s:
         begin, end = summary.window_s

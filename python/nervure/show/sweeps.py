@@ -1,0 +1,150 @@
+"""What a sweep has given: a table, and a picture over the values that were varied."""
+
+import json
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Column, Table
+
+from nervure.errors import Refusal
+from nervure.files import write_whole
+
+Row = dict[str, Any]  # What the table of a sweep has of a run, by column
+FINISHED = "finished"  # Status of a run that reached its end
+
+SHOWN = (
+    ("thrust", "thrust [N/m]"),
+    ("efficiency", "efficiency"),
+    ("thrust_by_power", "thrust by power [s/m]"),
+    ("phase_lag_deg", "phase lag [°]"),
+    ("cd_mean", "$c_D$, mean"),
+    ("cl_peak_to_peak", "$c_L$, peak to peak"),
+    ("st", "St"),
+    ("tip_uy_amplitude", "tip uy, amplitude [m]"),
+    ("tip_uy_mean", "tip uy, mean [m]"),
+    ("tip_uy_frequency_hz", "tip uy, frequency [Hz]"),
+    ("drag_mean", "drag, mean [N/m]"),
+    ("lift_amplitude", "lift, amplitude [N/m]"),
+)
+"""Columns of a sweep that people look at, and what pictures call them."""
+
+PANELS = 4  # Most quantities in the table and in the picture: the first that there are
+DECADE = 10  # Ratio of the largest to the smallest value from which on the axis is logarithmic
+MARKERS = "os^Dv*"
+
+
+def short_keys(keys: Iterable[str]) -> dict[str, str]:
+    """As many of the last parts of each dotted key as tell it from the others and begin with a name."""
+    every = [key.split(".") for key in keys]
+    short = {}
+    for parts in every:
+        length = next(
+            n
+            for n in range(1, len(parts) + 1)
+            if n == len(parts) or (not parts[-n].isdecimal() and sum(other[-n:] == parts[-n:] for other in every) == 1)
+        )
+        short[".".join(parts)] = ".".join(parts[-length:])
+    return short
+
+
+def read(folder: Path) -> list[Row]:
+    """The rows of the sweep in `folder`."""
+    try:
+        rows: list[Row] = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise Refusal(f"{folder} holds no sweep: sweep.json: {error}; `nervure sweep` makes it") from error
+    return rows
+
+
+def varied(rows: Sequence[Row]) -> list[str]:
+    """The dotted keys that differ between `rows`: those between the scene's name and the status."""
+    keys = list(dict.fromkeys(name for row in rows for name in list(row)[: list(row).index("status")]))
+    return [key for key in keys if key not in ("folder", "scene")]
+
+
+def _quantities(rows: Sequence[Row]) -> list[tuple[str, str]]:
+    """The first columns of `SHOWN` that a finished run has."""
+    return [(name, label) for name, label in SHOWN if any(isinstance(row.get(name), float) for row in rows)][:PANELS]
+
+
+def print_table(console: Console, rows: Sequence[Row]) -> None:
+    """A line for each run: values, status, the first quantities that there are, wall time."""
+    keys, found = varied(rows), _quantities(rows)
+    several = len({row["scene"] for row in rows}) > 1 or not keys
+    headings = ["scene"] * several + [short_keys(keys)[key] for key in keys] + ["status"]
+    numbers = (Column(escape(name.replace("_", " ")), justify="right") for name in [*(n for n, _ in found), "wall s"])
+    table = Table(*map(escape, headings), *numbers, box=None, padding=(0, 1))
+    for row in rows:
+        cells = [str(row["scene"])] * several + [short_value(row.get(key)) for key in keys] + [row["status"]]
+        table.add_row(*map(escape, cells), *(_digits(row.get(name)) for name, _ in found), _digits(row.get("wall_s")))
+    console.print(table)
+
+
+def short_value(value: Any) -> str:
+    """A value of a scene as people write it: 1e-05 and 2000000, not 2000000.0."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(short_value, value))}]"
+    if isinstance(value, float):
+        return f"{value:.10g}"
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def _digits(value: float | None) -> str:
+    return "–" if value is None else f"{value:.4g}"
+
+
+def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
+    """Write sweep.png, the first quantities over the first varied key, a curve for each combination of the others;
+    nothing if fewer than two runs are finished. Returns what was written."""
+    rows = [row for row in rows if row["status"] == FINISHED]
+    found = _quantities(rows)
+    if len(rows) < 2 or not found:
+        return None
+    from matplotlib.figure import Figure
+
+    from nervure.show.plots import COLOURS
+
+    keys = varied(rows)
+    short = short_keys(keys)
+    first, others = (keys[0], keys[1:]) if keys else ("scene", [])
+    if len({row["scene"] for row in rows}) > 1 and keys:
+        others = ["scene", *others]
+    numeric = all(isinstance(row[first], int | float) and not isinstance(row[first], bool) for row in rows)
+    places = list(dict.fromkeys(short_value(row[first]) for row in rows))
+    columns = min(2, len(found))
+    lines = -(-len(found) // columns)
+    figure = Figure(figsize=(5 * columns, 3.2 * lines + 0.5), layout="constrained")
+    axes = figure.subplots(lines, columns, squeeze=False)
+    curves: dict[str, list[Row]] = {}
+    for row in rows:
+        label = ", ".join(f"{short.get(key, key)} = {short_value(row[key])}" for key in others)
+        curves.setdefault(label, []).append(row)
+    for axis in axes.flat[len(found) :]:
+        axis.set_visible(False)
+    for axis, (name, label) in zip(axes.flat, found, strict=False):
+        for number, (curve, members) in enumerate(curves.items()):
+            having = [row for row in members if row.get(name) is not None]
+            x = [row[first] if numeric else places.index(short_value(row[first])) for row in having]
+            points = sorted(zip(x, (row[name] for row in having), strict=True))
+            look = {"color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)], "label": curve}
+            axis.plot(*zip(*points, strict=True), linewidth=0.9, markersize=4, **look) if points else None
+        if numeric and _wide(row[first] for row in rows):
+            axis.set_xscale("log")
+        elif not numeric:
+            axis.set_xticks(range(len(places)), places, rotation=20, ha="right")
+        axis.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
+        axis.set(xlabel=short.get(first, first), ylabel=label)
+    if others:
+        handles = axes.flat[0].get_legend_handles_labels()
+        figure.legend(*handles, loc="outside lower center", ncols=3, fontsize="small")
+    write_whole(folder / "sweep.png", lambda path: figure.savefig(path, dpi=150))
+    return folder / "sweep.png"
+
+
+def _wide(values: Iterable[float]) -> bool:
+    """Whether `values` are positive and span more than a decade."""
+    known = list(values)
+    return min(known) > 0 and max(known) >= DECADE * min(known)

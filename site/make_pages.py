@@ -1,0 +1,233 @@
+"""Gather the Markdown of the project for its site, and write the pages of its reference.
+
+    python site/make_pages.py target/site/pages
+
+The documents are those of the repository; only links change, to where their targets are on the site. What is no page or
+picture there stays as text. Scene keys come from the JSON Schema, variables from the model descriptions, the command
+from the command itself, and Python from docstrings and the comments beside fields.
+"""
+
+import ast
+import dataclasses
+import inspect
+import json
+import os
+import re
+import shutil
+import sys
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import typer
+from lxml import etree
+
+import nervure
+from nervure import cli, results
+from nervure.evaluate import flapping, statistics, summary
+from nervure.resources import ROOT
+
+LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^()\s]+)\)")
+FENCE = re.compile(r"(^```.*?^```$)", re.DOTALL | re.MULTILINE)
+PICTURES = {".png", ".gif", ".svg", ".mp4"}
+ELEMENT = re.compile(r"(.+)\[(\d+)\]$")
+
+
+def documents() -> dict[Path, Path]:
+    """Pages and pictures of the site by their files, both relative: to the repository and to the site."""
+    found: dict[Path, Path] = {Path("README.md"): Path("index.md"), Path("docs/README.md"): Path("documents.md")}
+    for given in ("CONTRIBUTING.md", "CHANGELOG.md", "modelDescription/README.md", "crates/fmi2/README.md"):
+        found[Path(given)] = Path(given)
+    for path in sorted((ROOT / "docs").rglob("*")):
+        if path.suffix == ".md" or path.suffix in PICTURES:
+            name = path.relative_to(ROOT)
+            found.setdefault(name, name.relative_to("docs"))
+    return found
+
+
+def with_links(text: str, source: Path, pages: dict[Path, Path]) -> str:
+    """The Markdown `text` of the file `source` with its links as they are on the site."""
+
+    def link(found: re.Match[str]) -> str:
+        mark, label, target = found.groups()
+        if re.match(r"[a-z]+:", target) or target.startswith("#"):
+            return found[0]
+        path, _, anchor = target.partition("#")
+        wanted = Path(os.path.normpath(source.parent / path))
+        if wanted not in pages:
+            return label
+        there = os.path.relpath(pages[wanted], pages[source].parent)
+        return f"{mark}[{label}]({there}{'#' if anchor else ''}{anchor})"
+
+    parts = FENCE.split(text)
+    return "".join(part if part.startswith("```") else LINK.sub(link, part) for part in parts)
+
+
+def table(headings: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A table in Markdown."""
+    lines = [list(headings), *([cell.replace("|", "\\|").replace("\n", " ") for cell in row] for row in rows)]
+    lines.insert(1, ["---"] * len(lines[0]))
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
+
+
+def scene_page() -> str:
+    """Every key of a scene, a section for each part."""
+    schema = json.loads((ROOT / "modelDescription" / "scene.schema.json").read_text(encoding="utf-8"))
+    parts: dict[str, Any] = schema["$defs"]
+    sections = [
+        "# Scene keys\n\nA scene is one JSON file. Its parts are the sections of this page. What is *required* has to "
+        "be there where the part is; all else has a default. A part that is absent does not exist in the units.\n"
+    ]
+    for name, part in {"Scene": schema, **parts}.items():
+        sections.append(f"## {name}\n\n{part.get('description', '')}\n")
+        variants = part.get("oneOf") or part.get("anyOf") or []
+        if part.get("properties"):
+            sections.append(_keys(part))
+        for variant in variants:
+            if variant.get("properties"):
+                sections.append(f"One of: {variant.get('description', variant.get('title', ''))}\n\n{_keys(variant)}")
+            else:
+                sections.append(f"One of: {_type(variant)}. {variant.get('description', '')}\n")
+        if not part.get("properties") and not variants:
+            sections.append(f"Type: {_type(part)}\n")
+    return "\n".join(sections)
+
+
+def _keys(part: dict[str, Any]) -> str:
+    required = part.get("required", [])
+    rows = []
+    for key, about in part["properties"].items():
+        default = "*required*" if key in required else f"`{json.dumps(about.get('default'), ensure_ascii=False)}`"
+        rows.append((f"`{key}`", _type(about), default, about.get("description", "")))
+    return table(("key", "type", "default", "meaning"), rows)
+
+
+LIMITS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
+
+
+def _type(about: dict[str, Any]) -> str:
+    """The type of a key in words, with links to parts."""
+    if reference := about.get("$ref"):
+        name = reference.rsplit("/", 1)[-1]
+        return f"[{name}](#{name.lower()})"
+    if several := about.get("anyOf") or about.get("oneOf"):
+        return " or ".join(_type(one) for one in several if one.get("type") != "null")
+    if "const" in about:
+        return f"`{json.dumps(about['const'])}`"
+    if "enum" in about:
+        return " or ".join(f"`{json.dumps(value)}`" for value in about["enum"] if value is not None)
+    kinds = about.get("type", "anything")
+    words = [kind for kind in (kinds if isinstance(kinds, list) else [kinds]) if kind != "null"]
+    said = " or ".join({"number": "number", "integer": "whole number", "array": "list"}.get(w, w) for w in words)
+    if isinstance(items := about.get("items"), dict):
+        said += f" of {_type(items)}"
+    return " ".join([said, *(f"{sign} {about[limit]:g}" for limit, sign in LIMITS.items() if limit in about)])
+
+
+def variables_page(kind: str) -> str:
+    """The variables of a unit, arrays put together, from its model description for FSI3."""
+    root = etree.parse(ROOT / "modelDescription" / f"fmu_{kind}.xml").getroot()
+    found: dict[str, tuple[int, Any]] = {}
+    for scalar in root.iter("ScalarVariable"):
+        element = ELEMENT.match(scalar.get("name"))
+        name, number = (element[1], int(element[2])) if element else (scalar.get("name"), 0)
+        known, first = found.get(name, (0, scalar))
+        found[name] = max(number, known), first
+    rows = []
+    for name, (number, scalar) in found.items():
+        (typed,) = (part for part in scalar if part.tag in ("Real", "Integer", "Boolean", "String"))
+        shown = f"`{name}[1 … {number}]`" if number else f"`{name}`"
+        about = typed.get("unit") or "", typed.get("start") or "", scalar.get("description") or ""
+        rows.append((shown, scalar.get("causality") or "local", typed.tag, *about))
+    head = (
+        f"# Variables of the {kind}\n\n{root.get('description')}. The variables of FSI3 on 325 x 72; another scene has "
+    )
+    head += "those of its parts. [The contract](../modelDescription/README.md) says what a unit in its place needs.\n\n"
+    return head + table(("variable", "causality", "type", "unit", "start", "meaning"), rows)
+
+
+def command_page() -> str:
+    """Every command with its arguments and options."""
+    group: Any = typer.main.get_command(cli.app)
+    sections = [f"# The command\n\n{group.help}\n"]
+    for name, command in group.commands.items():
+        context = typer.Context(command, info_name=f"nervure {name}")
+        usage = command.get_usage(context).removeprefix("Usage: ")
+        records = [parameter.get_help_record(context) for parameter in command.params]
+        rows = [(f"`{shown}`", said) for shown, said in filter(None, records)]
+        sections.append(f"## {name}\n\n```text\n{usage}\n```\n\n{inspect.cleandoc(command.help or '')}\n")
+        sections.append(table(("argument or option", "meaning"), rows))
+    return "\n".join(sections)
+
+
+def python_page() -> str:
+    """What `nervure` offers, and what a run holds."""
+    lead, _, example = inspect.cleandoc(nervure.__doc__ or "").partition("\n\n")
+    code, _, rest = example.partition("\n\n")
+    sections = [f"# Python\n\n{lead}\n\n```python\n{inspect.cleandoc(code)}\n```\n\n{rest}\n"]
+    for name in nervure.__all__:
+        sections.extend(_describe(f"nervure.{name}", getattr(nervure, name)))
+    sections.append("## What a run holds\n\n`run.summary` is a `Summary`, as `summary.json` has it.\n")
+    for part in (results.Results, summary.Summary, summary.Quantity, statistics.Statistics, summary.Coefficients,
+                 flapping.Flapping, summary.Interface, summary.Method, summary.UnitInfo):  # fmt: skip
+        fields = table(("field", "type", "meaning"), _fields(part))
+        sections.append(f"### {part.__name__}\n\n{inspect.getdoc(part)}\n\n{fields}")
+    return "\n".join(sections)
+
+
+def _describe(name: str, thing: Any) -> Iterator[str]:
+    if inspect.isclass(thing):
+        yield f"## {name}\n\n{inspect.getdoc(thing)}\n"
+        for method, function in vars(thing).items():
+            if inspect.isfunction(function) and not method.startswith("_") and thing.__module__ == "nervure.api":
+                yield f"### {method}\n\n```python\nrun.{method}{_signature(function)}\n```\n"
+                yield f"{inspect.getdoc(function)}\n"
+    else:
+        yield f"## {name}\n\n```python\n{name}{_signature(thing)}\n```\n\n{inspect.getdoc(thing)}\n"
+
+
+def _signature(function: Any) -> str:
+    signature = inspect.signature(function)
+    own = [parameter for key, parameter in signature.parameters.items() if key != "self"]
+    text = str(signature.replace(parameters=own))
+    return re.sub(r"'([A-Z]\w*)'", r"\1", re.sub(r"\b(?:[a-z_]+\.)+(?=[A-Z])", "", text))
+
+
+def _fields(part: Any) -> Iterator[tuple[str, str, str]]:
+    """Name, type and comment of the fields of a dataclass, those that it inherits included."""
+    told: dict[str, tuple[str, str]] = {}
+    for one in reversed([base for base in part.__mro__ if dataclasses.is_dataclass(base)]):
+        source = inspect.getsource(one)  # type: ignore[arg-type]
+        lines = source.splitlines()
+        (tree,) = ast.parse(source).body
+        assert isinstance(tree, ast.ClassDef)
+        for node in tree.body:
+            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+                _, _, comment = lines[node.lineno - 1].partition("  # ")
+                told[node.target.id] = ast.unparse(node.annotation), comment
+    for name, (kind, comment) in told.items():
+        yield f"`{name}`", f"`{kind}`", comment
+
+
+def make(folder: Path) -> None:
+    """Write the pages into `folder`, which is replaced."""
+    shutil.rmtree(folder, ignore_errors=True)
+    pages = documents()
+    for source, target in pages.items():
+        (folder / target).parent.mkdir(parents=True, exist_ok=True)
+        if source.suffix == ".md":
+            text = with_links((ROOT / source).read_text(encoding="utf-8"), source, pages)
+            (folder / target).write_text(text, encoding="utf-8")
+        else:
+            shutil.copy(ROOT / source, folder / target)
+    reference = folder / "reference"
+    reference.mkdir()
+    for name, page in (("scene", scene_page()), ("command", command_page()), ("python", python_page())):
+        (reference / f"{name}.md").write_text(page, encoding="utf-8")
+    for kind in ("rod", "fluid"):
+        (reference / f"{kind}.md").write_text(variables_page(kind), encoding="utf-8")
+    shutil.copy(Path(__file__).with_name("site.css"), folder)
+
+
+if __name__ == "__main__":
+    make(Path(sys.argv[1]))
