@@ -127,9 +127,7 @@ impl Fluid {
         if let Some(motion) = &mut self.motion {
             motion.pressure_jump_is_current = false;
         }
-        self.domain.bodies.sample(&self.present.flow.velocity);
-        self.domain.clock.mark(crate::clock::Phase::Sample);
-        self.scheme.predict_loads(&mut self.present, &self.domain);
+        self.scheme.predict_loads(&mut self.present, &mut self.domain.bodies);
         self.domain.clock.mark(crate::clock::Phase::Loads);
         Ok(())
     }

@@ -8,6 +8,8 @@
 //! with e along and m normal to the segment. Loads go back through the transpose of this map, so that the power of the
 //! station loads is that of the drag on the section.
 
+use scene::Mask;
+
 use super::cells::{Cell, Cells};
 use super::stations::{Loads, Stations};
 use crate::force::Displaced;
@@ -18,7 +20,7 @@ use crate::wall::DragProfile;
 #[derive(Clone, Copy, Debug)]
 struct Place {
     segment: u32,
-    /// Fraction along the segment.
+    /// Fraction along the segment; beyond 0 and 1 in the tails of the mask, which go on with the end segments.
     fraction: f64,
     /// Height above the centre line, m.
     height: f64,
@@ -69,7 +71,7 @@ impl Frame {
 
 impl Beam {
     /// The beam of a scene, not yet anywhere.
-    pub fn new(beam: &scene::Beam, grid: &Grid, profile: &DragProfile) -> Self {
+    pub fn new(beam: &scene::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
         let anchor = match beam.root {
             scene::Root::OnCylinder { .. } => 0.5 * beam.thickness,
             scene::Root::At { .. } => 0.0,
@@ -77,7 +79,7 @@ impl Beam {
         let still = Frame { along: [1.0, 0.0], length: 1.0, omega: 0.0 };
         Self {
             thickness: beam.thickness,
-            profile: profile.of_body(beam.thickness),
+            profile: DragProfile::of_body(beam.thickness, mask, nu, grid.cell_size()),
             anchor,
             cells: Cells::default(),
             places: Vec::new(),
@@ -129,7 +131,6 @@ impl Beam {
             let distance = above.max(beyond);
             let rate = self.profile.rate(distance);
             if rate > 0.0 {
-                let place = Place { fraction: place.fraction.clamp(0.0, 1.0), ..place };
                 let velocity = frame.section_velocity(&place, stations);
                 self.cells.push(index, rate, velocity, place.arm);
                 if let Some(target) = self.profile.target() {
