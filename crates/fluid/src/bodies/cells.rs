@@ -28,6 +28,8 @@ struct Targeted {
     rate: f64,
     /// Velocity of the body there, m/s.
     body: [f64; 2],
+    /// The same before the step, across the surface, m/s.
+    across_before: f64,
     /// Unit normal n of the surface.
     normal: [f64; 2],
     /// Sums of the weights of its points, along and across.
@@ -62,13 +64,15 @@ impl Cells {
     }
 
     /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
-    /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`.
+    /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`. Before the step the body had
+    /// the velocity `before` (m/s) there.
     pub fn follow_last(
         &mut self,
         target: &WallTarget,
         distance: f64,
         surface: [f64; 2],
         normal: [f64; 2],
+        before: [f64; 2],
         grid: &Grid,
     ) {
         let number = self.cells.len().wrapping_sub(1);
@@ -85,7 +89,9 @@ impl Cells {
         }
         cell.gain = [0, 1].map(|axis| 1.0 - sum[0] * normal[1 - axis].powi(2) - sum[1] * normal[axis].powi(2));
         let (rate, body) = (cell.rate, cell.velocity);
-        self.targeted.push(Targeted { cell: number, rate, body, normal, weight: sum, points_end: self.points.len() });
+        let across_before = normal[0] * before[0] + normal[1] * before[1];
+        let points_end = self.points.len();
+        self.targeted.push(Targeted { cell: number, rate, body, across_before, normal, weight: sum, points_end });
     }
 
     /// Sample the flow around the cells with a wall target; `velocity` gives it at a grid point, m/s.
@@ -95,7 +101,7 @@ impl Cells {
             let ([u, v], [nx, ny], weight) = (targeted.body, targeted.normal, targeted.weight);
             let (body_along, body_across) = (nx * v - ny * u, nx * u + ny * v);
             let mut along = -weight[0] * body_along;
-            let (mut across, mut through) = (-weight[1] * body_across, 0.0);
+            let (mut across, mut through) = (-weight[1] * body_across, -targeted.across_before);
             for &(point, weight) in &self.points[begin..targeted.points_end] {
                 let [u, v] = velocity(point);
                 along += weight[0] * (nx * v - ny * u);

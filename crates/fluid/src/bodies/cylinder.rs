@@ -69,7 +69,7 @@ impl Cylinder {
                 if let Some(target) = profile.target() {
                     let normal = offset.map(|component| component / from_center.max(f64::MIN_POSITIVE));
                     let surface = [center[0] + radius * normal[0], center[1] + radius * normal[1]];
-                    cells.follow_last(target, distance, surface, normal, grid);
+                    cells.follow_last(target, distance, surface, normal, velocity, grid);
                 }
             }
         });

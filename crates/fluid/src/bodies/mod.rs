@@ -78,13 +78,13 @@ impl Bodies {
         self.rate.as_deref()
     }
 
-    /// Put the moving bodies where they are at a time (s), the beam at its stations.
-    pub fn place(&mut self, time: f64, stations: Option<&Stations>, grid: &Grid) {
+    /// Put the moving bodies where they are at a time (s), the beam at its stations; it was at `before`.
+    pub fn place(&mut self, time: f64, stations: Option<&Stations>, before: Option<&Stations>, grid: &Grid) {
         for cylinder in self.cylinders.iter_mut().filter(|c| c.moves()) {
             cylinder.place(time, grid);
         }
-        if let Some((beam, stations)) = self.beam.as_mut().zip(stations) {
-            beam.place(stations, grid);
+        if let Some((beam, (stations, before))) = self.beam.as_mut().zip(stations.zip(before)) {
+            beam.place(stations, before, grid);
         }
         self.paint_changing();
     }

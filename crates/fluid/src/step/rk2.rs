@@ -79,7 +79,7 @@ impl Rk2 {
         let cfl = present.advection_rate * step.dt;
         self.decay.set_viscosity(step.dt * domain.nu);
         add_rate_of_change(present.time, &present.flow, step.dt, domain);
-        domain.bodies.place(step.end, step.stations, &domain.grid);
+        domain.bodies.place(step.end, step.stations, present.stations(), &domain.grid);
         step.check(self.solve_wave_by_wave(Stage::First, step.end, cfl, domain))?;
         add_rate_of_change(step.end, &self.next, step.dt, domain);
         let advection_rate = self.solve_wave_by_wave(Stage::Second, step.end, cfl, domain);

@@ -56,7 +56,7 @@ impl Sbdf2 {
 
     pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
         let scheme = Differences::new(step.dt, present.step);
-        domain.bodies.place(step.end, step.stations, &domain.grid);
+        domain.bodies.place(step.end, step.stations, present.stations(), &domain.grid);
         domain.clock.mark(Phase::Paint);
         self.sample(&scheme, &present.flow, &mut domain.bodies);
         domain.clock.mark(Phase::Sample);

@@ -28,8 +28,8 @@ const INERTIA: f64 = 0.25;
 /// along the surface and at the depth D, all lengths in cells. Across the surface the solid's own velocity stays: what
 /// is drawn through the surface would be pumped against the drag. u(x) is the flow at the distance x outside, w falls
 /// smoothly from 1 to 0; so does v, over `depth` inside and over one cell outside. The drag is
-/// `1 + 0.25 |n·(u(1) − u(0))| dx/nu` times that of the profile: the flow itself decides on it, so that a load stays
-/// linear in the body's velocity.
+/// `1 + 0.25 |n·(u(1) − u_b)| dx/nu` times that of the profile, with the body's velocity u_b before the step, so that the
+/// load is linear in that at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallTarget {
     /// Weight of the mirror image at the surface.
@@ -57,13 +57,12 @@ pub struct Sample {
 
 impl WallTarget {
     /// What it samples for the point at signed distance `d` (m).
-    pub fn samples(&self, d: f64) -> [Sample; 4] {
+    pub fn samples(&self, d: f64) -> [Sample; 3] {
         let depth = -d / self.cell;
         let (mirror, curvature) = self.weights(depth);
         let across = if depth > 0.0 { -2.0 * self.mirror * mirrored_flux(depth) } else { 0.0 };
         [
             Sample { off: -d, weight: [-mirror, 0.0, 0.0] },
-            Sample { off: 0.0, weight: [0.0, 0.0, -1.0] },
             Sample { off: self.cell, weight: [-2.0 * curvature, across, 1.0] },
             Sample { off: 2.0 * self.cell, weight: [curvature, 0.0, 0.0] },
         ]
@@ -314,7 +313,7 @@ mod tests {
         for _ in 0..40 {
             let v = through(&u);
             let drag = |i: usize| {
-                let inertia = 1.0 + target.inertia * (v[wall + PER_CELL] - v[wall]);
+                let inertia = 1.0 + target.inertia * v[wall + PER_CELL];
                 (growth.drag(-(d(i) + shift)) * inertia).min(HARDEST)
             };
             let mut matrix = DMatrix::<f64>::identity(n, n);
