@@ -51,7 +51,7 @@ impl Fluid {
         let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
         let mut domain = Domain::new(scene, fluid);
         let stations = scene.beam.as_ref().map(|beam| Stations::at_rest(scene, beam));
-        domain.bodies.place(0.0, stations.as_ref(), &domain.grid);
+        domain.bodies.place(0.0, stations.as_ref(), stations.as_ref(), &domain.grid);
         let [u, v] = fluid.initial_velocity;
         let present = Present {
             time: 0.0,
@@ -121,15 +121,14 @@ impl Fluid {
                 self.present.copy_from(&undo.present);
                 self.scheme.restore(&undo.memory);
             }
-            self.domain.bodies.place(self.present.time, self.present.stations(), &self.domain.grid);
+            let stations = self.present.stations();
+            self.domain.bodies.place(self.present.time, stations, stations, &self.domain.grid);
             return Err(error);
         }
         if let Some(motion) = &mut self.motion {
             motion.pressure_jump_is_current = false;
         }
-        self.domain.bodies.sample(&self.present.flow.velocity);
-        self.domain.clock.mark(crate::clock::Phase::Sample);
-        self.scheme.predict_loads(&mut self.present, &self.domain);
+        self.scheme.predict_loads(&mut self.present, &mut self.domain.bodies);
         self.domain.clock.mark(crate::clock::Phase::Loads);
         Ok(())
     }
@@ -232,7 +231,8 @@ impl Fluid {
             motion.pressure_jump_is_current = false;
         }
         self.total_pressure_is_current = false;
-        self.domain.bodies.place(self.present.time, self.present.stations(), &self.domain.grid);
+        let stations = self.present.stations();
+        self.domain.bodies.place(self.present.time, stations, stations, &self.domain.grid);
         Ok(())
     }
 

@@ -129,13 +129,13 @@ impl Spectral {
         modes.all(|mode| mode.re.iter().chain(&mode.im).all(|part| part.abs() < LARGEST))
     }
 
-    /// Find Pi that belongs to `w` (m/s) of a step with `per_tau` (1/s), for [`Self::pressure`].
-    pub fn solve_for_pressure(&mut self, w: &[Vec<f64>; 2], per_tau: f64) {
+    /// Find Pi that belongs to `w` (m/s) of a step with `per_tau` (1/s) and a CFL number, for [`Self::pressure`].
+    pub fn solve_for_pressure(&mut self, w: &[Vec<f64>; 2], per_tau: f64, cfl: f64) {
         let [wx_hat, wy_hat, pi_hat] = &mut self.spectra;
         let scratch = &mut self.scratch[0];
         self.fft.forward(&w[0], wx_hat, scratch);
         self.fft.forward(&w[1], wy_hat, scratch);
-        self.projection.pressure(wx_hat, wy_hat, per_tau, pi_hat);
+        self.projection.pressure(wx_hat, wy_hat, per_tau, cfl, pi_hat);
     }
 
     /// Pi, m²/s², as [`Self::solve_for_pressure`] found it.

@@ -27,7 +27,7 @@ impl Zone {
 
     /// The ends of the inflow zone have the drag profile of the walls.
     fn inflow(inflow: &scene::Inflow, fluid: &scene::Fluid, grid: &Grid) -> Self {
-        let profile = DragProfile::new(&fluid.mask, inflow.c_eta, fluid.kinematic_viscosity, grid.cell_size()).plain();
+        let profile = DragProfile::new(&fluid.mask, inflow.c_eta, fluid.kinematic_viscosity, grid.cell_size());
         let rate = |depth: f64| profile.rate(-depth);
         Self {
             law: inflow.mean_velocity.clone(),

@@ -234,7 +234,7 @@ fn phases(table: &mut Table) {
         let mut spent = phases_of(&mut flow, Flow::swing);
         table.time("rest", spent[STEP] - spent[..STEP].iter().sum::<f64>());
         let mut projection = Projection::new(flow.fluid.grid(), flow.filter);
-        projection.set_viscosity(1e-8);
+        projection.set_step(1e-8, 0.3);
         let fft = Fft2::new(cells[0], cells[1], projection.modes());
         let (mut scratch, rows) = (fft.scratch(), fft.spectrum().len() / cells[0]);
         let [u, v, omega] = &mut scratch.rows;

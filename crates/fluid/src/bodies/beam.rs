@@ -8,6 +8,8 @@
 //! with e along and m normal to the segment. Loads go back through the transpose of this map, so that the power of the
 //! station loads is that of the drag on the section.
 
+use scene::Mask;
+
 use super::cells::{Cell, Cells};
 use super::stations::{Loads, Stations};
 use crate::force::Displaced;
@@ -18,7 +20,7 @@ use crate::wall::DragProfile;
 #[derive(Clone, Copy, Debug)]
 struct Place {
     segment: u32,
-    /// Fraction along the segment.
+    /// Fraction along the segment; beyond 0 and 1 in the tails of the mask, which go on with the end segments.
     fraction: f64,
     /// Height above the centre line, m.
     height: f64,
@@ -49,6 +51,8 @@ struct Frame {
     along: [f64; 2],
     length: f64,
     omega: f64,
+    /// Rate at which it turned before the step, 1/s.
+    omega_before: f64,
 }
 
 impl Frame {
@@ -57,27 +61,27 @@ impl Frame {
         [-self.along[1], self.along[0]]
     }
 
-    /// Velocity of the section at a place of this segment, m/s.
-    fn section_velocity(&self, place: &Place, stations: &Stations) -> [f64; 2] {
+    /// Velocity of the section at a place of this segment that turns at the rate `omega` (1/s), m/s.
+    fn section_velocity(&self, place: &Place, omega: f64, stations: &Stations) -> [f64; 2] {
         let (k, t) = (place.segment as usize, place.fraction);
         [0, 1].map(|axis| {
             let v = &stations.velocity[axis];
-            (1.0 - t) * v[k] + t * v[k + 1] - self.omega * place.height * self.along[axis]
+            (1.0 - t) * v[k] + t * v[k + 1] - omega * place.height * self.along[axis]
         })
     }
 }
 
 impl Beam {
     /// The beam of a scene, not yet anywhere.
-    pub fn new(beam: &scene::Beam, grid: &Grid, profile: &DragProfile) -> Self {
+    pub fn new(beam: &scene::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
         let anchor = match beam.root {
             scene::Root::OnCylinder { .. } => 0.5 * beam.thickness,
             scene::Root::At { .. } => 0.0,
         };
-        let still = Frame { along: [1.0, 0.0], length: 1.0, omega: 0.0 };
+        let still = Frame { along: [1.0, 0.0], length: 1.0, omega: 0.0, omega_before: 0.0 };
         Self {
             thickness: beam.thickness,
-            profile: profile.of_body(beam.thickness),
+            profile: DragProfile::of_body(beam.thickness, mask, nu, grid.cell_size()),
             anchor,
             cells: Cells::default(),
             places: Vec::new(),
@@ -107,9 +111,9 @@ impl Beam {
         Displaced { momentum, angular, transport: cross([vx[0], vy[0]], momentum) }
     }
 
-    /// Move to `stations` and list the cells there.
-    pub fn place(&mut self, stations: &Stations, grid: &Grid) {
-        self.orient(stations);
+    /// Move to `stations` and list the cells there; they were at `before`.
+    pub fn place(&mut self, stations: &Stations, before: &Stations, grid: &Grid) {
+        self.orient(stations, before);
         self.find_candidates(stations, grid);
         let last = self.frames.len() as u32 - 1;
         self.cells.clear();
@@ -129,8 +133,7 @@ impl Beam {
             let distance = above.max(beyond);
             let rate = self.profile.rate(distance);
             if rate > 0.0 {
-                let place = Place { fraction: place.fraction.clamp(0.0, 1.0), ..place };
-                let velocity = frame.section_velocity(&place, stations);
+                let velocity = frame.section_velocity(&place, frame.omega, stations);
                 self.cells.push(index, rate, velocity, place.arm);
                 if let Some(target) = self.profile.target() {
                     // The nearest surface is that of the tip or the root, or that above or below.
@@ -141,23 +144,26 @@ impl Beam {
                     };
                     let point = grid.point(index);
                     let surface = [0, 1].map(|axis| point[axis] - distance * normal[axis]);
-                    self.cells.follow_last(target, distance, surface, normal, grid);
+                    let before = frame.section_velocity(&place, frame.omega_before, before);
+                    self.cells.follow_last(target, distance, surface, normal, before, grid);
                 }
                 self.places.push(place);
             }
         }
     }
 
-    /// Directions and turning rates of the segments.
-    fn orient(&mut self, stations: &Stations) {
+    /// Directions and turning rates of the segments at `stations`, with the velocities there and with those `before`.
+    fn orient(&mut self, stations: &Stations, before: &Stations) {
         for (k, frame) in self.frames.iter_mut().enumerate() {
             let difference = |field: &[Vec<f64>; 2]| [field[0][k + 1] - field[0][k], field[1][k + 1] - field[1][k]];
             let [ex, ey] = difference(&stations.position);
             frame.length = ex.hypot(ey);
             frame.along = [ex / frame.length, ey / frame.length];
-            let [dvx, dvy] = difference(&stations.velocity);
             let [mx, my] = frame.normal();
-            frame.omega = (dvx * mx + dvy * my) / frame.length;
+            [frame.omega, frame.omega_before] = [stations, before].map(|stations| {
+                let [dvx, dvy] = difference(&stations.velocity);
+                (dvx * mx + dvy * my) / frame.length
+            });
         }
     }
 
@@ -221,7 +227,10 @@ impl Beam {
 
     /// Velocity of the section, m/s, in each of the cells, in their order.
     pub fn section_velocities<'a>(&'a self, stations: &'a Stations) -> impl Iterator<Item = [f64; 2]> + 'a {
-        self.places.iter().map(|place| self.frames[place.segment as usize].section_velocity(place, stations))
+        self.places.iter().map(|place| {
+            let frame = &self.frames[place.segment as usize];
+            frame.section_velocity(place, frame.omega, stations)
+        })
     }
 
     /// Bring the drag on each cell to the stations.

@@ -24,8 +24,12 @@ pub struct Cell {
 struct Targeted {
     /// Which of the cells.
     cell: usize,
+    /// Drag rate in still fluid, 1/s.
+    rate: f64,
     /// Velocity of the body there, m/s.
     body: [f64; 2],
+    /// The same before the step, across the surface, m/s.
+    across_before: f64,
     /// Unit normal n of the surface.
     normal: [f64; 2],
     /// Sums of the weights of its points, along and across.
@@ -39,8 +43,11 @@ struct Targeted {
 pub struct Cells {
     cells: Vec<Cell>,
     targeted: Vec<Targeted>,
-    /// Grid points at which those cells sample the flow, and their weights along and across the surface.
-    points: Vec<(usize, [f64; 2])>,
+    /// Grid points at which those cells sample the flow, and their weights in the same order.
+    points: Vec<(usize, [f64; 3])>,
+    /// What the flow through the surface adds to the drag, s/m, and the largest drag rate, 1/s.
+    inertia: f64,
+    largest: f64,
 }
 
 impl Cells {
@@ -57,45 +64,53 @@ impl Cells {
     }
 
     /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
-    /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`.
+    /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`. Before the step the body had
+    /// the velocity `before` (m/s) there.
     pub fn follow_last(
         &mut self,
         target: &WallTarget,
         distance: f64,
         surface: [f64; 2],
         normal: [f64; 2],
+        before: [f64; 2],
         grid: &Grid,
     ) {
-        let samples = target.samples(distance);
         let number = self.cells.len().wrapping_sub(1);
-        let Some(cell) = self.cells.last_mut().filter(|_| samples.iter().any(|sample| sample.weight != [0.0; 2]))
-        else {
-            return;
-        };
+        let Some(cell) = self.cells.last_mut().filter(|_| distance > -target.reach()) else { return };
+        (self.inertia, self.largest) = (target.inertia, target.largest);
         let mut sum = [0.0; 2];
-        for Sample { off, weight } in samples.into_iter().filter(|sample| sample.weight != [0.0; 2]) {
+        for Sample { off, weight } in target.samples(distance) {
+            if weight == [0.0; 3] {
+                continue;
+            }
             let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
             self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
             sum = [sum[0] + weight[0], sum[1] + weight[1]];
         }
         cell.gain = [0, 1].map(|axis| 1.0 - sum[0] * normal[1 - axis].powi(2) - sum[1] * normal[axis].powi(2));
-        let body = cell.velocity;
-        self.targeted.push(Targeted { cell: number, body, normal, weight: sum, points_end: self.points.len() });
+        let (rate, body) = (cell.rate, cell.velocity);
+        let across_before = normal[0] * before[0] + normal[1] * before[1];
+        let points_end = self.points.len();
+        self.targeted.push(Targeted { cell: number, rate, body, across_before, normal, weight: sum, points_end });
     }
 
-    /// Sample the flow around the cells with a wall target.
-    pub fn sample(&mut self, flow: &[Vec<f64>; 2]) {
+    /// Sample the flow around the cells with a wall target; `velocity` gives it at a grid point, m/s.
+    pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
         let mut begin = 0;
         for targeted in &self.targeted {
-            let ([u, v], [nx, ny]) = (targeted.body, targeted.normal);
-            let mut along = -targeted.weight[0] * (nx * v - ny * u);
-            let mut across = -targeted.weight[1] * (nx * u + ny * v);
+            let ([u, v], [nx, ny], weight) = (targeted.body, targeted.normal, targeted.weight);
+            let (body_along, body_across) = (nx * v - ny * u, nx * u + ny * v);
+            let mut along = -weight[0] * body_along;
+            let (mut across, mut through) = (-weight[1] * body_across, -targeted.across_before);
             for &(point, weight) in &self.points[begin..targeted.points_end] {
-                let (u, v) = (flow[0][point], flow[1][point]);
+                let [u, v] = velocity(point);
                 along += weight[0] * (nx * v - ny * u);
                 across += weight[1] * (nx * u + ny * v);
+                through += weight[2] * (nx * u + ny * v);
             }
-            self.cells[targeted.cell].velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
+            let cell = &mut self.cells[targeted.cell];
+            cell.velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
+            cell.rate = (targeted.rate * (1.0 + self.inertia * through.abs())).min(self.largest);
             begin = targeted.points_end;
         }
     }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use scene::Mask;
+
 use super::cells::Cells;
 use crate::force::Displaced;
 use crate::grid::Grid;
@@ -19,8 +21,8 @@ pub struct Cylinder {
 
 impl Cylinder {
     /// A cylinder at its place at t = 0.
-    pub fn new(shape: &scene::Cylinder, grid: &Grid, profile: &DragProfile) -> Self {
-        let profile = profile.of_body(2.0 * shape.radius);
+    pub fn new(shape: &scene::Cylinder, grid: &Grid, mask: &Mask, nu: f64) -> Self {
+        let profile = DragProfile::of_body(2.0 * shape.radius, mask, nu, grid.cell_size());
         let mut cylinder = Self { shape: shape.clone(), profile, velocity: [0.0; 2], cells: Cells::default() };
         cylinder.place(0.0, grid);
         cylinder
@@ -29,6 +31,11 @@ impl Cylinder {
     /// Whether it moves at all.
     pub fn moves(&self) -> bool {
         self.shape.motion.is_some()
+    }
+
+    /// Whether its drag on the fluid changes: it moves, or follows a wall target.
+    pub fn changes(&self) -> bool {
+        self.moves() || self.cells.have_targets()
     }
 
     /// The fluid of a density (kg/m³) that it displaces; it does not turn.
@@ -62,7 +69,7 @@ impl Cylinder {
                 if let Some(target) = profile.target() {
                     let normal = offset.map(|component| component / from_center.max(f64::MIN_POSITIVE));
                     let surface = [center[0] + radius * normal[0], center[1] + radius * normal[1]];
-                    cells.follow_last(target, distance, surface, normal, grid);
+                    cells.follow_last(target, distance, surface, normal, velocity, grid);
                 }
             }
         });

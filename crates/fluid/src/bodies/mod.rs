@@ -34,9 +34,9 @@ pub struct Bodies {
 impl Bodies {
     /// The bodies of a scene with a fluid at t = 0, the still ones painted.
     pub fn new(scene: &Scene, fluid: &scene::Fluid, zones: &[Zone], grid: &Grid) -> Self {
-        let profile = DragProfile::new(&fluid.mask, fluid.mask.c_eta(), fluid.kinematic_viscosity, grid.cell_size());
-        let cylinders: Vec<_> = fluid.cylinders.iter().map(|c| Cylinder::new(c, grid, &profile)).collect();
-        let beam = scene.beam.as_ref().map(|beam| Beam::new(beam, grid, &profile));
+        let (mask, nu) = (&fluid.mask, fluid.kinematic_viscosity);
+        let cylinders: Vec<_> = fluid.cylinders.iter().map(|c| Cylinder::new(c, grid, mask, nu)).collect();
+        let beam = scene.beam.as_ref().map(|beam| Beam::new(beam, grid, mask, nu));
         let any = !zones.is_empty() || fluid.channel.is_some() || !cylinders.is_empty() || beam.is_some();
         let mut bodies = Self {
             cylinders,
@@ -46,7 +46,7 @@ impl Bodies {
             density: fluid.density,
             cell_mass: fluid.density * grid.cell_area(),
         };
-        bodies.paint_still(fluid, zones, &profile.plain(), grid);
+        bodies.paint_still(fluid, zones, &DragProfile::new(mask, mask.c_eta(), nu, grid.cell_size()), grid);
         bodies
     }
 
@@ -63,7 +63,7 @@ impl Bodies {
         for &(i, zone) in zones.iter().flat_map(|zone| &zone.columns) {
             rate[i * grid.ny..(i + 1) * grid.ny].iter_mut().for_each(|r| *r += zone);
         }
-        for cylinder in self.cylinders.iter().filter(|c| !c.moves()) {
+        for cylinder in self.cylinders.iter().filter(|c| !c.changes()) {
             cylinder.cells.iter().for_each(|cell| rate[cell.index] += cell.rate);
         }
     }
@@ -78,32 +78,40 @@ impl Bodies {
         self.rate.as_deref()
     }
 
-    /// Put the moving bodies where they are at a time (s), the beam at its stations.
-    pub fn place(&mut self, time: f64, stations: Option<&Stations>, grid: &Grid) {
-        let Some(rate) = &mut self.rate else { return };
-        self.painted.erase(rate);
+    /// Put the moving bodies where they are at a time (s), the beam at its stations; it was at `before`.
+    pub fn place(&mut self, time: f64, stations: Option<&Stations>, before: Option<&Stations>, grid: &Grid) {
         for cylinder in self.cylinders.iter_mut().filter(|c| c.moves()) {
             cylinder.place(time, grid);
-            self.painted.add(&cylinder.cells, rate);
         }
-        if let Some((beam, stations)) = self.beam.as_mut().zip(stations) {
-            beam.place(stations, grid);
-            self.painted.add(&beam.cells, rate);
+        if let Some((beam, (stations, before))) = self.beam.as_mut().zip(stations.zip(before)) {
+            beam.place(stations, before, grid);
         }
+        self.paint_changing();
     }
 
-    /// Let the bodies with a wall target sample a velocity field (m/s).
-    pub fn sample(&mut self, velocity: &[Vec<f64>; 2]) {
-        self.cylinders.iter_mut().for_each(|cylinder| cylinder.cells.sample(velocity));
+    /// Let the bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
+    pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
+        self.cylinders.iter_mut().for_each(|cylinder| cylinder.cells.sample(&velocity));
         if let Some(beam) = &mut self.beam {
-            beam.cells.sample(velocity);
+            beam.cells.sample(&velocity);
+        }
+        self.paint_changing();
+    }
+
+    /// Paint the bodies whose drag changes: they move, or have a wall target.
+    fn paint_changing(&mut self) {
+        let Some(rate) = &mut self.rate else { return };
+        self.painted.erase(rate);
+        let cylinders = self.cylinders.iter().filter(|c| c.changes()).map(|c| &c.cells);
+        for cells in cylinders.chain(self.beam.iter().map(|beam| &beam.cells)) {
+            self.painted.add(cells, rate);
         }
     }
 
     /// Add `weight(Σ a) a_b u_b` of all bodies to `w`.
     pub fn add_velocities(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<f64>; 2]) {
         let Some(rate) = &self.rate else { return };
-        let cylinders = self.cylinders.iter().filter(|c| c.moves() || c.cells.have_targets()).map(|c| &c.cells);
+        let cylinders = self.cylinders.iter().filter(|c| c.changes()).map(|c| &c.cells);
         let beam = self.beam.iter().map(|beam| &beam.cells);
         for cell in cylinders.chain(beam).flat_map(Cells::iter) {
             let weight = weight(rate[cell.index]) * cell.rate;

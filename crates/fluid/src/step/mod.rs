@@ -5,7 +5,7 @@ mod sbdf2;
 
 use scene::TimeScheme;
 
-use crate::bodies::Stations;
+use crate::bodies::{Bodies, Stations};
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::state::{Memory, Present};
@@ -122,11 +122,11 @@ impl Scheme {
     }
 
     /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
-    pub fn predict_loads(&self, present: &mut Present, domain: &Domain) {
+    pub fn predict_loads(&self, present: &mut Present, bodies: &mut Bodies) {
         let Some(mut loads) = present.beam.as_mut().and_then(|beam| beam.loads.take()) else { return };
         match self {
-            Self::Sbdf2(scheme) => scheme.predict_loads(present, &domain.bodies, &mut loads),
-            Self::Rk2(_) => rk2::predict_loads(present, &domain.bodies, &mut loads),
+            Self::Sbdf2(scheme) => scheme.predict_loads(present, bodies, &mut loads),
+            Self::Rk2(_) => rk2::predict_loads(present, bodies, &mut loads),
         }
         if let Some(beam) = &mut present.beam {
             beam.loads = Some(loads);
@@ -135,12 +135,13 @@ impl Scheme {
 
     /// Pi at the present time (m²/s²) into `domain.w[0]`: what makes the rate of change free of divergence.
     pub fn make_total_pressure(&self, present: &Present, domain: &mut Domain) {
+        let cfl = present.advection_rate * present.step;
         match self {
-            Self::Sbdf2(scheme) => domain.spectral.solve_for_pressure(&scheme.memory.w, scheme.memory.per_tau),
+            Self::Sbdf2(scheme) => domain.spectral.solve_for_pressure(&scheme.memory.w, scheme.memory.per_tau, cfl),
             Self::Rk2(_) => {
                 // The velocity itself has no divergence.
                 rk2::add_rate_of_change(present.time, &present.flow, 1.0, domain);
-                domain.spectral.solve_for_pressure(&domain.w, 1.0);
+                domain.spectral.solve_for_pressure(&domain.w, 1.0, cfl);
             }
         }
         domain.spectral.pressure(&mut domain.w[0]);

@@ -8,7 +8,7 @@
 //! u^{n+1} = P F ½ [E u^n + u_1 + dt f(t^{n+1}, u_1)]                    wave by wave
 //! ```
 //!
-//! which is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n is kept, so a step takes ten real transforms: twice two
+//! with `F = 1/(1 + dt r)`, r the rate of the filter. It is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n is kept, so a step takes ten real transforms: twice two
 //! forward and three inverse. The explicit drag is stable up to `dt Σ a = 2`; steps are divided to keep it at or below 1.
 
 use std::array::from_fn;
@@ -71,21 +71,22 @@ impl Rk2 {
     }
 
     pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
-        present.advection_rate = self.solve_wave_by_wave(Stage::Start, present.time, domain);
+        present.advection_rate = self.solve_wave_by_wave(Stage::Start, present.time, 0.0, domain);
         self.take_over(&mut present.flow);
     }
 
     pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
+        let cfl = present.advection_rate * step.dt;
         self.decay.set_viscosity(step.dt * domain.nu);
         add_rate_of_change(present.time, &present.flow, step.dt, domain);
-        domain.bodies.place(step.end, step.stations, &domain.grid);
-        step.check(self.solve_wave_by_wave(Stage::First, step.end, domain))?;
+        domain.bodies.place(step.end, step.stations, present.stations(), &domain.grid);
+        step.check(self.solve_wave_by_wave(Stage::First, step.end, cfl, domain))?;
         add_rate_of_change(step.end, &self.next, step.dt, domain);
-        let advection_rate = self.solve_wave_by_wave(Stage::Second, step.end, domain);
+        let advection_rate = self.solve_wave_by_wave(Stage::Second, step.end, cfl, domain);
         step.check(advection_rate)?;
 
         self.take_over(&mut present.flow);
-        domain.bodies.sample(&present.flow.velocity);
+        sample(&present.flow, &mut domain.bodies);
         let drag = |cell: &Cell| present_drag(&present.flow, cell);
         let exchange = present.beam.as_mut().map(|beam| &mut beam.exchange);
         domain.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
@@ -99,10 +100,11 @@ impl Rk2 {
         swap(&mut self.u_hat, &mut self.next_u_hat);
     }
 
-    /// From `domain.w` to `next`, the flow after a stage at a time (s), and its advection rate, 1/s.
-    fn solve_wave_by_wave(&mut self, stage: Stage, time: f64, domain: &mut Domain) -> f64 {
+    /// From `domain.w` to `next`, the flow after a stage at a time (s) of a step with a CFL number, and its advection
+    /// rate, 1/s.
+    fn solve_wave_by_wave(&mut self, stage: Stage, time: f64, cfl: f64, domain: &mut Domain) -> f64 {
         domain.hold_mean_flow(time);
-        domain.spectral.projection.set_viscosity(0.0);
+        domain.spectral.projection.set_step(0.0, cfl);
         let (nx, share, points) = (domain.grid.nx, domain.spectral.share(), domain.grid.len() as f64);
         let [u, v] = self.u_hat.each_ref().map(|u_hat| u_hat.chunks(share));
         let [next_u, next_v] = self.next_u_hat.each_mut().map(|u_hat| u_hat.chunks_mut(share));
@@ -178,9 +180,15 @@ pub fn longest_step(bodies: &Bodies) -> f64 {
     1.0 / stiffest.max(f64::MIN_POSITIVE)
 }
 
+/// Let the bodies sample a flow.
+fn sample(flow: &Flow, bodies: &mut Bodies) {
+    let [u, v] = &flow.velocity;
+    bodies.sample(|point| [u[point], v[point]]);
+}
+
 /// `u + dt f` for a flow at a time (s), into `domain.w`.
 pub fn add_rate_of_change(time: f64, flow: &Flow, dt: f64, domain: &mut Domain) {
-    domain.bodies.sample(&flow.velocity);
+    sample(flow, &mut domain.bodies);
     let Flow { velocity: [u, v], vorticity: omega } = flow;
     let rate = domain.bodies.rate();
     let [wx, wy] = &mut domain.w;
@@ -190,7 +198,8 @@ pub fn add_rate_of_change(time: f64, flow: &Flow, dt: f64, domain: &mut Domain) 
 }
 
 /// The drag as it is. A change of the body's velocity in the coming step moves the fluid along with `dt a_b/2`.
-pub fn predict_loads(present: &Present, bodies: &Bodies, loads: &mut Loads) {
+pub fn predict_loads(present: &Present, bodies: &mut Bodies, loads: &mut Loads) {
+    sample(&present.flow, bodies);
     let weight = bodies.cell_mass;
     let drag = |cell: &Cell| {
         let force = present_drag(&present.flow, cell).map(|drag| weight * drag);

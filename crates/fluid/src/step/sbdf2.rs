@@ -2,11 +2,11 @@
 //!
 //! The step is split so that what is local in space and what is local in wavenumber are each solved exactly
 //! (Douglas–Rachford in incremental form). With `c_0 … c_2` the difference coefficients, `e_1, e_2` the extrapolation,
-//! `tau = 1/c_0`, `N = omega × u` and `G = ∇Pi − nu ∇²u` (plus what the filter removes),
+//! `tau = 1/c_0`, `N = omega × u` and `G = ∇Pi − nu ∇²u + r u`, r being the rate of the filter,
 //!
 //! ```text
 //! (c_0 + Σ a_b) u*  = c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n + Σ a_b u_b      point by point
-//! (1 − tau nu ∇²) u^{n+1} + tau ∇Pi^{n+1} = F (u* + tau G^n),   ∇·u^{n+1} = 0             wave by wave
+//! (1 − tau nu ∇² + tau r) u^{n+1} + tau ∇Pi^{n+1} = u* + tau G^n,   ∇·u^{n+1} = 0         wave by wave
 //! G^{n+1} = c_0 (u* + tau G^n − u^{n+1})                                                  point by point
 //! ```
 //!
@@ -49,16 +49,16 @@ impl Sbdf2 {
     /// In no time viscosity does nothing: what is left of the solve wave by wave is the projection.
     pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
         domain.hold_mean_flow(present.time);
-        present.advection_rate = self.solve_wave_by_wave(f64::MIN_POSITIVE, domain);
+        present.advection_rate = self.solve_wave_by_wave(f64::MIN_POSITIVE, 0.0, domain);
         self.take_over(&mut present.flow, domain);
         self.memory.per_tau = 0.0;
     }
 
     pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
         let scheme = Differences::new(step.dt, present.step);
-        domain.bodies.place(step.end, step.stations, &domain.grid);
+        domain.bodies.place(step.end, step.stations, present.stations(), &domain.grid);
         domain.clock.mark(Phase::Paint);
-        domain.bodies.sample(&present.flow.velocity);
+        self.sample(&scheme, &present.flow, &mut domain.bodies);
         domain.clock.mark(Phase::Sample);
         let components = self.components(&present.flow);
         solve_locally(&components, &scheme, domain);
@@ -66,7 +66,8 @@ impl Sbdf2 {
         domain.add_velocities(step.end, |rate| 1.0 / (scheme.c[0] + rate));
         domain.clock.mark(Phase::Velocities);
         domain.hold_mean_flow(step.end);
-        let advection_rate = self.solve_wave_by_wave(scheme.tau, domain);
+        let cfl = present.advection_rate * step.dt;
+        let advection_rate = self.solve_wave_by_wave(scheme.tau, cfl, domain);
         step.check(advection_rate)?;
 
         let memory = &self.memory;
@@ -88,8 +89,8 @@ impl Sbdf2 {
 
     /// From `domain.w` to a new flow in the place of the one before, which is not needed any more; and its advection
     /// rate, 1/s.
-    fn solve_wave_by_wave(&mut self, tau: f64, domain: &mut Domain) -> f64 {
-        domain.spectral.projection.set_viscosity(tau * domain.nu);
+    fn solve_wave_by_wave(&mut self, tau: f64, cfl: f64, domain: &mut Domain) -> f64 {
+        domain.spectral.projection.set_step(tau * domain.nu, cfl);
         let solve = |projection: &crate::projection::Projection, row, (), [u, v, omega]: [&mut [_]; 3]| {
             projection.project(row, u, v, omega);
         };
@@ -103,9 +104,10 @@ impl Sbdf2 {
     }
 
     /// The drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
-    pub fn predict_loads(&self, present: &Present, bodies: &Bodies, loads: &mut Loads) {
-        let Some(rate) = bodies.rate() else { return };
+    pub fn predict_loads(&self, present: &Present, bodies: &mut Bodies, loads: &mut Loads) {
         let scheme = Differences::new(present.step, present.step);
+        self.sample(&scheme, &present.flow, bodies);
+        let Some(rate) = bodies.rate() else { return };
         let components = self.components(&present.flow);
         let weight = bodies.cell_mass;
         let drag = |cell: &Cell| {
@@ -118,6 +120,12 @@ impl Sbdf2 {
             (force, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - share)))
         };
         bodies.collect_loads(drag, loads);
+    }
+
+    /// Let the bodies sample the flow as it is at the end of the step, by extrapolation.
+    fn sample(&self, Differences { e, .. }: &Differences, flow: &Flow, bodies: &mut Bodies) {
+        let ([u, v], [u_before, v_before]) = (&flow.velocity, &self.memory.before.velocity);
+        bodies.sample(|point| [e[0] * u[point] + e[1] * u_before[point], e[0] * v[point] + e[1] * v_before[point]]);
     }
 
     /// What the local solve reads, by component.

@@ -1,15 +1,40 @@
 //! How the log-linear drag grows below the surface: shared by the profile and the calibration of its wall target.
 
 /// Euler's constant γ.
-pub const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
+const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 
-/// Depth in e-folds from which on the log-linear profile is steeper, and the factor. In linear shear the flow there has
-/// fallen to 0.7 % of λ times the shear, so the fluid outside hardly sees it, and the calibration includes what it
-/// sees; but a bar of two or three cells would be porous without it.
-const CORE: f64 = 3.0;
-const CORE_STEEPNESS: f64 = 3.0;
+/// How much steeper than the log-linear growth the core is.
+const STEEPNESS: f64 = 3.0;
 
-/// Growth of the log-linear drag from the surface to some e-folds below it.
-pub fn growth(folds: f64) -> f64 {
-    (folds + (CORE_STEEPNESS - 1.0) * (folds - CORE).max(0.0)).exp()
+/// Largest depth of the core, cells: below all that the wall target does. A target in what is held harder than the grid
+/// resolves pumps, and makes the flow depend on C_eta.
+const DEEPEST_CORE: f64 = 2.0;
+
+/// Growth, as an exponent, that a body's drag reaches in the depth where it has cells wherever the grid lies. A bar of
+/// two or three cells would be porous without it: the pressure on a flapping bar is ten times that of its stream.
+const TIGHT: f64 = 7.0;
+
+/// Growth of the log-linear drag with the depth: exponential, and steeper in the core of a body.
+#[derive(Clone, Copy, Debug)]
+pub struct Growth {
+    /// Length of e-fold growth, cells.
+    pub e_fold: f64,
+    /// e-folds below the surface at which the core begins.
+    core: f64,
+}
+
+impl Growth {
+    /// In a body of some thickness, all in cells.
+    pub fn new(e_fold: f64, thickness: f64) -> Self {
+        let everywhere = 0.5 * (thickness - 1.0) / e_fold;
+        let core = everywhere - (TIGHT - everywhere) / (STEEPNESS - 1.0);
+        Self { e_fold, core: core.clamp(0.0, DEEPEST_CORE / e_fold) }
+    }
+
+    /// Drag in ν/dx² at a depth (cells). At the surface it is what makes the flow vanish there in linear shear.
+    pub fn drag(&self, depth: f64) -> f64 {
+        let folds = depth / self.e_fold;
+        let growth = folds + (STEEPNESS - 1.0) * (folds - self.core).max(0.0);
+        (growth - 2.0 * EULER_GAMMA).exp() / (self.e_fold * self.e_fold)
+    }
 }

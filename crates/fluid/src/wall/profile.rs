@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use scene::Mask;
 
-use super::growth::{EULER_GAMMA, growth};
+use super::growth::Growth;
 use super::target::{MIRROR_DEPTH, WallTarget, calibrate};
 
 /// e-folds from the surface into the fluid beyond which the log-linear drag is left out (the other profiles end by
@@ -33,14 +33,16 @@ pub enum DragProfile {
         /// How far the layer is moved into the solid, m.
         shift: f64,
     },
-    /// `min((ν/λ²) exp(−2γ) exp(folds), 1/C_eta)` with `−(d + shrink)/λ` e-folds, three times as steep in the core.
+    /// `(ν/dx²) growth`, at most 1/C_eta.
     LogLinear {
         /// Largest rate, 1/s.
         rate: f64,
-        /// Rate at d = −shrink, 1/s.
-        surface_rate: f64,
-        /// Length of e-fold growth λ, m.
-        e_fold: f64,
+        /// `ν/dx²`, 1/s.
+        unit: f64,
+        /// Growth with the depth.
+        growth: Growth,
+        /// Size of a cell, m.
+        cell: f64,
         /// How far the profile is moved into the solid, m; 0 without a wall target.
         shrink: f64,
         /// What the fluid is drawn to at the surface; absent: the solid's own velocity.
@@ -49,7 +51,8 @@ pub enum DragProfile {
 }
 
 impl DragProfile {
-    /// Profile of `mask` with relaxation time `c_eta` (s) for viscosity `nu` (m²/s) and cells of size `dx` (m).
+    /// Profile of `mask` for a wall or a zone, along which the flow is fully resolved, with relaxation time `c_eta` (s) for
+    /// viscosity `nu` (m²/s) and cells of size `dx` (m).
     pub fn new(mask: &Mask, c_eta: f64, nu: f64, dx: f64) -> Self {
         let rate = 1.0 / c_eta;
         let eps = (nu * c_eta).sqrt();
@@ -63,31 +66,27 @@ impl DragProfile {
                     if displacement_corrected { eps * cosine_wall_displacement(half_width / eps) } else { 0.0 };
                 Self::Cosine { rate, half_width, shift: displacement }
             }
-            Mask::LogLinear { e_fold, target, .. } => {
-                let length = e_fold * dx;
-                let surface_rate = nu / (length * length) * (-2.0 * EULER_GAMMA).exp();
-                let plain = Self::LogLinear { rate, surface_rate, e_fold: length, shrink: 0.0, target: None };
-                let Some((target, shrink)) = calibrate(e_fold, target) else { return plain };
-                let target = Some(WallTarget { cell: dx, ..target });
-                Self::LogLinear { rate, surface_rate, e_fold: length, shrink: shrink * dx, target }
+            Mask::LogLinear { e_fold, .. } => {
+                let growth = Growth::new(e_fold, f64::INFINITY);
+                Self::LogLinear { rate, unit: nu / (dx * dx), growth, cell: dx, shrink: 0.0, target: None }
             }
         }
     }
 
-    /// The same without a wall target: for walls and zones, along which the flow is fully resolved.
-    pub fn plain(mut self) -> Self {
-        if let Self::LogLinear { shrink, target, .. } = &mut self {
-            (*shrink, *target) = (0.0, None);
+    /// Profile of a body of some thickness (m): one of less than two cells has no wall target.
+    pub fn of_body(thickness: f64, mask: &Mask, nu: f64, dx: f64) -> Self {
+        let mut profile = Self::new(mask, mask.c_eta(), nu, dx);
+        let (Self::LogLinear { rate, growth, shrink, target, .. }, &Mask::LogLinear { e_fold, target: wanted, .. }) =
+            (&mut profile, mask)
+        else {
+            return profile;
+        };
+        *growth = Growth::new(e_fold, thickness / dx);
+        if let Some((known, shift)) = calibrate(*growth, wanted).filter(|_| thickness >= MIRROR_DEPTH * dx) {
+            *shrink = shift * dx;
+            *target = Some(WallTarget { cell: dx, inertia: known.inertia * dx / nu, largest: *rate, ..known });
         }
-        self
-    }
-
-    /// The profile of a body of some thickness (m): one of less than two cells has no wall target.
-    pub fn of_body(self, thickness: f64) -> Self {
-        match self.target() {
-            Some(target) if thickness < MIRROR_DEPTH * target.cell => self.plain(),
-            _ => self,
-        }
+        profile
     }
 
     /// The wall target, if the solid does not draw the fluid to its own velocity.
@@ -112,8 +111,8 @@ impl DragProfile {
                 let depth = ((d + shift + half_width) / (2.0 * half_width)).clamp(0.0, 1.0);
                 rate * 0.5 * (1.0 + (PI * depth).cos())
             }
-            Self::LogLinear { rate, surface_rate, e_fold, shrink, .. } => {
-                (surface_rate * growth(-(d + shrink) / e_fold)).min(rate)
+            Self::LogLinear { rate, unit, growth, cell, shrink, .. } => {
+                (unit * growth.drag(-(d + shrink) / cell)).min(rate)
             }
         }
     }
@@ -123,7 +122,7 @@ impl DragProfile {
         match *self {
             Self::Sharp { offset, .. } => offset,
             Self::Cosine { half_width, shift, .. } => (half_width - shift).max(0.0),
-            Self::LogLinear { e_fold, .. } => TAIL * e_fold,
+            Self::LogLinear { growth, cell, .. } => TAIL * growth.e_fold * cell,
         }
     }
 }
