@@ -32,7 +32,7 @@ def describe(kind: str, text: str) -> str:
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
     needed, buffer = ctypes.c_size_t(1 << 16), ctypes.create_string_buffer(1)
     with tempfile.TemporaryDirectory() as resources:
-        Path(resources, "scene.json").write_text(text, encoding="utf-8")
+        Path(resources, "scene.json").write_bytes(text.encode("utf-8"))  # the GUID is of the bytes
         while len(buffer) < needed.value:
             buffer = ctypes.create_string_buffer(needed.value)
             refused = function(os.fsencode(resources), buffer, len(buffer), ctypes.byref(needed))

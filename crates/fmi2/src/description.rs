@@ -8,10 +8,12 @@ use std::ops::{Bound, Range};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::ElementWriter;
-use uuid::Uuid;
 
+use crate::identity;
 use crate::log;
+use crate::memory::require_memory;
 use crate::model::Model;
+use crate::resource::Resources;
 use crate::table::Table;
 use crate::units::Exponents;
 use crate::variable::{Access, Bounds, Causality, Value, Variability, Variable};
@@ -23,6 +25,12 @@ pub struct Description {
     pub model_name: String,
     /// One sentence on what it is.
     pub text: String,
+    /// Who made it; empty: not said.
+    pub author: String,
+    /// Who holds the rights; empty: not said.
+    pub copyright: String,
+    /// Its licence; empty: not said.
+    pub license: String,
     /// Default start time, s.
     pub start: f64,
     /// Default stop time, s.
@@ -33,6 +41,14 @@ pub struct Description {
     pub tolerance: f64,
 }
 
+impl Default for Description {
+    /// From 0 to 1 s in steps of 0.1 s, and nothing said.
+    fn default() -> Self {
+        let [model_name, text, author, copyright, license] = [const { String::new() }; 5];
+        Self { model_name, text, author, copyright, license, start: 0.0, stop: 1.0, step: 0.1, tolerance: 1e-6 }
+    }
+}
+
 /// A model description and its GUID.
 pub(crate) struct Document {
     /// `{8-4-4-4-12}`
@@ -40,28 +56,36 @@ pub(crate) struct Document {
     pub xml: String,
 }
 
-/// Writes the model description. The GUID is a hash of the whole text, so that it tells an FMU whose library,
-/// resources and XML do not belong together.
-pub(crate) fn document<M: Model>(table: &Table<M>, model: &mut M) -> Result<Document, String> {
-    let starts = start_values(table, model)?;
+/// Bytes that the description of a value reference takes while it is made, about: twice its text, and its start value.
+const BYTES_PER_REFERENCE: usize = 1000;
+
+/// Writes the model description. Its GUID tells an FMU whose library, resources and XML do not belong together.
+pub(crate) fn document<M: Model>(table: &Table<M>, model: &mut M, resources: &Resources) -> Result<Document, String> {
+    require_memory(BYTES_PER_REFERENCE * table.len())?;
     let description = model.description();
-    let write = |guid: &str| {
+    let write = |guid: &str, starts: &[Option<String>]| {
         let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
-        write_document(&mut writer, &description, table, &starts, guid).expect("writing to memory does not fail");
+        write_document(&mut writer, &description, table, starts, guid).expect("writing to memory does not fail");
         String::from_utf8(writer.into_inner()).expect("the writer was given UTF-8")
     };
-    let guid = Uuid::new_v5(&Uuid::NAMESPACE_OID, write("").as_bytes()).braced().to_string();
-    let xml = write(&guid);
+    // The last digits of a start value depend on the system's sine and cosine, but one GUID is for all systems.
+    let rounded = start_values(table, model, |value| format!("{value:.8e}"))?;
+    let guid = identity::guid::<M>(resources, write("", &rounded).as_bytes());
+    let xml = write(&guid, &start_values(table, model, |value| real(*value))?);
     Ok(Document { guid, xml })
 }
 
 /// Start values as text, one per value reference; `None` where the standard wants none.
-fn start_values<M: Model>(table: &Table<M>, model: &mut M) -> Result<Vec<Option<String>>, String> {
+fn start_values<M: Model>(
+    table: &Table<M>,
+    model: &mut M,
+    real: fn(&f64) -> String,
+) -> Result<Vec<Option<String>>, String> {
     let mut starts = Vec::new();
     for (index, variable) in table.variables.iter().enumerate() {
         match &variable.access {
             Access::Time => starts.push(None),
-            Access::Real(_) => append::<M, f64>(&mut starts, table, model, index, |value| real(*value))?,
+            Access::Real(_) => append::<M, f64>(&mut starts, table, model, index, real)?,
             Access::Integer(_) => append::<M, i32>(&mut starts, table, model, index, i32::to_string)?,
             Access::Boolean(_) => append::<M, bool>(&mut starts, table, model, index, bool::to_string)?,
             Access::Text(_) => append::<M, String>(&mut starts, table, model, index, String::clone)?,
@@ -98,14 +122,22 @@ fn write_document<M: Model>(
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     writer
         .create_element("fmiModelDescription")
-        .with_attributes([
-            ("fmiVersion", "2.0"),
-            ("modelName", &description.model_name),
-            ("guid", guid),
-            ("description", &description.text),
-            ("generationTool", concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"))),
-            ("variableNamingConvention", "structured"),
-        ])
+        .with_attributes(
+            [
+                ("fmiVersion", "2.0"),
+                ("modelName", &description.model_name),
+                ("guid", guid),
+                ("description", &description.text),
+                ("author", &description.author),
+                ("version", M::VERSION),
+                ("copyright", &description.copyright),
+                ("license", &description.license),
+                ("generationTool", concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"))),
+                ("variableNamingConvention", "structured"),
+            ]
+            .into_iter()
+            .filter(|(_, value)| !value.is_empty()),
+        )
         .write_inner_content(|writer| {
             write_co_simulation::<M>(writer)?;
             write_units(writer, table)?;
@@ -338,7 +370,6 @@ impl Variability {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
     use std::slice::from_mut;
 
     use super::*;
@@ -354,21 +385,15 @@ mod tests {
 
     impl Model for Probe {
         const IDENTIFIER: &'static str = "probe";
+        const VERSION: &'static str = "0.1";
         type State = ();
 
-        fn load(_: Option<&Path>) -> Result<Self, String> {
+        fn load(_: &Resources) -> Result<Self, String> {
             Ok(PROBE)
         }
 
         fn description(&self) -> Description {
-            Description {
-                model_name: "A & B".into(),
-                text: "<\"probe\">".into(),
-                start: 0.0,
-                stop: 1.0,
-                step: 1e-7,
-                tolerance: 1e-6,
-            }
+            Description { model_name: "A & B".into(), text: "<\"probe\">".into(), step: 1e-7, ..Description::default() }
         }
 
         fn variables(&self) -> Vec<Variable<Self>> {
@@ -400,7 +425,7 @@ mod tests {
     const PROBE: Probe = Probe { unit: "N/m", start: 1e-7, short: false, u: [0.0; 2] };
 
     fn describe(mut probe: Probe) -> Result<Document, String> {
-        document(&Table::new(probe.variables())?, &mut probe)
+        document(&Table::new(probe.variables())?, &mut probe, &Resources::default())
     }
 
     #[test]
@@ -409,6 +434,7 @@ mod tests {
         assert_eq!(guid(PROBE), guid(PROBE));
         assert_ne!(guid(PROBE), guid(Probe { unit: "Pa", ..PROBE }));
         assert_ne!(guid(PROBE), guid(Probe { start: 2e-7, ..PROBE }));
+        assert_eq!(guid(PROBE), guid(Probe { start: 1e-7 * (1.0 + f64::EPSILON), ..PROBE }), "another sine");
     }
 
     #[test]

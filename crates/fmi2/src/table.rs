@@ -70,6 +70,11 @@ impl<M> Table<M> {
         Ok(())
     }
 
+    /// Number of value references.
+    pub fn len(&self) -> usize {
+        self.owner.len()
+    }
+
     /// Value references of all elements of a variable.
     pub fn references(&self, variable: usize) -> Range<u32> {
         let first = self.first[variable];

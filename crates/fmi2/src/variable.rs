@@ -102,6 +102,11 @@ pub(crate) trait Value: Debug + Sized + 'static {
         None
     }
 
+    /// A value as messages show it.
+    fn shown(&self) -> String {
+        format!("{self:?}")
+    }
+
     /// Whether all the values may be set.
     fn are_allowed(_values: &[Self], _bounds: &Bounds) -> bool {
         true
@@ -120,6 +125,10 @@ impl Value for f64 {
 
     fn clock(clock: &[f64; 1]) -> Option<&[Self]> {
         Some(clock)
+    }
+
+    fn shown(&self) -> String {
+        format!("{self:.3e}")
     }
 
     fn are_allowed(values: &[Self], bounds: &Bounds) -> bool {
@@ -261,7 +270,7 @@ impl<M> Variable<M> {
         let mut alone = values.iter().map(slice::from_ref);
         let at = alone.position(|value| !T::are_allowed(value, &self.bounds)).expect("one of them is not allowed");
         let name = self.element_name(element + at);
-        Err(format!("{name} = {:?} must be {}", values[at], limits::<T>(&self.bounds)))
+        Err(format!("{name} = {} must be {}", values[at].shown(), limits::<T>(&self.bounds)))
     }
 
     /// Refuses values to be read, the first of which belongs to `element`, if one is not finite.
@@ -271,7 +280,7 @@ impl<M> Variable<M> {
         }
         let is_finite = |value| T::are_allowed(slice::from_ref(value), &UNBOUNDED);
         let at = values.iter().position(|value| !is_finite(value)).expect("one of them is not finite");
-        Err(format!("{} = {:?} is not finite", self.element_name(element + at), values[at]))
+        Err(format!("{} = {} is not finite", self.element_name(element + at), values[at].shown()))
     }
 
     /// Number of value references.
