@@ -157,6 +157,24 @@ def test_an_impossible_step_names_value_and_limit(kind, t, h, named, small_fsi3,
     steps_still(kind)
 
 
+def test_stations_in_one_place_are_named(small_fsi3, instantiate):
+    fluid = instantiate(small_fsi3)["fluid"]
+    fluid.connect(["x", "y"], [])
+    fluid.start()
+    fluid.inputs[:] = 0.0
+    with pytest.raises(UnitError, match="stations 1 and 2 of the beam coincide"):
+        fluid.step(0.0, 2e-4)
+
+
+def test_a_fast_station_is_named_with_its_limit(small_fsi3, instantiate):
+    fluid = instantiate(small_fsi3)["fluid"]
+    fluid.connect(["vy"], [])
+    fluid.start()
+    fluid.inputs[3] = 1e5
+    with pytest.raises(UnitError, match=r"station 4 of the beam has the velocity \(0\.000e0, 1\.000e5\) m/s"):
+        fluid.step(0.0, 2e-4)
+
+
 def test_a_unit_that_failed_can_be_put_back(small_fsi3, instantiate):
     fluid = instantiate(small_fsi3)["fluid"]
     fluid.start()

@@ -166,6 +166,13 @@ def test_ssp_runs_in_ecos(fsi3, instantiate, tmp_path, ecospy):
     assert_agreement(ecos_values(ecospy.EcosSimulation(H, ssp_path=str(path)), units), expected)
 
 
+def test_ssp_without_start_values_is_refused_by_the_coinciding_stations(fsi3, tmp_path, capfd):
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        fmpy.ssp.simulation.simulate_ssp(str(ssp.pack(fsi3, tmp_path)), stop_time=H, step_size=H)
+    printed = "".join(capfd.readouterr())
+    assert "stations 1 and 2 of the beam coincide at (0.000e0, 0.000e0) m" in printed, printed
+
+
 def test_ssp_runs_in_fmpy(fsi3, instantiate, tmp_path, monkeypatch):
     def with_start_values(component, *arguments):
         """fmpy starts with 0 at every connector, which is no place for a beam; the standard with the start values."""

@@ -47,6 +47,19 @@ pub enum Error {
         /// Velocity, m/s.
         vy: f64,
     },
+    /// Two neighbouring stations of the beam in one place.
+    #[error(
+        "stations {station} and {} of the beam coincide at ({x:.3e}, {y:.3e}) m, where no segment can be; a master has to give \
+         their places before the first step: the start values are those at rest", station + 1
+    )]
+    Coincide {
+        /// Number of the first of them, from 1.
+        station: usize,
+        /// Position, m.
+        x: f64,
+        /// Position, m.
+        y: f64,
+    },
     /// A station of the beam that is too fast for any reasonable step.
     #[error(
         "station {station} of the beam has the velocity ({vx:.3e}, {vy:.3e}) m/s, for which `max_cfl` asks for steps of \

@@ -262,6 +262,9 @@ impl Fluid {
             if !finite || far(x[k], middle[0], grid.length) || far(y[k], middle[1], grid.height) {
                 return Err(Error::Station { station: k + 1, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
             }
+            if k > 0 && x[k] == x[k - 1] && y[k] == y[k - 1] {
+                return Err(Error::Coincide { station: k, x: x[k], y: y[k] });
+            }
             let needed = self.max_cfl / (vx[k].abs() / grid.dx + vy[k].abs() / grid.dy);
             if needed < self.shortest_step {
                 let shortest = self.shortest_step;

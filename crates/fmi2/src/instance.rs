@@ -34,6 +34,9 @@ pub(crate) struct Instance<M: Model> {
     pub strings: Vec<CString>,
 }
 
+/// Shape and values of a field to look at.
+type Field = ([usize; 2], Vec<f64>);
+
 /// Masters add up their steps: times within this share of the larger of time and step are the same.
 const TIME_TOLERANCE: f64 = 1e-9;
 
@@ -298,7 +301,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// A field to look at.
-    pub fn field(&mut self, name: &str) -> Result<Option<([usize; 2], Vec<f64>)>, String> {
+    pub fn field(&mut self, name: &str) -> Result<Option<Field>, String> {
         self.refresh()?;
         require_memory(self.model.state_bytes())?;
         Ok(self.model.field(name))
