@@ -197,7 +197,8 @@ impl<M: Model> Instance<M> {
 
     fn is_calculated(&self, run: &Run) -> bool {
         let Variable { causality, variability, .. } = self.table.variables[run.variable];
-        matches!(causality, Causality::Output | Causality::Local) && variability != Variability::Constant
+        matches!(causality, Causality::Output | Causality::Local | Causality::CalculatedParameter)
+            && variability != Variability::Constant
     }
 
     /// Writes values: all or, if one is refused, none.
@@ -234,7 +235,7 @@ impl<M: Model> Instance<M> {
             Causality::Parameter => {
                 Err(format!("parameter {} is fixed once initialisation has ended", self.table.name(run)))
             }
-            Causality::Output | Causality::Local | Causality::Independent => {
+            Causality::Output | Causality::Local | Causality::CalculatedParameter | Causality::Independent => {
                 Err(format!("{} {} cannot be set", causality.name(), self.table.name(run)))
             }
         }
