@@ -18,9 +18,11 @@ PREFIX, SUFFIX = {"win32": ("", ".dll"), "darwin": ("lib", ".dylib")}.get(sys.pl
 
 
 def library(kind: str) -> Path:
-    """Path of the library of unit `kind`: that of the wheel, or as cargo built it in the source tree."""
+    """Path of the library of unit `kind`: in the folder that the variable `NERVURE_LIBRARIES` names, or that of the
+    wheel, or as cargo built it in the source tree."""
     built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-    path = (built if SOURCE else ROOT / "binaries") / f"{PREFIX}fmu_{kind}{SUFFIX}"
+    folder = Path(os.environ.get("NERVURE_LIBRARIES") or (built if SOURCE else ROOT / "binaries"))
+    path = folder / f"{PREFIX}fmu_{kind}{SUFFIX}"
     if not path.is_file():
         raise SceneError(f"the library {path} is not built; `make build` or `nervure build SCENE.json` builds it")
     return path
