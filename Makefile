@@ -193,6 +193,8 @@ dist: dist-libraries $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for all 
 foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, look at the libraries for macOS; needs wine and qemu-user
 	for target in $(wordlist 1,3,$(DIST_TARGETS)); do \
 	$(ZIGBUILD) --manifest-path tests/foreign/Cargo.toml --target-dir target/foreign --target $$target || exit; done
+	cd target/foreign/$(word 3,$(DIST_TARGETS))/release && $(abspath $(DIST_VENV))/bin/python -m ziglang cc \
+	-target x86_64-windows-gnu -shared -O2 -o bcryptprimitives.dll $(CURDIR)/tests/foreign/bcryptprimitives.c -ladvapi32
 	$(RUN) -m pytest tests/foreign
 
 $(DIST_VENV)/.ready: requirements/dist.lock
