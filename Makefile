@@ -164,11 +164,11 @@ reliability: build $(READY_DEV) ## mistreat the units at full count and write do
 
 MASTERS_VENV := target/masters/venv
 
-masters-test: build $(MASTERS_VENV)/.ready ## run the units in libcosim, Ecos, fmpy's SSP reader, a container FMU and the crate fmi
+masters-test: dist-libraries $(MASTERS_VENV)/.ready ## run the units of `make dist` in libcosim, Ecos, fmpy's SSP reader, a container FMU and the crate fmi
 	LIBCLANG_PATH=$$($(MASTERS_VENV)/bin/python -c "import clang.native; print(*clang.native.__path__)") \
 	BINDGEN_EXTRA_CLANG_ARGS="-I$$(cc -print-file-name=include)" \
 	cargo build --quiet --locked --manifest-path tests/masters/fmi/Cargo.toml --target-dir target/masters/fmi
-	$(MASTERS_VENV)/bin/python -m pytest tests/masters
+	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(MASTERS_VENV)/bin/python -m pytest tests/masters
 
 $(MASTERS_VENV)/.ready: requirements/dev.lock requirements/masters.lock
 	$(PYTHON) -m venv --clear $(MASTERS_VENV)
@@ -199,15 +199,31 @@ gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some mi
 	--output results/gallery/cfd3-325x72
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/gallery || exit; done
 
-.PHONY: dist
+.PHONY: dist dist-libraries foreign-test
 
-DIST_TARGET := x86_64-unknown-linux-gnu
+DIST_TARGETS := x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu x86_64-pc-windows-gnu x86_64-apple-darwin aarch64-apple-darwin
+DIST_BUILDS := $(addsuffix .2.17,$(wordlist 1,2,$(DIST_TARGETS))) $(word 3,$(DIST_TARGETS)) universal2-apple-darwin
+DIST_LIBRARIES := $(CURDIR)/target/dist/$(firstword $(DIST_TARGETS))/release
 DIST_VENV := target/dist/venv
+CARGO_FOLDER = $(or $(CARGO_HOME),$(HOME)/.cargo)
+ZIGBUILD = PATH="$(abspath $(DIST_VENV))/bin:$$PATH" RUSTFLAGS="--remap-path-prefix=$(CURDIR)=nervure \
+	--remap-path-prefix=$(CARGO_FOLDER)=cargo" CARGO_PROFILE_RELEASE_DEBUG=false CARGO_PROFILE_RELEASE_STRIP=symbols \
+	cargo zigbuild --release --locked
 
-dist: $(DIST_VENV)/.ready $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for any Linux with glibc 2.17, checksums and manifest, into dist/
-	PATH="$(abspath $(DIST_VENV))/bin:$$PATH" cargo zigbuild --release --locked --package nervure-fmu-rod --package nervure-fmu-fluid \
-	--target $(DIST_TARGET).2.17 --target-dir target/dist
-	CARGO_TARGET_DIR=target/dist/$(DIST_TARGET) $(NERVURE) dist $(SCENE) dist
+dist-libraries: $(DIST_VENV)/.ready ## the libraries for Linux (glibc 2.17), Windows and macOS; needs rustup
+	rustup target add $(DIST_TARGETS)
+	for target in $(DIST_BUILDS); do $(ZIGBUILD) --package nervure-fmu-rod --package nervure-fmu-fluid --target $$target \
+	--target-dir target/dist || exit; done
+
+dist: dist-libraries $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for all systems, checksums and manifest, into dist/
+	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist
+
+foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, look at the libraries for macOS; needs wine and qemu-user
+	for target in $(wordlist 1,3,$(DIST_TARGETS)); do \
+	$(ZIGBUILD) --manifest-path tests/foreign/Cargo.toml --target-dir target/foreign --target $$target || exit; done
+	cd target/foreign/$(word 3,$(DIST_TARGETS))/release && $(abspath $(DIST_VENV))/bin/python -m ziglang cc \
+	-target x86_64-windows-gnu -shared -O2 -o bcryptprimitives.dll $(CURDIR)/tests/foreign/bcryptprimitives.c -ladvapi32
+	$(RUN) -m pytest tests/foreign
 
 $(DIST_VENV)/.ready: requirements/dist.lock
 	$(PYTHON) -m venv --clear $(DIST_VENV)

@@ -15,7 +15,7 @@ from nervure.library import KINDS
 from nervure.resources import ROOT
 from nervure.scene import kinds, read, text
 from studies.reliability.__main__ import unpack
-from studies.reliability.trials import HEADER
+from studies.reliability.trials import header
 from studies.reliability.unit import SCENE, FMU2Unit
 
 FUZZ = ROOT / "fuzz"
@@ -38,7 +38,8 @@ def write_seeds() -> None:
         with TemporaryDirectory() as folder:
             unit = FMU2Unit(kind, unpack(kind, Path(folder))).new()
             for step in range(4):
-                files[f"corpus/{kind}_state/steps-{step}"] = unit.serialize()[HEADER:]
+                state = unit.serialize()
+                files[f"corpus/{kind}_state/steps-{step}"] = state[header(state) :]
                 unit.step()
     schema = json.loads((ROOT / "modelDescription" / "scene.schema.json").read_text(encoding="utf-8"))
     files["target/scene.dict"] = "".join(f'"\\"{word}\\""\n' for word in sorted(words(schema))).encode()

@@ -59,8 +59,9 @@ FLUID_ONLY = {
 
 @pytest.fixture(scope="session")
 def libraries():
-    """Both libraries, built from the sources as they are."""
-    subprocess.run(["cargo", "build", "--quiet", "--release", "--locked"], cwd=ROOT, check=True)
+    """Both libraries, built from the sources as they are; those in `NERVURE_LIBRARIES` are taken as they are."""
+    if "NERVURE_LIBRARIES" not in os.environ:
+        subprocess.run(["cargo", "build", "--quiet", "--release", "--locked"], cwd=ROOT, check=True)
 
 
 @pytest.fixture

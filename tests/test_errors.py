@@ -66,7 +66,7 @@ def test_a_foreign_guid_is_refused(kind, small_fsi3, tmp_path, steps_still):
         begin = data.index(b'guid="') + 6
         return data[:begin] + guid.encode() + data[data.index(b'"', begin) :]
 
-    with pytest.raises(UnitError, match="GUID is .*0000-000000000000"):
+    with pytest.raises(UnitError, match="GUID .*0000-000000000000. is not one of this library"):
         Unit(rewrite(fmu, tmp_path / "foreign.fmu", change), kind, 1.0)
     steps_still(kind)
 
@@ -79,7 +79,7 @@ def test_another_scene_under_the_same_description_is_refused(kind, small_fsi3, t
     def change(name, data):
         return json.dumps(small_fsi3) if name == "resources/scene.json" else data
 
-    with pytest.raises(UnitError, match="GUID"):
+    with pytest.raises(UnitError, match=r"GUID .* belongs to other resources: .*scene\.json"):
         Unit(rewrite(fmu, tmp_path / "other.fmu", change), kind, 1.0)
 
 
@@ -100,11 +100,11 @@ def test_an_input_that_is_not_finite_is_named(kind, value, small_fsi3, instantia
 @pytest.mark.parametrize(
     ("t", "h", "named"),
     [
-        (0.0, 0.0, "communicationStepSize = 0"),
-        (0.0, -1e-4, "communicationStepSize = -0.0001"),
+        (0.0, 0.0, "communicationStepSize = 0.000e0"),
+        (0.0, -1e-4, "communicationStepSize = -1.000e-4"),
         (0.0, math.nan, "communicationStepSize = NaN"),
-        (0.5, 1e-4, "currentCommunicationPoint = 0.5"),
-        (0.0, 9.0, "stopTime = 8"),
+        (0.5, 1e-4, "currentCommunicationPoint = 5.000e-1"),
+        (0.0, 9.0, "stopTime = 8.000e0"),
     ],
 )
 def test_an_impossible_step_names_value_and_limit(kind, t, h, named, small_fsi3, instantiate, steps_still):
@@ -114,6 +114,24 @@ def test_an_impossible_step_names_value_and_limit(kind, t, h, named, small_fsi3,
         unit.step(t, h)
     assert named in str(caught.value)
     steps_still(kind)
+
+
+def test_stations_in_one_place_are_named(small_fsi3, instantiate):
+    fluid = instantiate(small_fsi3)["fluid"]
+    fluid.connect(["x", "y"], [])
+    fluid.start()
+    fluid.inputs[:] = 0.0
+    with pytest.raises(UnitError, match="stations 1 and 2 of the beam coincide"):
+        fluid.step(0.0, 2e-4)
+
+
+def test_a_fast_station_is_named_with_its_limit(small_fsi3, instantiate):
+    fluid = instantiate(small_fsi3)["fluid"]
+    fluid.connect(["vy"], [])
+    fluid.start()
+    fluid.inputs[3] = 1e5
+    with pytest.raises(UnitError, match=r"station 4 of the beam has the velocity \(0\.000e0, 1\.000e5\) m/s"):
+        fluid.step(0.0, 2e-4)
 
 
 def test_a_unit_that_failed_can_be_put_back(small_fsi3, instantiate):

@@ -225,7 +225,7 @@ def test_an_input_that_is_not_finite_is_refused(oscillator, value):
 
 
 def test_a_parameter_outside_its_limits_is_refused(oscillator):
-    oscillator.refuses(lambda: oscillator.start(m=0.0), "m = 0.0 must be finite and > 0")
+    oscillator.refuses(lambda: oscillator.start(m=0.0), "m = 0.000e0 must be finite and > 0")
 
 
 @pytest.mark.parametrize("step", [0.0, -0.1, math.nan])
@@ -237,7 +237,7 @@ def test_a_step_that_is_not_positive_is_refused(oscillator, step):
 def test_a_step_past_the_stop_time_is_refused(oscillator):
     oscillator.start(stop=0.25)
     list(trajectory(oscillator, [0.0, 0.0]))
-    oscillator.refuses(lambda: oscillator.doStep(0.2, 0.1), "stopTime = 0.25")
+    oscillator.refuses(lambda: oscillator.doStep(0.2, 0.1), "stopTime = 2.500e-1")
     oscillator.doStep(0.2, 0.05)
 
 

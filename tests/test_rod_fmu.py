@@ -1,7 +1,6 @@
 """The rod's FMU beyond its stations: derivatives, root motion, energies, what it logs and refuses."""
 
 import copy
-import ctypes
 
 import numpy as np
 import pytest
@@ -52,76 +51,25 @@ def references(unit, names):
     return [reference for name in names for reference in unit.variables[name].references]
 
 
-def output_derivatives(unit, names):
-    wanted = references(unit, names)
-    values, kinds = (ctypes.c_double * len(wanted))(), (ctypes.c_int * len(wanted))(*[1] * len(wanted))
-    unit.fmu.fmi2GetRealOutputDerivatives(
-        unit.fmu.component, (ctypes.c_uint * len(wanted))(*wanted), len(wanted), kinds, values
-    )
-    return np.array(values)
-
-
-def directional_derivative(unit, unknown, known, seed):
-    return np.array(unit.fmu.getDirectionalDerivative(references(unit, unknown), references(unit, known), list(seed)))
-
-
-def test_output_derivatives_are_velocities_and_accelerations(rod_only, rod):
-    unit = rod(rod_only, outputs=["x", "y", "vx", "vy"])
-    time = run(unit, 100)
-    names = ["x", "y", "tip.ux", "tip.uy"]
-    rates = output_derivatives(unit, names)
-    assert rates == pytest.approx(
-        np.concatenate([output(unit, name) for name in ("vx", "vy", "tip.vx", "tip.vy")]), abs=0.0
-    )
-    accelerations = output_derivatives(unit, ["vx", "vy", "tip.vx", "tip.vy"])
-    # A central difference of the velocities over two steps.
-    before = np.concatenate([output(unit, name) for name in ("vx", "vy", "tip.vx", "tip.vy")])
-    h = 1e-6
-    unit.step(time, h)
-    after = np.concatenate([output(unit, name) for name in ("vx", "vy", "tip.vx", "tip.vy")])
-    assert (after - before) / h == pytest.approx(accelerations, abs=2e-2 * np.abs(accelerations).max())
-    assert np.abs(accelerations).max() > 1.0
-
-
-@pytest.mark.parametrize("scheme", ["tr_bdf2", "bdf2", "trapezoid", {"generalised_alpha": {"rho_inf": 0.8}}])
-@pytest.mark.parametrize("load", ["force_y", "pressure_jump"])
-def test_directional_derivatives_are_those_of_a_step(rod_only, rod, scheme, load):
-    rod_only["rod"]["scheme"] = scheme
-    unit = rod(rod_only, [load], ["x", "y", "vx", "vy"])
-    unit.inputs[:] = 0.1 * np.sin(np.arange(STATIONS))
-    time = run(unit, 50)
-    unit.save()
-    seed = np.cos(np.arange(STATIONS))
-    loads = unit.inputs.copy()
-
-    def end(part):
-        unit.restore()
-        unit.inputs[:] = loads + part * seed
-        unit.step(time, H)
-        return unit.outputs.copy()
-
-    small = 0.1
-    difference = (end(small) - end(-small)) / (2 * small)
-    end(0.0)
-    names = ["x", "y", "vx", "vy", "tip.ux", "tip.uy", "tip.vx", "tip.vy"]
-    derivative = directional_derivative(unit, names, [load], seed)
-    expected = np.concatenate([difference[unit.slices[name]] for name in names])
-    for name, part in zip(
-        names, np.split(np.arange(expected.size), np.cumsum([unit.variables[n].size for n in names]))
-    ):
-        scale = np.abs(expected[part]).max()
-        assert derivative[part] == pytest.approx(expected[part], abs=1e-4 * scale), name
-        assert scale > 0.0, name
-
-
-def test_directional_derivatives_need_a_step_and_loads(rod_only, rod):
+def test_derivatives_are_neither_claimed_nor_given(rod_only, rod):
     unit = rod(rod_only)
-    with pytest.raises(Exception, match="fmi2GetDirectionalDerivative"):
-        directional_derivative(unit, ["tip.uy"], ["force_y"], np.ones(STATIONS))
+    about = unit.description.coSimulation
+    assert not about.providesDirectionalDerivative and about.maxOutputDerivativeOrder == 0
     run(unit, 1)
-    directional_derivative(unit, ["tip.uy"], ["force_y"], np.ones(STATIONS))
+    tip, force = references(unit, ["tip.uy"]), references(unit, ["force_y"])[:1]
     with pytest.raises(Exception, match="fmi2GetDirectionalDerivative"):
-        directional_derivative(unit, ["energy.elastic"], ["force_y"], np.ones(STATIONS))
+        unit.fmu.getDirectionalDerivative(tip, force, [1.0])
+
+
+def test_outputs_follow_what_is_set_in_initialization_mode(rod_only, instantiate):
+    rod_only["rod"]["root_motion"] = "master"
+    unit = instantiate(rod_only)["rod"]
+    for offset in (0.0, 0.01, -0.02):
+        start = np.array(unit.fmu.getReal(references(unit, ["x", "y"])))
+        root = references(unit, ["root.y"])
+        unit.fmu.setReal(root, [unit.fmu.getReal(root)[0] + offset])
+        moved = np.array(unit.fmu.getReal(references(unit, ["x", "y"]))) - start
+        assert moved == pytest.approx(np.repeat([0.0, offset], STATIONS), abs=1e-15)
 
 
 def test_energy_moves_between_its_forms(rod_only, rod):

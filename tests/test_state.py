@@ -74,6 +74,17 @@ def test_a_serialized_state_continues_the_same_way_in_another_instance(small_fsi
     assert_same_bits(advance(one, STEPS, STEPS), advance(other, STEPS, STEPS))
 
 
+def test_a_state_of_another_size_has_another_layout(small_fsi3, start):
+    """Whoever changes what a state holds raises STATE_LAYOUT of the unit, so that the states of before are refused."""
+    scheme = start(small_fsi3)
+    found = {}
+    for unit in (scheme.rod, scheme.fluid):
+        state = unit.serialize()
+        name = state[14 : 14 + state[12]].decode()
+        found[unit.name] = name[name.index("layout") :], len(state) - 14 - state[12]
+    assert found == {"rod": ("layout 1 of its state)", 3272), "fluid": ("layout 1 of its state)", 370804)}
+
+
 def test_a_corrupted_state_is_refused(small_fsi3, start):
     rod = start(small_fsi3).rod
     rod.save()

@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -14,6 +15,7 @@ from conftest import FSI3, TOOL, nervure, run_scene
 
 from nervure import results, simulation
 from nervure.errors import Refusal
+from nervure.library import library
 from nervure.pack import delivery
 from nervure.provenance import git_revision
 from nervure.resources import ROOT
@@ -263,6 +265,24 @@ def test_results_that_are_damaged_are_said(result):
     (folder / "series.csv").write_text("time,tip_uy\n0.0,zero\n")
     done = nervure("plot", folder)
     assert done.returncode == 2 and "are damaged" in done.stderr, done.stderr
+
+
+def test_a_delivery_has_the_libraries_of_all_systems(tmp_path, monkeypatch, rod_only):
+    monkeypatch.setattr(delivery, "OLDEST_GLIBC", (99, 0))
+    own = library("rod")
+    for target in delivery.TARGETS.values():
+        (tmp_path / target / "release").mkdir(parents=True)
+    shutil.copy(own, tmp_path / "x86_64-unknown-linux-gnu" / "release")
+    for path in ("x86_64-pc-windows-gnu/release/fmu_rod.dll", "universal2-apple-darwin/release/libfmu_rod.dylib"):
+        (tmp_path / path).write_bytes(path.encode())
+    monkeypatch.setenv("NERVURE_LIBRARIES", str(tmp_path / "x86_64-unknown-linux-gnu" / "release"))
+    delivery.write(typed(rod_only), tmp_path / "dist")
+    with zipfile.ZipFile(tmp_path / "dist" / "falling-rod-rod.fmu") as archive:
+        binaries = {name for name in archive.namelist() if name.startswith("binaries/")}
+        notices = archive.read("documentation/licenses/third-party.txt").decode("utf-8")
+    assert binaries == {"binaries/linux64/fmu_rod.so", "binaries/win64/fmu_rod.dll", "binaries/darwin64/fmu_rod.dylib"}
+    assert "\nserde " in notices and "Apache License" in notices and "\nnervure" not in notices
+    assert "darwin64, linux64, win64" in (tmp_path / "dist" / "README.md").read_text()
 
 
 def test_a_delivery_is_what_its_checksums_and_manifest_say(fsi3, tmp_path, monkeypatch):

@@ -3,11 +3,10 @@
 mod parameters;
 mod variables;
 
-use std::path::Path;
 use std::slice::from_ref;
 
 use fluid::{Fluid, Loads, Stations};
-use fmi2::{Description, Log, Model, Variable};
+use fmi2::{Description, Log, Model, Resources, Variable, require_memory};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -47,9 +46,14 @@ impl FluidUnit {
             return Ok(());
         }
         parameters.apply(part);
-        let renewed = self.scene.check().map_err(|e| e.to_string());
-        match renewed.and_then(|()| Fluid::new(&self.scene).map_err(|e| e.to_string())) {
-            Ok(fluid) => self.fluid = fluid,
+        let checked = self.scene.check().map_err(|e| e.to_string());
+        match checked.and_then(|()| new_fluid(&self.scene)) {
+            Ok(mut fluid) => {
+                if let Some((stations, set)) = fluid.stations_mut().zip(self.fluid.stations()) {
+                    stations.copy_from(set);
+                }
+                self.fluid = fluid;
+            }
             Err(message) => {
                 own.apply(self.scene.fluid.as_mut().expect("it was there"));
                 return Err(message);
@@ -65,14 +69,21 @@ impl FluidUnit {
     }
 }
 
+/// The fluid of a scene, where there is memory for it.
+fn new_fluid(scene: &Scene) -> Result<Fluid, String> {
+    require_memory(Fluid::bytes(scene))?;
+    Fluid::new(scene).map_err(|e| e.to_string())
+}
+
 impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
+    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    const RESOURCES: &'static [&'static str] = &["scene.json"];
     type State = State;
 
-    fn load(resources: Option<&Path>) -> Result<Self, String> {
-        let resources = resources.ok_or("the fluid needs its resources folder with scene.json in it")?;
-        let scene = Scene::from_file(&resources.join("scene.json")).map_err(|e| e.to_string())?;
-        let fluid = Fluid::new(&scene).map_err(|e| e.to_string())?;
+    fn load(resources: &Resources) -> Result<Self, String> {
+        let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
+        let fluid = new_fluid(&scene)?;
         let part = scene.fluid.as_ref().expect("Fluid::new refuses a scene without a fluid");
         let parameters = Parameters::of(part);
         Ok(Self { parameters, scene, fluid, asked: 0.0 })
@@ -82,10 +93,12 @@ impl Model for FluidUnit {
         Description {
             model_name: format!("{}.fluid", self.scene.name),
             text: "Incompressible flow by a Fourier pseudo-spectral method with volume penalization".into(),
-            start: 0.0,
+            author: "The nervure developers".into(),
+            copyright: "Copyright (c) 2026 The nervure developers".into(),
+            license: env!("CARGO_PKG_LICENSE").into(),
             stop: self.scene.time.end,
             step: self.scene.time.communication_step,
-            tolerance: 1e-6,
+            ..Description::default()
         }
     }
 
@@ -102,6 +115,10 @@ impl Model for FluidUnit {
 
     fn step(&mut self, t: f64, h: f64, _log: &Log) -> Result<(), String> {
         self.fluid.advance(t, h).map_err(|e| e.to_string())
+    }
+
+    fn state_bytes(&self) -> usize {
+        self.fluid.state_bytes()
     }
 
     fn save(&self) -> State {

@@ -1,10 +1,9 @@
 //! The elastic rod as an FMI 2.0 co-simulation unit: the list of its variables and its step.
 
-use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
-use fmi2::{Description, Log, Model, Span};
-use rod::{Energy, Error, Loads, Rod, Root, Sensitivity, Statistics};
+use fmi2::{Description, Log, Model, Resources, require_memory};
+use rod::{Energy, Error, Loads, Rod, Root, Statistics};
 use scene::{RootMotion, Scene, Section};
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +13,10 @@ type Text = fmi2::Text<RodUnit>;
 type Variable = fmi2::Variable<RodUnit>;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Memory of a rod with its scratch by station, and of a copy of its state, bytes: measured in space, and rounded up.
+const BYTES_PER_STATION: usize = 4000;
+const STATE_BYTES_PER_STATION: usize = 250;
 
 /// The rod of a scene.
 struct RodUnit {
@@ -113,33 +116,9 @@ impl Body {
         either!(self, rod => rod.step(h))
     }
 
-    fn sensitivity(&mut self, change: &Loads) -> Result<Sensitivity, Error> {
-        either!(self, rod => rod.sensitivity(change))
-    }
-
     fn statistics(&self) -> Statistics {
         either!(self, rod => rod.statistics())
     }
-}
-
-/// What an output array holds.
-#[derive(Clone, Copy)]
-enum Quantity {
-    Position,
-    Velocity,
-}
-
-/// Quantity and axis of an output along the rod or of its tip, and the node of its first element.
-fn station_output(name: &str, nodes: usize) -> Option<(Quantity, usize, usize)> {
-    let (name, first) = match name.strip_prefix("tip.") {
-        Some(name) => (name.strip_prefix('u').unwrap_or(name), nodes - 1),
-        None => (name, 0),
-    };
-    let (quantity, axis) = match name.strip_prefix('v') {
-        Some(axis) => (Quantity::Velocity, axis),
-        None => (Quantity::Position, name),
-    };
-    AXES.iter().position(|known| *known == axis).map(|axis| (quantity, axis, first))
 }
 
 impl Parameters {
@@ -488,13 +467,14 @@ impl RodUnit {
 
 impl Model for RodUnit {
     const IDENTIFIER: &'static str = "fmu_rod";
-    const DIRECTIONAL_DERIVATIVE: bool = true;
-    const OUTPUT_DERIVATIVE: bool = true;
+    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    const RESOURCES: &'static [&'static str] = &["scene.json"];
     type State = State;
 
-    fn load(resources: Option<&Path>) -> Result<Self, String> {
-        let resources = resources.ok_or("the rod needs its resources folder with scene.json in it")?;
-        let scene = Scene::from_file(&resources.join("scene.json")).map_err(|e| e.to_string())?;
+    fn load(resources: &Resources) -> Result<Self, String> {
+        let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
+        let stations = scene.beam.as_ref().map_or(0, |beam| beam.segments + 1);
+        require_memory(BYTES_PER_STATION * stations)?;
         let dimension = scene.beam.as_ref().map_or(2, |beam| scene.dimension(beam));
         let body = Body::new(&scene, dimension).map_err(|e| e.to_string())?;
         let energy = either!(&body, rod => rod.energy()).map_err(|e| e.to_string())?;
@@ -519,10 +499,12 @@ impl Model for RodUnit {
         Description {
             model_name: format!("{}.rod", self.scene.name),
             text: "Elastic mass-spring rod, clamped at its root, implicit in time".into(),
-            start: 0.0,
+            author: "The nervure developers".into(),
+            copyright: "Copyright (c) 2026 The nervure developers".into(),
+            license: env!("CARGO_PKG_LICENSE").into(),
             stop: self.scene.time.end,
             step: self.scene.time.communication_step,
-            tolerance: 1e-6,
+            ..Description::default()
         }
     }
 
@@ -574,58 +556,8 @@ impl Model for RodUnit {
         Ok(())
     }
 
-    /// Of the stations and the tip with respect to the loads: what the end of the last step would have been under other
-    /// loads.
-    fn directional_derivative(
-        &mut self,
-        unknown: &[Span],
-        known: &[Span],
-        seed: &[f64],
-        derivative: &mut [f64],
-    ) -> Result<(), String> {
-        let nodes = self.body.positions(0).len();
-        let mut change = self.body.loads().clone();
-        let Loads { force, pressure_jump, impedance } = &mut change;
-        [&mut *force, &mut *pressure_jump, &mut *impedance].into_iter().for_each(|array| array.fill(0.0));
-        let mut rest = seed;
-        for Span { name, elements } in known {
-            let piece = rest.split_off(..elements.len()).expect("one seed per reference");
-            let axis = name.strip_prefix("force_").and_then(|axis| AXES.iter().position(|known| *known == axis));
-            let array = match (*name, axis) {
-                (_, Some(axis)) => &mut force[axis * nodes..],
-                ("pressure_jump", _) => &mut pressure_jump[..],
-                ("impedance", _) => &mut impedance[..],
-                _ => return Err(format!("no derivative by {name} is provided, only by the loads on the stations")),
-            };
-            array[elements.clone()].iter_mut().zip(piece).for_each(|(sum, seed)| *sum += seed);
-        }
-        let sensitivity = self.body.sensitivity(&change).map_err(|e| e.to_string())?;
-        let mut rest = derivative;
-        for Span { name, elements } in unknown {
-            let piece = rest.split_off_mut(..elements.len()).expect("one value per reference");
-            let (quantity, axis, first) = station_output(name, nodes)
-                .ok_or_else(|| format!("no directional derivative of {name} is provided, only of stations and tip"))?;
-            let array = match quantity {
-                Quantity::Position => &sensitivity.positions,
-                Quantity::Velocity => &sensitivity.velocities,
-            };
-            piece.copy_from_slice(&array[axis * nodes + first..][elements.clone()]);
-        }
-        Ok(())
-    }
-
-    fn output_derivative(&mut self, outputs: &Span, derivative: &mut [f64]) -> Result<(), String> {
-        let nodes = self.body.positions(0).len();
-        let (quantity, axis, first) = station_output(outputs.name, nodes)
-            .ok_or_else(|| format!("no derivative of {} is provided, only of stations and tip", outputs.name))?;
-        for (value, element) in derivative.iter_mut().zip(outputs.elements.clone()) {
-            let k = first + element;
-            *value = match quantity {
-                Quantity::Position => self.body.velocities(axis)[k],
-                Quantity::Velocity => either!(&self.body, rod => rod.acceleration(axis, k)),
-            };
-        }
-        Ok(())
+    fn state_bytes(&self) -> usize {
+        STATE_BYTES_PER_STATION * self.body.positions(0).len()
     }
 
     fn save(&self) -> State {

@@ -27,6 +27,13 @@ unsafe extern "C" {
     safe fn fmi2GetReal(c: fmi2Component, vr: *const u32, n: usize, value: *mut f64) -> fmi2Status;
     safe fn fmi2GetFMUstate(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status;
     safe fn fmi2SetFMUstate(c: fmi2Component, state: fmi2FMUstate) -> fmi2Status;
+    safe fn fmi2SerializedFMUstateSize(c: fmi2Component, state: fmi2FMUstate, size: *mut usize) -> fmi2Status;
+    safe fn fmi2SerializeFMUstate(
+        c: fmi2Component,
+        state: fmi2FMUstate,
+        bytes: *mut fmi2Byte,
+        size: usize,
+    ) -> fmi2Status;
     safe fn fmi2FreeFMUstate(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status;
     safe fn fmi2DeSerializeFMUstate(
         c: fmi2Component,
@@ -78,7 +85,8 @@ fn assert_no_panics() {
 /// An initialised instance at t = 0 with the references of its Real outputs.
 struct Unit {
     c: fmi2Component,
-    guid: String,
+    /// The header of its states up to the length of the payload (crates/fmi2/src/snapshot.rs).
+    header: Vec<u8>,
     outputs: Vec<u32>,
 }
 
@@ -122,7 +130,7 @@ impl Unit {
         assert_no_panics();
         assert!(!c.is_null(), "a scene that has a description has an instance");
         let ready = fmi2EnterInitializationMode(c) == OK && fmi2ExitInitializationMode(c) == OK;
-        let unit = Unit { c, guid, outputs };
+        let unit = Unit { c, header: state_header(c), outputs };
         assert_no_panics();
         ready.then_some(unit)
     }
@@ -148,6 +156,20 @@ impl Drop for Unit {
     fn drop(&mut self) {
         fmi2FreeInstance(self.c);
     }
+}
+
+/// The header of a state of an instance up to the length of its payload.
+fn state_header(c: fmi2Component) -> Vec<u8> {
+    let (mut state, mut size) = (null_mut(), 0);
+    if fmi2GetFMUstate(c, &mut state) != OK || fmi2SerializedFMUstateSize(c, state, &mut size) != OK {
+        return Vec::new();
+    }
+    let mut bytes = vec![0_u8; size];
+    assert_eq!(fmi2SerializeFMUstate(c, state, bytes.as_mut_ptr().cast(), size), OK);
+    assert_eq!(fmi2FreeFMUstate(c, &mut state), OK);
+    let name = usize::from(u16::from_le_bytes([bytes[12], bytes[13]]));
+    bytes.truncate(14 + name + 38);
+    bytes
 }
 
 /// `fuzz/target`, for files.
@@ -210,9 +232,7 @@ thread_local! {
 pub fn state(payload: &[u8]) {
     FLAG.with(|Flag { unit, clean, expected }| {
         let bytes = [
-            b"FMI2STAT",
-            &1_u32.to_le_bytes()[..],
-            unit.guid.as_bytes(),
+            &unit.header[..],
             &(payload.len() as u64).to_le_bytes(),
             &crc32fast::hash(payload).to_le_bytes(),
             payload,

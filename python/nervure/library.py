@@ -18,7 +18,8 @@ PREFIX, SUFFIX = {"win32": ("", ".dll"), "darwin": ("lib", ".dylib")}.get(sys.pl
 
 
 def library(kind: str) -> Path:
-    """Path of the library of unit `kind`: that of the wheel, or as cargo built it in the source tree."""
+    """Path of the library of unit `kind`: in the folder that the variable `NERVURE_LIBRARIES` names, or that of the
+    wheel, or as cargo built it in the source tree."""
     path = _path(kind)
     if not path.is_file():
         raise SceneError(f"the library {path} is not built; `make build` or `nervure build SCENE.json` builds it")
@@ -27,7 +28,8 @@ def library(kind: str) -> Path:
 
 def _path(kind: str) -> Path:
     built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-    return (built if SOURCE else ROOT / "binaries") / f"{PREFIX}fmu_{kind}{SUFFIX}"
+    folder = Path(os.environ.get("NERVURE_LIBRARIES") or (built if SOURCE else ROOT / "binaries"))
+    return folder / f"{PREFIX}fmu_{kind}{SUFFIX}"
 
 
 def is_built(kind: str) -> bool:
@@ -51,7 +53,7 @@ def describe(kind: str, text: str) -> str:
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
     needed, buffer = ctypes.c_size_t(1 << 16), ctypes.create_string_buffer(1)
     with tempfile.TemporaryDirectory() as resources:
-        Path(resources, "scene.json").write_text(text, encoding="utf-8")
+        Path(resources, "scene.json").write_bytes(text.encode("utf-8"))  # the GUID is of the bytes
         while len(buffer) < needed.value:
             buffer = ctypes.create_string_buffer(needed.value)
             refused = function(os.fsencode(resources), buffer, len(buffer), ctypes.byref(needed))

@@ -18,8 +18,9 @@ from nervure.files import write_csv
 from nervure.library import KINDS
 from nervure.pack import package
 from nervure.resources import ROOT
+from nervure.scene import load
 
-from . import calls, files, trials
+from . import calls, files, limits, trials
 from .unit import SCENE, FMU2Unit, child, tried
 
 RESULTS = ROOT / "docs" / "reliability.csv"
@@ -38,13 +39,20 @@ CHECKS: dict[str, tuple[Callable[[FMU2Unit, int], str], int, int]] = {
     "modes": (trials.modes, 160, 16),
     "kills": (files.kills, 500, 20),
     "full_disks": (files.full_disks, 500, 20),
+    "inputs": (limits.inputs, 1000, 20),
+    "edited": (limits.edited, 10_000, 100),
+    "foreign": (limits.foreign, 10_000, 60),
+    "memory": (limits.memory, 200, 6),
 }
 """Each check with its full count of cases and that of the tests."""
 
+SHIPPED = ("inputs", "edited", "foreign", "memory")  # Checks on the FSI3 pair as shipped; the others are on `SCENE`
 
-def unpack(kind: str, folder: Path) -> Path:
-    """The FMU of `SCENE`, unpacked."""
-    return Path(fmpy.extract(str(package.pack(kind, SCENE, folder)), str(folder / kind)))
+
+def unpack(kind: str, folder: Path, shipped: bool = False) -> Path:
+    """The FMU of `SCENE`, or of the shipped FSI3 scene, unpacked."""
+    scene = load("fsi3-325x72") if shipped else SCENE
+    return Path(fmpy.extract(str(package.pack(kind, scene, folder)), str(folder / f"{kind}-{shipped}")))
 
 
 def main(
@@ -64,7 +72,9 @@ def main(
             for kind in KINDS if name in (only or CHECKS) else ():
                 count, begin = max(1, round(share * full)), time.perf_counter()
                 try:
-                    result = child("spawn", TIMEOUT, tried, function, kind, unpack(kind, Path(temporary)), count)
+                    result = child(
+                        "spawn", TIMEOUT, tried, function, kind, unpack(kind, Path(temporary), name in SHIPPED), count
+                    )
                 except AssertionError as error:
                     result, failed = f"**failed**: {error}", failed + 1
                 seconds = round(time.perf_counter() - begin)

@@ -18,8 +18,12 @@ from .unit import ERROR, STEP, FMU2Unit, child
 HOSTILE = (math.nan, math.inf, -math.inf, 1e308, -1e308, 1e200, 1e100, -1e50, 1e20, -1e10, 1e6, 1e3, -1.0, 5e-324, 0.0)
 STEPS = (math.nan, math.inf, -math.inf, 1e308, 1e100, 1e20, 1e9, 1e6, -1.0, 0.0, 5e-324, 1e-300, 1e-100, 1e-20)
 BEFORE, AFTER = 5, 3  # Steps up to the state that is damaged, and steps that are compared after it
-HEADER = 62
-"""Bytes before the payload of a state, the last twelve its length and checksum (crates/fmi2/src/snapshot.rs)."""
+
+
+def header(state: bytes) -> int:
+    """Bytes before the payload of a state, the last twelve its length and checksum (crates/fmi2/src/snapshot.rs)."""
+    (name,) = struct.unpack_from("<H", state, 12)
+    return 64 + int(name)
 
 
 def hostile(library: FMU2Unit, count: int) -> str:
@@ -67,7 +71,8 @@ def damaged(library: FMU2Unit, count: int, forge: bool) -> tuple[int, Counter]:
     chance, unit, ends = random.Random(3), library.new(), Counter()
     unit.run(BEFORE)
     whole = unit.serialize()
-    head, data = (whole[: HEADER - 12], whole[HEADER:]) if forge else (b"", whole)
+    begin = header(whole)
+    head, data = (whole[: begin - 12], whole[begin:]) if forge else (b"", whole)
     expected = unit.run(AFTER)
     for case in range(count):
         # Bits turned, bytes overwritten, the end cut off, bytes added, cut out and put between.

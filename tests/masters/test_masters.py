@@ -21,8 +21,9 @@ import pytest
 from lxml import etree
 
 from nervure import coupling
-from nervure.pack import ssp
+from nervure.pack import package, ssp
 from nervure.resources import ROOT
+from nervure.scene import typed
 from nervure.unit import ELEMENT, Unit
 
 H, STEPS = 2.0**-9, 20
@@ -44,6 +45,19 @@ def scene(request):
     scene = request.getfixturevalue({"rod": "rod_only", "fluid": "fluid_only"}[request.param])
     scene["time"]["end"] = 1.0
     return scene
+
+
+@pytest.fixture
+def units_in(instantiate, tmp_path):
+    """Function that packs the units of a scene into the test's folder, and returns them instantiated."""
+
+    def make(scene: dict) -> dict[str, Unit]:
+        units = instantiate(scene)
+        for kind in units:
+            package.pack(kind, scene, tmp_path)
+        return units
+
+    return make
 
 
 every_scene = pytest.mark.parametrize("scene", ["pair", "rod", "fluid"], indirect=True)
@@ -86,14 +100,14 @@ def links(units: dict[str, Unit]) -> list[tuple[Unit, Unit, str, int]]:
 
 
 @every_scene
-def test_libcosim_agrees(scene, instantiate, tmp_path):
+def test_libcosim_agrees(scene, units_in, tmp_path):
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
     from libcosimpy.CosimObserver import CosimObserver
     from libcosimpy.CosimSlave import CosimLocalSlave
 
     log_output_level(CosimLogLevel.FATAL)
-    units = instantiate(scene)
+    units = units_in(scene)
     execution = CosimExecution.from_step_size(step_size=round(H * 1e9))
     paths = {kind: tmp_path / f"{scene['name']}-{kind}.fmu" for kind in units}
     slaves = {kind: CosimLocalSlave(fmu_path=str(path), instance_name=kind) for kind, path in paths.items()}
@@ -141,8 +155,8 @@ def ecos_values(simulation, units: dict[str, Unit]) -> dict[str, np.ndarray]:
 
 
 @every_scene
-def test_ecos_agrees(scene, instantiate, tmp_path, ecospy):
-    units = instantiate(scene)
+def test_ecos_agrees(scene, units_in, tmp_path, ecospy):
+    units = units_in(scene)
     structure = ecospy.EcosSimulationStructure()
     for kind in units:
         structure.add_model(kind, str(tmp_path / f"{scene['name']}-{kind}.fmu"))
@@ -153,20 +167,26 @@ def test_ecos_agrees(scene, instantiate, tmp_path, ecospy):
 
 
 def test_ssp_follows_its_schema(fsi3, tmp_path):
-    with zipfile.ZipFile(ssp.pack(fsi3, tmp_path)) as archive:
+    with zipfile.ZipFile(ssp.pack(typed(fsi3), tmp_path)) as archive:
         description = etree.fromstring(archive.read("SystemStructure.ssd"))
         assert {"resources/fsi3-325x72-rod.fmu", "resources/fsi3-325x72-fluid.fmu"} <= set(archive.namelist())
     folder = Path(fmpy.__file__).parent / "ssp" / "schema"
     etree.XMLSchema(file=str(folder / "SystemStructureDescription.xsd")).assertValid(description)
 
 
-def test_ssp_runs_in_ecos(fsi3, instantiate, tmp_path, ecospy):
-    path, units = ssp.pack(fsi3, tmp_path), instantiate(fsi3)
+def test_ssp_runs_in_ecos(fsi3, units_in, tmp_path, ecospy):
+    path, units = ssp.pack(typed(fsi3), tmp_path), units_in(fsi3)
     expected = ours(units)
     assert_agreement(ecos_values(ecospy.EcosSimulation(H, ssp_path=str(path)), units), expected)
 
 
-def test_ssp_runs_in_fmpy(fsi3, instantiate, tmp_path, monkeypatch):
+def test_ssp_without_start_values_is_refused_in_the_first_step(fsi3, tmp_path):
+    """The stations coincide; `tests/test_errors.py` has the message, which fmpy's reader writes to C's output."""
+    with pytest.raises(fmpy.fmi1.FMICallException, match="fmi2DoStep"):
+        fmpy.ssp.simulation.simulate_ssp(str(ssp.pack(typed(fsi3), tmp_path)), stop_time=H, step_size=H)
+
+
+def test_ssp_runs_in_fmpy(fsi3, units_in, tmp_path, monkeypatch):
     def with_start_values(component, *arguments):
         """fmpy starts with 0 at every connector, which is no place for a beam; the standard with the start values."""
         instantiate_fmu(component, *arguments)
@@ -176,7 +196,7 @@ def test_ssp_runs_in_fmpy(fsi3, instantiate, tmp_path, monkeypatch):
 
     instantiate_fmu = fmpy.ssp.simulation.instantiate_fmu
     monkeypatch.setattr(fmpy.ssp.simulation, "instantiate_fmu", with_start_values)
-    path, units = ssp.pack(fsi3, tmp_path), instantiate(fsi3)
+    path, units = ssp.pack(typed(fsi3), tmp_path), units_in(fsi3)
     result = fmpy.ssp.simulation.simulate_ssp(str(path), stop_time=(STEPS - 0.5) * H, step_size=H)
     assert len(result) == STEPS
     expected = ours(units)
@@ -190,8 +210,8 @@ def test_ssp_runs_in_fmpy(fsi3, instantiate, tmp_path, monkeypatch):
     assert_agreement(theirs, expected)
 
 
-def test_container_of_array_ports_agrees_with_the_explicit_scheme(fsi3, instantiate, tmp_path):
-    units = instantiate(fsi3)
+def test_container_of_array_ports_agrees_with_the_explicit_scheme(fsi3, units_in, tmp_path):
+    units = units_in(fsi3)
     files = {kind: f"{fsi3['name']}-{kind}.fmu" for kind in units}
     table = ["rule;from_fmu;from_port;to_fmu;to_port", *(f"FMU;{file};;;" for file in files.values())]
     places = {}
@@ -214,8 +234,8 @@ def test_container_of_array_ports_agrees_with_the_explicit_scheme(fsi3, instanti
 
 
 @every_scene
-def test_crate_fmi_agrees_with_the_explicit_scheme(scene, instantiate, tmp_path):
-    units = instantiate(scene)
+def test_crate_fmi_agrees_with_the_explicit_scheme(scene, units_in, tmp_path):
+    units = units_in(scene)
     paths = [tmp_path / f"{scene['name']}-{kind}.fmu" for kind in units]
     answer = subprocess.run(
         [FMI_MASTER, repr(H), str(STEPS), *paths], check=True, capture_output=True, text=True, timeout=60

@@ -10,17 +10,30 @@ pub enum Error {
     #[error("{0} of the state is not of the size that it has in this scene, or not finite")]
     State(&'static str),
     /// A step that is no positive number.
-    #[error("the step from t = {time} s is {step} s, but it must be a finite number above 0")]
+    #[error("the step from t = {time:.6e} s is {step:.3e} s, but it must be a finite number above 0")]
     Step {
         /// Beginning of the step, s.
         time: f64,
         /// Length of the step, s.
         step: f64,
     },
+    /// A communication step that would take too many steps.
+    #[error(
+        "the step from t = {time:.6e} s is {step:.3e} s, but it may be no longer than {longest:.3e} s: 1000 communication steps \
+         of the scene, or 1e5 of `max_step`"
+    )]
+    Long {
+        /// Beginning of the step, s.
+        time: f64,
+        /// Length of the step, s.
+        step: f64,
+        /// Longest that is made, s.
+        longest: f64,
+    },
     /// A station of the beam that is no number or far outside the box.
     #[error(
-        "station {station} of the beam is at ({x}, {y}) m with velocity ({vx}, {vy}) m/s, but it must be finite and \
-         within one box length of the box"
+        "station {station} of the beam is at ({x:.3e}, {y:.3e}) m with velocity ({vx:.3e}, {vy:.3e}) m/s, but it must be \
+         finite and within one box length of the box"
     )]
     Station {
         /// Number of the station, from 1.
@@ -34,11 +47,42 @@ pub enum Error {
         /// Velocity, m/s.
         vy: f64,
     },
+    /// Two neighbouring stations of the beam in one place.
+    #[error(
+        "stations {station} and {} of the beam coincide at ({x:.3e}, {y:.3e}) m, where no segment can be; a master has to give \
+         their places before the first step: the start values are those at rest", station + 1
+    )]
+    Coincide {
+        /// Number of the first of them, from 1.
+        station: usize,
+        /// Position, m.
+        x: f64,
+        /// Position, m.
+        y: f64,
+    },
+    /// A station of the beam that is too fast for any reasonable step.
+    #[error(
+        "station {station} of the beam has the velocity ({vx:.3e}, {vy:.3e}) m/s, for which `max_cfl` asks for steps of \
+         {needed:.3e} s, but they may be no shorter than {shortest:.3e} s, a hundredth of the usual step: the smaller of \
+         `max_step` and the scene's communication step"
+    )]
+    FastStation {
+        /// Number of the station, from 1.
+        station: usize,
+        /// Velocity, m/s.
+        vx: f64,
+        /// Velocity, m/s.
+        vy: f64,
+        /// Step that its velocity asks for, s.
+        needed: f64,
+        /// Shortest step that is made, s.
+        shortest: f64,
+    },
     /// An explicit drag too stiff for any reasonable step.
     #[error(
-        "C_eta = {c_eta:.3e} s is too small for the scheme rk2: its steps may not be longer, which makes {substeps:.0} \
-         of them in the communication step of {step} s from t = {time} s; use sbdf2, a larger C_eta or a smaller \
-         communication step"
+        "C_eta = {c_eta:.3e} s is too small for the scheme rk2: its steps may not be longer, which makes {substeps:.3e} of them \
+         in the communication step of {step:.3e} s from t = {time:.6e} s, but it may have {most:.0}; use sbdf2, a larger C_eta \
+         or a smaller communication step"
     )]
     Stiff {
         /// Beginning of the step, s.
@@ -49,15 +93,32 @@ pub enum Error {
         c_eta: f64,
         /// Steps of the fluid's own that it would take.
         substeps: f64,
+        /// Most that are made.
+        most: f64,
     },
     /// The flow became too fast for any reasonable step, or not a number.
-    #[error("the flow diverged at t = {time} s: CFL number {cfl} at a step of {step} s; try a smaller step or max_cfl")]
+    #[error(
+        "the flow diverged at t = {time:.6e} s: `max_cfl` asks for steps of {needed:.3e} s, but they may be no shorter than \
+         {shortest:.3e} s, a hundredth of the usual step; try a smaller `max_step`, communication step or `max_cfl`"
+    )]
     Diverged {
         /// Time reached, s.
         time: f64,
-        /// CFL number there.
-        cfl: f64,
-        /// Step, s.
-        step: f64,
+        /// Step that the flow asks for, s; 0 or not a number where the flow is none.
+        needed: f64,
+        /// Shortest step that is made, s.
+        shortest: f64,
+    },
+    /// The loads on the beam are not finite numbers.
+    #[error("the loads on the beam at t = {time:.6e} s are not finite")]
+    Loads {
+        /// Time reached, s.
+        time: f64,
+    },
+    /// No memory for the copy of the state that a communication step of several steps needs.
+    #[error("{bytes} bytes for a copy of the state are more than the system gives")]
+    Memory {
+        /// Size of the copy.
+        bytes: usize,
     },
 }

@@ -1,5 +1,7 @@
 //! The fluid of a scene: its time loop, and what can be set and read.
 
+use std::hint::black_box;
+
 use scene::{Load, Scene};
 
 use crate::bodies::{Loads, Stations};
@@ -11,8 +13,27 @@ use crate::probe::Probe;
 use crate::state::{BeamState, Flow, Present, State};
 use crate::step::{Scheme, Step};
 
-/// More of the fluid's own steps than this in one communication step are taken for divergence.
-const MAX_SUBSTEPS: f64 = 1e5;
+/// The usual step of the fluid's own is the smaller of `max_step` and the scene's communication step. Flow and beam may
+/// make steps so many times shorter, and no more.
+const SHORTEST: f64 = 100.0;
+
+/// A communication step may be so many times that of the scene.
+const LONGEST: f64 = 1000.0;
+
+/// And it may have so many usual steps.
+const MOST_STEPS: f64 = 1e5;
+
+/// Explicit drag, which depends on the scene alone, may divide a communication step into so many.
+const MOST_EXPLICIT_STEPS: f64 = 1e4;
+
+/// Memory of a fluid by cell, bytes: 29 numbers, of which 8 are the state and 8 a copy of it, and what rounding adds.
+const BYTES_PER_CELL: usize = 260;
+
+/// Memory of a state by cell, bytes: velocity and vorticity of two times and two components of `w`, or less.
+const STATE_BYTES_PER_CELL: usize = 64;
+
+/// Memory of the stations and their loads by station, in the fluid and in a state, bytes.
+const BYTES_PER_STATION: usize = 400;
 
 /// A fluid with the bodies of a scene in it.
 pub struct Fluid {
@@ -22,6 +43,10 @@ pub struct Fluid {
     density: f64,
     max_step: f64,
     max_cfl: f64,
+    /// The shortest step of its own that it may need, s.
+    shortest_step: f64,
+    /// The longest communication step, s.
+    longest_step: f64,
     probes: Vec<Probe>,
     /// Where the beam is told to go; absent without a beam.
     motion: Option<Motion>,
@@ -72,11 +97,15 @@ impl Fluid {
             target: stations.clone(),
             from: stations,
         });
+        let max_step = fluid.time_stepping.max_step;
+        let usual_step = max_step.min(scene.time.communication_step);
         Ok(Self {
             scheme: Scheme::new(fluid.time_stepping.scheme, [u, v], &domain),
             density: fluid.density,
-            max_step: fluid.time_stepping.max_step,
+            max_step,
             max_cfl: fluid.time_stepping.max_cfl,
+            shortest_step: usual_step / SHORTEST,
+            longest_step: (LONGEST * scene.time.communication_step).min(MOST_STEPS * usual_step),
             probes: Probe::of(fluid, &domain.grid),
             total_pressure_is_current: false,
             undo: None,
@@ -84,6 +113,18 @@ impl Fluid {
             present,
             domain,
         })
+    }
+
+    /// Memory that the fluid of a scene takes, about, bytes; 0 without a fluid.
+    pub fn bytes(scene: &Scene) -> usize {
+        let cells = scene.fluid.as_ref().map_or(0, |fluid| fluid.domain.cells.iter().product());
+        let stations = scene.beam.as_ref().map_or(0, |beam| beam.segments + 1);
+        BYTES_PER_CELL * cells + BYTES_PER_STATION * stations
+    }
+
+    /// Memory that a state takes, about, bytes.
+    pub fn state_bytes(&self) -> usize {
+        STATE_BYTES_PER_CELL * self.domain.grid.len() + BYTES_PER_STATION * self.stations().map_or(0, Stations::len)
     }
 
     /// Start anew from a velocity field (m/s at a point in m), of which the divergence-free part is taken.
@@ -103,7 +144,8 @@ impl Fluid {
     /// Advance from `t` to `t + h` (s); the stations go from where they are to where they were set.
     ///
     /// The steps are equal, but those that are left are divided anew where the flow has become too fast for them on the
-    /// way. An error leaves everything as it was.
+    /// way. Refuses what would take more than a hundred times as many as usual. An error leaves everything as it was;
+    /// only after [`Error::Loads`] a state has to be put back.
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.domain.clock.start();
         let substeps = self.divide(t, h)?;
@@ -113,7 +155,7 @@ impl Fluid {
         // A single step changes nothing before it is known to be good.
         let several = substeps > 1.0;
         if several {
-            self.save_for_undo();
+            self.save_for_undo()?;
         }
         self.total_pressure_is_current = false;
         if let Err(error) = self.make_steps(substeps, t, h) {
@@ -130,6 +172,11 @@ impl Fluid {
         }
         self.scheme.predict_loads(&mut self.present, &mut self.domain.bodies);
         self.domain.clock.mark(crate::clock::Phase::Loads);
+        if self.loads().is_some_and(|loads| !loads.are_finite()) {
+            // The flow before is gone. With no rate there is no way on but a state put back.
+            self.present.advection_rate = f64::NAN;
+            return Err(Error::Loads { time: self.present.time });
+        }
         Ok(())
     }
 
@@ -138,23 +185,25 @@ impl Fluid {
         if !(t.is_finite() && h.is_finite() && h > 0.0) {
             return Err(Error::Step { time: t, step: h });
         }
+        if h > self.longest_step {
+            return Err(Error::Long { time: t, step: h, longest: self.longest_step });
+        }
         if let Some(motion) = &self.motion {
             self.check_stations(&motion.target)?;
         }
-        let rate = self.present.advection_rate;
-        let largest = self.max_step.min(self.max_cfl / rate.max(f64::MIN_POSITIVE));
-        let mut substeps = (h / largest - 1e-9).ceil().max(1.0);
+        let (needed, shortest) = (self.max_cfl / self.present.advection_rate, self.shortest_step);
+        if needed.is_nan() || needed < shortest {
+            return Err(Error::Diverged { time: t, needed, shortest });
+        }
+        let mut largest = self.max_step.min(needed);
         if let Some(c_eta) = self.scheme.longest_step(&self.domain) {
-            let explicit = (h / c_eta - 1e-9).ceil();
-            if explicit > MAX_SUBSTEPS {
-                return Err(Error::Stiff { time: t, step: h, c_eta, substeps: explicit });
+            let substeps = (h / c_eta - 1e-9).ceil();
+            if substeps > MOST_EXPLICIT_STEPS {
+                return Err(Error::Stiff { time: t, step: h, c_eta, substeps, most: MOST_EXPLICIT_STEPS });
             }
-            substeps = substeps.max(explicit);
+            largest = largest.min(c_eta);
         }
-        if substeps > MAX_SUBSTEPS {
-            return Err(Error::Diverged { time: t, cfl: rate * h, step: h });
-        }
-        Ok(substeps)
+        Ok((h / largest - 1e-9).ceil().max(1.0))
     }
 
     /// Make the steps of a communication step, at first so many.
@@ -167,9 +216,6 @@ impl Fluid {
             if substep > 0.0 && rate * dt > self.max_cfl {
                 let left = h * (1.0 - done);
                 (divided, substep, substeps) = (done, 0.0, (left * rate / self.max_cfl).ceil());
-                if substeps > MAX_SUBSTEPS {
-                    return Err(Error::Diverged { time: self.present.time, cfl: rate * dt, step: dt });
-                }
                 dt = left / substeps;
             }
             substep += 1.0;
@@ -181,20 +227,28 @@ impl Fluid {
                 now.interpolate(from, target, done, h);
                 &*now
             });
-            let step = Step { dt, end: t + done * h, stations };
+            let shortest = self.shortest_step;
+            let step = Step { dt, end: t + done * h, stations, max_cfl: self.max_cfl, shortest };
             self.scheme.step(step, &mut self.present, &mut self.domain)?;
         }
         Ok(())
     }
 
-    fn save_for_undo(&mut self) {
+    fn save_for_undo(&mut self) -> Result<(), Error> {
         match &mut self.undo {
             Some(undo) => {
                 undo.present.copy_from(&self.present);
                 self.scheme.save(&mut undo.memory);
             }
-            None => self.undo = Some(self.state()),
+            None => {
+                // Where memory runs out, Rust ends the process: it is asked for before.
+                let (bytes, mut probe) = (self.state_bytes(), Vec::<u8>::new());
+                probe.try_reserve_exact(bytes).map_err(|_| Error::Memory { bytes })?;
+                drop(black_box(probe));
+                self.undo = Some(self.state());
+            }
         }
+        Ok(())
     }
 
     fn check_stations(&self, stations: &Stations) -> Result<(), Error> {
@@ -206,6 +260,14 @@ impl Fluid {
             let finite = [x[k], y[k], vx[k], vy[k]].iter().all(|c| c.is_finite());
             if !finite || far(x[k], middle[0], grid.length) || far(y[k], middle[1], grid.height) {
                 return Err(Error::Station { station: k + 1, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
+            }
+            if k > 0 && x[k] == x[k - 1] && y[k] == y[k - 1] {
+                return Err(Error::Coincide { station: k, x: x[k], y: y[k] });
+            }
+            let needed = self.max_cfl / (vx[k].abs() / grid.dx + vy[k].abs() / grid.dy);
+            if needed < self.shortest_step {
+                let shortest = self.shortest_step;
+                return Err(Error::FastStation { station: k + 1, vx: vx[k], vy: vy[k], needed, shortest });
             }
         }
         Ok(())

@@ -1,9 +1,8 @@
 //! m x'' + c x' + k x = F, as an FMU. The force is held over a step, and the step is the exact solution.
 
-use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
-use nervure_fmi2::{Description, Log, Model};
+use nervure_fmi2::{Description, Log, Model, Resources};
 use serde::{Deserialize, Serialize};
 
 type Real = nervure_fmi2::Real<Oscillator>;
@@ -30,9 +29,10 @@ struct Oscillator {
 
 impl Model for Oscillator {
     const IDENTIFIER: &'static str = "damped_oscillator";
+    const VERSION: &'static str = "1.0";
     type State = Self;
 
-    fn load(_resources: Option<&Path>) -> Result<Self, String> {
+    fn load(_resources: &Resources) -> Result<Self, String> {
         Ok(Oscillator { m: 1.0, c: 0.5, k: 10.0, f: 0.0, x: 0.0, v: 0.0, x0: 1.0 })
     }
 
@@ -40,10 +40,8 @@ impl Model for Oscillator {
         Description {
             model_name: "DampedOscillator".into(),
             text: "A mass on a spring and a damper, pushed by a force".into(),
-            start: 0.0,
             stop: 10.0,
-            step: 0.1,
-            tolerance: 1e-6,
+            ..Description::default()
         }
     }
 

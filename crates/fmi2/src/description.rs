@@ -1,6 +1,6 @@
 //! `modelDescription.xml` and its GUID, made from the list of variables.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::io;
 use std::ops::{Bound, Range};
@@ -8,12 +8,14 @@ use std::ops::{Bound, Range};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, Event};
 use quick_xml::writer::ElementWriter;
-use uuid::Uuid;
 
+use crate::identity;
 use crate::log;
+use crate::memory::require_memory;
 use crate::model::Model;
+use crate::resource::Resources;
 use crate::table::Table;
-use crate::units::Exponents;
+use crate::units::{BaseUnit, NAMES};
 use crate::variable::{Access, Bounds, Causality, Value, Variability, Variable};
 
 /// What a master shows of a model before it runs it.
@@ -23,6 +25,12 @@ pub struct Description {
     pub model_name: String,
     /// One sentence on what it is.
     pub text: String,
+    /// Who made it; empty: not said.
+    pub author: String,
+    /// Who holds the rights; empty: not said.
+    pub copyright: String,
+    /// Its licence; empty: not said.
+    pub license: String,
     /// Default start time, s.
     pub start: f64,
     /// Default stop time, s.
@@ -33,6 +41,14 @@ pub struct Description {
     pub tolerance: f64,
 }
 
+impl Default for Description {
+    /// From 0 to 1 s in steps of 0.1 s, and nothing said.
+    fn default() -> Self {
+        let [model_name, text, author, copyright, license] = [const { String::new() }; 5];
+        Self { model_name, text, author, copyright, license, start: 0.0, stop: 1.0, step: 0.1, tolerance: 1e-6 }
+    }
+}
+
 /// A model description and its GUID.
 pub(crate) struct Document {
     /// `{8-4-4-4-12}`
@@ -40,28 +56,36 @@ pub(crate) struct Document {
     pub xml: String,
 }
 
-/// Writes the model description. The GUID is a hash of the whole text, so that it tells an FMU whose library,
-/// resources and XML do not belong together.
-pub(crate) fn document<M: Model>(table: &Table<M>, model: &mut M) -> Result<Document, String> {
-    let starts = start_values(table, model)?;
+/// Bytes that the description of a value reference takes while it is made, about: twice its text, and its start value.
+const BYTES_PER_REFERENCE: usize = 1000;
+
+/// Writes the model description. Its GUID tells an FMU whose library, resources and XML do not belong together.
+pub(crate) fn document<M: Model>(table: &Table<M>, model: &mut M, resources: &Resources) -> Result<Document, String> {
+    require_memory(BYTES_PER_REFERENCE * table.len())?;
     let description = model.description();
-    let write = |guid: &str| {
+    let write = |guid: &str, starts: &[Option<String>]| {
         let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
-        write_document(&mut writer, &description, table, &starts, guid).expect("writing to memory does not fail");
+        write_document(&mut writer, &description, table, starts, guid).expect("writing to memory does not fail");
         String::from_utf8(writer.into_inner()).expect("the writer was given UTF-8")
     };
-    let guid = Uuid::new_v5(&Uuid::NAMESPACE_OID, write("").as_bytes()).braced().to_string();
-    let xml = write(&guid);
+    // The last digits of a start value depend on the system's sine and cosine, but one GUID is for all systems.
+    let rounded = start_values(table, model, |value| format!("{value:.8e}"))?;
+    let guid = identity::guid::<M>(resources, write("", &rounded).as_bytes());
+    let xml = write(&guid, &start_values(table, model, |value| real(*value))?);
     Ok(Document { guid, xml })
 }
 
 /// Start values as text, one per value reference; `None` where the standard wants none.
-fn start_values<M: Model>(table: &Table<M>, model: &mut M) -> Result<Vec<Option<String>>, String> {
+fn start_values<M: Model>(
+    table: &Table<M>,
+    model: &mut M,
+    real: fn(&f64) -> String,
+) -> Result<Vec<Option<String>>, String> {
     let mut starts = Vec::new();
     for (index, variable) in table.variables.iter().enumerate() {
         match &variable.access {
             Access::Time => starts.push(None),
-            Access::Real(_) => append::<M, f64>(&mut starts, table, model, index, |value| real(*value))?,
+            Access::Real(_) => append::<M, f64>(&mut starts, table, model, index, real)?,
             Access::Integer(_) => append::<M, i32>(&mut starts, table, model, index, i32::to_string)?,
             Access::Boolean(_) => append::<M, bool>(&mut starts, table, model, index, bool::to_string)?,
             Access::Text(_) => append::<M, String>(&mut starts, table, model, index, String::clone)?,
@@ -98,17 +122,26 @@ fn write_document<M: Model>(
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     writer
         .create_element("fmiModelDescription")
-        .with_attributes([
-            ("fmiVersion", "2.0"),
-            ("modelName", &description.model_name),
-            ("guid", guid),
-            ("description", &description.text),
-            ("generationTool", concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"))),
-            ("variableNamingConvention", "structured"),
-        ])
+        .with_attributes(
+            [
+                ("fmiVersion", "2.0"),
+                ("modelName", &description.model_name),
+                ("guid", guid),
+                ("description", &description.text),
+                ("author", &description.author),
+                ("version", M::VERSION),
+                ("copyright", &description.copyright),
+                ("license", &description.license),
+                ("generationTool", concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"))),
+                ("variableNamingConvention", "structured"),
+            ]
+            .into_iter()
+            .filter(|(_, value)| !value.is_empty()),
+        )
         .write_inner_content(|writer| {
             write_co_simulation::<M>(writer)?;
             write_units(writer, table)?;
+            write_enumerations(writer, table)?;
             write_log_categories(writer)?;
             writer
                 .create_element("DefaultExperiment")
@@ -146,26 +179,70 @@ fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()>
 }
 
 fn write_units<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
-    let units: BTreeMap<&str, Exponents> = table
-        .variables
-        .iter()
-        .filter_map(|variable| variable.unit.as_deref())
-        .map(|unit| (unit, Exponents::parse(unit).expect("the table's units are known")))
-        .collect();
+    let parse = |unit: &str| BaseUnit::parse(unit).expect("the table's units are known");
+    let mut units = BTreeMap::<&str, BTreeSet<&str>>::new();
+    for variable in &table.variables {
+        if let Some(unit) = &variable.unit {
+            units.entry(unit).or_default().extend(variable.display_unit.as_deref());
+        }
+    }
     if units.is_empty() {
         return Ok(());
     }
     writer.create_element("UnitDefinitions").write_inner_content(|writer| {
-        units.iter().try_for_each(|(name, exponents)| {
+        units.iter().try_for_each(|(name, shown)| {
+            let own = parse(name);
             writer.create_element("Unit").with_attribute(("name", *name)).write_inner_content(|writer| {
-                let base = [("kg", exponents.kg), ("m", exponents.m), ("s", exponents.s), ("rad", exponents.rad)];
-                base.into_iter()
-                    .filter(|(_, power)| *power != 0)
-                    .fold(writer.create_element("BaseUnit"), |element, (symbol, power)| {
-                        element.with_attribute((symbol, power.to_string().as_str()))
+                let powers = NAMES.iter().zip(own.powers).filter(|(_, power)| *power != 0);
+                let element = powers.fold(writer.create_element("BaseUnit"), |element, (symbol, power)| {
+                    element.with_attribute((*symbol, power.to_string().as_str()))
+                });
+                with_conversion(element, own.factor, own.offset).write_empty()?;
+                shown.iter().try_for_each(|name| {
+                    // displayed = factor · value + offset, with both in base units the same.
+                    let other = parse(name);
+                    let (factor, offset) = (own.factor / other.factor, (own.offset - other.offset) / other.factor);
+                    let element = writer.create_element("DisplayUnit").with_attribute(("name", *name));
+                    with_conversion(element, factor, offset).write_empty().map(|_| ())
+                })
+            })?;
+            Ok(())
+        })
+    })?;
+    Ok(())
+}
+
+/// `factor` and `offset` where they are not the default ones.
+fn with_conversion(mut element: ElementWriter<'_, Vec<u8>>, factor: f64, offset: f64) -> ElementWriter<'_, Vec<u8>> {
+    if factor != 1.0 {
+        element = element.with_attribute(("factor", real(factor).as_str()));
+    }
+    if offset != 0.0 {
+        element = element.with_attribute(("offset", real(offset).as_str()));
+    }
+    element
+}
+
+fn write_enumerations<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
+    let types: BTreeMap<&str, &[String]> = table
+        .variables
+        .iter()
+        .filter_map(|variable| variable.enumeration.as_ref())
+        .map(|(name, items)| (name.as_str(), items.as_slice()))
+        .collect();
+    if types.is_empty() {
+        return Ok(());
+    }
+    writer.create_element("TypeDefinitions").write_inner_content(|writer| {
+        types.iter().try_for_each(|(name, items)| {
+            writer.create_element("SimpleType").with_attribute(("name", *name)).write_inner_content(|writer| {
+                writer.create_element("Enumeration").write_inner_content(|writer| {
+                    items.iter().zip(1..).try_for_each(|(item, value): (_, i32)| {
+                        let element = writer.create_element("Item").with_attribute(("name", item.as_str()));
+                        element.with_attribute(("value", value.to_string().as_str())).write_empty().map(|_| ())
                     })
-                    .write_empty()
-                    .map(|_| ())
+                })?;
+                Ok(())
             })?;
             Ok(())
         })
@@ -205,9 +282,18 @@ fn write_variable<M>(
             scalar = scalar.with_attribute(("initial", initial));
         }
         scalar.write_inner_content(|writer| {
-            let mut value = writer.create_element(variable.access.type_name());
+            let mut value = writer.create_element(variable.type_name());
+            if let Some((name, _)) = &variable.enumeration {
+                value = value.with_attribute(("declaredType", name.as_str()));
+            }
             if let Some(unit) = &variable.unit {
                 value = value.with_attribute(("unit", unit.as_str()));
+            }
+            if let Some(unit) = &variable.display_unit {
+                value = value.with_attribute(("displayUnit", unit.as_str()));
+            }
+            if let Some(nominal) = variable.nominal {
+                value = value.with_attribute(("nominal", real(nominal).as_str()));
             }
             value = with_bounds(value, variable);
             if let Some(start) = &starts[reference as usize] {
@@ -237,12 +323,10 @@ fn with_bounds<'a, M>(mut value: ElementWriter<'a, Vec<u8>>, variable: &Variable
 
 /// The standard counts `ScalarVariable` elements from one; value references count the same elements from zero.
 fn write_structure<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
-    let outputs = |variability: fn(Variability) -> bool| -> Vec<(&Variable<M>, Range<u32>)> {
-        let of_kind =
-            |variable: &Variable<M>| variable.causality == Causality::Output && variability(variable.variability);
+    let of_kind = |kind: fn(&Variable<M>) -> bool| -> Vec<(&Variable<M>, Range<u32>)> {
         let variables = table.variables.iter().enumerate();
         variables
-            .filter(|(_, variable)| of_kind(variable))
+            .filter(|(_, variable)| kind(variable))
             .map(|(index, variable)| (variable, table.references(index)))
             .filter(|(_, references)| !references.is_empty())
             .collect()
@@ -257,7 +341,7 @@ fn write_structure<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Res
         Some(text)
     };
     writer.create_element("ModelStructure").write_inner_content(|writer| {
-        let all = outputs(|_| true);
+        let all = of_kind(|variable| variable.causality == Causality::Output);
         if !all.is_empty() {
             writer.create_element("Outputs").write_inner_content(|writer| {
                 all.iter().try_for_each(|(variable, references)| {
@@ -265,7 +349,10 @@ fn write_structure<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Res
                 })
             })?;
         }
-        let calculated = outputs(|variability| variability != Variability::Constant);
+        let calculated = of_kind(|variable| {
+            let unknown = matches!(variable.causality, Causality::Output | Causality::CalculatedParameter);
+            unknown && variable.variability != Variability::Constant
+        });
         if !calculated.is_empty() {
             writer.create_element("InitialUnknowns").write_inner_content(|writer| {
                 calculated.iter().try_for_each(|(_, references)| write_unknowns(writer, references.clone(), None))
@@ -306,7 +393,7 @@ impl<M> Variable<M> {
     fn initial(&self) -> Option<&'static str> {
         match (self.causality, self.variability) {
             (Causality::Parameter, _) | (_, Variability::Constant) => Some("exact"),
-            (Causality::Output | Causality::Local, _) => Some("calculated"),
+            (Causality::Output | Causality::Local | Causality::CalculatedParameter, _) => Some("calculated"),
             (Causality::Input | Causality::Independent, _) => None,
         }
     }
@@ -316,6 +403,7 @@ impl Causality {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Causality::Parameter => "parameter",
+            Causality::CalculatedParameter => "calculatedParameter",
             Causality::Input => "input",
             Causality::Output => "output",
             Causality::Local => "local",
@@ -338,7 +426,6 @@ impl Variability {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
     use std::slice::from_mut;
 
     use super::*;
@@ -354,21 +441,15 @@ mod tests {
 
     impl Model for Probe {
         const IDENTIFIER: &'static str = "probe";
+        const VERSION: &'static str = "0.1";
         type State = ();
 
-        fn load(_: Option<&Path>) -> Result<Self, String> {
+        fn load(_: &Resources) -> Result<Self, String> {
             Ok(PROBE)
         }
 
         fn description(&self) -> Description {
-            Description {
-                model_name: "A & B".into(),
-                text: "<\"probe\">".into(),
-                start: 0.0,
-                stop: 1.0,
-                step: 1e-7,
-                tolerance: 1e-6,
-            }
+            Description { model_name: "A & B".into(), text: "<\"probe\">".into(), step: 1e-7, ..Description::default() }
         }
 
         fn variables(&self) -> Vec<Variable<Self>> {
@@ -376,6 +457,9 @@ mod tests {
             vec![
                 Real::input("u", "m", "", |probe| &mut probe.u).array(2),
                 Real::parameter("p", self.unit, "", |probe| from_mut(&mut probe.start)).at_least(0.0).below(9.0),
+                crate::Integer::local("mode", "", |_| &[2]).enumeration("Mode", &["off", "on"]).constant(),
+                Real::local("T", "degC", "", |_| &[0.0]).display_unit("K").nominal(300.0).discrete(),
+                Real::local("area", "m2", "", |_| &[1.0]).display_unit("mm2").calculated_parameter(),
                 Real::output("y", "m", "", |probe| if probe.short { &[0.0] } else { &[0.0; 2] })
                     .array(2)
                     .depends_on(&["u"]),
@@ -400,7 +484,7 @@ mod tests {
     const PROBE: Probe = Probe { unit: "N/m", start: 1e-7, short: false, u: [0.0; 2] };
 
     fn describe(mut probe: Probe) -> Result<Document, String> {
-        document(&Table::new(probe.variables())?, &mut probe)
+        document(&Table::new(probe.variables())?, &mut probe, &Resources::default())
     }
 
     #[test]
@@ -409,6 +493,7 @@ mod tests {
         assert_eq!(guid(PROBE), guid(PROBE));
         assert_ne!(guid(PROBE), guid(Probe { unit: "Pa", ..PROBE }));
         assert_ne!(guid(PROBE), guid(Probe { start: 2e-7, ..PROBE }));
+        assert_eq!(guid(PROBE), guid(Probe { start: 1e-7 * (1.0 + f64::EPSILON), ..PROBE }), "another sine");
     }
 
     #[test]
@@ -424,15 +509,22 @@ mod tests {
         for part in [
             "modelName=\"A &amp; B\" ",
             "name=\"u[1]\" valueReference=\"0\"",
-            "name=\"y[2]\" valueReference=\"4\"",
+            "name=\"y[2]\" valueReference=\"7\"",
+            "<Item name=\"on\" value=\"2\"/>",
+            "<Enumeration declaredType=\"Mode\" min=\"1\" max=\"2\" start=\"2\"/>",
+            "causality=\"calculatedParameter\" variability=\"fixed\" initial=\"calculated\"",
+            "<BaseUnit K=\"1\" offset=\"273.15\"/>",
+            "<DisplayUnit name=\"K\" offset=\"273.15\"/>",
+            "<Real unit=\"degC\" displayUnit=\"K\" nominal=\"300.0\"/>",
+            "variability=\"discrete\"",
             "<Real unit=\"N/m\" min=\"0.0\" start=\"1e-7\"/>",
             "<BaseUnit kg=\"1\" s=\"-2\"/>",
-            "<Unknown index=\"4\" dependencies=\"1 2\"/>",
+            "<Unknown index=\"7\" dependencies=\"1 2\"/>",
             "stepSize=\"1e-7\"",
         ] {
             assert!(xml.contains(part), "no {part} in\n{xml}");
         }
-        assert!(!xml.contains("max="), "an exclusive limit has no place in\n{xml}");
+        assert!(!xml.contains("max=\"9"), "an exclusive limit has no place in\n{xml}");
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::guard;
 use crate::instance::{self, Instance};
 use crate::log::Log;
 use crate::model::Model;
-use crate::resource;
+use crate::resource::{self, Resources};
 use crate::state_machine::Function;
 use crate::sys::*;
 use crate::variable::Value;
@@ -284,12 +284,11 @@ pub unsafe extern "C" fn fmi2Instantiate<M: Model>(
         if kind != fmi2Type::fmi2CoSimulation {
             return Err(format!("fmuType = {} must be fmi2CoSimulation", kind.0));
         }
-        let resources = resources.filter(|location| !location.is_empty()).map(resource::folder).transpose()?;
-        let loaded = instance::load_described::<M>(resources.as_deref(), guid)?;
-        Ok((resources, guid.to_string(), loaded))
+        let folder = resources.filter(|location| !location.is_empty()).map(resource::folder).transpose()?;
+        instance::load_described::<M>(folder.as_deref(), guid)
     });
     match loaded.and_then(|result| result) {
-        Ok((resources, guid, loaded)) => Box::into_raw(Box::new(Instance::new(log, resources, guid, loaded))).cast(),
+        Ok(loaded) => Box::into_raw(Box::new(Instance::new(log, loaded))).cast(),
         Err(message) => {
             log.error(format_args!("fmi2Instantiate: {message}"));
             ptr::null_mut()
@@ -715,7 +714,8 @@ pub unsafe extern "C" fn fmu_model_description<M: Model>(
     let described = guard::catch(|| {
         // SAFETY: the function's precondition on strings.
         let resources = (!resources.is_null()).then(|| unsafe { text("resources", resources) }).transpose()?;
-        let (_, _, document) = instance::load::<M>(resources.map(Path::new))?;
+        let resources = Resources::read(resources.map(Path::new), M::RESOURCES)?;
+        let (_, _, document) = instance::load::<M>(&resources)?;
         Ok(document.xml)
     });
     let (code, text) = match described.and_then(|result| result) {
@@ -752,7 +752,7 @@ pub unsafe extern "C" fn fmu_field<M: Model>(
     let look = |instance: &mut Instance<M>| {
         // SAFETY: the function's precondition on the name.
         let name = unsafe { text("name", name) }?;
-        let Some((lengths, values)) = instance.field(name) else { return Ok(()) };
+        let Some((lengths, values)) = instance.field(name)? else { return Ok(()) };
         // SAFETY: pointers that are null are left alone, and no more is written than there is room for.
         unsafe {
             if !shape.is_null() {

@@ -7,7 +7,7 @@ use std::mem::ManuallyDrop;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
-use crate::float::DefaultModes;
+use float::Fast;
 
 // Neither has a destructor: a thread-local with one would keep the shared library from being unloaded.
 thread_local! {
@@ -15,10 +15,10 @@ thread_local! {
     static LOCATION: RefCell<ManuallyDrop<String>> = const { RefCell::new(ManuallyDrop::new(String::new())) };
 }
 
-/// Runs `body` in the default floating-point modes; a panic becomes its message and location.
+/// Runs `body` in our floating-point modes, not the host's; a panic becomes its message and location.
 pub(crate) fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     install_hook();
-    let _modes = DefaultModes::enter();
+    let _fast = Fast::enter();
     let before = GUARDED.replace(true);
     let result = panic::catch_unwind(AssertUnwindSafe(body));
     GUARDED.set(before);

@@ -5,23 +5,28 @@
 
 use std::collections::BTreeMap;
 use std::ffi::CString;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::description::{self, Document};
+use crate::identity;
 use crate::log::Log;
+use crate::memory::require_memory;
 use crate::model::Model;
-use crate::snapshot::{Clock, Snapshot};
+use crate::resource::Resources;
+use crate::snapshot::{Clock, Origin, Snapshot};
 use crate::state_machine::{self, Function, Mode};
 use crate::table::{Run, Table};
 use crate::variable::{Causality, Value, Variability, Variable};
 
 pub(crate) struct Instance<M: Model> {
     pub log: Log,
-    resources: Option<PathBuf>,
-    guid: String,
+    resources: Resources,
+    origin: Origin,
     model: M,
     table: Table<M>,
     clock: Clock,
+    /// Whether outputs are still to be made from what was set during initialisation.
+    stale: bool,
     /// The FMU states given out, by the number that a master holds as a pointer: the address of the snapshot, so that
     /// the states of two instances never share a number.
     snapshots: BTreeMap<usize, Box<Snapshot<M::State>>>,
@@ -29,31 +34,52 @@ pub(crate) struct Instance<M: Model> {
     pub strings: Vec<CString>,
 }
 
+/// Shape and values of a field to look at.
+type Field = ([usize; 2], Vec<f64>);
+
 /// Masters add up their steps: times within this share of the larger of time and step are the same.
 const TIME_TOLERANCE: f64 = 1e-9;
 
 const START: Clock = Clock { mode: Mode::Instantiated, time: 0.0, stop: None };
 
 /// A model with its table and description.
-pub(crate) fn load<M: Model>(resources: Option<&Path>) -> Result<(M, Table<M>, Document), String> {
+pub(crate) fn load<M: Model>(resources: &Resources) -> Result<(M, Table<M>, Document), String> {
     let mut model = M::load(resources)?;
     let table = Table::new(model.variables())?;
-    let document = description::document(&table, &mut model)?;
+    let document = description::document(&table, &mut model, resources)?;
     Ok((model, table, document))
 }
 
-/// A model with its table, which must be the one that the master read the description of.
-pub(crate) fn load_described<M: Model>(resources: Option<&Path>, guid: &str) -> Result<(M, Table<M>), String> {
-    let (model, table, document) = load::<M>(resources)?;
-    if document.guid != guid {
-        return Err(format!("the GUID is {guid:?}, but library and resources make {:?}", document.guid));
-    }
-    Ok((model, table))
+/// What an instance begins with.
+pub(crate) struct Loaded<M: Model> {
+    resources: Resources,
+    origin: Origin,
+    model: M,
+    table: Table<M>,
 }
 
+/// The model in a folder of resources, which must be the one that the master read the description of.
+pub(crate) fn load_described<M: Model>(folder: Option<&Path>, guid: &str) -> Result<Loaded<M>, String> {
+    let resources = Resources::read(folder, M::RESOURCES)?;
+    identity::check_origin::<M>(guid, &resources)?;
+    let (model, table, document) = load::<M>(&resources)?;
+    if document.guid != guid {
+        return Err(format!("the GUID {guid} belongs to another model description than that of {}", document.guid));
+    }
+    let name = format!("{} by {}", model.description().model_name, identity::maker::<M>());
+    if name.len() > usize::from(u16::MAX) {
+        return Err(format!("the name of the model has {} bytes, but may have {}", name.len(), u16::MAX));
+    }
+    Ok(Loaded { resources, origin: Origin { name, guid: guid.to_string() }, model, table })
+}
+
+/// Room for a state that grows while it is made, by the size of the state: the vector that it is written to doubles.
+const SERIALIZED: usize = 4;
+
 impl<M: Model> Instance<M> {
-    pub fn new(log: Log, resources: Option<PathBuf>, guid: String, (model, table): (M, Table<M>)) -> Self {
-        Instance { log, resources, guid, model, table, clock: START, snapshots: BTreeMap::new(), strings: Vec::new() }
+    pub fn new(log: Log, Loaded { resources, origin, model, table }: Loaded<M>) -> Self {
+        let (snapshots, strings) = (BTreeMap::new(), Vec::new());
+        Instance { log, resources, origin, model, table, clock: START, stale: true, snapshots, strings }
     }
 
     pub fn check_order(&self, function: Function) -> Result<(), String> {
@@ -72,12 +98,12 @@ impl<M: Model> Instance<M> {
 
     pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), String> {
         if !start.is_finite() {
-            return Err(format!("startTime = {start} must be finite"));
+            return Err(format!("startTime = {start:.3e} must be finite"));
         }
         if let Some(stop) = stop
             && !(stop.is_finite() && stop > start)
         {
-            return Err(format!("stopTime = {stop} must be finite and greater than startTime = {start}"));
+            return Err(format!("stopTime = {stop:.3e} must be finite and greater than startTime = {start:.3e}"));
         }
         self.clock.time = start;
         self.clock.stop = stop;
@@ -89,9 +115,18 @@ impl<M: Model> Instance<M> {
     }
 
     pub fn exit_initialization(&mut self) -> Result<(), String> {
-        let result = self.model.initialise(self.clock.time, &self.log);
+        let result = self.refresh();
         self.clock.mode = if result.is_ok() { Mode::StepComplete } else { Mode::Error };
         result
+    }
+
+    /// Makes the outputs valid for what was set, where initialisation has not ended.
+    fn refresh(&mut self) -> Result<(), String> {
+        if self.stale && !self.initialised() {
+            self.model.initialise(self.clock.time, &self.log)?;
+            self.stale = false;
+        }
+        Ok(())
     }
 
     pub fn terminate(&mut self) {
@@ -105,24 +140,32 @@ impl<M: Model> Instance<M> {
     }
 
     fn reload(&mut self) -> Result<(), String> {
-        (self.model, self.table) = load_described(self.resources.as_deref(), &self.guid)?;
+        self.model = M::load(&self.resources)?;
+        self.table = Table::new(self.model.variables())?;
+        self.stale = true;
         Ok(())
     }
 
     pub fn step(&mut self, time: f64, step: f64) -> Result<(), String> {
         let now = self.clock.time;
         if !(step.is_finite() && step > 0.0) {
-            return Err(format!("communicationStepSize = {step} must be finite and > 0"));
+            return Err(format!("communicationStepSize = {step:.3e} must be finite and > 0"));
         }
         let tolerance = TIME_TOLERANCE * now.abs().max(step);
         if !time.is_finite() || (time - now).abs() > tolerance {
-            return Err(format!("currentCommunicationPoint = {time} must be the instance's time {now}"));
+            let off = time - now;
+            return Err(format!(
+                "currentCommunicationPoint = {time:.3e} must be the instance's time {now:.3e}, but is off by {off:.3e}"
+            ));
         }
         let end = time + step;
         if let Some(stop) = self.clock.stop
             && end > stop + tolerance
         {
-            return Err(format!("the step from {time} to {end} must not pass stopTime = {stop}"));
+            let past = end - stop;
+            return Err(format!(
+                "the step of {step:.3e} from {time:.3e} must not pass stopTime = {stop:.3e}, but does by {past:.3e}"
+            ));
         }
         let result = self.model.step(time, step, &self.log);
         match result {
@@ -136,6 +179,9 @@ impl<M: Model> Instance<M> {
     /// is an error, so that no NaN passes silently.
     pub fn get<T: Value>(&mut self, references: &[u32], mut sink: impl FnMut(usize, &[T])) -> Result<(), String> {
         let clock = [self.clock.time];
+        if self.table.runs(references).flatten().any(|run| self.is_calculated(&run)) {
+            self.refresh()?;
+        }
         for run in self.table.runs(references) {
             let run = run?;
             let values = self
@@ -147,6 +193,12 @@ impl<M: Model> Instance<M> {
             sink(run.position, values);
         }
         Ok(())
+    }
+
+    fn is_calculated(&self, run: &Run) -> bool {
+        let Variable { causality, variability, .. } = self.table.variables[run.variable];
+        matches!(causality, Causality::Output | Causality::Local | Causality::CalculatedParameter)
+            && variability != Variability::Constant
     }
 
     /// Writes values: all or, if one is refused, none.
@@ -167,6 +219,7 @@ impl<M: Model> Instance<M> {
             let length = run.elements.len();
             target[run.elements].clone_from_slice(&values[run.position..][..length]);
         }
+        self.stale = true;
         Ok(())
     }
 
@@ -182,7 +235,7 @@ impl<M: Model> Instance<M> {
             Causality::Parameter => {
                 Err(format!("parameter {} is fixed once initialisation has ended", self.table.name(run)))
             }
-            Causality::Output | Causality::Local | Causality::Independent => {
+            Causality::Output | Causality::Local | Causality::CalculatedParameter | Causality::Independent => {
                 Err(format!("{} {} cannot be set", causality.name(), self.table.name(run)))
             }
         }
@@ -202,6 +255,7 @@ impl<M: Model> Instance<M> {
         if !M::DIRECTIONAL_DERIVATIVE {
             return Err("directional derivatives are not provided".into());
         }
+        self.refresh()?;
         let unknown = self.table.spans(unknown, Causality::Output)?;
         let known = self.table.spans(known, Causality::Input)?;
         self.model.directional_derivative(&unknown, &known, seed, derivative)?;
@@ -242,13 +296,16 @@ impl<M: Model> Instance<M> {
 
     /// Keeps the present state, in the place of `handle` if it is not zero. Returns its handle.
     pub fn save(&mut self, handle: usize) -> Result<usize, String> {
+        require_memory(self.model.state_bytes())?;
         let snapshot = Snapshot { clock: self.clock, model: self.model.save() };
         self.keep(handle, snapshot)
     }
 
     /// A field to look at.
-    pub fn field(&mut self, name: &str) -> Option<([usize; 2], Vec<f64>)> {
-        self.model.field(name)
+    pub fn field(&mut self, name: &str) -> Result<Option<Field>, String> {
+        self.refresh()?;
+        require_memory(self.model.state_bytes())?;
+        Ok(self.model.field(name))
     }
 
     pub fn restore(&mut self, handle: usize) -> Result<(), String> {
@@ -256,6 +313,7 @@ impl<M: Model> Instance<M> {
             self.reload()?;
         }
         let snapshot = find(&self.snapshots, handle)?;
+        self.stale = true;
         let result = self.model.restore(&snapshot.model);
         self.clock = match &result {
             Ok(()) => snapshot.clock,
@@ -271,12 +329,14 @@ impl<M: Model> Instance<M> {
     }
 
     pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, String> {
-        find(&self.snapshots, handle)?.to_bytes(&self.guid)
+        require_memory(SERIALIZED * self.model.state_bytes())?;
+        find(&self.snapshots, handle)?.to_bytes(&self.origin)
     }
 
     /// Keeps a serialized state, in the place of `handle` if it is not zero. Returns its handle.
     pub fn deserialize(&mut self, bytes: &[u8], handle: usize) -> Result<usize, String> {
-        self.keep(handle, Snapshot::from_bytes(bytes, &self.guid)?)
+        require_memory(SERIALIZED * bytes.len())?;
+        self.keep(handle, Snapshot::from_bytes(bytes, &self.origin)?)
     }
 
     fn keep(&mut self, handle: usize, snapshot: Snapshot<M::State>) -> Result<usize, String> {
@@ -303,7 +363,7 @@ fn unknown_state(handle: usize) -> String {
 fn check_derivative(derivative: &[f64]) -> Result<(), String> {
     match derivative.iter().find(|value| !value.is_finite()) {
         None => Ok(()),
-        Some(value) => Err(format!("the derivative {value} is not finite")),
+        Some(value) => Err(format!("the derivative {value:.3e} is not finite")),
     }
 }
 

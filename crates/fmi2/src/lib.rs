@@ -6,10 +6,9 @@
 //! panics, and stores, restores and serializes the FMU state. See also `examples/damped_oscillator.rs`.
 //!
 //! ```
-//! use std::path::Path;
 //! use std::slice::{from_mut, from_ref};
 //!
-//! use nervure_fmi2::{Description, Log, Model, Variable};
+//! use nervure_fmi2::{Description, Log, Model, Resources, Variable};
 //!
 //! struct Tank {
 //!     inflow: f64,
@@ -18,15 +17,16 @@
 //!
 //! impl Model for Tank {
 //!     const IDENTIFIER: &'static str = "tank";
+//!     const VERSION: &'static str = "1.0";
 //!     type State = (f64, f64);
 //!
-//!     fn load(_resources: Option<&Path>) -> Result<Self, String> {
+//!     fn load(_resources: &Resources) -> Result<Self, String> {
 //!         Ok(Tank { inflow: 0.0, volume: 0.0 })
 //!     }
 //!
 //!     fn description(&self) -> Description {
 //!         let (model_name, text) = ("Tank".into(), "A tank that fills".into());
-//!         Description { model_name, text, start: 0.0, stop: 1.0, step: 0.1, tolerance: 1e-6 }
+//!         Description { model_name, text, ..Description::default() }
 //!     }
 //!
 //!     fn variables(&self) -> Vec<Variable<Self>> {
@@ -62,10 +62,11 @@
 mod description;
 #[doc(hidden)]
 pub mod export;
-mod float;
 mod guard;
+mod identity;
 mod instance;
 mod log;
+mod memory;
 mod model;
 mod resource;
 mod snapshot;
@@ -78,5 +79,7 @@ mod variable;
 
 pub use description::Description;
 pub use log::Log;
+pub use memory::require_memory;
 pub use model::{Model, Span};
+pub use resource::Resources;
 pub use variable::{Boolean, Integer, Real, Text, Variable};

@@ -1,13 +1,13 @@
 //! The trait that a model implements.
 
 use std::ops::Range;
-use std::path::Path;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::description::Description;
 use crate::log::Log;
+use crate::resource::Resources;
 use crate::variable::Variable;
 
 /// A co-simulation unit: what [`export_fmu!`](crate::export_fmu) makes an FMU of.
@@ -17,6 +17,16 @@ use crate::variable::Variable;
 pub trait Model: Sized + 'static {
     /// Name of the shared library in the FMU's `binaries` folder, without its ending.
     const IDENTIFIER: &'static str;
+
+    /// Version of the library, `env!("CARGO_PKG_VERSION")` as a rule. It is part of the GUID.
+    const VERSION: &'static str;
+
+    /// To be raised whenever [`State`](Model::State) changes: a state of another layout is refused by its GUID.
+    const STATE_LAYOUT: u32 = 1;
+
+    /// Files in the FMU's folder `resources` that decide what the model is. They are part of the GUID: an FMU in which
+    /// one was edited is refused before it is loaded.
+    const RESOURCES: &'static [&'static str] = &[];
 
     /// [`directional_derivative`](Model::directional_derivative) is implemented.
     const DIRECTIONAL_DERIVATIVE: bool = false;
@@ -30,9 +40,10 @@ pub trait Model: Sized + 'static {
     /// Everything that decides the model's future: inputs, parameters and memory, but no scratch.
     type State: Clone + Serialize + DeserializeOwned;
 
-    /// Makes the model as it is before a master sets anything. `resources` is the FMU's folder of that name, `None`
-    /// if the master named none. Called at instantiation and again by `fmi2Reset`; an error refuses the instance.
-    fn load(resources: Option<&Path>) -> Result<Self, String>;
+    /// Makes the model as it is before a master sets anything. Called at instantiation and again by `fmi2Reset`, with
+    /// the same resources; an error refuses the instance. What is large asks for its memory first
+    /// ([`require_memory`](crate::require_memory)).
+    fn load(resources: &Resources) -> Result<Self, String>;
 
     /// Name, text and default experiment.
     fn description(&self) -> Description;
@@ -41,12 +52,19 @@ pub trait Model: Sized + 'static {
     /// parts that are present), and on nothing that changes later. Start values are read through it.
     fn variables(&self) -> Vec<Variable<Self>>;
 
-    /// Called when initialisation ends, with all parameters and first inputs set. Outputs must be valid after it.
+    /// Makes all outputs valid for the parameters and inputs that are set. Called when initialisation ends, and before,
+    /// whenever outputs are asked for after something was set; it must not matter how often. On an error the model must
+    /// be as it was.
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String>;
 
     /// Advances from `t` to exactly `t + h`, in s. On an error the model must be as it was before the call, so that
     /// a master may restore a state and try a smaller step. No glue can check that.
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String>;
+
+    /// Bytes that a copy of the state takes, about; the glue asks for them before it copies or serializes one.
+    fn state_bytes(&self) -> usize {
+        size_of::<Self::State>()
+    }
 
     /// Copies out the state.
     fn save(&self) -> Self::State;

@@ -1,6 +1,81 @@
-//! The resource location of `fmi2Instantiate`: a file URI, by the standard, or a plain path, in practice.
+//! The resources of an FMU: where they are, and the files among them that decide what the model is.
+//!
+//! The location of `fmi2Instantiate` is a file URI, by the standard, or a plain path, in practice.
 
-use std::path::PathBuf;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::memory::require_memory;
+
+/// Largest file that is read, bytes. A scene of 65536 segments with an angle each takes two megabytes.
+const LARGEST_FILE: u64 = 16 << 20;
+
+/// The resources of an FMU: the folder, and the files of [`Model::RESOURCES`](crate::Model::RESOURCES) as they were when
+/// the FMU was instantiated.
+#[derive(Clone, Debug, Default)]
+pub struct Resources {
+    folder: Option<PathBuf>,
+    files: Vec<(&'static str, String)>,
+}
+
+impl Resources {
+    /// Reads the named files, which have to be regular ones of no more than 16 MB in UTF-8.
+    pub fn read(folder: Option<&Path>, names: &[&'static str]) -> Result<Self, String> {
+        let Some(folder) = folder else {
+            return match names {
+                [] => Ok(Self::default()),
+                _ => Err(format!("the model needs its resources folder with {} in it", names.join(", "))),
+            };
+        };
+        let files = names.iter().map(|name| Ok((*name, file(&folder.join(name))?))).collect::<Result<_, String>>()?;
+        Ok(Self { folder: Some(folder.to_owned()), files })
+    }
+
+    /// The folder, if the master named one.
+    pub fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
+    /// Text of a file of [`Model::RESOURCES`](crate::Model::RESOURCES).
+    pub fn text(&self, name: &str) -> Result<&str, String> {
+        let file = self.files.iter().find(|(known, _)| *known == name);
+        file.map(|(_, text)| text.as_str()).ok_or_else(|| format!("{name} is none of the model's resources"))
+    }
+
+    /// Paths of the files, for messages.
+    pub(crate) fn names(&self) -> String {
+        let folder = self.folder.as_deref().unwrap_or(Path::new(""));
+        let names: Vec<_> = self.files.iter().map(|(name, _)| folder.join(name).display().to_string()).collect();
+        names.join(", ")
+    }
+
+    /// All files with their names and lengths, as one.
+    pub(crate) fn content(&self) -> Vec<u8> {
+        let head = |name: &str, text: &str| format!("{name} {}\n", text.len());
+        self.files.iter().flat_map(|(name, text)| [head(name, text).as_str(), text].concat().into_bytes()).collect()
+    }
+}
+
+/// Text of a file; nothing is opened that could block or never end.
+fn file(path: &Path) -> Result<String, String> {
+    let name = path.display();
+    let unreadable = |error: std::io::Error| format!("the resource {name} cannot be read: {error}");
+    let about = path.metadata().map_err(unreadable)?;
+    if !about.is_file() {
+        return Err(format!("the resource {name} is no regular file"));
+    }
+    if about.len() > LARGEST_FILE {
+        return Err(format!("the resource {name} has {} bytes, but may have {LARGEST_FILE}", about.len()));
+    }
+    require_memory(3 * about.len() as usize)?;
+    let mut bytes = Vec::new();
+    File::open(path).and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes)).map_err(unreadable)?;
+    if bytes.len() as u64 > LARGEST_FILE {
+        return Err(format!("the resource {name} has more than {LARGEST_FILE} bytes"));
+    }
+    String::from_utf8(bytes).map_err(|error| format!("the resource {name} is not UTF-8: {error}"))
+}
 
 /// The folder that `location` names: `file:///a`, `file:/a`, `file://localhost/a` (percent-decoded) or `/a` as it is.
 pub(crate) fn folder(location: &str) -> Result<PathBuf, String> {
@@ -62,6 +137,29 @@ mod tests {
         ] {
             assert_eq!(folder(location), Ok(PathBuf::from(expected)), "{location}");
         }
+    }
+
+    #[test]
+    fn a_resource_that_is_no_regular_file_or_too_large_is_refused_by_name() {
+        let folder = std::env::temp_dir().join(format!("resources-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("folder")).unwrap();
+        File::create(folder.join("large")).and_then(|file| file.set_len(LARGEST_FILE + 1)).unwrap();
+        std::fs::write(folder.join("bytes"), b"\xff").unwrap();
+        std::fs::write(folder.join("text"), "a scene").unwrap();
+        let named = Resources::read(Some(&folder), &["text"]).unwrap();
+        assert_eq!(named.text("text"), Ok("a scene"));
+        for (name, part) in
+            [("folder", "no regular file"), ("large", "16777216"), ("bytes", "UTF-8"), ("nothing", "cannot be read")]
+        {
+            let message = Resources::read(Some(&folder), &[name]).unwrap_err();
+            assert!(message.contains(part) && message.contains(name), "{message}");
+        }
+        #[cfg(unix)]
+        {
+            let endless = Resources::read(Some(Path::new("/dev")), &["zero"]).unwrap_err();
+            assert!(endless.contains("/dev/zero is no regular file"), "{endless}");
+        }
+        std::fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]

@@ -4,15 +4,18 @@
 //! |---|---|
 //! | 0 – 7 | `FMI2STAT` |
 //! | 8 – 11 | format version |
-//! | 12 – 49 | GUID of the model description |
-//! | 50 – 57 | length of the payload |
-//! | 58 – 61 | CRC-32 of the payload |
-//! | 62 – | payload, postcard |
+//! | 12 – 13 | length n of the origin |
+//! | 14 – 13 + n | origin, UTF-8: model name, library and its version |
+//! | 14 + n – 51 + n | GUID of the model description |
+//! | 52 + n – 59 + n | length of the payload |
+//! | 60 + n – 63 + n | CRC-32 of the payload |
+//! | 64 + n – | payload, postcard |
 //!
 //! Integers are little-endian. Each byte is checked, so that damage is refused wherever it strikes.
 
 use serde::{Deserialize, Serialize};
 
+use crate::identity::{self, Difference};
 use crate::state_machine::Mode;
 
 /// What `fmi2GetFMUstate` keeps and `fmi2SetFMUstate` puts back.
@@ -33,16 +36,25 @@ pub(crate) struct Clock {
 }
 
 const MAGIC: &[u8; 8] = b"FMI2STAT";
-const VERSION: u32 = 1;
-const GUID_LENGTH: usize = 38;
+const VERSION: u32 = 2;
+
+/// What a state belongs to.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Origin {
+    /// Model name, library and its version, at most 65535 bytes.
+    pub name: String,
+    pub guid: String,
+}
 
 impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
-    pub fn to_bytes(&self, guid: &str) -> Result<Vec<u8>, String> {
+    pub fn to_bytes(&self, origin: &Origin) -> Result<Vec<u8>, String> {
         let payload = postcard::to_stdvec(self).map_err(|error| format!("the state cannot be serialized: {error}"))?;
         Ok([
             MAGIC,
             &VERSION.to_le_bytes()[..],
-            guid.as_bytes(),
+            &(origin.name.len() as u16).to_le_bytes(),
+            origin.name.as_bytes(),
+            origin.guid.as_bytes(),
             &(payload.len() as u64).to_le_bytes(),
             &crc32fast::hash(&payload).to_le_bytes(),
             &payload,
@@ -50,7 +62,7 @@ impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
         .concat())
     }
 
-    pub fn from_bytes(bytes: &[u8], guid: &str) -> Result<Self, String> {
+    pub fn from_bytes(bytes: &[u8], origin: &Origin) -> Result<Self, String> {
         let mut rest = bytes;
         if take::<8>(&mut rest)? != *MAGIC {
             return Err("the bytes are not a serialized FMU state".into());
@@ -59,10 +71,25 @@ impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
         if version != VERSION {
             return Err(format!("the serialized state has format version {version}, not {VERSION}"));
         }
-        let theirs = take::<GUID_LENGTH>(&mut rest)?;
+        let length = u16::from_le_bytes(take(&mut rest)?).into();
+        let Some((name, after)) = rest.split_at_checked(length) else {
+            return Err(format!("the serialized state ends {} bytes early", length - rest.len()));
+        };
+        rest = after;
+        let (name, Origin { name: own, guid }) = (String::from_utf8_lossy(name), origin);
+        if name != own.as_str() {
+            return Err(format!("the serialized state belongs to {name}, not to {own}"));
+        }
+        let theirs = take::<{ identity::LENGTH }>(&mut rest)?;
         if theirs != guid.as_bytes() {
             let theirs = String::from_utf8_lossy(&theirs);
-            return Err(format!("the serialized state belongs to an FMU of GUID {theirs}, not {guid}"));
+            let what = match identity::difference(&theirs, guid) {
+                Some(Difference::Resources) => "the same name with other resources",
+                _ => "the same name with another description",
+            };
+            return Err(format!(
+                "the serialized state belongs to {own}, but of {what}: its GUID is {theirs}, not {guid}"
+            ));
         }
         let length = u64::from_le_bytes(take(&mut rest)?);
         let checksum = u32::from_le_bytes(take(&mut rest)?);
@@ -91,7 +118,9 @@ fn take<const N: usize>(rest: &mut &[u8]) -> Result<[u8; N], String> {
 mod tests {
     use super::*;
 
-    const GUID: &str = "{01234567-89ab-cdef-0123-456789abcdef}";
+    fn origin() -> Origin {
+        Origin { name: "Tank by tank 1.0".into(), guid: "{01234567-89ab-cdef-0123-456789abcdef}".into() }
+    }
 
     fn snapshot() -> Snapshot<Vec<f64>> {
         let clock = Clock { mode: Mode::StepComplete, time: 0.1, stop: Some(2.0) };
@@ -99,17 +128,17 @@ mod tests {
     }
 
     fn read(bytes: &[u8]) -> Result<Snapshot<Vec<f64>>, String> {
-        Snapshot::from_bytes(bytes, GUID)
+        Snapshot::from_bytes(bytes, &origin())
     }
 
     #[test]
     fn bytes_read_back_to_the_same_state() {
-        assert_eq!(read(&snapshot().to_bytes(GUID).unwrap()), Ok(snapshot()));
+        assert_eq!(read(&snapshot().to_bytes(&origin()).unwrap()), Ok(snapshot()));
     }
 
     #[test]
     fn a_change_of_any_byte_is_refused() {
-        let bytes = snapshot().to_bytes(GUID).unwrap();
+        let bytes = snapshot().to_bytes(&origin()).unwrap();
         for at in 0..bytes.len() {
             for mask in [0x01, 0x80, 0xff] {
                 let mut damaged = bytes.clone();
@@ -121,7 +150,7 @@ mod tests {
 
     #[test]
     fn a_cut_or_an_addition_of_any_length_is_refused() {
-        let bytes = snapshot().to_bytes(GUID).unwrap();
+        let bytes = snapshot().to_bytes(&origin()).unwrap();
         for length in 0..bytes.len() {
             assert!(read(&bytes[..length]).is_err(), "{length} of {} bytes were accepted", bytes.len());
         }
@@ -129,9 +158,16 @@ mod tests {
     }
 
     #[test]
-    fn a_state_of_another_fmu_is_refused_with_both_names() {
-        let other = GUID.replace('0', "f");
-        let message = read(&snapshot().to_bytes(&other).unwrap()).unwrap_err();
-        assert!(message.contains(GUID) && message.contains(&other), "{message}");
+    fn a_state_of_another_origin_is_refused_with_what_differs() {
+        let Origin { name, guid } = origin();
+        let (other, edited) = (name.replace("1.0", "2.0"), guid.replace("89ab", "f9ab"));
+        for (state, parts) in [
+            (Origin { name: other.clone(), guid: guid.clone() }, [&other[..], &name]),
+            (Origin { name: name.clone(), guid: edited.clone() }, [&edited, "other resources"]),
+            (Origin { name: name.clone(), guid: guid.replace("def}", "d0f}") }, ["another description", &guid]),
+        ] {
+            let message = read(&snapshot().to_bytes(&state).unwrap()).unwrap_err();
+            assert!(parts.iter().all(|part| message.contains(part)), "{message}");
+        }
     }
 }

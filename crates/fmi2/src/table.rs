@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::model::Span;
-use crate::units::Exponents;
+use crate::units::BaseUnit;
 use crate::variable::{Access, Causality, UNBOUNDED, Value, Variability, Variable};
 
 pub(crate) struct Table<M> {
@@ -43,15 +43,37 @@ impl<M> Table<M> {
                 return Err(format!("variable {} is listed twice", variable.name));
             }
         }
+        let mut enumerations = HashMap::new();
         for variable in &self.variables {
             let Variable { name, causality, variability, .. } = variable;
+            if let Some((kind, items)) = &variable.enumeration {
+                if !matches!(variable.access, Access::Integer(_)) || items.is_empty() {
+                    return Err(format!("variable {name}: an enumeration is an Integer with at least one item"));
+                }
+                if enumerations.insert(kind, items).is_some_and(|known| known != items) {
+                    return Err(format!("variable {name}: the enumeration {kind} has other items elsewhere"));
+                }
+            }
             if let Some(unit) = &variable.unit {
-                Exponents::parse(unit).map_err(|error| format!("variable {name}: {error}"))?;
+                let own = BaseUnit::parse(unit).map_err(|error| format!("variable {name}: {error}"))?;
+                if let Some(shown) = &variable.display_unit {
+                    let other = BaseUnit::parse(shown).map_err(|error| format!("variable {name}: {error}"))?;
+                    if other.powers != own.powers {
+                        return Err(format!("variable {name}: {shown:?} cannot show what is in {unit:?}"));
+                    }
+                }
+            } else if variable.display_unit.is_some() || variable.nominal.is_some() {
+                let type_name = variable.access.type_name();
+                return Err(format!("variable {name}: a {type_name} has neither display unit nor nominal value"));
+            }
+            if variable.nominal.is_some_and(|nominal| !(nominal.is_finite() && nominal > 0.0)) {
+                return Err(format!("variable {name}: its nominal value must be finite and > 0"));
             }
             let allowed = match variability {
-                Variability::Tunable => *causality == Causality::Parameter,
+                Variability::Tunable => matches!(causality, Causality::Parameter | Causality::CalculatedParameter),
                 Variability::Constant => matches!(causality, Causality::Output | Causality::Local),
-                Variability::Fixed | Variability::Discrete | Variability::Continuous => true,
+                Variability::Fixed | Variability::Continuous => true,
+                Variability::Discrete => !matches!(causality, Causality::Parameter | Causality::CalculatedParameter),
             };
             if !allowed {
                 let (causality, variability) = (causality.name(), variability.name());
@@ -68,6 +90,11 @@ impl<M> Table<M> {
             }
         }
         Ok(())
+    }
+
+    /// Number of value references.
+    pub fn len(&self) -> usize {
+        self.owner.len()
     }
 
     /// Value references of all elements of a variable.
@@ -216,6 +243,17 @@ mod tests {
         for (list, parts) in [
             (vec![input("a"), input("a")], ["a", "twice"]),
             (vec![output("drag", "furlong")], ["drag", "furlong"]),
+            (vec![output("drag", "N").display_unit("kPa")], ["drag", "kPa\" cannot show what is in \"N"]),
+            (vec![output("drag", "N").enumeration("Mode", &["on"])], ["drag", "an enumeration is an Integer"]),
+            (
+                vec![
+                    Integer::input("a", "", |_| &mut []).enumeration("Mode", &["on"]),
+                    Integer::input("b", "", |_| &mut []).enumeration("Mode", &["off"]),
+                ],
+                ["b", "the enumeration Mode has other items"],
+            ),
+            (vec![output("drag", "N").nominal(0.0)], ["drag", "nominal value must be finite and > 0"]),
+            (vec![Boolean::input("on", "", |_| &mut []).nominal(1.0)], ["on", "neither display unit nor nominal"]),
             (vec![output("drag", "N").depends_on(&["u"])], ["drag", "u, which is not an input"]),
             (vec![output("drag", "N").depends_on(&["drag"])], ["drag", "not an input"]),
             (vec![output("drag", "N").tunable()], ["drag", "output cannot be tunable"]),

@@ -10,6 +10,10 @@ pub struct Variable<M> {
     pub(crate) name: String,
     pub(crate) description: String,
     pub(crate) unit: Option<String>,
+    pub(crate) display_unit: Option<String>,
+    pub(crate) nominal: Option<f64>,
+    /// Name and items of the enumeration that an Integer counts.
+    pub(crate) enumeration: Option<(String, Vec<String>)>,
     pub(crate) causality: Causality,
     pub(crate) variability: Variability,
     /// Length of an array; `None` is a scalar.
@@ -28,6 +32,7 @@ pub(crate) const UNBOUNDED: Bounds = (Bound::Unbounded, Bound::Unbounded);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Causality {
     Parameter,
+    CalculatedParameter,
     Input,
     Output,
     Local,
@@ -102,6 +107,11 @@ pub(crate) trait Value: Debug + Sized + 'static {
         None
     }
 
+    /// A value as messages show it.
+    fn shown(&self) -> String {
+        format!("{self:?}")
+    }
+
     /// Whether all the values may be set.
     fn are_allowed(_values: &[Self], _bounds: &Bounds) -> bool {
         true
@@ -120,6 +130,10 @@ impl Value for f64 {
 
     fn clock(clock: &[f64; 1]) -> Option<&[Self]> {
         Some(clock)
+    }
+
+    fn shown(&self) -> String {
+        format!("{self:.3e}")
     }
 
     fn are_allowed(values: &[Self], bounds: &Bounds) -> bool {
@@ -195,6 +209,9 @@ impl<M> Variable<M> {
             name: name.into(),
             description: description.into(),
             unit: None,
+            display_unit: None,
+            nominal: None,
+            enumeration: None,
             causality,
             variability,
             array: None,
@@ -240,6 +257,36 @@ impl<M> Variable<M> {
         self
     }
 
+    /// An Integer that is one of the named items, counted from 1. Variables of the same name of the type share it.
+    pub fn enumeration(mut self, name: &str, items: &[&str]) -> Self {
+        self.enumeration = Some((name.to_string(), items.iter().map(ToString::to_string).collect()));
+        self.at_least(1).at_most(items.len() as f64)
+    }
+
+    /// A Real that is shown in another unit of the same kind, such as `mm` for `m` or `degC` for `K`.
+    pub fn display_unit(mut self, unit: &str) -> Self {
+        self.display_unit = Some(unit.to_string());
+        self
+    }
+
+    /// The size that a Real usually has, in its unit.
+    pub fn nominal(mut self, value: f64) -> Self {
+        self.nominal = Some(value);
+        self
+    }
+
+    /// A Real that changes only at communication points.
+    pub fn discrete(mut self) -> Self {
+        self.variability = Variability::Discrete;
+        self
+    }
+
+    /// An output or local that follows from the parameters when initialisation ends, and does not change any more.
+    pub fn calculated_parameter(mut self) -> Self {
+        (self.causality, self.variability) = (Causality::CalculatedParameter, Variability::Fixed);
+        self
+    }
+
     /// An output or local that never changes after loading, such as a number of nodes.
     pub fn constant(mut self) -> Self {
         self.variability = Variability::Constant;
@@ -261,7 +308,7 @@ impl<M> Variable<M> {
         let mut alone = values.iter().map(slice::from_ref);
         let at = alone.position(|value| !T::are_allowed(value, &self.bounds)).expect("one of them is not allowed");
         let name = self.element_name(element + at);
-        Err(format!("{name} = {:?} must be {}", values[at], limits::<T>(&self.bounds)))
+        Err(format!("{name} = {} must be {}", values[at].shown(), limits::<T>(&self.bounds)))
     }
 
     /// Refuses values to be read, the first of which belongs to `element`, if one is not finite.
@@ -271,7 +318,12 @@ impl<M> Variable<M> {
         }
         let is_finite = |value| T::are_allowed(slice::from_ref(value), &UNBOUNDED);
         let at = values.iter().position(|value| !is_finite(value)).expect("one of them is not finite");
-        Err(format!("{} = {:?} is not finite", self.element_name(element + at), values[at]))
+        Err(format!("{} = {} is not finite", self.element_name(element + at), values[at].shown()))
+    }
+
+    /// Name of the type in the model description.
+    pub(crate) fn type_name(&self) -> &'static str {
+        if self.enumeration.is_some() { "Enumeration" } else { self.access.type_name() }
     }
 
     /// Number of value references.

@@ -3,12 +3,11 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString, c_void};
-use std::path::Path;
 use std::ptr::{null, null_mut};
 use std::slice::{from_mut, from_ref};
 
 use nervure_fmi2::sys::*;
-use nervure_fmi2::{Description, Log, Model, Span, Variable};
+use nervure_fmi2::{Description, Log, Model, Resources, Span, Variable};
 use serde::{Deserialize, Serialize};
 
 // ---------------------------------------------------------------- the model
@@ -38,13 +37,14 @@ struct Integrator {
 
 impl Model for Integrator {
     const IDENTIFIER: &'static str = "integrator";
+    const VERSION: &'static str = "1.0";
     const DIRECTIONAL_DERIVATIVE: bool = true;
     const OUTPUT_DERIVATIVE: bool = true;
     const INPUT_DERIVATIVE: bool = true;
     type State = Self;
 
-    fn load(resources: Option<&Path>) -> Result<Self, String> {
-        if let Some(folder) = resources.filter(|folder| !folder.is_dir()) {
+    fn load(resources: &Resources) -> Result<Self, String> {
+        if let Some(folder) = resources.folder().filter(|folder| !folder.is_dir()) {
             return Err(format!("resources {} are no folder, 100 %", folder.display()));
         }
         Ok(Integrator {
@@ -63,14 +63,7 @@ impl Model for Integrator {
     }
 
     fn description(&self) -> Description {
-        Description {
-            model_name: "Integrator".into(),
-            text: "Three integrators".into(),
-            start: 0.0,
-            stop: 1.0,
-            step: 0.1,
-            tolerance: 1e-6,
-        }
+        Description { model_name: "Integrator".into(), text: "Three integrators".into(), ..Description::default() }
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
@@ -471,10 +464,23 @@ fn a_set_with_one_wrong_value_sets_nothing() {
 #[test]
 fn limits_are_enforced_with_variable_value_and_limit() {
     let fmu = Fmu::new();
-    fmu.assert_refused(fmu.set(&[GAIN], &[0.0]), &["gain", "0.0 must be finite and > 0"]);
-    fmu.assert_refused(fmu.set(&[BIAS], &[1.5]), &["bias", "1.5 must be finite and >= -1 and <= 1"]);
+    fmu.assert_refused(fmu.set(&[GAIN], &[0.0]), &["gain", "0.000e0 must be finite and > 0"]);
+    fmu.assert_refused(fmu.set(&[BIAS], &[1.5]), &["bias", "1.500e0 must be finite and >= -1 and <= 1"]);
     assert_eq!(fmu.set(&[BIAS], &[1.0]), OK);
     fmu.assert_refused(fmu.set_integer(ORDER, 0), &["order", "0 must be >= 1"]);
+}
+
+#[test]
+fn outputs_follow_what_is_set_during_initialisation() {
+    let fmu = Fmu::new();
+    assert_eq!([fmu.setup(0.5, None), fmu.enter()], [OK; 2]);
+    for label in [c"one", c"two"] {
+        assert_eq!(fmu.set_string(LABEL, label), OK);
+        let mut echo = null();
+        assert_eq!(fmi2GetString(fmu.c, &ECHO, 1, &mut echo), OK);
+        assert_eq!(text(echo).to_str(), Ok(&*format!("{} at 0.5", label.to_str().unwrap())));
+    }
+    assert_eq!(fmu.exit(), OK);
 }
 
 #[test]
@@ -516,12 +522,12 @@ fn a_step_of_wrong_size_or_time_is_refused_and_changes_nothing() {
     let fmu = Fmu::new();
     assert_eq!([fmu.setup(0.0, Some(1.0)), fmu.enter(), fmu.exit()], [OK; 3]);
     for step in [0.0, -0.1, f64::NAN, f64::INFINITY] {
-        fmu.assert_refused(fmu.step(0.0, step), &["communicationStepSize", &step.to_string(), "> 0"]);
+        fmu.assert_refused(fmu.step(0.0, step), &["communicationStepSize", &format!("{step:.3e}"), "> 0"]);
     }
     for time in [0.1, -0.1, f64::NAN] {
-        fmu.assert_refused(fmu.step(time, 0.1), &["currentCommunicationPoint", &time.to_string(), "time 0"]);
+        fmu.assert_refused(fmu.step(time, 0.1), &["currentCommunicationPoint", &format!("{time:.3e}"), "time 0"]);
     }
-    fmu.assert_refused(fmu.step(0.0, 1.1), &["1.1", "stopTime = 1"]);
+    fmu.assert_refused(fmu.step(0.0, 1.1), &["1.100e0", "stopTime = 1", "by 1.000e-1"]);
     assert_eq!(fmu.get([TIME]), [0.0]);
     assert_eq!(fmu.step(0.0, 1.0 + 1e-12), OK, "rounding is not an error");
 }
@@ -711,7 +717,7 @@ fn a_wrong_instantiation_returns_null_and_tells_why() {
         (Some(c""), CS, &guid, None, ["instanceName", "empty"]),
         (Some(c"a"), fmi2Type::fmi2ModelExchange, &guid, None, ["fmuType", "fmi2CoSimulation"]),
         (Some(c"a"), fmi2Type(9), &guid, None, ["fmuType", "9"]),
-        (Some(c"a"), CS, "{another}", None, ["{another}", &guid]),
+        (Some(c"a"), CS, "{another}", None, ["{another}", "form"]),
         (Some(c"a"), CS, &guid, Some(c"http://a/b"), ["http", "no folder"]),
         (Some(c"a"), CS, &guid, Some(c"file:///no%20where"), ["/no where", "100 %%"]),
     ] {

@@ -122,7 +122,37 @@ fn name(scheme: &RodScheme) -> String {
 }
 
 impl Error {
-    pub(crate) fn value(name: impl Into<String>, value: impl ToString, allowed: &'static str) -> Self {
-        Self::Value { name: name.into(), value: value.to_string(), allowed }
+    pub(crate) fn value(name: impl Into<String>, value: impl Shown, allowed: &'static str) -> Self {
+        Self::Value { name: name.into(), value: value.shown(), allowed }
+    }
+}
+
+/// A value as messages show it.
+pub(crate) trait Shown {
+    fn shown(&self) -> String;
+}
+
+impl Shown for f64 {
+    fn shown(&self) -> String {
+        format!("{self:.3e}")
+    }
+}
+
+impl Shown for &[f64] {
+    fn shown(&self) -> String {
+        let numbers: Vec<_> = self.iter().map(Shown::shown).collect();
+        format!("[{}]", numbers.join(", "))
+    }
+}
+
+impl Shown for usize {
+    fn shown(&self) -> String {
+        self.to_string()
+    }
+}
+
+impl Shown for String {
+    fn shown(&self) -> String {
+        self.clone()
     }
 }

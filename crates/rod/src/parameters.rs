@@ -67,12 +67,12 @@ impl<const D: usize> Parameters<D> {
         let Section { line_density, bending_stiffness, axial_stiffness, shear_stiffness } = self.section;
         for (name, vector) in [("root", self.root), ("direction", self.direction), ("gravity", self.gravity)] {
             if vector.iter().any(|c| !c.is_finite()) {
-                return Err(Error::value(name, format!("{vector:?}"), "finite"));
+                return Err(Error::value(name, &vector[..], "finite"));
             }
         }
         let direction = Vector::from(self.direction).norm();
         if !(direction.is_normal()) {
-            return Err(Error::value("direction", format!("{:?}", self.direction), "a vector of any length but 0"));
+            return Err(Error::value("direction", &self.direction[..], "a vector of any length but 0"));
         }
         let k_e = match self.calibration {
             Calibration::SecondOrder => None,

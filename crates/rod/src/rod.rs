@@ -13,8 +13,8 @@ use crate::state::{Drive, Exchange, State};
 
 /// A step that fails is halved at most this many times.
 const HALVINGS: u32 = 6;
-/// Most steps of `max_step` that one call may ask for.
-const MAX_STEPS: f64 = 1e5;
+/// Most steps of `max_step` that one call may ask for, each of which may be halved six times.
+const MAX_STEPS: f64 = 1e4;
 /// A strain, and turning angle per node, whose energy is nothing but rounding.
 const NO_STRAIN: f64 = 1e-10;
 
@@ -219,7 +219,7 @@ impl<const D: usize> Rod<D> {
             ("direction_rate", state.direction_rate, still, "0 at the clamp"),
         ] {
             if self.root.is_none() && found != expected {
-                return Err(Error::value(format!("state.{name}"), format!("{:?}", found.as_slice()), allowed));
+                return Err(Error::value(format!("state.{name}"), found.as_slice(), allowed));
             }
         }
         let own = std::mem::replace(&mut self.elastic.direction, state.direction);
@@ -261,7 +261,7 @@ impl<const D: usize> Rod<D> {
         // A duration that rounding has made a little too long takes no extra step.
         let steps = self.parameters.max_step.map_or(1.0, |longest| (duration / longest - 1e-9).ceil().max(1.0));
         if steps > MAX_STEPS {
-            return Err(Error::value("duration", duration, "no more than 100000 times max_step"));
+            return Err(Error::value("duration", duration, "no more than 10000 times max_step"));
         }
         self.collect_loads()?;
         let clamp = self.next_clamp()?;
@@ -360,7 +360,7 @@ impl<const D: usize> Rod<D> {
         if clamp.direction.dot(&self.state.direction) <= 0.0 {
             return Err(Error::value(
                 "root.direction",
-                format!("{:?}", root.direction),
+                &root.direction[..],
                 "less than a right angle from the direction at the beginning of the step",
             ));
         }

@@ -35,7 +35,7 @@ impl<const D: usize> Root<D> {
             ("direction_rate", self.direction_rate),
         ] {
             if vector.iter().any(|c| !c.is_finite()) {
-                return Err(Error::value(format!("root.{name}"), format!("{vector:?}"), "finite"));
+                return Err(Error::value(format!("root.{name}"), &vector[..], "finite"));
             }
         }
         let direction = Vector::from(self.direction);

@@ -156,17 +156,16 @@ impl<const D: usize> State<D> {
                 return Err(Error::Length { name: format!("state.{name}"), length: array.len(), expected: nodes });
             }
             if let Some(k) = array.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
-                return Err(Error::value(format!("state.{name}[{k}]"), format!("{:?}", array[k].as_slice()), "finite"));
+                return Err(Error::value(format!("state.{name}[{k}]"), array[k].as_slice(), "finite"));
             }
         }
         for (name, vector) in [("direction", self.direction), ("direction_rate", self.direction_rate)] {
             if vector.iter().any(|c| !c.is_finite()) {
-                return Err(Error::value(format!("state.{name}"), format!("{:?}", vector.as_slice()), "finite"));
+                return Err(Error::value(format!("state.{name}"), vector.as_slice(), "finite"));
             }
         }
         if (self.direction.norm() - 1.0).abs() > UNIT_TOLERANCE {
-            let found = format!("{:?}", self.direction.as_slice());
-            return Err(Error::value("state.direction", found, "a vector of length 1"));
+            return Err(Error::value("state.direction", self.direction.as_slice(), "a vector of length 1"));
         }
         if !(self.last_step.is_finite() && self.last_step >= 0.0) {
             return Err(Error::value("state.last_step", self.last_step, "a finite number of at least 0 s"));

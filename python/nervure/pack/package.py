@@ -2,6 +2,7 @@
 
 import shutil
 import zipfile
+from collections.abc import Mapping
 from pathlib import Path
 
 import fmpy
@@ -9,7 +10,7 @@ import fmpy
 from nervure import library as libraries
 from nervure.errors import SceneError
 from nervure.files import write_whole
-from nervure.library import KINDS, SUFFIX, library
+from nervure.library import KINDS, library
 from nervure.pack import documentation
 from nervure.resources import ROOT
 from nervure.scene import Document, Scene, document, kinds, text
@@ -25,14 +26,24 @@ def describe(kind: str, scene: Scene | Document) -> str:
     return libraries.describe(kind, text(scene))
 
 
-def pack(kind: str, scene: Scene | Document, folder: Path) -> Path:
-    """Write the FMU `NAME-KIND.fmu` into `folder`; raises `SceneError` if the unit refuses the scene."""
+def pack(
+    kind: str,
+    scene: Scene | Document,
+    folder: Path,
+    binaries: Mapping[str, Path] | None = None,
+    notices: str | None = None,
+) -> Path:
+    """Write the FMU `NAME-KIND.fmu` into `folder`; raises `SceneError` if the unit refuses the scene.
+
+    `binaries` are the libraries by the platform's name in FMI, by default that of this system alone. `notices` are the
+    licences of what is linked into them.
+    """
     description = describe(kind, scene)
-    binary = f"binaries/{fmpy.platform}/fmu_{kind}{SUFFIX}"
+    libraries = binaries or {fmpy.platform: library(kind)}
     picture = (ROOT / f"fmu-{kind}" / "model.png").read_bytes()
     contents = {
         "modelDescription.xml": description.encode("utf-8"),
-        binary: library(kind).read_bytes(),
+        **{f"binaries/{name}/fmu_{kind}{path.suffix}": path.read_bytes() for name, path in libraries.items()},
         "resources/scene.json": text(scene).encode("utf-8"),
         "model.png": picture,
         "documentation/index.html": documentation.page(kind, description).encode("utf-8"),
@@ -41,7 +52,8 @@ def pack(kind: str, scene: Scene | Document, folder: Path) -> Path:
     }
     for licence in sorted(ROOT.glob("LICENSE*")):
         contents[f"documentation/licenses/{licence.name}"] = licence.read_bytes()
-
+    if notices is not None:
+        contents["documentation/licenses/third-party.txt"] = notices.encode("utf-8")
     return write_archive(folder / f"{document(scene)['name']}-{kind}.fmu", contents)
 
 

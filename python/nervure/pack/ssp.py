@@ -40,12 +40,13 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     return bytes(etree.tostring(root, xml_declaration=True, encoding="UTF-8", pretty_print=True))
 
 
-def pack(scene: Scene, folder: Path) -> Path:
-    """Write the units of `scene` and `NAME.ssp` with both of them into `folder` and return the path of the latter."""
+def pack(scene: Scene, folder: Path, fmus: dict[str, Path] | None = None) -> Path:
+    """Write `NAME.ssp` with both units of `scene` into `folder` and return its path; `fmus` are the units by kind, by
+    default packed into `folder` before."""
     kinds = package.kinds(scene)
     if len(kinds) < 2:
         raise SceneError(f"the scene {scene.name} has only one unit, the {kinds[0]}: there is nothing to connect")
-    fmus = {kind: package.pack(kind, scene, folder) for kind in kinds}
+    fmus = fmus or {kind: package.pack(kind, scene, folder) for kind in kinds}
     contents = {"SystemStructure.ssd": structure(scene.name, fmus, scene.time.end)}
     contents |= {f"resources/{path.name}": path.read_bytes() for path in fmus.values()}
     return package.write_archive(folder / f"{scene.name}.ssp", contents)

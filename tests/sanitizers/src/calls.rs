@@ -236,7 +236,7 @@ fn states(one: fmi2Component, other: fmi2Component) -> Vec<u8> {
     let mut bytes = vec![0_u8; size];
     assert_eq!(fmi2SerializeFMUstate(one, state, bytes.as_mut_ptr().cast(), size - 1), ERROR);
     assert_eq!(fmi2SerializeFMUstate(one, state, bytes.as_mut_ptr().cast(), size), OK);
-    for length in [0, 1, 61, 62, size / 2, size - 1] {
+    for length in [0, 1, 63, 64, size / 2, size - 1] {
         // A vector of its own, so that a read beyond the end is one beyond an allocation.
         let cut = bytes[..length].to_vec();
         assert_eq!(fmi2DeSerializeFMUstate(other, cut.as_ptr().cast(), length, &mut copy), ERROR);

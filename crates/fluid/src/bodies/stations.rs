@@ -82,6 +82,12 @@ impl Loads {
         self.impedance.copy_from_slice(&other.impedance);
     }
 
+    /// Whether all are finite.
+    pub(crate) fn are_finite(&self) -> bool {
+        let [x, y] = &self.force;
+        [x, y, &self.impedance].iter().all(|loads| loads.iter().all(|load| load.is_finite()))
+    }
+
     /// Whether they are for as many stations as `other`.
     pub(crate) fn has_shape_of(&self, other: &Self) -> bool {
         let lengths = |l: &Self| (l.force.each_ref().map(Vec::len), l.impedance.len());

@@ -30,13 +30,18 @@ pub struct Step<'a> {
     pub end: f64,
     /// Stations of the beam at its end.
     pub stations: Option<&'a Stations>,
+    /// Largest CFL number.
+    pub max_cfl: f64,
+    /// The shortest step that the flow at its end may ask for, s.
+    pub shortest: f64,
 }
 
 impl Step<'_> {
     /// Whether a flow with an advection rate (1/s) at the end is one.
     fn check(&self, advection_rate: f64) -> Result<(), Error> {
-        let cfl = advection_rate * self.dt;
-        if cfl.is_finite() { Ok(()) } else { Err(Error::Diverged { time: self.end, cfl, step: self.dt }) }
+        let (needed, shortest) = (self.max_cfl / advection_rate, self.shortest);
+        // Not a number is no step either.
+        if needed >= shortest { Ok(()) } else { Err(Error::Diverged { time: self.end, needed, shortest }) }
     }
 
     /// Take the time and the stations of the end over.

@@ -1,10 +1,9 @@
 //! The same calls on a unit with a bug in its step: `planted none|use_after_free|out_of_bounds|leak`.
 
 use std::hint::black_box;
-use std::path::Path;
 use std::slice::{from_mut, from_ref};
 
-use fmi2::{Description, Log, Model, Variable};
+use fmi2::{Description, Log, Model, Resources, Variable};
 
 #[path = "../calls.rs"]
 mod calls;
@@ -17,16 +16,17 @@ struct Planted {
 
 impl Model for Planted {
     const IDENTIFIER: &'static str = "planted";
+    const VERSION: &'static str = "1.0";
+    const RESOURCES: &'static [&'static str] = &["scene.json"];
     type State = (f64, f64);
 
-    fn load(resources: Option<&Path>) -> Result<Self, String> {
-        let file = resources.ok_or("no resources")?.join("scene.json");
-        Ok(Planted { u: 0.0, y: 0.0, bug: std::fs::read_to_string(file).map_err(|e| e.to_string())? })
+    fn load(resources: &Resources) -> Result<Self, String> {
+        Ok(Planted { u: 0.0, y: 0.0, bug: resources.text("scene.json")?.to_owned() })
     }
 
     fn description(&self) -> Description {
         let (model_name, text) = ("Planted".into(), "A unit with a bug".into());
-        Description { model_name, text, start: 0.0, stop: 1.0, step: 0.1, tolerance: 1e-6 }
+        Description { model_name, text, ..Description::default() }
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {

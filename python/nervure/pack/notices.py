@@ -1,0 +1,52 @@
+"""What the libraries of the units contain of others: names, versions and licences of the crates, with their texts."""
+
+import json
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from nervure.errors import SceneError
+from nervure.resources import ROOT
+
+TEXT = re.compile(r"(LICEN[CS]E|COPYING|NOTICE|UNLICENSE)", re.IGNORECASE)
+
+
+def notices(kind: str) -> str:
+    """The licences of all crates that the library of unit `kind` is built from; only in the source tree."""
+    command = ["cargo", "metadata", "--locked", "--format-version", "1"]
+    try:
+        answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise SceneError(f"cargo cannot list the crates of the {kind}: {error}") from error
+    found = [
+        f"{crate['name']} {crate['version']}: {crate['license']}\n\n{_texts(Path(crate['manifest_path']).parent)}"
+        for crate in sorted(_crates(json.loads(answer), f"nervure-fmu-{kind}"), key=lambda crate: str(crate["name"]))
+        if crate["source"] is not None
+    ]
+    head = (
+        f"The library of the {kind} contains the standard library of Rust (MIT OR Apache-2.0, The Rust Project "
+        "Developers) and these crates:"
+    )
+    return f"\n\n{'=' * 80}\n\n".join([head, *found])
+
+
+def _crates(metadata: dict[str, Any], name: str) -> Iterator[dict[str, Any]]:
+    """What is linked into a crate: those that it depends on, not for building or testing alone, and their own."""
+    nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
+    packages = {package["id"]: package for package in metadata["packages"]}
+    todo, done = [key for key, package in packages.items() if package["name"] == name], set()
+    while todo:
+        key = todo.pop()
+        if key not in done:
+            done.add(key)
+            yield packages[key]
+            dependencies = nodes[key]["deps"]
+            todo += [d["pkg"] for d in dependencies if any(kind["kind"] is None for kind in d["dep_kinds"])]
+
+
+def _texts(folder: Path) -> str:
+    """The licence files of a crate, one after the other."""
+    files = sorted(path for path in folder.iterdir() if path.is_file() and TEXT.match(path.name))
+    return "\n\n".join(path.read_text(encoding="utf-8", errors="replace").strip() for path in files)

@@ -1,0 +1,123 @@
+"""The FMUs in `dist` on other systems and processors: Windows under wine, ARM under qemu. `make foreign-test`.
+
+macOS can be run nowhere here: its libraries are only looked at.
+"""
+
+import os
+import shutil
+import struct
+import subprocess
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from nervure.resources import ROOT
+
+STEP, STEPS = 4e-4, 20
+AGREEMENT = 1e-12
+"""Largest difference by the largest value of the same array or quantity."""
+
+BUILT = ROOT / "target" / "foreign"
+SYSTEMS = {
+    "linux64": ([], "x86_64-unknown-linux-gnu", ""),
+    "win64": (["wine64", "/usr/lib/wine/wine64"], "x86_64-pc-windows-gnu", ".exe"),
+    "aarch64-linux": (["qemu-aarch64", "qemu-aarch64-static"], "aarch64-unknown-linux-gnu", ""),
+}
+"""Command that runs a program of the system, its target, and how its programs end."""
+
+EXPORTED = {"fmu_model_description", "fmu_field"}
+
+
+@pytest.fixture(scope="module")
+def unpacked(tmp_path_factory):
+    """The FMUs of `dist`, rod first."""
+    folder = tmp_path_factory.mktemp("dist")
+    paths = [next((ROOT / "dist").glob(f"*-{kind}.fmu")) for kind in ("rod", "fluid")]
+    return [Path(fmpy.extract(str(path), str(folder / path.stem))) for path in paths]
+
+
+def values(system: str, unpacked: list[Path], tmp_path: Path) -> dict[str, float]:
+    """Real outputs of both units after some steps on a system."""
+    commands, target, ending = SYSTEMS[system]
+    command = [found for found in map(shutil.which, commands) if found][:1]
+    if commands and not command:
+        pytest.skip(f"needs {' or '.join(commands)}")
+    if "qemu" in "".join(command):
+        command += ["-L", "/usr/aarch64-linux-gnu"]
+    program = BUILT / target / "release" / f"foreign-master{ending}"
+    folder = tmp_path / "units"
+    for kind, path in zip(("rod", "fluid"), unpacked):
+        shutil.copytree(path, folder / kind)
+    answer = subprocess.run(
+        [*command, program, repr(STEP), str(STEPS), "rod", "fluid", system],
+        cwd=folder,
+        env=os.environ | {"WINEDEBUG": "-all"},
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert answer.returncode == 0, answer.stderr
+    return {name: float(value) for name, value in map(str.split, answer.stdout.splitlines())}
+
+
+@pytest.mark.parametrize("system", [name for name in SYSTEMS if name != "linux64"])
+def test_another_system_agrees(system, unpacked, tmp_path):
+    here, there = values("linux64", unpacked, tmp_path / "here"), values(system, unpacked, tmp_path / "there")
+    assert here.keys() == there.keys() and len(here) > 300
+    kinds: dict[str, list[str]] = {}
+    for name in here:
+        # What is only rounding is measured by the largest of its kind.
+        kind = name.split("[")[0].replace("lift", "drag").replace("moment", "drag").rstrip("xy")
+        kinds.setdefault(kind, []).append(name)
+    for kind, names in kinds.items():
+        expected, found = (np.array([values[name] for name in names]) for values in (here, there))
+        difference, scale = np.abs(found - expected).max(), np.abs(expected).max()
+        assert difference <= AGREEMENT * scale, f"{kind} differs by {difference:.3e} at a scale of {scale:.3e}"
+
+
+def test_the_libraries_of_macos_are_for_both_processors_and_export_the_functions(unpacked):
+    """A Mach-O file for several processors (`mach-o/fat.h`), each part of which is a dynamic library."""
+    for folder in unpacked:
+        data = next(folder.glob("binaries/darwin64/*.dylib")).read_bytes()
+        magic, count = struct.unpack_from(">II", data)
+        assert (magic, count) == (0xCAFEBABE, 2)
+        processors = set()
+        for part in range(count):
+            processor, _, offset, _, _ = struct.unpack_from(">IIIII", data, 8 + 20 * part)
+            header, own, _, kind = struct.unpack_from("<IIII", data, offset)
+            assert (header, own, kind) == (0xFEEDFACF, processor, 6), "a dynamic library of 64 bits"
+            processors.add(processor)
+        assert processors == {0x01000007, 0x0100000C}, "x86-64 and ARM"
+        assert b"_fmi2DoStep\0" in data or b"fmi2DoStep" in data
+
+
+def test_no_path_of_the_machine_is_in_a_library(unpacked):
+    for folder in unpacked:
+        for path in folder.glob("binaries/*/*"):
+            data = path.read_bytes()
+            for place in (str(ROOT), str(Path.home())):
+                assert place.encode() not in data, f"{place} is in {path.name} of {path.parent.name}"
+
+
+def test_linux_libraries_export_what_is_documented_and_nothing_else(unpacked):
+    for folder in unpacked:
+        for path in folder.glob("binaries/*linux*/*.so"):
+            listed = subprocess.run(["objdump", "-T", path], capture_output=True, text=True, check=False).stdout
+            defined = [line.split() for line in listed.splitlines() if " g " in line and "*UND*" not in line]
+            names = {words[-1] for words in defined}
+            assert len(names) == 36 or "aarch64" in path.parent.name, names
+            assert all(name.startswith("fmi2") or name in EXPORTED for name in names), names
+
+
+def test_the_pair_is_small_and_carries_its_licences(unpacked):
+    size = sum(path.stat().st_size for path in (ROOT / "dist").glob("*.fmu"))
+    assert size < 20e6, f"{size / 1e6:.1f} MB"
+    for path in (ROOT / "dist").glob("*.fmu"):
+        with zipfile.ZipFile(path) as archive:
+            text = archive.read("documentation/licenses/third-party.txt").decode("utf-8")
+        for crate in ("serde", "quick-xml"):
+            assert f"\n{crate} " in text and "Apache License" in text, crate
