@@ -10,7 +10,7 @@ import fmpy
 from nervure import library as libraries
 from nervure.errors import SceneError
 from nervure.files import write_whole
-from nervure.library import KINDS, library
+from nervure.library import KINDS, SUFFIX, library
 from nervure.pack import documentation
 from nervure.resources import ROOT
 from nervure.scene import Document, Scene, document, kinds, text

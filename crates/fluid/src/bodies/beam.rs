@@ -20,7 +20,7 @@ use crate::wall::DragProfile;
 #[derive(Clone, Copy, Debug)]
 struct Place {
     segment: u32,
-    /// Fraction along the segment; beyond 0 and 1 in the tails of the mask, which go on with the end segments.
+    /// Fraction along the segment.
     fraction: f64,
     /// Height above the centre line, m.
     height: f64,
@@ -133,6 +133,7 @@ impl Beam {
             let distance = above.max(beyond);
             let rate = self.profile.rate(distance);
             if rate > 0.0 {
+                let place = Place { fraction: place.fraction.clamp(0.0, 1.0), ..place };
                 let velocity = frame.section_velocity(&place, frame.omega, stations);
                 self.cells.push(index, rate, velocity, place.arm);
                 if let Some(target) = self.profile.target() {

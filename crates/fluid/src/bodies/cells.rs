@@ -32,8 +32,8 @@ struct Targeted {
     across_before: f64,
     /// Unit normal n of the surface.
     normal: [f64; 2],
-    /// Sums of the weights of its points, along and across.
-    weight: [f64; 2],
+    /// Sums of the weights of its points, along, across and in the flow through the surface.
+    weight: [f64; 3],
     /// End of its points; they begin where those of the one before end.
     points_end: usize,
 }
@@ -78,14 +78,14 @@ impl Cells {
         let number = self.cells.len().wrapping_sub(1);
         let Some(cell) = self.cells.last_mut().filter(|_| distance > -target.reach()) else { return };
         (self.inertia, self.largest) = (target.inertia, target.largest);
-        let mut sum = [0.0; 2];
+        let mut sum = [0.0; 3];
         for Sample { off, weight } in target.samples(distance) {
             if weight == [0.0; 3] {
                 continue;
             }
             let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
             self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
-            sum = [sum[0] + weight[0], sum[1] + weight[1]];
+            sum = [0, 1, 2].map(|i| sum[i] + weight[i]);
         }
         cell.gain = [0, 1].map(|axis| 1.0 - sum[0] * normal[1 - axis].powi(2) - sum[1] * normal[axis].powi(2));
         let (rate, body) = (cell.rate, cell.velocity);
@@ -101,7 +101,7 @@ impl Cells {
             let ([u, v], [nx, ny], weight) = (targeted.body, targeted.normal, targeted.weight);
             let (body_along, body_across) = (nx * v - ny * u, nx * u + ny * v);
             let mut along = -weight[0] * body_along;
-            let (mut across, mut through) = (-weight[1] * body_across, -targeted.across_before);
+            let (mut across, mut through) = (-weight[1] * body_across, -weight[2] * targeted.across_before);
             for &(point, weight) in &self.points[begin..targeted.points_end] {
                 let [u, v] = velocity(point);
                 along += weight[0] * (nx * v - ny * u);

@@ -60,10 +60,11 @@ impl WallTarget {
     pub fn samples(&self, d: f64) -> [Sample; 3] {
         let depth = -d / self.cell;
         let (mirror, curvature) = self.weights(depth);
+        let through = fall((-depth / OUTSIDE).max(0.0));
         let across = if depth > 0.0 { -2.0 * self.mirror * mirrored_flux(depth) } else { 0.0 };
         [
             Sample { off: -d, weight: [-mirror, 0.0, 0.0] },
-            Sample { off: self.cell, weight: [-2.0 * curvature, across, 1.0] },
+            Sample { off: self.cell, weight: [-2.0 * curvature, across, through] },
             Sample { off: 2.0 * self.cell, weight: [curvature, 0.0, 0.0] },
         ]
     }
