@@ -24,9 +24,9 @@ fn bad_parameters_are_named() {
         (Parameters { segments: 1, ..bar() }, ["segments is 1", "at least 2"]),
         (Parameters { length: 0.0, ..bar() }, ["length is 0", "above 0"]),
         (Parameters { length: f64::NAN, ..bar() }, ["length is NaN", "finite"]),
-        (Parameters { root: [f64::INFINITY, 0.0], ..bar() }, ["root is [inf, 0.0]", "finite"]),
-        (Parameters { direction: [0.0, 0.0], ..bar() }, ["direction is [0.0, 0.0]", "but 0"]),
-        (Parameters { gravity: [0.0, f64::NAN], ..bar() }, ["gravity is [0.0, NaN]", "finite"]),
+        (Parameters { root: [f64::INFINITY, 0.0], ..bar() }, ["root is [inf, 0.000e0]", "finite"]),
+        (Parameters { direction: [0.0, 0.0], ..bar() }, ["direction is [0.000e0, 0.000e0]", "but 0"]),
+        (Parameters { gravity: [0.0, f64::NAN], ..bar() }, ["gravity is [0.000e0, NaN]", "finite"]),
         (Parameters { damping: -1.0, ..bar() }, ["damping is -1", "at least 0"]),
         (Parameters { displaced: -1.0, ..bar() }, ["displaced is -1", "at least 0"]),
         (Parameters { displaced: 21.0, ..bar() }, ["weighs 20 kg/m and displaces 21 kg/m", "-1 kg/m"]),
@@ -133,7 +133,7 @@ fn bad_durations_are_named() {
 #[test]
 fn step_too_long_for_its_parts_is_refused() {
     let mut rod = Rod::new(Parameters { max_step: Some(1e-4), ..bar() }).unwrap();
-    assert_names(&rod.step(11.0).unwrap_err(), &["duration is 11", "100000 times max_step"]);
+    assert_names(&rod.step(11.0).unwrap_err(), &["duration is 1.100e1", "100000 times max_step"]);
     rod.step(1e-3).unwrap();
 }
 
@@ -160,7 +160,7 @@ fn bad_states_are_named() {
     for (state, parts) in [
         (edit(|s| s.velocities.truncate(4)), ["state.velocities has 4 entries", "5 are needed"]),
         (edit(|s| s.positions[2][1] = f64::NAN), ["state.positions[2]", "finite"]),
-        (edit(|s| s.positions[0][1] = 0.1), ["state.positions[0] is [0.25, 0.1]", "the root's position"]),
+        (edit(|s| s.positions[0][1] = 0.1), ["state.positions[0] is [2.500e-1, 1.000e-1]", "the root's position"]),
         (edit(|s| s.velocities[0][1] = 0.1), ["state.velocities[0] is [0.0, 0.1]", "0 at the clamp"]),
         (edit(|s| s.last_step = -1.0), ["state.last_step is -1", "at least 0"]),
         (edit(|s| s.reference_energy = f64::INFINITY), ["state.reference_energy is inf", "finite"]),
