@@ -6,9 +6,13 @@ const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 /// How much steeper than the log-linear growth the core is.
 const STEEPNESS: f64 = 3.0;
 
-/// Largest depth of the core, cells: below all that the wall target does. A target in what is held harder than the grid
-/// resolves pumps, and makes the flow depend on C_eta.
-const DEEPEST_CORE: f64 = 2.0;
+/// Depth of the core below a wall without a target, e-folds. The flow along it has fallen to 0.7 % of λ times its shear
+/// there, and the calibration of the surface holds as it is.
+const CORE: f64 = 3.0;
+
+/// The same below a wall with a target, whose calibration takes the core into account. A cylinder or a bar is porous
+/// under the pressure of a fast flow where it lies deeper.
+const CORE_WITH_TARGET: f64 = 1.5;
 
 /// Growth, as an exponent, that a body's drag reaches in the depth where it has cells wherever the grid lies. A bar of
 /// two or three cells would be porous without it: the pressure on a flapping bar is ten times that of its stream.
@@ -24,11 +28,21 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// In a body of some thickness, all in cells.
-    pub fn new(e_fold: f64, thickness: f64) -> Self {
+    /// In a body of some thickness without a wall target, all in cells.
+    pub fn bare(e_fold: f64, thickness: f64) -> Self {
+        Self::new(e_fold, thickness, CORE)
+    }
+
+    /// The same with a wall target.
+    pub fn with_target(e_fold: f64, thickness: f64) -> Self {
+        Self::new(e_fold, thickness, CORE_WITH_TARGET)
+    }
+
+    /// With the core at most so many e-folds deep.
+    fn new(e_fold: f64, thickness: f64, deepest: f64) -> Self {
         let everywhere = 0.5 * (thickness - 1.0) / e_fold;
         let core = everywhere - (TIGHT - everywhere) / (STEEPNESS - 1.0);
-        Self { e_fold, core: core.clamp(0.0, DEEPEST_CORE / e_fold) }
+        Self { e_fold, core: core.clamp(0.0, deepest) }
     }
 
     /// Drag in ν/dx² at a depth (cells). At the surface it is what makes the flow vanish there in linear shear.

@@ -67,7 +67,7 @@ impl DragProfile {
                 Self::Cosine { rate, half_width, shift: displacement }
             }
             Mask::LogLinear { e_fold, .. } => {
-                let growth = Growth::new(e_fold, f64::INFINITY);
+                let growth = Growth::bare(e_fold, f64::INFINITY);
                 Self::LogLinear { rate, unit: nu / (dx * dx), growth, cell: dx, shrink: 0.0, target: None }
             }
         }
@@ -81,8 +81,10 @@ impl DragProfile {
         else {
             return profile;
         };
-        *growth = Growth::new(e_fold, thickness / dx);
-        if let Some((known, shift)) = calibrate(*growth, wanted).filter(|_| thickness >= MIRROR_DEPTH * dx) {
+        *growth = Growth::bare(e_fold, thickness / dx);
+        let with_target = Growth::with_target(e_fold, thickness / dx);
+        if let Some((known, shift)) = calibrate(with_target, wanted).filter(|_| thickness >= MIRROR_DEPTH * dx) {
+            *growth = with_target;
             *shrink = shift * dx;
             *target = Some(WallTarget { cell: dx, inertia: known.inertia * dx / nu, largest: *rate, ..known });
         }
