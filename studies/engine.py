@@ -154,12 +154,12 @@ def execute(case: Case, folder: Path) -> None:
     """Run a case, in this process, and leave run.json."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "run.json").unlink(missing_ok=True)
-    about = machine.here()
+    about, digest = machine.here(), case.digest  # before the run: the sources may change on the way
     try:
         found = case.action(case, folder)
     except Refusal as error:
         found = {"error": str(error)}
-    text = json.dumps({"found": found, "digest": case.digest, "machine": about})
+    text = json.dumps({"found": found, "digest": digest, "machine": about})
     write_whole(folder / "run.json", lambda path: path.write_text(text, encoding="utf-8"))
 
 

@@ -100,7 +100,7 @@ def energy(run: Run) -> list[Found]:
     the momentum
     load they differ by the step."""
     scene = small_pitching()
-    scene["time"]["communication_step"] = 5e-4
+    scene["time"]["communication_step"] = 4e-4
     balance = flapping.evaluate(typed(scene), run(scene), Window(2.0, 3.0, 1)).energy_balance
     by_fluid = (balance["root"] + balance["fluid"] - balance["gained"]) / balance["root"]
     return [Found("by the loads", balance["missing"], 0.0, 0.01), Found("by the fluid", by_fluid, 0.0, 0.01)]
