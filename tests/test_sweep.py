@@ -222,6 +222,7 @@ def test_ctrl_c_ends_a_sweep_without_a_traceback(scene, tmp_path):
     deadline = time.monotonic() + 60
     while not list(folder.glob("*/row.json")) and time.monotonic() < deadline:
         time.sleep(0.1)
+    time.sleep(2.0)  # the second run has begun
     os.killpg(process.pid, signal.SIGINT)
     output, errors = process.communicate(timeout=60)
     assert process.returncode == 130 and "the same command goes on" in output, output + errors
