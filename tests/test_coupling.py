@@ -233,7 +233,8 @@ def fsi3_run(start, step):
 
 def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
     """What the rod took was announced, what the fluid exerted came a step later, when the mask had moved on: the work
-    differs by a fifth of a per cent, the force by half a per cent, and both by five sixths of that with half the step."""
+    differs by a fifth of a per cent, the force by half a per cent, and both by five sixths of that with half the
+    step."""
     found = []
     for step in (4e-4, 2e-4):
         series = fsi3_run(start, step)
