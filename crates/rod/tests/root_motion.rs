@@ -275,7 +275,10 @@ fn bad_roots_are_named_and_change_nothing() {
         (Root { position: [f64::NAN, 0.0], ..good }, "root.position is [NaN, 0.000e0]"),
         (Root { velocity: [0.0, f64::INFINITY], ..good }, "root.velocity is [0.000e0, inf]"),
         (Root { direction: [0.0; 2], ..good }, "root.direction is [0.0, 0.0], but it must be a vector of any length"),
-        (Root { direction: [-0.1, 1.0], ..good }, "root.direction is [-1.000e-1, 1.000e0], but it must be less than a right"),
+        (
+            Root { direction: [-0.1, 1.0], ..good },
+            "root.direction is [-1.000e-1, 1.000e0], but it must be less than a right",
+        ),
     ] {
         rod.root = Some(root);
         let message = rod.step(0.1).map_err(|error: Error| error.to_string()).unwrap_err();
