@@ -3,10 +3,15 @@
 //! The beam is the rectangle of thickness h around the polyline of the stations, with a flat tip. A point of segment k
 //! at the fraction t and the height n above the centre line moves with the section (shear-free):
 //!
-//! `u_s = (1 - t) v_k + t v_{k+1} - omega n e`, `omega = (v_{k+1} - v_k)·m / |segment|`,
+//! `u_s = (1 - t) v_k + t v_{k+1} - omega n e`, `omega = (v_j - v_i)·m / |x_j - x_i|`,
 //!
-//! with e along and m normal to the segment. Loads go back through the transpose of this map, so that the power of the
-//! station loads is that of the drag on the section.
+//! with e along the segment, and m normal to the line from station i to j. These are as far apart as the beam is thick:
+//! a section does not turn within less. Loads go back through the transpose of this map, so that the power of the station
+//! loads is that of the drag on the section.
+//!
+//! The rate of turning over a segment alone, finer than the thickness, would be large for stations that go up and down in
+//! turn. Their drag would then be more than twice the announced impedance, which is for sections that do not turn, and an
+//! explicit coupling would be unstable.
 
 use scene::Mask;
 
@@ -33,6 +38,8 @@ struct Place {
 /// The beam and the cells in which it drags the fluid.
 pub struct Beam {
     thickness: f64,
+    /// Number of segments, odd, over which the sections of the middle one turn.
+    turning_segments: usize,
     profile: DragProfile,
     /// How far the mask goes on behind the root, into the cylinder that the beam is clamped to, m.
     anchor: f64,
@@ -45,14 +52,38 @@ pub struct Beam {
     candidates: Vec<(usize, Place)>,
 }
 
-/// Direction and length of a segment, and the rate at which it turns.
+/// Direction and length of a segment, and the rate at which its sections turn.
 #[derive(Clone, Copy, Debug)]
 struct Frame {
     along: [f64; 2],
     length: f64,
+    /// The line between the stations that tell how the sections turn.
+    turning: Line,
     omega: f64,
-    /// Rate at which it turned before the step, 1/s.
+    /// Rate at which they turned before the step, 1/s.
     omega_before: f64,
+}
+
+/// A line between two stations.
+#[derive(Clone, Copy, Debug)]
+struct Line {
+    ends: [usize; 2],
+    normal: [f64; 2],
+    length: f64,
+}
+
+impl Line {
+    fn between(ends: [usize; 2], position: &[Vec<f64>; 2]) -> Self {
+        let [dx, dy] = [0, 1].map(|axis| position[axis][ends[1]] - position[axis][ends[0]]);
+        let length = dx.hypot(dy);
+        Self { ends, normal: [-dy / length, dx / length], length }
+    }
+
+    /// The rate at which it turns, 1/s.
+    fn omega(&self, velocity: &[Vec<f64>; 2]) -> f64 {
+        let [dvx, dvy] = [0, 1].map(|axis| velocity[axis][self.ends[1]] - velocity[axis][self.ends[0]]);
+        (dvx * self.normal[0] + dvy * self.normal[1]) / self.length
+    }
 }
 
 impl Frame {
@@ -78,9 +109,12 @@ impl Beam {
             scene::Root::OnCylinder { .. } => 0.5 * beam.thickness,
             scene::Root::At { .. } => 0.0,
         };
-        let still = Frame { along: [1.0, 0.0], length: 1.0, omega: 0.0, omega_before: 0.0 };
+        let line = Line { ends: [0, 1], normal: [0.0, 1.0], length: 1.0 };
+        let still = Frame { along: [1.0, 0.0], length: 1.0, turning: line, omega: 0.0, omega_before: 0.0 };
+        let as_thick = (beam.thickness * beam.segments as f64 / beam.length).ceil() as usize | 1;
         Self {
             thickness: beam.thickness,
+            turning_segments: as_thick.min(beam.segments),
             profile: DragProfile::of_body(beam.thickness, mask, nu, grid.cell_size()),
             anchor,
             cells: Cells::default(),
@@ -155,16 +189,15 @@ impl Beam {
 
     /// Directions and turning rates of the segments at `stations`, with the velocities there and with those `before`.
     fn orient(&mut self, stations: &Stations, before: &Stations) {
+        let last = self.frames.len() - self.turning_segments;
         for (k, frame) in self.frames.iter_mut().enumerate() {
-            let difference = |field: &[Vec<f64>; 2]| [field[0][k + 1] - field[0][k], field[1][k + 1] - field[1][k]];
-            let [ex, ey] = difference(&stations.position);
+            let [ex, ey] = [0, 1].map(|axis| stations.position[axis][k + 1] - stations.position[axis][k]);
             frame.length = ex.hypot(ey);
             frame.along = [ex / frame.length, ey / frame.length];
-            let [mx, my] = frame.normal();
-            [frame.omega, frame.omega_before] = [stations, before].map(|stations| {
-                let [dvx, dvy] = difference(&stations.velocity);
-                (dvx * mx + dvy * my) / frame.length
-            });
+            let from = k.saturating_sub(self.turning_segments / 2).min(last);
+            frame.turning = Line::between([from, from + self.turning_segments], &stations.position);
+            frame.omega = frame.turning.omega(&stations.velocity);
+            frame.omega_before = frame.turning.omega(&before.velocity);
         }
     }
 
@@ -245,12 +278,15 @@ impl Beam {
             let ([fx, fy], [along_x, along_y]) = drag(cell);
             let (k, t) = (place.segment as usize, place.fraction);
             let frame = &self.frames[k];
-            let couple = -place.height * (fx * frame.along[0] + fy * frame.along[1]) / frame.length;
+            let Line { ends: [from, to], normal: across, length } = frame.turning;
+            let couple = -place.height * (fx * frame.along[0] + fy * frame.along[1]) / length;
             let normal = frame.normal();
             let impedance = along_x * normal[0] * normal[0] + along_y * normal[1] * normal[1];
             for (axis, f) in [fx, fy].into_iter().enumerate() {
-                loads.force[axis][k] += (1.0 - t) * f - couple * normal[axis];
-                loads.force[axis][k + 1] += t * f + couple * normal[axis];
+                loads.force[axis][k] += (1.0 - t) * f;
+                loads.force[axis][k + 1] += t * f;
+                loads.force[axis][from] -= couple * across[axis];
+                loads.force[axis][to] += couple * across[axis];
             }
             loads.impedance[k] += (1.0 - t) * impedance;
             loads.impedance[k + 1] += t * impedance;
