@@ -1,6 +1,6 @@
 //! The moving beam: its mask from the stations, and its loads back to them.
 //!
-//! The beam is the rectangle of thickness h around the polyline of the stations, with a flat tip. A point of segment k
+//! The beam is the band of thickness h, linear in each segment, around the polyline of the stations, with a flat tip. A point of segment k
 //! at the fraction t and the height n above the centre line moves with the section (shear-free):
 //!
 //! `u_s = (1 - t) v_k + t v_{k+1} - omega n e`, `omega = (v_{k+1} - v_k)·m / |segment|`,
@@ -32,8 +32,10 @@ struct Place {
 
 /// The beam and the cells in which it drags the fluid.
 pub struct Beam {
-    thickness: f64,
-    profile: DragProfile,
+    /// Thickness at the middle of each segment, m, and by how much the end of the segment is thicker than its beginning.
+    thickness: Vec<[f64; 2]>,
+    /// Drag of each segment.
+    profiles: Vec<DragProfile>,
     /// How far the mask goes on behind the root, into the cylinder that the beam is clamped to, m.
     anchor: f64,
     /// Cells of the present position.
@@ -74,14 +76,24 @@ impl Frame {
 impl Beam {
     /// The beam of a scene, not yet anywhere.
     pub fn new(beam: &scene::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
+        let at: Vec<_> = beam.places().map(|s| beam.thickness.at(s)).collect();
         let anchor = match beam.root {
-            scene::Root::OnCylinder { .. } => 0.5 * beam.thickness,
+            scene::Root::OnCylinder { .. } => 0.5 * at[0],
             scene::Root::At { .. } => 0.0,
         };
+        // Between the stations the thickness is linear, whatever its law.
+        let ends = at.iter().step_by(2).zip(at.iter().step_by(2).skip(1));
+        let thickness: Vec<_> = ends.map(|(start, end)| [0.5 * (start + end), end - start]).collect();
+        let mut profiles: Vec<DragProfile> = Vec::with_capacity(beam.segments);
+        for k in 0..beam.segments {
+            // Calibrating a wall takes its time: segments of equal thickness share it.
+            let known = if k > 0 && thickness[k][0] == thickness[k - 1][0] { profiles.last().copied() } else { None };
+            profiles.push(known.unwrap_or_else(|| DragProfile::of_body(thickness[k][0], mask, nu, grid.cell_size())));
+        }
         let still = Frame { along: [1.0, 0.0], length: 1.0, omega: 0.0, omega_before: 0.0 };
         Self {
-            thickness: beam.thickness,
-            profile: DragProfile::of_body(beam.thickness, mask, nu, grid.cell_size()),
+            thickness,
+            profiles,
             anchor,
             cells: Cells::default(),
             places: Vec::new(),
@@ -94,19 +106,21 @@ impl Beam {
     /// The fluid of a density (kg/m³) that it displaces at `stations`, where it was placed; moments are about the root.
     pub fn displaced(&self, stations: &Stations, density: f64) -> Displaced {
         let Stations { position: [x, y], velocity: [vx, vy] } = stations;
-        let line_density = density * self.thickness;
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
         let (mut momentum, mut angular) = ([0.0; 2], 0.0);
-        for (k, frame) in self.frames.iter().enumerate() {
-            let mass = line_density * frame.length;
+        for (k, (frame, &[thickness, growth])) in self.frames.iter().zip(&self.thickness).enumerate() {
+            let mass = density * thickness * frame.length;
+            // The first moment of the mass over its distance from the middle, both in segments.
+            let lean = density * growth * frame.length / 12.0;
             let [start, end] = [k, k + 1].map(|k| ([x[k] - x[0], y[k] - y[0]], [vx[k], vy[k]]));
             let middle = |a: [f64; 2], b: [f64; 2]| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
             let (arm, velocity) = (middle(start.0, end.0), middle(start.1, end.1));
-            momentum[0] += mass * velocity[0];
-            momentum[1] += mass * velocity[1];
+            momentum[0] += mass * velocity[0] + lean * (end.1[0] - start.1[0]);
+            momentum[1] += mass * velocity[1] + lean * (end.1[1] - start.1[1]);
             // Simpson's rule is exact: position and velocity are linear along the segment.
             angular += mass / 6.0 * (cross(start.0, start.1) + 4.0 * cross(arm, velocity) + cross(end.0, end.1));
-            angular += mass / 12.0 * self.thickness.powi(2) * frame.omega;
+            angular += lean * (cross(end.0, end.1) - cross(start.0, start.1));
+            angular += mass / 12.0 * (thickness.powi(2) + 0.25 * growth.powi(2)) * frame.omega;
         }
         Displaced { momentum, angular, transport: cross([vx[0], vy[0]], momentum) }
     }
@@ -128,20 +142,26 @@ impl Beam {
             } else {
                 f64::NEG_INFINITY
             };
-            // The lines of equal drag are rectangles: with the Euclidean distance outside they would round the corners.
-            let above = place.height.abs() - 0.5 * self.thickness;
+            // The lines of equal drag have corners: with the Euclidean distance outside they would round them.
+            let [thickness, growth] = self.thickness[place.segment as usize];
+            let half = 0.5 * (thickness + (place.fraction.clamp(0.0, 1.0) - 0.5) * growth);
+            let slope = 0.5 * growth / frame.length;
+            let stretch = (1.0 + slope * slope).sqrt();
+            let above = (place.height.abs() - half) / stretch;
             let distance = above.max(beyond);
-            let rate = self.profile.rate(distance);
+            let profile = &self.profiles[place.segment as usize];
+            let rate = profile.rate(distance);
             if rate > 0.0 {
                 let place = Place { fraction: place.fraction.clamp(0.0, 1.0), ..place };
                 let velocity = frame.section_velocity(&place, frame.omega, stations);
                 self.cells.push(index, rate, velocity, place.arm);
-                if let Some(target) = self.profile.target() {
+                if let Some(target) = profile.target() {
                     // The nearest surface is that of the tip or the root, or that above or below.
                     let normal = if beyond > above {
                         frame.along.map(|component| if place.segment == 0 { -component } else { component })
                     } else {
-                        frame.normal().map(|component| component.copysign(component * place.height))
+                        let across = frame.normal().map(|component| component.copysign(component * place.height));
+                        [0, 1].map(|axis| (across[axis] - slope * frame.along[axis]) / stretch)
                     };
                     let point = grid.point(index);
                     let surface = [0, 1].map(|axis| point[axis] - distance * normal[axis]);
@@ -170,22 +190,26 @@ impl Beam {
 
     /// List the grid points that the mask may reach, each with the nearest segment.
     fn find_candidates(&mut self, stations: &Stations, grid: &Grid) {
-        let reach = 0.5 * self.thickness + self.profile.reach();
         let last = self.frames.len() - 1;
+        let reaches = |k: usize| {
+            let [thickness, growth] = self.thickness[k];
+            0.5 * (thickness + 0.5 * growth.abs()) + self.profiles[k].reach()
+        };
         let root = [stations.position[0][0], stations.position[1][0]];
         // Past a station, outside of the bend, what lies between the normals of both its segments belongs to it.
-        let wedge = |k: usize| {
+        let wedge = |k: usize, reach: f64| {
             let [[ax, ay], [bx, by]] = [&self.frames[k - 1], &self.frames[k]].map(|frame| frame.along);
             let (sine, cosine) = (ax * by - ay * bx, ax * bx + ay * by);
             if cosine > 0.0 { reach * sine.abs() } else { reach }
         };
         let (slot, candidates) = (&mut self.slot, &mut self.candidates);
         for (k, frame) in self.frames.iter().enumerate() {
+            let reach = reaches(k);
             let [x0, y0] = [stations.position[0][k], stations.position[1][k]];
             let [ex, ey] = frame.along;
             // The end segments own what lies beyond them; the others end at their stations.
-            let (before, low) = if k == 0 { (reach + self.anchor, f64::NEG_INFINITY) } else { (wedge(k), 0.0) };
-            let (beyond, high) = if k == last { (reach, f64::INFINITY) } else { (wedge(k + 1), 1.0) };
+            let (before, low) = if k == 0 { (reach + self.anchor, f64::NEG_INFINITY) } else { (wedge(k, reach), 0.0) };
+            let (beyond, high) = if k == last { (reach, f64::INFINITY) } else { (wedge(k + 1, reach), 1.0) };
             // The smallest upright rectangle around the segment's own one.
             let end = frame.length + beyond;
             let around = |start: f64, along: f64, across: f64| {
@@ -262,7 +286,9 @@ impl Beam {
         let before = self.frames[k.saturating_sub(1)].normal();
         let after = self.frames[k.min(self.frames.len() - 1)].normal();
         let sum = [before[0] + after[0], before[1] + after[1]];
-        let scale = side * 0.5 * self.thickness / sum[0].hypot(sum[1]);
+        let [thickness, growth] = self.thickness[k.min(self.frames.len() - 1)];
+        let here = if k < self.frames.len() { thickness - 0.5 * growth } else { thickness + 0.5 * growth };
+        let scale = side * 0.5 * here / sum[0].hypot(sum[1]);
         [stations.position[0][k] + scale * sum[0], stations.position[1][k] + scale * sum[1]]
     }
 }
