@@ -532,9 +532,15 @@ impl Model for RodUnit {
     }
 
     fn description(&self) -> Description {
+        let root = match self.hold() {
+            Hold::Clamped => "clamped at its root",
+            Hold::Pinned => "pinned at its root",
+            Hold::TorsionSpring { .. } => "on a torsion spring at its root",
+            Hold::Free => "free at its root",
+        };
         Description {
             model_name: format!("{}.rod", self.scene.name),
-            text: "Elastic mass-spring rod, clamped at its root, implicit in time".into(),
+            text: format!("Elastic mass-spring rod, {root}, implicit in time"),
             author: "The nervure developers".into(),
             copyright: "Copyright (c) 2026 The nervure developers".into(),
             license: env!("CARGO_PKG_LICENSE").into(),
