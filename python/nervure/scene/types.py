@@ -537,6 +537,55 @@ Calibration = Literal["second_order"] | CalibrationThesis
 segment's mass at the tip: of second order in the segments' length l0."""
 
 
+class TorsionSpring(Part):
+    """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
+    damping rate`, the angle being that from the direction of the beam, between −π and π."""
+
+    stiffness: Real
+    """Stiffness of the spring, N m/rad."""
+
+    damping: Real = 0.0
+    """Damping, N m s/rad; in the plane only."""
+
+    rest_angle: Real = 0.0
+    """Angle at which the spring is at rest, rad, positive to the left; in the plane only. The rod begins along the
+    beam's direction all the same."""
+
+
+class HoldTorsionSpring(Part):
+    """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
+    damping rate`, the angle being that from the direction of the beam, between −π and π."""
+
+    torsion_spring: TorsionSpring
+    """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
+    damping rate`, the angle being that from the direction of the beam, between −π and π."""
+
+
+class Free(Part):
+    """It moves and turns as the loads, gravity and a force that tows it will."""
+
+    force_x: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    """Towing force along x, N."""
+
+    force_y: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    """Towing force along y, N."""
+
+    force_z: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    """Towing force along z, N; in three dimensions only."""
+
+
+class HoldFree(Part):
+    """It moves and turns as the loads, gravity and a force that tows it will."""
+
+    free: Free
+    """It moves and turns as the loads, gravity and a force that tows it will."""
+
+
+Hold = Literal["clamped", "pinned"] | HoldTorsionSpring | HoldFree
+"""How the root of a rod is held. `clamped`: It neither moves nor turns by itself. `pinned`: It does not move by itself,
+and turns without resistance."""
+
+
 class Rotation(Part):
     """Rotation about a fixed axis."""
 
@@ -619,8 +668,11 @@ class Rod(Part):
     """Length by which the clamp lies behind the root, m: the elastic part of the foundation. It only softens the
     clamp."""
 
+    root: Hold = "clamped"
+    """How the root is held."""
+
     root_motion: RootMotion | None = None
-    """Prescribed motion of the root; absent where it is still."""
+    """Prescribed motion of the root; absent where it is still, and where the root is free."""
 
     scheme: RodScheme = "tr_bdf2"
     """Time scheme."""

@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each of them uses its own part")]
 
 use nalgebra::{DMatrix, DVector};
-use nervure_rod::{Parameters, Rod, Taper};
+use nervure_rod::{Hold, Parameters, Rod, Taper};
 use scene::{Bending, Calibration, Material, RodScheme, Section};
 
 pub const GENERALISED_ALPHA: RodScheme = RodScheme::GeneralisedAlpha { rho_inf: 0.5 };
@@ -24,6 +24,7 @@ pub fn turek_hron_bar(youngs_modulus: f64, gravity: f64, segments: usize) -> Par
         damping: 0.0,
         bending: Bending::Invariant,
         calibration: Calibration::SecondOrder,
+        hold: Hold::Clamped,
         clamp_setback: 0.0,
         scheme: RodScheme::Bdf2,
         max_step: None,
@@ -45,6 +46,7 @@ pub fn unit_rod<const D: usize>(segments: usize, axial_stiffness: f64, scheme: R
         damping: 0.0,
         bending: Bending::Invariant,
         calibration: Calibration::SecondOrder,
+        hold: Hold::Clamped,
         clamp_setback: 0.0,
         scheme,
         max_step: None,
