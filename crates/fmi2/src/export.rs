@@ -193,6 +193,24 @@ macro_rules! export_fmu {
                 (c: fmi2Component, kind: fmi2StatusKind, value: *mut fmi2Boolean) -> fmi2Status;
             fmi2GetStringStatus: fmi2GetStringStatusTYPE =
                 (c: fmi2Component, kind: fmi2StatusKind, value: *mut fmi2String) -> fmi2Status;
+            fmi3GetVersion: fmi3GetVersionTYPE = () -> fmi3String;
+            fmi3SetDebugLogging: fmi3SetDebugLoggingTYPE =
+                (c: fmi3Instance, on: fmi3Boolean, n: usize, categories: *const fmi3String) -> fmi3Status;
+            fmi3InstantiateModelExchange: fmi3InstantiateModelExchangeTYPE =
+                (name: fmi3String, token: fmi3String, resources: fmi3String, visible: fmi3Boolean,
+                 logging: fmi3Boolean, environment: fmi3InstanceEnvironment, log_message: fmi3LogMessageCallback)
+                -> fmi3Instance;
+            fmi3InstantiateCoSimulation: fmi3InstantiateCoSimulationTYPE =
+                (name: fmi3String, token: fmi3String, resources: fmi3String, visible: fmi3Boolean,
+                 logging: fmi3Boolean, event_mode: fmi3Boolean, early_return: fmi3Boolean,
+                 intermediate_variables: *const fmi3ValueReference, n_intermediate_variables: usize,
+                 environment: fmi3InstanceEnvironment, log_message: fmi3LogMessageCallback,
+                 intermediate_update: fmi3IntermediateUpdateCallback) -> fmi3Instance;
+            fmi3InstantiateScheduledExecution: fmi3InstantiateScheduledExecutionTYPE =
+                (name: fmi3String, token: fmi3String, resources: fmi3String, visible: fmi3Boolean,
+                 logging: fmi3Boolean, environment: fmi3InstanceEnvironment, log_message: fmi3LogMessageCallback,
+                 clock_update: fmi3ClockUpdateCallback, lock: fmi3LockPreemptionCallback,
+                 unlock: fmi3UnlockPreemptionCallback) -> fmi3Instance;
             fmi3FreeInstance: fmi3FreeInstanceTYPE = (c: fmi3Instance) -> ();
             fmi3EnterInitializationMode: fmi3EnterInitializationModeTYPE =
                 (c: fmi3Instance, tolerance_defined: fmi3Boolean, tolerance: fmi3Float64, start_time: fmi3Float64,
