@@ -406,7 +406,7 @@ mod tests {
                 Real::output("y", "m", "", |probe| if probe.short { &[0.0] } else { &[0.0; 2] })
                     .array(2)
                     .depends_on(&["u"]),
-                crate::Text::parameter("words", "", |probe| &mut probe.words).array(2),
+                crate::Text::parameter("words", "", |probe: &mut Probe| &mut probe.words).array(2),
                 Real::time(),
             ]
         }

@@ -367,10 +367,18 @@ fn derivatives_are_of_whole_arrays_and_the_adjoint_is_the_transposed() {
     assert_eq!(fmu.set(&[U[0]], &[1.0, 2.0, 3.0]), OK);
     let (y, u, mut values) = (&Y[0], &U[0], [f64::NAN; 3]);
     let (seed, out) = ([1.0, 10.0, 100.0], values.as_mut_ptr());
-    for derivative in [
-        fmi3GetDirectionalDerivative as extern "C" fn(_, _, _, _, _, _, _, _, _) -> _,
-        fmi3GetAdjointDerivative as extern "C" fn(_, _, _, _, _, _, _, _, _) -> _,
-    ] {
+    type Derivative = extern "C" fn(
+        fmi3Instance,
+        References,
+        usize,
+        References,
+        usize,
+        *const f64,
+        usize,
+        *mut f64,
+        usize,
+    ) -> fmi3Status;
+    for derivative in [fmi3GetDirectionalDerivative as Derivative, fmi3GetAdjointDerivative] {
         assert_eq!(derivative(fmu.c, y, 1, u, 1, seed.as_ptr(), 3, out, 3), OK, "{:?}", fmu.messages);
         assert_eq!(values, [2.0, 20.0, 200.0]);
         fmu.assert_refused(derivative(fmu.c, y, 1, u, 1, seed.as_ptr(), 2, out, 3), &["nSeed = 2 must be 3"]);

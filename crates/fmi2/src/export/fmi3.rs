@@ -352,10 +352,12 @@ pub unsafe extern "C" fn fmi3DoStep<M: Model>(
             ];
             flags.iter().try_for_each(|(name, flag)| check_target(name, *flag, 1))?;
             check_target("lastSuccessfulTime", last_successful_time, 1)?;
-            let result = instance.step(time, step);
+            // Before the step, which may panic.
             flags.iter().for_each(|(_, flag)| flag.write(0));
             last_successful_time.write(instance.time());
-            result
+            instance.step(time, step)?;
+            last_successful_time.write(instance.time());
+            Ok(())
         })
     }
 }
