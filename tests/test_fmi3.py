@@ -58,7 +58,8 @@ def test_an_fmu_has_the_folders_of_fmi_3_and_explains_itself(kind, small_fsi3, p
         files = {name: archive.read(name) for name in archive.namelist()}
     assert f"binaries/{fmpy.platform_tuple}/fmu_{kind}{fmpy.sharedLibraryExtension}" in files
     page = files["documentation/index.html"].decode("utf-8")
-    assert "<td>x[1] … x[21]<td>" in page and "An array has one value reference." in page
+    row = next(line for line in page.splitlines() if "<td>x[1] … x[21]<td>" in line)
+    assert "<td>Float64<td>m<td>" in row and "An array has one value reference." in page
     assert "terminalsAndIcons/icon.png" in page and files["terminalsAndIcons/icon.png"].startswith(b"\x89PNG")
     assert "model.png" not in files, "FMI 3.0 has no such file"
 

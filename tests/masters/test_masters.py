@@ -182,10 +182,13 @@ def test_ssp_runs_in_ecos(fsi3, units_in, tmp_path, ecospy):
     assert_agreement(ecos_values(ecospy.EcosSimulation(H, ssp_path=str(path)), units), expected)
 
 
-def test_ssp_without_start_values_is_refused_in_the_first_step(fsi3, tmp_path):
-    """The stations coincide; `tests/test_errors.py` has the message, which fmpy's reader writes to C's output."""
-    with pytest.raises(fmpy.fmi1.FMICallException, match="fmi2DoStep"):
-        fmpy.ssp.simulation.simulate_ssp(str(ssp.pack(typed(fsi3), tmp_path)), stop_time=H, step_size=H)
+def test_ssp_as_shipped_is_refused_by_name_in_fmpy(fsi3, tmp_path):
+    """Its reader has 0 at every connector in the first step, whatever an SSP says, and writes messages to C's output."""
+    path = ssp.pack(typed(fsi3), tmp_path)
+    program = f"from fmpy.ssp.simulation import simulate_ssp; simulate_ssp({str(path)!r}, stop_time={H}, step_size={H})"
+    answer = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert answer.returncode == 1 and "fmi2DoStep failed with status 3" in answer.stderr, answer.stderr
+    assert "fmi2DoStep: stations 1 and 2 of the beam coincide" in answer.stdout, answer.stdout
 
 
 def test_ssp_runs_in_fmpy(fsi3, units_in, tmp_path, monkeypatch):

@@ -151,7 +151,10 @@ fn write_document<M: Model>(
                 Version::Fmi3 => fmi3::write_co_simulation::<M>(writer)?,
             }
             write_units(writer, table)?;
-            write_enumerations(writer, table)?;
+            match table.version {
+                Version::Fmi2 => fmi2::write_types(writer, table)?,
+                Version::Fmi3 => fmi3::write_types(writer, table)?,
+            }
             write_log_categories(writer, table.version)?;
             writer
                 .create_element("DefaultExperiment")
@@ -244,23 +247,10 @@ fn with_conversion(mut element: ElementWriter<'_, Vec<u8>>, factor: f64, offset:
     element
 }
 
-fn write_enumerations<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
-    let types: BTreeMap<&str, &[String]> = table
-        .variables
-        .iter()
-        .filter_map(|variable| variable.enumeration.as_ref())
-        .map(|(name, items)| (name.as_str(), items.as_slice()))
-        .collect();
-    if types.is_empty() {
-        return Ok(());
-    }
-    writer.create_element("TypeDefinitions").write_inner_content(|writer| {
-        types.iter().try_for_each(|(name, items)| match table.version {
-            Version::Fmi2 => fmi2::write_enumeration(writer, name, items),
-            Version::Fmi3 => fmi3::write_enumeration(writer, name, items),
-        })
-    })?;
-    Ok(())
+/// The enumerations with their items, by name.
+fn enumerations<M>(table: &Table<M>) -> BTreeMap<&str, &[String]> {
+    let named = table.variables.iter().filter_map(|variable| variable.enumeration.as_ref());
+    named.map(|(name, items)| (name.as_str(), items.as_slice())).collect()
 }
 
 /// The items of an enumeration, counted from 1.
@@ -285,21 +275,18 @@ fn write_log_categories(writer: &mut Writer<Vec<u8>>, version: Version) -> io::R
     Ok(())
 }
 
-/// What both versions say of a variable's values beside the start value.
-fn with_type<'a, M>(mut value: ElementWriter<'a, Vec<u8>>, variable: &Variable<M>) -> ElementWriter<'a, Vec<u8>> {
-    if let Some((name, _)) = &variable.enumeration {
-        value = value.with_attribute(("declaredType", name.as_str()));
-    }
+/// Unit, display unit and nominal value of a Real.
+fn with_unit<'a, M>(mut element: ElementWriter<'a, Vec<u8>>, variable: &Variable<M>) -> ElementWriter<'a, Vec<u8>> {
     if let Some(unit) = &variable.unit {
-        value = value.with_attribute(("unit", unit.as_str()));
+        element = element.with_attribute(("unit", unit.as_str()));
     }
     if let Some(unit) = &variable.display_unit {
-        value = value.with_attribute(("displayUnit", unit.as_str()));
+        element = element.with_attribute(("displayUnit", unit.as_str()));
     }
     if let Some(nominal) = variable.nominal {
-        value = value.with_attribute(("nominal", real(nominal).as_str()));
+        element = element.with_attribute(("nominal", real(nominal).as_str()));
     }
-    with_bounds(value, variable)
+    element
 }
 
 /// `min` and `max` where a limit is inclusive; FMI has no words for an exclusive one.
@@ -483,7 +470,9 @@ mod tests {
         for part in [
             &format!("fmiVersion=\"3.0\" modelName=\"A &amp; B\" instantiationToken=\"{guid}\""),
             "<Float64 name=\"u\" valueReference=\"0\" description=\"\" causality=\"input\" variability=\"continuous\" \
-             unit=\"m\" start=\"0.0 2.5\">\n      <Dimension start=\"2\"/>\n    </Float64>",
+             declaredType=\"in m\" start=\"0.0 2.5\">\n      <Dimension start=\"2\"/>\n    </Float64>",
+            "<Float64Type name=\"in m\" unit=\"m\"/>",
+            "<Float64Type name=\"in degC, shown in K, about 300\" unit=\"degC\" displayUnit=\"K\" nominal=\"300.0\"/>",
             "<EnumerationType name=\"Mode\">\n      <Item name=\"off\" value=\"1\"/>",
             "initial=\"exact\" declaredType=\"Mode\" min=\"1\" max=\"2\" start=\"2\"/>",
             "<Dimension start=\"2\"/>\n      <Start value=\"\"/>\n      <Start value=\"\"/>\n    </String>",

@@ -26,7 +26,8 @@ class _Variable:
 
     name: str
     about: Any  # Element with causality and description
-    value: Any  # Element with type, unit and limits
+    value: Any  # Element with type and limits
+    unit: str
     starts: list[str]
     references: list[int]
     members: list[str]  # Names of the elements of an array, in FMI 2.0
@@ -36,24 +37,26 @@ def _variables(description: str) -> list[_Variable]:
     """The variables of a model description of either version, elements of an array together."""
     root = etree.fromstring(description.encode("utf-8"))
     if root.get("fmiVersion") != "2.0":
-        return [_whole(variable) for variable in root.find("ModelVariables")]
+        units = {kind.get("name"): kind.get("unit", "") for kind in root.find("TypeDefinitions")}
+        return [_whole(variable, units) for variable in root.find("ModelVariables")]
     arrays: dict[str, _Variable] = {}
     for scalar in root.iterfind("ModelVariables/ScalarVariable"):
         name, is_element = scalar.get("name"), scalar.get("name").endswith("]")
         name = name.rpartition("[")[0] if is_element else name
-        array = arrays.setdefault(name, _Variable(name, scalar, scalar[0], [], [], []))
+        array = arrays.setdefault(name, _Variable(name, scalar, scalar[0], scalar[0].get("unit", ""), [], [], []))
         array.starts.append(scalar[0].get("start", ""))
         array.references.append(int(scalar.get("valueReference")))
         array.members += [scalar.get("name")] if is_element else []
     return list(arrays.values())
 
 
-def _whole(variable: Any) -> _Variable:
-    """A variable of FMI 3.0."""
+def _whole(variable: Any, units: dict[str, str]) -> _Variable:
+    """A variable of FMI 3.0, with the units of the declared types."""
+    unit, references = units.get(variable.get("declaredType"), ""), [int(variable.get("valueReference"))]
     name, dimension = variable.get("name"), variable.find("Dimension")
     starts = [start.get("value") for start in variable.iterfind("Start")] or variable.get("start", "").split()
     members = [f"{name}[{k + 1}]" for k in range(int(dimension.get("start")))] if dimension is not None else []
-    return _Variable(name, variable, variable, starts or [""], [int(variable.get("valueReference"))], members)
+    return _Variable(name, variable, variable, unit, starts or [""], references, members)
 
 
 def _row(variable: _Variable) -> str:
@@ -65,7 +68,7 @@ def _row(variable: _Variable) -> str:
         f"{members[0]} … {members[-1]}" if members else variable.name,
         variable.about.get("causality"),
         value.tag,
-        value.get("unit", ""),
+        variable.unit,
         starts[0] if len(starts) == 1 else f"{starts[0]} … {starts[-1]}",
         limits,
         " – ".join(dict.fromkeys(map(str, (references[0], references[-1])))),

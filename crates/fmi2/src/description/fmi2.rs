@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use quick_xml::Writer;
 
-use super::{Listed, boolean, with_type, write_items};
+use super::{Listed, boolean, enumerations, with_bounds, with_unit, write_items};
 use crate::model::Model;
 use crate::table::Table;
 use crate::variable::Variable;
@@ -28,10 +28,19 @@ pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io:
     Ok(())
 }
 
-pub(super) fn write_enumeration(writer: &mut Writer<Vec<u8>>, name: &str, items: &[String]) -> io::Result<()> {
-    writer.create_element("SimpleType").with_attribute(("name", name)).write_inner_content(|writer| {
-        writer.create_element("Enumeration").write_inner_content(|writer| write_items(writer, items))?;
-        Ok(())
+pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
+    let enumerations = enumerations(table);
+    if enumerations.is_empty() {
+        return Ok(());
+    }
+    writer.create_element("TypeDefinitions").write_inner_content(|writer| {
+        enumerations.iter().try_for_each(|(name, items)| {
+            writer.create_element("SimpleType").with_attribute(("name", *name)).write_inner_content(|writer| {
+                writer.create_element("Enumeration").write_inner_content(|writer| write_items(writer, items))?;
+                Ok(())
+            })?;
+            Ok(())
+        })
     })?;
     Ok(())
 }
@@ -54,7 +63,11 @@ pub(super) fn write_variable<M>(
             scalar = scalar.with_attribute(("initial", initial));
         }
         scalar.write_inner_content(|writer| {
-            let mut value = with_type(writer.create_element(variable.type_name(Version::Fmi2)), variable);
+            let mut value = writer.create_element(variable.type_name(Version::Fmi2));
+            if let Some((name, _)) = &variable.enumeration {
+                value = value.with_attribute(("declaredType", name.as_str()));
+            }
+            value = with_bounds(with_unit(value, variable), variable);
             if let Some(start) = &starts[reference as usize] {
                 value = value.with_attribute(("start", start.as_str()));
             }

@@ -1,11 +1,12 @@
 //! What only FMI 3.0 has: an array is one variable, and its start values are a list.
 
+use std::collections::BTreeMap;
 use std::io;
 use std::ops::Range;
 
 use quick_xml::Writer;
 
-use super::{Listed, boolean, with_type, write_items};
+use super::{Listed, boolean, enumerations, with_bounds, with_unit, write_items};
 use crate::model::Model;
 use crate::table::Table;
 use crate::variable::{Access, Variable};
@@ -25,10 +26,32 @@ pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io:
     Ok(())
 }
 
-pub(super) fn write_enumeration(writer: &mut Writer<Vec<u8>>, name: &str, items: &[String]) -> io::Result<()> {
-    let element = writer.create_element("EnumerationType").with_attribute(("name", name));
-    element.write_inner_content(|writer| write_items(writer, items))?;
+/// Units stand in types, not at the variables: some readers know them only there.
+pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
+    let variables = table.variables.iter();
+    let reals: BTreeMap<_, _> = variables.filter_map(|variable| Some((real_type(variable)?, variable))).collect();
+    let enumerations = enumerations(table);
+    if reals.is_empty() && enumerations.is_empty() {
+        return Ok(());
+    }
+    writer.create_element("TypeDefinitions").write_inner_content(|writer| {
+        for (name, variable) in &reals {
+            let element = writer.create_element("Float64Type").with_attribute(("name", name.as_str()));
+            with_unit(element, variable).write_empty()?;
+        }
+        enumerations.iter().try_for_each(|(name, items)| {
+            let element = writer.create_element("EnumerationType").with_attribute(("name", *name));
+            element.write_inner_content(|writer| write_items(writer, items)).map(|_| ())
+        })
+    })?;
     Ok(())
+}
+
+/// Name of the type of a Real, which no variable can have because of its space.
+fn real_type<M>(variable: &Variable<M>) -> Option<String> {
+    let shown = variable.display_unit.as_ref().map_or(String::new(), |unit| format!(", shown in {unit}"));
+    let about = variable.nominal.map_or(String::new(), |nominal| format!(", about {nominal}"));
+    variable.unit.as_ref().map(|unit| format!("in {unit}{shown}{about}"))
 }
 
 pub(super) fn write_variable<M>(
@@ -51,7 +74,11 @@ pub(super) fn write_variable<M>(
     if let Some(initial) = variable.initial() {
         element = element.with_attribute(("initial", initial));
     }
-    element = with_type(element, variable);
+    let declared = real_type(variable).or_else(|| variable.enumeration.as_ref().map(|(name, _)| name.clone()));
+    if let Some(name) = declared {
+        element = element.with_attribute(("declaredType", name.as_str()));
+    }
+    element = with_bounds(element, variable);
     let texts = if matches!(variable.access, Access::Text(_)) { &starts[..] } else { &[] };
     if texts.is_empty() && !starts.is_empty() {
         element = element.with_attribute(("start", starts.join(" ").as_str()));
