@@ -107,6 +107,18 @@ def test_the_bits_are_those_of_fmi_2(how, small_fsi3, instantiate):
     assert [name for name in two if not np.array_equal(two[name], three[name])] == []
 
 
+def test_units_of_different_versions_go_together(small_fsi3, instantiate):
+    pure, other = instantiate(small_fsi3, 2), instantiate(small_fsi3, 3)
+    found = []
+    for units in ({"rod": pure["rod"], "fluid": other["fluid"]}, {"rod": other["rod"], "fluid": pure["fluid"]}):
+        scheme = coupling.couple(units, typed(small_fsi3).coupling)
+        scheme.start()
+        for i in range(3):
+            scheme.step(i * 4e-4, 4e-4)
+        found.append(values(units))
+    assert [name for name in found[0] if not np.array_equal(found[0][name], found[1][name])] == []
+
+
 @both
 def test_serialized_bytes_lead_another_instance_on(kind, small_fsi3, instantiate):
     units, others = (instantiate(small_fsi3, 3) for _ in range(2))
