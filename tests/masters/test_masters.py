@@ -183,7 +183,7 @@ def test_ssp_runs_in_ecos(fsi3, units_in, tmp_path, ecospy):
 
 
 def test_ssp_as_shipped_is_refused_by_name_in_fmpy(fsi3, tmp_path):
-    """Its reader has 0 at every connector in the first step, whatever an SSP says, and writes messages to C's output."""
+    """Its reader has 0 at every connector in the first step, whatever an SSP says. Messages go to C's output."""
     path = ssp.pack(typed(fsi3), tmp_path)
     program = f"from fmpy.ssp.simulation import simulate_ssp; simulate_ssp({str(path)!r}, stop_time={H}, step_size={H})"
     answer = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
