@@ -385,6 +385,14 @@ fn derivatives_are_of_whole_arrays_and_the_adjoint_is_the_transposed() {
         fmu.assert_refused(derivative(fmu.c, y, 1, u, 1, seed.as_ptr(), 3, out, 1), &["nSensitivity = 1 must be 3"]);
         fmu.assert_refused(derivative(fmu.c, u, 1, u, 1, seed.as_ptr(), 3, out, 3), &["u is not an output"]);
     }
+    let both = [TOTAL, Y[0]];
+    let seed = [1.0, 10.0, 100.0, 1000.0];
+    let mut four = [f64::NAN; 4];
+    let directional =
+        fmi3GetDirectionalDerivative(fmu.c, both.as_ptr(), 2, u, 1, seed.as_ptr(), 3, four.as_mut_ptr(), 4);
+    assert_eq!((directional, four), (OK, [222.0, 2.0, 20.0, 200.0]));
+    let adjoint = fmi3GetAdjointDerivative(fmu.c, both.as_ptr(), 2, u, 1, seed.as_ptr(), 4, out, 3);
+    assert_eq!((adjoint, values), (OK, [22.0, 202.0, 2002.0]));
     assert_eq!(fmu.step(0.0, 1.0).0, OK);
     assert_eq!(fmi3GetOutputDerivatives(fmu.c, y, 1, &1, out, 3), OK);
     assert_eq!(values, [2.0, 4.0, 6.0]);

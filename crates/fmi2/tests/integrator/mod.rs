@@ -28,6 +28,7 @@ pub struct Integrator {
     label: String,
     echo: String,
     mode: i32,
+    total: f64,
 }
 
 impl Model for Integrator {
@@ -55,6 +56,7 @@ impl Model for Integrator {
             label: "début".into(),
             echo: String::new(),
             mode: 1,
+            total: 0.0,
         })
     }
 
@@ -80,6 +82,7 @@ impl Model for Integrator {
             Text::parameter("label", "Label", |m| from_mut(&mut m.label)),
             Text::output("echo", "Label, once initialised", |m| from_ref(&m.echo)),
             Integer::parameter("mode", "Mode", |m| from_mut(&mut m.mode)).enumeration("Mode", &["off", "on"]),
+            Real::output("total", "1", "Sum of the integrals", |m| from_ref(&m.total)),
         ]
     }
 
@@ -99,6 +102,7 @@ impl Model for Integrator {
             assert!(u[i] != PANICKING, "u[{}] = {PANICKING}", i + 1);
         }
         self.held = self.hold;
+        self.total = self.y.iter().sum();
         Ok(())
     }
 
@@ -114,7 +118,7 @@ impl Model for Integrator {
         Ok(())
     }
 
-    /// d(dy/dt)/du = gain.
+    /// d(dy/dt)/du = gain, and that of the total the sum.
     fn directional_derivative(
         &mut self,
         unknown: &[Span],
@@ -122,9 +126,11 @@ impl Model for Integrator {
         seed: &[f64],
         derivative: &mut [f64],
     ) -> Result<(), String> {
-        let [unknown, known] = [unknown, known].map(|spans| spans.iter().flat_map(|span| span.elements.clone()));
-        for (y, target) in unknown.zip(derivative) {
-            *target = known.clone().zip(seed).filter(|(u, _)| *u == y).map(|(_, seed)| self.gain * seed).sum();
+        let known = known.iter().flat_map(|span| span.elements.clone());
+        let unknown = unknown.iter().flat_map(|span| span.elements.clone().map(|element| (span.name, element)));
+        for ((name, y), target) in unknown.zip(derivative) {
+            let felt = known.clone().zip(seed).filter(|(u, _)| name == "total" || *u == y);
+            *target = felt.map(|(_, seed)| self.gain * seed).sum();
         }
         Ok(())
     }
@@ -157,3 +163,4 @@ pub const HELD: u32 = 12;
 pub const LABEL: u32 = 13;
 pub const ECHO: u32 = 14;
 pub const MODE: u32 = 15;
+pub const TOTAL: u32 = 16;
