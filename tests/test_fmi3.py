@@ -11,7 +11,8 @@ from conftest import nervure
 from fmpy.validation import validate_fmu
 from lxml import etree
 
-from nervure import coupling
+from nervure import coupling, run
+from nervure.errors import Refusal
 from nervure.pack import delivery, package
 from nervure.scene import typed
 from nervure.unit import Unit, UnitError, read_description, variables_of
@@ -143,6 +144,14 @@ def test_the_command_gives_the_same_series_in_both_versions(rod_only, tmp_path):
     two, three = ((tmp_path / f"{version}" / "series.csv").read_bytes() for version in (2, 3))
     assert two == three
     assert read_description(tmp_path / "3" / "falling-rod-rod.fmu").fmiVersion == "3.0"
+
+
+def test_another_version_is_refused_with_those_that_are_there(tmp_path):
+    done = nervure("run", "csm1", "--fmi", 4, "--output", tmp_path / "run")
+    assert done.returncode == 2 and "'--fmi'" in done.stderr, done.stderr
+    with pytest.raises(Refusal, match="fmi is 1, but must be 2 or 3"):
+        run("csm1", tmp_path / "run", fmi=1)
+    assert not (tmp_path / "run").exists()
 
 
 def test_fields_are_shown_under_fmi_3_too(fluid_only, instantiate):

@@ -95,6 +95,8 @@ def run(
         scene = load(scene, overrides)
     elif overrides := list(overrides):
         raise Refusal(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
+    if fmi not in (2, 3):
+        raise Refusal(f"fmi is {fmi!r}, but must be 2 or 3")
     foreign = {"rod": rod_fmu, "fluid": fluid_fmu}
     if output == "":
         raise Refusal("the output is empty, but it must be the path of a folder")

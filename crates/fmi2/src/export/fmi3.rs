@@ -237,18 +237,19 @@ pub unsafe extern "C" fn fmi3SetString<M: Model>(
 
 /// Functions for types that no variable has: every reference is refused by name.
 macro_rules! without_variables {
-    ($($name:ident($type_name:literal $(, $argument:ty)*);)*) => {
+    ($($name:ident($type_name:literal, $($argument:ty),+);)*) => {
         $(
             pub unsafe extern "C" fn $name<M: Model>(
                 c: fmi3Instance,
                 vr: *const fmi3ValueReference,
                 n: usize,
-                $(_: $argument,)*
+                $(_: $argument,)+
+                n_values: usize,
             ) -> fmi3Status {
                 // SAFETY: the module's precondition.
                 unsafe {
                     call::<M, _>(c, Function::$name, |instance| {
-                        whole(instance, (vr, n), $type_name, 0).map(|_| ())
+                        whole(instance, (vr, n), $type_name, n_values).map(|_| ())
                     })
                 }
             }
@@ -257,24 +258,43 @@ macro_rules! without_variables {
 }
 
 without_variables! {
-    fmi3GetFloat32("Float32", *mut fmi3Float32, usize);
-    fmi3SetFloat32("Float32", *const fmi3Float32, usize);
-    fmi3GetInt8("Int8", *mut fmi3Int8, usize);
-    fmi3SetInt8("Int8", *const fmi3Int8, usize);
-    fmi3GetUInt8("UInt8", *mut fmi3UInt8, usize);
-    fmi3SetUInt8("UInt8", *const fmi3UInt8, usize);
-    fmi3GetInt16("Int16", *mut fmi3Int16, usize);
-    fmi3SetInt16("Int16", *const fmi3Int16, usize);
-    fmi3GetUInt16("UInt16", *mut fmi3UInt16, usize);
-    fmi3SetUInt16("UInt16", *const fmi3UInt16, usize);
-    fmi3GetUInt32("UInt32", *mut fmi3UInt32, usize);
-    fmi3SetUInt32("UInt32", *const fmi3UInt32, usize);
-    fmi3GetUInt64("UInt64", *mut fmi3UInt64, usize);
-    fmi3SetUInt64("UInt64", *const fmi3UInt64, usize);
-    fmi3GetBinary("Binary", *mut usize, *mut fmi3Binary, usize);
-    fmi3SetBinary("Binary", *const usize, *const fmi3Binary, usize);
-    fmi3GetClock("Clock", *mut fmi3Clock);
-    fmi3SetClock("Clock", *const fmi3Clock);
+    fmi3GetFloat32("Float32", *mut fmi3Float32);
+    fmi3SetFloat32("Float32", *const fmi3Float32);
+    fmi3GetInt8("Int8", *mut fmi3Int8);
+    fmi3SetInt8("Int8", *const fmi3Int8);
+    fmi3GetUInt8("UInt8", *mut fmi3UInt8);
+    fmi3SetUInt8("UInt8", *const fmi3UInt8);
+    fmi3GetInt16("Int16", *mut fmi3Int16);
+    fmi3SetInt16("Int16", *const fmi3Int16);
+    fmi3GetUInt16("UInt16", *mut fmi3UInt16);
+    fmi3SetUInt16("UInt16", *const fmi3UInt16);
+    fmi3GetUInt32("UInt32", *mut fmi3UInt32);
+    fmi3SetUInt32("UInt32", *const fmi3UInt32);
+    fmi3GetUInt64("UInt64", *mut fmi3UInt64);
+    fmi3SetUInt64("UInt64", *const fmi3UInt64);
+    fmi3GetBinary("Binary", *mut usize, *mut fmi3Binary);
+    fmi3SetBinary("Binary", *const usize, *const fmi3Binary);
+}
+
+macro_rules! without_clocks {
+    ($($name:ident($values:ty);)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(
+                c: fmi3Instance,
+                vr: *const fmi3ValueReference,
+                n: usize,
+                _values: $values,
+            ) -> fmi3Status {
+                // SAFETY: the module's precondition.
+                unsafe { call::<M, _>(c, Function::$name, |instance| whole(instance, (vr, n), "Clock", 0).map(|_| ())) }
+            }
+        )*
+    };
+}
+
+without_clocks! {
+    fmi3GetClock(*mut fmi3Clock);
+    fmi3SetClock(*const fmi3Clock);
 }
 
 state_functions! {
