@@ -199,7 +199,7 @@ gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some mi
 	--output results/gallery/cfd3-325x72
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/gallery || exit; done
 
-.PHONY: dist dist-libraries foreign-test
+.PHONY: dist dist-libraries wheel foreign-test
 
 DIST_TARGETS := x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu x86_64-pc-windows-gnu x86_64-apple-darwin aarch64-apple-darwin
 DIST_BUILDS := $(addsuffix .2.17,$(wordlist 1,2,$(DIST_TARGETS))) $(word 3,$(DIST_TARGETS)) universal2-apple-darwin
@@ -217,6 +217,10 @@ dist-libraries: $(DIST_VENV)/.ready ## the libraries for Linux (glibc 2.17), Win
 
 dist: dist-libraries $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for all systems, checksums and manifest, into dist/
 	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist
+
+wheel: dist-libraries $(READY) ## one wheel for all these systems, into target/wheel: `pip install` of it needs no compiler
+	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(RUN) -m pip --quiet --disable-pip-version-check wheel --no-deps \
+	--no-build-isolation --wheel-dir target/wheel .
 
 foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, look at the libraries for macOS; needs wine and qemu-user
 	for target in $(wordlist 1,3,$(DIST_TARGETS)); do \

@@ -13,6 +13,7 @@ from nervure.library import library
 from nervure.pack import package, ssp
 from nervure.pack.notices import notices
 from nervure.provenance import git_revision
+from nervure.resources import BINARIES
 from nervure.scene import Scene
 
 OLDEST_GLIBC = (2, 17)  # The version that the libraries must run on: that of 2012
@@ -39,8 +40,11 @@ def checksum(path: Path) -> str:
 
 
 def binaries(kind: str) -> dict[str, Path]:
-    """The libraries of unit `kind` by platform: that in use, and where `make dist` built it those of other targets."""
+    """The libraries of unit `kind` by platform: that in use, and where `make dist` built it, or in a wheel, those of
+    other targets."""
     own = library(kind)
+    if own.is_relative_to(BINARIES):
+        return {path.parent.name: path for path in sorted(BINARIES.glob(f"*/*fmu_{kind}.*"))}
     target, built = own.parents[1].name, own.parents[2]
     if target not in TARGETS.values():
         return {fmpy.platform: own}
