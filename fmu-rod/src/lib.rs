@@ -3,7 +3,7 @@
 use std::slice::{from_mut, from_ref};
 
 use fmi2::{Description, Log, Model, Resources, require_memory};
-use rod::{Energy, Error, Loads, Rod, Root, Statistics};
+use rod::{Energy, Error, Loads, Rod, Root, Statistics, Taper};
 use scene::{RootMotion, Scene, Section};
 use serde::{Deserialize, Serialize};
 
@@ -196,16 +196,18 @@ impl RodUnit {
     /// What a master may change before the start.
     fn parameters(&self) -> Vec<Variable> {
         let (loads, section) = either!(&self.body, rod => (&rod.loads, rod.parameters().section));
+        let tapered = either!(&self.body, rod => rod.parameters().taper != Taper::default());
+        let text = |text: &str| if tapered { format!("{text}, at the root") } else { text.to_string() };
         let mut list = vec![
-            Real::parameter("line_density", self.per("kg/m", "kg/m2"), "Mass of the section per length", |m| {
+            Real::parameter("line_density", self.per("kg/m", "kg/m2"), text("Mass of the section per length"), |m| {
                 from_mut(&mut m.parameters.section.line_density)
             })
             .above(0.0),
-            Real::parameter("bending_stiffness", self.per("N.m2", "N.m"), "Bending stiffness EI", |m| {
+            Real::parameter("bending_stiffness", self.per("N.m2", "N.m"), text("Bending stiffness EI"), |m| {
                 from_mut(&mut m.parameters.section.bending_stiffness)
             })
             .above(0.0),
-            Real::parameter("axial_stiffness", self.per("N", "N/m"), "Axial stiffness EA", |m| {
+            Real::parameter("axial_stiffness", self.per("N", "N/m"), text("Axial stiffness EA"), |m| {
                 from_mut(&mut m.parameters.section.axial_stiffness)
             })
             .above(0.0),
@@ -223,15 +225,18 @@ impl RodUnit {
         ];
         if !loads.impedance.is_empty() {
             list.push(
-                Real::parameter("displaced_line_density", "kg/m2", "Mass of the displaced fluid per length", |m| {
-                    from_mut(&mut m.parameters.displaced_line_density)
-                })
+                Real::parameter(
+                    "displaced_line_density",
+                    "kg/m2",
+                    text("Mass of the displaced fluid per length"),
+                    |m| from_mut(&mut m.parameters.displaced_line_density),
+                )
                 .at_least(0.0),
             );
         }
         if section.shear_stiffness.is_some() {
             list.push(
-                Real::parameter("shear_stiffness", "N/m", "Shear stiffness GA_s", |m| {
+                Real::parameter("shear_stiffness", "N/m", text("Shear stiffness GA_s"), |m| {
                     m.parameters.section.shear_stiffness.as_mut_slice()
                 })
                 .above(0.0),

@@ -42,12 +42,10 @@ pub(crate) const FOLD: f64 = 1e-12;
 pub(crate) struct Elastic<const D: usize> {
     /// Length of a segment at rest, l0, m.
     pub(crate) segment_length: f64,
-    /// k_e, N/m.
-    pub(crate) axial: f64,
-    /// k_b, N m.
-    pub(crate) bending: f64,
-    /// k_b of the clamp, N m.
-    pub(crate) clamp: f64,
+    /// k_e of each segment, N/m: `[n]`.
+    pub(crate) axial: Vec<f64>,
+    /// k_b at the beginning of each segment, N m, the first that of the clamp: `[n]`.
+    pub(crate) bending: Vec<f64>,
     /// Unit tangent at the clamp.
     pub(crate) direction: Vector<D>,
     /// What k_b goes with.
@@ -143,10 +141,10 @@ impl<const D: usize> Elastic<D> {
     /// Energy of the shape `x`, `[n + 1]`.
     pub(crate) fn energy(&self, x: &[Vector<D>]) -> Result<ElasticEnergy, BadShape> {
         let mut energy = ElasticEnergy { stretching: 0.0, bending: 0.0 };
-        let (mut before, mut k_b, mut sheared) = (self.clamped_edge(), self.clamp, 0.0);
-        for (node, ends) in x.windows(2).enumerate() {
+        let (mut before, mut sheared) = (self.clamped_edge(), 0.0);
+        for (node, (ends, (k_e, k_b))) in x.windows(2).zip(self.axial.iter().zip(&self.bending)).enumerate() {
             let after = Edge::between(ends[0], ends[1]);
-            energy.stretching += 0.5 * self.axial * (after.l - self.segment_length).powi(2);
+            energy.stretching += 0.5 * k_e * (after.l - self.segment_length).powi(2);
             if let Some(shear) = &self.shear {
                 energy.bending += shear.energy(node, self.turn(node, before, after)?.0, &mut sheared);
                 before = after;
@@ -169,7 +167,7 @@ impl<const D: usize> Elastic<D> {
                     sum
                 }
             };
-            (before, k_b) = (after, self.bending);
+            before = after;
         }
         Ok(energy)
     }
@@ -183,7 +181,7 @@ impl<const D: usize> Elastic<D> {
         mut emit: impl FnMut(usize, Vector<D>),
     ) -> Result<(), BadShape> {
         self.find_moments(x, moments)?;
-        let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
+        let mut before = self.clamped_edge();
         // ∂U/∂e of the edge before and of the one before that: U goes by e_k = x_k − x_{k−1} and e_{k+1}.
         let (mut by_before, mut by_earlier) = (Vector::zeros(), Vector::zeros());
         // Two rounds more, without a vertex, give the last two nodes.
@@ -191,10 +189,10 @@ impl<const D: usize> Elastic<D> {
             let mut new_by_before = Vector::zeros();
             if let Some([start, end]) = x[node..].first_chunk() {
                 let after = Edge::between(*start, *end);
-                let vertex = self.vertex_gradient(node, before, after, k_b, moments.get(node))?;
+                let vertex = self.vertex_gradient(node, before, after, self.bending[node], moments.get(node))?;
                 by_before += vertex.0;
-                new_by_before = after.t * (self.axial * (after.l - self.segment_length)) + vertex.1;
-                (before, k_b) = (after, self.bending);
+                new_by_before = after.t * (self.axial[node] * (after.l - self.segment_length)) + vertex.1;
+                before = after;
             }
             if node > 1 {
                 emit(node - 1, by_earlier - by_before);
@@ -214,7 +212,7 @@ impl<const D: usize> Elastic<D> {
     ) -> Result<(), BadShape> {
         self.find_moments(x, moments)?;
         let l0 = self.segment_length;
-        let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
+        let mut before = self.clamped_edge();
         // By the edges: gradient and own block of the edge before, and of the one before that with its coupling to it.
         let (mut gradient, mut block) = (Vector::zeros(), Matrix::zeros());
         let (mut earlier_gradient, mut earlier_block, mut earlier_coupling) =
@@ -227,6 +225,7 @@ impl<const D: usize> Elastic<D> {
             turns = [turns[1], turns[2], (Vector::zeros(), Vector::zeros())];
             if let Some([start, end]) = x[node..].first_chunk() {
                 let after @ Edge { t, l, inverse_l } = Edge::between(*start, *end);
+                let (k_e, k_b) = (self.axial[node], self.bending[node]);
                 let vertex = self.vertex(node, before, after, k_b, moments.get(node))?;
                 if self.shear.is_some() {
                     turns[2] = self.turn_gradient(node, before, after)?;
@@ -234,12 +233,12 @@ impl<const D: usize> Elastic<D> {
                 gradient += vertex.by_before;
                 block += vertex.before_before;
                 coupling = vertex.before_after;
-                new_gradient = t * (self.axial * (l - l0)) + vertex.by_after;
-                let stretched = self.axial * l0 * inverse_l;
-                let turned = self.axial - stretched;
+                new_gradient = t * (k_e * (l - l0)) + vertex.by_after;
+                let stretched = k_e * l0 * inverse_l;
+                let turned = k_e - stretched;
                 new_block =
                     t * (t * stretched).transpose() + Matrix::from_diagonal_element(turned) + vertex.after_after;
-                (before, k_b) = (after, self.bending);
+                before = after;
             }
             if node > 1 {
                 emit(
@@ -269,9 +268,9 @@ impl<const D: usize> Elastic<D> {
     ) -> Result<(Vector<D>, [f64; 3]), BadShape> {
         self.find_moments(x, moments)?;
         let (clamped, first, second) = (self.clamped_edge(), Edge::between(x[0], x[1]), Edge::between(x[1], x[2]));
-        let (by_clamped, by_first) = self.vertex_gradient(0, clamped, first, self.clamp, moments.first())?;
-        let (by_first_again, _) = self.vertex_gradient(1, first, second, self.bending, moments.get(1))?;
-        let tension = first.t * (self.axial * (first.l - self.segment_length));
+        let (by_clamped, by_first) = self.vertex_gradient(0, clamped, first, self.bending[0], moments.first())?;
+        let (by_first_again, _) = self.vertex_gradient(1, first, second, self.bending[1], moments.get(1))?;
+        let tension = first.t * (self.axial[0] * (first.l - self.segment_length));
         Ok((-(tension + by_first + by_first_again), cross(&(clamped.t * clamped.l), &by_clamped)))
     }
 
@@ -560,17 +559,21 @@ mod tests {
         direction[0] = 1.0;
         Elastic {
             segment_length: 0.25,
-            axial: 40.0,
-            bending: 3.0,
-            clamp: 6.0,
+            axial: (0..SEGMENTS).map(|j| 40.0 + j as f64).collect(),
+            bending: bending(),
             direction,
             angles: Angles::Straight,
             shear: None,
         }
     }
 
+    /// Tapered, with the clamp's spring.
+    fn bending() -> Vec<f64> {
+        (0..SEGMENTS).map(|v| if v == 0 { 6.0 } else { 3.1 - 0.1 * v as f64 }).collect()
+    }
+
     fn shear() -> Shear {
-        Shear::new(SEGMENTS, 0.25, 6.0, 3.0, 7.0)
+        Shear::new(0.25, &bending(), |j| 7.0 - 0.5 * j as f64)
     }
 
     /// Every kind of angles that there is in `D` dimensions, curved ones in the plane.

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Nodes run from the clamped root, 0, to the tip, n. Each carries the mass of the half segments beside it and half
-//! of their length l_k, so the tip has half of an inner node's. U is the energy of extension and bending of
+//! of their length l_k, so the tip has half of an inner node's; the section may change along the rod. U is the energy of extension and bending of
 //! `elastic`, f the gravity and the [`Loads`]; `scheme` has the time schemes and `newton` the solver. All quantities
 //! are in SI units; in two dimensions mass, force and energy are per metre of depth.
 
@@ -24,7 +24,7 @@ mod state;
 pub use crate::banded::{Banded, Singular};
 pub use crate::error::Error;
 pub use crate::newton::Statistics;
-pub use crate::parameters::{Loads, Parameters};
+pub use crate::parameters::{Loads, Parameters, Taper};
 pub use crate::rod::{Energy, Rod};
 pub use crate::root::Root;
 pub use crate::sensitivity::Sensitivity;

@@ -281,8 +281,7 @@ impl<const D: usize> Newton<D> {
         // Unknowns of a node, of which the first is a moment or not.
         let first = usize::from(elastic.shear.is_some());
         let block = first + D;
-        // No entry of A⁻¹ is above this.
-        let sheared = if first == 1 { s * elastic.clamp.max(elastic.bending) } else { 0.0 };
+        let sheared = elastic.shear.as_ref().map_or(0.0, |shear| s * shear.stiffest);
         *stiffness = 0.0;
         elastic.derivatives(x, moments, |k, by| {
             let sum = problem.outer(k, x) - by.gradient * s;

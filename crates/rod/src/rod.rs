@@ -6,7 +6,7 @@ use crate::banded::Banded;
 use crate::elastic::{BadShape, Elastic, FOLD, Vector};
 use crate::error::{Error, LARGEST_GAIN};
 use crate::newton::{Balance, Failure, Imbalance, Newton, Problem, Statistics};
-use crate::parameters::{Loads, Parameters};
+use crate::parameters::{Loads, Parameters, Taper};
 use crate::root::{Clamp, Root, cross};
 use crate::scheme::{LastStage, StepRule, TRAPEZOID_PART};
 use crate::state::{Drive, Exchange, State};
@@ -42,6 +42,8 @@ pub struct Rod<const D: usize> {
     rest: Vec<Vector<D>>,
     /// Length that belongs to each node, m: `[n + 1]`.
     pub(crate) tributary: Vec<f64>,
+    /// Mass of each node, kg: `[n + 1]`.
+    masses: Vec<f64>,
     pub(crate) state: State<D>,
     statistics: Statistics,
     /// Positions and velocities component after component: `[D, n + 1]`.
@@ -77,6 +79,7 @@ impl<const D: usize> Rod<D> {
             root: None,
             elastic: parameters.elastic(direction),
             tributary: parameters.tributary(),
+            masses: parameters.masses(),
             state: at_rest.clone(),
             before: at_rest.clone(),
             before_substep: at_rest,
@@ -113,8 +116,9 @@ impl<const D: usize> Rod<D> {
             length: beam.length,
             segments: beam.segments,
             rest_angles: beam.rest_angles.clone(),
-            section: rod.material.section(beam.thickness),
+            section: rod.material.section(&beam.thickness, 0.0),
             displaced: scene.displaced_line_density(),
+            taper: Taper::of(beam, &rod.material),
             gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),
             damping: rod.damping,
             bending: rod.bending,
@@ -174,6 +178,11 @@ impl<const D: usize> Rod<D> {
             (turned[0], turned[1]) = (turned[0] - left * direction[1], turned[1] + left * direction[0]);
         }
         (self.state.positions[0] + turned - self.rest[tip]).into()
+    }
+
+    /// Mass of each node less that of the fluid it displaces, kg: `[n + 1]`.
+    pub fn masses(&self) -> &[f64] {
+        &self.masses
     }
 
     /// Power that the damping takes, W.
@@ -479,7 +488,7 @@ impl<const D: usize> Rod<D> {
         let damped = self.parameters.damping * mean_squares * span.dt;
         let Elastic { axial, bending, segment_length, .. } = &self.elastic;
         let segments = self.parameters.segments as f64;
-        let noise = 0.5 * segments * (axial * segment_length.powi(2) + bending) * NO_STRAIN.powi(2);
+        let noise = 0.5 * segments * (axial[0] * segment_length.powi(2) + bending[1]) * NO_STRAIN.powi(2);
         let conserving = self.parameters.scheme == RodScheme::Trapezoid;
         let State { reference_energy, largest_energy, .. } = &mut self.state;
         let reference = if *largest_energy == 0.0 {
@@ -559,11 +568,10 @@ impl<const D: usize> Rod<D> {
 
     /// Accelerations and net forces at the beginning of the first step; 0 for nodes without mass, which only follow.
     fn start(&mut self) -> Result<(), Error> {
-        let Self { elastic, newton, state, force, tributary, parameters, .. } = self;
+        let Self { elastic, newton, state, force, tributary, masses, parameters, .. } = self;
         let State { positions, velocities, net_forces, accelerations, loads, .. } = state;
-        let line_density = parameters.section.line_density - parameters.displaced;
         let result = elastic.gradient(positions, &mut newton.moments, |k, gradient| {
-            let m = line_density * tributary[k];
+            let m = masses[k];
             if m > 0.0 {
                 net_forces[k] = force[k] - gradient - velocities[k] * (parameters.damping * tributary[k]);
                 accelerations[k] = net_forces[k] / m;
@@ -594,7 +602,7 @@ impl<const D: usize> Rod<D> {
 
     /// Mass of node `k`, kg.
     pub(crate) fn mass(&self, k: usize) -> f64 {
-        (self.parameters.section.line_density - self.parameters.displaced) * self.tributary[k]
+        self.masses[k]
     }
 
     /// Refresh the component-wise outputs.

@@ -146,20 +146,24 @@ impl Scene {
         })
     }
 
-    /// Mass of the fluid that the beam displaces, per length and metre of depth, kg/m²: what a rod under the
-    /// momentum load must leave out of its own mass, because the fluid inside the mask carries it. 0 where the load
-    /// is not that one.
+    /// Mass of the fluid that the beam displaces at its root, per length and metre of depth, kg/m²: what a rod under
+    /// the momentum load must leave out of its own mass, because the fluid inside the mask carries it. 0 where the
+    /// load is not that one.
     pub fn displaced_line_density(&self) -> f64 {
-        match (self.load(), self.line_densities()) {
-            (Some(Load::Momentum), Some([_, displaced])) => displaced,
+        match (self.load(), &self.fluid, &self.beam) {
+            (Some(Load::Momentum), Some(fluid), Some(beam)) => fluid.density * beam.thickness.at(0.0),
             _ => 0.0,
         }
     }
 
-    /// Mass of the rod and of the fluid it displaces, per length and metre of depth, kg/m².
+    /// Mass of the rod and of the fluid it displaces, per length and metre of depth, kg/m², where the rod is lightest by
+    /// the fluid.
     fn line_densities(&self) -> Option<[f64; 2]> {
         let (fluid, beam, rod) = (self.fluid.as_ref()?, self.beam.as_ref()?, self.rod.as_ref()?);
-        Some([rod.material.section(beam.thickness).line_density, fluid.density * beam.thickness])
+        let (material, thickness) = (&rod.material, &beam.thickness);
+        let masses =
+            beam.places().map(|s| [material.section(thickness, s).line_density, fluid.density * thickness.at(s)]);
+        masses.min_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1])))
     }
 
     /// Whether the two sides can exchange like this.

@@ -7,6 +7,7 @@
 //!
 //! Everything is in SI units; a two-dimensional scene is one metre deep.
 
+mod along;
 mod beam;
 mod check;
 mod coupling;
@@ -22,6 +23,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use along::{Along, PlaceLaw};
 pub use beam::{Beam, Root};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use fluid::{
@@ -30,7 +32,7 @@ pub use fluid::{
 };
 pub use law::TimeLaw;
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
-pub use rod::{Bending, Calibration, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section};
+pub use rod::{Bending, Calibration, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section, SectionAlong};
 
 use check::{Check, require};
 use rod::Z_AXIS;
@@ -202,6 +204,10 @@ impl Scene {
                 format!("{:?}", rod.gravity),
                 || format!("it must have {dimension} components like the beam's root"),
             )?;
+            let tapered = beam.thickness.varies() || rod.material.varies();
+            require(!tapered || rod.calibration == Calibration::SecondOrder, "rod.calibration", "thesis", || {
+                "of a rod that changes along its length it must be second_order".into()
+            })?;
             if let (2, Some(RootMotion::Laws(laws))) = (dimension, &rod.root_motion) {
                 let key = "rod.root_motion.laws";
                 require(laws.z == TimeLaw::default(), &format!("{key}.z"), "present", || {

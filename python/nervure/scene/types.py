@@ -388,8 +388,53 @@ Root = RootOnCylinder | RootAt
 """Where a beam is clamped."""
 
 
+class Taper(Part):
+    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
+    stiffness of a plate of linear thickness with 3."""
+
+    root: Real
+    """Value at the root."""
+
+    tip: Real
+    """Value at the tip."""
+
+    power: Real = 1.0
+    """The power."""
+
+
+class PlaceLawTaper(Part):
+    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
+    stiffness of a plate of linear thickness with 3."""
+
+    taper: Taper
+    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
+    stiffness of a plate of linear thickness with 3."""
+
+
+class Points(Part):
+    """Straight lines between points."""
+
+    s: list[Real]
+    """Places of the points, increasing from 0, the root, to 1, the tip."""
+
+    values: list[Real]
+    """Values there, above 0."""
+
+
+class PlaceLawPoints(Part):
+    """Straight lines between points."""
+
+    points: Points
+    """Straight lines between points."""
+
+
+PlaceLaw = PlaceLawTaper | PlaceLawPoints
+"""A quantity as a function of the place s along the beam, 0 at the root and 1 at the tip; its unit is that of the key
+it stands at."""
+
+
 class Beam(Part):
-    """A beam of constant thickness with a flat tip; its stations are the rod's nodes."""
+    """A beam with a flat tip; its stations are the rod's nodes."""
 
     root: Root
     """Where the beam is clamped."""
@@ -397,8 +442,8 @@ class Beam(Part):
     length: Real
     """Length from root to tip, m."""
 
-    thickness: Real
-    """Thickness, m."""
+    thickness: Real | PlaceLaw
+    """Thickness, m: a number, or a law of the place along the beam."""
 
     segments: Integer
     """Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root."""
@@ -409,8 +454,8 @@ class Beam(Part):
 
 
 class PlaneStrain(Part):
-    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
-    ν²)."""
+    """A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E
+    h / (1 − ν²)."""
 
     density: Real
     """Density, kg/m³."""
@@ -427,27 +472,28 @@ class PlaneStrain(Part):
 
 
 class MaterialPlaneStrain(Part):
-    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
-    ν²)."""
+    """A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E
+    h / (1 − ν²)."""
 
     plane_strain: PlaneStrain
-    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
-    ν²)."""
+    """A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E
+    h / (1 − ν²)."""
 
 
 class Section(Part):
-    """Mass and stiffness of a section (per metre of depth in a two-dimensional scene)."""
+    """Mass and stiffness of the section (per metre of depth in a two-dimensional scene), each a number or a law of the
+    place along the beam."""
 
-    line_density: Real
+    line_density: Real | PlaceLaw
     """Mass per length, kg/m."""
 
-    bending_stiffness: Real
+    bending_stiffness: Real | PlaceLaw
     """Bending stiffness EI, N m²."""
 
-    axial_stiffness: Real
+    axial_stiffness: Real | PlaceLaw
     """Axial stiffness EA, N."""
 
-    shear_stiffness: Real | None = None
+    shear_stiffness: Real | PlaceLaw | None = None
     """Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles
     to the rod."""
 

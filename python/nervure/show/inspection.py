@@ -15,6 +15,7 @@ from nervure import checkpoint, master, results
 from nervure.errors import Refusal
 from nervure.pack import package
 from nervure.scene import Scene, kinds
+from nervure.scene.along import thickness
 from nervure.show import fields, forecast
 from nervure.show.table import print_table
 from nervure.unit import UnitError, read_description, variables_of
@@ -98,7 +99,9 @@ def show_scene(console: Console, scene: Scene) -> None:
         rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     if beam := scene.beam:
-        rows.append(("beam", f"{beam.length:g} x {beam.thickness:g} m, {beam.segments} segments, {stations} stations"))
+        ends = dict.fromkeys(f"{h:g}" for h in thickness(beam)[[0, -1]])
+        across = " to ".join(ends)
+        rows.append(("beam", f"{beam.length:g} x {across} m, {beam.segments} segments, {stations} stations"))
     rows += forecast.rows(scene)
     rows += forecast.chosen(scheme.choice) if scheme.choice else ()
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))

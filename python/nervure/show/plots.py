@@ -17,6 +17,7 @@ from nervure.evaluate import coefficients, flapping, statistics
 from nervure.files import write_whole
 from nervure.results import Results
 from nervure.scene import Scene
+from nervure.scene.along import thickness
 from nervure.scene.types import Fluid, Reference
 from nervure.show import shown_in, with_unit
 from nervure.show.fields import outline, stations
@@ -186,7 +187,7 @@ def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
-    corners = outline(stations(units), scene.beam.thickness) if scene.beam else None
+    corners = outline(stations(units), thickness(scene.beam)) if scene.beam else None
     figure = Figure(figsize=size(scene, 12.0), layout="constrained")
     axis = figure.subplots()
     picture = draw_vorticity(axis, scene, field, corners, vorticity_limit(scene, [field]))
