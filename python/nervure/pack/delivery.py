@@ -11,6 +11,7 @@ from nervure.library import library
 from nervure.pack import package, ssp
 from nervure.pack.notices import notices
 from nervure.provenance import git_revision
+from nervure.resources import BINARIES
 from nervure.scene import Scene
 
 OLDEST_GLIBC = (2, 17)  # The version that the libraries must run on: that of 2012
@@ -56,15 +57,18 @@ def checksum(path: Path) -> str:
 
 
 def binaries(kind: str, version: int) -> dict[str, Path]:
-    """The libraries of unit `kind` by platform: that in use, and where `make dist` built it those of other targets."""
+    """The libraries of unit `kind` by platform: that in use, and where `make dist` built it, or in a wheel, those of
+    other targets."""
     own, targets = library(kind), TARGETS[version]
     target, built = own.parents[1].name, own.parents[2]
-    if target not in targets.values():
+    if own.is_relative_to(BINARIES):  # its folders have the names of FMI 2.0
+        folders = {target: BINARIES / platform for platform, target in TARGETS[2].items()}
+    elif target in targets.values():
+        folders = {target: built / target / "release" for target in targets.values()}
+    else:
         return {package.PLATFORM[version]: own}
-    paths = {
-        platform: built / target / "release" / NAMES.get(target, own.name).format(kind)
-        for platform, target in targets.items()
-    }
+    name = "libfmu_{}.so"
+    paths = {platform: folders[target] / NAMES.get(target, name).format(kind) for platform, target in targets.items()}
     return {name: path for name, path in paths.items() if path.is_file()}
 
 
