@@ -8,6 +8,7 @@
 //! Everything is in SI units; a two-dimensional scene is one metre deep.
 
 mod beam;
+mod body;
 mod check;
 mod coupling;
 mod fluid;
@@ -23,6 +24,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use beam::{Beam, Root};
+pub use body::{Body, BodyMotion, Ends, Shape};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use fluid::{
     Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Probe, Sponge,
