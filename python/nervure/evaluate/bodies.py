@@ -82,7 +82,7 @@ def evaluate(
             statistics.evaluate(time, statistics.box_filter(time, series[force], width), window) for force in forces
         )
         thrust = ahead @ [flapping.average(time, series[force], window) for force in forces]
-        power = power_in(name, series)
+        power = power_in(name, series) if name in motions or name == "beam" else None
         curves = {"cd": series[forces[0]] / pressure, "cl": series[forces[1]] / pressure}
         if stream is None and f"{name}_x" in series and name in motions:
             curves["cd_path"] = against_path(name, series) / pressure
