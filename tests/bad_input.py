@@ -21,6 +21,7 @@ from nervure.scene import read
 FSI3, CSM1, CYLINDER, VEIN, HOVER = (
     "fsi3-325x72", "csm1", "cylinder-2d1-450x90", "vein-pitching-320x240", "vein-hover-288x256"
 )  # fmt: skip
+BODY = 'fluid.bodies=[{"position": [1.5, 0.2]'
 LAW, LOAD = "fluid.inflow.mean_velocity", "coupling.load"
 PROBE = '{{"name": "{}", "position": {}}}'
 
