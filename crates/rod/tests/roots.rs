@@ -1,10 +1,13 @@
 //! Roots that are pinned, on a torsion spring, or free, against exact solutions and invariants.
 
 mod common;
+#[path = "common/modes.rs"]
+mod modes;
 
 use std::f64::consts::{PI, TAU};
 
-use common::{RitzBeam, SCHEMES, frequencies, total_energy, unit_rod};
+use common::{SCHEMES, total_energy, unit_rod};
+use modes::{RitzBeam, frequencies};
 use nervure_rod::{Hold, Parameters, Rod, Root, Taper};
 use scene::{RodScheme, Section};
 

@@ -439,13 +439,12 @@ mod tests {
         let [h0, dh] = [ENDS[0], ENDS[1] - ENDS[0]];
         let moments = [h0 + dh / 2.0, h0 / 2.0 + dh / 3.0, h0 / 3.0 + dh / 4.0];
         let turning = (ENDS[0].powi(4) - ENDS[1].powi(4)) / (4.0 * (ENDS[0] - ENDS[1])) / 12.0;
-        for axis in 0..2 {
-            let expected = 2.0 * (0.5 * moments[0] + OMEGA * across[axis] * moments[1]);
-            assert!((found.momentum[axis] - expected).abs() < 1e-14, "{} against {expected}", found.momentum[axis]);
+        for (across, found) in across.iter().zip(found.momentum) {
+            let expected = 2.0 * (0.5 * moments[0] + OMEGA * across * moments[1]);
+            assert!((found - expected).abs() < 1e-14, "{found} against {expected}");
         }
         let shift = 0.5 * (DIRECTION[0] - DIRECTION[1]) * moments[1];
         let expected = 2.0 * (shift + OMEGA * (moments[2] + turning));
-        // Each segment turns as a rectangle of its mean cubed thickness, which is exact.
         assert!((found.angular - expected).abs() < 1e-14, "{} against {expected}", found.angular);
     }
 }
