@@ -154,6 +154,16 @@ def test_another_version_is_refused_with_those_that_are_there(tmp_path):
     assert not (tmp_path / "run").exists()
 
 
+@both
+def test_inspection_shows_arrays_flags_and_version(kind, fsi3, packed):
+    done = nervure("inspect", packed(kind, fsi3, 3))
+    assert done.returncode == 0, done.stderr
+    shown = [" ".join(line.split()) for line in done.stdout.splitlines()]
+    assert f"FMI 3.0, {fmpy.platform_tuple}" in shown and "hasEventMode False" in shown
+    assert any(line.startswith("force_x[1 … 43]") for line in shown)
+    assert not any("None" in line for line in shown)
+
+
 def test_fields_are_shown_under_fmi_3_too(fluid_only, instantiate):
     two, three = (instantiate(fluid_only, version)["fluid"] for version in (2, 3))
     for fluid in (two, three):

@@ -38,13 +38,13 @@ FLAGS = {
         "canBeInstantiatedOnlyOncePerProcess",
         "canGetAndSetFMUstate",
         "canSerializeFMUstate",
-        "providesDirectionalDerivatives",
         "providesAdjointDerivatives",
         "hasEventMode",
         "needsExecutionTool",
     ),
 }
-"""What a co-simulation unit says of itself (FMI 2.0.4, section 4.3.1; FMI 3.0.2, section 4.4.1)."""
+"""What a co-simulation unit says of itself, as far as fmpy reads it (FMI 2.0.4, section 4.3.1; FMI 3.0.2, section
+4.4.1)."""
 
 PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "bodies", "probes")  # What can be in a fluid
 
