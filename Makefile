@@ -4,6 +4,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 GRID ?= 325x72
 SCENE ?= fsi3-$(GRID)
 RESULTS ?= results/fsi3-$(GRID)
+FMI ?= 2
 ARGS ?=
 
 VENV := .venv
@@ -175,7 +176,7 @@ reliability: build $(READY_DEV) ## mistreat the units at full count and write do
 
 MASTERS_VENV := target/masters/venv
 
-masters-test: dist-libraries $(MASTERS_VENV)/.ready ## run the units of `make dist` in libcosim, Ecos, fmpy's SSP reader, a container FMU and the crate fmi
+masters-test: dist-libraries $(MASTERS_VENV)/.ready ## run the units of `make dist` in libcosim, Ecos, fmpy, a container FMU and the crate fmi
 	LIBCLANG_PATH=$$($(MASTERS_VENV)/bin/python -c "import clang.native; print(*clang.native.__path__)") \
 	BINDGEN_EXTRA_CLANG_ARGS="-I$$(cc -print-file-name=include)" \
 	cargo build --quiet --locked --manifest-path tests/masters/fmi/Cargo.toml --target-dir target/masters/fmi
@@ -226,8 +227,8 @@ dist-libraries: $(DIST_VENV)/.ready ## the libraries for Linux (glibc 2.17), Win
 	for target in $(DIST_BUILDS); do $(ZIGBUILD) --package nervure-fmu-rod --package nervure-fmu-fluid --target $$target \
 	--target-dir target/dist || exit; done
 
-dist: dist-libraries $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for all systems, checksums and manifest, into dist/
-	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist
+dist: dist-libraries $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for all systems, checksums and manifest, into dist/; FMI=3
+	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist --fmi $(FMI)
 
 wheel: dist-libraries $(READY) ## one wheel for all these systems, into target/wheel: `pip install` of it needs no compiler
 	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(RUN) -m pip --quiet --disable-pip-version-check wheel --no-deps \

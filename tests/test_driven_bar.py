@@ -15,7 +15,7 @@ pytestmark = pytest.mark.usefixtures("libraries")
 GRID = on_grid(324, 54, 4e-4)
 IN_PHASE, WITH_VELOCITY, REST = 0.02, 110.0, 0.055
 """Limits in the stream, the second in N/m. The grid gives -0.4 %, 81 N/m and 4.0 %; other places of it give -1.4 %, 64
-to 81 N/m and 4.3 %. Without the wall target it is -12 % and 358 N/m, without the filter 232 N/m, and with a tenth more
+to 81 N/m and 4.3 %. Without the wall target it is -12 % and 358 N/m, without the filter 232 N/m, with a tenth more
 viscosity 172 N/m."""
 ADDED_MASS = 0.015  # Limit in still fluid; it is 0.9 %, and 0.3 to 1.0 % at other places of the grid
 

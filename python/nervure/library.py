@@ -51,9 +51,11 @@ def check(text: str) -> None:
             raise
 
 
-def describe(kind: str, text: str) -> str:
-    """modelDescription.xml of unit `kind` for the text of a scene, or `SceneError` with the unit's words."""
-    function = ctypes.CDLL(str(library(kind)))["fmu_model_description"]
+def describe(kind: str, text: str, version: int = 2) -> str:
+    """modelDescription.xml of unit `kind` in that version of FMI, 2 or 3, for the text of a scene, or `SceneError` with
+    the unit's words."""
+    name = {2: "fmu_model_description", 3: "fmu_model_description_3"}[version]
+    function = ctypes.CDLL(str(library(kind)))[name]
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
     needed, buffer = ctypes.c_size_t(1 << 16), ctypes.create_string_buffer(1)
     with tempfile.TemporaryDirectory() as resources:

@@ -6,7 +6,8 @@ use scene::{Bending, Calibration, RodScheme, Section};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::elastic::{Angles, Elastic, Vector};
+use crate::elastic::{Angles, Elastic, Joint, Vector};
+use crate::hinge::Hinge;
 use crate::shear::Shear;
 
 /// Rounding of the ratios of a taper.
@@ -41,12 +42,35 @@ pub struct Parameters<const D: usize> {
     pub bending: Bending,
     /// How the section's numbers become springs and masses.
     pub calibration: Calibration,
+    /// How the root is held.
+    pub hold: Hold,
     /// Length by which the clamp lies behind the root, m: the clamp's spring is that of so much more of the rod.
     pub clamp_setback: f64,
     /// Time scheme.
     pub scheme: RodScheme,
     /// Largest step taken inside [`Rod::step`](crate::Rod::step), s; `None`: the whole step.
     pub max_step: Option<f64>,
+}
+
+/// How the root is held. All but the clamped one want the invariant bending model and the second-order calibration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Hold {
+    /// It neither moves nor turns by itself.
+    #[default]
+    Clamped,
+    /// It turns without resistance.
+    Pinned,
+    /// It turns by the angle θ from the direction of the root, against the moment `stiffness (θ − rest_angle) + damping θ'`.
+    TorsionSpring {
+        /// Stiffness, N m/rad.
+        stiffness: f64,
+        /// Damping, N m s/rad; 0 in space, where θ has no axis.
+        damping: f64,
+        /// Angle of the spring at rest, rad, positive to the left; 0 in space.
+        rest_angle: f64,
+    },
+    /// It moves as well, and [`Rod::towing`](crate::Rod::towing) acts on it.
+    Free,
 }
 
 /// The section and the displaced fluid along the rod, relative to those at the root, at the nodes and the middles of the
@@ -125,6 +149,7 @@ impl<const D: usize> Parameters<D> {
             return Err(Error::value("segments", self.segments, "at least 2"));
         }
         self.check_taper()?;
+        self.check_hold()?;
         if let Some(shear) = shear_stiffness.filter(|_| D != 2 || self.bending != Bending::Invariant) {
             let only = "absent: shear is for a rod in the plane with invariant bending";
             return Err(Error::value("section.shear_stiffness", shear, only));
@@ -136,6 +161,26 @@ impl<const D: usize> Parameters<D> {
             }
             _ => Ok(()),
         }
+    }
+
+    fn check_hold(&self) -> Result<(), Error> {
+        if let Hold::TorsionSpring { stiffness, damping, rest_angle } = self.hold {
+            if !(stiffness.is_finite() && stiffness > 0.0) {
+                return Err(Error::value("hold.stiffness", stiffness, "a finite number above 0"));
+            }
+            if !(damping.is_finite() && damping >= 0.0 && (D == 2 || damping == 0.0)) {
+                return Err(Error::value("hold.damping", damping, "a finite number of at least 0, and 0 in space"));
+            }
+            if !(rest_angle.abs() < PI && (D == 2 || rest_angle == 0.0)) {
+                return Err(Error::value("hold.rest_angle", rest_angle, "between −π and π, and 0 in space"));
+            }
+        }
+        let plain = self.bending == Bending::Invariant && self.calibration == Calibration::SecondOrder;
+        if self.hold != Hold::Clamped && !plain {
+            let found = format!("{:?}", self.hold);
+            return Err(Error::value("hold", found, "Clamped with another bending model or calibration"));
+        }
+        Ok(())
     }
 
     fn check_taper(&self) -> Result<(), Error> {
@@ -244,13 +289,30 @@ impl<const D: usize> Parameters<D> {
         // A vertex bends with the section there, a segment is stretched and sheared with that in its middle.
         let bending = self.section.bending_stiffness / l0;
         let mut bending: Vec<_> = (0..self.segments).map(|v| bending * at(&taper.bending_stiffness, 2 * v)).collect();
-        bending[0] = self.section.bending_stiffness / (clamp_length + self.clamp_setback);
+        // A spring at the root is in series with half a segment.
+        let beside = self.section.bending_stiffness / (clamp_length + self.clamp_setback);
+        let (clamp, joint) = match self.hold {
+            Hold::Clamped => (beside, Joint::Clamped),
+            Hold::Pinned | Hold::Free => (0.0, Joint::Loose),
+            Hold::TorsionSpring { stiffness, rest_angle, .. } => {
+                (1.0 / (1.0 / stiffness + 1.0 / beside), Joint::Spring { rest: rest_angle, stored: 0.0 })
+            }
+        };
+        bending[0] = clamp;
+        let first = usize::from(self.hold != Hold::Free);
         let axial = (0..self.segments).map(|j| axial * at(&taper.axial_stiffness, 2 * j + 1)).collect();
         let shear = self.section.shear_stiffness.map(|shear| {
             let stiffness = |j: usize| shear * at(&taper.shear_stiffness, 2 * j + 1);
             Shear::new(l0, &bending, stiffness)
         });
-        Elastic { segment_length: l0, axial, bending, direction, angles, shear }
+        Elastic { segment_length: l0, axial, bending, direction, joint, first, angles, shear }
+    }
+
+    /// The hinge of a torsion spring at the root; in the plane only.
+    pub(crate) fn hinge(&self) -> Option<Hinge> {
+        let Hold::TorsionSpring { stiffness, damping, rest_angle } = self.hold else { return None };
+        let beside = self.section.bending_stiffness / (0.5 * self.segment_length() + self.clamp_setback);
+        (D == 2).then_some(Hinge { stiffness, damping, rest_angle, beside })
     }
 
     /// Mass of each node less that of the fluid it displaces, kg: `[n + 1]`.

@@ -25,26 +25,36 @@ pub(crate) struct Shear {
 
 impl Shear {
     /// For segments of the length `l0` (m) with the springs `bending` (N m) at their beginnings, `[n]`, and the shear
-    /// stiffness GA_s (N) of each.
+    /// stiffness GA_s (N) of each. A first spring of 0 is none: its moment stays 0 and couples to nothing.
     pub(crate) fn new(l0: f64, bending: &[f64], shear_stiffness: impl Fn(usize) -> f64) -> Self {
-        let beside: Vec<_> = (0..bending.len()).map(|j| -1.0 / (shear_stiffness(j) * l0)).collect();
-        let diagonal: Vec<_> = bending
+        let mut beside: Vec<_> = (0..bending.len()).map(|j| -1.0 / (shear_stiffness(j) * l0)).collect();
+        let mut diagonal: Vec<_> = bending
             .iter()
             .enumerate()
             .map(|(v, bending)| 1.0 / bending - if v == 0 { beside[0] } else { beside[v - 1] + beside[v] })
             .collect();
-        let (mut before, mut coupling) = (0.0, 0.0);
-        let inverse_pivots = diagonal
-            .iter()
-            .zip(&beside)
-            .map(|(entry, beside)| {
-                before = 1.0 / (entry - coupling * coupling * before);
-                coupling = *beside;
-                before
-            })
-            .collect();
+        if bending[0] == 0.0 {
+            (diagonal[0], beside[0]) = (1.0 / bending[1], 0.0);
+        }
         let stiffest = bending.iter().fold(0.0, |stiffest: f64, spring| stiffest.max(*spring));
-        Self { diagonal, beside, inverse_pivots, stiffest }
+        let mut shear = Self { inverse_pivots: diagonal.clone(), diagonal, beside, stiffest };
+        shear.factorise();
+        shear
+    }
+
+    /// Put another spring in place of the first one.
+    pub(crate) fn set_root(&mut self, spring: f64) {
+        self.diagonal[0] = 1.0 / spring - self.beside[0];
+        self.factorise();
+    }
+
+    fn factorise(&mut self) {
+        let (mut before, mut coupling) = (0.0, 0.0);
+        for ((inverse, entry), beside) in self.inverse_pivots.iter_mut().zip(&self.diagonal).zip(&self.beside) {
+            before = 1.0 / (entry - coupling * coupling * before);
+            coupling = *beside;
+            *inverse = before;
+        }
     }
 
     /// Entries of A in the column of vertex `v`, on the diagonal and below.

@@ -1,8 +1,11 @@
 //! Rods whose section changes along their length, against the exact tapered cantilever.
 
 mod common;
+#[path = "common/modes.rs"]
+mod modes;
 
-use common::{RitzBeam, frequencies, gauss, unit_rod};
+use common::unit_rod;
+use modes::{RitzBeam, frequencies, gauss};
 use nervure_rod::{Parameters, Rod, Taper};
 use scene::{Along, PlaceLaw, RodScheme, Scene, Section};
 

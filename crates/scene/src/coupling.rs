@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::require;
-use crate::{Scene, SceneError, TimeScheme};
+use crate::{Hold, Scene, SceneError, TimeScheme};
 
 /// How fluid and rod exchange; what is left out is chosen by the rules of `docs/coupling.md`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -137,6 +137,9 @@ impl Scene {
         Some(if own < displaced {
             let needed = "the momentum load needs 1 or more";
             (Load::PressureJump, format!("the rod weighs {ratio:.4} of the fluid it displaces; {needed}"))
+        } else if own == displaced && self.is_free() {
+            let needed = "a free rod needs more for the momentum load";
+            (Load::PressureJump, format!("the rod weighs {ratio:.4} of the fluid it displaces; {needed}"))
         } else if step > largest * (1.0 + STEP_ROUNDING) {
             let held = "the momentum load is not to be held over several of the fluid's";
             let reason = format!("the step of {step} s is above {largest} s, the fluid's largest; {held}");
@@ -154,6 +157,11 @@ impl Scene {
             (Some(Load::Momentum), Some(fluid), Some(beam)) => fluid.density * beam.thickness.at(0.0),
             _ => 0.0,
         }
+    }
+
+    /// Whether nothing holds the root: without a mass of its own such a rod could not even begin to move.
+    fn is_free(&self) -> bool {
+        self.rod.as_ref().is_some_and(|rod| matches!(rod.root, Hold::Free { .. }))
     }
 
     /// Mass of the rod and of the fluid it displaces, per length and metre of depth, kg/m², where the rod is lightest by
@@ -174,10 +182,16 @@ impl Scene {
         })?;
         let Some((load, _)) = self.chosen_load() else { return Ok(()) };
         if let (Load::Momentum, Some([own, displaced])) = (load, self.line_densities()) {
+            let ratio = own / displaced;
             require(own >= displaced, "coupling.load", "momentum", || {
                 format!(
-                    "the rod weighs {:.4} of the fluid it displaces, less than 1; leave the load out or take pressure_jump",
-                    own / displaced
+                    "the rod weighs {ratio:.4} of the fluid it displaces, less than 1; leave the load out or take pressure_jump"
+                )
+            })?;
+            require(own > displaced || !self.is_free(), "coupling.load", "momentum", || {
+                format!(
+                    "the free rod weighs {ratio:.4} of the fluid it displaces, which leaves it no mass; leave the load out or take \
+                     pressure_jump"
                 )
             })?;
         }

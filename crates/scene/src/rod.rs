@@ -1,5 +1,7 @@
 //! The elastic model of the beam.
 
+use std::f64::consts::PI;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +32,10 @@ pub struct Rod {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub clamp_setback: f64,
-    /// Prescribed motion of the root; absent where it is still.
+    /// How the root is held.
+    #[serde(default)]
+    pub root: Hold,
+    /// Prescribed motion of the root; absent where it is still, and where the root is free.
     #[serde(default)]
     pub root_motion: Option<RootMotion>,
     /// Time scheme.
@@ -126,6 +131,45 @@ pub enum Calibration {
     },
 }
 
+/// How the root of a rod is held.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Hold {
+    /// It neither moves nor turns by itself.
+    #[default]
+    Clamped,
+    /// It does not move by itself, and turns without resistance.
+    Pinned,
+    /// It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) + damping rate`,
+    /// the angle being that from the direction of the beam, between −π and π.
+    TorsionSpring {
+        /// Stiffness of the spring, N m/rad.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        stiffness: f64,
+        /// Damping, N m s/rad; in the plane only.
+        #[serde(default)]
+        #[schemars(range(min = 0.0))]
+        damping: f64,
+        /// Angle at which the spring is at rest, rad, positive to the left; in the plane only. The rod begins along the beam's direction
+        /// all the same.
+        #[serde(default)]
+        #[schemars(extend("exclusiveMinimum" = -PI, "exclusiveMaximum" = PI))]
+        rest_angle: f64,
+    },
+    /// It moves and turns as the loads, gravity and a force that tows it will.
+    Free {
+        /// Towing force along x, N.
+        #[serde(default)]
+        force_x: TimeLaw,
+        /// Towing force along y, N.
+        #[serde(default)]
+        force_y: TimeLaw,
+        /// Towing force along z, N; in three dimensions only.
+        #[serde(default)]
+        force_z: TimeLaw,
+    },
+}
+
 /// Prescribed motion of the root.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -170,6 +214,14 @@ pub(crate) const Z_AXIS: [f64; 3] = [0.0, 0.0, 1.0];
 
 fn z_axis() -> [f64; 3] {
     Z_AXIS
+}
+
+impl Hold {
+    /// Force that tows a free root at time `t` (s), N.
+    pub fn towing_force(&self, t: f64) -> Option<[f64; 3]> {
+        let Self::Free { force_x, force_y, force_z } = self else { return None };
+        Some([force_x, force_y, force_z].map(|law| law.value(t)))
+    }
 }
 
 impl RootLaws {
@@ -260,6 +312,11 @@ impl Check for Rod {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
         if let Material::Section(section) = &self.material {
             section.check_at(&format!("{key}.material.section"))?;
+        }
+        if let Hold::Free { force_x, force_y, force_z } = &self.root {
+            for (name, law) in [("force_x", force_x), ("force_y", force_y), ("force_z", force_z)] {
+                law.check_at(&format!("{key}.root.free.{name}"))?;
+            }
         }
         match &self.root_motion {
             Some(RootMotion::Laws(laws)) => laws.check_at(&format!("{key}.root_motion.laws")),

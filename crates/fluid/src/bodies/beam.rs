@@ -365,3 +365,86 @@ impl Beam {
         [stations.position[0][k] + height * nx, stations.position[1][k] + height * ny]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use scene::{Along, FluidBox, PlaceLaw, Root};
+
+    use super::*;
+
+    const ROOT: [f64; 2] = [0.3, 0.2];
+    const DIRECTION: [f64; 2] = [0.8, 0.6];
+    const OMEGA: f64 = 1.7;
+    /// Thickness at the root and at the tip.
+    const ENDS: [f64; 2] = [0.2, 0.04];
+
+    /// A beam of length 1 that tapers, turns about its root and moves along with it; painted with a sharp mask.
+    fn turning() -> (Beam, Stations, Grid) {
+        let grid = Grid::new(&FluidBox { x: [0.0, 1.5], y: [0.0, 1.5], cells: [600, 600] });
+        let scene = scene::Beam {
+            root: Root::At { position: ROOT.to_vec(), direction: DIRECTION.to_vec() },
+            length: 1.0,
+            thickness: Along::Varying(PlaceLaw::Taper { root: ENDS[0], tip: ENDS[1], power: 1.0 }),
+            segments: 8,
+            rest_angles: Vec::new(),
+        };
+        let mask = Mask::Sharp { c_eta: 1.0, displacement_corrected: false };
+        let mut beam = Beam::new(&scene, &grid, &mask, 1e-3);
+        let along = |axis: usize| (0..=8).map(move |k| ROOT[axis] + DIRECTION[axis] * f64::from(k) / 8.0).collect();
+        let speed = |axis: usize| {
+            let across = [-DIRECTION[1], DIRECTION[0]];
+            (0..=8).map(move |k| 0.5 + OMEGA * across[axis] * f64::from(k) / 8.0).collect()
+        };
+        let stations = Stations { position: [along(0), along(1)], velocity: [speed(0), speed(1)] };
+        beam.place(&stations, &stations, &grid);
+        (beam, stations, grid)
+    }
+
+    #[test]
+    fn mask_has_the_area_of_the_tapered_beam() {
+        let (beam, _, grid) = turning();
+        let sum = |weight: &dyn Fn(&Cell) -> f64| beam.cells.iter().map(weight).sum::<f64>() * grid.cell_area();
+        let area = sum(&|_| 1.0);
+        let centre = sum(&|cell| cell.arm[0] * DIRECTION[0] + cell.arm[1] * DIRECTION[1]) / area;
+        // (h0 + h1) / 2 and (h0 + 2 h1) / (3 (h0 + h1)) of a trapezium.
+        assert!((area / 0.12 - 1.0).abs() < 2e-3, "area {area}");
+        assert!((centre / (0.28 / 0.72) - 1.0).abs() < 2e-3, "centre at {centre}");
+    }
+
+    #[test]
+    fn drag_of_the_cosine_mask_falls_across_the_sloped_surface() {
+        let (mut beam, stations, grid) = turning();
+        let mask = Mask::Cosine { c_eta: 1.0, half_width: 6.0, displacement_corrected: false };
+        beam.profiles =
+            beam.thickness.iter().map(|h| DragProfile::of_body(h[0], &mask, 1e-3, grid.cell_size())).collect();
+        beam.place(&stations, &stations, &grid);
+        let slope = 0.5 * (ENDS[1] - ENDS[0]);
+        for cell in beam.cells.iter() {
+            let along = cell.arm[0] * DIRECTION[0] + cell.arm[1] * DIRECTION[1];
+            let height = (cell.arm[1] * DIRECTION[0] - cell.arm[0] * DIRECTION[1]).abs();
+            if (0.2..0.8).contains(&along) {
+                let distance = (height - 0.5 * ENDS[0] - slope * along) / slope.hypot(1.0);
+                let expected = beam.profiles[0].rate(distance);
+                assert!((cell.rate - expected).abs() < 1e-9, "at {along}, {height}: {} against {expected}", cell.rate);
+            }
+        }
+    }
+
+    #[test]
+    fn displaced_fluid_has_the_momentum_of_the_tapered_beam() {
+        let (beam, stations, _) = turning();
+        let found = beam.displaced(&stations, 2.0);
+        let across = [-DIRECTION[1], DIRECTION[0]];
+        // Integrals over 0 … 1 of h = h0 + (h1 − h0) s times 1, s and s², and of h³/12.
+        let [h0, dh] = [ENDS[0], ENDS[1] - ENDS[0]];
+        let moments = [h0 + dh / 2.0, h0 / 2.0 + dh / 3.0, h0 / 3.0 + dh / 4.0];
+        let turning = (ENDS[0].powi(4) - ENDS[1].powi(4)) / (4.0 * (ENDS[0] - ENDS[1])) / 12.0;
+        for (across, found) in across.iter().zip(found.momentum) {
+            let expected = 2.0 * (0.5 * moments[0] + OMEGA * across * moments[1]);
+            assert!((found - expected).abs() < 1e-14, "{found} against {expected}");
+        }
+        let shift = 0.5 * (DIRECTION[0] - DIRECTION[1]) * moments[1];
+        let expected = 2.0 * (shift + OMEGA * (moments[2] + turning));
+        assert!((found.angular - expected).abs() < 1e-14, "{} against {expected}", found.angular);
+    }
+}
