@@ -22,6 +22,7 @@ FSI3, CSM1, CYLINDER, VEIN, HOVER = (
     "fsi3-325x72", "csm1", "cylinder-2d1-450x90", "vein-pitching-320x240", "vein-hover-288x256"
 )  # fmt: skip
 BODY = 'fluid.bodies=[{"position": [1.5, 0.2]'
+THESIS, VEIN_3D = "fsi3-thesis-325x72", "vein-3d"
 LAW, LOAD = "fluid.inflow.mean_velocity", "coupling.load"
 PROBE = '{{"name": "{}", "position": {}}}'
 
@@ -112,6 +113,10 @@ TYPES = [
     (CYLINDER, f"fluid.probes=[{PROBE.format('a', '0.2')}]"),
     (FSI3, "beam.length=0"),
     (FSI3, "beam.thickness=thin"),
+    (FSI3, "beam.thickness=0"),
+    (FSI3, 'beam.thickness={"taper": {"root": 0.02}}'),
+    (FSI3, 'beam.thickness={"taper": {"root": 0.02, "tip": 0}}'),
+    (FSI3, 'beam.thickness={"points": {"s": [0], "values": [0.02]}}'),
     (FSI3, "beam.segments=8.5"),
     (FSI3, "beam.segments=1"),
     (FSI3, "beam.segments=1000000000000"),
@@ -120,6 +125,9 @@ TYPES = [
     (CSM1, "beam.root.at.position=[0.25]"),
     (CSM1, "rod=elastic"),
     (CSM1, 'rod.material={"steel": {}}'),
+    (CSM1, "rod.root=hinged"),
+    (CSM1, 'rod.root={"torsion_spring": {"stiffness": 0}}'),
+    (CSM1, 'rod.root={"torsion_spring": {"stiffness": 1, "damping": -1}}'),
     (CSM1, "rod.material.plane_strain.density=0"),
     (CSM1, "rod.material.plane_strain.poisson_ratio=0.5"),
     (CSM1, "rod.material.plane_strain.shear_factor=2"),
@@ -163,6 +171,16 @@ RELATIONS = [
     (CSM1, "beam.root.at.direction=[0, 0]"),
     (CSM1, "beam.root.at.direction=[1, 0, 0]"),
     (CSM1, "rod.gravity=[0, -2, 0]"),
+    (FSI3, 'beam.thickness={"points": {"s": [0, 0.5], "values": [0.02, 0.01]}}'),
+    (FSI3, 'beam.thickness={"points": {"s": [0, 1], "values": [0.02, 0.01, 0.01]}}'),
+    (THESIS, 'beam.thickness={"taper": {"root": 0.02, "tip": 0.01}}'),
+    (THESIS, "rod.root=pinned"),
+    (FSI3, 'rod.root={"free": {}}'),
+    (FSI3, "rod.root=pinned"),
+    (VEIN, 'rod.root={"free": {}}'),
+    (VEIN, "rod.root=pinned"),
+    (CSM1, 'rod.root={"free": {"force_z": {"steady": 1}}}'),
+    (VEIN_3D, 'rod.root={"torsion_spring": {"stiffness": 1, "damping": 1}}'),
     (VEIN, "rod.root_motion.laws.rotations.0.axis=[0, 0, 0]"),
     (VEIN, "rod.root_motion.laws.rotations.0.axis=[1, 0, 0]"),
     (CSM1, 'coupling={"load": "momentum"}'),

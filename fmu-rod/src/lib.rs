@@ -1,9 +1,9 @@
-//! The elastic rod as an FMI 2.0 co-simulation unit: the list of its variables and its step.
+//! The elastic rod as an FMI co-simulation unit: the list of its variables and its step.
 
 use std::slice::{from_mut, from_ref};
 
 use fmi2::{Description, Log, Model, Resources, require_memory};
-use rod::{Energy, Error, Loads, Rod, Root, Statistics};
+use rod::{Energy, Error, Hold, Loads, Rod, Root, Statistics, Taper};
 use scene::{RootMotion, Scene, Section};
 use serde::{Deserialize, Serialize};
 
@@ -196,16 +196,18 @@ impl RodUnit {
     /// What a master may change before the start.
     fn parameters(&self) -> Vec<Variable> {
         let (loads, section) = either!(&self.body, rod => (&rod.loads, rod.parameters().section));
+        let tapered = either!(&self.body, rod => rod.parameters().taper != Taper::default());
+        let text = |text: &str| if tapered { format!("{text}, at the root") } else { text.to_string() };
         let mut list = vec![
-            Real::parameter("line_density", self.per("kg/m", "kg/m2"), "Mass of the section per length", |m| {
+            Real::parameter("line_density", self.per("kg/m", "kg/m2"), text("Mass of the section per length"), |m| {
                 from_mut(&mut m.parameters.section.line_density)
             })
             .above(0.0),
-            Real::parameter("bending_stiffness", self.per("N.m2", "N.m"), "Bending stiffness EI", |m| {
+            Real::parameter("bending_stiffness", self.per("N.m2", "N.m"), text("Bending stiffness EI"), |m| {
                 from_mut(&mut m.parameters.section.bending_stiffness)
             })
             .above(0.0),
-            Real::parameter("axial_stiffness", self.per("N", "N/m"), "Axial stiffness EA", |m| {
+            Real::parameter("axial_stiffness", self.per("N", "N/m"), text("Axial stiffness EA"), |m| {
                 from_mut(&mut m.parameters.section.axial_stiffness)
             })
             .above(0.0),
@@ -223,15 +225,18 @@ impl RodUnit {
         ];
         if !loads.impedance.is_empty() {
             list.push(
-                Real::parameter("displaced_line_density", "kg/m2", "Mass of the displaced fluid per length", |m| {
-                    from_mut(&mut m.parameters.displaced_line_density)
-                })
+                Real::parameter(
+                    "displaced_line_density",
+                    "kg/m2",
+                    text("Mass of the displaced fluid per length"),
+                    |m| from_mut(&mut m.parameters.displaced_line_density),
+                )
                 .at_least(0.0),
             );
         }
         if section.shear_stiffness.is_some() {
             list.push(
-                Real::parameter("shear_stiffness", "N/m", "Shear stiffness GA_s", |m| {
+                Real::parameter("shear_stiffness", "N/m", text("Shear stiffness GA_s"), |m| {
                     m.parameters.section.shear_stiffness.as_mut_slice()
                 })
                 .above(0.0),
@@ -282,6 +287,9 @@ impl RodUnit {
             let text = "Velocity of the root at the end of the step";
             Real::input(format!("root.v{axis}"), "m/s", text, move |m| from_mut(&mut m.root.velocity[d]))
         }));
+        if self.hold() == Hold::Pinned {
+            return list;
+        }
         if self.dimension() == 2 {
             list.push(Real::input("root.angle", "rad", "Direction of the beam at the root, from the x axis", |m| {
                 from_mut(&mut m.root.angle)
@@ -353,17 +361,43 @@ impl RodUnit {
         list
     }
 
-    /// What a driven root puts in.
+    /// How the root is held.
+    fn hold(&self) -> Hold {
+        either!(&self.body, rod => rod.parameters().hold)
+    }
+
+    /// What a torsion spring at the root does in the plane.
+    fn hinge_outputs(&self) -> Vec<Variable> {
+        let spring = matches!(self.hold(), Hold::TorsionSpring { .. }) && self.dimension() == 2;
+        let of_hinge = |name: &str, unit: &str, text: &str, i: usize| {
+            Real::output(name, unit, text, move |m| {
+                m.ask(|body| either!(body, rod => rod.hinge().unwrap_or_default()[i]))
+            })
+        };
+        if !spring {
+            return Vec::new();
+        }
+        vec![
+            of_hinge("hinge.angle", "rad", "Angle by which the torsion spring is turned, positive to the left", 0),
+            of_hinge("hinge.omega", "rad/s", "Its rate", 1),
+        ]
+    }
+
+    /// What a driven root puts in, or the force that tows a free one.
     fn drive_outputs(&self) -> Vec<Variable> {
         let mut list = Vec::new();
+        let (free, turns) =
+            (self.hold() == Hold::Free, matches!(self.hold(), Hold::Clamped | Hold::TorsionSpring { .. }));
+        if turns {
+            list.extend(self.along_axes(|d, axis| {
+                let text = "Displacement that the tip would have on a rigid rod";
+                Real::output(format!("rigid_tip.u{axis}"), "m", text, move |m| {
+                    m.ask(|body| either!(body, rod => rod.rigid_tip_displacement()[d]))
+                })
+            }));
+        }
         list.extend(self.along_axes(|d, axis| {
-            let text = "Displacement that the tip would have on a rigid rod";
-            Real::output(format!("rigid_tip.u{axis}"), "m", text, move |m| {
-                m.ask(|body| either!(body, rod => rod.rigid_tip_displacement()[d]))
-            })
-        }));
-        list.extend(self.along_axes(|d, axis| {
-            let text = format!("Force along {axis} with which the root is driven");
+            let text = format!("Force along {axis} with which the root is {}", if free { "towed" } else { "driven" });
             Real::output(
                 format!("root.force_{axis}"),
                 self.per("N", "N/m"),
@@ -379,17 +413,19 @@ impl RodUnit {
                 move |m| either!(&m.body, rod => from_ref(&rod.state().drive.moment[d])),
             )
         };
-        if self.dimension() == 2 {
+        if turns && self.dimension() == 2 {
             list.push(moment("root.moment", "N.m/m", 2));
-        } else {
+        } else if turns {
             list.extend(self.along_axes(|d, axis| moment(&format!("root.moment_{axis}"), "N.m", d)));
         }
-        let work = "Their work since the start: the sum of power times step";
+        let (power, work) = if turns { ("Power of both", "Their work") } else { ("Its power", "Its work") };
+        let power = format!("{power} at the end of the step");
+        let work = format!("{work} since the start: the sum of power times step");
         list.extend([
             Real::output(
                 "root.power",
                 self.per("W", "W/m"),
-                "Power of both at the end of the step",
+                power,
                 |m| either!(&m.body, rod => from_ref(&rod.state().drive.power)),
             ),
             Real::output(
@@ -496,9 +532,15 @@ impl Model for RodUnit {
     }
 
     fn description(&self) -> Description {
+        let root = match self.hold() {
+            Hold::Clamped => "clamped at its root",
+            Hold::Pinned => "pinned at its root",
+            Hold::TorsionSpring { .. } => "on a torsion spring at its root",
+            Hold::Free => "free at its root",
+        };
         Description {
             model_name: format!("{}.rod", self.scene.name),
-            text: "Elastic mass-spring rod, clamped at its root, implicit in time".into(),
+            text: format!("Elastic mass-spring rod, {root}, implicit in time"),
             author: "The nervure developers".into(),
             copyright: "Copyright (c) 2026 The nervure developers".into(),
             license: env!("CARGO_PKG_LICENSE").into(),
@@ -519,7 +561,8 @@ impl Model for RodUnit {
         // Every output is that of the end of a step.
         let at_the_end = |output: Variable| output.depends_on(&[]);
         list.extend(self.station_outputs().into_iter().map(at_the_end));
-        if rod.root_motion.is_some() {
+        list.extend(self.hinge_outputs().into_iter().map(at_the_end));
+        if rod.root_motion.is_some() || matches!(rod.root, scene::Hold::Free { .. }) {
             list.extend(self.drive_outputs().into_iter().map(at_the_end));
         }
         if self.scene.load().is_some() {
@@ -542,6 +585,10 @@ impl Model for RodUnit {
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         if let Some(root) = self.root_at(t + h) {
             either!(&mut self.body, rod => rod.root = Some(root_of(root)));
+        }
+        let towing = self.scene.rod.as_ref().and_then(|rod| rod.root.towing_force(t + h));
+        if let Some(towing) = towing {
+            either!(&mut self.body, rod => rod.towing = std::array::from_fn(|d| towing[d]));
         }
         let span = || format!("in the step from t = {t} s to {} s", t + h);
         self.body.step(h).and_then(|()| self.publish()).map_err(|e| format!("{e}, {}", span()))?;

@@ -190,3 +190,34 @@ fn the_impedance_of_rk2_is_that_of_its_drag() {
     // dt a is 1/2: free to follow, the fluid would leave three quarters of the drag.
     assert!((0.75..1.0).contains(&(announced / exerted)), "announced {announced} kg/(m s), exerted {exerted}");
 }
+
+/// The loads are continuous in the stations: an eighth of a move changes them by an eighth. A cell that changed its
+/// velocity where the normal of a station passes over it would make an iteration between fluid and rod stall.
+#[test]
+fn loads_are_continuous_in_the_stations() {
+    let mask = Mask::LogLinear { c_eta: 4e-3, e_fold: 0.3, target: scene::WallTarget::None };
+    let mut fluid = fluid_of(&beam_in_a_stream(mask, false));
+    run(&mut fluid, 10, 2e-3);
+    let (state, rest) = (fluid.state(), stations(&mut fluid).clone());
+    let mut loads = |moved: f64| {
+        fluid.restore(&state).unwrap_or_else(|e| panic!("{e}"));
+        let stations = stations(&mut fluid);
+        let lengths = stations.position[0].clone();
+        for k in 0..stations.len() {
+            let s = lengths[k] - lengths[0];
+            stations.position[0][k] = rest.position[0][k] + moved;
+            stations.position[1][k] = rest.position[1][k] + 3.0 * s * s;
+            stations.velocity[1][k] = 0.5 * (9.0 * s).sin();
+        }
+        run(&mut fluid, 1, 2e-3);
+        fluid.loads().expect("it has a beam").force[1].clone()
+    };
+    let mut largest_change = |steps: usize, length: f64| {
+        let all: Vec<_> = (0..=steps).map(|i| loads(length * i as f64)).collect();
+        let changes =
+            all.windows(2).map(|two| two[0].iter().zip(&two[1]).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())));
+        changes.fold(0.0, f64::max)
+    };
+    let (coarse, fine) = (largest_change(100, 1.6e-4), largest_change(800, 2e-5));
+    assert!(fine < 0.2 * coarse, "a move changes the loads by {coarse} N/m, an eighth of it by {fine}");
+}

@@ -182,7 +182,7 @@ fn announced_loads_are_exerted() {
         let mut scene = scene(CYLINDER_IN_CHANNEL, FREE_BEAM);
         let parts = (scene.fluid.as_mut(), scene.beam.as_mut());
         let (fluid, beam) = (parts.0.expect("it has one"), parts.1.expect("it has one"));
-        (fluid.mask, beam.thickness) = (mask, 0.08);
+        (fluid.mask, beam.thickness) = (mask, 0.08.into());
         let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         run(&mut fluid, 50, 2e-3);
         let sum = |values: &[f64]| values.iter().sum::<f64>();
@@ -221,7 +221,7 @@ fn announced_station_loads_have_the_force_and_the_power_of_the_drag() {
         let mut scene = scene(CYLINDER_IN_CHANNEL, FREE_BEAM);
         let parts = (scene.fluid.as_mut(), scene.beam.as_mut());
         let (part, beam) = (parts.0.expect("it has one"), parts.1.expect("it has one"));
-        (part.mask, beam.thickness) = (mask, 0.08);
+        (part.mask, beam.thickness) = (mask, 0.08.into());
         let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         let stations = fluid.stations_mut().expect("the scene has a beam");
         for k in 0..stations.len() {

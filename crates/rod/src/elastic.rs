@@ -37,23 +37,38 @@ pub(crate) type Matrix<const D: usize> = SMatrix<f64, D, D>;
 /// A vertex counts as folded where |e_1||e_2| + e_1·e_2 is below this part of l0²; a projection as vanished where its
 /// squared length is.
 pub(crate) const FOLD: f64 = 1e-12;
+/// Below this angle, rad, functions of it are taken by their series.
+const SMALL_ANGLE: f64 = 1e-2;
 
 /// Springs of the rod.
 pub(crate) struct Elastic<const D: usize> {
     /// Length of a segment at rest, l0, m.
     pub(crate) segment_length: f64,
-    /// k_e, N/m.
-    pub(crate) axial: f64,
-    /// k_b, N m.
-    pub(crate) bending: f64,
-    /// k_b of the clamp, N m.
-    pub(crate) clamp: f64,
+    /// k_e of each segment, N/m: `[n]`.
+    pub(crate) axial: Vec<f64>,
+    /// k_b at the beginning of each segment, N m, the first that of the joint at the root: `[n]`.
+    pub(crate) bending: Vec<f64>,
+    /// How the root turns.
+    pub(crate) joint: Joint,
+    /// First node that moves by itself: 1, or 0 where the root is free.
+    pub(crate) first: usize,
     /// Unit tangent at the clamp.
     pub(crate) direction: Vector<D>,
     /// What k_b goes with.
     pub(crate) angles: Angles,
     /// In series with k_b, in the plane and with invariant angles; `None`: stiff against shear.
     pub(crate) shear: Option<Shear>,
+}
+
+/// How the root turns against the direction of the clamp.
+#[derive(Clone, Copy)]
+pub(crate) enum Joint {
+    /// Like a vertex between two segments.
+    Clamped,
+    /// Without resistance.
+    Loose,
+    /// By U = ½ k_b (ψ − rest)² + stored of the true angle ψ; at rest at 0 in space.
+    Spring { rest: f64, stored: f64 },
 }
 
 /// What bending energy depends on.
@@ -143,12 +158,20 @@ impl<const D: usize> Elastic<D> {
     /// Energy of the shape `x`, `[n + 1]`.
     pub(crate) fn energy(&self, x: &[Vector<D>]) -> Result<ElasticEnergy, BadShape> {
         let mut energy = ElasticEnergy { stretching: 0.0, bending: 0.0 };
-        let (mut before, mut k_b, mut sheared) = (self.clamped_edge(), self.clamp, 0.0);
-        for (node, ends) in x.windows(2).enumerate() {
+        let (mut before, mut sheared) = (self.clamped_edge(), 0.0);
+        for (node, (ends, (k_e, k_b))) in x.windows(2).zip(self.axial.iter().zip(&self.bending)).enumerate() {
             let after = Edge::between(ends[0], ends[1]);
-            energy.stretching += 0.5 * self.axial * (after.l - self.segment_length).powi(2);
+            energy.stretching += 0.5 * k_e * (after.l - self.segment_length).powi(2);
             if let Some(shear) = &self.shear {
                 energy.bending += shear.energy(node, self.turn(node, before, after)?.0, &mut sheared);
+                if let (0, Joint::Spring { stored, .. }) = (node, self.joint) {
+                    energy.bending += stored;
+                }
+                before = after;
+                continue;
+            }
+            if let (0, Joint::Loose | Joint::Spring { .. }) = (node, self.joint) {
+                energy.bending += self.joint_energy(before, after)?;
                 before = after;
                 continue;
             }
@@ -169,12 +192,12 @@ impl<const D: usize> Elastic<D> {
                     sum
                 }
             };
-            (before, k_b) = (after, self.bending);
+            before = after;
         }
         Ok(energy)
     }
 
-    /// ∂U/∂x_k of the shape `x`, `[n + 1]`, for the free nodes k = 1 … n, given to `emit` in this order. `moments`, `[n]` with
+    /// ∂U/∂x_k of the shape `x`, `[n + 1]`, for the free nodes k = first … n, given to `emit` in this order. `moments`, `[n]` with
     /// shear and empty without, become those of the shape.
     pub(crate) fn gradient(
         &self,
@@ -183,7 +206,7 @@ impl<const D: usize> Elastic<D> {
         mut emit: impl FnMut(usize, Vector<D>),
     ) -> Result<(), BadShape> {
         self.find_moments(x, moments)?;
-        let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
+        let mut before = self.clamped_edge();
         // ∂U/∂e of the edge before and of the one before that: U goes by e_k = x_k − x_{k−1} and e_{k+1}.
         let (mut by_before, mut by_earlier) = (Vector::zeros(), Vector::zeros());
         // Two rounds more, without a vertex, give the last two nodes.
@@ -191,12 +214,12 @@ impl<const D: usize> Elastic<D> {
             let mut new_by_before = Vector::zeros();
             if let Some([start, end]) = x[node..].first_chunk() {
                 let after = Edge::between(*start, *end);
-                let vertex = self.vertex_gradient(node, before, after, k_b, moments.get(node))?;
+                let vertex = self.vertex_gradient(node, before, after, self.bending[node], moments.get(node))?;
                 by_before += vertex.0;
-                new_by_before = after.t * (self.axial * (after.l - self.segment_length)) + vertex.1;
-                (before, k_b) = (after, self.bending);
+                new_by_before = after.t * (self.axial[node] * (after.l - self.segment_length)) + vertex.1;
+                before = after;
             }
-            if node > 1 {
+            if node > self.first {
                 emit(node - 1, by_earlier - by_before);
             }
             (by_earlier, by_before) = (by_before, new_by_before);
@@ -204,7 +227,7 @@ impl<const D: usize> Elastic<D> {
         Ok(())
     }
 
-    /// Gradient and Hessian for the shape `x`, `[n + 1]`, for the free nodes k = 1 … n, given to `emit` in this order; `moments`
+    /// Gradient and Hessian for the shape `x`, `[n + 1]`, for the free nodes k = first … n, given to `emit` in this order; `moments`
     /// as in [`Elastic::gradient`].
     pub(crate) fn derivatives(
         &self,
@@ -214,7 +237,7 @@ impl<const D: usize> Elastic<D> {
     ) -> Result<(), BadShape> {
         self.find_moments(x, moments)?;
         let l0 = self.segment_length;
-        let (mut before, mut k_b) = (self.clamped_edge(), self.clamp);
+        let mut before = self.clamped_edge();
         // By the edges: gradient and own block of the edge before, and of the one before that with its coupling to it.
         let (mut gradient, mut block) = (Vector::zeros(), Matrix::zeros());
         let (mut earlier_gradient, mut earlier_block, mut earlier_coupling) =
@@ -227,6 +250,7 @@ impl<const D: usize> Elastic<D> {
             turns = [turns[1], turns[2], (Vector::zeros(), Vector::zeros())];
             if let Some([start, end]) = x[node..].first_chunk() {
                 let after @ Edge { t, l, inverse_l } = Edge::between(*start, *end);
+                let (k_e, k_b) = (self.axial[node], self.bending[node]);
                 let vertex = self.vertex(node, before, after, k_b, moments.get(node))?;
                 if self.shear.is_some() {
                     turns[2] = self.turn_gradient(node, before, after)?;
@@ -234,14 +258,14 @@ impl<const D: usize> Elastic<D> {
                 gradient += vertex.by_before;
                 block += vertex.before_before;
                 coupling = vertex.before_after;
-                new_gradient = t * (self.axial * (l - l0)) + vertex.by_after;
-                let stretched = self.axial * l0 * inverse_l;
-                let turned = self.axial - stretched;
+                new_gradient = t * (k_e * (l - l0)) + vertex.by_after;
+                let stretched = k_e * l0 * inverse_l;
+                let turned = k_e - stretched;
                 new_block =
                     t * (t * stretched).transpose() + Matrix::from_diagonal_element(turned) + vertex.after_after;
-                (before, k_b) = (after, self.bending);
+                before = after;
             }
-            if node > 1 {
+            if node > self.first {
                 emit(
                     node - 1,
                     &NodeDerivatives {
@@ -269,9 +293,9 @@ impl<const D: usize> Elastic<D> {
     ) -> Result<(Vector<D>, [f64; 3]), BadShape> {
         self.find_moments(x, moments)?;
         let (clamped, first, second) = (self.clamped_edge(), Edge::between(x[0], x[1]), Edge::between(x[1], x[2]));
-        let (by_clamped, by_first) = self.vertex_gradient(0, clamped, first, self.clamp, moments.first())?;
-        let (by_first_again, _) = self.vertex_gradient(1, first, second, self.bending, moments.get(1))?;
-        let tension = first.t * (self.axial * (first.l - self.segment_length));
+        let (by_clamped, by_first) = self.vertex_gradient(0, clamped, first, self.bending[0], moments.first())?;
+        let (by_first_again, _) = self.vertex_gradient(1, first, second, self.bending[1], moments.get(1))?;
+        let tension = first.t * (self.axial[0] * (first.l - self.segment_length));
         Ok((-(tension + by_first + by_first_again), cross(&(clamped.t * clamped.l), &by_clamped)))
     }
 
@@ -285,7 +309,8 @@ impl<const D: usize> Elastic<D> {
         k_b: f64,
         moment: Option<&f64>,
     ) -> Result<(Vector<D>, Vector<D>), BadShape> {
-        if D == 3 && matches!(self.angles, Angles::Straight) {
+        let own = node > 0 || matches!(self.joint, Joint::Clamped);
+        if D == 3 && own && matches!(self.angles, Angles::Straight) {
             let slope = CosineSlope::new(before, after, self.cosine_above_fold(node, before, after)?, k_b);
             return Ok((slope.c_by_before * slope.by_c, slope.c_by_after * slope.by_c));
         }
@@ -306,6 +331,11 @@ impl<const D: usize> Elastic<D> {
         if let Some(&moment) = moment {
             return Ok(VertexDerivatives::planar(before, after, moment, self.turn(node, before, after)?));
         }
+        match self.joint {
+            Joint::Loose if node == 0 => return Ok(VertexDerivatives::zeros()),
+            Joint::Spring { rest, .. } if node == 0 => return self.spring_vertex(before, after, k_b, rest),
+            _ => (),
+        }
         let rest = match &self.angles {
             Angles::Straight if D == 2 => 0.0,
             Angles::Straight => {
@@ -321,6 +351,44 @@ impl<const D: usize> Elastic<D> {
         };
         let above_fold = self.cosine_above_fold(node, before, after)?;
         Ok(VertexDerivatives::planar(before, after, k_b, half_square(before.kappa(after, above_fold), rest)))
+    }
+
+    /// The same of a spring at the root.
+    fn spring_vertex(
+        &self,
+        before: Edge<D>,
+        after: Edge<D>,
+        k_b: f64,
+        rest: f64,
+    ) -> Result<VertexDerivatives<D>, BadShape> {
+        let above_fold = self.cosine_above_fold(0, before, after)?;
+        if D == 2 {
+            let turn = Jet(before.angle(after), 1.0, 0.0);
+            return Ok(VertexDerivatives::planar(before, after, k_b, half_square(turn, rest)));
+        }
+        Ok(VertexDerivatives::straight(before, after, &CosineSlope::of_angle(before, after, above_fold, k_b)))
+    }
+
+    /// Energy of the joint at the root without shear.
+    fn joint_energy(&self, before: Edge<D>, after: Edge<D>) -> Result<f64, BadShape> {
+        let Joint::Spring { rest, stored } = self.joint else { return Ok(0.0) };
+        self.cosine_above_fold(0, before, after)?;
+        Ok(0.5 * self.bending[0] * (before.angle(after) - rest).powi(2) + stored)
+    }
+
+    /// Moment of a spring at the root in the shape `x`, N m, positive to the left; `moments` as in [`Elastic::gradient`].
+    pub(crate) fn spring_moment(&self, x: &[Vector<D>], moments: &mut [f64]) -> Result<f64, BadShape> {
+        self.find_moments(x, moments)?;
+        let turn = |elastic: &Self| elastic.turn(0, elastic.clamped_edge(), Edge::between(x[0], x[1]));
+        moments.first().map_or_else(|| Ok(self.bending[0] * turn(self)?.0), |moment| Ok(*moment))
+    }
+
+    /// The spring at the root by its stiffness, N m, angle at rest, rad, and what it stores besides, J.
+    pub(crate) fn set_spring(&mut self, stiffness: f64, rest: f64, stored: f64) {
+        (self.bending[0], self.joint) = (stiffness, Joint::Spring { rest, stored });
+        if let Some(shear) = &mut self.shear {
+            shear.set_root(stiffness);
+        }
     }
 
     /// The same in the projected model.
@@ -342,6 +410,14 @@ impl<const D: usize> Elastic<D> {
 
     /// κ less what it is at rest, in the plane with invariant angles.
     fn turn(&self, node: usize, before: Edge<D>, after: Edge<D>) -> Result<Jet, BadShape> {
+        match self.joint {
+            Joint::Loose if node == 0 => return Ok(Jet(0.0, 0.0, 0.0)),
+            Joint::Spring { rest, .. } if node == 0 => {
+                self.cosine_above_fold(0, before, after)?;
+                return Ok(Jet(before.angle(after) - rest, 1.0, 0.0));
+            }
+            _ => (),
+        }
         let Jet(kappa, slope, curvature) = before.kappa(after, self.cosine_above_fold(node, before, after)?);
         let rest = if let Angles::Curved(rest) = &self.angles { rest[node] } else { 0.0 };
         Ok(Jet(kappa - rest, slope, curvature))
@@ -417,6 +493,15 @@ impl<const D: usize> Edge<D> {
         Vector2::new(self.t[0], self.t[axis]) * self.l
     }
 
+    /// Turning angle ψ, rad: signed in the plane, the magnitude in space.
+    fn angle(self, after: Self) -> f64 {
+        if D == 2 {
+            (self.t[0] * after.t[1] - self.t[1] * after.t[0]).atan2(self.t.dot(&after.t))
+        } else {
+            2.0 * (after.t - self.t).norm().atan2((after.t + self.t).norm())
+        }
+    }
+
     /// κ = 2 tan(ψ/2) = 2 sin ψ/(1 + c) in the plane, by ψ, from 1 + c: κ' = 1 + κ²/4 = 2/(1 + c).
     #[inline(always)]
     fn kappa(self, after: Self, above_fold: f64) -> Jet {
@@ -438,6 +523,22 @@ impl<const D: usize> CosineSlope<D> {
             c_by_before: (after.t - before.t * c) * before.inverse_l,
             c_by_after: (before.t - after.t * c) * after.inverse_l,
         }
+    }
+}
+
+impl<const D: usize> CosineSlope<D> {
+    /// Of ½ k_b ψ²: ∂/∂c = −k_b ψ/sin ψ, ∂²/∂c² = k_b (sin ψ − ψ cos ψ)/sin³ ψ.
+    fn of_angle(before: Edge<D>, after: Edge<D>, above_fold: f64, k_b: f64) -> Self {
+        let psi = before.angle(after);
+        let (sin, cos) = psi.sin_cos();
+        // Series where the differences would lose their digits; the next terms are of order ψ⁴.
+        let (by_c, by_c_twice) = if psi < SMALL_ANGLE {
+            let square = psi * psi;
+            (1.0 + square / 6.0 + square * square * (7.0 / 360.0), 1.0 / 3.0 + square * (2.0 / 15.0))
+        } else {
+            (psi / sin, (sin - psi * cos) / sin.powi(3))
+        };
+        Self { by_c: -k_b * by_c, by_c_twice: k_b * by_c_twice, ..Self::new(before, after, above_fold, k_b) }
     }
 }
 
@@ -560,17 +661,23 @@ mod tests {
         direction[0] = 1.0;
         Elastic {
             segment_length: 0.25,
-            axial: 40.0,
-            bending: 3.0,
-            clamp: 6.0,
+            axial: (0..SEGMENTS).map(|j| 40.0 + j as f64).collect(),
+            bending: bending(),
+            joint: Joint::Clamped,
+            first: 1,
             direction,
             angles: Angles::Straight,
             shear: None,
         }
     }
 
+    /// Tapered, with the clamp's spring.
+    fn bending() -> Vec<f64> {
+        (0..SEGMENTS).map(|v| if v == 0 { 6.0 } else { 3.1 - 0.1 * v as f64 }).collect()
+    }
+
     fn shear() -> Shear {
-        Shear::new(SEGMENTS, 0.25, 6.0, 3.0, 7.0)
+        Shear::new(0.25, &bending(), |j| 7.0 - 0.5 * j as f64)
     }
 
     /// Every kind of angles that there is in `D` dimensions, curved ones in the plane.
@@ -582,6 +689,18 @@ mod tests {
             kinds.push(Elastic { shear: Some(shear()), ..springs() });
             kinds.push(Elastic { shear: Some(shear()), ..with(Angles::curved(rest.clone())) });
             kinds.push(with(Angles::curved(rest)));
+        }
+        let spring = Joint::Spring { rest: if D == 2 { 0.3 } else { 0.0 }, stored: 0.0 };
+        for (joint, first) in [(Joint::Loose, 1), (Joint::Loose, 0), (spring, 1)] {
+            let mut bending = bending();
+            if matches!(joint, Joint::Loose) {
+                bending[0] = 0.0;
+            }
+            if D == 2 {
+                let shear = Some(Shear::new(0.25, &bending, |j| 7.0 - 0.5 * j as f64));
+                kinds.push(Elastic { joint, first, bending: bending.clone(), shear, ..springs() });
+            }
+            kinds.push(Elastic { joint, first, bending, ..springs() });
         }
         kinds
     }
@@ -614,7 +733,7 @@ mod tests {
     }
 
     fn gradients<const D: usize>(springs: &Elastic<D>, shape: &[Vector<D>]) -> Vec<Vector<D>> {
-        let mut gradients = vec![Vector::zeros()];
+        let mut gradients = vec![Vector::zeros(); springs.first];
         springs
             .gradient(shape, &mut moments(springs), |node, gradient| {
                 assert_eq!(node, gradients.len());
@@ -629,7 +748,7 @@ mod tests {
         for (springs, seed) in springs_of_all_kinds::<D>().iter().flat_map(|s| (0..5).map(move |seed| (s, seed))) {
             let shape = bent(seed as f64);
             let gradients = gradients(springs, &shape);
-            for (node, exact) in gradients.iter().enumerate().skip(1) {
+            for (node, exact) in gradients.iter().enumerate().skip(springs.first) {
                 for (d, exact) in exact.iter().enumerate() {
                     let difference = (total(springs, &moved(&shape, node, d, step))
                         - total(springs, &moved(&shape, node, d, -step)))
@@ -646,9 +765,9 @@ mod tests {
         for (springs, seed) in springs_of_all_kinds::<D>().iter().flat_map(|s| (0..5).map(move |seed| (s, seed))) {
             let shape = bent(seed as f64);
             let expected = gradients(springs, &shape);
-            let slopes: Vec<_> = (0..D * SEGMENTS)
+            let slopes: Vec<_> = (0..D * (SEGMENTS + 1 - springs.first))
                 .map(|i| {
-                    let (node, d) = (1 + i / D, i % D);
+                    let (node, d) = (springs.first + i / D, i % D);
                     let [above, below] = [step, -step].map(|by| gradients(springs, &moved(&shape, node, d, by)));
                     above.iter().zip(below).map(|(a, b)| (a - b) / (2.0 * step)).collect::<Vec<_>>()
                 })
@@ -659,17 +778,19 @@ mod tests {
             if springs.shear.is_some() {
                 springs
                     .derivatives(&shape, &mut moments(springs), |node, by| {
-                        for (i, turn) in by.turns.iter().enumerate().filter(|&(i, _)| node + i <= SEGMENTS) {
+                        for (i, turn) in
+                            by.turns.iter().enumerate().filter(|&(i, _)| (1..=SEGMENTS).contains(&(node + i)))
+                        {
                             turns[node][node + i - 1] = *turn;
                         }
                     })
                     .unwrap();
             }
-            let mut nodes = 0;
+            let mut nodes = springs.first;
             springs
                 .derivatives(&shape, &mut moments(springs), |node, by| {
-                    nodes += 1;
                     assert_eq!(node, nodes);
+                    nodes += 1;
                     assert!((by.gradient - expected[node]).amax() < 1e-12 * (1.0 + by.gradient.amax()));
                     for d in 0..D {
                         if let Some(shear) = &springs.shear {
@@ -679,7 +800,7 @@ mod tests {
                                 *other = turns.iter().zip(moved).map(|(turn, moment)| turn * moment).sum();
                             }
                         }
-                        let slope = &slopes[(node - 1) * D + d];
+                        let slope = &slopes[(node - springs.first) * D + d];
                         for (other, slope) in slope.iter().enumerate().skip(node) {
                             let exact = match other - node {
                                 0 => by.own.column(d).into_owned(),
@@ -696,7 +817,7 @@ mod tests {
                     }
                 })
                 .unwrap();
-            assert_eq!(nodes, SEGMENTS);
+            assert_eq!(nodes, SEGMENTS + 1);
         }
     }
 

@@ -37,7 +37,7 @@ const LARGEST_SHIFT: f64 = 1e2;
 /// Halvings of an update before the line search gives up.
 const BACKTRACKS: usize = 40;
 
-/// w, b and s of the incremental potential, for the nodes 0 … n; the clamped node 0 takes no part.
+/// w, b and s of the incremental potential, for the nodes 0 … n; a node 0 that is held takes no part.
 pub(crate) struct Balance<const D: usize> {
     /// w_k, N/m: `[n + 1]`.
     pub(crate) weight: Vec<f64>,
@@ -47,7 +47,7 @@ pub(crate) struct Balance<const D: usize> {
     pub(crate) elastic_weight: f64,
 }
 
-/// Minimise Π over u = x − origin, node 0 held.
+/// Minimise Π over u = x − origin, node 0 held unless it is free.
 #[derive(Clone, Copy)]
 pub(crate) struct Problem<'a, const D: usize> {
     pub(crate) elastic: &'a Elastic<D>,
@@ -137,24 +137,28 @@ pub(crate) struct Newton<const D: usize> {
     /// Length of the rod, m.
     length: f64,
     /// Largest coordinate to expect, m.
-    extent: f64,
+    pub(crate) extent: f64,
+    /// First node that moves: 1, or 0 where the root is free.
+    first: usize,
 }
 
 impl<const D: usize> Newton<D> {
-    /// For a rod of `segments`, `length` (m) and coordinates up to `extent` (m), with `shear` or not.
-    pub(crate) fn new(segments: usize, length: f64, extent: f64, shear: bool) -> Self {
+    /// For a rod of `segments`, `length` (m) and coordinates up to `extent` (m), with `shear` or not, whose nodes from `first` on
+    /// move.
+    pub(crate) fn new(segments: usize, length: f64, extent: f64, shear: bool, first: usize) -> Self {
         let (order, half_bandwidth) = if shear { (D + 1, 3 * D + 1) } else { (D, 3 * D - 1) };
-        let moments = if shear { segments } else { 0 };
+        let (moments, nodes) = (if shear { segments } else { 0 }, segments + 1 - first);
         Self {
-            matrix: Banded::zeros(segments * order, half_bandwidth),
+            matrix: Banded::zeros(nodes * order, half_bandwidth),
             moments: vec![0.0; moments],
-            mixed: vec![0.0; moments * order],
+            mixed: vec![0.0; if shear { nodes * order } else { 0 }],
             stiffness: 0.0,
-            descent: vec![0.0; segments * D],
-            update: vec![0.0; segments * D],
+            descent: vec![0.0; nodes * D],
+            update: vec![0.0; nodes * D],
             before: vec![Vector::zeros(); segments + 1],
             length,
             extent,
+            first,
         }
     }
 
@@ -172,7 +176,7 @@ impl<const D: usize> Newton<D> {
         // After a long step the guess is bent sharply beside the clamp, which it does not know of: then rest is nearer.
         let potential = |x: &[Vector<D>]| problem.potential(x).map_or(f64::INFINITY, |(of_x, _)| of_x);
         let of_guess = potential(x);
-        x[1..].copy_from_slice(&problem.origin[1..]);
+        x[self.first..].copy_from_slice(&problem.origin[self.first..]);
         if of_guess <= potential(x) {
             x.copy_from_slice(&self.before);
         }
@@ -256,7 +260,7 @@ impl<const D: usize> Newton<D> {
 
     /// −∇Π at `x` into `descent`.
     fn find_descent(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<Imbalance, BadShape> {
-        let Self { descent, moments, .. } = self;
+        let Self { descent, moments, first, .. } = self;
         // Largest components of ∇Π and of what balances the elastic forces; `sum` is not a number where a component of ∇Π
         // is none, which `larger` passes over.
         let (mut residual, mut outer, mut sum) = (0.0_f64, 0.0_f64, 0.0);
@@ -266,7 +270,7 @@ impl<const D: usize> Newton<D> {
             residual = larger(residual, descent_of_node);
             outer = larger(larger(outer, of_node), problem.balance.load[k]);
             sum += descent_of_node.sum();
-            descent[(k - 1) * D..][..D].copy_from_slice(descent_of_node.as_slice());
+            descent[(k - *first) * D..][..D].copy_from_slice(descent_of_node.as_slice());
         })?;
         let rounding = ROUNDING * self.extent * self.stiffness;
         let residual = if sum.is_nan() { f64::INFINITY } else { residual };
@@ -275,22 +279,24 @@ impl<const D: usize> Newton<D> {
 
     /// ∇∇Π at `x` into `matrix` and −∇Π into `descent`.
     pub(crate) fn assemble(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<(), BadShape> {
-        let Self { matrix, moments, descent, stiffness, .. } = self;
+        let Self { matrix, moments, descent, stiffness, first: first_node, .. } = self;
+        let first_node = *first_node;
         let Problem { elastic, balance, .. } = problem;
         let s = balance.elastic_weight;
         // Unknowns of a node, of which the first is a moment or not.
         let first = usize::from(elastic.shear.is_some());
         let block = first + D;
-        // No entry of A⁻¹ is above this.
-        let sheared = if first == 1 { s * elastic.clamp.max(elastic.bending) } else { 0.0 };
+        let sheared = elastic.shear.as_ref().map_or(0.0, |shear| s * shear.stiffest);
         *stiffness = 0.0;
         elastic.derivatives(x, moments, |k, by| {
             let sum = problem.outer(k, x) - by.gradient * s;
-            descent[(k - 1) * D..][..D].copy_from_slice(sum.as_slice());
+            let place = k - first_node;
+            descent[place * D..][..D].copy_from_slice(sum.as_slice());
             if let Some(shear) = &elastic.shear {
-                let column = matrix.column_mut((k - 1) * block);
+                let column = matrix.column_mut(place * block);
                 column.fill(0.0);
-                let [own, next] = shear.column(k - 1);
+                // Before a free root there is no vertex: an unknown of 0 that couples to nothing.
+                let [own, next] = if k > 0 { shear.column(k - 1) } else { [shear.column(0)[0], 0.0] };
                 column[0] = -own / s;
                 column[1..=D].copy_from_slice(by.turns[0].as_slice());
                 if k + 1 < x.len() {
@@ -298,7 +304,7 @@ impl<const D: usize> Newton<D> {
                 }
             }
             for j in 0..D {
-                let (own, others) = matrix.column_mut((k - 1) * block + first + j).split_at_mut(D - j);
+                let (own, others) = matrix.column_mut(place * block + first + j).split_at_mut(D - j);
                 for (i, entry) in own.iter_mut().enumerate() {
                     *entry = s * by.own[(j + i, j)];
                 }
@@ -317,9 +323,9 @@ impl<const D: usize> Newton<D> {
     }
 
     /// Factorise `matrix`; returns the number of negative eigenvalues of ∇∇Π. Of the matrix with the moments as many more are
-    /// negative as there are moments.
+    /// negative as there are unknown moments.
     pub(crate) fn factorise(&mut self) -> Result<usize, Singular> {
-        self.matrix.factorise().map(|negative| negative.saturating_sub(self.moments.len()))
+        self.matrix.factorise().map(|negative| negative.saturating_sub(self.mixed.len() / (D + 1)))
     }
 
     /// Replace `b`, `[n D]`, by the solution of the factorised matrix.
@@ -386,7 +392,7 @@ impl<const D: usize> Newton<D> {
 
     /// x + part · update.
     fn add_update(&self, x: &mut [Vector<D>], part: f64) {
-        for (x, update) in x[1..].iter_mut().zip(self.update.chunks_exact(D)) {
+        for (x, update) in x[self.first..].iter_mut().zip(self.update.chunks_exact(D)) {
             *x += Vector::from_column_slice(update) * part;
         }
     }
@@ -394,7 +400,8 @@ impl<const D: usize> Newton<D> {
     /// Length of the largest change of an edge in the update, m.
     fn edge_change(&self) -> f64 {
         let (nodes, _) = self.update.as_chunks::<D>();
-        let square = nodes.windows(2).fold(Vector::from(nodes[0]).norm_squared(), |largest, ends| {
+        let beside_root = if self.first == 1 { Vector::from(nodes[0]).norm_squared() } else { 0.0 };
+        let square = nodes.windows(2).fold(beside_root, |largest, ends| {
             largest.max((Vector::from(ends[1]) - Vector::from(ends[0])).norm_squared())
         });
         square.sqrt()
@@ -419,7 +426,7 @@ impl<const D: usize> Problem<'_, D> {
         let Balance { weight, load, elastic_weight } = self.balance;
         let energy = self.elastic.energy(x).ok()?;
         let (mut potential, mut size) = (elastic_weight * (energy.stretching + energy.bending), 0.0);
-        for (k, (x, origin)) in x.iter().zip(self.origin).enumerate().skip(1) {
+        for (k, (x, origin)) in x.iter().zip(self.origin).enumerate().skip(self.elastic.first) {
             let u = x - origin;
             let inertia = 0.5 * weight[k] * u.norm_squared();
             let work = load[k].dot(&u);

@@ -6,8 +6,12 @@ use scene::{Bending, Calibration, RodScheme, Section};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::elastic::{Angles, Elastic, Vector};
+use crate::elastic::{Angles, Elastic, Joint, Vector};
+use crate::hinge::Hinge;
 use crate::shear::Shear;
+
+/// Rounding of the ratios of a taper.
+const RATIO_ROUNDING: f64 = 1e-14;
 
 /// What a rod is made of and where it is clamped.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,11 +27,13 @@ pub struct Parameters<const D: usize> {
     /// Direction of each segment at rest against that at the root, rad, positive to the left: `[n]`; empty for a straight
     /// rod. In two dimensions only: a curved rod in space needs a material frame and its twist.
     pub rest_angles: Vec<f64>,
-    /// Mass and stiffness of the section (per metre of depth in two dimensions).
+    /// Mass and stiffness of the section at the root (per metre of depth in two dimensions).
     pub section: Section,
-    /// Mass per length of the displaced fluid, kg/m, that the loads account for. The rod itself carries the
-    /// difference `section.line_density - displaced`, which may be 0 but not negative; gravity acts on it.
+    /// Mass per length of the displaced fluid at the root, kg/m, that the loads account for. The rod itself carries the
+    /// difference of `section.line_density` and this, which may be 0 but nowhere negative; gravity acts on it.
     pub displaced: f64,
+    /// Both along the rod.
+    pub taper: Taper,
     /// Gravity, m/s².
     pub gravity: [f64; D],
     /// Damping force per length and velocity, kg/(m s).
@@ -36,12 +42,51 @@ pub struct Parameters<const D: usize> {
     pub bending: Bending,
     /// How the section's numbers become springs and masses.
     pub calibration: Calibration,
+    /// How the root is held.
+    pub hold: Hold,
     /// Length by which the clamp lies behind the root, m: the clamp's spring is that of so much more of the rod.
     pub clamp_setback: f64,
     /// Time scheme.
     pub scheme: RodScheme,
     /// Largest step taken inside [`Rod::step`](crate::Rod::step), s; `None`: the whole step.
     pub max_step: Option<f64>,
+}
+
+/// How the root is held. All but the clamped one want the invariant bending model and the second-order calibration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Hold {
+    /// It neither moves nor turns by itself.
+    #[default]
+    Clamped,
+    /// It turns without resistance.
+    Pinned,
+    /// It turns by the angle θ from the direction of the root, against the moment `stiffness (θ − rest_angle) + damping θ'`.
+    TorsionSpring {
+        /// Stiffness, N m/rad.
+        stiffness: f64,
+        /// Damping, N m s/rad; 0 in space, where θ has no axis.
+        damping: f64,
+        /// Angle of the spring at rest, rad, positive to the left; 0 in space.
+        rest_angle: f64,
+    },
+    /// It moves as well, and [`Rod::towing`](crate::Rod::towing) acts on it.
+    Free,
+}
+
+/// The section and the displaced fluid along the rod, relative to those at the root, at the nodes and the middles of the
+/// segments in turn: `[2 n + 1]` each; empty where it is the same all along.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Taper {
+    /// Mass per length.
+    pub line_density: Vec<f64>,
+    /// Mass per length of the displaced fluid.
+    pub displaced: Vec<f64>,
+    /// Bending stiffness.
+    pub bending_stiffness: Vec<f64>,
+    /// Axial stiffness.
+    pub axial_stiffness: Vec<f64>,
+    /// Shear stiffness.
+    pub shear_stiffness: Vec<f64>,
 }
 
 /// Loads on the nodes, root to tip, held over a step; an empty array is a load that does not exist. The components of
@@ -100,12 +145,11 @@ impl<const D: usize> Parameters<D> {
                 return Err(Error::value(name, value, "a finite number of at least 0"));
             }
         }
-        if self.displaced > line_density {
-            return Err(Error::NegativeMass { line_density, displaced: self.displaced });
-        }
         if self.segments < 2 {
             return Err(Error::value("segments", self.segments, "at least 2"));
         }
+        self.check_taper()?;
+        self.check_hold()?;
         if let Some(shear) = shear_stiffness.filter(|_| D != 2 || self.bending != Bending::Invariant) {
             let only = "absent: shear is for a rod in the plane with invariant bending";
             return Err(Error::value("section.shear_stiffness", shear, only));
@@ -117,6 +161,61 @@ impl<const D: usize> Parameters<D> {
             }
             _ => Ok(()),
         }
+    }
+
+    fn check_hold(&self) -> Result<(), Error> {
+        if let Hold::TorsionSpring { stiffness, damping, rest_angle } = self.hold {
+            if !(stiffness.is_finite() && stiffness > 0.0) {
+                return Err(Error::value("hold.stiffness", stiffness, "a finite number above 0"));
+            }
+            if !(damping.is_finite() && damping >= 0.0 && (D == 2 || damping == 0.0)) {
+                return Err(Error::value("hold.damping", damping, "a finite number of at least 0, and 0 in space"));
+            }
+            if !(rest_angle.abs() < PI && (D == 2 || rest_angle == 0.0)) {
+                return Err(Error::value("hold.rest_angle", rest_angle, "between −π and π, and 0 in space"));
+            }
+        }
+        let plain = self.bending == Bending::Invariant && self.calibration == Calibration::SecondOrder;
+        if self.hold != Hold::Clamped && !plain {
+            let found = format!("{:?}", self.hold);
+            return Err(Error::value("hold", found, "Clamped with another bending model or calibration"));
+        }
+        Ok(())
+    }
+
+    fn check_taper(&self) -> Result<(), Error> {
+        let Taper { line_density, displaced, bending_stiffness, axial_stiffness, shear_stiffness } = &self.taper;
+        for (name, ratios) in [
+            ("taper.line_density", line_density),
+            ("taper.displaced", displaced),
+            ("taper.bending_stiffness", bending_stiffness),
+            ("taper.axial_stiffness", axial_stiffness),
+            ("taper.shear_stiffness", shear_stiffness),
+        ] {
+            let expected = 2 * self.segments + 1;
+            if !ratios.is_empty() && ratios.len() != expected {
+                return Err(Error::Length { name: name.into(), length: ratios.len(), expected });
+            }
+            if let Some(i) = ratios.iter().position(|ratio| !(ratio.is_finite() && *ratio > 0.0)) {
+                return Err(Error::value(format!("{name}[{i}]"), ratios[i], "a finite number above 0"));
+            }
+        }
+        if self.calibration != Calibration::SecondOrder && self.taper != Taper::default() {
+            return Err(Error::value(
+                "taper",
+                "given".to_string(),
+                "empty: the thesis has a rod that is the same all along",
+            ));
+        }
+        for i in 0..=2 * self.segments {
+            let [line_density, displaced] = [(self.section.line_density, line_density), (self.displaced, displaced)]
+                .map(|(root, along)| root * at(along, i));
+            let rounding = if i == 0 { 0.0 } else { RATIO_ROUNDING * displaced };
+            if displaced > line_density + rounding {
+                return Err(Error::NegativeMass { line_density, displaced });
+            }
+        }
+        Ok(())
     }
 
     fn check_rest_shape(&self) -> Result<(), Error> {
@@ -186,10 +285,58 @@ impl<const D: usize> Parameters<D> {
             Bending::Invariant if self.rest_angles.is_empty() => Angles::Straight,
             Bending::Invariant => Angles::curved(self.rest_turns()),
         };
+        let taper = &self.taper;
+        // A vertex bends with the section there, a segment is stretched and sheared with that in its middle.
         let bending = self.section.bending_stiffness / l0;
-        let clamp = self.section.bending_stiffness / (clamp_length + self.clamp_setback);
-        let shear = self.section.shear_stiffness.map(|shear| Shear::new(self.segments, l0, clamp, bending, shear));
-        Elastic { segment_length: l0, axial, bending, clamp, direction, angles, shear }
+        let mut bending: Vec<_> = (0..self.segments).map(|v| bending * at(&taper.bending_stiffness, 2 * v)).collect();
+        // A spring at the root is in series with half a segment.
+        let beside = self.section.bending_stiffness / (clamp_length + self.clamp_setback);
+        let (clamp, joint) = match self.hold {
+            Hold::Clamped => (beside, Joint::Clamped),
+            Hold::Pinned | Hold::Free => (0.0, Joint::Loose),
+            Hold::TorsionSpring { stiffness, rest_angle, .. } => {
+                (1.0 / (1.0 / stiffness + 1.0 / beside), Joint::Spring { rest: rest_angle, stored: 0.0 })
+            }
+        };
+        bending[0] = clamp;
+        let first = usize::from(self.hold != Hold::Free);
+        let axial = (0..self.segments).map(|j| axial * at(&taper.axial_stiffness, 2 * j + 1)).collect();
+        let shear = self.section.shear_stiffness.map(|shear| {
+            let stiffness = |j: usize| shear * at(&taper.shear_stiffness, 2 * j + 1);
+            Shear::new(l0, &bending, stiffness)
+        });
+        Elastic { segment_length: l0, axial, bending, direction, joint, first, angles, shear }
+    }
+
+    /// The hinge of a torsion spring at the root; in the plane only.
+    pub(crate) fn hinge(&self) -> Option<Hinge> {
+        let Hold::TorsionSpring { stiffness, damping, rest_angle } = self.hold else { return None };
+        let beside = self.section.bending_stiffness / (0.5 * self.segment_length() + self.clamp_setback);
+        (D == 2).then_some(Hinge { stiffness, damping, rest_angle, beside })
+    }
+
+    /// Mass of each node less that of the fluid it displaces, kg: `[n + 1]`.
+    ///
+    /// Where the section changes, ∫ μ N ds with the hat function N of the node, by Simpson's rule in each segment: the sum and
+    /// the centre of the masses are those of the rod.
+    pub(crate) fn masses(&self) -> Vec<f64> {
+        let Taper { line_density, displaced, .. } = &self.taper;
+        let tributary = self.tributary();
+        if line_density.is_empty() && displaced.is_empty() {
+            let own = self.section.line_density - self.displaced;
+            return tributary.into_iter().map(|length| own * length).collect();
+        }
+        // Of equal densities the difference of the ratios may round to below 0.
+        let own =
+            |i: usize| (self.section.line_density * at(line_density, i) - self.displaced * at(displaced, i)).max(0.0);
+        let part = self.segment_length() / 6.0;
+        let mut masses = vec![0.0; self.segments + 1];
+        for j in 0..self.segments {
+            let [start, middle, end] = [0, 1, 2].map(|i| own(2 * j + i));
+            masses[j] += part * (start + 2.0 * middle);
+            masses[j + 1] += part * (2.0 * middle + end);
+        }
+        masses
     }
 
     /// Length whose mass and damping belong to each node, m: `[n + 1]`.
@@ -201,6 +348,30 @@ impl<const D: usize> Parameters<D> {
             tributary[self.segments] = 0.5 * l0;
         }
         tributary
+    }
+}
+
+/// A ratio of [`Taper`] at one of its places.
+fn at(ratios: &[f64], i: usize) -> f64 {
+    ratios.get(i).copied().unwrap_or(1.0)
+}
+
+impl Taper {
+    /// Of a scene's beam with this rod.
+    pub(crate) fn of(beam: &scene::Beam, material: &scene::Material) -> Self {
+        let relative = |value: &dyn Fn(f64) -> f64| {
+            let root = value(0.0);
+            let ratios: Vec<_> = beam.places().map(|s| value(s) / root).collect();
+            if ratios.iter().all(|&ratio| ratio == 1.0) { Vec::new() } else { ratios }
+        };
+        let section = |s: f64| material.section(&beam.thickness, s);
+        Self {
+            line_density: relative(&|s| section(s).line_density),
+            displaced: relative(&|s| beam.thickness.at(s)),
+            bending_stiffness: relative(&|s| section(s).bending_stiffness),
+            axial_stiffness: relative(&|s| section(s).axial_stiffness),
+            shear_stiffness: relative(&|s| section(s).shear_stiffness.unwrap_or(1.0)),
+        }
     }
 }
 

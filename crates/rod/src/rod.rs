@@ -1,12 +1,15 @@
 //! The rod: state and stepping.
 
+use std::f64::consts::PI;
+
 use scene::{Load, RodScheme, Scene};
 
 use crate::banded::Banded;
 use crate::elastic::{BadShape, Elastic, FOLD, Vector};
 use crate::error::{Error, LARGEST_GAIN};
+use crate::hinge::Hinge;
 use crate::newton::{Balance, Failure, Imbalance, Newton, Problem, Statistics};
-use crate::parameters::{Loads, Parameters};
+use crate::parameters::{Hold, Loads, Parameters, Taper};
 use crate::root::{Clamp, Root, cross};
 use crate::scheme::{LastStage, StepRule, TRAPEZOID_PART};
 use crate::state::{Drive, Exchange, State};
@@ -37,17 +40,23 @@ pub struct Rod<const D: usize> {
     pub loads: Loads,
     /// Where the next step takes the clamp; `None`: it is still, in its place at rest.
     pub root: Option<Root<D>>,
+    /// Force that tows a free root, N, at the end of the next step; on no other root has it an effect.
+    pub towing: [f64; D],
     pub(crate) parameters: Parameters<D>,
     pub(crate) elastic: Elastic<D>,
     rest: Vec<Vector<D>>,
     /// Length that belongs to each node, m: `[n + 1]`.
     pub(crate) tributary: Vec<f64>,
+    /// Mass of each node, kg: `[n + 1]`.
+    masses: Vec<f64>,
     pub(crate) state: State<D>,
     statistics: Statistics,
     /// Positions and velocities component after component: `[D, n + 1]`.
     positions: Vec<f64>,
     velocities: Vec<f64>,
     pub(crate) newton: Newton<D>,
+    /// The torsion spring at the root in the plane.
+    pub(crate) hinge: Option<Hinge>,
     pub(crate) balance: Balance<D>,
     /// State before the step.
     pub(crate) before: State<D>,
@@ -71,12 +80,17 @@ impl<const D: usize> Rod<D> {
         let direction = Vector::from(parameters.direction).normalize();
         let rest = parameters.rest_shape(root, direction);
         let nodes = segments + 1;
-        let at_rest = State::at_rest(rest.clone(), direction);
+        let hinge = parameters.hinge();
+        let at_rest = State::at_rest(rest.clone(), direction, hinge.map(|hinge| hinge.at_rest(0.0)));
+        let first = usize::from(parameters.hold != Hold::Free);
+        let shear = parameters.section.shear_stiffness.is_some();
         let mut rod = Self {
             loads: Loads::default(),
             root: None,
+            towing: [0.0; D],
             elastic: parameters.elastic(direction),
             tributary: parameters.tributary(),
+            masses: parameters.masses(),
             state: at_rest.clone(),
             before: at_rest.clone(),
             before_substep: at_rest,
@@ -84,7 +98,8 @@ impl<const D: usize> Rod<D> {
             statistics: Statistics::default(),
             positions: vec![0.0; D * nodes],
             velocities: vec![0.0; D * nodes],
-            newton: Newton::new(segments, length, root.amax() + length, parameters.section.shear_stiffness.is_some()),
+            newton: Newton::new(segments, length, root.amax() + length, shear, first),
+            hinge,
             balance: Balance { weight: vec![0.0; nodes], load: vec![Vector::zeros(); nodes], elastic_weight: 1.0 },
             force: vec![Vector::zeros(); nodes],
             guess: rest.clone(),
@@ -92,6 +107,7 @@ impl<const D: usize> Rod<D> {
             parameters,
         };
         rod.elastic.energy(&rod.rest).map_err(|shape| rod.error(shape.into()))?;
+        rod.settle_hinge()?;
         rod.publish();
         Ok(rod)
     }
@@ -113,12 +129,21 @@ impl<const D: usize> Rod<D> {
             length: beam.length,
             segments: beam.segments,
             rest_angles: beam.rest_angles.clone(),
-            section: rod.material.section(beam.thickness),
+            section: rod.material.section(&beam.thickness, 0.0),
             displaced: scene.displaced_line_density(),
+            taper: Taper::of(beam, &rod.material),
             gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),
             damping: rod.damping,
             bending: rod.bending,
             calibration: rod.calibration,
+            hold: match rod.root {
+                scene::Hold::Clamped => Hold::Clamped,
+                scene::Hold::Pinned => Hold::Pinned,
+                scene::Hold::TorsionSpring { stiffness, damping, rest_angle } => {
+                    Hold::TorsionSpring { stiffness, damping, rest_angle }
+                }
+                scene::Hold::Free { .. } => Hold::Free,
+            },
             clamp_setback: rod.clamp_setback,
             scheme: rod.scheme,
             max_step: rod.max_step,
@@ -176,10 +201,42 @@ impl<const D: usize> Rod<D> {
         (self.state.positions[0] + turned - self.rest[tip]).into()
     }
 
-    /// Power that the damping takes, W.
+    /// Mass of each node less that of the fluid it displaces, kg: `[n + 1]`.
+    pub fn masses(&self) -> &[f64] {
+        &self.masses
+    }
+
+    /// Power that the damping takes, W, that of a torsion spring at the root included.
     pub fn damping_power(&self) -> f64 {
         let squares = self.state.velocities.iter().zip(&self.tributary).map(|(v, l)| l * v.norm_squared());
-        self.parameters.damping * squares.sum::<f64>()
+        let of_rod = self.parameters.damping * squares.sum::<f64>();
+        match (self.hinge, self.state.hinge) {
+            (Some(hinge), Some(state)) => of_rod + hinge.damping * state.rate.powi(2),
+            _ => of_rod,
+        }
+    }
+
+    /// Angle by which a torsion spring at the root is turned, rad, and its rate, rad/s; in the plane only.
+    pub fn hinge(&self) -> Option<[f64; 2]> {
+        self.state.hinge.map(|hinge| [hinge.angle, hinge.rate])
+    }
+
+    /// Bring a torsion spring at the root to rest in the present shape.
+    fn settle_hinge(&mut self) -> Result<(), Error> {
+        let Some(hinge) = self.hinge else { return Ok(()) };
+        let Self { elastic, state, newton, .. } = self;
+        let moment = elastic.spring_moment(&state.positions, &mut newton.moments);
+        self.state.hinge = Some(hinge.at_rest(moment.map_err(|shape| self.error(shape.into()))?));
+        self.align();
+        Ok(())
+    }
+
+    /// Let the elastic energy see clamp and spring as they are; without damping the spring is always in series with half a segment.
+    fn align(&mut self) {
+        self.elastic.direction = self.state.direction;
+        if let (Some(hinge), Some(state)) = (self.hinge.filter(Hinge::is_damped), self.state.hinge) {
+            self.elastic.set_spring(hinge.beside, state.angle, hinge.energy(state.angle));
+        }
     }
 
     /// Energies of the state.
@@ -208,7 +265,8 @@ impl<const D: usize> Rod<D> {
     /// Continue from `state`; with the same loads and steps the continuation repeats bit by bit.
     ///
     /// Refuses a state of another number of nodes, with numbers that are not finite, with a clamp that is not where it
-    /// is at rest (unless [`Rod::root`] moves it), or of a shape without energy.
+    /// is at rest (unless it is free, or [`Rod::root`] moves it), without the angle of a torsion spring, or of a shape
+    /// without energy.
     pub fn restore(&mut self, state: &State<D>) -> Result<(), Error> {
         state.check(self.rest.len())?;
         let (direction, still) = (Vector::from(self.parameters.direction).normalize(), Vector::zeros());
@@ -218,9 +276,13 @@ impl<const D: usize> Rod<D> {
             ("direction", state.direction, direction, "the direction at the clamp"),
             ("direction_rate", state.direction_rate, still, "0 at the clamp"),
         ] {
-            if self.root.is_none() && found != expected {
+            if self.root.is_none() && self.parameters.hold != Hold::Free && found != expected {
                 return Err(Error::value(format!("state.{name}"), found.as_slice(), allowed));
             }
+        }
+        if state.hinge.is_some() != self.hinge.is_some() {
+            let allowed = "there where a torsion spring holds the root in the plane, and nowhere else";
+            return Err(Error::value("state.hinge", format!("{:?}", state.hinge), allowed));
         }
         let own = std::mem::replace(&mut self.elastic.direction, state.direction);
         if let Err(shape) = self.elastic.energy(&state.positions) {
@@ -228,6 +290,7 @@ impl<const D: usize> Rod<D> {
             return Err(self.error(shape.into()));
         }
         self.state.copy_from(state);
+        self.align();
         self.statistics = Statistics::default();
         self.last = None;
         self.publish();
@@ -241,8 +304,9 @@ impl<const D: usize> Rod<D> {
         let elastic = self.parameters.elastic(clamp.direction);
         elastic.energy(&shape).map_err(|shape| self.error(shape.into()))?;
         self.elastic = elastic;
-        self.state = State::at_rest(shape, clamp.direction);
+        self.state = State::at_rest(shape, clamp.direction, self.state.hinge);
         self.state.set_clamp(&clamp);
+        self.settle_hinge()?;
         self.last = None;
         self.root = Some(root);
         self.publish();
@@ -297,7 +361,7 @@ impl<const D: usize> Rod<D> {
                 }
                 Err(failure) => {
                     self.state.copy_from(&self.before);
-                    self.elastic.direction = self.state.direction;
+                    self.align();
                     self.last = None;
                     return Err(self.error(failure));
                 }
@@ -309,6 +373,11 @@ impl<const D: usize> Rod<D> {
         self.sum_up_loads(duration);
         if clamp.is_some() {
             self.sum_up_drive(duration)?;
+        } else if self.parameters.hold == Hold::Free {
+            let force = Vector::from(self.towing);
+            let power = force.dot(&self.state.velocities[0]);
+            let work = self.state.drive.work + power * duration;
+            self.state.drive = Drive { force, moment: [0.0; 3], power, work };
         }
         self.publish();
         Ok(())
@@ -371,12 +440,23 @@ impl<const D: usize> Rod<D> {
     ///
     /// Where that is too far for Newton's method the loads grow in parts, halved up to six times, from those that the
     /// present shape balances. A pressure jump keeps the direction that it has in the present shape. On an error the
-    /// state is as before.
+    /// state is as before. A free rod is refused: nothing holds it.
     pub fn solve_static(&mut self) -> Result<(), Error> {
+        if self.parameters.hold == Hold::Free {
+            return Err(Error::value(
+                "hold",
+                "Free".to_string(),
+                "another for an equilibrium: nothing holds a free rod",
+            ));
+        }
         self.collect_loads()?;
         self.statistics = Statistics::default();
         self.balance.weight.fill(0.0);
         self.balance.elastic_weight = 1.0;
+        if self.hinge.is_some() {
+            // Damping plays no part: spring and half a segment in series.
+            self.elastic = self.parameters.elastic(self.state.direction);
+        }
         let mut missing = self.force.clone();
         let balanced = self.elastic.gradient(&self.state.positions, &mut self.newton.moments, |k, gradient| {
             missing[k] -= gradient;
@@ -401,12 +481,16 @@ impl<const D: usize> Rod<D> {
                     size = (2 * size).min(whole - done);
                 }
                 Err(_) if size > 1 => size = (size / 2).max(1),
-                Err(failure) => return Err(self.error(failure)),
+                Err(failure) => {
+                    self.align();
+                    return Err(self.error(failure));
+                }
             }
         }
         let clamp = self.state.clamp();
-        self.state = State::at_rest(settled, clamp.direction);
+        self.state = State::at_rest(settled, clamp.direction, self.state.hinge);
         self.state.set_clamp(&clamp);
+        self.settle_hinge()?;
         self.last = None;
         self.publish();
         Ok(())
@@ -428,7 +512,7 @@ impl<const D: usize> Rod<D> {
                 let second_stage = self.stage(StepRule::bdf2(second.dt, first.dt), 1.0, second);
                 if second_stage.is_err() {
                     self.state.copy_from(&self.before_substep);
-                    self.elastic.direction = self.state.direction;
+                    self.align();
                     return second_stage;
                 }
             }
@@ -445,7 +529,7 @@ impl<const D: usize> Rod<D> {
     fn stage_with_energy_guard(&mut self, rule: StepRule, span: Span<D>) -> Result<(), Failure> {
         let constant = span.clamp.is_none()
             && self.state.last_step > 0.0
-            && self.force[1..] == self.state.loads[1..]
+            && self.force[self.elastic.first..] == self.state.loads[self.elastic.first..]
             && self.loads.impedance.iter().all(|&impedance| impedance == 0.0);
         if !constant {
             self.stage(rule, 1.0, span)?;
@@ -457,6 +541,7 @@ impl<const D: usize> Rod<D> {
         let guarded = self.energy_guard(span);
         if guarded.is_err() {
             self.state.copy_from(&self.before_substep);
+            self.align();
         }
         guarded
     }
@@ -469,17 +554,20 @@ impl<const D: usize> Rod<D> {
         let shape = self.elastic.energy(&self.state.positions)?;
         let elastic = shape.stretching + shape.bending;
         let (mut kinetic, mut work, mut mean_squares) = (0.0, 0.0, 0.0);
-        for (k, force) in self.force.iter().enumerate().skip(1) {
+        for (k, force) in self.force.iter().enumerate().skip(self.elastic.first) {
             let (v, v_before) = (self.state.velocities[k], self.before_substep.velocities[k]);
             kinetic += 0.5 * self.mass(k) * v.norm_squared();
             work += force.dot(&(self.state.positions[k] - self.rest[0]));
             mean_squares += 0.25 * self.tributary[k] * (v + v_before).norm_squared();
         }
         let energy = kinetic + elastic - work;
-        let damped = self.parameters.damping * mean_squares * span.dt;
+        let mut damped = self.parameters.damping * mean_squares * span.dt;
+        if let (Some(hinge), Some(now), Some(before)) = (self.hinge, self.state.hinge, self.before_substep.hinge) {
+            damped += hinge.damping * (0.5 * (now.rate + before.rate)).powi(2) * span.dt;
+        }
         let Elastic { axial, bending, segment_length, .. } = &self.elastic;
         let segments = self.parameters.segments as f64;
-        let noise = 0.5 * segments * (axial * segment_length.powi(2) + bending) * NO_STRAIN.powi(2);
+        let noise = 0.5 * segments * (axial[0] * segment_length.powi(2) + bending[1]) * NO_STRAIN.powi(2);
         let conserving = self.parameters.scheme == RodScheme::Trapezoid;
         let State { reference_energy, largest_energy, .. } = &mut self.state;
         let reference = if *largest_energy == 0.0 {
@@ -504,7 +592,7 @@ impl<const D: usize> Rod<D> {
         let dt = span.dt;
         let StepRule { new_mass, old_mass, new_force, old_force, .. } = rule;
         self.balance.elastic_weight = new_force;
-        for k in 1..self.rest.len() {
+        for k in self.elastic.first..self.rest.len() {
             let (v_star, a_star) = rule.at_no_displacement(&self.state, k);
             let m = self.mass(k);
             let c = self.parameters.damping * self.tributary[k];
@@ -523,18 +611,44 @@ impl<const D: usize> Rod<D> {
         if let Some(clamp) = &clamp {
             self.guess[0] = clamp.position;
             self.elastic.direction = clamp.direction;
-        } else {
+        } else if self.elastic.first == 1 {
             self.guess[0] = self.state.positions[0];
+        } else {
+            // Nothing keeps a free rod where its coordinates are small.
+            self.newton.extent = self.guess[0].amax() + self.parameters.length;
+        }
+        let spring = self.hinge.zip(self.state.hinge).map(|(hinge, state)| hinge.stage(&rule, &state));
+        if let Some(spring) = spring.filter(|_| self.hinge.as_ref().is_some_and(Hinge::is_damped)) {
+            let (stiffness, rest) = spring.for_rod();
+            self.elastic.set_spring(stiffness, rest, 0.0);
         }
         let Self { newton, elastic, balance, state, guess, statistics, .. } = self;
         let problem = Problem { elastic, balance, origin: &state.positions };
         if let Err(failure) = newton.solve(problem, guess, statistics) {
-            self.elastic.direction = self.state.direction;
+            self.align();
             return Err(failure);
+        }
+        if let (Some(spring), Some(hinge)) = (spring, self.state.hinge) {
+            let moment = self.elastic.spring_moment(&self.guess, &mut self.newton.moments);
+            let angle = spring.angle(match moment {
+                Ok(moment) => moment,
+                Err(shape) => {
+                    self.align();
+                    return Err(shape.into());
+                }
+            });
+            // A jump from one side to the other has passed the fold, where the moment of the spring changes its sign.
+            if (angle - hinge.angle).abs() > PI {
+                self.align();
+                return Err(BadShape::Fold { node: 0 }.into());
+            }
+            if let Some(hinge) = &mut self.state.hinge {
+                hinge.advance(&rule, angle);
+            }
         }
 
         let per_new_force = 1.0 / new_force;
-        for k in 1..self.rest.len() {
+        for k in self.elastic.first..self.rest.len() {
             let m = self.mass(k);
             let (v_star, a_star) = rule.at_no_displacement(&self.state, k);
             let state = &mut self.state;
@@ -552,6 +666,7 @@ impl<const D: usize> Rod<D> {
         if let Some(clamp) = &clamp {
             self.state.move_clamp(clamp, dt);
         }
+        self.align();
         self.last = Some(LastStage { rule, previous_direction: old_direction });
         self.state.last_step = dt;
         Ok(())
@@ -559,11 +674,10 @@ impl<const D: usize> Rod<D> {
 
     /// Accelerations and net forces at the beginning of the first step; 0 for nodes without mass, which only follow.
     fn start(&mut self) -> Result<(), Error> {
-        let Self { elastic, newton, state, force, tributary, parameters, .. } = self;
+        let Self { elastic, newton, state, force, tributary, masses, parameters, .. } = self;
         let State { positions, velocities, net_forces, accelerations, loads, .. } = state;
-        let line_density = parameters.section.line_density - parameters.displaced;
         let result = elastic.gradient(positions, &mut newton.moments, |k, gradient| {
-            let m = line_density * tributary[k];
+            let m = masses[k];
             if m > 0.0 {
                 net_forces[k] = force[k] - gradient - velocities[k] * (parameters.damping * tributary[k]);
                 accelerations[k] = net_forces[k] / m;
@@ -589,12 +703,19 @@ impl<const D: usize> Rod<D> {
         for (k, jump) in self.loads.pressure_jump.iter().enumerate() {
             self.force[k] += pressure_area(&self.state.positions, k) * *jump;
         }
+        if self.parameters.hold == Hold::Free {
+            let towing = Vector::from(self.towing);
+            if towing.iter().any(|component| !component.is_finite()) {
+                return Err(Error::value("towing", &self.towing[..], "finite"));
+            }
+            self.force[0] += towing;
+        }
         Ok(())
     }
 
     /// Mass of node `k`, kg.
     pub(crate) fn mass(&self, k: usize) -> f64 {
-        (self.parameters.section.line_density - self.parameters.displaced) * self.tributary[k]
+        self.masses[k]
     }
 
     /// Refresh the component-wise outputs.
@@ -608,7 +729,7 @@ impl<const D: usize> Rod<D> {
         }
     }
 
-    /// ∂²U/∂x∂x of the present shape, N/m: the stiffness of the free nodes, x and y (and z) of node 1 first. With shear the
+    /// ∂²U/∂x∂x of the present shape, N/m: the stiffness of the free nodes, x and y (and z) of the first one first. With shear the
     /// bending moment at the beginning of each segment stands before its node, in the mixed form of [`crate`]'s Newton matrix.
     pub fn stiffness(&mut self) -> Result<Banded, Error> {
         let nodes = self.rest.len();

@@ -32,6 +32,7 @@
 //! that is more than [`LARGEST_RATIO`] times as long as the one before.
 
 use crate::elastic::Vector;
+use crate::hinge::HingeState;
 use crate::state::State;
 
 /// Two-step differences with variable steps are zero-stable up to a ratio of 1 + √2 between neighbouring steps.
@@ -126,6 +127,18 @@ impl StepRule {
             History::Differences { new, old } => {
                 let v_star = (state.positions[k] - state.previous_positions[k]) * -old;
                 (v_star, (v_star - v) * new - (v - state.previous_velocities[k]) * old)
+            }
+        }
+    }
+
+    /// The same of the angle of a hinge.
+    pub(crate) fn scalar_at_no_displacement(&self, state: &HingeState) -> (f64, f64) {
+        let HingeState { angle, rate: v, acceleration: a, previous_angle, previous_rate } = *state;
+        match self.history {
+            History::Newmark { v_by_v, v_by_a, a_by_v, a_by_a } => (v * v_by_v + a * v_by_a, v * a_by_v + a * a_by_a),
+            History::Differences { new, old } => {
+                let v_star = (angle - previous_angle) * -old;
+                (v_star, (v_star - v) * new - (v - previous_rate) * old)
             }
         }
     }

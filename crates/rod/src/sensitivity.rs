@@ -26,11 +26,15 @@ impl<const D: usize> Rod<D> {
     /// Derivative of the state at the end of the last step in the direction of a `change` of the loads of that step: the
     /// implicit function theorem with the exact Hessian at the solution. Arrays that are empty in `change` do not change.
     ///
-    /// Refuses a change of the wrong size, and to answer where the last step was not taken in one piece or where there
+    /// Refuses a change of the wrong size, a damped torsion spring at the root, and to answer where the last step was not taken in one piece or where there
     /// was none since the rod was made, placed or restored.
     pub fn sensitivity(&mut self, change: &Loads) -> Result<Sensitivity, Error> {
         let nodes = self.tributary.len();
         change.check_numbers::<D>(nodes)?;
+        if self.hinge.is_some_and(|hinge| hinge.damping > 0.0) {
+            let allowed = "without damping: sensitivities know of no history but that of the nodes";
+            return Err(Error::value("hold", format!("{:?}", self.parameters.hold), allowed));
+        }
         let Some(LastStage { rule, previous_direction }) = self.last else {
             return Err(Error::NoSensitivity { substeps: self.statistics().substeps });
         };
@@ -43,7 +47,7 @@ impl<const D: usize> Rod<D> {
                 *force += pressure_area(&self.before.positions, k) * *jump;
             }
         }
-        let mut changed = State::at_rest(vec![Vector::zeros(); nodes], Vector::zeros());
+        let mut changed = State::at_rest(vec![Vector::zeros(); nodes], Vector::zeros(), None);
         let end = self.state.clone();
         if self.parameters.scheme == RodScheme::TrBdf2 {
             let first = StepRule::trapezoid(end.last_step * TRAPEZOID_PART / (1.0 - TRAPEZOID_PART));
@@ -74,8 +78,9 @@ impl<const D: usize> Rod<D> {
     ) -> Result<(), Error> {
         let StepRule { c_v, c_a, new_mass, old_mass, new_force, old_force, .. } = *rule;
         let nodes = positions.len();
-        let mut update = vec![0.0; (nodes - 1) * D];
-        for (k, update) in (1..nodes).zip(update.chunks_exact_mut(D)) {
+        let first = self.elastic.first;
+        let mut update = vec![0.0; (nodes - first) * D];
+        for (k, update) in (first..nodes).zip(update.chunks_exact_mut(D)) {
             let (v_star, a_star) = rule.at_no_displacement(changed, k);
             let (m, weight) = (self.mass(k), self.balance.weight[k]);
             // What the step's damping and impedance were: the loads may be the next ones by now.
@@ -93,7 +98,7 @@ impl<const D: usize> Rod<D> {
         }
         newton.factorise().map_err(|Singular| Error::NoSensitivity { substeps: 1 })?;
         newton.solve_factorised(&mut update);
-        for (k, update) in (1..nodes).zip(update.chunks_exact(D)) {
+        for (k, update) in (first..nodes).zip(update.chunks_exact(D)) {
             let (v_star, a_star) = rule.at_no_displacement(changed, k);
             let new = Vector::from_column_slice(update);
             let u = new - changed.positions[k];

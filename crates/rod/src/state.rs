@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::elastic::Vector;
+use crate::hinge::HingeState;
 use crate::root::Clamp;
 
 /// Rounding that a unit vector may have.
@@ -41,8 +42,10 @@ pub struct State<const D: usize> {
     pub largest_energy: f64,
     /// What the loads did.
     pub exchange: Exchange<D>,
-    /// What a driven root did.
+    /// What a driven root did, or the force that tows a free one.
     pub drive: Drive<D>,
+    /// Angle of a torsion spring at the root; none where there is none, and in space.
+    pub hinge: Option<HingeState>,
 }
 
 /// What the loads did to the rod: nodal forces with their impedance and pressure jump, without gravity.
@@ -84,8 +87,9 @@ impl<const D: usize> Drive<D> {
 }
 
 impl<const D: usize> State<D> {
-    /// At rest in the shape `positions`, clamped along the unit vector `direction`, before the first step.
-    pub fn at_rest(positions: Vec<Vector<D>>, direction: Vector<D>) -> Self {
+    /// At rest in the shape `positions`, clamped along the unit vector `direction`, before the first step; with the angle of
+    /// a torsion spring at the root if there is one.
+    pub fn at_rest(positions: Vec<Vector<D>>, direction: Vector<D>, hinge: Option<HingeState>) -> Self {
         let zeros = vec![Vector::zeros(); positions.len()];
         Self {
             velocities: zeros.clone(),
@@ -102,6 +106,7 @@ impl<const D: usize> State<D> {
             largest_energy: 0.0,
             exchange: Exchange::none(),
             drive: Drive::none(),
+            hinge,
         }
     }
 
@@ -139,6 +144,7 @@ impl<const D: usize> State<D> {
         (self.reference_energy, self.largest_energy) = (other.reference_energy, other.largest_energy);
         self.exchange = other.exchange;
         self.drive = other.drive;
+        self.hinge = other.hinge;
     }
 
     /// Each array must have `nodes` entries, all numbers be finite, and last step and largest energy not be negative.
@@ -177,6 +183,9 @@ impl<const D: usize> State<D> {
         let Drive { force, moment, power, work } = self.drive;
         if force.iter().chain(&moment).chain([&power, &work]).any(|number| !number.is_finite()) {
             return Err(Error::value("state.drive", format!("{:?}", self.drive), "finite"));
+        }
+        if let Some(hinge) = self.hinge.filter(|hinge| !hinge.is_finite()) {
+            return Err(Error::value("state.hinge", format!("{hinge:?}"), "finite"));
         }
         if !self.reference_energy.is_finite() {
             return Err(Error::value("state.reference_energy", self.reference_energy, "finite"));

@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::SceneError;
 use crate::check::{Check, require};
+use crate::{Along, SceneError};
 
-/// A beam of constant thickness with a flat tip; its stations are the rod's nodes.
+/// A beam with a flat tip; its stations are the rod's nodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Beam {
@@ -17,9 +17,8 @@ pub struct Beam {
     /// Length from root to tip, m.
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub length: f64,
-    /// Thickness, m.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub thickness: f64,
+    /// Thickness, m: a number, or a law of the place along the beam.
+    pub thickness: Along,
     /// Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root.
     #[schemars(range(min = 2, max = 65536))]
     pub segments: usize,
@@ -52,8 +51,18 @@ pub enum Root {
     },
 }
 
+impl Beam {
+    /// Places of the stations and of the middles of the segments in turn, 0 at the root and 1 at the tip:
+    /// `[2 segments + 1]`.
+    pub fn places(&self) -> impl Iterator<Item = f64> {
+        let last = 2 * self.segments;
+        (0..=last).map(move |i| i as f64 / last as f64)
+    }
+}
+
 impl Check for Beam {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        self.thickness.check_at(&format!("{key}.thickness"))?;
         let angles = &self.rest_angles;
         if !angles.is_empty() {
             let key = format!("{key}.rest_angles");

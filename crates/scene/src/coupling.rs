@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::require;
-use crate::{Scene, SceneError, TimeScheme};
+use crate::{Hold, Scene, SceneError, TimeScheme};
 
 /// How fluid and rod exchange; what is left out is chosen by the rules of `docs/coupling.md`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -137,6 +137,9 @@ impl Scene {
         Some(if own < displaced {
             let needed = "the momentum load needs 1 or more";
             (Load::PressureJump, format!("the rod weighs {ratio:.4} of the fluid it displaces; {needed}"))
+        } else if own == displaced && self.is_free() {
+            let needed = "a free rod needs more for the momentum load";
+            (Load::PressureJump, format!("the rod weighs {ratio:.4} of the fluid it displaces; {needed}"))
         } else if step > largest * (1.0 + STEP_ROUNDING) {
             let held = "the momentum load is not to be held over several of the fluid's";
             let reason = format!("the step of {step} s is above {largest} s, the fluid's largest; {held}");
@@ -146,20 +149,29 @@ impl Scene {
         })
     }
 
-    /// Mass of the fluid that the beam displaces, per length and metre of depth, kg/m²: what a rod under the
-    /// momentum load must leave out of its own mass, because the fluid inside the mask carries it. 0 where the load
-    /// is not that one.
+    /// Mass of the fluid that the beam displaces at its root, per length and metre of depth, kg/m²: what a rod under
+    /// the momentum load must leave out of its own mass, because the fluid inside the mask carries it. 0 where the
+    /// load is not that one.
     pub fn displaced_line_density(&self) -> f64 {
-        match (self.load(), self.line_densities()) {
-            (Some(Load::Momentum), Some([_, displaced])) => displaced,
+        match (self.load(), &self.fluid, &self.beam) {
+            (Some(Load::Momentum), Some(fluid), Some(beam)) => fluid.density * beam.thickness.at(0.0),
             _ => 0.0,
         }
     }
 
-    /// Mass of the rod and of the fluid it displaces, per length and metre of depth, kg/m².
+    /// Whether nothing holds the root: without a mass of its own such a rod could not even begin to move.
+    fn is_free(&self) -> bool {
+        self.rod.as_ref().is_some_and(|rod| matches!(rod.root, Hold::Free { .. }))
+    }
+
+    /// Mass of the rod and of the fluid it displaces, per length and metre of depth, kg/m², where the rod is lightest by
+    /// the fluid.
     fn line_densities(&self) -> Option<[f64; 2]> {
         let (fluid, beam, rod) = (self.fluid.as_ref()?, self.beam.as_ref()?, self.rod.as_ref()?);
-        Some([rod.material.section(beam.thickness).line_density, fluid.density * beam.thickness])
+        let (material, thickness) = (&rod.material, &beam.thickness);
+        let masses =
+            beam.places().map(|s| [material.section(thickness, s).line_density, fluid.density * thickness.at(s)]);
+        masses.min_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1])))
     }
 
     /// Whether the two sides can exchange like this.
@@ -170,10 +182,16 @@ impl Scene {
         })?;
         let Some((load, _)) = self.chosen_load() else { return Ok(()) };
         if let (Load::Momentum, Some([own, displaced])) = (load, self.line_densities()) {
+            let ratio = own / displaced;
             require(own >= displaced, "coupling.load", "momentum", || {
                 format!(
-                    "the rod weighs {:.4} of the fluid it displaces, less than 1; leave the load out or take pressure_jump",
-                    own / displaced
+                    "the rod weighs {ratio:.4} of the fluid it displaces, less than 1; leave the load out or take pressure_jump"
+                )
+            })?;
+            require(own > displaced || !self.is_free(), "coupling.load", "momentum", || {
+                format!(
+                    "the free rod weighs {ratio:.4} of the fluid it displaces, which leaves it no mass; leave the load out or take \
+                     pressure_jump"
                 )
             })?;
         }

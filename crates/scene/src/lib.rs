@@ -7,6 +7,7 @@
 //!
 //! Everything is in SI units; a two-dimensional scene is one metre deep.
 
+mod along;
 mod beam;
 mod body;
 mod check;
@@ -23,6 +24,7 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+pub use along::{Along, PlaceLaw};
 pub use beam::{Beam, Root};
 pub use body::{Body, BodyMotion, Ends, Shape};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
@@ -32,7 +34,9 @@ pub use fluid::{
 };
 pub use law::TimeLaw;
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
-pub use rod::{Bending, Calibration, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section};
+pub use rod::{
+    Bending, Calibration, Hold, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section, SectionAlong,
+};
 
 use check::{Check, require};
 use rod::Z_AXIS;
@@ -204,6 +208,11 @@ impl Scene {
                 format!("{:?}", rod.gravity),
                 || format!("it must have {dimension} components like the beam's root"),
             )?;
+            check_hold(rod, beam, dimension)?;
+            let tapered = beam.thickness.varies() || rod.material.varies();
+            require(!tapered || rod.calibration == Calibration::SecondOrder, "rod.calibration", "thesis", || {
+                "of a rod that changes along its length it must be second_order".into()
+            })?;
             if let (2, Some(RootMotion::Laws(laws))) = (dimension, &rod.root_motion) {
                 let key = "rod.root_motion.laws";
                 require(laws.z == TimeLaw::default(), &format!("{key}.z"), "present", || {
@@ -307,6 +316,52 @@ impl Scene {
         }
         stations
     }
+}
+
+/// What a root that is not clamped does not go with.
+fn check_hold(rod: &Rod, beam: &Beam, dimension: usize) -> Result<(), SceneError> {
+    let (key, absent) = ("rod.root", TimeLaw::default());
+    let name = match &rod.root {
+        Hold::Clamped => return Ok(()),
+        Hold::Pinned => "pinned",
+        Hold::TorsionSpring { damping, rest_angle, .. } => {
+            for (name, value) in [("damping", damping), ("rest_angle", rest_angle)] {
+                require(dimension == 2 || *value == 0.0, &format!("{key}.torsion_spring.{name}"), value, || {
+                    "it must be 0 in three dimensions, where the spring is the same in all directions and the rod has no \
+                     material frame"
+                        .into()
+                })?;
+            }
+            "torsion_spring"
+        }
+        Hold::Free { force_z, .. } => {
+            require(dimension == 3 || *force_z == absent, &format!("{key}.free.force_z"), "present", || {
+                "a beam in two dimensions has no z".into()
+            })?;
+            "free"
+        }
+    };
+    let free = matches!(rod.root, Hold::Free { .. });
+    require(!free || matches!(beam.root, Root::At { .. }), key, name, || {
+        "a beam on a cylinder has a root that it holds".into()
+    })?;
+    require(!free || rod.root_motion.is_none(), "rod.root_motion", "present", || {
+        "a free root has no prescribed motion; rod.root.free has the forces that tow it".into()
+    })?;
+    let turns = matches!(&rod.root_motion, Some(RootMotion::Laws(laws)) if !laws.rotations.is_empty());
+    require(rod.root != Hold::Pinned || !turns, "rod.root_motion.laws.rotations", "present", || {
+        "a pinned root has no direction that could be turned".into()
+    })?;
+    require(rod.bending == Bending::Invariant, "rod.bending", "projected", || {
+        format!("with a root that is {name} it must be invariant")
+    })?;
+    require(rod.calibration == Calibration::SecondOrder, "rod.calibration", "thesis", || {
+        format!("with a root that is {name} it must be second_order")
+    })?;
+    let clamped = matches!(rod.root, Hold::TorsionSpring { .. });
+    require(clamped || rod.clamp_setback == 0.0, "rod.clamp_setback", rod.clamp_setback, || {
+        format!("it must be 0 with a root that is {name}: there is no clamp")
+    })
 }
 
 /// The example of the README, as a test.

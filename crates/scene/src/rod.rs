@@ -1,10 +1,12 @@
 //! The elastic model of the beam.
 
+use std::f64::consts::PI;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::{Check, require};
-use crate::{SceneError, TimeLaw};
+use crate::{Along, SceneError, TimeLaw};
 
 /// Elastic model of the beam.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -30,7 +32,10 @@ pub struct Rod {
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub clamp_setback: f64,
-    /// Prescribed motion of the root; absent where it is still.
+    /// How the root is held.
+    #[serde(default)]
+    pub root: Hold,
+    /// Prescribed motion of the root; absent where it is still, and where the root is free.
     #[serde(default)]
     pub root_motion: Option<RootMotion>,
     /// Time scheme.
@@ -46,7 +51,7 @@ pub struct Rod {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Material {
-    /// A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 − ν²).
+    /// A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E h / (1 − ν²).
     PlaneStrain {
         /// Density, kg/m³.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
@@ -64,25 +69,36 @@ pub enum Material {
         shear_factor: Option<f64>,
     },
     /// The section's own numbers (per metre of depth in a two-dimensional scene).
-    Section(Section),
+    Section(SectionAlong),
 }
 
-/// Mass and stiffness of a section (per metre of depth in a two-dimensional scene).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+/// Mass and stiffness of the section (per metre of depth in a two-dimensional scene), each a number or a law of the place along
+/// the beam.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Section {
+#[schemars(rename = "Section")]
+pub struct SectionAlong {
     /// Mass per length, kg/m.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub line_density: f64,
+    pub line_density: Along,
     /// Bending stiffness EI, N m².
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub bending_stiffness: f64,
+    pub bending_stiffness: Along,
     /// Axial stiffness EA, N.
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
-    pub axial_stiffness: f64,
+    pub axial_stiffness: Along,
     /// Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles to the rod.
     #[serde(default)]
-    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub shear_stiffness: Option<Along>,
+}
+
+/// Mass and stiffness of a section at one place (per metre of depth in a two-dimensional scene).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Section {
+    /// Mass per length, kg/m.
+    pub line_density: f64,
+    /// Bending stiffness EI, N m².
+    pub bending_stiffness: f64,
+    /// Axial stiffness EA, N.
+    pub axial_stiffness: f64,
+    /// Shear stiffness GA_s, N; none where the section stays at right angles to the rod.
     pub shear_stiffness: Option<f64>,
 }
 
@@ -112,6 +128,45 @@ pub enum Calibration {
         /// Axial stiffness of a segment, N/m; takes the place of EA.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         k_e: f64,
+    },
+}
+
+/// How the root of a rod is held.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Hold {
+    /// It neither moves nor turns by itself.
+    #[default]
+    Clamped,
+    /// It does not move by itself, and turns without resistance.
+    Pinned,
+    /// It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) + damping rate`,
+    /// the angle being that from the direction of the beam, between −π and π.
+    TorsionSpring {
+        /// Stiffness of the spring, N m/rad.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        stiffness: f64,
+        /// Damping, N m s/rad; in the plane only.
+        #[serde(default)]
+        #[schemars(range(min = 0.0))]
+        damping: f64,
+        /// Angle at which the spring is at rest, rad, positive to the left; in the plane only. The rod begins along the beam's direction
+        /// all the same.
+        #[serde(default)]
+        #[schemars(extend("exclusiveMinimum" = -PI, "exclusiveMaximum" = PI))]
+        rest_angle: f64,
+    },
+    /// It moves and turns as the loads, gravity and a force that tows it will.
+    Free {
+        /// Towing force along x, N.
+        #[serde(default)]
+        force_x: TimeLaw,
+        /// Towing force along y, N.
+        #[serde(default)]
+        force_y: TimeLaw,
+        /// Towing force along z, N; in three dimensions only.
+        #[serde(default)]
+        force_z: TimeLaw,
     },
 }
 
@@ -159,6 +214,14 @@ pub(crate) const Z_AXIS: [f64; 3] = [0.0, 0.0, 1.0];
 
 fn z_axis() -> [f64; 3] {
     Z_AXIS
+}
+
+impl Hold {
+    /// Force that tows a free root at time `t` (s), N.
+    pub fn towing_force(&self, t: f64) -> Option<[f64; 3]> {
+        let Self::Free { force_x, force_y, force_z } = self else { return None };
+        Some([force_x, force_y, force_z].map(|law| law.value(t)))
+    }
 }
 
 impl RootLaws {
@@ -214,11 +277,24 @@ pub enum RodScheme {
 }
 
 impl Material {
-    /// Mass and stiffness of the section of a beam of the given thickness (m).
-    pub fn section(&self, thickness: f64) -> Section {
+    /// Whether a law gives one of the section's numbers.
+    pub fn varies(&self) -> bool {
+        let Self::Section(section) = self else { return false };
+        let SectionAlong { line_density, bending_stiffness, axial_stiffness, shear_stiffness } = section;
+        [line_density, bending_stiffness, axial_stiffness].into_iter().chain(shear_stiffness).any(Along::varies)
+    }
+
+    /// Mass and stiffness of the section at the place `s` (0 at the root, 1 at the tip) of a beam of this thickness (m).
+    pub fn section(&self, thickness: &Along, s: f64) -> Section {
         match *self {
-            Self::Section(section) => section,
+            Self::Section(ref section) => Section {
+                line_density: section.line_density.at(s),
+                bending_stiffness: section.bending_stiffness.at(s),
+                axial_stiffness: section.axial_stiffness.at(s),
+                shear_stiffness: section.shear_stiffness.as_ref().map(|shear| shear.at(s)),
+            },
             Self::PlaneStrain { density, youngs_modulus, poisson_ratio, shear_factor } => {
+                let thickness = thickness.at(s);
                 let shear_modulus = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
                 let plane_strain_modulus = youngs_modulus / (1.0 - poisson_ratio * poisson_ratio);
                 Section {
@@ -234,10 +310,31 @@ impl Material {
 
 impl Check for Rod {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        if let Material::Section(section) = &self.material {
+            section.check_at(&format!("{key}.material.section"))?;
+        }
+        if let Hold::Free { force_x, force_y, force_z } = &self.root {
+            for (name, law) in [("force_x", force_x), ("force_y", force_y), ("force_z", force_z)] {
+                law.check_at(&format!("{key}.root.free.{name}"))?;
+            }
+        }
         match &self.root_motion {
             Some(RootMotion::Laws(laws)) => laws.check_at(&format!("{key}.root_motion.laws")),
             _ => Ok(()),
         }
+    }
+}
+
+impl Check for SectionAlong {
+    fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        for (name, law) in [
+            ("line_density", &self.line_density),
+            ("bending_stiffness", &self.bending_stiffness),
+            ("axial_stiffness", &self.axial_stiffness),
+        ] {
+            law.check_at(&format!("{key}.{name}"))?;
+        }
+        self.shear_stiffness.check_at(&format!("{key}.shear_stiffness"))
     }
 }
 

@@ -105,19 +105,33 @@ impl<'a> Checker<'a> {
             let name = reference.rsplit('/').next().expect("a split has a part");
             return &self.definitions[name];
         }
-        schema.get("anyOf").map_or(schema, |either| self.resolve(&either[0]))
+        match schema.get("anyOf") {
+            Some(either) if may_be_null(schema) => self.resolve(&either[0]),
+            _ => schema,
+        }
+    }
+
+    /// What `schema` refers to for this value: of a number or an object that which it is.
+    fn resolve_for(&self, value: &Value, schema: &'a Value) -> &'a Value {
+        let schema = self.resolve(schema);
+        let Some(Value::Array(either)) = schema.get("anyOf") else { return schema };
+        let is_object = |part: &&Value| part.get("oneOf").is_some();
+        let parts = || either.iter().map(|part| self.resolve(part));
+        if value.is_object() { parts().find(is_object) } else { parts().find(|part| !is_object(part)) }
+            .unwrap_or(schema)
     }
 
     fn check(&self, key: &str, value: &Value, schema: &'a Value) -> Result<(), SceneError> {
         if value.is_null() && may_be_null(schema) {
             return Ok(());
         }
-        let schema = self.resolve(schema);
+        let whole = schema;
+        let schema = self.resolve_for(value, schema);
         if let Some(Value::Array(variants)) = schema.get("oneOf") {
             return self.check_variant(key, value, schema, variants);
         }
         let fits = types(schema).any(|name| is_a(name, value)) && range(schema).includes(value);
-        require(fits, key, shown(value), || format!("it must be {}", self.allowed(schema)))?;
+        require(fits, key, shown(value), || format!("it must be {}", self.allowed(whole)))?;
         match value {
             Value::Array(parts) => {
                 let wanted = range_of(schema, "minItems", "maxItems").includes(&parts.len().into());
@@ -178,6 +192,9 @@ impl<'a> Checker<'a> {
     /// What `schema` allows, as the end of the sentence "it must be …".
     fn allowed(&self, schema: &'a Value) -> String {
         let schema = self.resolve(schema);
+        if let Some(Value::Array(either)) = schema.get("anyOf") {
+            return join(&either.iter().map(|part| self.allowed(part)).collect::<Vec<_>>(), "or");
+        }
         if let Some(Value::Array(variants)) = schema.get("oneOf") {
             let words = variants.iter().filter_map(|variant| Some(variant.get("const")?.to_string()));
             let keys = variants.iter().filter_map(|variant| variant.get("properties")?.as_object()?.keys().next());
@@ -284,7 +301,8 @@ fn required(schema: &Value) -> impl Iterator<Item = &str> {
 }
 
 fn may_be_null(schema: &Value) -> bool {
-    schema.get("anyOf").is_some() || types(schema).any(|name| name == "null")
+    let either = schema.get("anyOf").and_then(Value::as_array).into_iter().flatten();
+    either.chain([schema]).any(|part| types(part).any(|name| name == "null"))
 }
 
 /// Whether `value` is of the type that JSON Schema calls `name`; a whole number is written without a point.

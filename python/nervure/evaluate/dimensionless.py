@@ -4,7 +4,7 @@
 
 with U the velocity that drives the flow, L the diameter of the first cylinder, the length of the first body, or that of
 the beam (in M and K that of the beam), f the frequency of the drive, mu the mass per area and EI the stiffness of the
-beam per depth.
+beam per depth, both at its root.
 
 The added mass is that of a thin plate across the flow, pi/4 rho L² (Theodorsen 1935). The layer at the front of a body
 is that of the stagnation flow with the strain rate of potential flow: 4 U/D at a cylinder, 2 U/L amid a plate.
@@ -15,13 +15,15 @@ from dataclasses import dataclass
 from math import dist, hypot, pi, sqrt
 from typing import NamedTuple
 
+import numpy as np
+
 from nervure.scene import Scene
+from nervure.scene.along import along, places, thickness
 from nervure.scene.types import (
     Body as BodyOfScene,
     Cylinder,
     MaterialPlaneStrain,
     RootMotionLaws,
-    Section,
     Shape,
     ShapeCircle,
     ShapeEllipse,
@@ -80,7 +82,7 @@ def evaluate(scene: Scene) -> Dimensionless | None:
     sizes = {f"cylinder_{i}": (2 * cylinder.radius,) * 2 for i, cylinder in enumerate(fluid.cylinders, 1)}
     sizes |= {f"body_{i}": size(body.shape) for i, body in enumerate(fluid.bodies, 1)}
     if beam:
-        sizes["beam"] = beam.length, beam.thickness
+        sizes["beam"] = beam.length, float(thickness(beam).min())
     lengths = {name: length for name, (length, _) in sizes.items()}
     plates = {"beam"} | {
         f"body_{i}" for i, body in enumerate(fluid.bodies, 1) if not isinstance(body.shape, ShapeCircle)
@@ -100,15 +102,16 @@ def evaluate(scene: Scene) -> Dimensionless | None:
     dx, dy = (x1 - x0) / nx, (y1 - y0) / ny
     step = min(scene.time.communication_step, fluid.time_stepping.max_step)
     bodies = {}
-    for name, (extent, thickness) in sizes.items():
+    for name, (extent, thinnest) in sizes.items():
         strain = (2 if name in plates else 4) * fastest / extent if name == length_of or name != "beam" else 0.0
         bodies[name] = Body(
             length=extent,
-            thickness_cells=thickness / max(dx, dy),
+            thickness_cells=thinnest / max(dx, dy),
             layer_cells=sqrt(fluid.kinematic_viscosity / strain) / max(dx, dy) if strain else None,
         )
     section, span = _section(scene), beam.length if beam else 0.0
-    mass = section.line_density / fluid.density if section else None
+    masses, stiffnesses = section or (np.zeros(1), np.zeros(1))
+    mass = float(masses[0]) / fluid.density if section else None
     return Dimensionless(
         velocity=velocity,
         velocity_of=drive.name if drive else None,
@@ -117,9 +120,9 @@ def evaluate(scene: Scene) -> Dimensionless | None:
         reynolds=velocity * length / fluid.kinematic_viscosity if velocity and length else None,
         reduced_frequency=pi * frequency * length / velocity if frequency and length and velocity else None,
         mass_ratio=mass / span if mass else None,
-        density_ratio=mass / beam.thickness if mass and beam else None,
+        density_ratio=float((masses / fluid.density / thickness(beam)).min()) if section and beam else None,
         added_mass_ratio=pi / 4 * span / mass if mass else None,
-        stiffness=section.bending_stiffness / (fluid.density * velocity**2 * span**3) if section and velocity else None,
+        stiffness=float(stiffnesses[0]) / (fluid.density * velocity**2 * span**3) if section and velocity else None,
         cfl=2 * fastest * step / min(dx, dy) if fastest else None,
         bodies=bodies,
     )
@@ -217,17 +220,14 @@ def _frequency(law: TimeLaw) -> float | None:
     return law.sine.frequency if isinstance(law, TimeLawSine) and law.sine.amplitude else None
 
 
-def _section(scene: Scene) -> Section | None:
-    """Mass and bending stiffness of the beam, per metre of depth."""
+def _section(scene: Scene) -> tuple[np.ndarray, np.ndarray] | None:
+    """Mass and bending stiffness of the beam at its stations, per metre of depth."""
     if scene.rod is None or scene.beam is None:
         return None
-    material, thickness = scene.rod.material, scene.beam.thickness
+    material, h = scene.rod.material, thickness(scene.beam)
     if not isinstance(material, MaterialPlaneStrain):
-        return material.section
+        section, s = material.section, places(scene.beam)
+        return along(section.line_density, s), along(section.bending_stiffness, s)
     strain = material.plane_strain
     modulus = strain.youngs_modulus / (1 - strain.poisson_ratio**2)
-    return Section(
-        line_density=strain.density * thickness,
-        bending_stiffness=modulus * thickness**3 / 12,
-        axial_stiffness=modulus * thickness,
-    )
+    return strain.density * h, modulus * h**3 / 12

@@ -496,8 +496,53 @@ Root = RootOnCylinder | RootAt
 """Where a beam is clamped."""
 
 
+class Taper(Part):
+    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
+    stiffness of a plate of linear thickness with 3."""
+
+    root: Real
+    """Value at the root."""
+
+    tip: Real
+    """Value at the tip."""
+
+    power: Real = 1.0
+    """The power."""
+
+
+class PlaceLawTaper(Part):
+    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
+    stiffness of a plate of linear thickness with 3."""
+
+    taper: Taper
+    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
+    stiffness of a plate of linear thickness with 3."""
+
+
+class Points(Part):
+    """Straight lines between points."""
+
+    s: list[Real]
+    """Places of the points, increasing from 0, the root, to 1, the tip."""
+
+    values: list[Real]
+    """Values there, above 0."""
+
+
+class PlaceLawPoints(Part):
+    """Straight lines between points."""
+
+    points: Points
+    """Straight lines between points."""
+
+
+PlaceLaw = PlaceLawTaper | PlaceLawPoints
+"""A quantity as a function of the place s along the beam, 0 at the root and 1 at the tip; its unit is that of the key
+it stands at."""
+
+
 class Beam(Part):
-    """A beam of constant thickness with a flat tip; its stations are the rod's nodes."""
+    """A beam with a flat tip; its stations are the rod's nodes."""
 
     root: Root
     """Where the beam is clamped."""
@@ -505,8 +550,8 @@ class Beam(Part):
     length: Real
     """Length from root to tip, m."""
 
-    thickness: Real
-    """Thickness, m."""
+    thickness: Real | PlaceLaw
+    """Thickness, m: a number, or a law of the place along the beam."""
 
     segments: Integer
     """Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root."""
@@ -517,8 +562,8 @@ class Beam(Part):
 
 
 class PlaneStrain(Part):
-    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
-    ν²)."""
+    """A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E
+    h / (1 − ν²)."""
 
     density: Real
     """Density, kg/m³."""
@@ -535,27 +580,28 @@ class PlaneStrain(Part):
 
 
 class MaterialPlaneStrain(Part):
-    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
-    ν²)."""
+    """A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E
+    h / (1 − ν²)."""
 
     plane_strain: PlaneStrain
-    """A plate of the beam's thickness in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
-    ν²)."""
+    """A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E
+    h / (1 − ν²)."""
 
 
 class Section(Part):
-    """Mass and stiffness of a section (per metre of depth in a two-dimensional scene)."""
+    """Mass and stiffness of the section (per metre of depth in a two-dimensional scene), each a number or a law of the
+    place along the beam."""
 
-    line_density: Real
+    line_density: Real | PlaceLaw
     """Mass per length, kg/m."""
 
-    bending_stiffness: Real
+    bending_stiffness: Real | PlaceLaw
     """Bending stiffness EI, N m²."""
 
-    axial_stiffness: Real
+    axial_stiffness: Real | PlaceLaw
     """Axial stiffness EA, N."""
 
-    shear_stiffness: Real | None = None
+    shear_stiffness: Real | PlaceLaw | None = None
     """Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles
     to the rod."""
 
@@ -597,6 +643,55 @@ class CalibrationThesis(Part):
 Calibration = Literal["second_order"] | CalibrationThesis
 """How the section's numbers become springs and masses. `second_order`: k_e = EA/l0, clamp spring EI/(l0/2), half a
 segment's mass at the tip: of second order in the segments' length l0."""
+
+
+class TorsionSpring(Part):
+    """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
+    damping rate`, the angle being that from the direction of the beam, between −π and π."""
+
+    stiffness: Real
+    """Stiffness of the spring, N m/rad."""
+
+    damping: Real = 0.0
+    """Damping, N m s/rad; in the plane only."""
+
+    rest_angle: Real = 0.0
+    """Angle at which the spring is at rest, rad, positive to the left; in the plane only. The rod begins along the
+    beam's direction all the same."""
+
+
+class HoldTorsionSpring(Part):
+    """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
+    damping rate`, the angle being that from the direction of the beam, between −π and π."""
+
+    torsion_spring: TorsionSpring
+    """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
+    damping rate`, the angle being that from the direction of the beam, between −π and π."""
+
+
+class Free(Part):
+    """It moves and turns as the loads, gravity and a force that tows it will."""
+
+    force_x: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    """Towing force along x, N."""
+
+    force_y: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    """Towing force along y, N."""
+
+    force_z: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    """Towing force along z, N; in three dimensions only."""
+
+
+class HoldFree(Part):
+    """It moves and turns as the loads, gravity and a force that tows it will."""
+
+    free: Free
+    """It moves and turns as the loads, gravity and a force that tows it will."""
+
+
+Hold = Literal["clamped", "pinned"] | HoldTorsionSpring | HoldFree
+"""How the root of a rod is held. `clamped`: It neither moves nor turns by itself. `pinned`: It does not move by itself,
+and turns without resistance."""
 
 
 class Rotation(Part):
@@ -681,8 +776,11 @@ class Rod(Part):
     """Length by which the clamp lies behind the root, m: the elastic part of the foundation. It only softens the
     clamp."""
 
+    root: Hold = "clamped"
+    """How the root is held."""
+
     root_motion: RootMotion | None = None
-    """Prescribed motion of the root; absent where it is still."""
+    """Prescribed motion of the root; absent where it is still, and where the root is free."""
 
     scheme: RodScheme = "tr_bdf2"
     """Time scheme."""

@@ -13,6 +13,7 @@ import numpy as np
 from nervure.errors import SceneError
 from nervure.master import Clock, Watcher
 from nervure.scene import Scene, text
+from nervure.scene.along import thickness
 from nervure.scene.types import Beam as SceneBeam, Fluid
 from nervure.unit import Unit
 
@@ -27,11 +28,11 @@ def stations(units: dict[str, Unit]) -> np.ndarray:
     return np.column_stack([unit.read(name) for name in "xyz" if name in unit.variables])
 
 
-def outline(centre_line: np.ndarray, thickness: float) -> np.ndarray:
-    """Corners of a beam in the plane, `[2 n, 2]`, from its stations."""
+def outline(centre_line: np.ndarray, thickness: np.ndarray) -> np.ndarray:
+    """Corners of a beam in the plane, `[2 n, 2]`, from its stations and the thickness there, `[n]`."""
     tangent = np.gradient(centre_line, axis=0)
     normal = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.linalg.norm(tangent, axis=1, keepdims=True)
-    side = thickness / 2 * normal
+    side = thickness[:, None] / 2 * normal
     return np.concatenate([centre_line + side, (centre_line - side)[::-1]])
 
 
@@ -157,7 +158,7 @@ class Beam(Series):
 
     def __init__(self, path: Path, scene: Scene, beam: SceneBeam, units: dict[str, Unit], frames: int, known: int):
         super().__init__(path, scene, frames, known)
-        self.units, self.thickness = units, beam.thickness
+        self.units, self.thickness = units, thickness(beam)
         if not known:
             n = len(self._points())
             self.root.attrs["Type"] = np.bytes_("PolyData")

@@ -16,6 +16,7 @@ from nervure.evaluate import dimensionless
 from nervure.evaluate.dimensionless import Body, Dimensionless
 from nervure.master import Clock, Watcher
 from nervure.scene import Scene
+from nervure.scene.along import thickness
 from nervure.unit import Unit
 
 WARM_UP = 2  # Steps that are not timed: the first has no history, the second no cached code
@@ -90,7 +91,9 @@ def warnings(scene: Scene) -> Iterator[str]:
         softness = mask["c_eta"] * numbers.velocity / numbers.length
         if softness > SOFTNESS * (1 + ROUNDING):
             yield f"the mask is soft: C_eta U/L is {softness:.2g}; above {SOFTNESS:g} forces can be off by 10 %"
-    if (beam := scene.beam) and (ratio := beam.length / beam.segments / beam.thickness) < SEGMENT * (1 - ROUNDING):
+    if (beam := scene.beam) and (ratio := beam.length / beam.segments / thickness(beam).max()) < SEGMENT * (
+        1 - ROUNDING
+    ):
         yield f"segments are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
 
 

@@ -17,6 +17,7 @@ from nervure.evaluate import coefficients, dimensionless, flapping, statistics
 from nervure.files import write_whole
 from nervure.results import Results
 from nervure.scene import Scene
+from nervure.scene.along import thickness
 from nervure.scene.types import Body, Fluid, Reference, ShapePolygon, ShapeRectangle
 from nervure.show import shown_in, with_unit
 from nervure.show.fields import outline, stations
@@ -188,7 +189,7 @@ def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
-    corners = outline(stations(units), scene.beam.thickness) if scene.beam else None
+    corners = outline(stations(units), thickness(scene.beam)) if scene.beam else None
     figure = Figure(figsize=size(scene, 12.0), layout="constrained")
     axis = figure.subplots()
     poses = [
@@ -237,17 +238,17 @@ def draw_vorticity(
 
 def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
     """Outline of a rigid body, m, `[n, 2]`, with its pivot at (x, y) and turned by an angle (rad)."""
-    length, thickness = dimensionless.size(body.shape)
+    length, width = dimensionless.size(body.shape)
     turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
-    own = np.column_stack([length * np.cos(turn), thickness * np.sin(turn)]) / 2
+    own = np.column_stack([length * np.cos(turn), width * np.sin(turn)]) / 2
     if isinstance(body.shape, ShapePolygon):
         own = np.array(body.shape.polygon.corners)
     if isinstance(body.shape, ShapeRectangle):
-        straight = (length - thickness) / 2 * np.sign(own[:, :1])
+        straight = (length - width) / 2 * np.sign(own[:, :1])
         if body.shape.rectangle.ends == "square":
-            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [length / 2, thickness / 2]
+            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [length / 2, width / 2]
         else:
-            own = thickness / 2 * np.column_stack([np.cos(turn), np.sin(turn)]) + np.pad(straight, ((0, 0), (0, 1)))
+            own = width / 2 * np.column_stack([np.cos(turn), np.sin(turn)]) + np.pad(straight, ((0, 0), (0, 1)))
     sin, cos = np.sin(angle), np.cos(angle)
     placed: np.ndarray = (own - body.pivot) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
     return placed

@@ -1,12 +1,20 @@
 //! The moving beam: its mask from the stations, and its loads back to them.
 //!
-//! The beam is the rectangle of thickness h around the polyline of the stations, with a flat tip. A point of segment k
-//! at the fraction t and the height n above the centre line moves with the section (shear-free):
+//! The beam is the band around the polyline of the stations, with a flat tip; its thickness is linear in each segment.
+//! At a station the tangent is that of the bisector of its segments, and in between it turns linearly. A point belongs to
+//! the place on the polyline to which the tangent is at right angles: so place, height and all that follows from them
+//! are continuous in the point and in the stations, and so are the loads. At the fraction t of segment k and the height n
+//! above the centre line it moves with the section (shear-free):
 //!
-//! `u_s = (1 - t) v_k + t v_{k+1} - omega n e`, `omega = (v_{k+1} - v_k)·m / |segment|`,
+//! `u_s = (1 - t) v_k + t v_{k+1} - omega n e`, `omega = (1 - t) omega_k + t omega_{k+1}`
 //!
-//! with e along and m normal to the segment. Loads go back through the transpose of this map, so that the power of the
-//! station loads is that of the drag on the section.
+//! with e the tangent there. A station turns at the rate `omega_k = (v_j - v_i)·m / |x_j - x_i|` of the line from
+//! station i to j around it, with the normal m, which is at least as long as the beam is thick. The rate over a segment
+//! alone would be large for stations that go up and down in turn. Their drag would then be more than twice the announced
+//! impedance, which is for sections that do not turn, and an explicit coupling would be unstable.
+//!
+//! Loads go back through the transpose of this map, so that the power of the station loads is that of the drag on the
+//! section.
 
 use scene::Mask;
 
@@ -24,68 +32,126 @@ struct Place {
     fraction: f64,
     /// Height above the centre line, m.
     height: f64,
-    /// Squared distance to the segment, m²: the nearest segment owns the cell.
-    distance_squared: f64,
     /// Position from the root, m.
     arm: [f64; 2],
 }
 
 /// The beam and the cells in which it drags the fluid.
 pub struct Beam {
-    thickness: f64,
-    profile: DragProfile,
+    /// Thickness at the middle of each segment, m, and by how much the end of the segment is thicker than its beginning.
+    thickness: Vec<[f64; 2]>,
+    /// Drag of each segment.
+    profiles: Vec<DragProfile>,
     /// How far the mask goes on behind the root, into the cylinder that the beam is clamped to, m.
     anchor: f64,
     /// Cells of the present position.
     pub cells: Cells,
     places: Vec<Place>,
-    frames: Vec<Frame>,
+    segments: Vec<Segment>,
+    /// `[n + 1]`.
+    sections: Vec<Section>,
     /// For each grid point, 1 + its number among the candidates of the present painting; 0 where it is none.
     slot: Vec<u32>,
-    candidates: Vec<(usize, Place)>,
+    candidates: Vec<(usize, (Place, f64))>,
 }
 
-/// Direction and length of a segment, and the rate at which it turns.
+/// Direction and length of a segment.
 #[derive(Clone, Copy, Debug)]
-struct Frame {
+struct Segment {
     along: [f64; 2],
     length: f64,
+}
+
+/// The section at a station.
+#[derive(Clone, Copy, Debug)]
+struct Section {
+    /// Unit tangent.
+    tangent: [f64; 2],
+    /// Stations that tell how the section turns, the unit normal of the line between them, and its length, m.
+    ends: [usize; 2],
+    across: [f64; 2],
+    span: f64,
+    /// Rates at which it turns, and turned before the step, 1/s.
     omega: f64,
-    /// Rate at which it turned before the step, 1/s.
     omega_before: f64,
 }
 
-impl Frame {
-    /// Left-hand normal of somebody who walks from root to tip.
-    fn normal(&self) -> [f64; 2] {
-        [-self.along[1], self.along[0]]
+/// Left-hand normal of somebody who walks along.
+fn normal([x, y]: [f64; 2]) -> [f64; 2] {
+    [-y, x]
+}
+
+fn unit([x, y]: [f64; 2]) -> [f64; 2] {
+    let length = x.hypot(y);
+    [x / length, y / length]
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// What lies the fraction `t` of the way from `a` to `b`.
+fn between(a: [f64; 2], b: [f64; 2], t: f64) -> [f64; 2] {
+    [0, 1].map(|axis| (1.0 - t) * a[axis] + t * b[axis])
+}
+
+impl Place {
+    /// Unit tangent.
+    fn tangent(&self, sections: &[Section]) -> [f64; 2] {
+        let k = self.segment as usize;
+        unit(between(sections[k].tangent, sections[k + 1].tangent, self.fraction))
     }
 
-    /// Velocity of the section at a place of this segment that turns at the rate `omega` (1/s), m/s.
-    fn section_velocity(&self, place: &Place, omega: f64, stations: &Stations) -> [f64; 2] {
-        let (k, t) = (place.segment as usize, place.fraction);
-        [0, 1].map(|axis| {
-            let v = &stations.velocity[axis];
-            (1.0 - t) * v[k] + t * v[k + 1] - omega * place.height * self.along[axis]
-        })
+    /// Velocity of the section where the stations turn at the rates `omega` (1/s), m/s.
+    fn velocity(&self, sections: &[Section], omega: impl Fn(&Section) -> f64, stations: &Stations) -> [f64; 2] {
+        let (k, t) = (self.segment as usize, self.fraction);
+        let [start, end] = [k, k + 1].map(|k| stations.velocity.each_ref().map(|v| v[k]));
+        let omega = (1.0 - t) * omega(&sections[k]) + t * omega(&sections[k + 1]);
+        let (center, tangent) = (between(start, end, t), self.tangent(sections));
+        [0, 1].map(|axis| center[axis] - omega * self.height * tangent[axis])
     }
 }
 
 impl Beam {
     /// The beam of a scene, not yet anywhere.
     pub fn new(beam: &scene::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
+        let at: Vec<_> = beam.places().map(|s| beam.thickness.at(s)).collect();
         let anchor = match beam.root {
-            scene::Root::OnCylinder { .. } => 0.5 * beam.thickness,
+            scene::Root::OnCylinder { .. } => 0.5 * at[0],
             scene::Root::At { .. } => 0.0,
         };
-        let still = Frame { along: [1.0, 0.0], length: 1.0, omega: 0.0, omega_before: 0.0 };
+        // Between the stations the thickness is linear, whatever its law.
+        let ends = at.iter().step_by(2).zip(at.iter().step_by(2).skip(1));
+        let thickness: Vec<_> = ends.map(|(start, end)| [0.5 * (start + end), end - start]).collect();
+        let mut profiles: Vec<DragProfile> = Vec::with_capacity(beam.segments);
+        for k in 0..beam.segments {
+            // Calibrating a wall takes its time: segments of equal thickness share it.
+            let known = if k > 0 && thickness[k][0] == thickness[k - 1][0] { profiles.last().copied() } else { None };
+            profiles.push(known.unwrap_or_else(|| DragProfile::of_body(thickness[k][0], mask, nu, grid.cell_size())));
+        }
+        let ahead = Segment { along: [1.0, 0.0], length: 1.0 };
+        let section = |k: usize| {
+            let half = (0.5 * at[2 * k] * beam.segments as f64 / beam.length).ceil() as usize;
+            let span = (2 * half).clamp(2, beam.segments);
+            let from = k.saturating_sub(span / 2).min(beam.segments - span);
+            let still = Section {
+                tangent: [1.0, 0.0],
+                ends: [0, 1],
+                across: [0.0, 1.0],
+                span: 1.0,
+                omega: 0.0,
+                omega_before: 0.0,
+            };
+            Section { ends: [from, from + span], ..still }
+        };
         Self {
-            thickness: beam.thickness,
-            profile: DragProfile::of_body(beam.thickness, mask, nu, grid.cell_size()),
+            thickness,
+            profiles,
             anchor,
             cells: Cells::default(),
             places: Vec::new(),
-            frames: vec![still; beam.segments],
+            segments: vec![ahead; beam.segments],
+            sections: (0..=beam.segments).map(section).collect(),
             slot: vec![0; grid.len()],
             candidates: Vec::new(),
         }
@@ -94,19 +160,22 @@ impl Beam {
     /// The fluid of a density (kg/m³) that it displaces at `stations`, where it was placed; moments are about the root.
     pub fn displaced(&self, stations: &Stations, density: f64) -> Displaced {
         let Stations { position: [x, y], velocity: [vx, vy] } = stations;
-        let line_density = density * self.thickness;
         let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
         let (mut momentum, mut angular) = ([0.0; 2], 0.0);
-        for (k, frame) in self.frames.iter().enumerate() {
-            let mass = line_density * frame.length;
+        for (k, (segment, &[thickness, growth])) in self.segments.iter().zip(&self.thickness).enumerate() {
+            let mass = density * thickness * segment.length;
+            // The first moment of the mass over its distance from the middle, both in segments.
+            let lean = density * growth * segment.length / 12.0;
             let [start, end] = [k, k + 1].map(|k| ([x[k] - x[0], y[k] - y[0]], [vx[k], vy[k]]));
             let middle = |a: [f64; 2], b: [f64; 2]| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
             let (arm, velocity) = (middle(start.0, end.0), middle(start.1, end.1));
-            momentum[0] += mass * velocity[0];
-            momentum[1] += mass * velocity[1];
+            momentum[0] += mass * velocity[0] + lean * (end.1[0] - start.1[0]);
+            momentum[1] += mass * velocity[1] + lean * (end.1[1] - start.1[1]);
             // Simpson's rule is exact: position and velocity are linear along the segment.
             angular += mass / 6.0 * (cross(start.0, start.1) + 4.0 * cross(arm, velocity) + cross(end.0, end.1));
-            angular += mass / 12.0 * self.thickness.powi(2) * frame.omega;
+            angular += lean * (cross(end.0, end.1) - cross(start.0, start.1));
+            let omega = 0.5 * (self.sections[k].omega + self.sections[k + 1].omega);
+            angular += mass / 12.0 * (thickness.powi(2) + 0.25 * growth.powi(2)) * omega;
         }
         Displaced { momentum, angular, transport: cross([vx[0], vy[0]], momentum) }
     }
@@ -115,37 +184,49 @@ impl Beam {
     pub fn place(&mut self, stations: &Stations, before: &Stations, grid: &Grid) {
         self.orient(stations, before);
         self.find_candidates(stations, grid);
-        let last = self.frames.len() as u32 - 1;
+        let last = self.segments.len() as u32 - 1;
         self.cells.clear();
         self.places.clear();
-        for (index, place) in self.candidates.drain(..) {
+        for (index, (place, _)) in self.candidates.drain(..) {
             self.slot[index] = 0;
-            let frame = &self.frames[place.segment as usize];
+            let k = place.segment as usize;
+            let Segment { length, .. } = self.segments[k];
             let beyond = if place.segment == 0 {
-                -place.fraction * frame.length - self.anchor
+                -place.fraction * length - self.anchor
             } else if place.segment == last {
-                (place.fraction - 1.0) * frame.length
+                (place.fraction - 1.0) * length
             } else {
                 f64::NEG_INFINITY
             };
-            // The lines of equal drag are rectangles: with the Euclidean distance outside they would round the corners.
-            let above = place.height.abs() - 0.5 * self.thickness;
+            let place = Place { fraction: place.fraction.clamp(0.0, 1.0), ..place };
+            // The lines of equal drag have corners: with the Euclidean distance outside they would round them.
+            let [thickness, growth] = self.thickness[k];
+            let half = 0.5 * (thickness + (place.fraction - 0.5) * growth);
+            let slope = 0.5 * growth / length;
+            let stretch = (1.0 + slope * slope).sqrt();
+            let above = (place.height.abs() - half) / stretch;
             let distance = above.max(beyond);
-            let rate = self.profile.rate(distance);
+            let profile = &self.profiles[k];
+            let rate = profile.rate(distance);
             if rate > 0.0 {
-                let place = Place { fraction: place.fraction.clamp(0.0, 1.0), ..place };
-                let velocity = frame.section_velocity(&place, frame.omega, stations);
-                self.cells.push(index, rate, velocity, place.arm);
-                if let Some(target) = self.profile.target() {
+                let tangent = place.tangent(&self.sections);
+                self.cells.push(
+                    index,
+                    rate,
+                    place.velocity(&self.sections, |section| section.omega, stations),
+                    place.arm,
+                );
+                if let Some(target) = profile.target() {
                     // The nearest surface is that of the tip or the root, or that above or below.
                     let normal = if beyond > above {
-                        frame.along.map(|component| if place.segment == 0 { -component } else { component })
+                        tangent.map(|component| if place.segment == 0 { -component } else { component })
                     } else {
-                        frame.normal().map(|component| component.copysign(component * place.height))
+                        let across = normal(tangent).map(|component| component.copysign(component * place.height));
+                        [0, 1].map(|axis| (across[axis] - slope * tangent[axis]) / stretch)
                     };
                     let point = grid.point(index);
                     let surface = [0, 1].map(|axis| point[axis] - distance * normal[axis]);
-                    let before = frame.section_velocity(&place, frame.omega_before, before);
+                    let before = place.velocity(&self.sections, |section| section.omega_before, before);
                     self.cells.follow_last(target, distance, surface, normal, before, grid);
                 }
                 self.places.push(place);
@@ -153,41 +234,49 @@ impl Beam {
         }
     }
 
-    /// Directions and turning rates of the segments at `stations`, with the velocities there and with those `before`.
+    /// Directions of segments and sections at `stations`, and how these turn with the velocities there and with those
+    /// `before`.
     fn orient(&mut self, stations: &Stations, before: &Stations) {
-        for (k, frame) in self.frames.iter_mut().enumerate() {
-            let difference = |field: &[Vec<f64>; 2]| [field[0][k + 1] - field[0][k], field[1][k + 1] - field[1][k]];
-            let [ex, ey] = difference(&stations.position);
-            frame.length = ex.hypot(ey);
-            frame.along = [ex / frame.length, ey / frame.length];
-            let [mx, my] = frame.normal();
-            [frame.omega, frame.omega_before] = [stations, before].map(|stations| {
-                let [dvx, dvy] = difference(&stations.velocity);
-                (dvx * mx + dvy * my) / frame.length
-            });
+        let difference = |field: &[Vec<f64>; 2], [from, to]: [usize; 2]| field.each_ref().map(|f| f[to] - f[from]);
+        for (k, segment) in self.segments.iter_mut().enumerate() {
+            let step = difference(&stations.position, [k, k + 1]);
+            *segment = Segment { along: unit(step), length: step[0].hypot(step[1]) };
+        }
+        for (k, section) in self.sections.iter_mut().enumerate() {
+            let along = |k: usize| self.segments[k].along;
+            let (behind, ahead) = (along(k.saturating_sub(1)), along(k.min(self.segments.len() - 1)));
+            section.tangent = unit([behind[0] + ahead[0], behind[1] + ahead[1]]);
+            let line = difference(&stations.position, section.ends);
+            section.span = line[0].hypot(line[1]);
+            section.across = normal(unit(line));
+            [section.omega, section.omega_before] = [stations, before]
+                .map(|stations| dot(difference(&stations.velocity, section.ends), section.across) / section.span);
         }
     }
 
-    /// List the grid points that the mask may reach, each with the nearest segment.
+    /// List the grid points that the mask may reach, each with its place, whose fraction may lie beyond the ends of the
+    /// beam, and its squared distance from there.
     fn find_candidates(&mut self, stations: &Stations, grid: &Grid) {
-        let reach = 0.5 * self.thickness + self.profile.reach();
-        let last = self.frames.len() - 1;
+        /// Share of a segment by which its end may seem to lie beyond that of its neighbour.
+        const ROUNDING: f64 = 1e-9;
+        let last = self.segments.len() - 1;
         let root = [stations.position[0][0], stations.position[1][0]];
-        // Past a station, outside of the bend, what lies between the normals of both its segments belongs to it.
-        let wedge = |k: usize| {
-            let [[ax, ay], [bx, by]] = [&self.frames[k - 1], &self.frames[k]].map(|frame| frame.along);
-            let (sine, cosine) = (ax * by - ay * bx, ax * bx + ay * by);
-            if cosine > 0.0 { reach * sine.abs() } else { reach }
-        };
         let (slot, candidates) = (&mut self.slot, &mut self.candidates);
-        for (k, frame) in self.frames.iter().enumerate() {
+        for (k, &Segment { along: [ex, ey], length }) in self.segments.iter().enumerate() {
+            let [thickness, growth] = self.thickness[k];
+            let reach = 0.5 * (thickness + 0.5 * growth.abs()) + self.profiles[k].reach();
             let [x0, y0] = [stations.position[0][k], stations.position[1][k]];
-            let [ex, ey] = frame.along;
-            // The end segments own what lies beyond them; the others end at their stations.
-            let (before, low) = if k == 0 { (reach + self.anchor, f64::NEG_INFINITY) } else { (wedge(k), 0.0) };
-            let (beyond, high) = if k == last { (reach, f64::INFINITY) } else { (wedge(k + 1), 1.0) };
-            // The smallest upright rectangle around the segment's own one.
-            let end = frame.length + beyond;
+            // The tangents at both ends, along the segment and to the left.
+            let [(c0, s0), (c1, s1)] = [k, k + 1].map(|k| {
+                let [tx, ty] = self.sections[k].tangent;
+                (tx * ex + ty * ey, ex * ty - ey * tx)
+            });
+            // How far the rectangle of the segment goes beyond its stations, with the leaning sections at both ends.
+            let wedge = |c: f64, s: f64| if c > s.abs() { reach * s.abs() / c } else { reach };
+            let before = if k == 0 { reach + self.anchor } else { wedge(c0, s0) };
+            let beyond = if k == last { reach } else { wedge(c1, s1) };
+            // The smallest upright rectangle around it.
+            let end = length + beyond;
             let around = |start: f64, along: f64, across: f64| {
                 let (a, b) = (start - before * along, start + end * along);
                 let margin = reach * across.abs();
@@ -200,25 +289,33 @@ impl Beam {
                 if ahead < -before || ahead > end || side.abs() > reach {
                     return;
                 }
-                let projection = ahead / frame.length;
-                let clamped = projection.clamp(0.0, 1.0);
-                let miss = (projection - clamped) * frame.length;
-                let distance_squared = side * side + miss * miss;
-                // Past an inner station the height is the distance to that station.
-                let fraction = projection.clamp(low, high);
-                let off = (projection - fraction) * frame.length;
-                let height = if off == 0.0 { side } else { side.hypot(off).copysign(side) };
-                let arm = [x - root[0], y - root[1]];
-                let place = Place { segment: k as u32, fraction, height, distance_squared, arm };
+                // (r − t l e)·((1 − t) T_k + t T_{k+1}) = 0; beyond the ends of the beam the tangent stays.
+                let start = ahead * c0 + side * s0;
+                let stop = (ahead - length) * c1 + side * s1;
+                let fraction = if (k == 0 && start < 0.0) || (k == last && stop > 0.0) {
+                    ahead / length
+                } else if start < -ROUNDING * length || stop > ROUNDING * length {
+                    return;
+                } else {
+                    let (bend, rate) = (length * (c1 - c0), ahead * (c1 - c0) + side * (s1 - s0) - length * c0);
+                    (2.0 * start / ((rate * rate + 4.0 * bend * start).sqrt() - rate)).clamp(0.0, 1.0)
+                };
+                if fraction.is_nan() {
+                    return;
+                }
+                let off = ahead - fraction * length;
+                let (height, arm) = (side.hypot(off).copysign(side), [x - root[0], y - root[1]]);
+                let place = Place { segment: k as u32, fraction, height, arm };
+                let distance_squared = height * height;
                 match slot[index] {
                     0 => {
-                        candidates.push((index, place));
+                        candidates.push((index, (place, distance_squared)));
                         slot[index] = candidates.len() as u32;
                     }
                     number => {
                         let known = &mut candidates[number as usize - 1].1;
-                        if distance_squared < known.distance_squared {
-                            *known = place;
+                        if distance_squared < known.1 {
+                            *known = (place, distance_squared);
                         }
                     }
                 }
@@ -228,10 +325,7 @@ impl Beam {
 
     /// Velocity of the section, m/s, in each of the cells, in their order.
     pub fn section_velocities<'a>(&'a self, stations: &'a Stations) -> impl Iterator<Item = [f64; 2]> + 'a {
-        self.places.iter().map(|place| {
-            let frame = &self.frames[place.segment as usize];
-            frame.section_velocity(place, frame.omega, stations)
-        })
+        self.places.iter().map(|place| place.velocity(&self.sections, |section| section.omega, stations))
     }
 
     /// Bring the drag on each cell to the stations.
@@ -244,13 +338,18 @@ impl Beam {
         for (cell, place) in self.cells.iter().zip(&self.places) {
             let ([fx, fy], [along_x, along_y]) = drag(cell);
             let (k, t) = (place.segment as usize, place.fraction);
-            let frame = &self.frames[k];
-            let couple = -place.height * (fx * frame.along[0] + fy * frame.along[1]) / frame.length;
-            let normal = frame.normal();
-            let impedance = along_x * normal[0] * normal[0] + along_y * normal[1] * normal[1];
-            for (axis, f) in [fx, fy].into_iter().enumerate() {
-                loads.force[axis][k] += (1.0 - t) * f - couple * normal[axis];
-                loads.force[axis][k + 1] += t * f + couple * normal[axis];
+            let tangent = place.tangent(&self.sections);
+            let moment = -place.height * dot([fx, fy], tangent);
+            let [nx, ny] = normal(tangent);
+            let impedance = along_x * nx * nx + along_y * ny * ny;
+            for (station, share) in [(k, 1.0 - t), (k + 1, t)] {
+                let Section { ends: [from, to], across, span, .. } = self.sections[station];
+                for (axis, f) in [fx, fy].into_iter().enumerate() {
+                    let couple = share * moment / span * across[axis];
+                    loads.force[axis][station] += share * f;
+                    loads.force[axis][from] -= couple;
+                    loads.force[axis][to] += couple;
+                }
             }
             loads.impedance[k] += (1.0 - t) * impedance;
             loads.impedance[k + 1] += t * impedance;
@@ -259,10 +358,93 @@ impl Beam {
 
     /// Points on the upper (`side` = 1) or lower (−1) surface at the stations, m.
     pub fn surface_point(&self, stations: &Stations, k: usize, side: f64) -> [f64; 2] {
-        let before = self.frames[k.saturating_sub(1)].normal();
-        let after = self.frames[k.min(self.frames.len() - 1)].normal();
-        let sum = [before[0] + after[0], before[1] + after[1]];
-        let scale = side * 0.5 * self.thickness / sum[0].hypot(sum[1]);
-        [stations.position[0][k] + scale * sum[0], stations.position[1][k] + scale * sum[1]]
+        let [nx, ny] = normal(self.sections[k].tangent);
+        let [thickness, growth] = self.thickness[k.min(self.segments.len() - 1)];
+        let here = if k < self.segments.len() { thickness - 0.5 * growth } else { thickness + 0.5 * growth };
+        let height = side * 0.5 * here;
+        [stations.position[0][k] + height * nx, stations.position[1][k] + height * ny]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use scene::{Along, FluidBox, PlaceLaw, Root};
+
+    use super::*;
+
+    const ROOT: [f64; 2] = [0.3, 0.2];
+    const DIRECTION: [f64; 2] = [0.8, 0.6];
+    const OMEGA: f64 = 1.7;
+    /// Thickness at the root and at the tip.
+    const ENDS: [f64; 2] = [0.2, 0.04];
+
+    /// A beam of length 1 that tapers, turns about its root and moves along with it; painted with a sharp mask.
+    fn turning() -> (Beam, Stations, Grid) {
+        let grid = Grid::new(&FluidBox { x: [0.0, 1.5], y: [0.0, 1.5], cells: [600, 600] });
+        let scene = scene::Beam {
+            root: Root::At { position: ROOT.to_vec(), direction: DIRECTION.to_vec() },
+            length: 1.0,
+            thickness: Along::Varying(PlaceLaw::Taper { root: ENDS[0], tip: ENDS[1], power: 1.0 }),
+            segments: 8,
+            rest_angles: Vec::new(),
+        };
+        let mask = Mask::Sharp { c_eta: 1.0, displacement_corrected: false };
+        let mut beam = Beam::new(&scene, &grid, &mask, 1e-3);
+        let along = |axis: usize| (0..=8).map(move |k| ROOT[axis] + DIRECTION[axis] * f64::from(k) / 8.0).collect();
+        let speed = |axis: usize| {
+            let across = [-DIRECTION[1], DIRECTION[0]];
+            (0..=8).map(move |k| 0.5 + OMEGA * across[axis] * f64::from(k) / 8.0).collect()
+        };
+        let stations = Stations { position: [along(0), along(1)], velocity: [speed(0), speed(1)] };
+        beam.place(&stations, &stations, &grid);
+        (beam, stations, grid)
+    }
+
+    #[test]
+    fn mask_has_the_area_of_the_tapered_beam() {
+        let (beam, _, grid) = turning();
+        let sum = |weight: &dyn Fn(&Cell) -> f64| beam.cells.iter().map(weight).sum::<f64>() * grid.cell_area();
+        let area = sum(&|_| 1.0);
+        let centre = sum(&|cell| cell.arm[0] * DIRECTION[0] + cell.arm[1] * DIRECTION[1]) / area;
+        // (h0 + h1) / 2 and (h0 + 2 h1) / (3 (h0 + h1)) of a trapezium.
+        assert!((area / 0.12 - 1.0).abs() < 2e-3, "area {area}");
+        assert!((centre / (0.28 / 0.72) - 1.0).abs() < 2e-3, "centre at {centre}");
+    }
+
+    #[test]
+    fn drag_of_the_cosine_mask_falls_across_the_sloped_surface() {
+        let (mut beam, stations, grid) = turning();
+        let mask = Mask::Cosine { c_eta: 1.0, half_width: 6.0, displacement_corrected: false };
+        beam.profiles =
+            beam.thickness.iter().map(|h| DragProfile::of_body(h[0], &mask, 1e-3, grid.cell_size())).collect();
+        beam.place(&stations, &stations, &grid);
+        let slope = 0.5 * (ENDS[1] - ENDS[0]);
+        for cell in beam.cells.iter() {
+            let along = cell.arm[0] * DIRECTION[0] + cell.arm[1] * DIRECTION[1];
+            let height = (cell.arm[1] * DIRECTION[0] - cell.arm[0] * DIRECTION[1]).abs();
+            if (0.2..0.8).contains(&along) {
+                let distance = (height - 0.5 * ENDS[0] - slope * along) / slope.hypot(1.0);
+                let expected = beam.profiles[0].rate(distance);
+                assert!((cell.rate - expected).abs() < 1e-9, "at {along}, {height}: {} against {expected}", cell.rate);
+            }
+        }
+    }
+
+    #[test]
+    fn displaced_fluid_has_the_momentum_of_the_tapered_beam() {
+        let (beam, stations, _) = turning();
+        let found = beam.displaced(&stations, 2.0);
+        let across = [-DIRECTION[1], DIRECTION[0]];
+        // Integrals over 0 … 1 of h = h0 + (h1 − h0) s times 1, s and s², and of h³/12.
+        let [h0, dh] = [ENDS[0], ENDS[1] - ENDS[0]];
+        let moments = [h0 + dh / 2.0, h0 / 2.0 + dh / 3.0, h0 / 3.0 + dh / 4.0];
+        let turning = (ENDS[0].powi(4) - ENDS[1].powi(4)) / (4.0 * (ENDS[0] - ENDS[1])) / 12.0;
+        for (across, found) in across.iter().zip(found.momentum) {
+            let expected = 2.0 * (0.5 * moments[0] + OMEGA * across * moments[1]);
+            assert!((found - expected).abs() < 1e-14, "{found} against {expected}");
+        }
+        let shift = 0.5 * (DIRECTION[0] - DIRECTION[1]) * moments[1];
+        let expected = 2.0 * (shift + OMEGA * (moments[2] + turning));
+        assert!((found.angular - expected).abs() < 1e-14, "{} against {expected}", found.angular);
     }
 }

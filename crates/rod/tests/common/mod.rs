@@ -1,7 +1,7 @@
 //! Rods and exact solutions that several tests and the study share.
 #![allow(dead_code, reason = "each of them uses its own part")]
 
-use nervure_rod::{Parameters, Rod};
+use nervure_rod::{Hold, Parameters, Rod, Taper};
 use scene::{Bending, Calibration, Material, RodScheme, Section};
 
 pub const GENERALISED_ALPHA: RodScheme = RodScheme::GeneralisedAlpha { rho_inf: 0.5 };
@@ -16,12 +16,14 @@ pub fn turek_hron_bar(youngs_modulus: f64, gravity: f64, segments: usize) -> Par
         segments,
         rest_angles: Vec::new(),
         section: Material::PlaneStrain { density: 1000.0, youngs_modulus, poisson_ratio: 0.4, shear_factor: None }
-            .section(0.02),
+            .section(&0.02.into(), 0.0),
         displaced: 0.0,
+        taper: Taper::default(),
         gravity: [0.0, -gravity],
         damping: 0.0,
         bending: Bending::Invariant,
         calibration: Calibration::SecondOrder,
+        hold: Hold::Clamped,
         clamp_setback: 0.0,
         scheme: RodScheme::Bdf2,
         max_step: None,
@@ -38,10 +40,12 @@ pub fn unit_rod<const D: usize>(segments: usize, axial_stiffness: f64, scheme: R
         rest_angles: Vec::new(),
         section: Section { line_density: 1.0, bending_stiffness: 1.0, axial_stiffness, shear_stiffness: None },
         displaced: 0.0,
+        taper: Taper::default(),
         gravity: [0.0; D],
         damping: 0.0,
         bending: Bending::Invariant,
         calibration: Calibration::SecondOrder,
+        hold: Hold::Clamped,
         clamp_setback: 0.0,
         scheme,
         max_step: None,

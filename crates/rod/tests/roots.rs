@@ -1,0 +1,355 @@
+//! Roots that are pinned, on a torsion spring, or free, against exact solutions and invariants.
+
+mod common;
+#[path = "common/modes.rs"]
+mod modes;
+
+use std::f64::consts::{PI, TAU};
+
+use common::{SCHEMES, total_energy, unit_rod};
+use modes::{RitzBeam, frequencies};
+use nervure_rod::{Hold, Parameters, Rod, Root, Taper};
+use scene::{RodScheme, Section};
+
+fn spring(stiffness: f64) -> Hold {
+    Hold::TorsionSpring { stiffness, damping: 0.0, rest_angle: 0.0 }
+}
+
+/// b of the frequencies b² sqrt(EI/µ)/L², by bisection around `guess`.
+fn characteristic(equation: impl Fn(f64) -> f64, guess: f64) -> f64 {
+    let (mut low, mut high) = (guess - 0.05, guess + 0.05);
+    assert!(equation(low) * equation(high) < 0.0, "no root around {guess}");
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if equation(low) * equation(middle) <= 0.0 { high = middle } else { low = middle }
+    }
+    low
+}
+
+/// κ (1 + cos b cosh b) = b (sin b cosh b − cos b sinh b), κ = k L/EI; without spring tan b = tanh b.
+fn hinged(kappa: f64) -> impl Fn(f64) -> f64 {
+    move |b: f64| kappa * (1.0 / b.cosh() + b.cos()) - b * (b.sin() - b.cos() * b.tanh())
+}
+
+#[test]
+fn frequencies_are_those_of_the_characteristic_equations() {
+    let free = |b: f64| 1.0 / b.cosh() - b.cos();
+    let modes = |equation: &dyn Fn(f64) -> f64, guesses: [f64; 3]| guesses.map(|guess| characteristic(equation, guess));
+    for (hold, rigid, exact) in [
+        (Hold::Pinned, 1, modes(&hinged(0.0), [3.93, 7.07, 10.21])),
+        (spring(1.0), 0, modes(&hinged(1.0), [1.25, 4.03, 7.13])),
+        (spring(50.0), 0, modes(&hinged(50.0), [1.84, 4.60, 7.70])),
+        (Hold::Free, 2, modes(&free, [4.73, 7.85, 11.0])),
+    ] {
+        let errors = [32, 64, 128].map(|segments| {
+            let mut rod = Rod::new(Parameters { hold, ..unit_rod(segments, 1e4, RodScheme::TrBdf2) }).unwrap();
+            let found = frequencies(&mut rod);
+            assert!(found[..rigid].iter().all(|&omega| omega < 1e-3 * found[rigid]), "{hold:?}: {:?}", &found[..4]);
+            [0, 1, 2].map(|mode| found[rigid + mode] / exact[mode].powi(2) - 1.0)
+        });
+        println!("{hold:?}: {errors:?}");
+        for mode in 0..3 {
+            let orders = [0, 1].map(|grid| (errors[grid][mode] / errors[grid + 1][mode]).log2());
+            assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.1), "{hold:?}, mode {mode}: orders {orders:?}");
+            assert!(errors[2][mode].abs() < 1e-3, "{hold:?}, mode {mode}: {errors:?}");
+        }
+    }
+}
+
+/// Taper and spring together, against Ritz's method.
+#[test]
+fn tapered_rod_on_a_spring_has_the_frequencies_of_the_ritz_method() {
+    let thickness = |s: f64| 1.0 - 0.8 * s;
+    let bending = |s: f64| thickness(s).powi(3);
+    for (hold, held, spring) in [(Hold::Free, 0, 0.0), (Hold::Pinned, 1, 0.0), (spring(3.0), 1, 3.0)] {
+        let exact = RitzBeam { bending: &bending, mass: &thickness, held, spring }.frequencies();
+        let rigid = if spring > 0.0 { 0 } else { 2 - held };
+        let errors = [64, 128].map(|segments: usize| {
+            let along = |value: &dyn Fn(f64) -> f64| {
+                (0..=2 * segments).map(|i| value(i as f64 / (2 * segments) as f64)).collect()
+            };
+            let taper =
+                Taper { line_density: along(&thickness), bending_stiffness: along(&bending), ..Taper::default() };
+            let mut rod = Rod::new(Parameters { hold, taper, ..unit_rod(segments, 1e4, RodScheme::TrBdf2) }).unwrap();
+            let found = frequencies(&mut rod);
+            [0, 1, 2].map(|mode| found[rigid + mode] / exact[rigid + mode] - 1.0)
+        });
+        println!("{hold:?}: {errors:?}");
+        for mode in 0..3 {
+            let order = (errors[0][mode] / errors[1][mode]).log2();
+            assert!((order - 2.0).abs() < 0.1 && errors[1][mode].abs() < 1.2e-3, "{hold:?}, {mode}: {errors:?}");
+        }
+    }
+}
+
+/// Period of a rigid rod of length 1 that swings by `amplitude` about a pin: 4 K(sin(a/2)) sqrt(2 L/(3 g)), K by the
+/// arithmetic-geometric mean.
+fn pendulum_period(amplitude: f64, gravity: f64) -> f64 {
+    let (mut a, mut b) = (1.0, (0.5 * amplitude).cos());
+    for _ in 0..6 {
+        (a, b) = (0.5 * (a + b), f64::sqrt(a * b));
+    }
+    TAU / a * (2.0 / (3.0 * gravity)).sqrt()
+}
+
+/// Times at which `values`, `dt` apart, pass 0.
+fn crossings(values: &[f64], dt: f64) -> Vec<f64> {
+    let pairs = values.windows(2).enumerate().filter(|(_, pair)| pair[0] * pair[1] < 0.0);
+    pairs.map(|(i, pair)| dt * (i as f64 + pair[0] / (pair[0] - pair[1]))).collect()
+}
+
+/// A stiff rod pinned at 45° to gravity, in the plane and in space, in a plane and in an oblique one.
+#[test]
+fn pinned_stiff_rod_is_a_compound_pendulum() {
+    fn period<const D: usize>(gravity: [f64; D], across: [f64; D], steps: usize) -> f64 {
+        let dt = 1.0 / steps as f64;
+        let stiff = Section { line_density: 1.0, bending_stiffness: 1e4, axial_stiffness: 1e7, shear_stiffness: None };
+        let parameters =
+            Parameters { section: stiff, hold: Hold::Pinned, gravity, ..unit_rod::<D>(32, 1.0, RodScheme::TrBdf2) };
+        let mut rod = Rod::new(parameters).unwrap();
+        let swing: Vec<f64> = (0..4 * steps)
+            .map(|_| {
+                rod.step(dt).unwrap();
+                let tip = rod.tip_displacement();
+                tip.iter().zip(&across).map(|(u, a)| u * a).sum::<f64>() + across[0]
+            })
+            .collect();
+        let passed = crossings(&swing, dt);
+        2.0 * (passed[2] - passed[0]) / 2.0
+    }
+    // Gravity of 9.81 at 45° to the rod at rest, and the direction across it.
+    let (g, half) = (9.81, std::f64::consts::FRAC_1_SQRT_2);
+    let exact = pendulum_period(PI / 4.0, g);
+    // n segments have the moment of inertia (1 + 1/(2 n²))/3.
+    let discrete = (1.0 + 0.5 / 32.0_f64.powi(2)).sqrt();
+    for steps in [500, 1000] {
+        let planar = period([g * half, -g * half], [half, half], steps);
+        let spatial = period([g * half, -g * half * 0.6, -g * half * 0.8], [half, half * 0.6, half * 0.8], steps);
+        println!("{steps}: {planar}, {spatial}, exact {exact}");
+        assert!(
+            (planar / exact / discrete - 1.0).abs() < 4.0 / (steps as f64).powi(2) + 1e-5,
+            "{planar} against {exact}"
+        );
+        assert!((spatial / planar - 1.0).abs() < 1e-8, "{spatial} against {planar}");
+    }
+}
+
+/// A stiff rod on a spring with damping, released away from the spring's rest: θ'' + 2 ζ ω θ' + ω² (θ − θ0) = 0.
+#[test]
+fn stiff_rod_on_a_damped_spring_is_the_exact_oscillator() {
+    let (stiffness, rest_angle) = (2.0, 1.2);
+    let stiff = Section { line_density: 1.0, bending_stiffness: 1e5, axial_stiffness: 1e7, shear_stiffness: None };
+    for shear in [None, Some(1e7)] {
+        for damping in [0.0, 0.2, 3.0] {
+            let hold = Hold::TorsionSpring { stiffness, damping, rest_angle };
+            for scheme in SCHEMES {
+                let section = Section { shear_stiffness: shear, ..stiff };
+                let mut rod = Rod::new(Parameters { section, hold, ..unit_rod::<2>(64, 1.0, scheme) }).unwrap();
+                let inertia = (1.0 + 0.5 / 64.0_f64.powi(2)) / 3.0;
+                let (decay, square) = (0.5 * damping / inertia, stiffness / inertia);
+                let mut worst: f64 = 0.0;
+                let dt = 1e-3;
+                for step in 1..=2000 {
+                    rod.step(dt).unwrap();
+                    let t = dt * f64::from(step);
+                    let root = (square - decay * decay).abs().sqrt();
+                    let (c, s) = if square > decay * decay {
+                        ((root * t).cos(), (root * t).sin() / root)
+                    } else {
+                        ((root * t).cosh(), (root * t).sinh() / root)
+                    };
+                    let exact = rest_angle * (1.0 - (-decay * t).exp() * (c + decay * s));
+                    let tip = rod.state().positions[64];
+                    worst = worst.max((tip[1].atan2(tip[0]) - exact).abs());
+                    let [angle, _] = rod.hinge().unwrap();
+                    assert!((angle - tip[1].atan2(tip[0])).abs() < 1e-4, "{angle} against {tip}");
+                }
+                println!("damping {damping}, shear {shear:?}, {scheme:?}: {worst:.2e}");
+                // BDF2 begins with backward Euler.
+                let most = if scheme == RodScheme::Bdf2 { 4e-3 } else { 2e-4 };
+                assert!(worst < most, "damping {damping}, shear {shear:?}, {scheme:?}: {worst}");
+            }
+        }
+    }
+}
+
+/// What the spring's damping takes is what the energy loses.
+#[test]
+fn damping_of_the_spring_takes_the_energy() {
+    let hold = Hold::TorsionSpring { stiffness: 2.0, damping: 0.1, rest_angle: 0.9 };
+    let lost = |steps: u32| {
+        let mut rod = Rod::new(Parameters { hold, ..unit_rod::<2>(16, 1e3, RodScheme::Trapezoid) }).unwrap();
+        let (before, dt) = (total_energy(&rod), 2.0 / f64::from(steps));
+        let mut taken = 0.0;
+        for _ in 0..steps {
+            let power = rod.damping_power();
+            rod.step(dt).unwrap();
+            taken += 0.5 * dt * (power + rod.damping_power());
+        }
+        println!("{steps}: {before} J, {} J lost, {taken} J taken", before - total_energy(&rod));
+        ((before - total_energy(&rod)) / taken - 1.0).abs()
+    };
+    let errors = [1000, 2000].map(lost);
+    assert!(errors[1] < 5e-3 && errors[0] / errors[1] > 3.5, "{errors:?}");
+}
+
+/// In space the spring is the same in all directions: what happens in the plane happens in an oblique one too.
+#[test]
+fn spring_in_space_is_that_of_the_plane() {
+    let gravity = 9.0;
+    let mut planar = Rod::new(Parameters {
+        hold: spring(1.5),
+        gravity: [0.0, -gravity],
+        ..unit_rod::<2>(12, 1e3, RodScheme::TrBdf2)
+    })
+    .unwrap();
+    let oblique = [0.0, -gravity * 0.6, -gravity * 0.8];
+    let mut spatial =
+        Rod::new(Parameters { hold: spring(1.5), gravity: oblique, ..unit_rod::<3>(12, 1e3, RodScheme::TrBdf2) })
+            .unwrap();
+    for _ in 0..300 {
+        planar.step(5e-3).unwrap();
+        spatial.step(5e-3).unwrap();
+        let ([x, y], found) = (planar.tip_displacement(), spatial.tip_displacement());
+        for (found, expected) in found.iter().zip([x, 0.6 * y, 0.8 * y]) {
+            assert!((found - expected).abs() < 1e-7, "{found} against {expected}");
+        }
+        assert!((total_energy(&planar) - total_energy(&spatial)).abs() < 1e-7);
+    }
+}
+
+/// Momentum, centre of mass times mass, and angular momentum about the origin.
+fn invariants(rod: &Rod<2>) -> ([f64; 2], [f64; 2], f64) {
+    let (mut momentum, mut centre, mut angular) = ([0.0; 2], [0.0; 2], 0.0);
+    let state = rod.state();
+    for ((m, x), v) in rod.masses().iter().zip(&state.positions).zip(&state.velocities) {
+        for d in 0..2 {
+            momentum[d] += m * v[d];
+            centre[d] += m * x[d];
+        }
+        angular += m * (x[0] * v[1] - x[1] * v[0]);
+    }
+    (momentum, centre, angular)
+}
+
+/// A free rod, bent and spun by a load that ends, keeps its momenta; its centre of mass falls as a point does.
+#[test]
+fn free_rod_keeps_its_momenta_and_falls_as_a_point_does() {
+    let drift = |steps: usize, gravity: [f64; 2], shear: Option<f64>| {
+        let rod = unit_rod::<2>(16, 1e3, RodScheme::TrBdf2);
+        let section = Section { shear_stiffness: shear, ..rod.section };
+        let mut rod = Rod::new(Parameters { section, hold: Hold::Free, gravity, ..rod }).unwrap();
+        let (dt, nodes) = (1.0 / steps as f64, 17);
+        rod.loads.force = vec![0.0; 2 * nodes];
+        for k in 0..nodes {
+            rod.loads.force[nodes + k] = (0.3 * k as f64).sin();
+        }
+        for _ in 0..steps / 2 {
+            rod.step(dt).unwrap();
+        }
+        rod.loads.force.fill(0.0);
+        // The scheme blends the load that ends with its end over one step.
+        rod.step(dt).unwrap();
+        let (momentum, centre, angular) = invariants(&rod);
+        for step in 1..=steps {
+            rod.step(dt).unwrap();
+            let t = dt * step as f64;
+            let (now, place, _) = invariants(&rod);
+            for d in 0..2 {
+                let expected = momentum[d] + gravity[d] * t;
+                assert!((now[d] - expected).abs() < 1e-8, "momentum {} against {expected}", now[d]);
+                let expected = centre[d] + momentum[d] * t + 0.5 * gravity[d] * t * t;
+                assert!((place[d] - expected).abs() < 1e-8, "centre {} against {expected}", place[d]);
+            }
+        }
+        (invariants(&rod).2 / angular - 1.0).abs()
+    };
+    drift(200, [0.3, -9.81], None);
+    for shear in [None, Some(40.0)] {
+        let drifts = [200, 1600].map(|steps| drift(steps, [0.0; 2], shear));
+        println!("angular momentum: {drifts:?}");
+        assert!(drifts[0] < 1e-4 && drifts[1] < 5e-6, "{drifts:?}");
+    }
+}
+
+/// Towed along its own direction by a constant force, the rod follows with F/m and the drive does the work F x.
+#[test]
+fn towed_rod_has_the_acceleration_of_the_force() {
+    let mut rod = Rod::new(Parameters { hold: Hold::Free, ..unit_rod::<3>(8, 1e5, RodScheme::TrBdf2) }).unwrap();
+    rod.towing = [-2.0, 0.0, 0.0];
+    for _ in 0..1000 {
+        rod.step(1e-3).unwrap();
+    }
+    let mean: f64 = rod.masses().iter().zip(&rod.state().velocities).map(|(m, v)| m * v[0]).sum();
+    assert!((mean + 2.0).abs() < 1e-8, "{mean}");
+    let drive = rod.state().drive;
+    assert_eq!(drive.force[0], -2.0);
+    assert!(
+        (drive.work - total_energy(&rod)).abs() < 0.01 * drive.work,
+        "{} against {}",
+        drive.work,
+        total_energy(&rod)
+    );
+}
+
+/// A pinned rod whose root is moved along: the root is where it is taken, and the reaction moves the masses.
+#[test]
+fn moving_root_takes_a_pinned_rod_along() {
+    for hold in [Hold::Pinned, spring(0.5)] {
+        let mut rod = Rod::new(Parameters { hold, ..unit_rod::<2>(16, 1e3, RodScheme::TrBdf2) }).unwrap();
+        let at = |t: f64| {
+            let y = 0.3 * (1.0 - t.cos());
+            Root { position: [0.0, y], velocity: [0.0, 0.3 * t.sin()], direction: [1.0, 0.0], direction_rate: [0.0; 2] }
+        };
+        rod.place(at(0.0)).unwrap();
+        let (dt, mut impulse) = (2e-3, 0.0);
+        for step in 1..=1000 {
+            let force = rod.state().drive.force[1];
+            rod.root = Some(at(dt * f64::from(step)));
+            rod.step(dt).unwrap();
+            impulse += 0.5 * dt * (force + rod.state().drive.force[1]);
+        }
+        let momentum: f64 = rod.masses().iter().zip(&rod.state().velocities).map(|(m, v)| m * v[1]).sum();
+        println!(
+            "{hold:?}: impulse {impulse}, momentum {momentum}, work {}, energy {}",
+            rod.state().drive.work,
+            total_energy(&rod)
+        );
+        assert!((rod.positions(1)[0] - 0.3 * (1.0 - 2.0_f64.cos())).abs() < 1e-12);
+        assert!((impulse / momentum - 1.0).abs() < 2e-3, "{hold:?}: {impulse} against {momentum}");
+        let moment = rod.state().drive.moment[2];
+        assert_eq!(moment == 0.0, hold == Hold::Pinned, "moment {moment}");
+    }
+}
+
+#[test]
+fn state_of_a_damped_spring_is_put_back() {
+    let hold = Hold::TorsionSpring { stiffness: 2.0, damping: 0.3, rest_angle: 0.5 };
+    let mut rod = Rod::new(Parameters { hold, ..unit_rod::<2>(8, 1e3, RodScheme::Bdf2) }).unwrap();
+    (0..20).for_each(|_| rod.step(1e-2).unwrap());
+    let state = rod.state().clone();
+    (0..20).for_each(|_| rod.step(1e-2).unwrap());
+    let expected = rod.state().clone();
+    rod.restore(&state).unwrap();
+    (0..20).for_each(|_| rod.step(1e-2).unwrap());
+    assert_eq!(*rod.state(), expected);
+    let mut other = Rod::new(Parameters { hold: Hold::Pinned, ..unit_rod::<2>(8, 1e3, RodScheme::Bdf2) }).unwrap();
+    let refused = other.restore(&state).unwrap_err().to_string();
+    assert!(refused.contains("state.hinge"), "{refused}");
+}
+
+#[test]
+fn roots_that_cannot_be_are_refused_by_name() {
+    let rod = || unit_rod::<3>(8, 1e3, RodScheme::TrBdf2);
+    let damped = Hold::TorsionSpring { stiffness: 1.0, damping: 0.1, rest_angle: 0.0 };
+    let turned = Hold::TorsionSpring { stiffness: 1.0, damping: 0.0, rest_angle: 0.1 };
+    for (hold, name) in [(damped, "hold.damping"), (turned, "hold.rest_angle"), (spring(0.0), "hold.stiffness")] {
+        let refused = Rod::new(Parameters { hold, ..rod() }).map(|_| ()).unwrap_err().to_string();
+        assert!(refused.contains(name), "{refused}");
+    }
+    let projected = Parameters { hold: Hold::Pinned, bending: scene::Bending::Projected, ..rod() };
+    let refused = Rod::new(projected).map(|_| ()).unwrap_err().to_string();
+    assert!(refused.contains("hold is Pinned"), "{refused}");
+    let mut free = Rod::new(Parameters { hold: Hold::Free, ..rod() }).unwrap();
+    assert!(free.solve_static().unwrap_err().to_string().contains("Free"));
+}

@@ -1,0 +1,120 @@
+//! Quantities along a beam, from root to tip.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::SceneError;
+use crate::check::{Check, require};
+
+/// A quantity along the beam: a number above 0 where it is the same all along, else a law of the place s, which is 0 at the
+/// root and 1 at the tip.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+pub enum Along {
+    /// The same all along.
+    Constant(#[schemars(extend("exclusiveMinimum" = 0.0))] f64),
+    /// A law of the place.
+    Varying(PlaceLaw),
+}
+
+/// A quantity as a function of the place s along the beam, 0 at the root and 1 at the tip; its unit is that of the key it stands
+/// at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum PlaceLaw {
+    /// `((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending stiffness of a
+    /// plate of linear thickness with 3.
+    Taper {
+        /// Value at the root.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        root: f64,
+        /// Value at the tip.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        tip: f64,
+        /// The power.
+        #[serde(default = "linear")]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        power: f64,
+    },
+    /// Straight lines between points.
+    Points {
+        /// Places of the points, increasing from 0, the root, to 1, the tip.
+        #[schemars(length(min = 2))]
+        s: Vec<f64>,
+        /// Values there, above 0.
+        #[schemars(length(min = 2))]
+        values: Vec<f64>,
+    },
+}
+
+fn linear() -> f64 {
+    1.0
+}
+
+impl From<f64> for Along {
+    fn from(value: f64) -> Self {
+        Self::Constant(value)
+    }
+}
+
+impl Along {
+    /// Whether it is given by a law.
+    pub fn varies(&self) -> bool {
+        matches!(self, Self::Varying(_))
+    }
+
+    /// Value at the place `s`, 0 at the root and 1 at the tip.
+    pub fn at(&self, s: f64) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Varying(PlaceLaw::Taper { root, tip, power }) => {
+                let [root, tip] = [root, tip].map(|end| end.powf(1.0 / power));
+                ((1.0 - s) * root + s * tip).powf(*power)
+            }
+            Self::Varying(PlaceLaw::Points { s: places, values }) => {
+                let i = places.partition_point(|&place| place <= s).clamp(1, places.len() - 1);
+                let part = ((s - places[i - 1]) / (places[i] - places[i - 1])).clamp(0.0, 1.0);
+                (1.0 - part) * values[i - 1] + part * values[i]
+            }
+        }
+    }
+}
+
+impl Check for Along {
+    fn check_at(&self, key: &str) -> Result<(), SceneError> {
+        let Self::Varying(PlaceLaw::Points { s, values }) = self else { return Ok(()) };
+        let covers = s.first() == Some(&0.0) && s.last() == Some(&1.0) && s.windows(2).all(|pair| pair[0] < pair[1]);
+        require(covers, &format!("{key}.points.s"), format!("{s:?}"), || {
+            "it must be increasing numbers, the first 0 at the root and the last 1 at the tip".into()
+        })?;
+        let positive = values.iter().all(|&value| value > 0.0);
+        require(positive && values.len() == s.len(), &format!("{key}.points.values"), format!("{values:?}"), || {
+            format!("it must be {} numbers above 0, one for each place", s.len())
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn laws_have_their_values() {
+        let taper = |power| Along::Varying(PlaceLaw::Taper { root: 1.0, tip: 0.008, power });
+        let table = Along::Varying(PlaceLaw::Points { s: vec![0.0, 0.4, 1.0], values: vec![5.0, 3.0, 6.0] });
+        for (law, s, expected) in [
+            (&Along::from(2.0), 0.3, 2.0),
+            (&taper(1.0), 0.25, 0.752),
+            (&taper(3.0), 0.5, 0.216),
+            (&taper(3.0), 1.0, 0.008),
+            (&table, 0.0, 5.0),
+            (&table, 0.1, 4.5),
+            (&table, 0.4, 3.0),
+            (&table, 0.7, 4.5),
+            (&table, 1.0, 6.0),
+        ] {
+            assert!((law.at(s) - expected).abs() < 1e-14, "{law:?} at {s}: {} in place of {expected}", law.at(s));
+        }
+    }
+}
