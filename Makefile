@@ -118,7 +118,7 @@ $(READY_DEV): requirements/dev.lock $(READY)
 
 STUDY := $(RUN) -m studies
 
-.PHONY: studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study turek-hron driven-bar vein-study shown-rows
+.PHONY: flapping studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study turek-hron driven-bar vein-study shown-rows
 
 studies: $(READY_DEV) ## write all pages and tables of results.json anew; docs/report/stale.md lists what the code has since changed
 	$(STUDY) $(ARGS)
@@ -155,6 +155,9 @@ driven-bar: build $(READY_DEV) ## run what is missing of the bar in prescribed m
 
 vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a quarter of an hour of one core), write docs/vein
 	$(STUDY) vein $(ARGS)
+
+flapping: build $(READY_DEV) ## run the cases of docs/flapping.md (some minutes), write its tables' rows and figures; ARGS="hover"
+	$(RUN) -m studies.flapping $(ARGS)
 
 BENCH_VENV := target/fluid-bench/venv
 
