@@ -22,7 +22,7 @@ fsi3: SCENE := fsi3-$(GRID)
 fsi3: told run ## run the FSI3 benchmark, GRID=325x72 (default), 650x144, 1300x288, or a quarter cheaper 324x54, 648x108, 1296x216; results in results/fsi3-GRID
 
 told:
-	@sed -n 's/^ *"description": "\(.*\)",$$/$(SCENE): \1/p' scenes/$(SCENE).json
+	@sed -n 's/^ *"description": "\(.*\)",$$/$(SCENE): \1/p' scenes/$(SCENE).json 2>/dev/null || true
 
 comma := ,
 on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(1)-$(GRID)
