@@ -52,8 +52,8 @@ def _delivered(folder: Path) -> dict[Path, str]:
     folder.mkdir(parents=True, exist_ok=True)
     files: dict[Path, str] = {}
     for kind in KINDS:
-        libraries = delivery.binaries(kind)
-        if missing := delivery.TARGETS.keys() - libraries:
+        libraries = delivery.binaries(kind, 2)
+        if missing := delivery.TARGETS[2].keys() - libraries:
             raise SystemExit(f"the {kind} is not built for {', '.join(sorted(missing))}; `make dist-libraries` does it")
         files |= {path: f"binaries/{platform}/{path.name}" for platform, path in libraries.items()}
         licences = folder / f"third-party-{kind}.txt"

@@ -121,18 +121,14 @@ def featflow() -> Series:
     return dict(zip(("time", "drag", "lift", "tip_ux", "tip_uy"), values))
 
 
-def quantity(name: str) -> tuple[str, float, int]:
-    """What a table calls a quantity, with its unit, the factor to that unit, and digits after the point."""
+def quantity(name: str) -> tuple[str, float]:
+    """What a table calls a quantity, with its unit, and the factor to that unit."""
     signal, what = name.split(".")
     if what == "frequency_hz":
-        return "f, Hz", 1.0, 3
-    shown, unit, factor, digits = {
-        "tip_ux": ("ux", "mm", 1e3, 3),
-        "tip_uy": ("uy", "mm", 1e3, 2),
-        "drag": ("drag", "N/m", 1.0, 2),
-        "lift": ("lift", "N/m", 1.0, 2),
-    }[signal]
-    return f"{shown} {what}, {unit}", factor, digits
+        return "f, Hz", 1.0
+    if signal in ("drag", "lift"):
+        return f"{signal} {what}, N/m", 1.0
+    return f"{signal.removeprefix('tip_')} {what}, mm", 1e3
 
 
 def errors(data: Data, name: str, grid: str) -> list[float]:
@@ -150,13 +146,13 @@ def every(data: Data) -> list[str]:
     for name, compared in QUANTITIES.items():
         published = simulate.published(scene_of(name))
         for what in compared:
-            said, factor, digits = quantity(what)
+            said, factor = quantity(what)
             number, cells = published[what][0], []
             for grid in GRIDS if name in FLOWS else ("rod",):
                 record = data.get(f"turek-hron/{name}/{grid}")
                 found = record.get(what) if record else None
                 off = "" if found is None else f" ({100 * (found / number - 1):+.1f} %)"
-                cells.append("" if found is None else f"{factor * found:.{digits}f}{off}")
+                cells.append("" if found is None else f"{factor * found:.5g}{off}")
             cells += [""] * (len(GRIDS) - len(cells))
             low_high = LISTED["spread"].get(name, {}).get(what)
             spread = " to ".join(f"{edge:g}" for edge in low_high) if low_high else ""

@@ -33,7 +33,7 @@ TARGETS = {
 """Rust's targets by the platform's name, for each version of FMI. FMI 2.0 has none for Linux on ARM and leaves it to
 others: that of FMI 3.0. A library for macOS is for both of its processors."""
 NAMES = {"x86_64-pc-windows-gnu": "fmu_{}.dll", "universal2-apple-darwin": "libfmu_{}.dylib"}
-"""What cargo calls a library there; elsewhere as here."""
+"""What cargo calls a library there; on Linux `libfmu_KIND.so`."""
 SSP = {2: "| `*.ssp` | both, connected (System Structure and Parameterization 1.0) |\n", 3: ""}
 NOTES = {
     2: "`linux64` needs glibc 2.17 or newer, as `aarch64-linux` does, which FMI 2.0 has no name for.\n"
@@ -67,8 +67,8 @@ def binaries(kind: str, version: int) -> dict[str, Path]:
         folders = {target: built / target / "release" for target in targets.values()}
     else:
         return {package.PLATFORM[version]: own}
-    name = "libfmu_{}.so"
-    paths = {platform: folders[target] / NAMES.get(target, name).format(kind) for platform, target in targets.items()}
+    names = {target: NAMES.get(target, "libfmu_{}.so").format(kind) for target in folders}
+    paths = {platform: folders[target] / names[target] for platform, target in targets.items()}
     return {name: path for name, path in paths.items() if path.is_file()}
 
 
