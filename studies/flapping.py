@@ -27,7 +27,7 @@ KC5, HOVER, STREAM = "cylinder-kc5-600x360", "ellipse-hover-640x640", "cylinder-
 PERIOD = 5.0  # Of the oscillating cylinder, s
 HOVER_PERIOD, HOVER_SPEED = 4.0, 1.4 * 2 * np.pi * 0.25  # Of the ellipse, s and m/s
 LIFT, DRAG = 1.2, 1.4  # By which Wang et al. (2004) divide the coefficients of the ellipse besides
-SHOWN = "hover/480x480"  # The run of the ellipse that is drawn
+SHOWN = "hover/640x640"  # The run of the ellipse that is drawn
 REVERSAL = 0.02  # Periods around a reversal of the stroke in which the digitised drag jumps from one sign to the other
 
 Changes = dict[str, Any]
