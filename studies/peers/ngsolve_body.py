@@ -1,5 +1,5 @@
-"""A rigid body in prescribed motion by NGSolve, for comparison only: Taylor–Hood elements (P3, P2) on a curved mesh that
-moves with the body.
+"""A rigid body in prescribed motion by NGSolve, for comparison only: Taylor–Hood elements (P3, P2) on a curved mesh
+that moves with the body.
 
 python ngsolve_body.py oscillating 0.4 0.005 15 20      case, mesh size near the body, step, end, outer radius
 python ngsolve_body.py hover 0.4 0.005 16 15
