@@ -27,6 +27,7 @@ KC5, HOVER, STREAM = "cylinder-kc5-600x360", "ellipse-hover-640x640", "cylinder-
 PERIOD = 5.0  # Of the oscillating cylinder, s
 HOVER_PERIOD, HOVER_SPEED = 4.0, 1.4 * 2 * np.pi * 0.25  # Of the ellipse, s and m/s
 LIFT, DRAG = 1.2, 1.4  # By which Wang et al. (2004) divide the coefficients of the ellipse besides
+SHOWN = "hover/640x640"  # The run of the ellipse that is drawn
 REVERSAL = 0.02  # Periods around a reversal of the stroke in which the digitised drag jumps from one sign to the other
 
 Changes = dict[str, Any]
@@ -51,7 +52,6 @@ CASES: dict[str, tuple[str, Changes]] = {
     "stream/384x512": (STREAM, {}),
     "stream/576x384": (STREAM, box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(576, 384, 0.013333333)),
     "stream/384x256, Re 20": (STREAM, NARROW | {"fluid.kinematic_viscosity": 0.05}),
-    "stream/384x512, Re 20": (STREAM, {"fluid.kinematic_viscosity": 0.05}),
 }  # fmt: skip
 
 
@@ -132,8 +132,10 @@ def run(name: str) -> nervure.Run:
     scene, changes = CASES[name]
     folder = RESULTS / name.replace("/", "-").replace(", ", "-").replace(" ", "-")
     asked = nervure.load(scene, assignments(changes))
-    if (folder / "summary.json").exists() and (there := nervure.read(folder)).scene == asked:
-        return there
+    if (folder / "summary.json").exists():
+        there = nervure.read(folder)
+        if there.summary.completed and there.scene == asked:
+            return there
     every = asked.time.end if scene == STREAM else None
     return nervure.run(asked, folder, fields_every=every, force=True, quiet=True)
 
@@ -168,9 +170,9 @@ def draw() -> None:
          "label": "Dütsch et al. 1998, digitised"},
     ], log=False)  # fmt: skip
     figure, axes = show.panel(2, 1, (9.0, 6.0), sharex=True)
-    found = hovering(run("hover/640x640").series)
+    found = hovering(run(SHOWN).series)
     for axis, name in zip(axes[:, 0], ("lift", "drag"), strict=True):
-        axis.plot(found["time"], found[name], linewidth=1.0, label="640 x 640")
+        axis.plot(found["time"], found[name], linewidth=1.0, label=SHOWN)
         for source, label in (("eldredge", "Eldredge 2007"), ("wang_experiment", "experiment, Wang et al. 2004")):
             axis.plot(*curve(f"hovering_ellipse_re75_{source}_{name}"), "o", markersize=2, label=f"{label}, digitised")
         axis.set(ylabel={"lift": "$c_L$ / 1.2", "drag": "$c_D$ / 1.4"}[name], ylim=(-1.0, 2.0), xlim=(0, 4))
