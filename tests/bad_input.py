@@ -22,6 +22,7 @@ FSI3, CSM1, CYLINDER, VEIN, HOVER = (
     "fsi3-325x72", "csm1", "cylinder-2d1-450x90", "vein-pitching-320x240", "vein-hover-288x256"
 )  # fmt: skip
 THESIS, VEIN_3D = "fsi3-thesis-325x72", "vein-3d"
+BODY = 'fluid.bodies=[{"position": [1.5, 0.2]'
 LAW, LOAD = "fluid.inflow.mean_velocity", "coupling.load"
 PROBE = '{{"name": "{}", "position": {}}}'
 
@@ -85,6 +86,11 @@ TYPES = [
     (FSI3, "fluid.cylinders.0.radius=0"),
     (FSI3, "fluid.cylinders.0.center=[0.2]"),
     (FSI3, "fluid.cylinders.0.diameter=0.1"),
+    (FSI3, f'{BODY}, "shape": {{"circle": {{"radius": -0.1}}}}}}]'),
+    (FSI3, f'{BODY}, "shape": {{"square": {{"length": 0.1}}}}}}]'),
+    (FSI3, f'{BODY}, "shape": {{"rectangle": {{"length": 0.1, "thickness": 0.2, "ends": "round"}}}}}}]'),
+    (FSI3, f'{BODY}, "shape": {{"polygon": {{"corners": [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.1]]}}}}}}]'),
+    (FSI3, 'fluid.bodies=[{"position": [5, 0.2], "shape": {"circle": {"radius": 0.1}}}]'),
     (FSI3, "fluid.mask={}"),
     (FSI3, "fluid.mask=sharp"),
     (FSI3, 'fluid.mask={"sharp": {"c_eta": 1e-3}, "cosine": {"c_eta": 1e-3, "half_width": 1}}'),

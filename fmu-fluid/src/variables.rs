@@ -12,16 +12,22 @@ type Variable = fmi2::Variable<FluidUnit>;
 /// The variables of a unit; the parts that its scene has not are left out.
 pub fn of(unit: &FluidUnit) -> Vec<Variable> {
     let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
-    let (cylinders, beam) = (part.cylinders.len(), unit.scene.beam.is_some());
+    let (cylinders, bodies, beam) = (part.cylinders.len(), part.bodies.len(), unit.scene.beam.is_some());
     let mut list = parameters_and_totals();
-    if cylinders > 0 || beam {
-        let text = |axis| format!("Force of the fluid on all cylinders and the beam along {axis}, per metre of depth");
+    if cylinders > 0 || bodies > 0 || beam {
+        let all = if bodies > 0 { "all bodies" } else { "all cylinders and the beam" };
+        let text = |axis| format!("Force of the fluid on {all} along {axis}, per metre of depth");
         list.push(output("drag", "N/m", text("x"), |fluid| fluid.force()[0]));
         list.push(output("lift", "N/m", text("y"), |fluid| fluid.force()[1]));
     }
     for k in 0..cylinders {
         let (name, body) = (format!("cylinder[{}]", k + 1), format!("cylinder {}", k + 1));
         list.extend(force(&name, &body, "its centre", move |fluid| fluid.force_on_cylinder(k)));
+    }
+    for k in 0..bodies {
+        let (name, body) = (format!("body[{}]", k + 1), format!("body {}", k + 1));
+        list.extend(force(&name, &body, "its pivot", move |fluid| fluid.force_on_body(k)));
+        list.extend(motion(&name, &body, k));
     }
     if beam {
         list.extend(force("beam", "the beam", "its root", |fluid| fluid.force_on_beam().unwrap_or_default()));
@@ -95,6 +101,19 @@ fn force(
         output(format!("{name}.drag"), "N/m", text("x"), move |fluid| of(fluid).force[0]),
         output(format!("{name}.lift"), "N/m", text("y"), move |fluid| of(fluid).force[1]),
         output(format!("{name}.moment"), "N.m/m", moment, move |fluid| of(fluid).moment),
+    ]
+}
+
+/// Power of the force on body number `k` under a name, and where the body is.
+fn motion(name: &str, body: &str, k: usize) -> [Variable; 4] {
+    let power = format!("Power of the force and the moment of the fluid on {body}, at the end of the step");
+    let position = |axis| format!("Position of the pivot of {body} along {axis}");
+    let angle = format!("Angle from the x axis to that of {body}, positive to the left");
+    [
+        output(format!("{name}.power"), "W/m", power, move |fluid| fluid.power_on_body(k)),
+        output(format!("{name}.x"), "m", position("x"), move |fluid| fluid.pose(k).position[0]),
+        output(format!("{name}.y"), "m", position("y"), move |fluid| fluid.pose(k).position[1]),
+        output(format!("{name}.angle"), "rad", angle, move |fluid| fluid.pose(k).angle),
     ]
 }
 

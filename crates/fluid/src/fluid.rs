@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use scene::{Load, Scene};
 
-use crate::bodies::{Loads, Stations};
+use crate::bodies::{Loads, Pose, Stations};
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::force::{Exchange, Force};
@@ -381,7 +381,7 @@ impl Fluid {
         0.5 * squares * self.domain.grid.cell_area()
     }
 
-    /// Force of the fluid on all cylinders and the beam in the last step, N per metre of depth.
+    /// Force of the fluid on all bodies in the last step, N per metre of depth.
     pub fn force(&self) -> [f64; 2] {
         let sum = |axis: usize| self.present.bodies.iter().map(|body| body.force.force[axis]).sum();
         [sum(0), sum(1)]
@@ -394,9 +394,32 @@ impl Fluid {
         self.present.bodies[cylinder].force
     }
 
+    /// Force of the fluid on a body of `fluid.bodies`, numbered from 0, in the last step.
+    pub fn force_on_body(&self, body: usize) -> Force {
+        self.present.bodies[self.rigid(body)].force
+    }
+
+    /// Power of that force at the end of the step, W per metre of depth.
+    pub fn power_on_body(&self, body: usize) -> f64 {
+        let rigid = self.rigid(body);
+        self.domain.bodies.power(rigid, &self.present.bodies[rigid].force)
+    }
+
+    /// Where a body of `fluid.bodies` is, and how it moves.
+    pub fn pose(&self, body: usize) -> Pose {
+        self.domain.bodies.pose(self.rigid(body))
+    }
+
+    /// Number of a body among all that are rigid, the cylinders being the first.
+    fn rigid(&self, body: usize) -> usize {
+        let (cylinders, all) = (self.domain.bodies.cylinders(), self.domain.bodies.rigid());
+        assert!(body < all - cylinders, "there are {} bodies", all - cylinders);
+        cylinders + body
+    }
+
     /// Force of the fluid on the beam in the last step; none without a beam.
     pub fn force_on_beam(&self) -> Option<Force> {
-        self.motion.as_ref().map(|_| self.present.bodies[self.domain.bodies.cylinders()].force)
+        self.motion.as_ref().map(|_| self.present.bodies[self.domain.bodies.rigid()].force)
     }
 
     /// What the fluid did to the beam, without the unsteady term of [`Self::force_on_beam`]; none without a beam.

@@ -10,7 +10,7 @@
 //!
 //! [`Fluid`] is the whole of the interface: made of a scene, told where the beam's [`Stations`] go, advanced, and asked
 //! for forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`, `bodies` the beam
-//! and the cylinders, `transform` the Fourier transforms.
+//! and the rigid bodies, `transform` the Fourier transforms.
 
 mod bodies;
 mod clock;
@@ -30,7 +30,7 @@ mod transform;
 mod wall;
 mod zone;
 
-pub use bodies::{Loads, Stations};
+pub use bodies::{Loads, Pose, Stations};
 pub use error::Error;
 pub use fluid::Fluid;
 pub use force::{Exchange, Force};

@@ -284,3 +284,130 @@ fn both_schemes_agree_on_forces() {
         }
     }
 }
+
+/// A fluid with rigid bodies, at rest in an open box of 1 m.
+fn with_bodies(bodies: &str, rest: &str, cells: usize) -> Scene {
+    let mut scene = scene(
+        &format!(
+            r#""kinematic_viscosity": 2e-3, "box": {{ "x": [-0.5, 0.5], "y": [-0.5, 0.5], "cells": [{cells}, {cells}] }},
+            "bodies": [{bodies}] {rest}"#
+        ),
+        "",
+    );
+    let fluid = scene.fluid.as_mut().expect("it has one");
+    fluid.mask = Mask::LogLinear { c_eta: 1e-4, e_fold: 0.25, target: scene::WallTarget::Curvature };
+    fluid.density = 1.0;
+    scene
+}
+
+/// A still and a swinging circle are cylinders, to the bit.
+#[test]
+fn a_circle_is_a_cylinder() {
+    let stream = r#", "initial_velocity": [0.5, 0.1]"#;
+    let swing = r#""motion": { "y": { "sine": { "amplitude": 0.02, "frequency": 2.0 } } }"#;
+    let bodies = format!(
+        r#"{{ "shape": {{ "circle": {{ "radius": 0.1 }} }}, "position": [-0.2, 0.05] }},
+        {{ "shape": {{ "circle": {{ "radius": 0.07 }} }}, "position": [0.2, -0.1], {swing} }}"#
+    );
+    let cylinders = format!(
+        r#"{stream}, "cylinders": [{{ "center": [-0.2, 0.05], "radius": 0.1 }},
+        {{ "center": [0.2, -0.1], "radius": 0.07, {swing} }}]"#
+    );
+    let [mut one, mut other] =
+        [with_bodies(&bodies, stream, 48), with_bodies("", &cylinders, 48)].map(|scene| fluid_of(&scene));
+    for fluid in [&mut one, &mut other] {
+        run(fluid, 20, 2e-3);
+    }
+    assert!(one.state() == other.state(), "{:?}, {:?}", one.force(), other.force());
+    assert_eq!([0, 1].map(|k| one.force_on_body(k)), [0, 1].map(|k| other.force_on_cylinder(k)));
+}
+
+/// The same body told in other ways: a rectangle as a polygon with its corners elsewhere in its axes, and axes that are
+/// turned by what its angle is less.
+#[test]
+fn equal_bodies_feel_equal_forces() {
+    let motion = r#""motion": { "x": { "sine": { "amplitude": 0.05, "frequency": 1.0 } },
+        "angle": { "sine": { "amplitude": 0.5, "frequency": 1.0, "phase": 0.3 } } }"#;
+    let rectangle = format!(
+        r#"{{ "shape": {{ "rectangle": {{ "length": 0.3, "thickness": 0.1 }} }}, "position": [0.0, 0.0],
+        "pivot": [0.1, 0.0], "angle": 0.4, {motion} }}"#
+    );
+    // The axes of the polygon are those of the rectangle turned by a right angle, about a point aside.
+    let polygon = format!(
+        r#"{{ "shape": {{ "polygon": {{ "corners": [[3.05, 1.15], [2.95, 1.15], [2.95, 0.85], [3.05, 0.85]] }} }},
+        "position": [0.0, 0.0], "pivot": [3.0, 0.9], "angle": {}, {motion} }}"#,
+        0.4 + 0.5 * PI
+    );
+    let [one, other] = [rectangle, polygon].map(|body| {
+        let mut fluid = fluid_of(&with_bodies(&body, "", 64));
+        run(&mut fluid, 40, 2e-3);
+        fluid.force_on_body(0)
+    });
+    for (a, b) in [(one.force[0], other.force[0]), (one.force[1], other.force[1]), (one.moment, other.moment)] {
+        assert!((a - b).abs() < 1e-7 * one.force[0].hypot(one.force[1]), "{one:?} against {other:?}");
+    }
+}
+
+/// What the fluid loses of its momentum is the drag on a body that turns about a point aside, and its reported force
+/// has the rate of the momentum of the fluid that it displaces besides.
+#[test]
+fn a_turning_body_gets_the_momentum_that_the_fluid_loses() {
+    let (arm, omega, h) = (0.1, TAU * 0.5, 1e-3);
+    let body = r#"{ "shape": { "ellipse": { "length": 0.3, "thickness": 0.1 } }, "position": [0.05, 0.0],
+        "pivot": [-0.1, 0.0], "motion": { "angle": { "sine": { "amplitude": 0.6, "frequency": 0.5 } } } }"#;
+    let mut fluid = fluid_of(&with_bodies(body, "", 64));
+    let momentum =
+        |fluid: &Fluid| [0, 1].map(|axis| fluid.grid().cell_area() * fluid.velocity(axis).iter().sum::<f64>());
+    let displaced = |t: f64| {
+        let (angle, rate) = (0.6 * (omega * t).sin(), 0.6 * omega * (omega * t).cos());
+        let mass = PI * 0.15 * 0.05;
+        [-mass * arm * rate * angle.sin(), mass * arm * rate * angle.cos()]
+    };
+    run(&mut fluid, 2, h);
+    let mut before = momentum(&fluid);
+    run(&mut fluid, 1, h);
+    let mut earlier = [momentum(&fluid), before];
+    for _ in 0..20 {
+        run(&mut fluid, 1, h);
+        let now = momentum(&fluid);
+        before = earlier[0];
+        let t = fluid.time();
+        for axis in 0..2 {
+            let lost = -(1.5 * now[axis] - 2.0 * before[axis] + 0.5 * earlier[1][axis]) / h;
+            let unsteady = (displaced(t)[axis] - displaced(t - h)[axis]) / h;
+            let found = fluid.force_on_body(0).force[axis];
+            let scale = fluid.force()[1].abs();
+            assert!((found - lost - unsteady).abs() < 1e-9 * scale, "axis {axis}: {found} against {lost} + {unsteady}");
+        }
+        earlier = [now, before];
+    }
+    let (force, pose) = (fluid.force_on_body(0), fluid.pose(0));
+    let power = force.moment * pose.omega;
+    assert!((fluid.power_on_body(0) / power - 1.0).abs() < 1e-12, "{} against {power}", fluid.power_on_body(0));
+}
+
+/// A circle that begins to turn at a steady rate: the Laplace transform of the torque in open fluid is
+/// `−2 pi rho nu R² omega (2 + z K_0(z)/K_1(z))/p` with `z² = p R²/nu`. For large z the bracket is
+/// `z + 3/2 + 3/(8 z) − 3/(8 z²) + 63/(128 z³)`, term by term a series in √T, T = nu t/R².
+#[test]
+fn a_circle_that_turns_feels_the_exact_torque() {
+    let (radius, nu, omega) = (0.15_f64, 2e-3, 1.0);
+    let turning = format!(
+        r#"{{ "shape": {{ "circle": {{ "radius": {radius} }} }}, "position": [0.003, 0.002], "motion":
+        {{ "angle": {{ "table": {{ "times": [-1, 0, 9, 10], "values": [-1, 0, 9, 10] }} }} }} }}"#
+    );
+    let mut fluid = fluid_of(&with_bodies(&turning, "", 96));
+    let h = 5e-3;
+    let mut worst: f64 = 0.0;
+    run(&mut fluid, 100, h);
+    for _ in 0..100 {
+        run(&mut fluid, 1, h);
+        let t = nu * fluid.time() / (radius * radius);
+        let root = (t / PI).sqrt();
+        let shape = root / t + 1.5 + 0.75 * root - 0.375 * t + 0.65625 * t * root;
+        let exact = -2.0 * PI * nu * radius * radius * omega * shape;
+        worst = worst.max((fluid.force_on_body(0).moment / exact - 1.0).abs());
+    }
+    println!("torque off by {worst:.5}");
+    assert!(worst < 0.01, "torque off by {worst}");
+}

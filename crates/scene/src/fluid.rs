@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::{Check, interval, require};
-use crate::{SceneError, TimeLaw};
+use crate::{Body, SceneError, TimeLaw};
 
 /// A two-dimensional incompressible fluid in a periodic box.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -37,6 +37,9 @@ pub struct Fluid {
     /// Circular cylinders, still or in prescribed motion.
     #[serde(default)]
     pub cylinders: Vec<Cylinder>,
+    /// Rigid bodies of any shape, still or in prescribed motion.
+    #[serde(default)]
+    pub bodies: Vec<Body>,
     /// How solids are smeared over the grid and how hard they hold the fluid.
     pub mask: Mask,
     /// What removes aliasing errors.
@@ -396,6 +399,15 @@ impl Check for Fluid {
             }
         }
         self.cylinders.check_at(&format!("{key}.cylinders"))?;
+        self.bodies.check_at(&format!("{key}.bodies"))?;
+        for (i, body) in self.bodies.iter().enumerate() {
+            for (axis, [low, high]) in [self.domain.x, self.domain.y].into_iter().enumerate() {
+                let at = body.position[axis];
+                require((low..=high).contains(&at), &format!("{key}.bodies[{i}].position[{axis}]"), at, || {
+                    format!("it must lie inside the box, [{low}, {high}]")
+                })?;
+            }
+        }
         let TimeStepping { max_cfl, scheme, .. } = self.time_stepping;
         require(max_cfl <= scheme.largest_cfl(), &format!("{key}.time_stepping.max_cfl"), max_cfl, || {
             format!(

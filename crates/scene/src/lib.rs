@@ -9,6 +9,7 @@
 
 mod along;
 mod beam;
+mod body;
 mod check;
 mod coupling;
 mod fluid;
@@ -25,6 +26,7 @@ use serde::{Deserialize, Serialize};
 
 pub use along::{Along, PlaceLaw};
 pub use beam::{Beam, Root};
+pub use body::{Body, BodyMotion, Ends, Shape};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use fluid::{
     Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Probe, Sponge,

@@ -1,12 +1,21 @@
 """Coefficients of every body in the flow, over the window of the run.
 
-    c = 2 F / (rho U² L),   C_P = 2 P / (rho U³ L),   St = f L / U
+    c = 2 F / (rho U² L),   C_P = 2 P / (rho U³ L),   St = f L / U,   KC = U_m / (f L)
 
-with F and P per metre of depth, U that of `evaluate.dimensionless`, and L the body's own: its diameter or its length.
+with F and P per metre of depth, U that of `evaluate.dimensionless`, L the body's own: its diameter or its length, and
+U_m the largest speed of a body that oscillates.
 Thrust and power are averages over time; drag and lift have mean and amplitude by their extremes, as everywhere.
+
+That on a body that oscillates along a line in still fluid is split as by Morison, O'Brien, Johnson & Schaaf (1950),
+
+    F = −rho L c_d |V| V / 2 − rho pi L² c_i dV/dt / 4
+
+by least squares, V being its velocity.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -15,6 +24,24 @@ from nervure.evaluate.dimensionless import Dimensionless
 from nervure.evaluate.statistics import Window
 from nervure.recorder import Series
 from nervure.scene import Scene
+from nervure.scene.types import BodyMotion, Motion, TimeLaw, TimeLawSine, TimeLawSteady
+
+
+@dataclass(frozen=True)
+class CycleMean:
+    """A mean over each cycle of the window: their mean, and their standard deviation (None of fewer than two)."""
+
+    mean: float
+    scatter: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Morison:
+    """Coefficients of a body that oscillates along a line in still fluid."""
+
+    cd: float
+    ci: float
+    rest: float  # Root mean square of what they do not explain, by that of the force
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,9 +54,12 @@ class BodyCoefficients:
     cl_mean: float
     cl_amplitude: float
     ct: float
-    cp: float | None  # Of the power that the drive of the root puts in; None without one
+    cp: float | None  # Of the power that its drive puts in; None without one
     st: float | None  # By the frequency of the lift; None where it does not oscillate
     st_tip: float | None  # f A / U, A from end to end of the tip's path along the axis on which it goes farthest
+    kc: float | None = None  # Keulegan–Carpenter number of a body that oscillates
+    cycles: dict[str, CycleMean] | None = None  # Means over the cycles by coefficient; None without a whole cycle
+    morison: Morison | None = None
 
 
 def evaluate(
@@ -41,6 +71,7 @@ def evaluate(
     time, velocity = series["time"], numbers.velocity
     stream = flapping.stream(scene, window)
     ahead = np.array([-1.0, 0.0]) if stream is None else -stream / np.linalg.norm(stream)
+    motions = {name: motion for name, motion in _motions(scene) if motion}
     found = {}
     for name, body in numbers.bodies.items():
         forces = [f"{name}_drag", f"{name}_lift"]
@@ -51,18 +82,109 @@ def evaluate(
             statistics.evaluate(time, statistics.box_filter(time, series[force], width), window) for force in forces
         )
         thrust = ahead @ [flapping.average(time, series[force], window) for force in forces]
-        driven = name == "beam" and "root_power" in series
+        power = power_in(name, series) if name in motions or name == "beam" else None
+        curves = {"cd": series[forces[0]] / pressure, "cl": series[forces[1]] / pressure}
+        if stream is None and f"{name}_x" in series and name in motions:
+            curves["cd_path"] = against_path(name, series) / pressure
+        if power is not None:
+            curves["cp"] = power / (pressure * velocity)
+        oscillation = _oscillation(motions[name]) if name in motions else None
         found[name] = BodyCoefficients(
             cd_mean=drag.mean / pressure,
             cd_amplitude=drag.amplitude / pressure,
             cl_mean=lift.mean / pressure,
             cl_amplitude=lift.amplitude / pressure,
             ct=float(thrust) / pressure,
-            cp=flapping.average(time, series["root_power"], window) / (pressure * velocity) if driven else None,
+            cp=flapping.average(time, power, window) / (pressure * velocity) if power is not None else None,
             st=lift.frequency_hz * body.length / velocity if lift.frequency_hz and window.periods else None,
             st_tip=_tip(series, window, velocity) if name == "beam" else None,
+            kc=oscillation.largest_speed / (oscillation.frequency * body.length) if oscillation else None,
+            cycles={key: cycle_mean(time, curve, window) for key, curve in curves.items()} if window.periods else None,
+            morison=oscillation.morison(name, scene, series, window, body.length) if oscillation else None,
         )
     return found
+
+
+def power_in(name: str, series: Series) -> np.ndarray | None:
+    """Power that the drive of a body puts into the fluid, W/m, or that of the root into beam and fluid."""
+    if name == "beam":
+        return series.get("root_power")
+    return -series[f"{name}_power"] if f"{name}_power" in series else None
+
+
+def against_path(name: str, series: Series) -> np.ndarray:
+    """Force on a body against its own velocity, N/m; 0 where its pivot rests."""
+    velocity = np.array([np.gradient(series[f"{name}_{axis}"], series["time"]) for axis in "xy"])
+    speed = np.hypot(*velocity)
+    forces = np.array([series[f"{name}_drag"], series[f"{name}_lift"]])
+    against: np.ndarray = -(forces * velocity).sum(0) / np.where(speed > 0, speed, 1.0)
+    return against
+
+
+def cycle_mean(time: np.ndarray, values: np.ndarray, window: Window) -> CycleMean:
+    """Mean of `values` over each cycle of `window`."""
+    edges = np.linspace(window.begin, window.end, window.periods + 1)
+    means = [flapping.average(time, values, Window(begin, end, 1)) for begin, end in pairwise(edges)]
+    return CycleMean(float(np.mean(means)), float(np.std(means, ddof=1)) if len(means) > 1 else None)
+
+
+@dataclass(frozen=True)
+class _Oscillation:
+    """A motion along a line by sines that go together."""
+
+    way: np.ndarray  # Unit vector in which it goes where the sine is positive
+    law: TimeLawSine  # Of the axis along which it goes farthest
+    largest_speed: float  # m/s
+    still: bool  # Whether it does not turn
+
+    @property
+    def frequency(self) -> float:
+        return self.law.sine.frequency
+
+    def morison(self, name: str, scene: Scene, series: Series, window: Window, length: float) -> Morison | None:
+        """The fit over `window`; None in a stream, while the motion still grows, or where the body turns."""
+        sine, part, fluid = self.law.sine, window.of(series["time"]), scene.fluid
+        streaming = flapping.stream(scene, window) is not None or any(fluid.initial_velocity if fluid else ())
+        if fluid is None or streaming or not self.still or window.periods == 0 or sine.ramp > window.begin:
+            return None
+        time = series["time"][part]
+        omega = 2 * np.pi * sine.frequency
+        velocity = self.largest_speed * np.cos(omega * time + sine.phase)
+        rate = -self.largest_speed * omega * np.sin(omega * time + sine.phase)
+        force = self.way @ [series[f"{name}_drag"][part], series[f"{name}_lift"][part]]
+        parts = [-length * np.abs(velocity) * velocity / 2, -np.pi * length**2 * rate / 4]
+        matrix = fluid.density * np.column_stack(parts)
+        (cd, ci), *_ = np.linalg.lstsq(matrix, force, rcond=None)
+        rest = np.std(force - matrix @ [cd, ci]) / np.std(force)
+        return Morison(cd=float(cd), ci=float(ci), rest=float(rest))
+
+
+def _motions(scene: Scene) -> Iterator[tuple[str, Motion | BodyMotion | None]]:
+    """Motions of the rigid bodies by the names of their forces."""
+    if scene.fluid:
+        yield from ((f"cylinder_{i}", cylinder.motion) for i, cylinder in enumerate(scene.fluid.cylinders, 1))
+        yield from ((f"body_{i}", body.motion) for i, body in enumerate(scene.fluid.bodies, 1))
+
+
+def _oscillation(motion: Motion | BodyMotion) -> _Oscillation | None:
+    """What oscillates along a line; None of other motions."""
+    sines = {axis: law for axis, law in enumerate((motion.x, motion.y)) if isinstance(law, TimeLawSine)}
+    moving = {axis: law for axis, law in sines.items() if law.sine.amplitude and law.sine.frequency}
+    if not moving or not all(axis in sines or _rests(law) for axis, law in enumerate((motion.x, motion.y))):
+        return None
+    first = max(moving.values(), key=lambda law: abs(law.sine.amplitude))
+    for law in moving.values():
+        if any(getattr(law.sine, key) != getattr(first.sine, key) for key in ("frequency", "phase", "ramp")):
+            return None
+    way = np.array([moving[axis].sine.amplitude if axis in moving else 0.0 for axis in range(2)])
+    amplitude = float(np.linalg.norm(way))
+    speed = 2 * np.pi * first.sine.frequency * amplitude
+    turns = isinstance(motion, BodyMotion) and not _rests(motion.angle)
+    return _Oscillation(way / amplitude, first, speed, not turns)
+
+
+def _rests(law: TimeLaw) -> bool:
+    return isinstance(law, TimeLawSteady)
 
 
 def _tip(series: Series, window: Window, velocity: float) -> float | None:

@@ -2,9 +2,9 @@
 
     Re = U L / nu,   k = pi f L / U,   M = mu / (rho L),   K = EI / (rho U² L³)
 
-with U the velocity that drives the flow, L the diameter of the first cylinder or the length of the beam (in M and K
-that of the beam), f the frequency of the drive, mu the mass per area and EI the stiffness of the beam per depth, both
-at its root.
+with U the velocity that drives the flow, L the diameter of the first cylinder, the length of the first body, or that of
+the beam (in M and K that of the beam), f the frequency of the drive, mu the mass per area and EI the stiffness of the
+beam per depth, both at its root.
 
 The added mass is that of a thin plate across the flow, pi/4 rho L² (Theodorsen 1935). The layer at the front of a body
 is that of the stagnation flow with the strain rate of potential flow: 4 U/D at a cylinder, 2 U/L amid a plate.
@@ -12,7 +12,7 @@ is that of the stagnation flow with the strain rate of potential flow: 4 U/D at 
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import hypot, pi, sqrt
+from math import dist, hypot, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -20,9 +20,15 @@ import numpy as np
 from nervure.scene import Scene
 from nervure.scene.along import along, places, thickness
 from nervure.scene.types import (
+    Body as BodyOfScene,
     Cylinder,
     MaterialPlaneStrain,
     RootMotionLaws,
+    Shape,
+    ShapeCircle,
+    ShapeEllipse,
+    ShapePolygon,
+    ShapeRectangle,
     TimeLaw,
     TimeLawCosineRamp,
     TimeLawSine,
@@ -37,8 +43,8 @@ PEAK = {"uniform": 1.0, "parabolic": 1.5}  # Largest velocity of an inflow's pro
 class Body:
     """How the grid resolves a body; a number of cells is that of the coarser direction."""
 
-    length: float  # Diameter of a cylinder, length of a beam, m
-    thickness_cells: float  # Cells in the diameter of a cylinder, in the thickness of a beam
+    length: float  # Diameter of a cylinder, length of a beam or a body, m
+    thickness_cells: float  # Cells in the diameter of a cylinder, in the thickness of a beam or a body
     layer_cells: float | None  # Cells in the boundary layer at the front; None in still fluid and for a beam in a wake
 
 
@@ -57,7 +63,7 @@ class Dimensionless:
     added_mass_ratio: float | None  # Added mass of a plate by the mass of the beam
     stiffness: float | None  # EI / (rho U² L³)
     cfl: float | None  # CFL number of the longest step, with twice the largest velocity, as at the side of a cylinder
-    bodies: dict[str, Body]  # By the names of their forces: cylinder_1, …, beam
+    bodies: dict[str, Body]  # By the names of their forces: cylinder_1, …, body_1, …, beam
 
 
 class Drive(NamedTuple):
@@ -73,9 +79,14 @@ def evaluate(scene: Scene) -> Dimensionless | None:
     fluid, beam = scene.fluid, scene.beam
     if fluid is None:
         return None
-    lengths = {f"cylinder_{i}": 2 * cylinder.radius for i, cylinder in enumerate(fluid.cylinders, 1)}
+    sizes = {f"cylinder_{i}": (2 * cylinder.radius,) * 2 for i, cylinder in enumerate(fluid.cylinders, 1)}
+    sizes |= {f"body_{i}": size(body.shape) for i, body in enumerate(fluid.bodies, 1)}
     if beam:
-        lengths["beam"] = beam.length
+        sizes["beam"] = beam.length, float(thickness(beam).min())
+    lengths = {name: length for name, (length, _) in sizes.items()}
+    plates = {"beam"} | {
+        f"body_{i}" for i, body in enumerate(fluid.bodies, 1) if not isinstance(body.shape, ShapeCircle)
+    }
     length_of = next(iter(lengths), None)
     length = lengths[length_of] if length_of else None
 
@@ -91,11 +102,11 @@ def evaluate(scene: Scene) -> Dimensionless | None:
     dx, dy = (x1 - x0) / nx, (y1 - y0) / ny
     step = min(scene.time.communication_step, fluid.time_stepping.max_step)
     bodies = {}
-    for name, size in lengths.items():
-        strain = (2 if name == "beam" else 4) * fastest / size if name == length_of or name != "beam" else 0.0
+    for name, (extent, across) in sizes.items():
+        strain = (2 if name in plates else 4) * fastest / extent if name == length_of or name != "beam" else 0.0
         bodies[name] = Body(
-            length=size,
-            thickness_cells=(float(thickness(beam).min()) if beam and name == "beam" else size) / max(dx, dy),
+            length=extent,
+            thickness_cells=across / max(dx, dy),
             layer_cells=sqrt(fluid.kinematic_viscosity / strain) / max(dx, dy) if strain else None,
         )
     section, span = _section(scene), beam.length if beam else 0.0
@@ -132,18 +143,50 @@ def _streams(scene: Scene) -> Iterator[Drive]:
 
 
 def _motions(scene: Scene) -> Iterator[Drive]:
-    """Largest speeds of the bodies that are driven; of a beam that of its tip if it were rigid."""
+    """Largest speeds of the bodies that are driven: of a rigid one that of its pivot, or of its farthest point where it
+    only turns; of a beam that of its tip if it were rigid."""
     cylinders: list[Cylinder] = scene.fluid.cylinders if scene.fluid else []
     for i, cylinder in enumerate(cylinders, 1):
         if motion := cylinder.motion:
             speed = hypot(largest_rate(motion.x), largest_rate(motion.y))
             yield Drive(speed, f"motion of cylinder {i}", _frequency(motion.x) or _frequency(motion.y))
+    for i, body in enumerate(scene.fluid.bodies if scene.fluid else [], 1):
+        if moved := body.motion:
+            speed = hypot(largest_rate(moved.x), largest_rate(moved.y)) or largest_rate(moved.angle) * reach(body)
+            found = _frequency(moved.x) or _frequency(moved.y) or _frequency(moved.angle)
+            yield Drive(speed, f"motion of body {i}", found)
     if scene.rod and scene.beam and isinstance(scene.rod.root_motion, RootMotionLaws):
         laws = scene.rod.root_motion.laws
         shifts, turns = [laws.x, laws.y, laws.z], [rotation.angle for rotation in laws.rotations]
         turning = scene.beam.length * hypot(*map(largest_rate, turns))
         frequencies = [found for law in [*shifts, *turns] if (found := _frequency(law))]
         yield Drive(hypot(turning, *map(largest_rate, shifts)), "drive of the root", next(iter(frequencies), None))
+
+
+def size(shape: Shape) -> tuple[float, float]:
+    """Length and thickness of a body, m: of a polygon the largest distance of two corners, and its area by that."""
+    match shape:
+        case ShapeCircle():
+            return 2 * shape.circle.radius, 2 * shape.circle.radius
+        case ShapeEllipse():
+            return shape.ellipse.length, shape.ellipse.thickness
+        case ShapeRectangle():
+            return shape.rectangle.length, shape.rectangle.thickness
+        case ShapePolygon():
+            corners = shape.polygon.corners
+            length = max(dist(a, b) for a in corners for b in corners)
+            area = sum(
+                x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(corners, [*corners[1:], corners[0]], strict=True)
+            )
+            return length, abs(area) / 2 / length
+
+
+def reach(body: BodyOfScene) -> float:
+    """Distance from the pivot of a body to its farthest point, m: of an outline with an axis, to an end of that."""
+    if isinstance(body.shape, ShapePolygon):
+        return max(dist(corner, body.pivot) for corner in body.shape.polygon.corners)
+    length, _ = size(body.shape)
+    return max(dist((end, 0.0), body.pivot) for end in (-length / 2, length / 2))
 
 
 def largest(law: TimeLaw) -> float:

@@ -4,6 +4,7 @@ A key whose field here has a default is left out of the file where it is None.
 """
 
 import platform
+import re
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from typing import Any
@@ -29,6 +30,7 @@ PERIODIC = 0.1  # Largest `amplitude_drift` of a run that is compared with publi
 STEADY = 0.05  # Largest amplitude by mean of a run that is compared with published values of a steady one
 
 MAIN_SIGNALS = ("tip_uy", "lift")  # The first of these that there is decides on the periods
+MOTION = re.compile(r"body_\d+_(x|y|angle)")  # Columns of the prescribed motion of a rigid body
 FORCES = ("drag", "lift")  # The outputs that a box filter goes over before their extremes are taken
 
 
@@ -133,10 +135,17 @@ class Summary:
 
 
 def main_signal(series: Series) -> str | None:
-    """Which of the recorded columns decides on the periods: where a root is driven, the tip along its main axis."""
+    """Which of the recorded columns decides on the periods: where a root is driven, the tip along its main axis;
+    without a beam the motion of a rigid body, if one is driven."""
     axis = flapping.main_axis(series)
-    signals = (f"tip_u{axis}", *MAIN_SIGNALS) if axis else MAIN_SIGNALS
-    return next((signal for signal in signals if signal in series), None)
+    signals = (f"tip_u{axis}", MAIN_SIGNALS[0]) if axis else MAIN_SIGNALS[:1]
+    moving = (name for name in series if MOTION.fullmatch(name) and np.ptp(series[name]) > 0)
+    return next((signal for signal in (*signals, *moving, *MAIN_SIGNALS[1:]) if signal in series), None)
+
+
+def settling_signal(series: Series, main: str) -> str:
+    """The column that says whether a run is periodic: the main one, or where that is prescribed the larger force."""
+    return max(FORCES, key=lambda name: np.ptp(series[name])) if MOTION.fullmatch(main) else main
 
 
 def _quantity(
@@ -168,7 +177,8 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
         for name in QUANTITIES
         if window and name in series
     }
-    drift = statistics.drift(time, series[main], window) if main and window else None
+    settling = settling_signal(series, main) if main else None
+    drift = statistics.drift(time, series[settling], window) if settling and window else None
     return Summary(
         scene=scene.name,
         completed=status.completed,
@@ -181,14 +191,14 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
         amplitude_drift=drift,
-        not_compared=_not_compared(scene, status, quantities, main, window, drift),
+        not_compared=_not_compared(scene, status, quantities, settling, window, drift),
         method=Method(
             coupling=scheme.choice,
             communication_step_s=scene.time.communication_step,
             statistics="mean = (max + min) / 2 and amplitude = (max - min) / 2 over the window, frequency by upward "
             f"crossings of the mean; forces under a box filter of {width * 1e3:.3g} ms; `fit`: the same of the "
             f"least-squares fit of {statistics.HARMONICS} harmonics",
-            amplitude_drift=f"change of the amplitude of {main} from the first to the second half of the window, "
+            amplitude_drift=f"change of the amplitude of {settling} from the first to the second half of the window, "
             "relative",
         ),
         interface=interface(series),
@@ -211,7 +221,7 @@ def _not_compared(
     scene: Scene,
     status: RunStatus,
     quantities: dict[str, Quantity],
-    main: str | None,
+    settling: str | None,
     window: statistics.Window | None,
     drift: float | None,
 ) -> str | None:
@@ -223,13 +233,11 @@ def _not_compared(
         return f"the run ended at t = {status.simulated:g} of {scene.time.end:g} s"
     given = reference.coefficients
     if any(q.amplitude or q.frequency_hz for q in reference.quantities.values()) or (given and given.st is not None):
-        if main is None or window is None or window.periods < statistics.DRIFT_PERIODS:
-            return (
-                f"the run has {window.periods if window else 0} whole periods of {main or 'the tip or the lift'}, and "
-                f"{statistics.DRIFT_PERIODS} is the least"
-            )
+        if settling is None or window is None or window.periods < statistics.DRIFT_PERIODS:
+            periods, signal = window.periods if window else 0, settling or "the tip or the lift"
+            return f"the run has {periods} whole periods of {signal}, and {statistics.DRIFT_PERIODS} is the least"
         if drift is not None and abs(drift) > PERIODIC:
-            return f"the amplitude of {main} still changes by {drift:+.0%} over the window"
+            return f"the amplitude of {settling} still changes by {drift:+.0%} over the window"
         return None
     shown = list(reference.quantities) or ["drag"]
     for name in shown:

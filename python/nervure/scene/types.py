@@ -190,6 +190,111 @@ class Cylinder(Part):
     """Prescribed motion; absent for a still cylinder."""
 
 
+class Circle(Part):
+    """A circle."""
+
+    radius: Real
+    """Radius, m."""
+
+
+class ShapeCircle(Part):
+    """A circle."""
+
+    circle: Circle
+    """A circle."""
+
+
+class Ellipse(Part):
+    """An ellipse."""
+
+    length: Real
+    """Length of its axis along its own x, m."""
+
+    thickness: Real
+    """Length of its axis along its own y, m."""
+
+
+class ShapeEllipse(Part):
+    """An ellipse."""
+
+    ellipse: Ellipse
+    """An ellipse."""
+
+
+Ends = Literal["square", "round"]
+"""Ends of a rectangle. `square`: Flat. `round`: Half circles of the thickness."""
+
+
+class Rectangle(Part):
+    """A rectangle."""
+
+    length: Real
+    """Length along its own x, m, with the ends."""
+
+    thickness: Real
+    """Thickness along its own y, m."""
+
+    ends: Ends = "square"
+    """What its ends along its own x are."""
+
+
+class ShapeRectangle(Part):
+    """A rectangle."""
+
+    rectangle: Rectangle
+    """A rectangle."""
+
+
+class Polygon(Part):
+    """A polygon."""
+
+    corners: list[tuple[Real, Real]]
+    """Its corners in their order, either way round, m; at least 3, at most 1000. Its sides must not cross."""
+
+
+class ShapePolygon(Part):
+    """A polygon."""
+
+    polygon: Polygon
+    """A polygon."""
+
+
+Shape = ShapeCircle | ShapeEllipse | ShapeRectangle | ShapePolygon
+"""Outline of a body. The origin of its axes is the middle of it, but for a polygon."""
+
+
+class BodyMotion(Part):
+    """Prescribed motion of a body."""
+
+    x: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    """Displacement of its pivot along x, m."""
+
+    y: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    """Displacement of its pivot along y, m."""
+
+    angle: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    """Angle about its pivot, rad, positive to the left."""
+
+
+class Body(Part):
+    """A rigid body."""
+
+    shape: Shape
+    """Its outline, in axes of its own."""
+
+    position: tuple[Real, Real]
+    """Where its pivot is, m; where it moves, the point that its motion is added to."""
+
+    pivot: tuple[Real, Real] = (0.0, 0.0)
+    """The point in its own axes, m, about which it turns and its moment is taken; by default their origin."""
+
+    angle: Real = 0.0
+    """Angle from the x axis of the box to its own, rad, positive to the left; its motion is added."""
+
+    motion: BodyMotion | None = None
+    """Prescribed motion; absent for a still body."""
+
+
 class Sharp(Part):
     """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it
     should."""
@@ -333,6 +438,9 @@ class Fluid(Part):
 
     cylinders: list[Cylinder] = Field(default_factory=list)
     """Circular cylinders, still or in prescribed motion."""
+
+    bodies: list[Body] = Field(default_factory=list)
+    """Rigid bodies of any shape, still or in prescribed motion."""
 
     mask: Mask
     """How solids are smeared over the grid and how hard they hold the fluid."""

@@ -22,6 +22,7 @@ from nervure import results
 from nervure.errors import Refusal
 from nervure.evaluate import statistics
 from nervure.files import write_whole
+from nervure.recorder import Series
 from nervure.scene import typed
 from nervure.show import fields, plots, with_unit
 
@@ -44,6 +45,19 @@ class Frames:
         self.scene = scene = typed(json.loads(first[fields.SCENE][()]))
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
         self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if scene.beam else None
+        self.moves = self._moves(results.read(folder).series) if scene.fluid and scene.fluid.bodies else []
+
+    def _moves(self, series: Series) -> list[np.ndarray]:
+        """Position and angle of each body at the times of the frames, `[frames, 3]`, m and rad."""
+        bodies = range(1, len(self.scene.fluid.bodies) + 1) if self.scene.fluid else ()
+        of = [
+            [np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in plots.POSE] for i in bodies
+        ]
+        return [np.transpose(parts) for parts in of]
+
+    def poses(self, frame: int) -> list[list[float]]:
+        """Position and angle of each body."""
+        return [move[frame].tolist() for move in self.moves]
 
     def vorticity(self, frame: int) -> np.ndarray:
         return np.array(self.fluid["VTKHDF/PointData/vorticity"][frame]).T
@@ -126,7 +140,9 @@ def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
     figure = Figure(figsize=(WIDTH, (height - 0.5) * rows + 0.5), layout="constrained")
     axes = figure.subplots(rows, columns, sharex=True, sharey=True)
     for axis, frame in zip(axes.flat, chosen, strict=True):
-        picture = plots.draw_vorticity(axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit)
+        picture = plots.draw_vorticity(
+            axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit, frames.poses(frame)
+        )
         axis.set_title(frames.title(frame), fontsize="medium")
         axis.label_outer()
     figure.colorbar(picture, ax=axes, label=plots.vorticity_label(frames.scene), extend="both", pad=0.01)
@@ -192,7 +208,9 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
     bar, pictures = None, []
     for frame in chosen:
         axis.clear()
-        picture = plots.draw_vorticity(axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit)
+        picture = plots.draw_vorticity(
+            axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit, frames.poses(frame)
+        )
         axis.set_title(frames.title(frame), fontsize="medium")
         bar = bar or figure.colorbar(picture, label=plots.vorticity_label(frames.scene), extend="both", pad=0.01)
         canvas.draw()

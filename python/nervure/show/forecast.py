@@ -107,7 +107,7 @@ def _unresolved(name: str, body: Body) -> Iterator[str]:
 
 
 def _across(name: str) -> str:
-    return "thickness" if name == "beam" else "diameter"
+    return "diameter" if name.startswith("cylinder") else "thickness"
 
 
 def _within(value: float, limits: tuple[float, float]) -> bool:

@@ -33,7 +33,7 @@ FLAGS = (
 )
 """What a co-simulation unit says of itself (FMI 2.0.4, section 4.3.1)."""
 
-PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "probes")  # What can be in a fluid
+PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "bodies", "probes")  # What can be in a fluid
 
 
 def _print(console: Console, title: str, rows: Iterable[tuple[str, str]]) -> None:

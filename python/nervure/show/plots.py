@@ -13,12 +13,12 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon
 
-from nervure.evaluate import coefficients, flapping, statistics
+from nervure.evaluate import coefficients, dimensionless, flapping, statistics
 from nervure.files import write_whole
 from nervure.results import Results
 from nervure.scene import Scene
 from nervure.scene.along import thickness
-from nervure.scene.types import Fluid, Reference
+from nervure.scene.types import Body, Fluid, Reference, ShapePolygon, ShapeRectangle
 from nervure.show import shown_in, with_unit
 from nervure.show.fields import outline, stations
 from nervure.unit import Unit
@@ -30,6 +30,8 @@ COLOURS = (BLUE, ORANGE, GREEN)
 CYCLE = (BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "0.3")  # For runs over each other
 START_UP = 0.01  # Part of the record that a start-up peak may last
 SOLID = "0.55"
+POSE = ("x", "y", "angle")  # What the fluid says of a rigid body
+ROUND = 90  # Corners with which a round outline is drawn
 
 
 def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
@@ -182,15 +184,19 @@ def driven_root(folder: Path, run: Results) -> list[Path]:
 
 
 def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -> None:
-    """Write vorticity.png of the fluid at `time` (s), with the cylinders that stand still and the beam where it is
-    now; nothing if the fluid shows no field."""
+    """Write vorticity.png of the fluid at `time` (s), with the cylinders that stand still and the bodies and the beam
+    where they are now; nothing if the fluid shows no field."""
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
     corners = outline(stations(units), thickness(scene.beam)) if scene.beam else None
     figure = Figure(figsize=size(scene, 12.0), layout="constrained")
     axis = figure.subplots()
-    picture = draw_vorticity(axis, scene, field, corners, vorticity_limit(scene, [field]))
+    poses = [
+        [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in POSE]
+        for i, _ in enumerate(scene.fluid.bodies, 1)
+    ]
+    picture = draw_vorticity(axis, scene, field, corners, vorticity_limit(scene, [field]), poses)
     axis.set_title(f"t = {time:.3f} {unit('s', scene)}")
     figure.colorbar(picture, label=vorticity_label(scene), extend="both", pad=0.01)
     _save(figure, folder / "vorticity.png")
@@ -201,9 +207,16 @@ def vorticity_label(scene: Scene) -> str:
     return with_unit("vorticity", unit("1/s", scene))
 
 
-def draw_vorticity(axis: Axes, scene: Scene, field: np.ndarray, corners: np.ndarray | None, limit: float) -> AxesImage:
+def draw_vorticity(
+    axis: Axes,
+    scene: Scene,
+    field: np.ndarray,
+    corners: np.ndarray | None,
+    limit: float,
+    poses: Sequence[Sequence[float]] = (),
+) -> AxesImage:
     """Draw a vorticity `field`, `[nx, ny]`, with the solids, the colours from -`limit` to `limit` (1/s); `corners` are
-    those of the beam."""
+    those of the beam, `poses` position (m) and angle (rad) of the pivots of the bodies."""
     fluid = _fluid(scene)
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
@@ -213,12 +226,32 @@ def draw_vorticity(axis: Axes, scene: Scene, field: np.ndarray, corners: np.ndar
     for cylinder in fluid.cylinders:
         if cylinder.motion is None:
             axis.add_patch(Circle(cylinder.center, cylinder.radius, color=SOLID))
+    for body, pose in zip(fluid.bodies, poses, strict=False):
+        axis.add_patch(Polygon(body_outline(body, *pose), color=SOLID))
     if corners is not None:
         axis.add_patch(Polygon(corners, color=SOLID))
     left, right, bottom, top = _view(fluid)
     metre = unit("m", scene)
     axis.set(xlim=(left, right), ylim=(bottom, top), xlabel=with_unit("x", metre), ylabel=with_unit("y", metre))
     return picture
+
+
+def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
+    """Outline of a rigid body, m, `[n, 2]`, with its pivot at (x, y) and turned by an angle (rad)."""
+    length, thickness = dimensionless.size(body.shape)
+    turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
+    own = np.column_stack([length * np.cos(turn), thickness * np.sin(turn)]) / 2
+    if isinstance(body.shape, ShapePolygon):
+        own = np.array(body.shape.polygon.corners)
+    if isinstance(body.shape, ShapeRectangle):
+        straight = (length - thickness) / 2 * np.sign(own[:, :1])
+        if body.shape.rectangle.ends == "square":
+            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [length / 2, thickness / 2]
+        else:
+            own = thickness / 2 * np.column_stack([np.cos(turn), np.sin(turn)]) + np.pad(straight, ((0, 0), (0, 1)))
+    sin, cos = np.sin(angle), np.cos(angle)
+    placed: np.ndarray = (own - body.pivot) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
+    return placed
 
 
 def vorticity_limit(scene: Scene, vorticities: list[np.ndarray]) -> float:

@@ -30,6 +30,9 @@ struct Targeted {
     body: [f64; 2],
     /// The same before the step, across the surface, m/s.
     across_before: f64,
+    /// What the body's velocity along the surface is at the points beyond that at the cell, times their weights, m/s: a body
+    /// that turns is faster farther off.
+    turned: f64,
     /// Unit normal n of the surface.
     normal: [f64; 2],
     /// Sums of the weights of its points, along, across and in the flow through the surface.
@@ -91,7 +94,17 @@ impl Cells {
         let (rate, body) = (cell.rate, cell.velocity);
         let across_before = normal[0] * before[0] + normal[1] * before[1];
         let points_end = self.points.len();
-        self.targeted.push(Targeted { cell: number, rate, body, across_before, normal, weight: sum, points_end });
+        let (cell, weight, turned) = (number, sum, 0.0);
+        self.targeted.push(Targeted { cell, rate, body, across_before, turned, normal, weight, points_end });
+    }
+
+    /// Let the body of the cell added last, at a `distance` (m) off the surface, turn at a rate (rad/s): the flow that
+    /// its wall target samples is that beyond the body's own velocity at those points.
+    pub fn turn_last(&mut self, target: &WallTarget, distance: f64, omega: f64) {
+        let last = self.cells.len().wrapping_sub(1);
+        let Some(targeted) = self.targeted.last_mut().filter(|targeted| targeted.cell == last) else { return };
+        let samples = target.samples(distance).into_iter();
+        targeted.turned = omega * samples.map(|sample| sample.weight[0] * (sample.off - distance)).sum::<f64>();
     }
 
     /// Sample the flow around the cells with a wall target; `velocity` gives it at a grid point, m/s.
@@ -100,7 +113,7 @@ impl Cells {
         for targeted in &self.targeted {
             let ([u, v], [nx, ny], weight) = (targeted.body, targeted.normal, targeted.weight);
             let (body_along, body_across) = (nx * v - ny * u, nx * u + ny * v);
-            let mut along = -weight[0] * body_along;
+            let mut along = -weight[0] * body_along - targeted.turned;
             let (mut across, mut through) = (-weight[1] * body_across, -weight[2] * targeted.across_before);
             for &(point, weight) in &self.points[begin..targeted.points_end] {
                 let [u, v] = velocity(point);

@@ -2,7 +2,8 @@
 
 mod beam;
 mod cells;
-mod cylinder;
+mod rigid;
+mod shape;
 mod stations;
 
 use scene::Scene;
@@ -15,12 +16,16 @@ use crate::zone::Zone;
 use beam::Beam;
 pub use cells::Cell;
 use cells::{Cells, Painted};
-use cylinder::Cylinder;
+pub use rigid::Pose;
+use rigid::Rigid;
 pub use stations::{Loads, Stations};
 
-/// Walls, zones, cylinders and the beam, as a field of drag and as cells.
+/// Walls, zones, rigid bodies and the beam, as a field of drag and as cells.
 pub struct Bodies {
-    cylinders: Vec<Cylinder>,
+    /// The cylinders, then the other rigid bodies.
+    rigid: Vec<Rigid>,
+    /// Number of cylinders.
+    cylinders: usize,
     beam: Option<Beam>,
     /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
     rate: Option<Vec<f64>>,
@@ -35,11 +40,13 @@ impl Bodies {
     /// The bodies of a scene with a fluid at t = 0, the still ones painted.
     pub fn new(scene: &Scene, fluid: &scene::Fluid, zones: &[Zone], grid: &Grid) -> Self {
         let (mask, nu) = (&fluid.mask, fluid.kinematic_viscosity);
-        let cylinders: Vec<_> = fluid.cylinders.iter().map(|c| Cylinder::new(c, grid, mask, nu)).collect();
+        let bodies = fluid.cylinders.iter().map(scene::Body::from).chain(fluid.bodies.iter().cloned());
+        let rigid: Vec<_> = bodies.map(|body| Rigid::new(body, grid, mask, nu)).collect();
         let beam = scene.beam.as_ref().map(|beam| Beam::new(beam, grid, mask, nu));
-        let any = !zones.is_empty() || fluid.channel.is_some() || !cylinders.is_empty() || beam.is_some();
+        let any = !zones.is_empty() || fluid.channel.is_some() || !rigid.is_empty() || beam.is_some();
         let mut bodies = Self {
-            cylinders,
+            rigid,
+            cylinders: fluid.cylinders.len(),
             beam,
             rate: any.then(|| vec![0.0; grid.len()]),
             painted: Painted::default(),
@@ -63,14 +70,29 @@ impl Bodies {
         for &(i, zone) in zones.iter().flat_map(|zone| &zone.columns) {
             rate[i * grid.ny..(i + 1) * grid.ny].iter_mut().for_each(|r| *r += zone);
         }
-        for cylinder in self.cylinders.iter().filter(|c| !c.changes()) {
-            cylinder.cells.iter().for_each(|cell| rate[cell.index] += cell.rate);
+        for rigid in self.rigid.iter().filter(|rigid| !rigid.changes()) {
+            rigid.cells.iter().for_each(|cell| rate[cell.index] += cell.rate);
         }
     }
 
     /// Number of cylinders.
     pub fn cylinders(&self) -> usize {
-        self.cylinders.len()
+        self.cylinders
+    }
+
+    /// Number of rigid bodies, cylinders among them.
+    pub fn rigid(&self) -> usize {
+        self.rigid.len()
+    }
+
+    /// Where a rigid body is, the cylinders being the first.
+    pub fn pose(&self, rigid: usize) -> Pose {
+        self.rigid[rigid].pose
+    }
+
+    /// Power (W/m) of a force on a rigid body.
+    pub fn power(&self, rigid: usize, force: &Force) -> f64 {
+        self.rigid[rigid].power(force.force, force.moment)
     }
 
     /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
@@ -80,8 +102,8 @@ impl Bodies {
 
     /// Put the moving bodies where they are at a time (s), the beam at its stations; it was at `before`.
     pub fn place(&mut self, time: f64, stations: Option<&Stations>, before: Option<&Stations>, grid: &Grid) {
-        for cylinder in self.cylinders.iter_mut().filter(|c| c.moves()) {
-            cylinder.place(time, grid);
+        for rigid in self.rigid.iter_mut().filter(|rigid| rigid.moves()) {
+            rigid.place(time, grid);
         }
         if let Some((beam, (stations, before))) = self.beam.as_mut().zip(stations.zip(before)) {
             beam.place(stations, before, grid);
@@ -91,7 +113,7 @@ impl Bodies {
 
     /// Let the bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
     pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
-        self.cylinders.iter_mut().for_each(|cylinder| cylinder.cells.sample(&velocity));
+        self.rigid.iter_mut().for_each(|rigid| rigid.cells.sample(&velocity));
         if let Some(beam) = &mut self.beam {
             beam.cells.sample(&velocity);
         }
@@ -102,8 +124,8 @@ impl Bodies {
     fn paint_changing(&mut self) {
         let Some(rate) = &mut self.rate else { return };
         self.painted.erase(rate);
-        let cylinders = self.cylinders.iter().filter(|c| c.changes()).map(|c| &c.cells);
-        for cells in cylinders.chain(self.beam.iter().map(|beam| &beam.cells)) {
+        let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
+        for cells in rigid.chain(self.beam.iter().map(|beam| &beam.cells)) {
             self.painted.add(cells, rate);
         }
     }
@@ -111,20 +133,20 @@ impl Bodies {
     /// Add `weight(Σ a) a_b u_b` of all bodies to `w`.
     pub fn add_velocities(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<f64>; 2]) {
         let Some(rate) = &self.rate else { return };
-        let cylinders = self.cylinders.iter().filter(|c| c.changes()).map(|c| &c.cells);
+        let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
         let beam = self.beam.iter().map(|beam| &beam.cells);
-        for cell in cylinders.chain(beam).flat_map(Cells::iter) {
+        for cell in rigid.chain(beam).flat_map(Cells::iter) {
             let weight = weight(rate[cell.index]) * cell.rate;
             w[0][cell.index] += weight * cell.velocity[0];
             w[1][cell.index] += weight * cell.velocity[1];
         }
     }
 
-    /// Cells and displaced fluid of the cylinders, then of the beam at its stations.
+    /// Cells and displaced fluid of the rigid bodies, then of the beam at its stations.
     fn displaced(&self, stations: Option<&Stations>) -> impl Iterator<Item = (&Cells, Displaced)> {
-        let cylinders = self.cylinders.iter().map(|c| (&c.cells, c.displaced(self.density)));
+        let rigid = self.rigid.iter().map(|rigid| (&rigid.cells, rigid.displaced(self.density)));
         let beam = self.beam.iter().zip(stations);
-        cylinders.chain(beam.map(|(beam, stations)| (&beam.cells, beam.displaced(stations, self.density))))
+        rigid.chain(beam.map(|(beam, stations)| (&beam.cells, beam.displaced(stations, self.density))))
     }
 
     /// The displaced fluid of all bodies as they are, with no force yet.
@@ -147,7 +169,7 @@ impl Bodies {
     ) {
         let (mut beam_drag, mut power) = ([0.0; 2], 0.0);
         for (number, (known, (cells, displaced))) in forces.iter_mut().zip(self.displaced(stations)).enumerate() {
-            let beam = self.beam.as_ref().zip(stations).filter(|_| number == self.cylinders.len());
+            let beam = self.beam.as_ref().zip(stations).filter(|_| number == self.rigid.len());
             let mut section = beam.into_iter().flat_map(|(beam, stations)| beam.section_velocities(stations));
             let mut sum = Force::default();
             for cell in cells.iter() {

@@ -1,0 +1,126 @@
+"""Rigid bodies: what is said of them before and after a run, and the published cases."""
+
+import numpy as np
+import pytest
+from test_runs import run
+
+from nervure.evaluate import bodies, dimensionless, statistics
+from nervure.evaluate.summary import main_signal, settling_signal
+from nervure.scene import typed
+from nervure.show import plots
+
+pytestmark = pytest.mark.usefixtures("libraries")
+
+SQUARE = [[0.0, 0.0], [0.2, 0.0], [0.2, 0.2], [0.0, 0.2]]
+
+
+@pytest.fixture
+def swinging(fluid_only):
+    """A circle of 0.2 m that swings along a diagonal in still fluid, and a square that stands still."""
+    sine = {"sine": {"amplitude": 0.1, "frequency": 2.0, "phase": 0.3}}
+    fluid_only["fluid"] |= {"initial_velocity": [0.0, 0.0], "inflow": None, "cylinders": []}
+    fluid_only["fluid"]["bodies"] = [
+        {"shape": {"circle": {"radius": 0.1}}, "position": [0.0, 0.0], "motion": {"x": sine, "y": sine}},
+        {"shape": {"polygon": {"corners": SQUARE}}, "position": [0.5, 0.2]},
+    ]
+    return fluid_only
+
+
+def known_series():
+    """Four periods of that motion, with a force by c_d = 2 and c_i = 1.5 along the diagonal and a constant across."""
+    time = np.linspace(0, 2, 2001)
+    omega, amplitude = 4 * np.pi, 0.1 * np.sqrt(2)
+    phase = omega * time + 0.3
+    velocity, rate = amplitude * omega * np.cos(phase), -amplitude * omega**2 * np.sin(phase)
+    along = -2.0 * 0.2 * np.abs(velocity) * velocity / 2 - 1.5 * np.pi * 0.2**2 * rate / 4
+    drag, lift = along / np.sqrt(2) - 0.01, along / np.sqrt(2) + 0.01
+    way = 0.1 * np.sin(phase)
+    columns = {"time": time, "drag": drag, "lift": lift}
+    columns |= {"body_1_drag": drag, "body_1_lift": lift, "body_1_power": along * velocity}
+    columns |= {"body_1_x": way, "body_1_y": way, "body_1_angle": 0 * time}
+    return columns | {f"body_2_{name}": 0.02 + 0 * time for name in ("drag", "lift", "power", "x", "y", "angle")}
+
+
+def test_coefficients_of_a_known_oscillation(swinging):
+    scene, columns = typed(swinging), known_series()
+    numbers = dimensionless.evaluate(scene)
+    speed = 0.1 * np.sqrt(2) * 4 * np.pi
+    assert numbers.reynolds == pytest.approx(speed * 0.2 / 1e-2)
+    assert numbers.bodies["body_2"].length == pytest.approx(0.2 * np.sqrt(2))
+    assert main_signal(columns) == "body_1_x"
+    window = statistics.find_window(columns["time"], columns["body_1_x"])
+    assert window.periods == 3
+    found = bodies.evaluate(scene, numbers, columns, window, 0.0)
+    moving, still = found["body_1"], found["body_2"]
+    assert moving.kc == pytest.approx(2 * np.pi * 0.1 * np.sqrt(2) / 0.2)
+    assert (moving.morison.cd, moving.morison.ci) == pytest.approx((2.0, 1.5), rel=1e-6)
+    assert moving.morison.rest < 1e-6
+    # The mean of |cos|³ is 4/(3 pi); the inertia gives nothing over a cycle.
+    assert moving.cp == pytest.approx(2.0 * 4 / (3 * np.pi), rel=1e-4)
+    # The mean of cos² is a half; one sample at each turn of the motion has the force of inertia with either sign.
+    assert moving.cycles["cd_path"].mean == pytest.approx(2.0 / 2, rel=0.02)
+    assert moving.cycles["cd"].mean == pytest.approx(-0.01 * 2 / (speed**2 * 0.2), rel=1e-3)
+    assert moving.cycles["cp"].scatter < 1e-4
+    assert (still.kc, still.morison, still.cp) == (None, None, None) and "cd_path" not in still.cycles
+
+
+def test_scatter_is_that_over_the_cycles():
+    time = np.linspace(0, 3, 3001)
+    found = bodies.cycle_mean(time, np.floor(time), statistics.Window(0.0, 3.0, 3))
+    assert found.mean == pytest.approx(1.0, abs=2e-3) and found.scatter == pytest.approx(1.0, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"mean_flow": {"x": {"steady": 1.0}}},
+        {"ramp": 10.0},
+        {"angle": {"sine": {"amplitude": 0.1, "frequency": 2.0}}},
+        {"y": {"sine": {"amplitude": 0.1, "frequency": 2.0, "phase": 1.0}}},
+    ],
+)
+def test_no_morison_split_in_a_stream_or_of_another_motion(swinging, change):
+    motion = swinging["fluid"]["bodies"][0]["motion"]
+    if "mean_flow" in change:
+        swinging["fluid"] |= change | {"initial_velocity": [1.0, 0.0]}
+    elif "ramp" in change:
+        motion["x"] = motion["y"] = {"sine": motion["x"]["sine"] | change}
+    else:
+        motion |= change
+    scene, columns = typed(swinging), known_series()
+    window = statistics.find_window(columns["time"], columns["body_1_x"])
+    found = bodies.evaluate(scene, dimensionless.evaluate(scene), columns, window, 0.0)["body_1"]
+    assert found.morison is None, found
+
+
+def test_the_larger_force_says_whether_a_driven_body_has_settled():
+    columns = known_series()
+    columns["lift"] = 0 * columns["lift"]
+    assert settling_signal(columns, "body_1_x") == "drag"
+    assert settling_signal(columns, "lift") == "lift"
+
+
+def test_outlines_are_where_the_bodies_are(swinging):
+    square = typed(swinging).fluid.bodies[1]
+    turned = plots.body_outline(square, 0.5, 0.2, np.pi / 2)
+    assert turned == pytest.approx(np.array([[0.5, 0.2], [0.5, 0.4], [0.3, 0.4], [0.3, 0.2]]))
+    swinging["fluid"]["bodies"] = [
+        {"shape": {"rectangle": {"length": 0.4, "thickness": 0.1, "ends": ends}}, "position": [0, 0], "pivot": [0.1, 0]}
+        for ends in ("square", "round")
+    ]
+    for body in typed(swinging).fluid.bodies:
+        corners = plots.body_outline(body, 0.0, 0.0, 0.0)
+        assert [*corners.min(0), *corners.max(0)] == pytest.approx([-0.3, -0.05, 0.1, 0.05], abs=1e-3), body
+
+
+def test_bodies_have_their_force_motion_and_power(swinging, tmp_path):
+    swinging["fluid"]["bodies"][0]["motion"]["angle"] = {"sine": {"amplitude": 0.5, "frequency": 1.0}}
+    series, summary = run(tmp_path, swinging)
+    t = series["time"]
+    assert series["body_1_y"] == pytest.approx(0.1 * np.sin(4 * np.pi * t + 0.3), abs=1e-6)
+    assert series["body_1_angle"] == pytest.approx(0.5 * np.sin(2 * np.pi * t), abs=1e-6)
+    assert series["drag"] == pytest.approx(series["body_1_drag"] + series["body_2_drag"], abs=1e-6)
+    velocity, omega = 0.4 * np.pi * np.cos(4 * np.pi * t + 0.3), np.pi * np.cos(2 * np.pi * t)
+    power = (series["body_1_drag"] + series["body_1_lift"]) * velocity + series["body_1_moment"] * omega
+    assert series["body_1_power"][1:] == pytest.approx(power[1:], rel=1e-5)
+    assert (tmp_path / "results" / "vorticity.png").exists() and summary["bodies"]["body_2"]["cp"] is None
