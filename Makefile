@@ -4,6 +4,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 GRID ?= 325x72
 SCENE ?= fsi3-$(GRID)
 RESULTS ?= results/fsi3-$(GRID)
+FMI ?= 2
 ARGS ?=
 
 VENV := .venv
@@ -12,13 +13,16 @@ READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
 
-.PHONY: help fsi3 cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check bindings-check schema messages descriptions record lock clean
+.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check bindings-check schema messages descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
 
 fsi3: SCENE := fsi3-$(GRID)
-fsi3: run ## run the FSI3 benchmark, GRID=325x72 (default), 650x144 or 1300x288; results in results/fsi3-GRID
+fsi3: told run ## run the FSI3 benchmark, GRID=325x72 (default), 650x144, 1300x288, or a quarter cheaper 324x54, 648x108, 1296x216; results in results/fsi3-GRID
+
+told:
+	@sed -n 's/^ *"description": "\(.*\)",$$/$(SCENE): \1/p' scenes/$(SCENE).json
 
 comma := ,
 on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(1)-$(GRID)
@@ -114,7 +118,7 @@ $(READY_DEV): requirements/dev.lock $(READY)
 
 STUDY := $(RUN) -m studies
 
-.PHONY: studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study vein-study shown-rows
+.PHONY: flapping studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study turek-hron driven-bar vein-study shown-rows
 
 studies: $(READY_DEV) ## write all pages and tables of results.json anew; docs/report/stale.md lists what the code has since changed
 	$(STUDY) $(ARGS)
@@ -141,8 +145,19 @@ fsi3-study: build $(READY_DEV) ## run what is missing of FSI3 (an hour of one co
 coupling-study: build $(READY_DEV) ## run what is missing of the map of the coupling's stability, write docs/fsi3/stability.md
 	$(STUDY) coupling $(ARGS)
 
+turek-hron: GRID := 324x54
+turek-hron: build $(READY_DEV) ## run CSM1-3, CFD1-3 and FSI1-3 on GRID=324x54 (default, a minute), 648x108 or 1296x216, as far as they are missing; write docs/turek-hron.md
+	$(STUDY) turek-hron --only 'csm?/*'
+	$(STUDY) turek-hron --only '*/$(GRID)' $(ARGS)
+
+driven-bar: build $(READY_DEV) ## run what is missing of the bar in prescribed motion (some minutes), write docs/driven-bar.md
+	$(STUDY) driven-bar $(ARGS)
+
 vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a quarter of an hour of one core), write docs/vein
 	$(STUDY) vein $(ARGS)
+
+flapping: build $(READY_DEV) ## run the cases of docs/flapping.md (some minutes), write its tables' rows and figures; ARGS="hover"
+	$(RUN) -m studies.flapping $(ARGS)
 
 BENCH_VENV := target/fluid-bench/venv
 
@@ -164,7 +179,7 @@ reliability: build $(READY_DEV) ## mistreat the units at full count and write do
 
 MASTERS_VENV := target/masters/venv
 
-masters-test: dist-libraries $(MASTERS_VENV)/.ready ## run the units of `make dist` in libcosim, Ecos, fmpy's SSP reader, a container FMU and the crate fmi
+masters-test: dist-libraries $(MASTERS_VENV)/.ready ## run the units of `make dist` in libcosim, Ecos, fmpy, a container FMU and the crate fmi
 	LIBCLANG_PATH=$$($(MASTERS_VENV)/bin/python -c "import clang.native; print(*clang.native.__path__)") \
 	BINDGEN_EXTRA_CLANG_ARGS="-I$$(cc -print-file-name=include)" \
 	cargo build --quiet --locked --manifest-path tests/masters/fmi/Cargo.toml --target-dir target/masters/fmi
@@ -199,7 +214,7 @@ gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some mi
 	--output results/gallery/cfd3-325x72
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/gallery || exit; done
 
-.PHONY: dist dist-libraries foreign-test
+.PHONY: dist dist-libraries wheel foreign-test
 
 DIST_TARGETS := x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu x86_64-pc-windows-gnu x86_64-apple-darwin aarch64-apple-darwin
 DIST_BUILDS := $(addsuffix .2.17,$(wordlist 1,2,$(DIST_TARGETS))) $(word 3,$(DIST_TARGETS)) universal2-apple-darwin
@@ -215,8 +230,12 @@ dist-libraries: $(DIST_VENV)/.ready ## the libraries for Linux (glibc 2.17), Win
 	for target in $(DIST_BUILDS); do $(ZIGBUILD) --package nervure-fmu-rod --package nervure-fmu-fluid --target $$target \
 	--target-dir target/dist || exit; done
 
-dist: dist-libraries $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for all systems, checksums and manifest, into dist/
-	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist
+dist: dist-libraries $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for all systems, checksums and manifest, into dist/; FMI=3
+	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist --fmi $(FMI)
+
+wheel: dist-libraries $(READY) ## one wheel for all these systems, into target/wheel: `pip install` of it needs no compiler
+	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(RUN) -m pip --quiet --disable-pip-version-check wheel --no-deps \
+	--no-build-isolation --wheel-dir target/wheel .
 
 foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, look at the libraries for macOS; needs wine and qemu-user
 	for target in $(wordlist 1,3,$(DIST_TARGETS)); do \

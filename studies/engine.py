@@ -43,6 +43,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "peers": ("studies/peers/*.py",),
     "limits": ("tests/driven_root.py",),
     "plate": ("tests/plate.py",),
+    "driven bar": ("studies/driven_bar.py",),
 }
 """Sources by the name under which a case says that it depends on them."""
 

@@ -39,11 +39,6 @@ def cylinder(
     take steps up to its CFL limit, `thesis` starts by a jump. The masks `curvature`, `shear` and `none` are wall
     targets of the log-linear profile."""
     dt, ny = dt or STEP[flow] / nx, nx // 5
-    base = simulate.changed(SCENES[flow], {})["fluid"]["box"]
-    box = {}
-    for axis, cells, part in (("x", nx, offset[0]), ("y", ny, offset[1])):
-        low, high = base[axis]
-        box[axis] = [edge + part * (high - low) / cells for edge in (low, high)]
     kind, _, variant = mask.partition(", ")
     shape: dict[str, Any] = {"c_eta": c_eta}
     if variant == "uncorrected":
@@ -51,10 +46,8 @@ def cylinder(
     if kind == "cosine":
         shape["half_width"] = 1.0
     target = {"log_linear": {"c_eta": c_eta, "target": kind}}
-    changes: dict[str, Any] = {
+    changes: dict[str, Any] = simulate.aside(SCENES[flow], nx, ny, offset) | {
         "name": f"cylinder-{flow.lower().replace('-', '')}-{name.replace('/', '-')}",
-        "fluid.box": box | {"cells": [nx, ny]},
-        "fluid.inflow.x.0": box["x"][0],
         "time.communication_step": dt,
         "fluid.time_stepping.max_step": dt,
         "fluid.mask": {kind: shape} if kind in ("cosine", "sharp") else target,

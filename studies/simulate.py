@@ -54,6 +54,16 @@ def on_grid(nx: int, ny: int, step: float) -> dict[str, Any]:
     return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
 
 
+def aside(name: str, nx: int, ny: int, offset: tuple[float, float]) -> dict[str, Any]:
+    """The changes to another grid that lies aside by parts of a cell against what is in the flow; the inflow begins
+    with it."""
+    base, box = changed(name, {})["fluid"]["box"], {}
+    for axis, cells, part in (("x", nx, offset[0]), ("y", ny, offset[1])):
+        low, high = base[axis]
+        box[axis] = [edge + part * (high - low) / cells for edge in (low, high)]
+    return {"fluid.box": box | {"cells": [nx, ny]}, "fluid.inflow.x.0": box["x"][0]}
+
+
 def assignments(changes: dict[str, Any]) -> list[str]:
     """Changes as `--set` takes them."""
 
@@ -80,7 +90,7 @@ def published(name: str) -> dict[str, tuple[float, float]]:
     for quantity, values in given.get("quantities", {}).items():
         for what in ("mean", "amplitude", "frequency_hz"):
             if what in values:
-                swings = what == "mean" and name.startswith(("fsi3", "cfd3")) and quantity != "drag"
+                swings = what == "mean" and name.startswith(("fsi2", "fsi3", "cfd3")) and quantity != "drag"
                 found[f"{quantity}.{what}"] = values[what], abs(values["amplitude"] if swings else values[what])
     return found
 

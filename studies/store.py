@@ -55,13 +55,16 @@ class Record:
     @cached_property
     def view(self) -> dict[str, Any]:
         """Everything that a table can show of it: what it is about, values, `QUANTITY.error`, the distance from the
-        published value by its scale, and times (s) by their medians."""
+        published value by its scale, `cl_mean.by_cd`, that of the lift by the drag, and times (s) by their medians."""
         clocks = {name: found[1] if isinstance(found, list) else found for name, found in self.times.items()}
         errors = {
             f"{quantity}.error": (float(self.values[quantity]) - expected) / scale
             for quantity, (expected, scale) in self.published.items()
             if scale and self.values.get(quantity) is not None
         }
+        if "cl_mean.error" in errors and "cd_mean" in self.published:
+            expected, scale = self.published["cl_mean"][0], self.published["cd_mean"][1]
+            errors["cl_mean.by_cd"] = (float(self.values["cl_mean"]) - expected) / scale
         said = {"label": self.name.split("/", 2)[-1], "said": self.error or "ok", "failed": bool(self.error)}
         return said | self.case.about | clocks | errors | self.values
 

@@ -21,8 +21,8 @@ from nervure.scene import read
 FSI3, CSM1, CYLINDER, VEIN, HOVER = (
     "fsi3-325x72", "csm1", "cylinder-2d1-450x90", "vein-pitching-320x240", "vein-hover-288x256"
 )  # fmt: skip
-THESIS, VEIN_3D = "fsi3-thesis-325x72", "vein-3d"
 BODY = 'fluid.bodies=[{"position": [1.5, 0.2]'
+THESIS, VEIN_3D = "fsi3-thesis-325x72", "vein-3d"
 LAW, LOAD = "fluid.inflow.mean_velocity", "coupling.load"
 PROBE = '{{"name": "{}", "position": {}}}'
 

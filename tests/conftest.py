@@ -101,10 +101,10 @@ def packed(tmp_path_factory, libraries):
     """Function that packs a unit of a scene, each only once: that takes longer than most tests."""
     folder = tmp_path_factory.mktemp("packed")
 
-    def pack(kind: str, scene: dict) -> Path:
-        digest = hashlib.sha256(text(scene).encode()).hexdigest()[:16]
+    def pack(kind: str, scene: dict, version: int = 2) -> Path:
+        digest = hashlib.sha256(f"{version} {text(scene)}".encode()).hexdigest()[:16]
         path = folder / digest / f"{scene['name']}-{kind}.fmu"
-        return path if path.exists() else package.pack(kind, scene, path.parent)
+        return path if path.exists() else package.pack(kind, scene, path.parent, version=version)
 
     return pack
 
@@ -114,10 +114,10 @@ def instantiate(packed):
     """Function that packs a scene and returns its units by kind, which are closed after the test."""
     with ExitStack() as stack:
 
-        def make(scene: dict) -> dict[str, Unit]:
+        def make(scene: dict, version: int = 2) -> dict[str, Unit]:
             units = {}
             for kind in kinds(scene):
-                units[kind] = Unit(packed(kind, scene), kind, scene["time"]["end"])
+                units[kind] = Unit(packed(kind, scene, version), kind, scene["time"]["end"])
                 stack.callback(units[kind].close)
             return units
 

@@ -141,7 +141,7 @@ def test_missing_output_is_named():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"references": [0, 1, 2]}, "size of `y` is 2 at the fluid, but 3 at the rod"),
+        ({"start": [None] * 3}, "size of `y` is 2 at the fluid, but 3 at the rod"),
         ({"unit": "mm"}, "unit of `y` is m at the fluid, but mm at the rod"),
         ({"kind": "Integer"}, "kind of `y` is Real at the fluid, but Integer at the rod"),
     ],

@@ -213,20 +213,23 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
     assert again.returncode == 1 and "2 runs, 0 to do" in again.stdout, again.stderr
 
 
-def test_ctrl_c_ends_a_sweep_without_a_traceback(scene, tmp_path):
-    """It goes to all processes of the terminal."""
-    folder = tmp_path / "sweep"
-    command = [*TOOL, "sweep", scene, "--output", folder, "--vary", "time.end=1e-3,1e5"]
+@pytest.mark.parametrize("moment", ["while workers start", "in a run"])
+def test_ctrl_c_ends_a_sweep_without_a_traceback(moment, scene, tmp_path):
+    """It goes to all processes of the terminal, at any moment, and none of them stays."""
+    command = [*TOOL, "sweep", scene, "--output", tmp_path / "sweep", "--vary", "time.end=1e4,1e5"]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
     process = subprocess.Popen(command, **pipes)
+    children = psutil.Process(process.pid).children
+    reached = (lambda: running(process)) if moment == "in a run" else (lambda: len(children(recursive=True)) > 1)
     deadline = time.monotonic() + 60
-    while not list(folder.glob("*/row.json")) and time.monotonic() < deadline:
-        time.sleep(0.1)
-    time.sleep(2.0)  # the second run has begun
+    while not reached() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    workers = children(recursive=True)
     os.killpg(process.pid, signal.SIGINT)
     output, errors = process.communicate(timeout=60)
     assert process.returncode == 130 and "the same command goes on" in output, output + errors
     assert "Traceback" not in errors, errors
+    assert len(workers) > 1 and not psutil.wait_procs(workers, timeout=10)[1]
 
 
 @pytest.mark.parametrize(

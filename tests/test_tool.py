@@ -267,22 +267,30 @@ def test_results_that_are_damaged_are_said(result):
     assert done.returncode == 2 and "are damaged" in done.stderr, done.stderr
 
 
-def test_a_delivery_has_the_libraries_of_all_systems(tmp_path, monkeypatch, rod_only):
+@pytest.mark.parametrize(
+    ("version", "names"),
+    [
+        (2, {"linux64": "so", "win64": "dll", "darwin64": "dylib"}),
+        (3, {"x86_64-linux": "so", "x86_64-windows": "dll", "x86_64-darwin": "dylib", "aarch64-darwin": "dylib"}),
+    ],
+)
+def test_a_delivery_has_the_libraries_of_all_systems(version, names, tmp_path, monkeypatch, rod_only):
     monkeypatch.setattr(delivery, "OLDEST_GLIBC", (99, 0))
     own = library("rod")
-    for target in delivery.TARGETS.values():
+    for target in set(delivery.TARGETS[version].values()):
         (tmp_path / target / "release").mkdir(parents=True)
     shutil.copy(own, tmp_path / "x86_64-unknown-linux-gnu" / "release")
     for path in ("x86_64-pc-windows-gnu/release/fmu_rod.dll", "universal2-apple-darwin/release/libfmu_rod.dylib"):
         (tmp_path / path).write_bytes(path.encode())
     monkeypatch.setenv("NERVURE_LIBRARIES", str(tmp_path / "x86_64-unknown-linux-gnu" / "release"))
-    delivery.write(typed(rod_only), tmp_path / "dist")
+    delivery.write(typed(rod_only), tmp_path / "dist", version)
     with zipfile.ZipFile(tmp_path / "dist" / "falling-rod-rod.fmu") as archive:
         binaries = {name for name in archive.namelist() if name.startswith("binaries/")}
         notices = archive.read("documentation/licenses/third-party.txt").decode("utf-8")
-    assert binaries == {"binaries/linux64/fmu_rod.so", "binaries/win64/fmu_rod.dll", "binaries/darwin64/fmu_rod.dylib"}
+    assert binaries == {f"binaries/{name}/fmu_rod.{ending}" for name, ending in names.items()}
     assert "\nserde " in notices and "Apache License" in notices and "\nnervure" not in notices
-    assert "darwin64, linux64, win64" in (tmp_path / "dist" / "README.md").read_text()
+    readme = (tmp_path / "dist" / "README.md").read_text()
+    assert f"FMI {version}.0" in readme and ", ".join(sorted(names)) in readme and "{" not in readme
 
 
 def test_a_delivery_is_what_its_checksums_and_manifest_say(fsi3, tmp_path, monkeypatch):

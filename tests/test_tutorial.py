@@ -34,13 +34,14 @@ def test_every_command_runs_as_written(tmp_path, libraries):
     assert len(rows) == 3 and {"thrust", "efficiency"} <= set(header.split(","))
 
 
-PAGES = ("tutorial", "running", "cluster", "vein", "gallery", "own-solver", "masters")
+PAGES = ["README.md", "CONTRIBUTING.md", "docs/fsi3/thesis.md"]
+PAGES += [f"docs/{name}.md" for name in ("tutorial", "running", "cluster", "vein", "gallery", "own-solver", "masters")]
 
 
 def typed_lines():
     """Lines to be typed: document, line."""
     for name in PAGES:
-        text = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+        text = (ROOT / name).read_text(encoding="utf-8")
         for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL):
             yield from ((name, line) for line in block.replace("\\\n", " ").splitlines())
 

@@ -1,4 +1,4 @@
-//! The fluid as an FMI 2.0 co-simulation unit.
+//! The fluid as an FMI co-simulation unit.
 
 mod parameters;
 mod variables;

@@ -1,4 +1,4 @@
-//! The elastic rod as an FMI 2.0 co-simulation unit: the list of its variables and its step.
+//! The elastic rod as an FMI co-simulation unit: the list of its variables and its step.
 
 use std::slice::{from_mut, from_ref};
 

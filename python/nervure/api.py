@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from nervure import results, simulation
 from nervure.errors import Refusal
@@ -81,11 +81,13 @@ def run(
     series_every: float | None = None,
     force: bool = False,
     quiet: bool = False,
+    fmi: Literal[2, 3] = 2,
 ) -> Run:
     """Run a scene, an object or the name of one, into the folder `output` or results/NAME.
 
     `overrides` (key=value), the FMUs in the place of ours, the minutes between checkpoints, the seconds between fields
-    and between rows of the series, and `force`, which replaces results of another scene, are those of `nervure run`.
+    and between rows of the series, `force`, which replaces results of another scene, and `fmi`, the version of our
+    units, are those of `nervure run`.
     Raises `Refusal` where something that was given cannot be used, `RunError` where the run failed and
     `KeyboardInterrupt` where it was interrupted; in the last two cases the results so far are written.
     """
@@ -93,12 +95,14 @@ def run(
         scene = load(scene, overrides)
     elif overrides := list(overrides):
         raise Refusal(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
+    if fmi not in (2, 3):
+        raise Refusal(f"fmi is {fmi!r}, but must be 2 or 3")
     foreign = {"rod": rod_fmu, "fluid": fluid_fmu}
     if output == "":
         raise Refusal("the output is empty, but it must be the path of a folder")
     folder = None if output is None else Path(output)
     every = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
-    return _ended(simulation.run(scene, folder, foreign, **every, quiet=quiet, force=force))
+    return _ended(simulation.run(scene, folder, foreign, **every, quiet=quiet, force=force, fmi=fmi))
 
 
 def resume(folder: str | Path, *, quiet: bool = False) -> Run:

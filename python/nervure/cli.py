@@ -40,6 +40,7 @@ Output = Annotated[
 EndTime = Annotated[float | None, typer.Option(help="End of the run, s, in place of the scene's.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace the results of another scene in the folder.")]
+Fmi = Annotated[int, typer.Option("--fmi", min=2, max=3, help="Version of FMI of our units.")]
 FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of ours.")]
 
 app = typer.Typer(help="Build, run and look at FMI units.", no_args_is_help=True, pretty_exceptions_enable=False)
@@ -53,6 +54,7 @@ def build(
         Path | None,
         typer.Option(exists=True, file_okay=False, help="Write fmu_KIND.xml into this folder in place of FMUs."),
     ] = None,
+    fmi: Fmi = 2,
 ) -> None:
     """Pack the units of a scene without running it; in the source tree, build both libraries before."""
     from nervure.pack import package
@@ -70,9 +72,9 @@ def build(
     for kind in kinds(scene):
         if descriptions:
             path = descriptions / f"fmu_{kind}.xml"
-            path.write_text(package.describe(kind, scene), encoding="utf-8")
+            path.write_text(package.describe(kind, scene, fmi), encoding="utf-8")
         else:
-            path = package.pack(kind, scene, output or Path("results") / scene.name)
+            path = package.pack(kind, scene, output or Path("results") / scene.name, version=fmi)
         typer.echo(path)
 
 
@@ -96,13 +98,14 @@ def run(
     ] = None,
     force: Force = False,
     quiet: Quiet = False,
+    fmi: Fmi = 2,
 ) -> None:
     """Run a scene: pack its units, couple them, write results/NAME with tables, a summary and pictures."""
     from nervure import simulation
     from nervure.scene import load
 
     scene, fmus = load(scene_file, overrides or (), end_time), {"rod": rod_fmu, "fluid": fluid_fmu}
-    done = simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet, force, series_every)
+    done = simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet, force, series_every, fmi)
     _exit(done.summary)
 
 
@@ -263,12 +266,16 @@ def sweep(
 def dist(
     scene_file: SceneFile,
     folder: Annotated[Path, typer.Argument(help="Folder to write; one that exists is replaced as a whole.")],
+    fmi: Fmi = 2,
 ) -> None:
-    """Write FMUs, SSP, checksums and manifest of a scene into a folder; `make dist` builds the libraries for it."""
+    """Write FMUs, SSP (under FMI 2.0), checksums and manifest of a scene into a folder.
+
+    `make dist` builds the libraries for it.
+    """
     from nervure.pack import delivery
     from nervure.scene import load
 
-    delivery.write(load(scene_file), folder)
+    delivery.write(load(scene_file), folder, fmi)
     typer.echo(folder)
 
 

@@ -6,29 +6,33 @@ and writes modelDescription.xml, or the reason why the scene cannot be run.
 
 import ctypes
 import os
-import sys
 import tempfile
 from pathlib import Path
 
 from nervure.errors import SceneError
-from nervure.resources import ROOT, SOURCE
+from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX
 
-KINDS = ("rod", "fluid")  # Units that a scene can have; unit KIND is the library and the model identifier `fmu_KIND`
-PREFIX, SUFFIX = {"win32": ("", ".dll"), "darwin": ("lib", ".dylib")}.get(sys.platform, ("lib", ".so"))
+__all__ = ["KINDS", "SUFFIX", "check", "describe", "is_built", "library"]
 
 
 def library(kind: str) -> Path:
     """Path of the library of unit `kind`: in the folder that the variable `NERVURE_LIBRARIES` names, or that of the
     wheel, or as cargo built it in the source tree."""
     path = _path(kind)
-    if not path.is_file():
-        raise SceneError(f"the library {path} is not built; `make build` or `nervure build SCENE.json` builds it")
-    return path
+    if path.is_file():
+        return path
+    if path.is_relative_to(BINARIES):
+        there = ", ".join(sorted(folder.name for folder in BINARIES.iterdir() if folder.is_dir()))
+        raise SceneError(
+            f"this system is {PLATFORM}, but nervure was installed with units for {there}; `pip install .` in the "
+            "folder of the project compiles them for this one"
+        )
+    raise SceneError(f"the library {path} is not built; `make build` or `nervure build SCENE.json` builds it")
 
 
 def _path(kind: str) -> Path:
     built = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release"
-    folder = Path(os.environ.get("NERVURE_LIBRARIES") or (built if SOURCE else ROOT / "binaries"))
+    folder = Path(os.environ.get("NERVURE_LIBRARIES") or (built if SOURCE else BINARIES / PLATFORM))
     return folder / f"{PREFIX}fmu_{kind}{SUFFIX}"
 
 
@@ -47,9 +51,11 @@ def check(text: str) -> None:
             raise
 
 
-def describe(kind: str, text: str) -> str:
-    """modelDescription.xml of unit `kind` for the text of a scene, or `SceneError` with the unit's words."""
-    function = ctypes.CDLL(str(library(kind)))["fmu_model_description"]
+def describe(kind: str, text: str, version: int = 2) -> str:
+    """modelDescription.xml of unit `kind` in that version of FMI, 2 or 3, for the text of a scene, or `SceneError` with
+    the unit's words."""
+    name = {2: "fmu_model_description", 3: "fmu_model_description_3"}[version]
+    function = ctypes.CDLL(str(library(kind)))[name]
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
     needed, buffer = ctypes.c_size_t(1 << 16), ctypes.create_string_buffer(1)
     with tempfile.TemporaryDirectory() as resources:

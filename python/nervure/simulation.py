@@ -27,9 +27,11 @@ def run(
     quiet: bool = False,
     force: bool = False,
     series_every: float | None = None,
+    fmi: int = 2,
 ) -> results.Results:
     """Run `scene` from its start into `folder` or results/NAME, with the FMUs `foreign` in the place of ours, minutes
-    of wall time between checkpoints, and simulated seconds between fields and between rows of the series.
+    of wall time between checkpoints, and simulated seconds between fields and between rows of the series; `fmi` is the
+    version of our units, 2 or 3.
 
     What the folder holds of another scene, or of a run that was stopped, is refused, or with `force` replaced.
     """
@@ -38,7 +40,7 @@ def run(
     folder = folder or Path("results") / scene.name
     strays = _make_room(scene, folder, foreign, force)
     try:
-        fmus = {kind: foreign.get(kind) or package.pack(kind, scene, folder) for kind in kinds(scene)}
+        fmus = {kind: foreign.get(kind) or package.pack(kind, scene, folder, version=fmi) for kind in kinds(scene)}
     except OSError as error:
         raise Refusal(f"cannot write into the result folder {folder}: {error.strerror}") from error
     strays -= {path.parent.resolve() / path.name for path in fmus.values()}

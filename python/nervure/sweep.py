@@ -17,6 +17,7 @@ from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache, partial
+from multiprocessing import resource_tracker
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
@@ -192,18 +193,22 @@ def run(
         done[name] = steps
         progress(ended, sum(done.values()))
 
+    def keep(case: Case, result: Row) -> None:
+        nonlocal ended
+        row = {"folder": case.folder, "scene": case.scene.get("name"), **case.varied, **result, "key": case.key}
+        rows[case.folder] = row
+        (folder / case.folder).mkdir(exist_ok=True)
+        write_whole(folder / case.folder / ROW, partial(Path.write_text, data=json.dumps(row) + "\n"))
+        _collect(folder, rows)
+        ended += 1
+        reached(case.folder, case.steps)
+        told = row["reason"] or f"in {row['wall_s']:.1f} s"
+        say(f"{case.folder}: {row['status']} {told}")
+
     try:
         _collect(folder, rows)
-        for case, result in _distributed(todo, folder, scheduler, reached) if todo else ():
-            row = {"folder": case.folder, "scene": case.scene.get("name"), **case.varied, **result, "key": case.key}
-            rows[case.folder] = row
-            (folder / case.folder).mkdir(exist_ok=True)
-            write_whole(folder / case.folder / ROW, partial(Path.write_text, data=json.dumps(row) + "\n"))
-            _collect(folder, rows)
-            ended += 1
-            reached(case.folder, case.steps)
-            told = row["reason"] or f"in {row['wall_s']:.1f} s"
-            say(f"{case.folder}: {row['status']} {told}")
+        if todo:
+            _distribute(todo, folder, scheduler, reached, keep)
     except OSError as error:
         raise Refusal(f"cannot write into {folder}: {error.strerror or error}") from error
     return [row for row in rows.values() if row]
@@ -211,22 +216,39 @@ def run(
 
 @contextmanager
 def _deaf() -> Iterator[None]:
-    """Within it, processes are started that Ctrl-C in the terminal does not reach: it is for the sweep to end them."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
+    """Within it, threads and processes are started that Ctrl-C in the terminal does not reach, nor what they start: it
+    is for the sweep to end them. One that comes meanwhile is raised at the end."""
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
+        yield  # In Windows a worker that ends by Ctrl-C is one that the sweep ends too
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    came = False
+
+    def remember(*_: object) -> None:
+        nonlocal came
+        came = True
+
+    resource_tracker.ensure_running()  # Later it would end the blocking
+    before = signal.signal(signal.SIGINT, remember)  # Threads of before may still take it
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
     finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         signal.signal(signal.SIGINT, before)
+    if came:
+        raise KeyboardInterrupt
 
 
-def _distributed(
-    cases: Sequence[Case], folder: Path, scheduler: str | None, reached: Callable[[str, int], None]
-) -> Iterator[tuple[Case, Row]]:
-    """Cases with their results, as they come in, and by `reached` the steps that those under way have done. No more are
-    handed out than there are workers, so that one that kills its worker takes no other with it."""
+def _distribute(
+    cases: Sequence[Case],
+    folder: Path,
+    scheduler: str | None,
+    reached: Callable[[str, int], None],
+    keep: Callable[[Case, Row], None],
+) -> None:
+    """Hand `cases` to workers. `keep` is given each with its result as it comes in, `reached` the steps that those
+    under way have done. No more are handed out than there are workers, so that one that kills its worker takes no
+    other with it. Whatever ends this ends the workers of this machine too."""
     import distributed
     from distributed.scheduler import KilledWorker
 
@@ -280,11 +302,11 @@ def _distributed(
                     f"the scheduler at {scheduler} was lost; the same command goes on with what is missing"
                 ) from lost
             if isinstance(failure, KilledWorker):
-                yield case, {"status": KILLED, "reason": f"its worker died {failure.allowed_failures + 1} times"}
+                keep(case, {"status": KILLED, "reason": f"its worker died {failure.allowed_failures + 1} times"})
             elif failure is not None:
-                yield case, {"status": FAILED, "reason": f"{type(failure).__name__}: {failure}"}
+                keep(case, {"status": FAILED, "reason": f"{type(failure).__name__}: {failure}"})
             else:
-                yield case, future.result()
+                keep(case, future.result())
 
 
 def _collect(folder: Path, rows: dict[str, Row | None]) -> None:

@@ -1,12 +1,14 @@
 """One FMU as the master sees it: named arrays in, one step, named arrays out."""
 
 import ctypes
+import math
 import re
 import shutil
 import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -15,12 +17,14 @@ import fmpy
 import numpy as np
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
 from nervure.errors import Refusal
 
 FMI_WARNING, FMI_FATAL = 1, 4
-ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of FMI 2.0: some units say only in these why they failed
+ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of the standard: some units say only in these why they failed
+KINDS = {"Float64": "Real", "Int32": "Integer"}  # Types of FMI 3.0 by the name that they have in 2.0
 ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 
 
@@ -30,10 +34,10 @@ class UnitError(Refusal):
 
 @dataclass
 class Variable:
-    """A scalar variable, or an array `name[1] … name[n]`."""
+    """A scalar variable, or an array: `name[1] … name[n]` in FMI 2.0, one variable of `n` values in FMI 3.0."""
 
     name: str
-    kind: str  # FMI type: Real, Integer, Boolean or String
+    kind: str  # FMI type, by its name in FMI 2.0 where it has one: Real, Integer, Boolean or String
     causality: str
     unit: str | None
     references: list[int]
@@ -41,7 +45,7 @@ class Variable:
 
     @property
     def size(self) -> int:
-        return len(self.references)
+        return len(self.start)
 
 
 _messages: dict[str, list[str]] = defaultdict(list)
@@ -49,8 +53,12 @@ _messages: dict[str, list[str]] = defaultdict(list)
 
 
 def _log(_environment: Any, instance: bytes | None, status: int, _category: Any, message: bytes | None) -> None:
+    _note((instance or b"").decode("utf-8", "replace"), None, status, None, message)
+
+
+def _note(instance: str, _environment: Any, status: int, _category: Any, message: bytes | None) -> None:
     if status > FMI_WARNING:
-        _messages[(instance or b"").decode("utf-8", "replace")].append((message or b"").decode("utf-8", "replace"))
+        _messages[instance].append((message or b"").decode("utf-8", "replace"))
 
 
 _callbacks = fmi2CallbackFunctions(
@@ -62,7 +70,7 @@ addLoggerProxy(ctypes.byref(_callbacks))
 
 
 class Unit:
-    """A co-simulation FMU (FMI 2.0), packed or as a folder, instantiated and in initialization mode.
+    """A co-simulation FMU of FMI 2.0 or 3.0, packed or as a folder, instantiated and in initialization mode.
 
     `connect` chooses what is exchanged; after it, `inputs` and `outputs` are plain arrays, and `step` moves each of
     them with one call. A status worse than a warning raises `UnitError` with what the unit logged.
@@ -76,8 +84,9 @@ class Unit:
         self.state = ctypes.c_void_p()  # Handle of the state that `save` keeps
         _messages[name].clear()
         self.description = read_description(path)
-        if self.description.fmiVersion != "2.0" or self.description.coSimulation is None:
-            raise UnitError(f"{path} is not a co-simulation unit of FMI 2.0")
+        self.version = version_of(self.description)
+        if self.version is None or self.description.coSimulation is None:
+            raise UnitError(f"{path} is not a co-simulation unit of FMI 2.0 or 3.0")
         self.variables = variables_of(self.description)
         self.can_roll_back = bool(self.description.coSimulation.canGetAndSetFMUstate)
         self.can_serialize = self.can_roll_back and bool(self.description.coSimulation.canSerializeFMUstate)
@@ -92,17 +101,39 @@ class Unit:
                     ) from error
             guid, model = self.description.guid, self.description.coSimulation.modelIdentifier
             place = {"unzipDirectory": self._folder or str(path), "instanceName": name}
-            self.fmu = self._call(FMU2Slave, guid=guid, modelIdentifier=model, **place)
-            self._call(self.fmu.instantiate, callbacks=_callbacks)
+            slave = FMU2Slave if self.version == 2 else FMU3Slave
+            self.fmu = self._call(slave, guid=guid, modelIdentifier=model, **place)
+            self._bind()
             categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
+            if self.version == 2:
+                self._call(self.fmu.instantiate, callbacks=_callbacks)
+            else:  # which logs nothing at all where logging is off
+                self._call(self.fmu.instantiate, loggingOn=True, logMessage=partial(_note, name))
+                if categories:
+                    self._call(self.fmu.setDebugLogging, False, [])
             if categories:
                 self._call(self.fmu.setDebugLogging, True, categories)
-            self._call(self.fmu.setupExperiment, startTime=0.0, stopTime=stop_time)
-            self._call(self.fmu.enterInitializationMode)
+            if self.version == 2:
+                self._call(self.fmu.setupExperiment, startTime=0.0, stopTime=stop_time)
+                self._call(self.fmu.enterInitializationMode)
+            else:
+                self._call(self.fmu.enterInitializationMode, startTime=0.0, stopTime=stop_time)
         except BaseException:
             self.close()
             raise
         self.connect([], [])
+
+    def _bind(self) -> None:
+        """The calls of the loop are the library's own: fmpy's wrappers double the cost of the exchange."""
+        library, two = self.fmu.dll, self.version == 2
+        self._set_reals = library.fmi2SetReal if two else library.fmi3SetFloat64
+        self._get_reals = library.fmi2GetReal if two else library.fmi3GetFloat64
+        self._get_integers = library.fmi2GetInteger if two else library.fmi3GetInt32
+        self._do_step = library.fmi2DoStep if two else library.fmi3DoStep
+        self._get_state = self.fmu.fmi2GetFMUstate if two else self.fmu.fmi3GetFMUState
+        self._wishes = [] if two else [ctypes.c_bool() for _ in ("event", "end", "early return")]
+        # What fmi3DoStep returns beside its status; the last is the time that was reached.
+        self._answers = () if two else (*map(ctypes.byref, self._wishes), ctypes.byref(ctypes.c_double()))
 
     def connect(self, inputs: list[str], outputs: list[str], watched: Sequence[str] = ()) -> None:
         """Choose the Real variables that `step` sets and gets, in this order.
@@ -115,6 +146,8 @@ class Unit:
         front = [*outputs, *watched]
         self.inputs, self._set_arguments = self._buffer(inputs, ctypes.c_double)
         self.outputs, self._get_arguments = self._buffer([*front, *scalars], ctypes.c_double)
+        part = self.outputs[: self.outputs.size - len(scalars)]
+        self._get_part_arguments = self._arguments(front, part)
         self.all_in_step = True
         self.integers, self._get_integer_arguments = self._buffer(self.scalars("Integer"), ctypes.c_int)
         names = [*front, *scalars]
@@ -129,33 +162,35 @@ class Unit:
         return [v.name for v in self.variables.values() if v.causality == "output" and v.kind == kind and v.size == 1]
 
     def _buffer(self, names: list[str], c_type: Any) -> tuple[np.ndarray, tuple[Any, ...]]:
-        """Start values of `names`, and the arguments of the C function that sets or gets them: those of fmpy's own
-        methods are lists, which are copied element by element."""
-        chosen = [self.variables[name] for name in names]
-        references = np.array([reference for variable in chosen for reference in variable.references], np.uintc)
-        values = np.array([float(start or 0) for variable in chosen for start in variable.start]).astype(c_type)
-        references_at = references.ctypes.data_as(ctypes.POINTER(ctypes.c_uint))
-        values_at = values.ctypes.data_as(ctypes.POINTER(c_type))
-        return values, (self.fmu.component, references_at, references.size, values_at)
+        """Start values of `names`, and the arguments of the C function that sets or gets them."""
+        starts = [start for name in names for start in self.variables[name].start]
+        values = np.array([float(start or 0) for start in starts]).astype(c_type)
+        return values, self._arguments(names, values)
 
-    # The calls of the loop are the library's own: fmpy's wrappers double the cost of the exchange.
+    def _arguments(self, names: list[str], values: np.ndarray) -> tuple[Any, ...]:
+        """Arguments of the C function that sets or gets `names` from or into `values`: those of fmpy's own methods are
+        lists, which are copied element by element."""
+        references = np.array([reference for name in names for reference in self.variables[name].references], np.uintc)
+        references_at = references.ctypes.data_as(ctypes.POINTER(ctypes.c_uint))
+        values_at = values.ctypes.data_as(ctypes.POINTER(np.ctypeslib.as_ctypes_type(values.dtype)))
+        arguments = (self.fmu.component, references_at, references.size, values_at)
+        return arguments if self.version == 2 else (*arguments, values.size)
+
     def set(self) -> None:
         """Hand `inputs` to the unit."""
-        if (status := self.fmu.dll.fmi2SetReal(*self._set_arguments)) > FMI_WARNING:
+        if (status := self._set_reals(*self._set_arguments)) > FMI_WARNING:
             raise self._error("refused its inputs", status)
 
     def get_exchanged(self) -> None:
         """Fetch those of `outputs` that are exchanged or watched: a scalar may cost as much as half a step."""
-        component, references, _, values = self._get_arguments
-        size = self.outputs.size - self.reals.size
-        if (status := self.fmu.dll.fmi2GetReal(component, references, size, values)) > FMI_WARNING:
+        if (status := self._get_reals(*self._get_part_arguments)) > FMI_WARNING:
             raise self._error("gave no outputs", status)
 
     def get(self) -> None:
         """Fetch `outputs` from the unit."""
-        status = self.fmu.dll.fmi2GetReal(*self._get_arguments)
+        status = self._get_reals(*self._get_arguments)
         if self.integers.size and status <= FMI_WARNING:
-            status = self.fmu.dll.fmi2GetInteger(*self._get_integer_arguments)
+            status = self._get_integers(*self._get_integer_arguments)
         if status > FMI_WARNING:
             raise self._error("gave no outputs", status)
 
@@ -167,10 +202,12 @@ class Unit:
         """Set the inputs, step from `t` to `t + h` (s), get the outputs, all or those that the next step needs."""
         self.set()
         start = perf_counter()
-        status = self.fmu.dll.fmi2DoStep(self.fmu.component, t, h, 1)
+        status = self._do_step(self.fmu.component, t, h, 1, *self._answers)
         self.seconds += perf_counter() - start
         if status > FMI_WARNING:
             raise self._error(f"failed in the step from t = {t:g} s to {t + h:g} s", status)
+        if any(wish.value for wish in self._wishes):
+            raise self._error(f"wants an event, an early return or the end in the step from t = {t:g} s")
         if self.all_in_step:
             self.get()
         else:
@@ -178,25 +215,28 @@ class Unit:
 
     def save(self) -> None:
         """Keep the unit's state for `restore`, in place of the one kept before."""
-        self._timed(self.fmu.fmi2GetFMUstate, self.fmu.component, ctypes.byref(self.state))
+        self._timed(self._get_state, self.fmu.component, ctypes.byref(self.state))
 
     def restore(self) -> None:
         """Put the unit back into the state that was kept last."""
-        self._timed(self.fmu.setFMUstate, self.state)
+        self._timed(self.fmu.setFMUState, self.state)
 
     def serialize(self) -> bytes:
         """The unit's whole state; replaces the one that `save` kept."""
         self.save()
-        return bytes(self._call(self.fmu.serializeFMUstate, self.state))
+        return bytes(self._call(self.fmu.serializeFMUState, self.state))
 
     def deserialize(self, state: bytes) -> None:
         """Put the unit into a state that `serialize` gave."""
-        self._call(self.fmu.deSerializeFMUstate, state, self.state)
+        self._call(self.fmu.deserializeFMUState, state, self.state)
         self.restore()
 
     def read(self, name: str) -> np.ndarray:
         """Values of any Real variable, whether it is exchanged or not."""
-        return np.array(self._call(self.fmu.getReal, self.variables[name].references))
+        references = self.variables[name].references
+        if self.version == 2:
+            return np.array(self._call(self.fmu.getReal, references))
+        return np.array(self._call(self.fmu.getFloat64, references, self.variables[name].size))
 
     def field(self, name: str) -> np.ndarray:
         """A field of the unit, `[nx, ny]`; raises `UnitError` if it does not show it, which is no part of FMI."""
@@ -223,7 +263,7 @@ class Unit:
         """Free the instance, unload the library and remove the unpacked files."""
         if self.fmu is not None and self.fmu.component is not None:
             if self.state:
-                self.fmu.freeFMUstate(self.state)
+                self.fmu.freeFMUState(self.state)
             self.fmu.freeInstance()
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
@@ -243,7 +283,7 @@ class Unit:
 
     def _error(self, what: str, status: int | None = None) -> UnitError:
         if status == FMI_FATAL:
-            self.fmu.component = None  # no function may be called for it any more, fmi2FreeInstance included
+            self.fmu.component = None  # no function may be called for it any more, that which frees it included
         said = "; ".join(dict.fromkeys(_messages[self.name]))
         return UnitError(f"{self.name}: {said or what}")
 
@@ -254,6 +294,11 @@ def read_description(path: Path) -> Any:
         return fmpy.read_model_description(str(path), validate=False)
     except Exception as error:  # fmpy raises whatever zip and XML readers raise
         raise UnitError(f"{path} cannot be read as an FMU: {error}") from error
+
+
+def version_of(description: Any) -> int | None:
+    """Version of the standard that a model description follows, 2 or 3; None of another."""
+    return 2 if description.fmiVersion == "2.0" else 3 if description.fmiVersion.startswith("3.") else None
 
 
 def variables_of(description: Any) -> dict[str, Variable]:
@@ -270,6 +315,19 @@ def variables_of(description: Any) -> dict[str, Variable]:
         ordered = [elements[index] for index in sorted(elements)]
         first = ordered[0]
         unit = first.unit or (first.declaredType.unit if first.declaredType else None)
-        references, start = [scalar.valueReference for scalar in ordered], [scalar.start for scalar in ordered]
-        variables[name] = Variable(name, first.type, first.causality, unit, references, start)
+        references = [scalar.valueReference for scalar in ordered]
+        start = [value for scalar in ordered for value in _starts(scalar)]
+        kind = KINDS.get(first.type, first.type)
+        variables[name] = Variable(name, kind, first.causality, unit, references, start)
     return variables
+
+
+def _starts(variable: Any) -> list[str | None]:
+    """Start values of a variable, as many as it has values: those of an array of FMI 3.0 stand in one text."""
+    size = math.prod(variable.shape or ())
+    if variable.start is None or variable.type == "String":  # fmpy reads the first of several texts only
+        return [variable.start] * size
+    values = variable.start.split()
+    if len(values) != size:
+        raise UnitError(f"the variable `{variable.name}` has {size} values, but {len(values)} start values")
+    return list(values)

@@ -20,13 +20,14 @@ from nervure.pack import package
 from nervure.resources import ROOT
 from nervure.scene import load
 
-from . import calls, files, limits, trials
+from . import calls, calls3, files, limits, trials
 from .unit import SCENE, FMU2Unit, child, tried
 
 RESULTS = ROOT / "docs" / "reliability.csv"
 TIMEOUT = 3600.0  # How long a check may take before it counts as hung, s
 CHECKS: dict[str, tuple[Callable[[FMU2Unit, int], str], int, int]] = {
     "sequences": (calls.sequences, 100_000, 200),
+    "sequences_3": (calls3.sequences, 100_000, 200),
     "hostile": (trials.hostile, 10_000, 300),
     "corrupted": (trials.corrupted, 1_000_000, 3000),
     "forged": (trials.forged, 100_000, 1000),

@@ -16,7 +16,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import fmpy
 from fmpy.fmi1 import FMICallException
 
 from nervure.errors import SceneError
@@ -131,10 +130,9 @@ def foreign(library: FMU2Unit, count: int) -> str:
         changed = dict(scene, name=f"{scene['name']}-{len(states)}") if len(states) % 2 else other_values(scene, chance)
         with TemporaryDirectory() as folder:
             try:
-                path = package.pack(library.kind, changed, Path(folder))
+                there = FMU2Unit(library.kind, package.unpacked(library.kind, changed, Path(folder)))
             except SceneError:
                 continue
-            there = FMU2Unit(library.kind, Path(fmpy.extract(str(path), str(Path(folder, "unit")))))
             states.append(there.new().serialize())
     for case in range(count):
         state = states[case % OTHERS]

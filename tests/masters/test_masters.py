@@ -1,8 +1,9 @@
 """Other masters run the units and agree with ours: libcosim, Ecos, fmpy's reader of SSP, a container FMU, and the crate
-fmi.
+fmi; the last, and fmpy alone, under FMI 3.0 too.
 
 They need packages of their own: `make masters-test`. libcosim, Ecos and fmpy let both units step from t and exchange
-afterwards; the container and the crate fmi let the rod step first. Each is compared with our units in its own order.
+afterwards; the container, the crate fmi and our loop in fmpy let the rod step first. Each is compared with our units in
+its own order.
 The pair is that of the shipped FSI3 scene, as it is.
 """
 
@@ -18,6 +19,7 @@ import fmpy
 import fmpy.ssp.simulation
 import numpy as np
 import pytest
+from fmpy.fmi3 import FMU3Slave
 from lxml import etree
 
 from nervure import coupling
@@ -180,10 +182,13 @@ def test_ssp_runs_in_ecos(fsi3, units_in, tmp_path, ecospy):
     assert_agreement(ecos_values(ecospy.EcosSimulation(H, ssp_path=str(path)), units), expected)
 
 
-def test_ssp_without_start_values_is_refused_in_the_first_step(fsi3, tmp_path):
-    """The stations coincide; `tests/test_errors.py` has the message, which fmpy's reader writes to C's output."""
-    with pytest.raises(fmpy.fmi1.FMICallException, match="fmi2DoStep"):
-        fmpy.ssp.simulation.simulate_ssp(str(ssp.pack(typed(fsi3), tmp_path)), stop_time=H, step_size=H)
+def test_ssp_as_shipped_is_refused_by_name_in_fmpy(fsi3, tmp_path):
+    """Its reader has 0 at every connector in the first step, whatever an SSP says. Messages go to C's output."""
+    path = ssp.pack(typed(fsi3), tmp_path)
+    program = f"from fmpy.ssp.simulation import simulate_ssp; simulate_ssp({str(path)!r}, stop_time={H}, step_size={H})"
+    answer = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert answer.returncode == 1 and "fmi2DoStep failed with status 3" in answer.stderr, answer.stderr
+    assert "fmi2DoStep: stations 1 and 2 of the beam coincide" in answer.stdout, answer.stdout
 
 
 def test_ssp_runs_in_fmpy(fsi3, units_in, tmp_path, monkeypatch):
@@ -233,10 +238,14 @@ def test_container_of_array_ports_agrees_with_the_explicit_scheme(fsi3, units_in
     assert_agreement(theirs, {name: expected[name] for name in places})
 
 
+every_version = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
+
+
 @every_scene
-def test_crate_fmi_agrees_with_the_explicit_scheme(scene, units_in, tmp_path):
+@every_version
+def test_crate_fmi_agrees_with_the_explicit_scheme(version, scene, units_in, tmp_path):
     units = units_in(scene)
-    paths = [tmp_path / f"{scene['name']}-{kind}.fmu" for kind in units]
+    paths = [package.pack(kind, scene, tmp_path / "theirs", version=version) for kind in units]
     answer = subprocess.run(
         [FMI_MASTER, repr(H), str(STEPS), *paths], check=True, capture_output=True, text=True, timeout=60
     )
@@ -246,3 +255,51 @@ def test_crate_fmi_agrees_with_the_explicit_scheme(scene, units_in, tmp_path):
         element = ELEMENT.fullmatch(name)
         values[f"{list(units)[int(unit)]}.{element[1] if element else name}"].append(float(value))
     assert_agreement({name: np.array(elements) for name, elements in values.items()}, ours(units, coupling.Explicit))
+
+
+class FMU3Unit(FMU3Slave):
+    """A unit of FMI 3.0 in fmpy, in initialization mode; fmpy wants its class to begin with FMU3."""
+
+    def __init__(self, path: Path, folder: Path):
+        description = fmpy.read_model_description(str(path))
+        model = description.coSimulation.modelIdentifier
+        place = {"unzipDirectory": fmpy.extract(str(path), str(folder)), "instanceName": model}
+        super().__init__(guid=description.guid, modelIdentifier=model, **place)
+        self.known = {v.name: v for v in description.modelVariables}
+        self.instantiate()
+        self.enterInitializationMode()
+
+    def names(self, causality: str) -> list[str]:
+        return [name for name, v in self.known.items() if v.causality == causality and v.type == "Float64"]
+
+    def get(self, name: str) -> list[float]:
+        variable = self.known[name]
+        return self.getFloat64([variable.valueReference], int(np.prod(variable.shape)))
+
+
+@every_scene
+def test_fmpy_agrees_with_the_explicit_scheme_under_fmi_3(scene, units_in, tmp_path):
+    units = units_in(scene)
+    paths = {kind: package.pack(kind, scene, tmp_path / "theirs", version=3) for kind in units}
+    theirs = {kind: FMU3Unit(path, tmp_path / kind) for kind, path in paths.items()}
+
+    def exchange(target: FMU3Unit) -> None:
+        for source in theirs.values():
+            for name in set(source.names("output")) & set(target.names("input")) if source is not target else ():
+                target.setFloat64([target.known[name].valueReference], source.get(name))
+
+    for unit in theirs.values():
+        exchange(unit)
+    for unit in theirs.values():
+        unit.exitInitializationMode()
+    for i in range(STEPS):
+        for unit in theirs.values():
+            exchange(unit)
+            assert unit.doStep(i * H, H) == (False, False, False, (i + 1) * H)
+    values = {
+        f"{kind}.{name}": np.array(unit.get(name)) for kind, unit in theirs.items() for name in unit.names("output")
+    }
+    assert_agreement(values, ours(units, coupling.Explicit))
+    for unit in theirs.values():
+        unit.terminate()
+        unit.freeInstance()

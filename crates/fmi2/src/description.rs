@@ -1,7 +1,9 @@
 //! `modelDescription.xml` and its GUID, made from the list of variables.
 
+mod fmi2;
+mod fmi3;
+
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
 use std::io;
 use std::ops::{Bound, Range};
 
@@ -17,6 +19,7 @@ use crate::resource::Resources;
 use crate::table::Table;
 use crate::units::{BaseUnit, NAMES};
 use crate::variable::{Access, Bounds, Causality, Value, Variability, Variable};
+use crate::version::Version;
 
 /// What a master shows of a model before it runs it.
 #[derive(Clone, Debug)]
@@ -120,13 +123,17 @@ fn write_document<M: Model>(
     guid: &str,
 ) -> io::Result<()> {
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    let (number, token) = match table.version {
+        Version::Fmi2 => ("2.0", "guid"),
+        Version::Fmi3 => ("3.0", "instantiationToken"),
+    };
     writer
         .create_element("fmiModelDescription")
         .with_attributes(
             [
-                ("fmiVersion", "2.0"),
+                ("fmiVersion", number),
                 ("modelName", &description.model_name),
-                ("guid", guid),
+                (token, guid),
                 ("description", &description.text),
                 ("author", &description.author),
                 ("version", M::VERSION),
@@ -139,10 +146,16 @@ fn write_document<M: Model>(
             .filter(|(_, value)| !value.is_empty()),
         )
         .write_inner_content(|writer| {
-            write_co_simulation::<M>(writer)?;
+            match table.version {
+                Version::Fmi2 => fmi2::write_co_simulation::<M>(writer)?,
+                Version::Fmi3 => fmi3::write_co_simulation::<M>(writer)?,
+            }
             write_units(writer, table)?;
-            write_enumerations(writer, table)?;
-            write_log_categories(writer)?;
+            match table.version {
+                Version::Fmi2 => fmi2::write_types(writer, table)?,
+                Version::Fmi3 => fmi3::write_types(writer, table)?,
+            }
+            write_log_categories(writer, table.version)?;
             writer
                 .create_element("DefaultExperiment")
                 .with_attribute(("startTime", real(description.start).as_str()))
@@ -151,31 +164,42 @@ fn write_document<M: Model>(
                 .with_attribute(("stepSize", real(description.step).as_str()))
                 .write_empty()?;
             writer.create_element("ModelVariables").write_inner_content(|writer| {
-                table
-                    .variables
-                    .iter()
-                    .enumerate()
-                    .try_for_each(|(index, variable)| write_variable(writer, variable, table.references(index), starts))
+                table.variables.iter().enumerate().try_for_each(|(index, variable)| {
+                    let references = table.references(index);
+                    match table.version {
+                        Version::Fmi2 => fmi2::write_variable(writer, variable, references, starts),
+                        Version::Fmi3 => fmi3::write_variable(writer, variable, references, starts),
+                    }
+                })
             })?;
-            write_structure(writer, table)
+            let (outputs, unknowns) = (of_kind(table, is_output), of_kind(table, is_initial_unknown));
+            match table.version {
+                Version::Fmi2 => fmi2::write_structure(writer, table, &outputs, &unknowns),
+                Version::Fmi3 => fmi3::write_structure(writer, table, &outputs, &unknowns),
+            }
         })?;
     Ok(())
 }
 
-fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
-    writer
-        .create_element("CoSimulation")
-        .with_attribute(("modelIdentifier", M::IDENTIFIER))
-        .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
-        .with_attribute(("canInterpolateInputs", boolean(M::INPUT_DERIVATIVE)))
-        .with_attribute(("maxOutputDerivativeOrder", if M::OUTPUT_DERIVATIVE { "1" } else { "0" }))
-        .with_attribute(("canBeInstantiatedOnlyOncePerProcess", "false"))
-        .with_attribute(("canNotUseMemoryManagementFunctions", "true"))
-        .with_attribute(("canGetAndSetFMUstate", "true"))
-        .with_attribute(("canSerializeFMUstate", "true"))
-        .with_attribute(("providesDirectionalDerivative", boolean(M::DIRECTIONAL_DERIVATIVE)))
-        .write_empty()?;
-    Ok(())
+/// Variables that are there, with their value references.
+type Listed<'a, M> = Vec<(&'a Variable<M>, Range<u32>)>;
+
+fn of_kind<M>(table: &Table<M>, kind: fn(&Variable<M>) -> bool) -> Listed<'_, M> {
+    let variables = table.variables.iter().enumerate();
+    variables
+        .filter(|(_, variable)| kind(variable))
+        .map(|(index, variable)| (variable, table.references(index)))
+        .filter(|(_, references)| !references.is_empty())
+        .collect()
+}
+
+fn is_output<M>(variable: &Variable<M>) -> bool {
+    variable.causality == Causality::Output
+}
+
+fn is_initial_unknown<M>(variable: &Variable<M>) -> bool {
+    let calculated = matches!(variable.causality, Causality::Output | Causality::CalculatedParameter);
+    calculated && variable.variability != Variability::Constant
 }
 
 fn write_units<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
@@ -223,36 +247,23 @@ fn with_conversion(mut element: ElementWriter<'_, Vec<u8>>, factor: f64, offset:
     element
 }
 
-fn write_enumerations<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
-    let types: BTreeMap<&str, &[String]> = table
-        .variables
-        .iter()
-        .filter_map(|variable| variable.enumeration.as_ref())
-        .map(|(name, items)| (name.as_str(), items.as_slice()))
-        .collect();
-    if types.is_empty() {
-        return Ok(());
-    }
-    writer.create_element("TypeDefinitions").write_inner_content(|writer| {
-        types.iter().try_for_each(|(name, items)| {
-            writer.create_element("SimpleType").with_attribute(("name", *name)).write_inner_content(|writer| {
-                writer.create_element("Enumeration").write_inner_content(|writer| {
-                    items.iter().zip(1..).try_for_each(|(item, value): (_, i32)| {
-                        let element = writer.create_element("Item").with_attribute(("name", item.as_str()));
-                        element.with_attribute(("value", value.to_string().as_str())).write_empty().map(|_| ())
-                    })
-                })?;
-                Ok(())
-            })?;
-            Ok(())
-        })
-    })?;
-    Ok(())
+/// The enumerations with their items, by name.
+fn enumerations<M>(table: &Table<M>) -> BTreeMap<&str, &[String]> {
+    let named = table.variables.iter().filter_map(|variable| variable.enumeration.as_ref());
+    named.map(|(name, items)| (name.as_str(), items.as_slice())).collect()
 }
 
-fn write_log_categories(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
+/// The items of an enumeration, counted from 1.
+fn write_items(writer: &mut Writer<Vec<u8>>, items: &[String]) -> io::Result<()> {
+    items.iter().zip(1..).try_for_each(|(item, value): (_, i32)| {
+        let element = writer.create_element("Item").with_attribute(("name", item.as_str()));
+        element.with_attribute(("value", value.to_string().as_str())).write_empty().map(|_| ())
+    })
+}
+
+fn write_log_categories(writer: &mut Writer<Vec<u8>>, version: Version) -> io::Result<()> {
     writer.create_element("LogCategories").write_inner_content(|writer| {
-        log::CATEGORIES.iter().try_for_each(|(name, description)| {
+        log::categories(version).iter().try_for_each(|(name, description)| {
             writer
                 .create_element("Category")
                 .with_attribute(("name", name.to_str().expect("the categories are ASCII")))
@@ -264,49 +275,21 @@ fn write_log_categories(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
     Ok(())
 }
 
-fn write_variable<M>(
-    writer: &mut Writer<Vec<u8>>,
-    variable: &Variable<M>,
-    references: Range<u32>,
-    starts: &[Option<String>],
-) -> io::Result<()> {
-    for (element, reference) in references.enumerate() {
-        let mut scalar = writer
-            .create_element("ScalarVariable")
-            .with_attribute(("name", variable.element_name(element).as_str()))
-            .with_attribute(("valueReference", reference.to_string().as_str()))
-            .with_attribute(("description", variable.description.as_str()))
-            .with_attribute(("causality", variable.causality.name()))
-            .with_attribute(("variability", variable.variability.name()));
-        if let Some(initial) = variable.initial() {
-            scalar = scalar.with_attribute(("initial", initial));
-        }
-        scalar.write_inner_content(|writer| {
-            let mut value = writer.create_element(variable.type_name());
-            if let Some((name, _)) = &variable.enumeration {
-                value = value.with_attribute(("declaredType", name.as_str()));
-            }
-            if let Some(unit) = &variable.unit {
-                value = value.with_attribute(("unit", unit.as_str()));
-            }
-            if let Some(unit) = &variable.display_unit {
-                value = value.with_attribute(("displayUnit", unit.as_str()));
-            }
-            if let Some(nominal) = variable.nominal {
-                value = value.with_attribute(("nominal", real(nominal).as_str()));
-            }
-            value = with_bounds(value, variable);
-            if let Some(start) = &starts[reference as usize] {
-                value = value.with_attribute(("start", start.as_str()));
-            }
-            value.write_empty()?;
-            Ok(())
-        })?;
+/// Unit, display unit and nominal value of a Real.
+fn with_unit<'a, M>(mut element: ElementWriter<'a, Vec<u8>>, variable: &Variable<M>) -> ElementWriter<'a, Vec<u8>> {
+    if let Some(unit) = &variable.unit {
+        element = element.with_attribute(("unit", unit.as_str()));
     }
-    Ok(())
+    if let Some(unit) = &variable.display_unit {
+        element = element.with_attribute(("displayUnit", unit.as_str()));
+    }
+    if let Some(nominal) = variable.nominal {
+        element = element.with_attribute(("nominal", real(nominal).as_str()));
+    }
+    element
 }
 
-/// `min` and `max` where a limit is inclusive; FMI 2.0 has no words for an exclusive one.
+/// `min` and `max` where a limit is inclusive; FMI has no words for an exclusive one.
 fn with_bounds<'a, M>(mut value: ElementWriter<'a, Vec<u8>>, variable: &Variable<M>) -> ElementWriter<'a, Vec<u8>> {
     let text = |limit: f64| match variable.access {
         Access::Integer(_) => limit.to_string(),
@@ -319,60 +302,6 @@ fn with_bounds<'a, M>(mut value: ElementWriter<'a, Vec<u8>>, variable: &Variable
         }
     }
     value
-}
-
-/// The standard counts `ScalarVariable` elements from one; value references count the same elements from zero.
-fn write_structure<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
-    let of_kind = |kind: fn(&Variable<M>) -> bool| -> Vec<(&Variable<M>, Range<u32>)> {
-        let variables = table.variables.iter().enumerate();
-        variables
-            .filter(|(_, variable)| kind(variable))
-            .map(|(index, variable)| (variable, table.references(index)))
-            .filter(|(_, references)| !references.is_empty())
-            .collect()
-    };
-    let dependencies = |variable: &Variable<M>| {
-        let mut text = String::new();
-        let names = variable.dependencies.as_ref()?;
-        for reference in names.iter().filter_map(|name| table.references_of(name)).flatten() {
-            let separator = if text.is_empty() { "" } else { " " };
-            write!(text, "{separator}{}", reference + 1).expect("writing to memory does not fail");
-        }
-        Some(text)
-    };
-    writer.create_element("ModelStructure").write_inner_content(|writer| {
-        let all = of_kind(|variable| variable.causality == Causality::Output);
-        if !all.is_empty() {
-            writer.create_element("Outputs").write_inner_content(|writer| {
-                all.iter().try_for_each(|(variable, references)| {
-                    write_unknowns(writer, references.clone(), dependencies(variable).as_deref())
-                })
-            })?;
-        }
-        let calculated = of_kind(|variable| {
-            let unknown = matches!(variable.causality, Causality::Output | Causality::CalculatedParameter);
-            unknown && variable.variability != Variability::Constant
-        });
-        if !calculated.is_empty() {
-            writer.create_element("InitialUnknowns").write_inner_content(|writer| {
-                calculated.iter().try_for_each(|(_, references)| write_unknowns(writer, references.clone(), None))
-            })?;
-        }
-        Ok(())
-    })?;
-    Ok(())
-}
-
-fn write_unknowns(writer: &mut Writer<Vec<u8>>, references: Range<u32>, dependencies: Option<&str>) -> io::Result<()> {
-    for reference in references {
-        let mut unknown =
-            writer.create_element("Unknown").with_attribute(("index", (reference + 1).to_string().as_str()));
-        if let Some(dependencies) = dependencies {
-            unknown = unknown.with_attribute(("dependencies", dependencies));
-        }
-        unknown.write_empty()?;
-    }
-    Ok(())
 }
 
 /// The shortest text that reads back to the same number.
@@ -437,6 +366,7 @@ mod tests {
         start: f64,
         short: bool,
         u: [f64; 2],
+        words: [String; 2],
     }
 
     impl Model for Probe {
@@ -463,6 +393,8 @@ mod tests {
                 Real::output("y", "m", "", |probe| if probe.short { &[0.0] } else { &[0.0; 2] })
                     .array(2)
                     .depends_on(&["u"]),
+                crate::Text::parameter("words", "", |probe: &mut Probe| &mut probe.words).array(2),
+                Real::time(),
             ]
         }
 
@@ -481,10 +413,15 @@ mod tests {
         }
     }
 
-    const PROBE: Probe = Probe { unit: "N/m", start: 1e-7, short: false, u: [0.0; 2] };
+    const PROBE: Probe =
+        Probe { unit: "N/m", start: 1e-7, short: false, u: [0.0, 2.5], words: [const { String::new() }; 2] };
 
-    fn describe(mut probe: Probe) -> Result<Document, String> {
-        document(&Table::new(probe.variables())?, &mut probe, &Resources::default())
+    fn describe(probe: Probe) -> Result<Document, String> {
+        describe_for(Version::Fmi2, probe)
+    }
+
+    fn describe_for(version: Version, mut probe: Probe) -> Result<Document, String> {
+        document(&Table::new(probe.variables(), version)?, &mut probe, &Resources::default())
     }
 
     #[test]
@@ -525,6 +462,28 @@ mod tests {
             assert!(xml.contains(part), "no {part} in\n{xml}");
         }
         assert!(!xml.contains("max=\"9"), "an exclusive limit has no place in\n{xml}");
+    }
+
+    #[test]
+    fn in_fmi_3_an_array_is_one_variable_with_a_dimension() {
+        let Document { guid, xml } = describe_for(Version::Fmi3, PROBE).unwrap();
+        for part in [
+            &format!("fmiVersion=\"3.0\" modelName=\"A &amp; B\" instantiationToken=\"{guid}\""),
+            "<Float64 name=\"u\" valueReference=\"0\" description=\"\" causality=\"input\" variability=\"continuous\" \
+             declaredType=\"in m\" start=\"0.0 2.5\">\n      <Dimension start=\"2\"/>\n    </Float64>",
+            "<Float64Type name=\"in m\" unit=\"m\"/>",
+            "<Float64Type name=\"in degC, shown in K, about 300\" unit=\"degC\" displayUnit=\"K\" nominal=\"300.0\"/>",
+            "<EnumerationType name=\"Mode\">\n      <Item name=\"off\" value=\"1\"/>",
+            "initial=\"exact\" declaredType=\"Mode\" min=\"1\" max=\"2\" start=\"2\"/>",
+            "<Dimension start=\"2\"/>\n      <Start value=\"\"/>\n      <Start value=\"\"/>\n    </String>",
+            "<BaseUnit K=\"1\" offset=\"273.15\"/>",
+            "<Output valueReference=\"6\" dependencies=\"0\"/>",
+            "<InitialUnknown valueReference=\"5\"/>",
+            "<Float64 name=\"time\" valueReference=\"10\"",
+        ] {
+            assert!(xml.contains(part), "no {part} in\n{xml}");
+        }
+        assert_ne!(guid, describe(PROBE).unwrap().guid, "it is another description");
     }
 
     #[test]

@@ -1,13 +1,101 @@
 //! The C functions, generic over the model, and the macro that gives them their names.
 //!
-//! Their common precondition is FMI 2.0's: an instance pointer is null or comes from `fmi2Instantiate` of the same
-//! model, is not yet freed and not used by two threads at once; arrays have the length they are said to have; strings
-//! are null-terminated.
+//! Their common precondition is that of the standard: an instance pointer is null or comes from `fmi2Instantiate` or
+//! `fmi3InstantiateCoSimulation` of the same model, is not yet freed and not used by two threads at once; arrays have
+//! the length they are said to have; strings are null-terminated.
 #![allow(non_snake_case, reason = "the functions are named as in the standard")]
 #![allow(clippy::missing_safety_doc, reason = "the precondition is the module's")]
 #![allow(missing_docs, reason = "the functions are described in the standard")]
 
-use std::ffi::{CStr, CString, c_char};
+/// The functions of the FMU state, which differ between the versions in names and types only.
+macro_rules! state_functions {
+    (
+        $instance:ty, $state:ty, $byte:ty, $status:ty;
+        $get:ident, $set:ident, $free:ident;
+        $size:ident, $serialize:ident, $deserialize:ident;
+    ) => {
+        pub unsafe extern "C" fn $get<M: Model>(c: $instance, state: *mut $state) -> $status {
+            // SAFETY: the module's precondition.
+            unsafe {
+                call::<M, _>(c, Function::$get, |instance| {
+                    *state = ptr::without_provenance_mut(instance.save(handle(state)?)?);
+                    Ok(())
+                })
+            }
+        }
+
+        pub unsafe extern "C" fn $set<M: Model>(c: $instance, state: $state) -> $status {
+            // SAFETY: the module's precondition; the state is a number that is only looked up.
+            unsafe { call::<M, _>(c, Function::$set, |instance| instance.restore(state.addr())) }
+        }
+
+        pub unsafe extern "C" fn $free<M: Model>(c: $instance, state: *mut $state) -> $status {
+            // SAFETY: the module's precondition.
+            unsafe {
+                call::<M, _>(c, Function::$free, |instance| {
+                    if state.is_null() || (*state).is_null() {
+                        return Ok(());
+                    }
+                    instance.free(handle(state)?)?;
+                    *state = ptr::null_mut();
+                    Ok(())
+                })
+            }
+        }
+
+        pub unsafe extern "C" fn $size<M: Model>(c: $instance, state: $state, size: *mut usize) -> $status {
+            // SAFETY: the module's precondition.
+            unsafe {
+                call::<M, _>(c, Function::$size, |instance| {
+                    check_target("size", size, 1)?;
+                    *size = instance.serialize(state.addr())?.len();
+                    Ok(())
+                })
+            }
+        }
+
+        pub unsafe extern "C" fn $serialize<M: Model>(
+            c: $instance,
+            state: $state,
+            bytes: *mut $byte,
+            size: usize,
+        ) -> $status {
+            // SAFETY: the module's precondition; at most `size` bytes are written.
+            unsafe {
+                call::<M, _>(c, Function::$serialize, |instance| {
+                    let serialized = instance.serialize(state.addr())?;
+                    if size < serialized.len() {
+                        return Err(format!("size = {size} must be at least {}", serialized.len()));
+                    }
+                    check_target("serializedState", bytes, size)?;
+                    ptr::copy_nonoverlapping(serialized.as_ptr(), bytes.cast(), serialized.len());
+                    Ok(())
+                })
+            }
+        }
+
+        pub unsafe extern "C" fn $deserialize<M: Model>(
+            c: $instance,
+            bytes: *const $byte,
+            size: usize,
+            state: *mut $state,
+        ) -> $status {
+            // SAFETY: the module's precondition.
+            unsafe {
+                call::<M, _>(c, Function::$deserialize, |instance| {
+                    let bytes = array("serializedState", bytes.cast(), size)?;
+                    *state = ptr::without_provenance_mut(instance.deserialize(bytes, handle(state)?)?);
+                    Ok(())
+                })
+            }
+        }
+    };
+}
+
+mod fmi2;
+mod fmi3;
+
+use std::ffi::{CStr, CString, c_char, c_void};
 use std::path::Path;
 use std::{ptr, slice};
 
@@ -15,21 +103,27 @@ use crate::guard;
 use crate::instance::{self, Instance};
 use crate::log::Log;
 use crate::model::Model;
-use crate::resource::{self, Resources};
+use crate::resource::Resources;
 use crate::state_machine::Function;
 use crate::sys::*;
 use crate::variable::Value;
+use crate::version::Version;
 
-/// Exports [`Model`] as an FMI 2.0 co-simulation library: all 34 functions of the standard, and one for packagers.
+pub use fmi2::*;
+pub use fmi3::*;
+
+/// Exports [`Model`] as a library for co-simulation under FMI 2.0 and 3.0: all functions of both standards, those for
+/// packagers, and one for fields.
 ///
 /// To be called once in a crate of type `cdylib`, which is then the library of one FMU.
 ///
 /// `int fmu_model_description(const char *resources, char *buffer, size_t capacity, size_t *needed)` makes
-/// `modelDescription.xml` for the resources in a folder (a plain path, or NULL). It returns 0 if the text is the
-/// model description and 1 if it is an error message. `*needed` is its size with the final NUL; the text is written
-/// only if the capacity suffices.
+/// `modelDescription.xml` of FMI 2.0 for the resources in a folder (a plain path, or NULL), and
+/// `fmu_model_description_3` with the same arguments that of FMI 3.0. They return 0 if the text is the model description
+/// and 1 if it is an error message. `*needed` is its size with the final NUL; the text is written only if the capacity
+/// suffices.
 ///
-/// `int fmu_field(fmi2Component c, const char *name, double *buffer, size_t capacity, size_t *shape)` copies a field of
+/// `int fmu_field(void *instance, const char *name, double *buffer, size_t capacity, size_t *shape)` copies a field of
 /// [`Model::field`](crate::Model::field). It returns 0, or 1 where there is none of that name or no instance in a state
 /// that can be read; `shape` gets both lengths, and the values are written only if the capacity suffices.
 #[macro_export]
@@ -99,7 +193,201 @@ macro_rules! export_fmu {
                 (c: fmi2Component, kind: fmi2StatusKind, value: *mut fmi2Boolean) -> fmi2Status;
             fmi2GetStringStatus: fmi2GetStringStatusTYPE =
                 (c: fmi2Component, kind: fmi2StatusKind, value: *mut fmi2String) -> fmi2Status;
+            fmi3GetVersion: fmi3GetVersionTYPE = () -> fmi3String;
+            fmi3SetDebugLogging: fmi3SetDebugLoggingTYPE =
+                (c: fmi3Instance, on: fmi3Boolean, n: usize, categories: *const fmi3String) -> fmi3Status;
+            fmi3InstantiateModelExchange: fmi3InstantiateModelExchangeTYPE =
+                (name: fmi3String, token: fmi3String, resources: fmi3String, visible: fmi3Boolean,
+                 logging: fmi3Boolean, environment: fmi3InstanceEnvironment, log_message: fmi3LogMessageCallback)
+                -> fmi3Instance;
+            fmi3InstantiateCoSimulation: fmi3InstantiateCoSimulationTYPE =
+                (name: fmi3String, token: fmi3String, resources: fmi3String, visible: fmi3Boolean,
+                 logging: fmi3Boolean, event_mode: fmi3Boolean, early_return: fmi3Boolean,
+                 intermediate_variables: *const fmi3ValueReference, n_intermediate_variables: usize,
+                 environment: fmi3InstanceEnvironment, log_message: fmi3LogMessageCallback,
+                 intermediate_update: fmi3IntermediateUpdateCallback) -> fmi3Instance;
+            fmi3InstantiateScheduledExecution: fmi3InstantiateScheduledExecutionTYPE =
+                (name: fmi3String, token: fmi3String, resources: fmi3String, visible: fmi3Boolean,
+                 logging: fmi3Boolean, environment: fmi3InstanceEnvironment, log_message: fmi3LogMessageCallback,
+                 clock_update: fmi3ClockUpdateCallback, lock: fmi3LockPreemptionCallback,
+                 unlock: fmi3UnlockPreemptionCallback) -> fmi3Instance;
+            fmi3FreeInstance: fmi3FreeInstanceTYPE = (c: fmi3Instance) -> ();
+            fmi3EnterInitializationMode: fmi3EnterInitializationModeTYPE =
+                (c: fmi3Instance, tolerance_defined: fmi3Boolean, tolerance: fmi3Float64, start_time: fmi3Float64,
+                 stop_time_defined: fmi3Boolean, stop_time: fmi3Float64) -> fmi3Status;
+            fmi3ExitInitializationMode: fmi3ExitInitializationModeTYPE = (c: fmi3Instance) -> fmi3Status;
+            fmi3EnterEventMode: fmi3EnterEventModeTYPE = (c: fmi3Instance) -> fmi3Status;
+            fmi3Terminate: fmi3TerminateTYPE = (c: fmi3Instance) -> fmi3Status;
+            fmi3Reset: fmi3ResetTYPE = (c: fmi3Instance) -> fmi3Status;
+            fmi3GetFloat32: fmi3GetFloat32TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3Float32, n_values: usize)
+                -> fmi3Status;
+            fmi3GetFloat64: fmi3GetFloat64TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3Float64, n_values: usize)
+                -> fmi3Status;
+            fmi3GetInt8: fmi3GetInt8TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3Int8, n_values: usize)
+                -> fmi3Status;
+            fmi3GetUInt8: fmi3GetUInt8TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3UInt8, n_values: usize)
+                -> fmi3Status;
+            fmi3GetInt16: fmi3GetInt16TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3Int16, n_values: usize)
+                -> fmi3Status;
+            fmi3GetUInt16: fmi3GetUInt16TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3UInt16, n_values: usize)
+                -> fmi3Status;
+            fmi3GetInt32: fmi3GetInt32TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3Int32, n_values: usize)
+                -> fmi3Status;
+            fmi3GetUInt32: fmi3GetUInt32TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3UInt32, n_values: usize)
+                -> fmi3Status;
+            fmi3GetInt64: fmi3GetInt64TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3Int64, n_values: usize)
+                -> fmi3Status;
+            fmi3GetUInt64: fmi3GetUInt64TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3UInt64, n_values: usize)
+                -> fmi3Status;
+            fmi3GetBoolean: fmi3GetBooleanTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3Boolean, n_values: usize)
+                -> fmi3Status;
+            fmi3GetString: fmi3GetStringTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3String, n_values: usize)
+                -> fmi3Status;
+            fmi3GetBinary: fmi3GetBinaryTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, value_sizes: *mut usize,
+                 values: *mut fmi3Binary, n_values: usize) -> fmi3Status;
+            fmi3GetClock: fmi3GetClockTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *mut fmi3Clock) -> fmi3Status;
+            fmi3SetFloat32: fmi3SetFloat32TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3Float32, n_values: usize)
+                -> fmi3Status;
+            fmi3SetFloat64: fmi3SetFloat64TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3Float64, n_values: usize)
+                -> fmi3Status;
+            fmi3SetInt8: fmi3SetInt8TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3Int8, n_values: usize)
+                -> fmi3Status;
+            fmi3SetUInt8: fmi3SetUInt8TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3UInt8, n_values: usize)
+                -> fmi3Status;
+            fmi3SetInt16: fmi3SetInt16TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3Int16, n_values: usize)
+                -> fmi3Status;
+            fmi3SetUInt16: fmi3SetUInt16TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3UInt16, n_values: usize)
+                -> fmi3Status;
+            fmi3SetInt32: fmi3SetInt32TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3Int32, n_values: usize)
+                -> fmi3Status;
+            fmi3SetUInt32: fmi3SetUInt32TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3UInt32, n_values: usize)
+                -> fmi3Status;
+            fmi3SetInt64: fmi3SetInt64TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3Int64, n_values: usize)
+                -> fmi3Status;
+            fmi3SetUInt64: fmi3SetUInt64TYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3UInt64, n_values: usize)
+                -> fmi3Status;
+            fmi3SetBoolean: fmi3SetBooleanTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3Boolean, n_values: usize)
+                -> fmi3Status;
+            fmi3SetString: fmi3SetStringTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3String, n_values: usize)
+                -> fmi3Status;
+            fmi3SetBinary: fmi3SetBinaryTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, value_sizes: *const usize,
+                 values: *const fmi3Binary, n_values: usize) -> fmi3Status;
+            fmi3SetClock: fmi3SetClockTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, values: *const fmi3Clock) -> fmi3Status;
+            fmi3GetNumberOfVariableDependencies: fmi3GetNumberOfVariableDependenciesTYPE =
+                (c: fmi3Instance, value_reference: fmi3ValueReference, n_dependencies: *mut usize) -> fmi3Status;
+            fmi3GetVariableDependencies: fmi3GetVariableDependenciesTYPE =
+                (c: fmi3Instance, dependent: fmi3ValueReference, element_indices_of_dependent: *mut usize,
+                 independents: *mut fmi3ValueReference, element_indices_of_independents: *mut usize,
+                 dependency_kinds: *mut fmi3DependencyKind, n_dependencies: usize) -> fmi3Status;
+            fmi3GetFMUState: fmi3GetFMUStateTYPE = (c: fmi3Instance, f_m_u_state: *mut fmi3FMUState) -> fmi3Status;
+            fmi3SetFMUState: fmi3SetFMUStateTYPE = (c: fmi3Instance, f_m_u_state: fmi3FMUState) -> fmi3Status;
+            fmi3FreeFMUState: fmi3FreeFMUStateTYPE = (c: fmi3Instance, f_m_u_state: *mut fmi3FMUState) -> fmi3Status;
+            fmi3SerializedFMUStateSize: fmi3SerializedFMUStateSizeTYPE =
+                (c: fmi3Instance, f_m_u_state: fmi3FMUState, size: *mut usize) -> fmi3Status;
+            fmi3SerializeFMUState: fmi3SerializeFMUStateTYPE =
+                (c: fmi3Instance, f_m_u_state: fmi3FMUState, serialized_state: *mut fmi3Byte, size: usize)
+                -> fmi3Status;
+            fmi3DeserializeFMUState: fmi3DeserializeFMUStateTYPE =
+                (c: fmi3Instance, serialized_state: *const fmi3Byte, size: usize, f_m_u_state: *mut fmi3FMUState)
+                -> fmi3Status;
+            fmi3GetDirectionalDerivative: fmi3GetDirectionalDerivativeTYPE =
+                (c: fmi3Instance, unknowns: *const fmi3ValueReference, n_unknowns: usize,
+                 knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize,
+                 sensitivity: *mut fmi3Float64, n_sensitivity: usize) -> fmi3Status;
+            fmi3GetAdjointDerivative: fmi3GetAdjointDerivativeTYPE =
+                (c: fmi3Instance, unknowns: *const fmi3ValueReference, n_unknowns: usize,
+                 knowns: *const fmi3ValueReference, n_knowns: usize, seed: *const fmi3Float64, n_seed: usize,
+                 sensitivity: *mut fmi3Float64, n_sensitivity: usize) -> fmi3Status;
+            fmi3EnterConfigurationMode: fmi3EnterConfigurationModeTYPE = (c: fmi3Instance) -> fmi3Status;
+            fmi3ExitConfigurationMode: fmi3ExitConfigurationModeTYPE = (c: fmi3Instance) -> fmi3Status;
+            fmi3GetIntervalDecimal: fmi3GetIntervalDecimalTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, intervals: *mut fmi3Float64,
+                 qualifiers: *mut fmi3IntervalQualifier) -> fmi3Status;
+            fmi3GetIntervalFraction: fmi3GetIntervalFractionTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64,
+                 resolutions: *mut fmi3UInt64, qualifiers: *mut fmi3IntervalQualifier) -> fmi3Status;
+            fmi3GetShiftDecimal: fmi3GetShiftDecimalTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, shifts: *mut fmi3Float64) -> fmi3Status;
+            fmi3GetShiftFraction: fmi3GetShiftFractionTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, counters: *mut fmi3UInt64,
+                 resolutions: *mut fmi3UInt64) -> fmi3Status;
+            fmi3SetIntervalDecimal: fmi3SetIntervalDecimalTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, intervals: *const fmi3Float64) -> fmi3Status;
+            fmi3SetIntervalFraction: fmi3SetIntervalFractionTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64,
+                 resolutions: *const fmi3UInt64) -> fmi3Status;
+            fmi3SetShiftDecimal: fmi3SetShiftDecimalTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, shifts: *const fmi3Float64) -> fmi3Status;
+            fmi3SetShiftFraction: fmi3SetShiftFractionTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, counters: *const fmi3UInt64,
+                 resolutions: *const fmi3UInt64) -> fmi3Status;
+            fmi3EvaluateDiscreteStates: fmi3EvaluateDiscreteStatesTYPE = (c: fmi3Instance) -> fmi3Status;
+            fmi3UpdateDiscreteStates: fmi3UpdateDiscreteStatesTYPE =
+                (c: fmi3Instance, discrete_states_need_update: *mut fmi3Boolean,
+                 terminate_simulation: *mut fmi3Boolean, nominals_of_continuous_states_changed: *mut fmi3Boolean,
+                 values_of_continuous_states_changed: *mut fmi3Boolean, next_event_time_defined: *mut fmi3Boolean,
+                 next_event_time: *mut fmi3Float64) -> fmi3Status;
+            fmi3EnterContinuousTimeMode: fmi3EnterContinuousTimeModeTYPE = (c: fmi3Instance) -> fmi3Status;
+            fmi3CompletedIntegratorStep: fmi3CompletedIntegratorStepTYPE =
+                (c: fmi3Instance, no_set_f_m_u_state_prior_to_current_point: fmi3Boolean,
+                 enter_event_mode: *mut fmi3Boolean, terminate_simulation: *mut fmi3Boolean) -> fmi3Status;
+            fmi3SetTime: fmi3SetTimeTYPE = (c: fmi3Instance, time: fmi3Float64) -> fmi3Status;
+            fmi3SetContinuousStates: fmi3SetContinuousStatesTYPE =
+                (c: fmi3Instance, continuous_states: *const fmi3Float64, n_continuous_states: usize) -> fmi3Status;
+            fmi3GetContinuousStateDerivatives: fmi3GetContinuousStateDerivativesTYPE =
+                (c: fmi3Instance, derivatives: *mut fmi3Float64, n_continuous_states: usize) -> fmi3Status;
+            fmi3GetEventIndicators: fmi3GetEventIndicatorsTYPE =
+                (c: fmi3Instance, event_indicators: *mut fmi3Float64, n_event_indicators: usize) -> fmi3Status;
+            fmi3GetContinuousStates: fmi3GetContinuousStatesTYPE =
+                (c: fmi3Instance, continuous_states: *mut fmi3Float64, n_continuous_states: usize) -> fmi3Status;
+            fmi3GetNominalsOfContinuousStates: fmi3GetNominalsOfContinuousStatesTYPE =
+                (c: fmi3Instance, nominals: *mut fmi3Float64, n_continuous_states: usize) -> fmi3Status;
+            fmi3GetNumberOfEventIndicators: fmi3GetNumberOfEventIndicatorsTYPE =
+                (c: fmi3Instance, n_event_indicators: *mut usize) -> fmi3Status;
+            fmi3GetNumberOfContinuousStates: fmi3GetNumberOfContinuousStatesTYPE =
+                (c: fmi3Instance, n_continuous_states: *mut usize) -> fmi3Status;
+            fmi3EnterStepMode: fmi3EnterStepModeTYPE = (c: fmi3Instance) -> fmi3Status;
+            fmi3GetOutputDerivatives: fmi3GetOutputDerivativesTYPE =
+                (c: fmi3Instance, vr: *const fmi3ValueReference, n: usize, orders: *const fmi3Int32,
+                 values: *mut fmi3Float64, n_values: usize) -> fmi3Status;
+            fmi3DoStep: fmi3DoStepTYPE =
+                (c: fmi3Instance, current_communication_point: fmi3Float64, communication_step_size: fmi3Float64,
+                 no_set_f_m_u_state_prior_to_current_point: fmi3Boolean, event_handling_needed: *mut fmi3Boolean,
+                 terminate_simulation: *mut fmi3Boolean, early_return: *mut fmi3Boolean,
+                 last_successful_time: *mut fmi3Float64) -> fmi3Status;
+            fmi3ActivateModelPartition: fmi3ActivateModelPartitionTYPE =
+                (c: fmi3Instance, clock_reference: fmi3ValueReference, activation_time: fmi3Float64) -> fmi3Status;
             fmu_model_description: ModelDescriptionTYPE =
+                (resources: fmi2String, buffer: *mut fmi2Char, capacity: usize, needed: *mut usize) -> fmi2Integer;
+            fmu_model_description_3: ModelDescriptionTYPE =
                 (resources: fmi2String, buffer: *mut fmi2Char, capacity: usize, needed: *mut usize) -> fmi2Integer;
             fmu_field: FieldTYPE =
                 (c: fmi2Component, name: fmi2String, buffer: *mut fmi2Real, capacity: usize, shape: *mut usize)
@@ -137,29 +425,53 @@ pub type ModelDescriptionTYPE =
 pub type FieldTYPE =
     Option<unsafe extern "C" fn(fmi2Component, fmi2String, *mut fmi2Real, usize, *mut usize) -> fmi2Integer>;
 
-const OK: fmi2Status = fmi2Status::fmi2OK;
-const ERROR: fmi2Status = fmi2Status::fmi2Error;
+/// How a call on an instance ended.
+enum Outcome {
+    Ok,
+    Discard,
+    Error,
+}
 
-/// Calls `body` on the instance if the state machine allows the function. A refusal or panic is logged and becomes
-/// `fmi2Error`.
+impl From<Outcome> for fmi2Status {
+    fn from(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Ok => fmi2Status::fmi2OK,
+            Outcome::Discard => fmi2Status::fmi2Discard,
+            Outcome::Error => fmi2Status::fmi2Error,
+        }
+    }
+}
+
+impl From<Outcome> for fmi3Status {
+    fn from(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Ok => fmi3Status::fmi3OK,
+            Outcome::Discard => fmi3Status::fmi3Discard,
+            Outcome::Error => fmi3Status::fmi3Error,
+        }
+    }
+}
+
+/// Calls `body` on the instance if the state machine allows the function. A refusal or panic is logged and becomes an
+/// error.
 ///
 /// # Safety
 /// The module's precondition on `c`.
-unsafe fn call_with_status<M: Model>(
-    c: fmi2Component,
+unsafe fn call_with_outcome<M: Model>(
+    c: *mut c_void,
     function: Function,
-    body: impl FnOnce(&mut Instance<M>) -> Result<fmi2Status, String>,
-) -> fmi2Status {
+    body: impl FnOnce(&mut Instance<M>) -> Result<Outcome, String>,
+) -> Outcome {
     // SAFETY: `c` is null or a live instance that no other thread uses.
     let Some(instance) = (unsafe { c.cast::<Instance<M>>().as_mut() }) else {
-        return ERROR;
+        return Outcome::Error;
     };
     let result = guard::catch(|| {
         instance.check_order(function)?;
         body(instance)
     });
     let message = match result {
-        Ok(Ok(status)) => return status,
+        Ok(Ok(outcome)) => return outcome,
         Ok(Err(message)) => message,
         Err(message) => {
             instance.panicked();
@@ -167,20 +479,133 @@ unsafe fn call_with_status<M: Model>(
         }
     };
     instance.log.error(format_args!("{function}: {message}"));
-    ERROR
+    Outcome::Error
 }
 
-/// [`call_with_status`] for a function that succeeds or fails.
+/// [`call_with_outcome`] for a function that succeeds or fails, with the status of either version.
 ///
 /// # Safety
 /// The module's precondition on `c`.
-unsafe fn call<M: Model>(
-    c: fmi2Component,
+unsafe fn call<M: Model, S: From<Outcome>>(
+    c: *mut c_void,
     function: Function,
     body: impl FnOnce(&mut Instance<M>) -> Result<(), String>,
-) -> fmi2Status {
+) -> S {
     // SAFETY: the caller keeps the precondition.
-    unsafe { call_with_status(c, function, |instance| body(instance).map(|()| OK)) }
+    unsafe { call_with_outcome(c, function, |instance| body(instance).map(|()| Outcome::Ok)) }.into()
+}
+
+/// Makes an instance, or tells the master's logger why there is none.
+fn instantiate<M: Model>(
+    function: &str,
+    log: Log,
+    loaded: impl FnOnce() -> Result<instance::Loaded<M>, String>,
+) -> *mut c_void {
+    match guard::catch(loaded).and_then(|result| result) {
+        Ok(loaded) => Box::into_raw(Box::new(Instance::new(log, loaded))).cast(),
+        Err(message) => {
+            log.error(format_args!("{function}: {message}"));
+            ptr::null_mut()
+        }
+    }
+}
+
+/// Frees an instance.
+///
+/// # Safety
+/// The module's precondition on `c`.
+unsafe fn free<M: Model>(c: *mut c_void) {
+    if c.is_null() {
+        return;
+    }
+    // SAFETY: by the module's precondition `c` is a live instance, which `instantiate` boxed.
+    let instance = unsafe { Box::from_raw(c.cast::<Instance<M>>()) };
+    // There is no instance left to log a panic of the model's destructor, and nothing left to do about it.
+    let _ = guard::catch(|| drop(instance));
+}
+
+/// Turns log categories on or off.
+///
+/// # Safety
+/// The module's precondition on strings and arrays.
+unsafe fn set_logging<M: Model>(
+    instance: &Instance<M>,
+    on: bool,
+    n: usize,
+    categories: *const *const c_char,
+) -> Result<(), String> {
+    // SAFETY: the caller keeps the precondition.
+    unsafe {
+        let categories = array("categories", categories, n)?;
+        let categories: Result<Vec<_>, _> = categories.iter().map(|name| string("a category", *name)).collect();
+        instance.log.set_debug_logging(on, &categories?)
+    }
+}
+
+/// Writes the values of variables, `n` together, as the C type `C`.
+///
+/// # Safety
+/// `value` has room for `n` values.
+unsafe fn get_values<M: Model, T: Value, C>(
+    instance: &mut Instance<M>,
+    references: &[u32],
+    (value, n): (*mut C, usize),
+    write: impl Fn(&T) -> C,
+) -> Result<(), String> {
+    check_target("value", value, n)?;
+    instance.get::<T>(references, |position, values| {
+        for (offset, source) in values.iter().enumerate() {
+            // SAFETY: `instance.get` hands out each position below `n` once, and `value` has room for `n` values.
+            unsafe { value.add(position + offset).write(write(source)) };
+        }
+    })
+}
+
+/// Writes the values of String variables, `n` together, which live until the next call.
+///
+/// # Safety
+/// `value` has room for `n` pointers.
+unsafe fn get_strings<M: Model>(
+    instance: &mut Instance<M>,
+    references: &[u32],
+    (value, n): (*mut *const c_char, usize),
+) -> Result<(), String> {
+    check_target("value", value, n)?;
+    let mut strings = Vec::new();
+    instance.get::<String>(references, |_, values| {
+        strings.extend(values.iter().map(|text| CString::new(text.replace('\0', "\u{fffd}"))));
+    })?;
+    instance.strings = strings.into_iter().collect::<Result<_, _>>().expect("NUL was replaced");
+    for (position, string) in instance.strings.iter().enumerate() {
+        // SAFETY: one string is written for each of the `n` values.
+        unsafe { value.add(position).write(string.as_ptr()) };
+    }
+    Ok(())
+}
+
+/// Sets String variables from `n` texts.
+///
+/// # Safety
+/// The module's precondition on strings and arrays.
+unsafe fn set_strings<M: Model>(
+    instance: &mut Instance<M>,
+    references: &[u32],
+    (value, n): (*const *const c_char, usize),
+) -> Result<(), String> {
+    // SAFETY: the caller keeps the precondition.
+    let values = unsafe { array("value", value, n)?.iter().map(|value| text("a value", *value).map(str::to_string)) };
+    instance.set(references, &values.collect::<Result<Vec<_>, _>>()?)
+}
+
+/// Writes `values` to where the master has room for as many.
+///
+/// # Safety
+/// `target` has room for the values.
+unsafe fn put(name: &str, values: &[f64], target: *mut f64) -> Result<(), String> {
+    check_target(name, target, values.len())?;
+    // SAFETY: the target is not null where there are values, and the caller vouches for the rest.
+    unsafe { ptr::copy_nonoverlapping(values.as_ptr(), target, values.len()) };
+    Ok(())
 }
 
 /// The array that a master passes as pointer and length.
@@ -228,477 +653,14 @@ unsafe fn text<'a>(name: &str, pointer: *const c_char) -> Result<&'a str, String
     string.to_str().map_err(|_| format!("{name} = {string:?} is not UTF-8"))
 }
 
-pub unsafe extern "C" fn fmi2GetTypesPlatform<M: Model>() -> fmi2String {
-    c"default".as_ptr()
-}
-
-pub unsafe extern "C" fn fmi2GetVersion<M: Model>() -> fmi2String {
-    c"2.0".as_ptr()
-}
-
-pub unsafe extern "C" fn fmi2SetDebugLogging<M: Model>(
-    c: fmi2Component,
-    on: fmi2Boolean,
-    n: usize,
-    categories: *const fmi2String,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::SetDebugLogging, |instance| {
-            let categories = array("categories", categories, n)?;
-            let categories: Result<Vec<_>, _> = categories.iter().map(|name| string("a category", *name)).collect();
-            instance.log.set_debug_logging(on != 0, &categories?)
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2Instantiate<M: Model>(
-    name: fmi2String,
-    kind: fmi2Type,
-    guid: fmi2String,
-    resources: fmi2String,
-    functions: *const fmi2CallbackFunctions,
-    _visible: fmi2Boolean,
-    logging: fmi2Boolean,
-) -> fmi2Component {
-    // SAFETY: `functions` is null or valid by the module's precondition; what it holds is copied.
-    let Some(functions) = (unsafe { functions.as_ref() }) else {
-        return ptr::null_mut();
-    };
-    let instance_name = match name.is_null() {
-        true => CString::default(),
-        // SAFETY: the name is not null, and a string by the module's precondition.
-        false => unsafe { CStr::from_ptr(name) }.to_owned(),
-    };
-    // SAFETY: the standard asks of the master that logger and environment outlive the instance.
-    let log = unsafe { Log::new(functions.logger, functions.componentEnvironment, instance_name, logging != 0) };
-    let loaded = guard::catch(|| {
-        // SAFETY: the module's precondition on strings.
-        let (name, guid, resources) = unsafe {
-            let resources = (!resources.is_null()).then(|| text("fmuResourceLocation", resources)).transpose()?;
-            (text("instanceName", name)?, text("fmuGUID", guid)?, resources)
-        };
-        if name.is_empty() {
-            return Err("instanceName must not be empty".to_string());
-        }
-        if kind != fmi2Type::fmi2CoSimulation {
-            return Err(format!("fmuType = {} must be fmi2CoSimulation", kind.0));
-        }
-        let folder = resources.filter(|location| !location.is_empty()).map(resource::folder).transpose()?;
-        instance::load_described::<M>(folder.as_deref(), guid)
-    });
-    match loaded.and_then(|result| result) {
-        Ok(loaded) => Box::into_raw(Box::new(Instance::new(log, loaded))).cast(),
-        Err(message) => {
-            log.error(format_args!("fmi2Instantiate: {message}"));
-            ptr::null_mut()
-        }
-    }
-}
-
-pub unsafe extern "C" fn fmi2FreeInstance<M: Model>(c: fmi2Component) {
-    if c.is_null() {
-        return;
-    }
-    // SAFETY: by the module's precondition `c` is a live instance from `fmi2Instantiate`, which boxed it.
-    let instance = unsafe { Box::from_raw(c.cast::<Instance<M>>()) };
-    // There is no instance left to log a panic of the model's destructor, and nothing left to do about it.
-    let _ = guard::catch(|| drop(instance));
-}
-
-pub unsafe extern "C" fn fmi2SetupExperiment<M: Model>(
-    c: fmi2Component,
-    _has_tolerance: fmi2Boolean,
-    _tolerance: fmi2Real,
-    start: fmi2Real,
-    has_stop: fmi2Boolean,
-    stop: fmi2Real,
-) -> fmi2Status {
-    let stop = (has_stop != 0).then_some(stop);
-    // SAFETY: the module's precondition.
-    unsafe { call::<M>(c, Function::SetupExperiment, |instance| instance.setup_experiment(start, stop)) }
-}
-
-macro_rules! without_arguments {
-    ($($name:ident: $function:ident = $body:expr;)*) => {
-        $(
-            pub unsafe extern "C" fn $name<M: Model>(c: fmi2Component) -> fmi2Status {
-                // SAFETY: the module's precondition.
-                unsafe { call::<M>(c, Function::$function, $body) }
-            }
-        )*
-    };
-}
-
-without_arguments! {
-    fmi2EnterInitializationMode: EnterInitializationMode = |instance| { instance.enter_initialization(); Ok(()) };
-    fmi2ExitInitializationMode: ExitInitializationMode = |instance| instance.exit_initialization();
-    fmi2Terminate: Terminate = |instance| { instance.terminate(); Ok(()) };
-    fmi2Reset: Reset = |instance| instance.reset();
-    fmi2CancelStep: CancelStep = |_| Err("a step is never under way".into());
-}
-
-/// Reads values of Rust type `T` as the C type `C`.
-///
-/// # Safety
-/// The module's precondition; `value` is null or has room for `n` values.
-unsafe fn get<M: Model, T: Value, C>(
-    c: fmi2Component,
-    function: Function,
-    (vr, n): (*const fmi2ValueReference, usize),
-    value: *mut C,
-    write: impl Fn(&T) -> C,
-) -> fmi2Status {
-    // SAFETY: `instance.get` hands out each position below `n` once, and `value` has room for `n` values.
-    unsafe {
-        call::<M>(c, function, |instance| {
-            let references = array("vr", vr, n)?;
-            check_target("value", value, n)?;
-            instance.get::<T>(references, |position, values| {
-                for (offset, source) in values.iter().enumerate() {
-                    value.add(position + offset).write(write(source));
-                }
-            })
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2GetReal<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *mut fmi2Real,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe { get::<M, f64, _>(c, Function::GetReal, (vr, n), value, |real| *real) }
-}
-
-pub unsafe extern "C" fn fmi2GetInteger<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *mut fmi2Integer,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe { get::<M, i32, _>(c, Function::GetInteger, (vr, n), value, |integer| *integer) }
-}
-
-pub unsafe extern "C" fn fmi2GetBoolean<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *mut fmi2Boolean,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe { get::<M, bool, _>(c, Function::GetBoolean, (vr, n), value, |boolean| fmi2Boolean::from(*boolean)) }
-}
-
-pub unsafe extern "C" fn fmi2GetString<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *mut fmi2String,
-) -> fmi2Status {
-    // SAFETY: the module's precondition; one string is written for each of the `n` references.
-    unsafe {
-        call::<M>(c, Function::GetString, |instance| {
-            let references = array("vr", vr, n)?;
-            check_target("value", value, n)?;
-            let mut strings = Vec::with_capacity(n);
-            instance.get::<String>(references, |_, values| {
-                strings.extend(values.iter().map(|text| CString::new(text.replace('\0', "\u{fffd}"))));
-            })?;
-            instance.strings = strings.into_iter().collect::<Result<_, _>>().expect("NUL was replaced");
-            for (position, string) in instance.strings.iter().enumerate() {
-                value.add(position).write(string.as_ptr());
-            }
-            Ok(())
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2SetReal<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *const fmi2Real,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe { call::<M>(c, Function::SetReal, |instance| instance.set(array("vr", vr, n)?, array("value", value, n)?)) }
-}
-
-pub unsafe extern "C" fn fmi2SetInteger<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *const fmi2Integer,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::SetInteger, |instance| instance.set(array("vr", vr, n)?, array("value", value, n)?))
-    }
-}
-
-pub unsafe extern "C" fn fmi2SetBoolean<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *const fmi2Boolean,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::SetBoolean, |instance| {
-            let values: Vec<bool> = array("value", value, n)?.iter().map(|value| *value != 0).collect();
-            instance.set(array("vr", vr, n)?, &values)
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2SetString<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *const fmi2String,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::SetString, |instance| {
-            let values = array("value", value, n)?.iter();
-            let values: Result<Vec<_>, _> = values.map(|value| text("a value", *value).map(str::to_string)).collect();
-            instance.set(array("vr", vr, n)?, &values?)
-        })
-    }
-}
-
 /// The FMU state at `state`, zero if there is none.
 ///
 /// # Safety
 /// `state` is null or valid.
-unsafe fn handle(state: *mut fmi2FMUstate) -> Result<usize, String> {
+unsafe fn handle(state: *mut *mut c_void) -> Result<usize, String> {
     check_target("FMUstate", state, 1)?;
     // SAFETY: the pointer is not null and the caller vouches for the rest.
     Ok(unsafe { *state }.addr())
-}
-
-pub unsafe extern "C" fn fmi2GetFMUstate<M: Model>(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::GetFMUstate, |instance| {
-            *state = ptr::without_provenance_mut(instance.save(handle(state)?)?);
-            Ok(())
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2SetFMUstate<M: Model>(c: fmi2Component, state: fmi2FMUstate) -> fmi2Status {
-    // SAFETY: the module's precondition; the state is a number that is only looked up.
-    unsafe { call::<M>(c, Function::SetFMUstate, |instance| instance.restore(state.addr())) }
-}
-
-pub unsafe extern "C" fn fmi2FreeFMUstate<M: Model>(c: fmi2Component, state: *mut fmi2FMUstate) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::FreeFMUstate, |instance| {
-            if state.is_null() || (*state).is_null() {
-                return Ok(());
-            }
-            instance.free(handle(state)?)?;
-            *state = ptr::null_mut();
-            Ok(())
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2SerializedFMUstateSize<M: Model>(
-    c: fmi2Component,
-    state: fmi2FMUstate,
-    size: *mut usize,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::SerializedFMUstateSize, |instance| {
-            check_target("size", size, 1)?;
-            *size = instance.serialize(state.addr())?.len();
-            Ok(())
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2SerializeFMUstate<M: Model>(
-    c: fmi2Component,
-    state: fmi2FMUstate,
-    bytes: *mut fmi2Byte,
-    size: usize,
-) -> fmi2Status {
-    // SAFETY: the module's precondition; at most `size` bytes are written.
-    unsafe {
-        call::<M>(c, Function::SerializeFMUstate, |instance| {
-            let serialized = instance.serialize(state.addr())?;
-            if size < serialized.len() {
-                return Err(format!("size = {size} must be at least {}", serialized.len()));
-            }
-            check_target("serializedState", bytes, size)?;
-            ptr::copy_nonoverlapping(serialized.as_ptr(), bytes.cast(), serialized.len());
-            Ok(())
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2DeSerializeFMUstate<M: Model>(
-    c: fmi2Component,
-    bytes: *const fmi2Byte,
-    size: usize,
-    state: *mut fmi2FMUstate,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::DeSerializeFMUstate, |instance| {
-            let bytes = array("serializedState", bytes.cast(), size)?;
-            *state = ptr::without_provenance_mut(instance.deserialize(bytes, handle(state)?)?);
-            Ok(())
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2GetDirectionalDerivative<M: Model>(
-    c: fmi2Component,
-    unknown: *const fmi2ValueReference,
-    n_unknown: usize,
-    known: *const fmi2ValueReference,
-    n_known: usize,
-    seed: *const fmi2Real,
-    derivative: *mut fmi2Real,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::GetDirectionalDerivative, |instance| {
-            let (unknown, known) = (array("vUnknown_ref", unknown, n_unknown)?, array("vKnown_ref", known, n_known)?);
-            let seed = array("dvKnown", seed, n_known)?;
-            check_target("dvUnknown", derivative, n_unknown)?;
-            let mut values = vec![0.0; n_unknown];
-            instance.directional_derivative(unknown, known, seed, &mut values)?;
-            ptr::copy_nonoverlapping(values.as_ptr(), derivative, n_unknown);
-            Ok(())
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    order: *const fmi2Integer,
-    value: *const fmi2Real,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::SetRealInputDerivatives, |instance| {
-            let (references, orders) = (array("vr", vr, n)?, array("order", order, n)?);
-            instance.set_input_derivatives(references, orders, array("value", value, n)?)
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2GetRealOutputDerivatives<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    order: *const fmi2Integer,
-    value: *mut fmi2Real,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M>(c, Function::GetRealOutputDerivatives, |instance| {
-            let (references, orders) = (array("vr", vr, n)?, array("order", order, n)?);
-            check_target("value", value, n)?;
-            let mut values = vec![0.0; n];
-            instance.output_derivatives(references, orders, &mut values)?;
-            ptr::copy_nonoverlapping(values.as_ptr(), value, n);
-            Ok(())
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2DoStep<M: Model>(
-    c: fmi2Component,
-    time: fmi2Real,
-    step: fmi2Real,
-    _no_rollback: fmi2Boolean,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe { call::<M>(c, Function::DoStep, |instance| instance.step(time, step)) }
-}
-
-/// Answers a question about the simulation's status. The standard's answer to a question about asynchronous steps,
-/// which do not occur here, is `fmi2Discard`.
-///
-/// # Safety
-/// The module's precondition; `value` is null or valid.
-unsafe fn status<M: Model, T>(
-    c: fmi2Component,
-    function: Function,
-    value: *mut T,
-    answer: impl FnOnce(&Instance<M>) -> Option<T>,
-) -> fmi2Status {
-    // SAFETY: the caller keeps the precondition.
-    unsafe {
-        call_with_status::<M>(c, function, |instance| {
-            check_target("value", value, 1)?;
-            let Some(answer) = answer(instance) else {
-                return Ok(fmi2Status::fmi2Discard);
-            };
-            value.write(answer);
-            Ok(OK)
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2GetStatus<M: Model>(
-    c: fmi2Component,
-    _kind: fmi2StatusKind,
-    value: *mut fmi2Status,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe { status::<M, _>(c, Function::GetStatus, value, |_| None) }
-}
-
-pub unsafe extern "C" fn fmi2GetRealStatus<M: Model>(
-    c: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Real,
-) -> fmi2Status {
-    let asks_for_time = kind == fmi2StatusKind::fmi2LastSuccessfulTime;
-    // SAFETY: the module's precondition.
-    unsafe { status::<M, _>(c, Function::GetRealStatus, value, |instance| asks_for_time.then(|| instance.time())) }
-}
-
-pub unsafe extern "C" fn fmi2GetIntegerStatus<M: Model>(
-    c: fmi2Component,
-    _kind: fmi2StatusKind,
-    value: *mut fmi2Integer,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe { status::<M, _>(c, Function::GetIntegerStatus, value, |_| None) }
-}
-
-pub unsafe extern "C" fn fmi2GetBooleanStatus<M: Model>(
-    c: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Boolean,
-) -> fmi2Status {
-    // A model never asks to end the simulation.
-    let asks_for_end = kind == fmi2StatusKind::fmi2Terminated;
-    // SAFETY: the module's precondition.
-    unsafe { status::<M, _>(c, Function::GetBooleanStatus, value, |_| asks_for_end.then_some(0)) }
-}
-
-pub unsafe extern "C" fn fmi2GetStringStatus<M: Model>(
-    c: fmi2Component,
-    _kind: fmi2StatusKind,
-    value: *mut fmi2String,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe { status::<M, _>(c, Function::GetStringStatus, value, |_| None) }
 }
 
 /// See [`export_fmu!`](crate::export_fmu).
@@ -711,11 +673,37 @@ pub unsafe extern "C" fn fmu_model_description<M: Model>(
     capacity: usize,
     needed: *mut usize,
 ) -> fmi2Integer {
+    // SAFETY: the caller keeps the same precondition.
+    unsafe { describe::<M>(Version::Fmi2, resources, (buffer, capacity), needed) }
+}
+
+/// See [`export_fmu!`](crate::export_fmu).
+///
+/// # Safety
+/// That of [`fmu_model_description`].
+pub unsafe extern "C" fn fmu_model_description_3<M: Model>(
+    resources: fmi2String,
+    buffer: *mut fmi2Char,
+    capacity: usize,
+    needed: *mut usize,
+) -> fmi2Integer {
+    // SAFETY: the caller keeps the same precondition.
+    unsafe { describe::<M>(Version::Fmi3, resources, (buffer, capacity), needed) }
+}
+
+/// # Safety
+/// That of [`fmu_model_description`].
+unsafe fn describe<M: Model>(
+    version: Version,
+    resources: fmi2String,
+    (buffer, capacity): (*mut fmi2Char, usize),
+    needed: *mut usize,
+) -> fmi2Integer {
     let described = guard::catch(|| {
         // SAFETY: the function's precondition on strings.
         let resources = (!resources.is_null()).then(|| unsafe { text("resources", resources) }).transpose()?;
         let resources = Resources::read(resources.map(Path::new), M::RESOURCES)?;
-        let (_, _, document) = instance::load::<M>(&resources)?;
+        let (_, _, document) = instance::load::<M>(&resources, version)?;
         Ok(document.xml)
     });
     let (code, text) = match described.and_then(|result| result) {
@@ -766,6 +754,6 @@ pub unsafe extern "C" fn fmu_field<M: Model>(
         Ok(())
     };
     // SAFETY: the module's precondition.
-    let status = unsafe { call::<M>(c, Function::GetReal, look) };
-    fmi2Integer::from(!(found && status == OK))
+    let status: fmi2Status = unsafe { call::<M, _>(c, Function::fmi2GetReal, look) };
+    fmi2Integer::from(!(found && status == fmi2Status::fmi2OK))
 }

@@ -1,4 +1,4 @@
-//! The GUID: what library, resources and model description belong together.
+//! The GUID, in FMI 3.0 the instantiation token: what library, resources and model description belong together.
 //!
 //! | bytes | digest of |
 //! |---|---|

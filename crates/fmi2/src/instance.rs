@@ -11,12 +11,13 @@ use crate::description::{self, Document};
 use crate::identity;
 use crate::log::Log;
 use crate::memory::require_memory;
-use crate::model::Model;
+use crate::model::{Model, Span};
 use crate::resource::Resources;
 use crate::snapshot::{Clock, Origin, Snapshot};
 use crate::state_machine::{self, Function, Mode};
 use crate::table::{Run, Table};
 use crate::variable::{Causality, Value, Variability, Variable};
+use crate::version::Version;
 
 pub(crate) struct Instance<M: Model> {
     pub log: Log,
@@ -30,7 +31,7 @@ pub(crate) struct Instance<M: Model> {
     /// The FMU states given out, by the number that a master holds as a pointer: the address of the snapshot, so that
     /// the states of two instances never share a number.
     snapshots: BTreeMap<usize, Box<Snapshot<M::State>>>,
-    /// What `fmi2GetString` returned last, kept alive until its next call.
+    /// What `GetString` returned last, kept alive until its next call.
     pub strings: Vec<CString>,
 }
 
@@ -43,9 +44,9 @@ const TIME_TOLERANCE: f64 = 1e-9;
 const START: Clock = Clock { mode: Mode::Instantiated, time: 0.0, stop: None };
 
 /// A model with its table and description.
-pub(crate) fn load<M: Model>(resources: &Resources) -> Result<(M, Table<M>, Document), String> {
+pub(crate) fn load<M: Model>(resources: &Resources, version: Version) -> Result<(M, Table<M>, Document), String> {
     let mut model = M::load(resources)?;
-    let table = Table::new(model.variables())?;
+    let table = Table::new(model.variables(), version)?;
     let document = description::document(&table, &mut model, resources)?;
     Ok((model, table, document))
 }
@@ -59,10 +60,14 @@ pub(crate) struct Loaded<M: Model> {
 }
 
 /// The model in a folder of resources, which must be the one that the master read the description of.
-pub(crate) fn load_described<M: Model>(folder: Option<&Path>, guid: &str) -> Result<Loaded<M>, String> {
+pub(crate) fn load_described<M: Model>(
+    folder: Option<&Path>,
+    guid: &str,
+    version: Version,
+) -> Result<Loaded<M>, String> {
     let resources = Resources::read(folder, M::RESOURCES)?;
     identity::check_origin::<M>(guid, &resources)?;
-    let (model, table, document) = load::<M>(&resources)?;
+    let (model, table, document) = load::<M>(&resources, version)?;
     if document.guid != guid {
         return Err(format!("the GUID {guid} belongs to another model description than that of {}", document.guid));
     }
@@ -141,7 +146,7 @@ impl<M: Model> Instance<M> {
 
     fn reload(&mut self) -> Result<(), String> {
         self.model = M::load(&self.resources)?;
-        self.table = Table::new(self.model.variables())?;
+        self.table = Table::new(self.model.variables(), self.table.version)?;
         self.stale = true;
         Ok(())
     }
@@ -175,6 +180,19 @@ impl<M: Model> Instance<M> {
         result
     }
 
+    /// Refuses references that are no variables of a type of FMI 3.0, or that have not `n` values together.
+    pub fn check_whole(&self, references: &[u32], type_name: &str, n: usize) -> Result<(), String> {
+        let mut total = 0;
+        for run in self.table.runs(references) {
+            let run = run?;
+            if self.table.variables[run.variable].type_name(self.table.version) != type_name {
+                return Err(self.table.wrong_type(&run, type_name));
+            }
+            total += run.elements.len();
+        }
+        check_count("nValues", n, total)
+    }
+
     /// Reads values: `sink` receives them in pieces, each with its position in `references`. A Real that is not finite
     /// is an error, so that no NaN passes silently.
     pub fn get<T: Value>(&mut self, references: &[u32], mut sink: impl FnMut(usize, &[T])) -> Result<(), String> {
@@ -187,7 +205,7 @@ impl<M: Model> Instance<M> {
             let values = self
                 .table
                 .read::<T>(run.variable, &mut self.model, &clock)?
-                .ok_or_else(|| self.table.wrong_type::<T>(&run))?;
+                .ok_or_else(|| self.table.wrong_type(&run, T::TYPE))?;
             let values = &values[run.elements.clone()];
             self.table.variables[run.variable].check_finite(values, run.elements.start)?;
             sink(run.position, values);
@@ -226,7 +244,7 @@ impl<M: Model> Instance<M> {
     fn check_settable<T: Value>(&self, run: &Run) -> Result<(), String> {
         let variable = &self.table.variables[run.variable];
         if T::TYPE != variable.access.type_name() {
-            return Err(self.table.wrong_type::<T>(run));
+            return Err(self.table.wrong_type(run, T::TYPE));
         }
         let Variable { causality, variability, .. } = variable;
         match causality {
@@ -245,39 +263,72 @@ impl<M: Model> Instance<M> {
         !matches!(self.clock.mode, Mode::Instantiated | Mode::Initialization)
     }
 
+    /// `d unknown / d known` times `seed`: `n` values.
     pub fn directional_derivative(
         &mut self,
         unknown: &[u32],
         known: &[u32],
         seed: &[f64],
-        derivative: &mut [f64],
-    ) -> Result<(), String> {
+        n: usize,
+    ) -> Result<Vec<f64>, String> {
+        self.prepare_derivative()?;
+        let unknown = self.table.spans(unknown, Causality::Output)?;
+        let known = self.table.spans(known, Causality::Input)?;
+        check_count("nSeed", seed.len(), count(&known))?;
+        check_count("nSensitivity", n, count(&unknown))?;
+        let mut derivative = vec![0.0; n];
+        self.model.directional_derivative(&unknown, &known, seed, &mut derivative)?;
+        check_derivative(&derivative)?;
+        Ok(derivative)
+    }
+
+    /// `seed` times `d unknown / d known`: `n` values, each from the directional derivative along one known.
+    pub fn adjoint_derivative(
+        &mut self,
+        unknown: &[u32],
+        known: &[u32],
+        seed: &[f64],
+        n: usize,
+    ) -> Result<Vec<f64>, String> {
+        self.prepare_derivative()?;
+        let unknown = self.table.spans(unknown, Causality::Output)?;
+        let known = self.table.spans(known, Causality::Input)?;
+        check_count("nSeed", seed.len(), count(&unknown))?;
+        check_count("nSensitivity", n, count(&known))?;
+        let (mut column, mut direction, mut derivative) = (vec![0.0; seed.len()], vec![0.0; n], Vec::new());
+        for k in 0..n {
+            direction[k] = 1.0;
+            self.model.directional_derivative(&unknown, &known, &direction, &mut column)?;
+            direction[k] = 0.0;
+            derivative.push(seed.iter().zip(&column).map(|(seed, value)| seed * value).sum());
+        }
+        check_derivative(&derivative)?;
+        Ok(derivative)
+    }
+
+    fn prepare_derivative(&mut self) -> Result<(), String> {
         if !M::DIRECTIONAL_DERIVATIVE {
             return Err("directional derivatives are not provided".into());
         }
-        self.refresh()?;
-        let unknown = self.table.spans(unknown, Causality::Output)?;
-        let known = self.table.spans(known, Causality::Input)?;
-        self.model.directional_derivative(&unknown, &known, seed, derivative)?;
-        check_derivative(derivative)
+        self.refresh()
     }
 
-    pub fn output_derivatives(
-        &mut self,
-        outputs: &[u32],
-        orders: &[i32],
-        derivative: &mut [f64],
-    ) -> Result<(), String> {
+    /// Time derivatives of outputs, `n` values.
+    pub fn output_derivatives(&mut self, outputs: &[u32], orders: &[i32], n: usize) -> Result<Vec<f64>, String> {
         if !M::OUTPUT_DERIVATIVE {
             return Err("output derivatives are not provided".into());
         }
         check_first_order(orders)?;
+        let spans = self.table.spans(outputs, Causality::Output)?;
+        check_count("nValues", n, count(&spans))?;
+        let mut derivative = vec![0.0; n];
         let mut rest = &mut *derivative;
-        for span in self.table.spans(outputs, Causality::Output)? {
-            let piece = rest.split_off_mut(..span.elements.len()).expect("one value per reference");
+        for span in spans {
+            let piece = rest.split_off_mut(..span.elements.len()).expect("as many values as elements");
             self.model.output_derivative(&span, piece)?;
         }
-        check_derivative(derivative)
+        check_derivative(&derivative)?;
+        Ok(derivative)
     }
 
     pub fn set_input_derivatives(&mut self, inputs: &[u32], orders: &[i32], derivative: &[f64]) -> Result<(), String> {
@@ -358,6 +409,19 @@ fn find<S>(snapshots: &BTreeMap<usize, Box<Snapshot<S>>>, handle: usize) -> Resu
 
 fn unknown_state(handle: usize) -> String {
     format!("FMU state {handle:#x} is not one of this instance")
+}
+
+/// Number of values of some variables.
+fn count(spans: &[Span]) -> usize {
+    spans.iter().map(|span| span.elements.len()).sum()
+}
+
+/// Refuses an array of another length than that of the variables; in FMI 2.0 both are the same.
+fn check_count(name: &str, n: usize, expected: usize) -> Result<(), String> {
+    match n == expected {
+        true => Ok(()),
+        false => Err(format!("{name} = {n} must be {expected}, the number of values of the variables")),
+    }
 }
 
 fn check_derivative(derivative: &[f64]) -> Result<(), String> {

@@ -1,4 +1,4 @@
-//! FMI 2.0 co-simulation export: a struct, one trait and one list of variables make an FMU.
+//! FMI 2.0 and 3.0 co-simulation export: a struct, one trait and one list of variables make an FMU of either.
 //!
 //! Implement [`Model`], list the variables with [`Real`], [`Integer`], [`Boolean`] and [`Text`], and call
 //! [`export_fmu!`] in a crate of type `cdylib`. The list makes the model description with its units, start values and
@@ -76,6 +76,7 @@ pub mod sys;
 mod table;
 mod units;
 mod variable;
+mod version;
 
 pub use description::Description;
 pub use log::Log;

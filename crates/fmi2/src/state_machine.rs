@@ -1,4 +1,5 @@
-//! Which function may be called when: the calling sequence of a co-simulation slave (FMI 2.0.4, section 4.2.4).
+//! Which function may be called when: the calling sequence of co-simulation (FMI 2.0.4, section 4.2.4; FMI 3.0.2,
+//! sections 2.3 and 4.2).
 
 use std::fmt;
 
@@ -33,80 +34,63 @@ impl fmt::Display for Mode {
     }
 }
 
-/// The functions that act on an instance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Function {
-    SetDebugLogging,
-    SetupExperiment,
-    EnterInitializationMode,
-    ExitInitializationMode,
-    Terminate,
-    Reset,
-    GetReal,
-    GetInteger,
-    GetBoolean,
-    GetString,
-    SetReal,
-    SetInteger,
-    SetBoolean,
-    SetString,
-    GetFMUstate,
-    SetFMUstate,
-    FreeFMUstate,
-    SerializedFMUstateSize,
-    SerializeFMUstate,
-    DeSerializeFMUstate,
-    GetDirectionalDerivative,
-    SetRealInputDerivatives,
-    GetRealOutputDerivatives,
-    DoStep,
-    CancelStep,
-    GetStatus,
-    GetRealStatus,
-    GetIntegerStatus,
-    GetBooleanStatus,
-    GetStringStatus,
+/// Lists the functions in rows, each with one column per [`Mode`] in its order; `x` is allowed.
+macro_rules! functions {
+    ($($row:literal: $($function:ident)*;)*) => {
+        /// The functions that act on an instance, by their names in C.
+        #[allow(non_camel_case_types, reason = "the functions are named as in the standard")]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum Function {
+            $($($function,)*)*
+        }
+
+        fn row(function: Function) -> &'static str {
+            match function {
+                $($(Function::$function)|* => $row,)*
+            }
+        }
+
+        #[cfg(test)]
+        const TABLE: &[(&[Function], &str)] = &[$((&[$(Function::$function),*], $row)),*];
+    };
+}
+
+functions! {
+//   Instantiated
+//   | Initialization
+//   | | StepComplete
+//   | | | Terminated
+//   | | | | Error
+//   | | | | | Panicked
+    "x x x x x x": fmi2SetDebugLogging fmi2Reset fmi2SetFMUstate fmi2FreeFMUstate
+                   fmi3SetDebugLogging fmi3Reset fmi3SetFMUState fmi3FreeFMUState
+                   fmi2SerializedFMUstateSize fmi2SerializeFMUstate fmi2DeSerializeFMUstate
+                   fmi3SerializedFMUStateSize fmi3SerializeFMUState fmi3DeserializeFMUState;
+    "x x x x x -": fmi2GetFMUstate fmi3GetFMUState;
+    "x - - - - -": fmi2SetupExperiment fmi2EnterInitializationMode fmi3EnterInitializationMode;
+    "- x - - - -": fmi2ExitInitializationMode fmi3ExitInitializationMode;
+    "- - x - - -": fmi2Terminate fmi2DoStep fmi3Terminate fmi3DoStep;
+    "- - - - - -": fmi2CancelStep;
+    "- x x x x -": fmi2GetReal fmi2GetInteger fmi2GetBoolean fmi2GetString fmi2GetDirectionalDerivative
+                   fmi3GetFloat32 fmi3GetFloat64 fmi3GetInt8 fmi3GetUInt8 fmi3GetInt16 fmi3GetUInt16 fmi3GetInt32
+                   fmi3GetUInt32 fmi3GetInt64 fmi3GetUInt64 fmi3GetBoolean fmi3GetString fmi3GetBinary fmi3GetClock
+                   fmi3GetDirectionalDerivative fmi3GetAdjointDerivative;
+    "x x x - - -": fmi2SetReal fmi2SetInteger fmi2SetBoolean fmi2SetString fmi2SetRealInputDerivatives
+                   fmi3SetFloat32 fmi3SetFloat64 fmi3SetInt8 fmi3SetUInt8 fmi3SetInt16 fmi3SetUInt16 fmi3SetInt32
+                   fmi3SetUInt32 fmi3SetInt64 fmi3SetUInt64 fmi3SetBoolean fmi3SetString fmi3SetBinary fmi3SetClock;
+    "- - x x x -": fmi2GetRealOutputDerivatives fmi3GetOutputDerivatives;
+    "- - x x x x": fmi2GetStatus fmi2GetRealStatus fmi2GetIntegerStatus fmi2GetBooleanStatus fmi2GetStringStatus;
 }
 
 impl fmt::Display for Function {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "fmi2{self:?}")
+        fmt::Debug::fmt(self, f)
     }
 }
 
-/// One column per [`Mode`], in its order; `x` is allowed.
-#[rustfmt::skip]
-const TABLE: [(&[Function], &str); 12] = {
-    use Function::*;
-    [
-        //                                                         Instantiated
-        //                                                         | Initialization
-        //                                                         | | StepComplete
-        //                                                         | | | Terminated
-        //                                                         | | | | Error
-        //                                                         | | | | | Panicked
-        (&[SetDebugLogging, Reset, SetFMUstate, FreeFMUstate],    "x x x x x x"),
-        (&[SerializedFMUstateSize, SerializeFMUstate,
-           DeSerializeFMUstate],                                  "x x x x x x"),
-        (&[GetFMUstate],                                          "x x x x x -"),
-        (&[SetupExperiment, EnterInitializationMode],             "x - - - - -"),
-        (&[ExitInitializationMode],                               "- x - - - -"),
-        (&[Terminate, DoStep],                                    "- - x - - -"),
-        (&[CancelStep],                                           "- - - - - -"),
-        (&[GetReal, GetInteger, GetBoolean, GetString],           "- x x x x -"),
-        (&[SetReal, SetInteger, SetBoolean, SetString,
-           SetRealInputDerivatives],                              "x x x - - -"),
-        (&[GetDirectionalDerivative],                             "- x x x x -"),
-        (&[GetRealOutputDerivatives],                             "- - x x x -"),
-        (&[GetStatus, GetRealStatus, GetIntegerStatus,
-           GetBooleanStatus, GetStringStatus],                    "- - x x x x"),
-    ]
-};
-
-/// Refuses a call that the state does not allow.
+/// Refuses a call that the instance's mode does not allow.
 pub(crate) fn check(function: Function, mode: Mode) -> Result<(), String> {
-    let (_, row) = TABLE.iter().find(|(functions, _)| functions.contains(&function)).expect("every function has a row");
-    if row.as_bytes()[2 * mode as usize] == b'x' {
+    if row(function).as_bytes()[2 * mode as usize] == b'x' {
         return Ok(());
     }
     Err(format!("not allowed in the state \"{mode}\""))
@@ -124,11 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn every_function_has_one_row_and_every_row_six_columns() {
-        let mut functions: Vec<_> = TABLE.iter().flat_map(|(functions, _)| functions.iter().copied()).collect();
-        functions.sort_by_key(|function| *function as usize);
-        let numbers: Vec<_> = functions.iter().map(|function| *function as usize).collect();
-        assert_eq!(numbers, (0..=Function::GetStringStatus as usize).collect::<Vec<_>>());
+    fn every_row_has_six_columns() {
         for (functions, row) in TABLE {
             assert_eq!(row.len(), 2 * MODES.len() - 1, "{functions:?}");
         }
@@ -136,27 +116,27 @@ mod tests {
 
     #[test]
     fn steps_are_made_between_initialisation_and_termination_only() {
-        assert_eq!(allowed(Function::DoStep), [Mode::StepComplete]);
-        assert_eq!(allowed(Function::CancelStep), []);
+        assert_eq!(allowed(Function::fmi2DoStep), [Mode::StepComplete]);
+        assert_eq!(allowed(Function::fmi2CancelStep), []);
     }
 
     #[test]
     fn values_are_set_before_the_end_and_read_from_initialisation_on() {
         let all_but_last = &MODES[..3];
-        assert_eq!(allowed(Function::SetReal), all_but_last);
+        assert_eq!(allowed(Function::fmi2SetReal), all_but_last);
         let all_but_first_and_panicked = &MODES[1..5];
-        assert_eq!(allowed(Function::GetReal), all_but_first_and_panicked);
+        assert_eq!(allowed(Function::fmi2GetReal), all_but_first_and_panicked);
     }
 
     #[test]
     fn a_new_beginning_and_a_stored_state_are_always_allowed() {
-        assert_eq!(allowed(Function::Reset), MODES);
-        assert_eq!(allowed(Function::SetFMUstate), MODES);
+        assert_eq!(allowed(Function::fmi2Reset), MODES);
+        assert_eq!(allowed(Function::fmi2SetFMUstate), MODES);
     }
 
     #[test]
     fn a_refusal_names_the_state() {
-        let message = check(Function::DoStep, Mode::Initialization).unwrap_err();
+        let message = check(Function::fmi2DoStep, Mode::Initialization).unwrap_err();
         assert!(message.contains("initialization mode"), "{message}");
     }
 
@@ -164,8 +144,13 @@ mod tests {
     fn the_readme_shows_this_table() {
         let readme = include_str!("../README.md");
         for (functions, row) in TABLE {
-            let functions: Vec<_> = functions.iter().map(|function| format!("{function:?}")).collect();
-            let line = format!("| {} | {} |", functions.join(", "), row.replace(' ', " | ").replace('-', " "));
+            let of_version = |prefix: &str| {
+                let names = functions.iter().map(|function| format!("{function:?}"));
+                let names: Vec<_> = names.filter_map(|name| Some(name.strip_prefix(prefix)?.to_string())).collect();
+                names.join(", ")
+            };
+            let marks = row.replace(' ', " | ").replace('-', " ");
+            let line = format!("| {} | {} | {marks} |", of_version("fmi2"), of_version("fmi3"));
             assert!(readme.contains(&line), "README.md lacks\n{line}");
         }
     }

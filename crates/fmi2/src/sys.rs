@@ -1,5 +1,8 @@
-//! The C types of FMI 2.0, generated from the official headers by `crates/fmi2/bindgen`: do not edit.
+//! The C types of FMI 2.0 and 3.0, generated from the official headers by `crates/fmi2/bindgen`: do not edit.
 #![allow(missing_docs, non_camel_case_types, non_snake_case, non_upper_case_globals)]
+
+pub type fmi3Boolean = u8;
+pub type fmi3Clock = u8;
 
 pub type fmi2Component = *mut ::std::os::raw::c_void;
 pub type fmi2ComponentEnvironment = *mut ::std::os::raw::c_void;
@@ -349,4 +352,670 @@ pub type fmi2GetStringStatusTYPE = ::std::option::Option<
         s: fmi2StatusKind,
         value: *mut fmi2String,
     ) -> fmi2Status,
+>;
+pub type fmi3Instance = *mut ::std::os::raw::c_void;
+pub type fmi3InstanceEnvironment = *mut ::std::os::raw::c_void;
+pub type fmi3FMUState = *mut ::std::os::raw::c_void;
+pub type fmi3ValueReference = u32;
+pub type fmi3Float32 = f32;
+pub type fmi3Float64 = f64;
+pub type fmi3Int8 = i8;
+pub type fmi3UInt8 = u8;
+pub type fmi3Int16 = i16;
+pub type fmi3UInt16 = u16;
+pub type fmi3Int32 = i32;
+pub type fmi3UInt32 = u32;
+pub type fmi3Int64 = i64;
+pub type fmi3UInt64 = u64;
+pub type fmi3Char = ::std::os::raw::c_char;
+pub type fmi3String = *const fmi3Char;
+pub type fmi3Byte = u8;
+pub type fmi3Binary = *const fmi3Byte;
+impl fmi3Status {
+    pub const fmi3OK: fmi3Status = fmi3Status(0);
+    pub const fmi3Warning: fmi3Status = fmi3Status(1);
+    pub const fmi3Discard: fmi3Status = fmi3Status(2);
+    pub const fmi3Error: fmi3Status = fmi3Status(3);
+    pub const fmi3Fatal: fmi3Status = fmi3Status(4);
+}
+#[repr(transparent)]
+#[derive(Debug, Copy, Clone, Hash, PartialEq, Eq)]
+pub struct fmi3Status(pub ::std::os::raw::c_uint);
+impl fmi3DependencyKind {
+    pub const fmi3Independent: fmi3DependencyKind = fmi3DependencyKind(0);
+    pub const fmi3Constant: fmi3DependencyKind = fmi3DependencyKind(1);
+    pub const fmi3Fixed: fmi3DependencyKind = fmi3DependencyKind(2);
+    pub const fmi3Tunable: fmi3DependencyKind = fmi3DependencyKind(3);
+    pub const fmi3Discrete: fmi3DependencyKind = fmi3DependencyKind(4);
+    pub const fmi3Dependent: fmi3DependencyKind = fmi3DependencyKind(5);
+}
+#[repr(transparent)]
+#[derive(Debug, Copy, Clone, Hash, PartialEq, Eq)]
+pub struct fmi3DependencyKind(pub ::std::os::raw::c_uint);
+impl fmi3IntervalQualifier {
+    pub const fmi3IntervalNotYetKnown: fmi3IntervalQualifier = fmi3IntervalQualifier(0);
+    pub const fmi3IntervalUnchanged: fmi3IntervalQualifier = fmi3IntervalQualifier(1);
+    pub const fmi3IntervalChanged: fmi3IntervalQualifier = fmi3IntervalQualifier(2);
+}
+#[repr(transparent)]
+#[derive(Debug, Copy, Clone, Hash, PartialEq, Eq)]
+pub struct fmi3IntervalQualifier(pub ::std::os::raw::c_uint);
+pub type fmi3LogMessageCallback = ::std::option::Option<
+    unsafe extern "C" fn(
+        instanceEnvironment: fmi3InstanceEnvironment,
+        status: fmi3Status,
+        category: fmi3String,
+        message: fmi3String,
+    ),
+>;
+pub type fmi3ClockUpdateCallback = ::std::option::Option<
+    unsafe extern "C" fn(instanceEnvironment: fmi3InstanceEnvironment),
+>;
+pub type fmi3IntermediateUpdateCallback = ::std::option::Option<
+    unsafe extern "C" fn(
+        instanceEnvironment: fmi3InstanceEnvironment,
+        intermediateUpdateTime: fmi3Float64,
+        intermediateVariableSetRequested: fmi3Boolean,
+        intermediateVariableGetAllowed: fmi3Boolean,
+        intermediateStepFinished: fmi3Boolean,
+        canReturnEarly: fmi3Boolean,
+        earlyReturnRequested: *mut fmi3Boolean,
+        earlyReturnTime: *mut fmi3Float64,
+    ),
+>;
+pub type fmi3LockPreemptionCallback = ::std::option::Option<unsafe extern "C" fn()>;
+pub type fmi3UnlockPreemptionCallback = ::std::option::Option<unsafe extern "C" fn()>;
+pub type fmi3GetVersionTYPE = ::std::option::Option<
+    unsafe extern "C" fn() -> *const ::std::os::raw::c_char,
+>;
+pub type fmi3SetDebugLoggingTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        loggingOn: fmi3Boolean,
+        nCategories: usize,
+        categories: *const fmi3String,
+    ) -> fmi3Status,
+>;
+pub type fmi3InstantiateModelExchangeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instanceName: fmi3String,
+        instantiationToken: fmi3String,
+        resourcePath: fmi3String,
+        visible: fmi3Boolean,
+        loggingOn: fmi3Boolean,
+        instanceEnvironment: fmi3InstanceEnvironment,
+        logMessage: fmi3LogMessageCallback,
+    ) -> fmi3Instance,
+>;
+pub type fmi3InstantiateCoSimulationTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instanceName: fmi3String,
+        instantiationToken: fmi3String,
+        resourcePath: fmi3String,
+        visible: fmi3Boolean,
+        loggingOn: fmi3Boolean,
+        eventModeUsed: fmi3Boolean,
+        earlyReturnAllowed: fmi3Boolean,
+        requiredIntermediateVariables: *const fmi3ValueReference,
+        nRequiredIntermediateVariables: usize,
+        instanceEnvironment: fmi3InstanceEnvironment,
+        logMessage: fmi3LogMessageCallback,
+        intermediateUpdate: fmi3IntermediateUpdateCallback,
+    ) -> fmi3Instance,
+>;
+pub type fmi3InstantiateScheduledExecutionTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instanceName: fmi3String,
+        instantiationToken: fmi3String,
+        resourcePath: fmi3String,
+        visible: fmi3Boolean,
+        loggingOn: fmi3Boolean,
+        instanceEnvironment: fmi3InstanceEnvironment,
+        logMessage: fmi3LogMessageCallback,
+        clockUpdate: fmi3ClockUpdateCallback,
+        lockPreemption: fmi3LockPreemptionCallback,
+        unlockPreemption: fmi3UnlockPreemptionCallback,
+    ) -> fmi3Instance,
+>;
+pub type fmi3FreeInstanceTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance),
+>;
+pub type fmi3EnterInitializationModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        toleranceDefined: fmi3Boolean,
+        tolerance: fmi3Float64,
+        startTime: fmi3Float64,
+        stopTimeDefined: fmi3Boolean,
+        stopTime: fmi3Float64,
+    ) -> fmi3Status,
+>;
+pub type fmi3ExitInitializationModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
+>;
+pub type fmi3EnterEventModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
+>;
+pub type fmi3TerminateTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
+>;
+pub type fmi3ResetTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
+>;
+pub type fmi3GetFloat32TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3Float32,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetFloat64TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3Float64,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetInt8TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3Int8,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetUInt8TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3UInt8,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetInt16TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3Int16,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetUInt16TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3UInt16,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetInt32TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3Int32,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetUInt32TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3UInt32,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetInt64TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3Int64,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetUInt64TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3UInt64,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetBooleanTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3Boolean,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetStringTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3String,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetBinaryTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        valueSizes: *mut usize,
+        values: *mut fmi3Binary,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetClockTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *mut fmi3Clock,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetFloat32TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3Float32,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetFloat64TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3Float64,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetInt8TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3Int8,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetUInt8TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3UInt8,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetInt16TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3Int16,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetUInt16TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3UInt16,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetInt32TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3Int32,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetUInt32TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3UInt32,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetInt64TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3Int64,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetUInt64TYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3UInt64,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetBooleanTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3Boolean,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetStringTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3String,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetBinaryTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        valueSizes: *const usize,
+        values: *const fmi3Binary,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetClockTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        values: *const fmi3Clock,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetNumberOfVariableDependenciesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReference: fmi3ValueReference,
+        nDependencies: *mut usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetVariableDependenciesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        dependent: fmi3ValueReference,
+        elementIndicesOfDependent: *mut usize,
+        independents: *mut fmi3ValueReference,
+        elementIndicesOfIndependents: *mut usize,
+        dependencyKinds: *mut fmi3DependencyKind,
+        nDependencies: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetFMUStateTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        FMUState: *mut fmi3FMUState,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetFMUStateTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance, FMUState: fmi3FMUState) -> fmi3Status,
+>;
+pub type fmi3FreeFMUStateTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        FMUState: *mut fmi3FMUState,
+    ) -> fmi3Status,
+>;
+pub type fmi3SerializedFMUStateSizeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        FMUState: fmi3FMUState,
+        size: *mut usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3SerializeFMUStateTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        FMUState: fmi3FMUState,
+        serializedState: *mut fmi3Byte,
+        size: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3DeserializeFMUStateTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        serializedState: *const fmi3Byte,
+        size: usize,
+        FMUState: *mut fmi3FMUState,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetDirectionalDerivativeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        unknowns: *const fmi3ValueReference,
+        nUnknowns: usize,
+        knowns: *const fmi3ValueReference,
+        nKnowns: usize,
+        seed: *const fmi3Float64,
+        nSeed: usize,
+        sensitivity: *mut fmi3Float64,
+        nSensitivity: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetAdjointDerivativeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        unknowns: *const fmi3ValueReference,
+        nUnknowns: usize,
+        knowns: *const fmi3ValueReference,
+        nKnowns: usize,
+        seed: *const fmi3Float64,
+        nSeed: usize,
+        sensitivity: *mut fmi3Float64,
+        nSensitivity: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3EnterConfigurationModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
+>;
+pub type fmi3ExitConfigurationModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
+>;
+pub type fmi3GetIntervalDecimalTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        intervals: *mut fmi3Float64,
+        qualifiers: *mut fmi3IntervalQualifier,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetIntervalFractionTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        counters: *mut fmi3UInt64,
+        resolutions: *mut fmi3UInt64,
+        qualifiers: *mut fmi3IntervalQualifier,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetShiftDecimalTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        shifts: *mut fmi3Float64,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetShiftFractionTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        counters: *mut fmi3UInt64,
+        resolutions: *mut fmi3UInt64,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetIntervalDecimalTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        intervals: *const fmi3Float64,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetIntervalFractionTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        counters: *const fmi3UInt64,
+        resolutions: *const fmi3UInt64,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetShiftDecimalTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        shifts: *const fmi3Float64,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetShiftFractionTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        counters: *const fmi3UInt64,
+        resolutions: *const fmi3UInt64,
+    ) -> fmi3Status,
+>;
+pub type fmi3EvaluateDiscreteStatesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
+>;
+pub type fmi3UpdateDiscreteStatesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        discreteStatesNeedUpdate: *mut fmi3Boolean,
+        terminateSimulation: *mut fmi3Boolean,
+        nominalsOfContinuousStatesChanged: *mut fmi3Boolean,
+        valuesOfContinuousStatesChanged: *mut fmi3Boolean,
+        nextEventTimeDefined: *mut fmi3Boolean,
+        nextEventTime: *mut fmi3Float64,
+    ) -> fmi3Status,
+>;
+pub type fmi3EnterContinuousTimeModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
+>;
+pub type fmi3CompletedIntegratorStepTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        noSetFMUStatePriorToCurrentPoint: fmi3Boolean,
+        enterEventMode: *mut fmi3Boolean,
+        terminateSimulation: *mut fmi3Boolean,
+    ) -> fmi3Status,
+>;
+pub type fmi3SetTimeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance, time: fmi3Float64) -> fmi3Status,
+>;
+pub type fmi3SetContinuousStatesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        continuousStates: *const fmi3Float64,
+        nContinuousStates: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetContinuousStateDerivativesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        derivatives: *mut fmi3Float64,
+        nContinuousStates: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetEventIndicatorsTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        eventIndicators: *mut fmi3Float64,
+        nEventIndicators: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetContinuousStatesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        continuousStates: *mut fmi3Float64,
+        nContinuousStates: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetNominalsOfContinuousStatesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        nominals: *mut fmi3Float64,
+        nContinuousStates: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetNumberOfEventIndicatorsTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        nEventIndicators: *mut usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3GetNumberOfContinuousStatesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        nContinuousStates: *mut usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3EnterStepModeTYPE = ::std::option::Option<
+    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
+>;
+pub type fmi3GetOutputDerivativesTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        valueReferences: *const fmi3ValueReference,
+        nValueReferences: usize,
+        orders: *const fmi3Int32,
+        values: *mut fmi3Float64,
+        nValues: usize,
+    ) -> fmi3Status,
+>;
+pub type fmi3DoStepTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        currentCommunicationPoint: fmi3Float64,
+        communicationStepSize: fmi3Float64,
+        noSetFMUStatePriorToCurrentPoint: fmi3Boolean,
+        eventHandlingNeeded: *mut fmi3Boolean,
+        terminateSimulation: *mut fmi3Boolean,
+        earlyReturn: *mut fmi3Boolean,
+        lastSuccessfulTime: *mut fmi3Float64,
+    ) -> fmi3Status,
+>;
+pub type fmi3ActivateModelPartitionTYPE = ::std::option::Option<
+    unsafe extern "C" fn(
+        instance: fmi3Instance,
+        clockReference: fmi3ValueReference,
+        activationTime: fmi3Float64,
+    ) -> fmi3Status,
 >;

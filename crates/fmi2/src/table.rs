@@ -1,4 +1,6 @@
 //! The list of variables with its value references: one numbering for all types, arrays in a row, in list order.
+//!
+//! In FMI 3.0 only the first reference of an array is one, and means the whole of it.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -6,8 +8,10 @@ use std::ops::Range;
 use crate::model::Span;
 use crate::units::BaseUnit;
 use crate::variable::{Access, Causality, UNBOUNDED, Value, Variability, Variable};
+use crate::version::Version;
 
 pub(crate) struct Table<M> {
+    pub version: Version,
     pub variables: Vec<Variable<M>>,
     /// Value reference of each variable's first element.
     first: Vec<u32>,
@@ -15,19 +19,19 @@ pub(crate) struct Table<M> {
     owner: Vec<u32>,
 }
 
-/// Value references in a row that belong to one variable.
+/// Elements in a row of one variable, which value references in a row stand for.
 pub(crate) struct Run {
     /// Index of the variable.
     pub variable: usize,
     pub elements: Range<usize>,
-    /// Where the caller's arrays hold the first of them.
+    /// Where the caller's array of values holds the first of them.
     pub position: usize,
 }
 
 impl<M> Table<M> {
     /// Numbers the variables and checks what can be checked without the model's values.
-    pub fn new(variables: Vec<Variable<M>>) -> Result<Self, String> {
-        let mut table = Table { first: Vec::with_capacity(variables.len()), owner: Vec::new(), variables };
+    pub fn new(variables: Vec<Variable<M>>, version: Version) -> Result<Self, String> {
+        let mut table = Table { version, first: Vec::with_capacity(variables.len()), owner: Vec::new(), variables };
         for (index, variable) in table.variables.iter().enumerate() {
             table.first.push(table.owner.len() as u32);
             table.owner.resize(table.owner.len() + variable.len(), index as u32);
@@ -37,6 +41,10 @@ impl<M> Table<M> {
     }
 
     fn check(&self) -> Result<(), String> {
+        let times = self.variables.iter().filter(|variable| variable.causality == Causality::Independent).count();
+        if self.version == Version::Fmi3 && times != 1 {
+            return Err(format!("FMI 3.0 wants Real::time() in the list once, not {times} times"));
+        }
         let mut by_name = HashMap::new();
         for variable in &self.variables {
             if by_name.insert(variable.name.as_str(), variable).is_some() {
@@ -111,22 +119,31 @@ impl<M> Table<M> {
 
     /// Splits value references into runs, so that the common case, a whole array, is one slice.
     pub fn runs(&self, references: &[u32]) -> impl Iterator<Item = Result<Run, String>> {
-        let mut position = 0;
+        let (mut rest, mut position) = (references, 0);
         std::iter::from_fn(move || {
-            let rest = &references[position..];
             let &start = rest.first()?;
-            let Some(&variable) = self.owner.get(start as usize) else {
-                position = references.len();
+            let Some((variable, elements)) = self.run(rest) else {
+                rest = &[];
                 return Some(Err(format!("value reference {start} does not exist")));
             };
-            let variable = variable as usize;
-            let end = self.references(variable).end;
-            let length = consecutive(&rest[..rest.len().min((end - start) as usize)]);
-            let element = (start - self.first[variable]) as usize;
-            let run = Run { variable, elements: element..element + length, position };
-            position += length;
+            rest = &rest[if self.version == Version::Fmi2 { elements.len() } else { 1 }..];
+            let run = Run { variable, elements, position };
+            position += run.elements.len();
             Some(Ok(run))
         })
+    }
+
+    /// The variable that the first of the references belongs to, and its elements that they stand for.
+    fn run(&self, references: &[u32]) -> Option<(usize, Range<usize>)> {
+        let variable = *self.owner.get(references[0] as usize)? as usize;
+        let all = self.references(variable);
+        let element = (references[0] - all.start) as usize;
+        let length = match self.version {
+            Version::Fmi2 => consecutive(&references[..references.len().min(all.len() - element)]),
+            Version::Fmi3 if element == 0 => all.len(),
+            Version::Fmi3 => return None,
+        };
+        Some((variable, element..element + length))
     }
 
     /// The references as spans of Real variables of one causality.
@@ -136,7 +153,7 @@ impl<M> Table<M> {
                 let run = run?;
                 let variable = &self.variables[run.variable];
                 if variable.access.type_name() != f64::TYPE {
-                    return Err(self.wrong_type::<f64>(&run));
+                    return Err(self.wrong_type(&run, f64::TYPE));
                 }
                 if variable.causality != causality {
                     return Err(format!("{} is not an {}", self.name(&run), causality.name()));
@@ -146,16 +163,24 @@ impl<M> Table<M> {
             .collect()
     }
 
-    /// Name of a run's first element, for messages.
+    /// Name of what a run begins with, for messages: an element, or in FMI 3.0 the variable.
     pub fn name(&self, run: &Run) -> String {
-        self.variables[run.variable].element_name(run.elements.start)
+        let variable = &self.variables[run.variable];
+        match self.version {
+            Version::Fmi2 => variable.element_name(run.elements.start),
+            Version::Fmi3 => variable.name.clone(),
+        }
     }
 
-    /// What a call about type `T` says of a variable of another type.
-    pub fn wrong_type<T: Value>(&self, run: &Run) -> String {
+    /// What a call about another type says of a variable.
+    pub fn wrong_type(&self, run: &Run, wanted: &str) -> String {
         let reference = self.first[run.variable] as usize + run.elements.start;
-        let type_name = self.variables[run.variable].access.type_name();
-        format!("value reference {reference}, the {type_name} {}, is not of type {}", self.name(run), T::TYPE)
+        let variable = &self.variables[run.variable];
+        let type_name = match self.version {
+            Version::Fmi2 => variable.access.type_name(),
+            Version::Fmi3 => variable.type_name(Version::Fmi3),
+        };
+        format!("value reference {reference}, the {type_name} {}, is not of type {wanted}", self.name(run))
     }
 
     /// All values of a variable.
@@ -213,7 +238,7 @@ mod tests {
     }
 
     fn error(variables: Vec<Variable<()>>) -> String {
-        Table::new(variables).err().expect("the list is wrong")
+        Table::new(variables, Version::Fmi2).err().expect("the list is wrong")
     }
 
     fn runs(table: &Table<()>, references: &[u32]) -> Vec<(usize, Range<usize>, usize)> {
@@ -224,7 +249,7 @@ mod tests {
     #[test]
     fn references_in_a_row_are_one_run_per_variable() {
         let list = vec![input("a").array(3), input("b"), input("none").array(0), input("c").array(2)];
-        let table = Table::new(list).unwrap();
+        let table = Table::new(list, Version::Fmi2).unwrap();
         assert_eq!(runs(&table, &[0, 1, 2]), [(0, 0..3, 0)]);
         assert_eq!(runs(&table, &[1, 2, 3, 4, 5]), [(0, 1..3, 0), (1, 0..1, 2), (3, 0..2, 3)]);
         assert_eq!(runs(&table, &[5, 4, 4]), [(3, 1..2, 0), (3, 0..1, 1), (3, 0..1, 2)]);
@@ -233,9 +258,29 @@ mod tests {
 
     #[test]
     fn an_unknown_reference_is_named() {
-        let table = Table::new(vec![input("a").array(3)]).unwrap();
+        let table = Table::new(vec![input("a").array(3)], Version::Fmi2).unwrap();
         let message = table.runs(&[2, 3]).find_map(Result::err).unwrap();
         assert!(message.contains("value reference 3"), "{message}");
+    }
+
+    #[test]
+    fn in_fmi_3_the_first_reference_of_an_array_is_the_whole_of_it() {
+        let list = vec![input("a").array(3), input("none").array(0), input("b"), Real::time()];
+        let table = Table::new(list, Version::Fmi3).unwrap();
+        assert_eq!(runs(&table, &[0, 3, 0]), [(0, 0..3, 0), (2, 0..1, 3), (0, 0..3, 4)]);
+        for reference in [1, 2, 5] {
+            let message = table.runs(&[0, reference]).find_map(Result::err).unwrap();
+            assert!(message.contains(&format!("value reference {reference} does not exist")), "{message}");
+        }
+    }
+
+    #[test]
+    fn fmi_3_wants_the_time_once() {
+        for times in [0, 2] {
+            let list = (0..times).map(|_| Real::time()).collect();
+            let message = Table::new(list, Version::Fmi3).err().unwrap();
+            assert!(message.contains(&format!("Real::time() in the list once, not {times}")), "{message}");
+        }
     }
 
     #[test]

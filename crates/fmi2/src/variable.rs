@@ -5,6 +5,8 @@ use std::marker::PhantomData;
 use std::ops::{Bound, RangeBounds};
 use std::slice;
 
+use crate::version::Version;
+
 /// A variable of the model `M`, made by [`Real`], [`Integer`], [`Boolean`] or [`Text`].
 pub struct Variable<M> {
     pub(crate) name: String,
@@ -322,8 +324,13 @@ impl<M> Variable<M> {
     }
 
     /// Name of the type in the model description.
-    pub(crate) fn type_name(&self) -> &'static str {
-        if self.enumeration.is_some() { "Enumeration" } else { self.access.type_name() }
+    pub(crate) fn type_name(&self, version: Version) -> &'static str {
+        match (version, self.access.type_name()) {
+            _ if self.enumeration.is_some() => "Enumeration",
+            (Version::Fmi3, "Real") => "Float64",
+            (Version::Fmi3, "Integer") => "Int32",
+            (_, name) => name,
+        }
     }
 
     /// Number of value references.

@@ -10,7 +10,7 @@ That on a body that oscillates along a line in still fluid is split as by Moriso
 
     F = −rho L c_d |V| V / 2 − rho pi L² c_i dV/dt / 4
 
-by least squares, V being its velocity.
+with V its velocity, by the Fourier averages of Keulegan & Carpenter (1958).
 """
 
 from collections.abc import Iterator
@@ -142,21 +142,19 @@ class _Oscillation:
         return self.law.sine.frequency
 
     def morison(self, name: str, scene: Scene, series: Series, window: Window, length: float) -> Morison | None:
-        """The fit over `window`; None in a stream, while the motion still grows, or where the body turns."""
+        """The split over `window`; None in a stream, while the motion still grows, or where the body turns."""
         sine, part, fluid = self.law.sine, window.of(series["time"]), scene.fluid
         streaming = flapping.stream(scene, window) is not None or any(fluid.initial_velocity if fluid else ())
         if fluid is None or streaming or not self.still or window.periods == 0 or sine.ramp > window.begin:
             return None
-        time = series["time"][part]
-        omega = 2 * np.pi * sine.frequency
-        velocity = self.largest_speed * np.cos(omega * time + sine.phase)
-        rate = -self.largest_speed * omega * np.sin(omega * time + sine.phase)
-        force = self.way @ [series[f"{name}_drag"][part], series[f"{name}_lift"][part]]
-        parts = [-length * np.abs(velocity) * velocity / 2, -np.pi * length**2 * rate / 4]
-        matrix = fluid.density * np.column_stack(parts)
-        (cd, ci), *_ = np.linalg.lstsq(matrix, force, rcond=None)
-        rest = np.std(force - matrix @ [cd, ci]) / np.std(force)
-        return Morison(cd=float(cd), ci=float(ci), rest=float(rest))
+        time, omega, speed = series["time"], 2 * np.pi * sine.frequency, self.largest_speed
+        cos, sin = np.cos(omega * time + sine.phase), np.sin(omega * time + sine.phase)
+        force = self.way @ [series[f"{name}_drag"], series[f"{name}_lift"]]
+        drag, inertia = fluid.density * length * speed**2 / 2, fluid.density * np.pi * length**2 * omega * speed / 4
+        cd = -flapping.average(time, force * cos, window) / drag * 3 * np.pi / 4
+        ci = flapping.average(time, force * sin, window) / inertia * 2
+        rest = force + drag * cd * np.abs(cos) * cos - inertia * ci * sin
+        return Morison(cd=cd, ci=ci, rest=float(np.std(rest[part]) / np.std(force[part])))
 
 
 def _motions(scene: Scene) -> Iterator[tuple[str, Motion | BodyMotion | None]]:

@@ -102,11 +102,11 @@ def evaluate(scene: Scene) -> Dimensionless | None:
     dx, dy = (x1 - x0) / nx, (y1 - y0) / ny
     step = min(scene.time.communication_step, fluid.time_stepping.max_step)
     bodies = {}
-    for name, (extent, across) in sizes.items():
+    for name, (extent, thinnest) in sizes.items():
         strain = (2 if name in plates else 4) * fastest / extent if name == length_of or name != "beam" else 0.0
         bodies[name] = Body(
             length=extent,
-            thickness_cells=across / max(dx, dy),
+            thickness_cells=thinnest / max(dx, dy),
             layer_cells=sqrt(fluid.kinematic_viscosity / strain) / max(dx, dy) if strain else None,
         )
     section, span = _section(scene), beam.length if beam else 0.0

@@ -139,7 +139,7 @@ def main_signal(series: Series) -> str | None:
     without a beam the motion of a rigid body, if one is driven."""
     axis = flapping.main_axis(series)
     signals = (f"tip_u{axis}", MAIN_SIGNALS[0]) if axis else MAIN_SIGNALS[:1]
-    moving = (name for name in series if MOTION.fullmatch(name) and np.ptp(series[name]) > 0)
+    moving = (name for name in series if MOTION.fullmatch(name) and np.ptp(series[name][-series[name].size // 3 :]) > 0)
     return next((signal for signal in (*signals, *moving, *MAIN_SIGNALS[1:]) if signal in series), None)
 
 

@@ -6,24 +6,42 @@ import re
 import shutil
 from pathlib import Path
 
-import fmpy
-
 from nervure.errors import SceneError
 from nervure.library import library
 from nervure.pack import package, ssp
 from nervure.pack.notices import notices
 from nervure.provenance import git_revision
+from nervure.resources import BINARIES
 from nervure.scene import Scene
 
 OLDEST_GLIBC = (2, 17)  # The version that the libraries must run on: that of 2012
 TARGETS = {
-    "linux64": "x86_64-unknown-linux-gnu",
-    "win64": "x86_64-pc-windows-gnu",
-    "darwin64": "universal2-apple-darwin",
-    "aarch64-linux": "aarch64-unknown-linux-gnu",
+    2: {
+        "linux64": "x86_64-unknown-linux-gnu",
+        "win64": "x86_64-pc-windows-gnu",
+        "darwin64": "universal2-apple-darwin",
+        "aarch64-linux": "aarch64-unknown-linux-gnu",
+    },
+    3: {
+        "x86_64-linux": "x86_64-unknown-linux-gnu",
+        "x86_64-windows": "x86_64-pc-windows-gnu",
+        "x86_64-darwin": "universal2-apple-darwin",
+        "aarch64-darwin": "universal2-apple-darwin",
+        "aarch64-linux": "aarch64-unknown-linux-gnu",
+    },
 }
-"""Rust's targets by the platform's name in FMI 2.0, which has none for Linux on ARM and leaves it to others: that of
-FMI 3.0. A library for macOS is for both of its processors."""
+"""Rust's targets by the platform's name, for each version of FMI. FMI 2.0 has none for Linux on ARM and leaves it to
+others: that of FMI 3.0. A library for macOS is for both of its processors."""
+NAMES = {"x86_64-pc-windows-gnu": "fmu_{}.dll", "universal2-apple-darwin": "libfmu_{}.dylib"}
+"""What cargo calls a library there; on Linux `libfmu_KIND.so`."""
+SSP = {2: "| `*.ssp` | both, connected (System Structure and Parameterization 1.0) |\n", 3: ""}
+NOTES = {
+    2: "`linux64` needs glibc 2.17 or newer, as `aarch64-linux` does, which FMI 2.0 has no name for.\n"
+    "`darwin64` is for Intel and Apple processors, and was never run.",
+    3: "`x86_64-linux` and `aarch64-linux` need glibc 2.17 or newer. `x86_64-darwin` and `aarch64-darwin`\n"
+    "hold the same library for both processors, which was never run.",
+}
+"""What the page in the folder says of a version alone."""
 README = Path(__file__).with_name("dist.md").read_text(encoding="utf-8")
 
 
@@ -38,41 +56,50 @@ def checksum(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def binaries(kind: str) -> dict[str, Path]:
-    """The libraries of unit `kind` by platform: that in use, and where `make dist` built it those of other targets."""
-    own = library(kind)
+def binaries(kind: str, version: int) -> dict[str, Path]:
+    """The libraries of unit `kind` by platform: that in use, and where `make dist` built it, or in a wheel, those of
+    other targets."""
+    own, targets = library(kind), TARGETS[version]
     target, built = own.parents[1].name, own.parents[2]
-    if target not in TARGETS.values():
-        return {fmpy.platform: own}
-    names = {"win64": f"fmu_{kind}.dll", "darwin64": f"libfmu_{kind}.dylib"}
-    paths = {name: built / folder / "release" / names.get(name, own.name) for name, folder in TARGETS.items()}
+    if own.is_relative_to(BINARIES):  # its folders have the names of FMI 2.0
+        folders = {target: BINARIES / platform for platform, target in TARGETS[2].items()}
+    elif target in targets.values():
+        folders = {target: built / target / "release" for target in targets.values()}
+    else:
+        return {package.PLATFORM[version]: own}
+    names = {target: NAMES.get(target, "libfmu_{}.so").format(kind) for target in folders}
+    paths = {platform: folders[target] / names[target] for platform, target in targets.items()}
     return {name: path for name, path in paths.items() if path.is_file()}
 
 
-def write(scene: Scene, folder: Path) -> None:
-    """Make a folder to hand out, in the place of one that exists."""
+def write(scene: Scene, folder: Path, version: int = 2) -> None:
+    """Make a folder to hand out, with units of that version of FMI, in the place of one that exists."""
     kinds, git = package.kinds(scene), git_revision()
-    libraries = {kind: binaries(kind) for kind in kinds}
+    libraries = {kind: binaries(kind, version) for kind in kinds}
     needed = {f"{kind} for {name}": glibc(path) for kind in kinds for name, path in libraries[kind].items()}
-    for what, version in needed.items():
-        if version > OLDEST_GLIBC:
-            newer, oldest = (".".join(map(str, each)) for each in (version, OLDEST_GLIBC))
+    for what, least in needed.items():
+        if least > OLDEST_GLIBC:
+            newer, oldest = (".".join(map(str, each)) for each in (least, OLDEST_GLIBC))
             raise SceneError(
                 f"the library of the {what} needs glibc {newer}, but {oldest} is to suffice; `make dist` builds it so"
             )
     unfinished = folder.with_name(folder.name + ".unfinished")
     shutil.rmtree(unfinished, ignore_errors=True)
-    fmus = {kind: package.pack(kind, scene, unfinished, libraries[kind], notices(kind)) for kind in kinds}
+    fmus = {kind: package.pack(kind, scene, unfinished, libraries[kind], notices(kind), version) for kind in kinds}
     files = list(fmus.values())
-    if len(kinds) > 1:
+    if len(kinds) > 1 and version == 2:  # SSP 1.0 has no arrays
         files.append(ssp.pack(scene, unfinished, fmus))
     platforms = sorted({name for found in libraries.values() for name in found})
     readme = unfinished / "README.md"
-    readme.write_text(README.format(scene=scene.name, platforms=", ".join(platforms)), encoding="utf-8")
+    text = README.format(
+        scene=scene.name, version=version, platforms=", ".join(platforms), ssp=SSP[version], notes=NOTES[version]
+    )
+    readme.write_text(text, encoding="utf-8")
     files.append(readme)
     manifest = {
         "source_revision": git.revision + ("-dirty" if git.dirty else "") if git else None,
         "scene": scene.name,
+        "fmi": f"{version}.0",
         "platforms": platforms,
         "glibc": ".".join(map(str, max(needed.values()))),
         "files": {path.name: {"size": path.stat().st_size, "sha256": checksum(path)} for path in files},

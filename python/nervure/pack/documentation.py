@@ -1,5 +1,6 @@
 """What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals."""
 
+from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -12,50 +13,94 @@ from nervure.resources import ROOT
 PAGE = Path(__file__).with_name("page.html").read_text(encoding="utf-8")
 
 
-def _arrays(description: str) -> dict[str, list[Any]]:
-    """The `ScalarVariable` elements of a model description, those of an array together, by name without index."""
-    arrays: dict[str, list[Any]] = {}
-    for scalar in etree.fromstring(description.encode("utf-8")).iterfind("ModelVariables/ScalarVariable"):
-        name = scalar.get("name")
-        arrays.setdefault(name.rpartition("[")[0] if name.endswith("]") else name, []).append(scalar)
-    return arrays
+STATIONS = ("x", "y", "z", "vx", "vy", "vz")
+LOAD = ("force_x", "force_y", "force_z", "impedance")
+TERMINALS = dict.fromkeys(STATIONS, "stations") | dict.fromkeys(LOAD, "load")
+"""Arrays that go together in FMI 3.0, where an array is one variable and a terminal may have several."""
+DESCRIPTIONS = {"stations": "Positions and velocities of the stations", "load": "Load on the stations"}
 
 
-def _row(name: str, scalars: list[Any]) -> str:
+@dataclass
+class _Variable:
+    """A scalar, or an array, of a model description."""
+
+    name: str
+    about: Any  # Element with causality and description
+    value: Any  # Element with type and limits
+    unit: str
+    starts: list[str]
+    references: list[int]
+    members: list[str]  # Names of the elements of an array, in FMI 2.0
+
+
+def _variables(description: str) -> list[_Variable]:
+    """The variables of a model description of either version, elements of an array together."""
+    root = etree.fromstring(description.encode("utf-8"))
+    if root.get("fmiVersion") != "2.0":
+        units = {kind.get("name"): kind.get("unit", "") for kind in root.find("TypeDefinitions")}
+        return [_whole(variable, units) for variable in root.find("ModelVariables")]
+    arrays: dict[str, _Variable] = {}
+    for scalar in root.iterfind("ModelVariables/ScalarVariable"):
+        name, is_element = scalar.get("name"), scalar.get("name").endswith("]")
+        name = name.rpartition("[")[0] if is_element else name
+        array = arrays.setdefault(name, _Variable(name, scalar, scalar[0], scalar[0].get("unit", ""), [], [], []))
+        array.starts.append(scalar[0].get("start", ""))
+        array.references.append(int(scalar.get("valueReference")))
+        array.members += [scalar.get("name")] if is_element else []
+    return list(arrays.values())
+
+
+def _whole(variable: Any, units: dict[str, str]) -> _Variable:
+    """A variable of FMI 3.0, with the units of the declared types."""
+    unit, references = units.get(variable.get("declaredType"), ""), [int(variable.get("valueReference"))]
+    name, dimension = variable.get("name"), variable.find("Dimension")
+    starts = [start.get("value") for start in variable.iterfind("Start")] or variable.get("start", "").split()
+    members = [f"{name}[{k + 1}]" for k in range(int(dimension.get("start")))] if dimension is not None else []
+    return _Variable(name, variable, variable, unit, starts or [""], references, members)
+
+
+def _row(variable: _Variable) -> str:
     """A line of the table of variables."""
-    first, value = scalars[0], scalars[0][0]
-    starts = list(dict.fromkeys(scalar[0].get("start", "") for scalar in scalars))
-    references = [scalar.get("valueReference") for scalar in (scalars[0], scalars[-1])]
+    value, members, references = variable.value, variable.members, variable.references
+    starts = list(dict.fromkeys(variable.starts))
     limits = " ".join(f"{sign} {value.get(bound)}" for bound, sign in (("min", "≥"), ("max", "≤")) if value.get(bound))
     cells = [
-        name if first.get("name") == name else f"{name}[1] … {name}[{len(scalars)}]",
-        first.get("causality"),
+        f"{members[0]} … {members[-1]}" if members else variable.name,
+        variable.about.get("causality"),
         value.tag,
-        value.get("unit", ""),
+        variable.unit,
         starts[0] if len(starts) == 1 else f"{starts[0]} … {starts[-1]}",
         limits,
-        " – ".join(dict.fromkeys(references)),
-        first.get("description"),
+        " – ".join(dict.fromkeys(map(str, (references[0], references[-1])))),
+        variable.about.get("description"),
     ]
     return "<tr>" + "".join(f"<td>{escape(cell)}" for cell in cells)
 
 
 def page(kind: str, description: str) -> str:
     """The page about unit `kind` under a model description."""
-    title = etree.fromstring(description.encode("utf-8")).get("modelName")
+    root = etree.fromstring(description.encode("utf-8"))
     text = (ROOT / f"fmu-{kind}" / "documentation.html").read_text(encoding="utf-8").strip()
-    rows = "\n".join(_row(name, scalars) for name, scalars in _arrays(description).items())
-    return PAGE.format(title=escape(title), text=text, rows=rows)
+    rows = "\n".join(map(_row, _variables(description)))
+    if root.get("fmiVersion") == "2.0":
+        picture, arrays = "../model.png", "Elements of an array have value references in a row."
+    else:
+        picture, arrays = "../terminalsAndIcons/icon.png", "An array has one value reference."
+    return PAGE.format(title=escape(root.get("modelName")), text=text, rows=rows, picture=picture, arrays=arrays)
 
 
 def terminals(description: str) -> str:
-    """terminalsAndIcons.xml (FMI 3.0): each array of inputs or outputs is a terminal with its elements as members."""
-    listed = []
-    for name, scalars in _arrays(description).items():
-        if scalars[0].get("name") != name and scalars[0].get("causality") in ("input", "output"):
-            members = [scalar.get("name") for scalar in scalars]
-            elements = [E.TerminalMemberVariable(variableName=m, memberName=m, variableKind="signal") for m in members]
-            about = {"name": name, "matchingRule": "plug", "description": scalars[0].get("description")}
-            listed.append(E.Terminal(*elements, **about))
-    root = E.fmiTerminalsAndIcons(*([E.Terminals(*listed)] if listed else []), fmiVersion="3.0")
+    """terminalsAndIcons.xml (FMI 3.0) of the arrays of inputs or outputs. Under FMI 2.0 each is a terminal with its
+    elements as members; under FMI 3.0 the arrays themselves are the members, and those of `TERMINALS` go together."""
+    arrays = [v for v in _variables(description) if v.members and v.about.get("causality") in ("input", "output")]
+    listed: dict[str, Any] = {}
+    for array in arrays:
+        whole = array.about is array.value
+        name = TERMINALS.get(array.name, array.name) if whole else array.name
+        if name not in listed:
+            about = array.about.get("description") if name == array.name else DESCRIPTIONS[name]
+            listed[name] = E.Terminal(name=name, matchingRule="plug", description=about)
+        for member in [array.name] if whole else array.members:
+            listed[name].append(E.TerminalMemberVariable(variableName=member, memberName=member, variableKind="signal"))
+    root = E.fmiTerminalsAndIcons(*([E.Terminals(*listed.values())] if listed else []), fmiVersion="3.0")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{etree.tostring(root, encoding="unicode", pretty_print=True)}'

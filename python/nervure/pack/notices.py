@@ -8,13 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from nervure.errors import SceneError
-from nervure.resources import ROOT
+from nervure.resources import BINARIES, ROOT
 
 TEXT = re.compile(r"(LICEN[CS]E|COPYING|NOTICE|UNLICENSE)", re.IGNORECASE)
 
 
 def notices(kind: str) -> str:
-    """The licences of all crates that the library of unit `kind` is built from; only in the source tree."""
+    """The licences of all crates that the library of unit `kind` is built from, by cargo in the source tree; the wheel
+    of `make wheel` has them in a file."""
+    if (packed := BINARIES / f"third-party-{kind}.txt").is_file():
+        return packed.read_text(encoding="utf-8")
     command = ["cargo", "metadata", "--locked", "--format-version", "1"]
     try:
         answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout

@@ -21,9 +21,14 @@ COMPRESSION = zipfile.ZIP_DEFLATED
 ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # Of every file in an FMU: the same scene and library give the same bytes
 
 
-def describe(kind: str, scene: Scene | Document) -> str:
-    """modelDescription.xml of unit `kind` for `scene`; raises `SceneError` with the unit's words if it refuses it."""
-    return libraries.describe(kind, text(scene))
+PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}
+"""Name of this system by the version of FMI."""
+
+
+def describe(kind: str, scene: Scene | Document, version: int = 2) -> str:
+    """modelDescription.xml of unit `kind` for `scene` in that version of FMI, 2 or 3; raises `SceneError` with the
+    unit's words if it refuses it."""
+    return libraries.describe(kind, text(scene), version)
 
 
 def pack(
@@ -32,20 +37,22 @@ def pack(
     folder: Path,
     binaries: Mapping[str, Path] | None = None,
     notices: str | None = None,
+    version: int = 2,
 ) -> Path:
-    """Write the FMU `NAME-KIND.fmu` into `folder`; raises `SceneError` if the unit refuses the scene.
+    """Write the FMU `NAME-KIND.fmu` of that version of FMI into `folder`; raises `SceneError` if the unit refuses the
+    scene.
 
-    `binaries` are the libraries by the platform's name in FMI, by default that of this system alone. `notices` are the
-    licences of what is linked into them.
+    `binaries` are the libraries by the platform's name in that version, by default that of this system alone. `notices`
+    are the licences of what is linked into them.
     """
-    description = describe(kind, scene)
-    libraries = binaries or {fmpy.platform: library(kind)}
+    description = describe(kind, scene, version)
+    libraries = binaries or {PLATFORM[version]: library(kind)}
     picture = (ROOT / f"fmu-{kind}" / "model.png").read_bytes()
     contents = {
         "modelDescription.xml": description.encode("utf-8"),
         **{f"binaries/{name}/fmu_{kind}{path.suffix}": path.read_bytes() for name, path in libraries.items()},
         "resources/scene.json": text(scene).encode("utf-8"),
-        "model.png": picture,
+        **({"model.png": picture} if version == 2 else {}),
         "documentation/index.html": documentation.page(kind, description).encode("utf-8"),
         "terminalsAndIcons/terminalsAndIcons.xml": documentation.terminals(description).encode("utf-8"),
         "terminalsAndIcons/icon.png": picture,
@@ -58,15 +65,15 @@ def pack(
 
 
 def unpacked(kind: str, scene: Scene | Document, folder: Path) -> Path:
-    """Lay out what an FMU needs to run here, unpacked and with a link to the library, in a folder of its own below
-    `folder`; returns it. Costs a hundredth of packing and unpacking one."""
+    """Lay out what an FMU of FMI 2.0 needs to run here, unpacked and with a link to the library, in a folder of its own
+    below `folder`; returns it. Costs a hundredth of packing and unpacking one."""
     description = describe(kind, scene)
     place, built = folder / kind, library(kind)
-    (place / "binaries" / fmpy.platform).mkdir(parents=True)
+    (place / "binaries" / PLATFORM[2]).mkdir(parents=True)
     (place / "resources").mkdir()
     (place / "modelDescription.xml").write_text(description, encoding="utf-8")
     (place / "resources" / "scene.json").write_text(text(scene), encoding="utf-8")
-    linked = place / "binaries" / fmpy.platform / f"fmu_{kind}{SUFFIX}"
+    linked = place / "binaries" / PLATFORM[2] / f"fmu_{kind}{SUFFIX}"
     try:
         linked.symlink_to(built.resolve())
     except OSError:  # Windows allows links to some only

@@ -18,20 +18,33 @@ from nervure.scene import Scene, kinds
 from nervure.scene.along import thickness
 from nervure.show import fields, forecast
 from nervure.show.table import print_table
-from nervure.unit import UnitError, read_description, variables_of
+from nervure.unit import UnitError, read_description, variables_of, version_of
 
-FLAGS = (
-    "canHandleVariableCommunicationStepSize",
-    "canInterpolateInputs",
-    "maxOutputDerivativeOrder",
-    "canBeInstantiatedOnlyOncePerProcess",
-    "canNotUseMemoryManagementFunctions",
-    "canGetAndSetFMUstate",
-    "canSerializeFMUstate",
-    "providesDirectionalDerivative",
-    "needsExecutionTool",
-)
-"""What a co-simulation unit says of itself (FMI 2.0.4, section 4.3.1)."""
+FLAGS = {
+    2: (
+        "canHandleVariableCommunicationStepSize",
+        "canInterpolateInputs",
+        "maxOutputDerivativeOrder",
+        "canBeInstantiatedOnlyOncePerProcess",
+        "canNotUseMemoryManagementFunctions",
+        "canGetAndSetFMUstate",
+        "canSerializeFMUstate",
+        "providesDirectionalDerivative",
+        "needsExecutionTool",
+    ),
+    3: (
+        "canHandleVariableCommunicationStepSize",
+        "maxOutputDerivativeOrder",
+        "canBeInstantiatedOnlyOncePerProcess",
+        "canGetAndSetFMUstate",
+        "canSerializeFMUstate",
+        "providesDirectionalDerivatives",
+        "providesAdjointDerivatives",
+        "hasEventMode",
+        "needsExecutionTool",
+    ),
+}
+"""What a co-simulation unit says of itself (FMI 2.0.4, section 4.3.1; FMI 3.0.2, section 4.4.1)."""
 
 PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "bodies", "probes")  # What can be in a fluid
 
@@ -51,12 +64,13 @@ def show_unit(console: Console, path: Path) -> None:
         platforms = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
     if description.coSimulation is None:
         raise UnitError(f"{path} is not a co-simulation unit")
+    flags = FLAGS.get(version_of(description) or 2, ())
     rows = [
         ("description", description.description or ""),
         ("made by", " ".join(filter(None, (description.generationTool, description.version)))),
         ("FMI", f"{description.fmiVersion}, {', '.join(sorted(platforms - {''})) or 'no library'}"),
         ("GUID", description.guid),
-        ("flags", "\n".join(f"{flag} {getattr(description.coSimulation, flag, None)}" for flag in FLAGS)),
+        ("flags", "\n".join(f"{flag} {getattr(description.coSimulation, flag, None)}" for flag in flags)),
     ]
     if experiment := description.defaultExperiment:
         rows.insert(3, ("experiment", f"to {experiment.stopTime} s in steps of {experiment.stepSize} s"))

@@ -238,17 +238,17 @@ def draw_vorticity(
 
 def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
     """Outline of a rigid body, m, `[n, 2]`, with its pivot at (x, y) and turned by an angle (rad)."""
-    length, thickness = dimensionless.size(body.shape)
+    length, width = dimensionless.size(body.shape)
     turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
-    own = np.column_stack([length * np.cos(turn), thickness * np.sin(turn)]) / 2
+    own = np.column_stack([length * np.cos(turn), width * np.sin(turn)]) / 2
     if isinstance(body.shape, ShapePolygon):
         own = np.array(body.shape.polygon.corners)
     if isinstance(body.shape, ShapeRectangle):
-        straight = (length - thickness) / 2 * np.sign(own[:, :1])
+        straight = (length - width) / 2 * np.sign(own[:, :1])
         if body.shape.rectangle.ends == "square":
-            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [length / 2, thickness / 2]
+            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [length / 2, width / 2]
         else:
-            own = thickness / 2 * np.column_stack([np.cos(turn), np.sin(turn)]) + np.pad(straight, ((0, 0), (0, 1)))
+            own = width / 2 * np.column_stack([np.cos(turn), np.sin(turn)]) + np.pad(straight, ((0, 0), (0, 1)))
     sin, cos = np.sin(angle), np.cos(angle)
     placed: np.ndarray = (own - body.pivot) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
     return placed

@@ -1,4 +1,4 @@
-//! Writes or checks `crates/fmi2/src/sys.rs`, the C types of FMI 2.0 as Rust types.
+//! Writes or checks `crates/fmi2/src/sys.rs`, the C types of FMI 2.0 and 3.0 as Rust types.
 //!
 //! `fmi2-bindgen HEADER_DIR SYS_RS` writes the file, `fmi2-bindgen --check HEADER_DIR SYS_RS` compares it and
 //! fails if it differs. libclang is found through the environment variable `LIBCLANG_PATH`.
@@ -6,13 +6,26 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// The C library headers that the FMI headers include. Only `size_t` is used from them, and a libclang installed
-/// on its own comes without them.
-const C_HEADERS: [(&str, &str); 2] =
-    [("stddef.h", "typedef __SIZE_TYPE__ size_t;\n"), ("stdlib.h", "#include <stddef.h>\n")];
+/// The C library headers that the FMI headers include, with what is used from them: a libclang installed on its own
+/// comes without them.
+const C_HEADERS: [(&str, &str); 4] = [
+    ("stddef.h", "typedef __SIZE_TYPE__ size_t;\n"),
+    ("stdlib.h", "#include <stddef.h>\n"),
+    ("stdbool.h", "#define bool _Bool\n#define true 1\n#define false 0\n"),
+    (
+        "stdint.h",
+        "typedef __INT8_TYPE__ int8_t;\ntypedef __UINT8_TYPE__ uint8_t;\n\
+         typedef __INT16_TYPE__ int16_t;\ntypedef __UINT16_TYPE__ uint16_t;\n\
+         typedef __INT32_TYPE__ int32_t;\ntypedef __UINT32_TYPE__ uint32_t;\n\
+         typedef __INT64_TYPE__ int64_t;\ntypedef __UINT64_TYPE__ uint64_t;\n",
+    ),
+];
 
 const PREAMBLE: &str =
-    "The C types of FMI 2.0, generated from the official headers by `crates/fmi2/bindgen`: do not edit.";
+    "The C types of FMI 2.0 and 3.0, generated from the official headers by `crates/fmi2/bindgen`: do not edit.";
+
+/// C's `bool` as a byte: a master's invalid value must not become an invalid Rust `bool`.
+const BOOLEANS: [&str; 2] = ["fmi3Boolean", "fmi3Clock"];
 
 fn generate(header_dir: &Path) -> Result<String, Box<dyn std::error::Error>> {
     let shims = std::env::temp_dir().join(format!("fmi2-bindgen-{}", std::process::id()));
@@ -20,10 +33,12 @@ fn generate(header_dir: &Path) -> Result<String, Box<dyn std::error::Error>> {
     for (name, text) in C_HEADERS {
         std::fs::write(shims.join(name), text)?;
     }
+    let headers = ["fmi2FunctionTypes.h", "fmi3FunctionTypes.h"].map(|name| header_dir.join(name));
     let bindings = bindgen::Builder::default()
-        .header(header_dir.join("fmi2FunctionTypes.h").to_string_lossy())
+        .headers(headers.iter().map(|path| path.to_string_lossy()))
         .clang_args(["-nostdinc", "-isystem", &shims.to_string_lossy()])
-        .allowlist_type("fmi2.*")
+        .allowlist_type("fmi[23].*")
+        .blocklist_type(BOOLEANS.join("|"))
         // A newtype accepts every integer: a master's invalid number must not become an invalid Rust enum.
         .default_enum_style(bindgen::EnumVariation::NewType { is_bitfield: false, is_global: false })
         .generate_comments(false)
@@ -33,6 +48,8 @@ fn generate(header_dir: &Path) -> Result<String, Box<dyn std::error::Error>> {
         .disable_header_comment()
         .raw_line(format!("//! {PREAMBLE}"))
         .raw_line("#![allow(missing_docs, non_camel_case_types, non_snake_case, non_upper_case_globals)]")
+        .raw_line("")
+        .raw_line(BOOLEANS.map(|name| format!("pub type {name} = u8;")).join("\n"))
         .generate();
     std::fs::remove_dir_all(&shims)?;
     Ok(bindings?.to_string())

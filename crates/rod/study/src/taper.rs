@@ -22,7 +22,7 @@ const DT: f64 = 1e-3;
 pub fn table() -> Table {
     let mut table = vec!["n,deflection,first,second,third,tapered,even".to_string()];
     // ∫ (1 − s)²/h³ ds with h = 1 − (1 − b) s, b being that of the tip.
-    let exact = LOAD * (1.5 * -1.0 + 2.0 * TIP - 0.5 * TIP * TIP - TIP.ln()) / (1.0 - TIP).powi(3);
+    let exact = LOAD * (2.0 * TIP - 0.5 * TIP * TIP - TIP.ln() - 1.5) / (1.0 - TIP).powi(3);
     for n in [8, 16, 32, 64, 128, 256] {
         let mut rod = build(plate(n));
         rod.loads.force = vec![0.0; 2 * (n + 1)];

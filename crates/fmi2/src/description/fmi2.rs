@@ -1,0 +1,125 @@
+//! What only FMI 2.0 has: an element of an array is a variable of its own.
+
+use std::fmt::Write as _;
+use std::io;
+use std::ops::Range;
+
+use quick_xml::Writer;
+
+use super::{Listed, boolean, enumerations, with_bounds, with_unit, write_items};
+use crate::model::Model;
+use crate::table::Table;
+use crate::variable::Variable;
+use crate::version::Version;
+
+pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
+    writer
+        .create_element("CoSimulation")
+        .with_attribute(("modelIdentifier", M::IDENTIFIER))
+        .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
+        .with_attribute(("canInterpolateInputs", boolean(M::INPUT_DERIVATIVE)))
+        .with_attribute(("maxOutputDerivativeOrder", if M::OUTPUT_DERIVATIVE { "1" } else { "0" }))
+        .with_attribute(("canBeInstantiatedOnlyOncePerProcess", "false"))
+        .with_attribute(("canNotUseMemoryManagementFunctions", "true"))
+        .with_attribute(("canGetAndSetFMUstate", "true"))
+        .with_attribute(("canSerializeFMUstate", "true"))
+        .with_attribute(("providesDirectionalDerivative", boolean(M::DIRECTIONAL_DERIVATIVE)))
+        .write_empty()?;
+    Ok(())
+}
+
+pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
+    let enumerations = enumerations(table);
+    if enumerations.is_empty() {
+        return Ok(());
+    }
+    writer.create_element("TypeDefinitions").write_inner_content(|writer| {
+        enumerations.iter().try_for_each(|(name, items)| {
+            writer.create_element("SimpleType").with_attribute(("name", *name)).write_inner_content(|writer| {
+                writer.create_element("Enumeration").write_inner_content(|writer| write_items(writer, items))?;
+                Ok(())
+            })?;
+            Ok(())
+        })
+    })?;
+    Ok(())
+}
+
+pub(super) fn write_variable<M>(
+    writer: &mut Writer<Vec<u8>>,
+    variable: &Variable<M>,
+    references: Range<u32>,
+    starts: &[Option<String>],
+) -> io::Result<()> {
+    for (element, reference) in references.enumerate() {
+        let mut scalar = writer
+            .create_element("ScalarVariable")
+            .with_attribute(("name", variable.element_name(element).as_str()))
+            .with_attribute(("valueReference", reference.to_string().as_str()))
+            .with_attribute(("description", variable.description.as_str()))
+            .with_attribute(("causality", variable.causality.name()))
+            .with_attribute(("variability", variable.variability.name()));
+        if let Some(initial) = variable.initial() {
+            scalar = scalar.with_attribute(("initial", initial));
+        }
+        scalar.write_inner_content(|writer| {
+            let mut value = writer.create_element(variable.type_name(Version::Fmi2));
+            if let Some((name, _)) = &variable.enumeration {
+                value = value.with_attribute(("declaredType", name.as_str()));
+            }
+            value = with_bounds(with_unit(value, variable), variable);
+            if let Some(start) = &starts[reference as usize] {
+                value = value.with_attribute(("start", start.as_str()));
+            }
+            value.write_empty()?;
+            Ok(())
+        })?;
+    }
+    Ok(())
+}
+
+/// The standard counts `ScalarVariable` elements from one; value references count the same elements from zero.
+pub(super) fn write_structure<M>(
+    writer: &mut Writer<Vec<u8>>,
+    table: &Table<M>,
+    outputs: &Listed<M>,
+    unknowns: &Listed<M>,
+) -> io::Result<()> {
+    let dependencies = |variable: &Variable<M>| {
+        let mut text = String::new();
+        let names = variable.dependencies.as_ref()?;
+        for reference in names.iter().filter_map(|name| table.references_of(name)).flatten() {
+            let separator = if text.is_empty() { "" } else { " " };
+            write!(text, "{separator}{}", reference + 1).expect("writing to memory does not fail");
+        }
+        Some(text)
+    };
+    writer.create_element("ModelStructure").write_inner_content(|writer| {
+        if !outputs.is_empty() {
+            writer.create_element("Outputs").write_inner_content(|writer| {
+                outputs.iter().try_for_each(|(variable, references)| {
+                    write_unknowns(writer, references.clone(), dependencies(variable).as_deref())
+                })
+            })?;
+        }
+        if !unknowns.is_empty() {
+            writer.create_element("InitialUnknowns").write_inner_content(|writer| {
+                unknowns.iter().try_for_each(|(_, references)| write_unknowns(writer, references.clone(), None))
+            })?;
+        }
+        Ok(())
+    })?;
+    Ok(())
+}
+
+fn write_unknowns(writer: &mut Writer<Vec<u8>>, references: Range<u32>, dependencies: Option<&str>) -> io::Result<()> {
+    for reference in references {
+        let mut unknown =
+            writer.create_element("Unknown").with_attribute(("index", (reference + 1).to_string().as_str()));
+        if let Some(dependencies) = dependencies {
+            unknown = unknown.with_attribute(("dependencies", dependencies));
+        }
+        unknown.write_empty()?;
+    }
+    Ok(())
+}

@@ -1,0 +1,126 @@
+//! What only FMI 3.0 has: an array is one variable, and its start values are a list.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::ops::Range;
+
+use quick_xml::Writer;
+
+use super::{Listed, boolean, enumerations, with_bounds, with_unit, write_items};
+use crate::model::Model;
+use crate::table::Table;
+use crate::variable::{Access, Variable};
+use crate::version::Version;
+
+pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
+    writer
+        .create_element("CoSimulation")
+        .with_attribute(("modelIdentifier", M::IDENTIFIER))
+        .with_attribute(("canGetAndSetFMUState", "true"))
+        .with_attribute(("canSerializeFMUState", "true"))
+        .with_attribute(("providesDirectionalDerivatives", boolean(M::DIRECTIONAL_DERIVATIVE)))
+        .with_attribute(("providesAdjointDerivatives", boolean(M::DIRECTIONAL_DERIVATIVE)))
+        .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
+        .with_attribute(("maxOutputDerivativeOrder", if M::OUTPUT_DERIVATIVE { "1" } else { "0" }))
+        .write_empty()?;
+    Ok(())
+}
+
+/// Units stand in types, not at the variables: some readers know them only there.
+pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
+    let variables = table.variables.iter();
+    let reals: BTreeMap<_, _> = variables.filter_map(|variable| Some((real_type(variable)?, variable))).collect();
+    let enumerations = enumerations(table);
+    if reals.is_empty() && enumerations.is_empty() {
+        return Ok(());
+    }
+    writer.create_element("TypeDefinitions").write_inner_content(|writer| {
+        for (name, variable) in &reals {
+            let element = writer.create_element("Float64Type").with_attribute(("name", name.as_str()));
+            with_unit(element, variable).write_empty()?;
+        }
+        enumerations.iter().try_for_each(|(name, items)| {
+            let element = writer.create_element("EnumerationType").with_attribute(("name", *name));
+            element.write_inner_content(|writer| write_items(writer, items)).map(|_| ())
+        })
+    })?;
+    Ok(())
+}
+
+/// Name of the type of a Real, which no variable can have because of its space.
+fn real_type<M>(variable: &Variable<M>) -> Option<String> {
+    let shown = variable.display_unit.as_ref().map_or(String::new(), |unit| format!(", shown in {unit}"));
+    let about = variable.nominal.map_or(String::new(), |nominal| format!(", about {nominal}"));
+    variable.unit.as_ref().map(|unit| format!("in {unit}{shown}{about}"))
+}
+
+pub(super) fn write_variable<M>(
+    writer: &mut Writer<Vec<u8>>,
+    variable: &Variable<M>,
+    references: Range<u32>,
+    starts: &[Option<String>],
+) -> io::Result<()> {
+    if references.is_empty() {
+        return Ok(());
+    }
+    let starts: Vec<&str> = references.clone().filter_map(|reference| starts[reference as usize].as_deref()).collect();
+    let mut element = writer
+        .create_element(variable.type_name(Version::Fmi3))
+        .with_attribute(("name", variable.name.as_str()))
+        .with_attribute(("valueReference", references.start.to_string().as_str()))
+        .with_attribute(("description", variable.description.as_str()))
+        .with_attribute(("causality", variable.causality.name()))
+        .with_attribute(("variability", variable.variability.name()));
+    if let Some(initial) = variable.initial() {
+        element = element.with_attribute(("initial", initial));
+    }
+    let declared = real_type(variable).or_else(|| variable.enumeration.as_ref().map(|(name, _)| name.clone()));
+    if let Some(name) = declared {
+        element = element.with_attribute(("declaredType", name.as_str()));
+    }
+    element = with_bounds(element, variable);
+    let texts = if matches!(variable.access, Access::Text(_)) { &starts[..] } else { &[] };
+    if texts.is_empty() && !starts.is_empty() {
+        element = element.with_attribute(("start", starts.join(" ").as_str()));
+    }
+    let dimension = variable.array.map(|length| length.to_string());
+    if dimension.is_none() && texts.is_empty() {
+        element.write_empty()?;
+        return Ok(());
+    }
+    element.write_inner_content(|writer| {
+        if let Some(length) = &dimension {
+            writer.create_element("Dimension").with_attribute(("start", length.as_str())).write_empty()?;
+        }
+        texts.iter().try_for_each(|text| {
+            writer.create_element("Start").with_attribute(("value", *text)).write_empty().map(|_| ())
+        })
+    })?;
+    Ok(())
+}
+
+pub(super) fn write_structure<M>(
+    writer: &mut Writer<Vec<u8>>,
+    table: &Table<M>,
+    outputs: &Listed<M>,
+    unknowns: &Listed<M>,
+) -> io::Result<()> {
+    let dependencies = |variable: &Variable<M>| {
+        let known = variable.dependencies.as_ref()?.iter().filter_map(|name| table.references_of(name));
+        let known: Vec<_> = known.filter(|r| !r.is_empty()).map(|r| r.start.to_string()).collect();
+        Some(known.join(" "))
+    };
+    writer.create_element("ModelStructure").write_inner_content(|writer| {
+        let mut write = |name: &str, reference: u32, dependencies: Option<String>| {
+            let mut unknown =
+                writer.create_element(name).with_attribute(("valueReference", reference.to_string().as_str()));
+            if let Some(dependencies) = &dependencies {
+                unknown = unknown.with_attribute(("dependencies", dependencies.as_str()));
+            }
+            unknown.write_empty().map(|_| ())
+        };
+        outputs.iter().try_for_each(|(variable, r)| write("Output", r.start, dependencies(variable)))?;
+        unknowns.iter().try_for_each(|(_, r)| write("InitialUnknown", r.start, None))
+    })?;
+    Ok(())
+}

@@ -1,0 +1,329 @@
+//! The functions of FMI 2.0.
+
+use super::*;
+use crate::resource;
+
+pub unsafe extern "C" fn fmi2GetTypesPlatform<M: Model>() -> fmi2String {
+    c"default".as_ptr()
+}
+
+pub unsafe extern "C" fn fmi2GetVersion<M: Model>() -> fmi2String {
+    c"2.0".as_ptr()
+}
+
+pub unsafe extern "C" fn fmi2SetDebugLogging<M: Model>(
+    c: fmi2Component,
+    on: fmi2Boolean,
+    n: usize,
+    categories: *const fmi2String,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe { call::<M, _>(c, Function::fmi2SetDebugLogging, |instance| set_logging(instance, on != 0, n, categories)) }
+}
+
+pub unsafe extern "C" fn fmi2Instantiate<M: Model>(
+    name: fmi2String,
+    kind: fmi2Type,
+    guid: fmi2String,
+    resources: fmi2String,
+    functions: *const fmi2CallbackFunctions,
+    _visible: fmi2Boolean,
+    logging: fmi2Boolean,
+) -> fmi2Component {
+    // SAFETY: `functions` is null or valid by the module's precondition; what it holds is copied.
+    let Some(functions) = (unsafe { functions.as_ref() }) else {
+        return ptr::null_mut();
+    };
+    let instance_name = match name.is_null() {
+        true => CString::default(),
+        // SAFETY: the name is not null, and a string by the module's precondition.
+        false => unsafe { CStr::from_ptr(name) }.to_owned(),
+    };
+    // SAFETY: the standard asks of the master that logger and environment outlive the instance.
+    let log = unsafe { Log::fmi2(functions.logger, functions.componentEnvironment, instance_name, logging != 0) };
+    instantiate::<M>("fmi2Instantiate", log, || {
+        // SAFETY: the module's precondition on strings.
+        let (name, guid, resources) = unsafe {
+            let resources = (!resources.is_null()).then(|| text("fmuResourceLocation", resources)).transpose()?;
+            (text("instanceName", name)?, text("fmuGUID", guid)?, resources)
+        };
+        if name.is_empty() {
+            return Err("instanceName must not be empty".to_string());
+        }
+        if kind != fmi2Type::fmi2CoSimulation {
+            return Err(format!("fmuType = {} must be fmi2CoSimulation", kind.0));
+        }
+        let folder = resources.filter(|location| !location.is_empty()).map(resource::folder).transpose()?;
+        instance::load_described::<M>(folder.as_deref(), guid, Version::Fmi2)
+    })
+}
+
+pub unsafe extern "C" fn fmi2FreeInstance<M: Model>(c: fmi2Component) {
+    // SAFETY: the module's precondition.
+    unsafe { free::<M>(c) }
+}
+
+pub unsafe extern "C" fn fmi2SetupExperiment<M: Model>(
+    c: fmi2Component,
+    _has_tolerance: fmi2Boolean,
+    _tolerance: fmi2Real,
+    start: fmi2Real,
+    has_stop: fmi2Boolean,
+    stop: fmi2Real,
+) -> fmi2Status {
+    let stop = (has_stop != 0).then_some(stop);
+    // SAFETY: the module's precondition.
+    unsafe { call::<M, _>(c, Function::fmi2SetupExperiment, |instance| instance.setup_experiment(start, stop)) }
+}
+
+macro_rules! without_arguments {
+    ($($name:ident = $body:expr;)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(c: fmi2Component) -> fmi2Status {
+                // SAFETY: the module's precondition.
+                unsafe { call::<M, _>(c, Function::$name, $body) }
+            }
+        )*
+    };
+}
+
+without_arguments! {
+    fmi2EnterInitializationMode = |instance| { instance.enter_initialization(); Ok(()) };
+    fmi2ExitInitializationMode = |instance| instance.exit_initialization();
+    fmi2Terminate = |instance| { instance.terminate(); Ok(()) };
+    fmi2Reset = |instance| instance.reset();
+    fmi2CancelStep = |_| Err("a step is never under way".into());
+}
+
+macro_rules! getters {
+    ($($name:ident($value:ty) = $write:expr;)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(
+                c: fmi2Component,
+                vr: *const fmi2ValueReference,
+                n: usize,
+                value: *mut $value,
+            ) -> fmi2Status {
+                // SAFETY: the module's precondition.
+                unsafe {
+                    call::<M, _>(c, Function::$name, |instance| {
+                        get_values(instance, array("vr", vr, n)?, (value, n), $write)
+                    })
+                }
+            }
+        )*
+    };
+}
+
+getters! {
+    fmi2GetReal(fmi2Real) = |real: &f64| *real;
+    fmi2GetInteger(fmi2Integer) = |integer: &i32| *integer;
+    fmi2GetBoolean(fmi2Boolean) = |boolean: &bool| fmi2Boolean::from(*boolean);
+}
+
+pub unsafe extern "C" fn fmi2GetString<M: Model>(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    n: usize,
+    value: *mut fmi2String,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi2GetString, |instance| get_strings(instance, array("vr", vr, n)?, (value, n)))
+    }
+}
+
+pub unsafe extern "C" fn fmi2SetReal<M: Model>(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    n: usize,
+    value: *const fmi2Real,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi2SetReal, |instance| instance.set(array("vr", vr, n)?, array("value", value, n)?))
+    }
+}
+
+pub unsafe extern "C" fn fmi2SetInteger<M: Model>(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    n: usize,
+    value: *const fmi2Integer,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi2SetInteger, |instance| {
+            instance.set(array("vr", vr, n)?, array("value", value, n)?)
+        })
+    }
+}
+
+pub unsafe extern "C" fn fmi2SetBoolean<M: Model>(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    n: usize,
+    value: *const fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi2SetBoolean, |instance| {
+            let values: Vec<bool> = array("value", value, n)?.iter().map(|value| *value != 0).collect();
+            instance.set(array("vr", vr, n)?, &values)
+        })
+    }
+}
+
+pub unsafe extern "C" fn fmi2SetString<M: Model>(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    n: usize,
+    value: *const fmi2String,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi2SetString, |instance| set_strings(instance, array("vr", vr, n)?, (value, n)))
+    }
+}
+
+state_functions! {
+    fmi2Component, fmi2FMUstate, fmi2Byte, fmi2Status;
+    fmi2GetFMUstate, fmi2SetFMUstate, fmi2FreeFMUstate;
+    fmi2SerializedFMUstateSize, fmi2SerializeFMUstate, fmi2DeSerializeFMUstate;
+}
+
+pub unsafe extern "C" fn fmi2GetDirectionalDerivative<M: Model>(
+    c: fmi2Component,
+    unknown: *const fmi2ValueReference,
+    n_unknown: usize,
+    known: *const fmi2ValueReference,
+    n_known: usize,
+    seed: *const fmi2Real,
+    derivative: *mut fmi2Real,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi2GetDirectionalDerivative, |instance| {
+            let (unknown, known) = (array("vUnknown_ref", unknown, n_unknown)?, array("vKnown_ref", known, n_known)?);
+            let seed = array("dvKnown", seed, n_known)?;
+            check_target("dvUnknown", derivative, n_unknown)?;
+            put("dvUnknown", &instance.directional_derivative(unknown, known, seed, n_unknown)?, derivative)
+        })
+    }
+}
+
+pub unsafe extern "C" fn fmi2SetRealInputDerivatives<M: Model>(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    n: usize,
+    order: *const fmi2Integer,
+    value: *const fmi2Real,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi2SetRealInputDerivatives, |instance| {
+            let (references, orders) = (array("vr", vr, n)?, array("order", order, n)?);
+            instance.set_input_derivatives(references, orders, array("value", value, n)?)
+        })
+    }
+}
+
+pub unsafe extern "C" fn fmi2GetRealOutputDerivatives<M: Model>(
+    c: fmi2Component,
+    vr: *const fmi2ValueReference,
+    n: usize,
+    order: *const fmi2Integer,
+    value: *mut fmi2Real,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi2GetRealOutputDerivatives, |instance| {
+            let (references, orders) = (array("vr", vr, n)?, array("order", order, n)?);
+            check_target("value", value, n)?;
+            put("value", &instance.output_derivatives(references, orders, n)?, value)
+        })
+    }
+}
+
+pub unsafe extern "C" fn fmi2DoStep<M: Model>(
+    c: fmi2Component,
+    time: fmi2Real,
+    step: fmi2Real,
+    _no_rollback: fmi2Boolean,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe { call::<M, _>(c, Function::fmi2DoStep, |instance| instance.step(time, step)) }
+}
+
+/// Answers a question about the simulation's status. The standard's answer to a question about asynchronous steps,
+/// which do not occur here, is `fmi2Discard`.
+///
+/// # Safety
+/// The module's precondition; `value` is null or valid.
+unsafe fn status<M: Model, T>(
+    c: fmi2Component,
+    function: Function,
+    value: *mut T,
+    answer: impl FnOnce(&Instance<M>) -> Option<T>,
+) -> fmi2Status {
+    // SAFETY: the caller keeps the precondition.
+    unsafe {
+        call_with_outcome::<M>(c, function, |instance| {
+            check_target("value", value, 1)?;
+            let Some(answer) = answer(instance) else {
+                return Ok(Outcome::Discard);
+            };
+            value.write(answer);
+            Ok(Outcome::Ok)
+        })
+    }
+    .into()
+}
+
+pub unsafe extern "C" fn fmi2GetStatus<M: Model>(
+    c: fmi2Component,
+    _kind: fmi2StatusKind,
+    value: *mut fmi2Status,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe { status::<M, _>(c, Function::fmi2GetStatus, value, |_| None) }
+}
+
+pub unsafe extern "C" fn fmi2GetRealStatus<M: Model>(
+    c: fmi2Component,
+    kind: fmi2StatusKind,
+    value: *mut fmi2Real,
+) -> fmi2Status {
+    let asks_for_time = kind == fmi2StatusKind::fmi2LastSuccessfulTime;
+    // SAFETY: the module's precondition.
+    unsafe { status::<M, _>(c, Function::fmi2GetRealStatus, value, |instance| asks_for_time.then(|| instance.time())) }
+}
+
+pub unsafe extern "C" fn fmi2GetIntegerStatus<M: Model>(
+    c: fmi2Component,
+    _kind: fmi2StatusKind,
+    value: *mut fmi2Integer,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe { status::<M, _>(c, Function::fmi2GetIntegerStatus, value, |_| None) }
+}
+
+pub unsafe extern "C" fn fmi2GetBooleanStatus<M: Model>(
+    c: fmi2Component,
+    kind: fmi2StatusKind,
+    value: *mut fmi2Boolean,
+) -> fmi2Status {
+    // A model never asks to end the simulation.
+    let asks_for_end = kind == fmi2StatusKind::fmi2Terminated;
+    // SAFETY: the module's precondition.
+    unsafe { status::<M, _>(c, Function::fmi2GetBooleanStatus, value, |_| asks_for_end.then_some(0)) }
+}
+
+pub unsafe extern "C" fn fmi2GetStringStatus<M: Model>(
+    c: fmi2Component,
+    _kind: fmi2StatusKind,
+    value: *mut fmi2String,
+) -> fmi2Status {
+    // SAFETY: the module's precondition.
+    unsafe { status::<M, _>(c, Function::fmi2GetStringStatus, value, |_| None) }
+}

@@ -1,0 +1,450 @@
+//! The functions of FMI 3.0. Those that nothing here can answer are refused with the reason.
+
+use super::*;
+use crate::resource;
+
+pub unsafe extern "C" fn fmi3GetVersion<M: Model>() -> fmi3String {
+    c"3.0".as_ptr()
+}
+
+pub unsafe extern "C" fn fmi3SetDebugLogging<M: Model>(
+    c: fmi3Instance,
+    on: fmi3Boolean,
+    n: usize,
+    categories: *const fmi3String,
+) -> fmi3Status {
+    // SAFETY: the module's precondition.
+    unsafe { call::<M, _>(c, Function::fmi3SetDebugLogging, |instance| set_logging(instance, on != 0, n, categories)) }
+}
+
+pub unsafe extern "C" fn fmi3InstantiateCoSimulation<M: Model>(
+    name: fmi3String,
+    token: fmi3String,
+    resources: fmi3String,
+    _visible: fmi3Boolean,
+    logging: fmi3Boolean,
+    event_mode: fmi3Boolean,
+    _early_return: fmi3Boolean,
+    _intermediate_variables: *const fmi3ValueReference,
+    _n_intermediate_variables: usize,
+    environment: fmi3InstanceEnvironment,
+    log_message: fmi3LogMessageCallback,
+    _intermediate_update: fmi3IntermediateUpdateCallback,
+) -> fmi3Instance {
+    // SAFETY: the standard asks of the master that logger and environment outlive the instance.
+    let log = unsafe { Log::fmi3(log_message, environment, logging != 0) };
+    instantiate::<M>("fmi3InstantiateCoSimulation", log, || {
+        // SAFETY: the module's precondition on strings.
+        let (name, token, resources) = unsafe {
+            let resources = (!resources.is_null()).then(|| text("resourcePath", resources)).transpose()?;
+            (text("instanceName", name)?, text("instantiationToken", token)?, resources)
+        };
+        if name.is_empty() {
+            return Err("instanceName must not be empty".to_string());
+        }
+        if event_mode != 0 {
+            return Err(format!("eventModeUsed must be false: {NO_EVENTS}"));
+        }
+        let folder = resources.filter(|path| !path.is_empty()).map(resource::folder).transpose()?;
+        instance::load_described::<M>(folder.as_deref(), token, Version::Fmi3)
+    })
+}
+
+pub unsafe extern "C" fn fmi3InstantiateModelExchange<M: Model>(
+    _name: fmi3String,
+    _token: fmi3String,
+    _resources: fmi3String,
+    _visible: fmi3Boolean,
+    logging: fmi3Boolean,
+    environment: fmi3InstanceEnvironment,
+    log_message: fmi3LogMessageCallback,
+) -> fmi3Instance {
+    // SAFETY: the standard asks of the master for a logger that accepts the environment.
+    let log = unsafe { Log::fmi3(log_message, environment, logging != 0) };
+    instantiate::<M>("fmi3InstantiateModelExchange", log, || Err(ONLY_CO_SIMULATION.into()))
+}
+
+pub unsafe extern "C" fn fmi3InstantiateScheduledExecution<M: Model>(
+    _name: fmi3String,
+    _token: fmi3String,
+    _resources: fmi3String,
+    _visible: fmi3Boolean,
+    logging: fmi3Boolean,
+    environment: fmi3InstanceEnvironment,
+    log_message: fmi3LogMessageCallback,
+    _clock_update: fmi3ClockUpdateCallback,
+    _lock: fmi3LockPreemptionCallback,
+    _unlock: fmi3UnlockPreemptionCallback,
+) -> fmi3Instance {
+    // SAFETY: the standard asks of the master for a logger that accepts the environment.
+    let log = unsafe { Log::fmi3(log_message, environment, logging != 0) };
+    instantiate::<M>("fmi3InstantiateScheduledExecution", log, || Err(ONLY_CO_SIMULATION.into()))
+}
+
+pub unsafe extern "C" fn fmi3FreeInstance<M: Model>(c: fmi3Instance) {
+    // SAFETY: the module's precondition.
+    unsafe { free::<M>(c) }
+}
+
+pub unsafe extern "C" fn fmi3EnterInitializationMode<M: Model>(
+    c: fmi3Instance,
+    _has_tolerance: fmi3Boolean,
+    _tolerance: fmi3Float64,
+    start: fmi3Float64,
+    has_stop: fmi3Boolean,
+    stop: fmi3Float64,
+) -> fmi3Status {
+    let stop = (has_stop != 0).then_some(stop);
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi3EnterInitializationMode, |instance| {
+            instance.setup_experiment(start, stop)?;
+            instance.enter_initialization();
+            Ok(())
+        })
+    }
+}
+
+macro_rules! without_arguments {
+    ($($name:ident = $body:expr;)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(c: fmi3Instance) -> fmi3Status {
+                // SAFETY: the module's precondition.
+                unsafe { call::<M, _>(c, Function::$name, $body) }
+            }
+        )*
+    };
+}
+
+without_arguments! {
+    fmi3ExitInitializationMode = |instance| instance.exit_initialization();
+    fmi3Terminate = |instance| { instance.terminate(); Ok(()) };
+    fmi3Reset = |instance| instance.reset();
+}
+
+/// The value references, if they are variables of that type with `n_values` values together.
+///
+/// # Safety
+/// The module's precondition on arrays.
+unsafe fn whole<'a, M: Model>(
+    instance: &Instance<M>,
+    (vr, n): (*const fmi3ValueReference, usize),
+    type_name: &str,
+    n_values: usize,
+) -> Result<&'a [u32], String> {
+    // SAFETY: the caller keeps the precondition.
+    let references = unsafe { array("valueReferences", vr, n) }?;
+    instance.check_whole(references, type_name, n_values)?;
+    Ok(references)
+}
+
+macro_rules! getters {
+    ($($name:ident($value:ty, $type_name:literal) = $write:expr;)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(
+                c: fmi3Instance,
+                vr: *const fmi3ValueReference,
+                n: usize,
+                values: *mut $value,
+                n_values: usize,
+            ) -> fmi3Status {
+                // SAFETY: the module's precondition.
+                unsafe {
+                    call::<M, _>(c, Function::$name, |instance| {
+                        let references = whole(instance, (vr, n), $type_name, n_values)?;
+                        get_values(instance, references, (values, n_values), $write)
+                    })
+                }
+            }
+        )*
+    };
+}
+
+/// Items of enumerations, which the standard reads and writes as Int64.
+fn items(values: &[i64]) -> Result<Vec<i32>, String> {
+    let item = |value: &i64| i32::try_from(*value).map_err(|_| format!("no enumeration has an item {value}"));
+    values.iter().map(item).collect()
+}
+
+getters! {
+    fmi3GetFloat64(fmi3Float64, "Float64") = |value: &f64| *value;
+    fmi3GetInt32(fmi3Int32, "Int32") = |value: &i32| *value;
+    fmi3GetInt64(fmi3Int64, "Enumeration") = |value: &i32| fmi3Int64::from(*value);
+    fmi3GetBoolean(fmi3Boolean, "Boolean") = |value: &bool| fmi3Boolean::from(*value);
+}
+
+pub unsafe extern "C" fn fmi3GetString<M: Model>(
+    c: fmi3Instance,
+    vr: *const fmi3ValueReference,
+    n: usize,
+    values: *mut fmi3String,
+    n_values: usize,
+) -> fmi3Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi3GetString, |instance| {
+            let references = whole(instance, (vr, n), "String", n_values)?;
+            get_strings(instance, references, (values, n_values))
+        })
+    }
+}
+
+macro_rules! setters {
+    ($($name:ident($value:ty, $type_name:literal) = |$values:ident| $read:expr;)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(
+                c: fmi3Instance,
+                vr: *const fmi3ValueReference,
+                n: usize,
+                values: *const $value,
+                n_values: usize,
+            ) -> fmi3Status {
+                // SAFETY: the module's precondition.
+                unsafe {
+                    call::<M, _>(c, Function::$name, |instance| {
+                        let references = whole(instance, (vr, n), $type_name, n_values)?;
+                        let $values = array("values", values, n_values)?;
+                        instance.set(references, $read)
+                    })
+                }
+            }
+        )*
+    };
+}
+
+setters! {
+    fmi3SetFloat64(fmi3Float64, "Float64") = |values| values;
+    fmi3SetInt32(fmi3Int32, "Int32") = |values| values;
+    fmi3SetInt64(fmi3Int64, "Enumeration") = |values| &items(values)?;
+    fmi3SetBoolean(fmi3Boolean, "Boolean") = |values| &values.iter().map(|value| *value != 0).collect::<Vec<_>>();
+}
+
+pub unsafe extern "C" fn fmi3SetString<M: Model>(
+    c: fmi3Instance,
+    vr: *const fmi3ValueReference,
+    n: usize,
+    values: *const fmi3String,
+    n_values: usize,
+) -> fmi3Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi3SetString, |instance| {
+            let references = whole(instance, (vr, n), "String", n_values)?;
+            set_strings(instance, references, (values, n_values))
+        })
+    }
+}
+
+/// Functions for types that no variable has: every reference is refused by name.
+macro_rules! without_variables {
+    ($($name:ident($type_name:literal, $($argument:ty),+);)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(
+                c: fmi3Instance,
+                vr: *const fmi3ValueReference,
+                n: usize,
+                $(_: $argument,)+
+                n_values: usize,
+            ) -> fmi3Status {
+                // SAFETY: the module's precondition.
+                unsafe {
+                    call::<M, _>(c, Function::$name, |instance| {
+                        whole(instance, (vr, n), $type_name, n_values).map(|_| ())
+                    })
+                }
+            }
+        )*
+    };
+}
+
+without_variables! {
+    fmi3GetFloat32("Float32", *mut fmi3Float32);
+    fmi3SetFloat32("Float32", *const fmi3Float32);
+    fmi3GetInt8("Int8", *mut fmi3Int8);
+    fmi3SetInt8("Int8", *const fmi3Int8);
+    fmi3GetUInt8("UInt8", *mut fmi3UInt8);
+    fmi3SetUInt8("UInt8", *const fmi3UInt8);
+    fmi3GetInt16("Int16", *mut fmi3Int16);
+    fmi3SetInt16("Int16", *const fmi3Int16);
+    fmi3GetUInt16("UInt16", *mut fmi3UInt16);
+    fmi3SetUInt16("UInt16", *const fmi3UInt16);
+    fmi3GetUInt32("UInt32", *mut fmi3UInt32);
+    fmi3SetUInt32("UInt32", *const fmi3UInt32);
+    fmi3GetUInt64("UInt64", *mut fmi3UInt64);
+    fmi3SetUInt64("UInt64", *const fmi3UInt64);
+    fmi3GetBinary("Binary", *mut usize, *mut fmi3Binary);
+    fmi3SetBinary("Binary", *const usize, *const fmi3Binary);
+}
+
+macro_rules! without_clocks {
+    ($($name:ident($values:ty);)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(
+                c: fmi3Instance,
+                vr: *const fmi3ValueReference,
+                n: usize,
+                _values: $values,
+            ) -> fmi3Status {
+                // SAFETY: the module's precondition.
+                unsafe { call::<M, _>(c, Function::$name, |instance| whole(instance, (vr, n), "Clock", 0).map(|_| ())) }
+            }
+        )*
+    };
+}
+
+without_clocks! {
+    fmi3GetClock(*mut fmi3Clock);
+    fmi3SetClock(*const fmi3Clock);
+}
+
+state_functions! {
+    fmi3Instance, fmi3FMUState, fmi3Byte, fmi3Status;
+    fmi3GetFMUState, fmi3SetFMUState, fmi3FreeFMUState;
+    fmi3SerializedFMUStateSize, fmi3SerializeFMUState, fmi3DeserializeFMUState;
+}
+
+macro_rules! derivatives {
+    ($($name:ident = $method:ident;)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(
+                c: fmi3Instance,
+                unknowns: *const fmi3ValueReference,
+                n_unknowns: usize,
+                knowns: *const fmi3ValueReference,
+                n_knowns: usize,
+                seed: *const fmi3Float64,
+                n_seed: usize,
+                sensitivity: *mut fmi3Float64,
+                n_sensitivity: usize,
+            ) -> fmi3Status {
+                // SAFETY: the module's precondition.
+                unsafe {
+                    call::<M, _>(c, Function::$name, |instance| {
+                        let unknowns = array("unknowns", unknowns, n_unknowns)?;
+                        let (knowns, seed) = (array("knowns", knowns, n_knowns)?, array("seed", seed, n_seed)?);
+                        put("sensitivity", &instance.$method(unknowns, knowns, seed, n_sensitivity)?, sensitivity)
+                    })
+                }
+            }
+        )*
+    };
+}
+
+derivatives! {
+    fmi3GetDirectionalDerivative = directional_derivative;
+    fmi3GetAdjointDerivative = adjoint_derivative;
+}
+
+pub unsafe extern "C" fn fmi3GetOutputDerivatives<M: Model>(
+    c: fmi3Instance,
+    vr: *const fmi3ValueReference,
+    n: usize,
+    orders: *const fmi3Int32,
+    values: *mut fmi3Float64,
+    n_values: usize,
+) -> fmi3Status {
+    // SAFETY: the module's precondition.
+    unsafe {
+        call::<M, _>(c, Function::fmi3GetOutputDerivatives, |instance| {
+            let (references, orders) = (array("valueReferences", vr, n)?, array("orders", orders, n)?);
+            put("values", &instance.output_derivatives(references, orders, n_values)?, values)
+        })
+    }
+}
+
+pub unsafe extern "C" fn fmi3DoStep<M: Model>(
+    c: fmi3Instance,
+    time: fmi3Float64,
+    step: fmi3Float64,
+    _no_rollback: fmi3Boolean,
+    event_handling_needed: *mut fmi3Boolean,
+    terminate_simulation: *mut fmi3Boolean,
+    early_return: *mut fmi3Boolean,
+    last_successful_time: *mut fmi3Float64,
+) -> fmi3Status {
+    // SAFETY: the module's precondition; targets that are null are refused.
+    unsafe {
+        call::<M, _>(c, Function::fmi3DoStep, |instance| {
+            let flags = [
+                ("eventHandlingNeeded", event_handling_needed),
+                ("terminateSimulation", terminate_simulation),
+                ("earlyReturn", early_return),
+            ];
+            flags.iter().try_for_each(|(name, flag)| check_target(name, *flag, 1))?;
+            check_target("lastSuccessfulTime", last_successful_time, 1)?;
+            // Before the step, which may panic.
+            flags.iter().for_each(|(_, flag)| flag.write(0));
+            last_successful_time.write(instance.time());
+            instance.step(time, step)?;
+            last_successful_time.write(instance.time());
+            Ok(())
+        })
+    }
+}
+
+const NO_EVENTS: &str = "there is no event mode";
+const NO_CLOCKS: &str = "there are no clocks";
+const NO_CONFIGURATION: &str = "there are no structural parameters";
+const NO_DEPENDENCIES: &str = "dependencies are those of whole variables, in modelDescription.xml";
+const ONLY_CO_SIMULATION: &str = "this is a unit for co-simulation only";
+
+/// Functions that would do something which is not there, whatever the state of the instance.
+macro_rules! refused {
+    ($($reason:ident => { $($name:ident($($argument:ty),*);)* })*) => {
+        $($(
+            pub unsafe extern "C" fn $name<M: Model>(c: fmi3Instance, $(_: $argument),*) -> fmi3Status {
+                // SAFETY: the module's precondition.
+                if let Some(instance) = unsafe { c.cast::<Instance<M>>().as_ref() } {
+                    instance.log.error(format_args!("{}: {}", stringify!($name), $reason));
+                }
+                fmi3Status::fmi3Error
+            }
+        )*)*
+    };
+}
+
+refused! {
+    NO_DEPENDENCIES => {
+        fmi3GetNumberOfVariableDependencies(fmi3ValueReference, *mut usize);
+        fmi3GetVariableDependencies(
+            fmi3ValueReference, *mut usize, *mut fmi3ValueReference, *mut usize, *mut fmi3DependencyKind, usize
+        );
+    }
+    NO_CONFIGURATION => {
+        fmi3EnterConfigurationMode();
+        fmi3ExitConfigurationMode();
+    }
+    NO_EVENTS => {
+        fmi3EnterEventMode();
+        fmi3EnterStepMode();
+        fmi3EvaluateDiscreteStates();
+        fmi3UpdateDiscreteStates(
+            *mut fmi3Boolean, *mut fmi3Boolean, *mut fmi3Boolean, *mut fmi3Boolean, *mut fmi3Boolean, *mut fmi3Float64
+        );
+    }
+    NO_CLOCKS => {
+        fmi3GetIntervalDecimal(*const fmi3ValueReference, usize, *mut fmi3Float64, *mut fmi3IntervalQualifier);
+        fmi3GetIntervalFraction(
+            *const fmi3ValueReference, usize, *mut fmi3UInt64, *mut fmi3UInt64, *mut fmi3IntervalQualifier
+        );
+        fmi3GetShiftDecimal(*const fmi3ValueReference, usize, *mut fmi3Float64);
+        fmi3GetShiftFraction(*const fmi3ValueReference, usize, *mut fmi3UInt64, *mut fmi3UInt64);
+        fmi3SetIntervalDecimal(*const fmi3ValueReference, usize, *const fmi3Float64);
+        fmi3SetIntervalFraction(*const fmi3ValueReference, usize, *const fmi3UInt64, *const fmi3UInt64);
+        fmi3SetShiftDecimal(*const fmi3ValueReference, usize, *const fmi3Float64);
+        fmi3SetShiftFraction(*const fmi3ValueReference, usize, *const fmi3UInt64, *const fmi3UInt64);
+    }
+    ONLY_CO_SIMULATION => {
+        fmi3EnterContinuousTimeMode();
+        fmi3CompletedIntegratorStep(fmi3Boolean, *mut fmi3Boolean, *mut fmi3Boolean);
+        fmi3SetTime(fmi3Float64);
+        fmi3SetContinuousStates(*const fmi3Float64, usize);
+        fmi3GetContinuousStateDerivatives(*mut fmi3Float64, usize);
+        fmi3GetEventIndicators(*mut fmi3Float64, usize);
+        fmi3GetContinuousStates(*mut fmi3Float64, usize);
+        fmi3GetNominalsOfContinuousStates(*mut fmi3Float64, usize);
+        fmi3GetNumberOfEventIndicators(*mut usize);
+        fmi3GetNumberOfContinuousStates(*mut usize);
+        fmi3ActivateModelPartition(fmi3ValueReference, fmi3Float64);
+    }
+}

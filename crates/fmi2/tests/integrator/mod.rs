@@ -1,0 +1,166 @@
+//! A model with one variable of each kind and type, and its C functions.
+#![allow(dead_code, reason = "each test uses a part")]
+
+use std::slice::{from_mut, from_ref};
+
+use nervure_fmi2::{Description, Log, Model, Resources, Span, Variable};
+use serde::{Deserialize, Serialize};
+
+/// Inputs of this value make a step fail or panic.
+pub const FAILING: f64 = 13.0;
+pub const PANICKING: f64 = 666.0;
+
+/// A state with this input is refused.
+pub const FOREIGN: f64 = 4711.0;
+
+/// dy/dt = gain u + bias, with one variable of each kind and type around it.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Integrator {
+    gain: f64,
+    bias: f64,
+    u: [f64; 3],
+    slope: [f64; 3],
+    y: [f64; 3],
+    order: i32,
+    length: i32,
+    hold: bool,
+    held: bool,
+    label: String,
+    echo: String,
+    mode: i32,
+    total: f64,
+}
+
+impl Model for Integrator {
+    const IDENTIFIER: &'static str = "integrator";
+    const VERSION: &'static str = "1.0";
+    const DIRECTIONAL_DERIVATIVE: bool = true;
+    const OUTPUT_DERIVATIVE: bool = true;
+    const INPUT_DERIVATIVE: bool = true;
+    type State = Self;
+
+    fn load(resources: &Resources) -> Result<Self, String> {
+        if let Some(folder) = resources.folder().filter(|folder| !folder.is_dir()) {
+            return Err(format!("resources {} are no folder, 100 %", folder.display()));
+        }
+        Ok(Integrator {
+            gain: 1.0,
+            bias: 0.0,
+            u: [0.0; 3],
+            slope: [0.0; 3],
+            y: [0.0; 3],
+            order: 1,
+            length: 3,
+            hold: false,
+            held: false,
+            label: "début".into(),
+            echo: String::new(),
+            mode: 1,
+            total: 0.0,
+        })
+    }
+
+    fn description(&self) -> Description {
+        Description { model_name: "Integrator".into(), text: "Three integrators".into(), ..Description::default() }
+    }
+
+    fn variables(&self) -> Vec<Variable<Self>> {
+        type Real = nervure_fmi2::Real<Integrator>;
+        type Integer = nervure_fmi2::Integer<Integrator>;
+        type Boolean = nervure_fmi2::Boolean<Integrator>;
+        type Text = nervure_fmi2::Text<Integrator>;
+        vec![
+            Real::time(),
+            Real::parameter("gain", "1", "Gain", |m| from_mut(&mut m.gain)).above(0.0),
+            Real::parameter("bias", "1/s", "Bias", |m| from_mut(&mut m.bias)).at_least(-1.0).at_most(1.0).tunable(),
+            Real::input("u", "1/s", "Rate", |m| &mut m.u).array(3),
+            Real::output("y", "1", "Integral", |m| &m.y).array(3).depends_on(&[]),
+            Integer::parameter("order", "Order", |m| from_mut(&mut m.order)).at_least(1),
+            Integer::local("length", "Length", |m| from_ref(&m.length)).constant(),
+            Boolean::input("hold", "Hold the integral", |m| from_mut(&mut m.hold)),
+            Boolean::output("held", "It was held", |m| from_ref(&m.held)),
+            Text::parameter("label", "Label", |m| from_mut(&mut m.label)),
+            Text::output("echo", "Label, once initialised", |m| from_ref(&m.echo)),
+            Integer::parameter("mode", "Mode", |m| from_mut(&mut m.mode)).enumeration("Mode", &["off", "on"]),
+            Real::output("total", "1", "Sum of the integrals", |m| from_ref(&m.total)),
+        ]
+    }
+
+    fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
+        self.echo = format!("{} at {start}", self.label);
+        log.info(format_args!("initialised {}", self.label));
+        Ok(())
+    }
+
+    fn step(&mut self, _t: f64, h: f64, _log: &Log) -> Result<(), String> {
+        if self.u[0] == FAILING {
+            return Err(format!("u[1] = {FAILING} must not be {FAILING}"));
+        }
+        let [u, slope] = [self.u, std::mem::take(&mut self.slope)];
+        for i in 0..3 {
+            self.y[i] += if self.hold { 0.0 } else { h * (self.gain * (u[i] + 0.5 * h * slope[i]) + self.bias) };
+            assert!(u[i] != PANICKING, "u[{}] = {PANICKING}", i + 1);
+        }
+        self.held = self.hold;
+        self.total = self.y.iter().sum();
+        Ok(())
+    }
+
+    fn save(&self) -> Self {
+        self.clone()
+    }
+
+    fn restore(&mut self, state: &Self) -> Result<(), String> {
+        self.clone_from(state);
+        if state.u[0] == FOREIGN {
+            return Err(format!("u[1] = {FOREIGN} is foreign"));
+        }
+        Ok(())
+    }
+
+    /// d(dy/dt)/du = gain, and that of the total the sum.
+    fn directional_derivative(
+        &mut self,
+        unknown: &[Span],
+        known: &[Span],
+        seed: &[f64],
+        derivative: &mut [f64],
+    ) -> Result<(), String> {
+        let known = known.iter().flat_map(|span| span.elements.clone());
+        let unknown = unknown.iter().flat_map(|span| span.elements.clone().map(|element| (span.name, element)));
+        for ((name, y), target) in unknown.zip(derivative) {
+            let felt = known.clone().zip(seed).filter(|(u, _)| name == "total" || *u == y);
+            *target = felt.map(|(_, seed)| self.gain * seed).sum();
+        }
+        Ok(())
+    }
+
+    fn output_derivative(&mut self, outputs: &Span, derivative: &mut [f64]) -> Result<(), String> {
+        assert_eq!(outputs.name, "y");
+        for (i, target) in outputs.elements.clone().zip(derivative) {
+            *target = self.gain * self.u[i] + self.bias;
+        }
+        Ok(())
+    }
+
+    fn set_input_derivative(&mut self, inputs: &Span, derivative: &[f64]) -> Result<(), String> {
+        self.slope[inputs.elements.clone()].copy_from_slice(derivative);
+        Ok(())
+    }
+}
+
+nervure_fmi2::export_fmu!(Integrator);
+
+pub const TIME: u32 = 0;
+pub const GAIN: u32 = 1;
+pub const BIAS: u32 = 2;
+pub const U: [u32; 3] = [3, 4, 5];
+pub const Y: [u32; 3] = [6, 7, 8];
+pub const ORDER: u32 = 9;
+pub const LENGTH: u32 = 10;
+pub const HOLD: u32 = 11;
+pub const HELD: u32 = 12;
+pub const LABEL: u32 = 13;
+pub const ECHO: u32 = 14;
+pub const MODE: u32 = 15;
+pub const TOTAL: u32 = 16;

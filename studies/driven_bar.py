@@ -1,0 +1,189 @@
+"""The bar of Turek and Hron in a prescribed motion: what the flow does to it, beside a moving mesh. No rod is in it.
+
+    y(x, t) = y_0 + A r(t) P(x) sin(2 pi f (t - t_0)),    r = (1 - cos(pi (t - t_0)/T))/2 up to t_0 + T, then 1
+
+P is the second mode of a clamped beam, 1 at the tip; there is no motion along x. The forces are fitted with six
+harmonics over the last five periods,
+
+    F(t) = F_0 + sum_k a_k sin(2 pi f k (t - t_0)) + b_k cos(2 pi f k (t - t_0)),
+
+so that a_1 is in phase with the displacement and b_1 with the velocity. What the fit leaves is the grid's noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nervure import coupling, master
+from nervure.evaluate import statistics
+from nervure.pack import package
+from nervure.recorder import Recorder, Series
+from nervure.unit import Unit
+from studies import simulate
+from studies.engine import FLUID, Case, Run, Study
+from studies.simulate import on_grid
+from studies.store import Data
+
+SCENE = "cfd3-648x108"
+ROOT_X, TIP_X, AXIS_Y = 0.2 + np.sqrt(0.05**2 - 0.01**2), 0.6, 0.2
+"""Where the faces of the bar leave the cylinder, its tip, and its axis, m."""
+WAVE_NUMBER = 4.694091132974  # Second root of cos(b) cosh(b) = -1
+FREQUENCY, AMPLITUDE = 5.5, 0.035  # Of FSI3: Hz, m
+HARMONICS, PERIODS = 6, 5  # That are fitted, and over which
+WIDTH = 4e-3  # Of the box filter over the lift before its extremes are taken, s
+GRIDS = {(324, 54): 4e-4, (648, 108): 2e-4, (972, 162): 1.3e-4, (1296, 216): 1e-4}  # Step by cells, s
+STREAM = {"time.end": 5.0}
+"""In the flow of CFD3, whose ramp ends at 2 s."""
+STILL = {"fluid.inflow.mean_velocity": {"steady": 0.0}, "time.end": 1.5}
+"""In fluid at rest."""
+SOON: dict[str, float] = {"begin": 0.0, "ramp": 0.3}
+"""Of the motion there, which need not wait for the flow."""
+LISTED: dict[str, Any] = simulate.LISTED["driven-bar"]
+
+
+def mode(x: np.ndarray) -> np.ndarray:
+    """P at `x` (m), `[stations]`."""
+
+    def shape(z: np.ndarray | float) -> Any:
+        b = WAVE_NUMBER
+        share = (np.sinh(b) - np.sin(b)) / (np.cosh(b) + np.cos(b))
+        return np.cosh(b * z) - np.cos(b * z) - share * (np.sinh(b * z) - np.sin(b * z))
+
+    return np.asarray(shape((x - ROOT_X) / (TIP_X - ROOT_X)) / shape(1.0))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How far the tip is from its place, m, over time, s."""
+
+    amplitude: float = AMPLITUDE
+    frequency: float = FREQUENCY  # Hz
+    begin: float = 2.0  # t_0
+    ramp: float = 0.5  # T
+
+    def at(self, t: float) -> tuple[float, float]:
+        """Displacement and velocity."""
+        omega, past = 2 * np.pi * self.frequency, max(t - self.begin, 0.0)
+        part = np.pi * min(past / self.ramp, 1.0)
+        share, growth = (1 - np.cos(part)) / 2, np.pi / self.ramp * np.sin(part) / 2
+        sin, cos = np.sin(omega * past), np.cos(omega * past)
+        return self.amplitude * share * sin, self.amplitude * (share * omega * cos + growth * sin)
+
+
+class Driven(coupling.Single):
+    """A fluid whose stations follow a motion."""
+
+    def __init__(self, fluid: Unit, motion: Motion, x: np.ndarray):
+        super().__init__(fluid)
+        fluid.connect(["x", "y", "vx", "vy"], [])
+        self.motion, self.x, self.mode = motion, x, mode(x)
+        self.unit.inputs[:] = np.r_[x, np.full_like(x, AXIS_Y), 0 * x, 0 * x]
+
+    def step(self, t: float, h: float) -> int:
+        displacement, velocity = self.motion.at(t + h)
+        _, y, _, v = np.split(self.unit.inputs, 4)
+        y[:] = AXIS_Y + displacement * self.mode
+        v[:] = velocity * self.mode
+        return super().step(t, h)
+
+
+def run(case: Case, folder: Path) -> dict[str, Any]:
+    """Run the fluid of a case with its motion; what the forces have of it, and the time that it took, s."""
+    series, outcome = record(case.built(), Motion(**case.options["motion"]), folder)
+    if outcome.error:
+        return {"error": outcome.error}
+    times = {"wall_s": outcome.wall, "cpu_s": outcome.cpu}
+    return {"values": evaluate(series, Motion(**case.options["motion"])), "times": times}
+
+
+def record(scene: dict[str, Any], motion: Motion, folder: Path) -> tuple[Series, master.RunStatus]:
+    """Scalar outputs over time of the fluid of `scene`, packed into `folder`, with its beam in `motion`."""
+    beam, clock = scene["beam"], master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+    with ExitStack() as stack:
+        unit = Unit(package.pack("fluid", scene, folder), "fluid", clock.end)
+        stack.callback(unit.close)
+        driven = Driven(unit, motion, TIP_X - beam["length"] + np.linspace(0, beam["length"], beam["segments"] + 1))
+        recorder = Recorder({"fluid": unit}, clock.steps)
+        outcome = master.run(driven, clock, recorder)
+        return {name: values.copy() for name, values in recorder.series.items()}, outcome
+
+
+def evaluate(series: Series, motion: Motion) -> dict[str, float]:
+    """Forces, N/m, over the last periods: the bar's lift in phase with the displacement and with the velocity; the
+    same of bar and cylinder together; its extremes; mean and second harmonic of the drag; what the fits leave, rms,
+    by the fundamental of the lift and by the drag's mean; and the work of the fluid on the bar in a cycle, J/m."""
+    end, period = series["time"][-1], 1 / motion.frequency
+    part = statistics.Window(end - PERIODS * period, end, PERIODS).of(series["time"])
+    past = series["time"][part] - motion.begin
+
+    def fitted(name: str) -> tuple[np.ndarray, float]:
+        return harmonics(past, series[name][part], motion.frequency)
+
+    bar, bar_rest = fitted("beam_lift")
+    lift, _ = fitted("lift")
+    drag, drag_rest = fitted("drag")
+    smooth = statistics.box_filter(past, series["lift"][part], WIDTH)
+    return {
+        "bar.in_phase": bar[1].real,
+        "bar.with_velocity": bar[1].imag,
+        "lift.in_phase": lift[1].real,
+        "lift.with_velocity": lift[1].imag,
+        "lift.amplitude": statistics.extent(smooth)[1],
+        "drag.mean": drag[0].real,
+        "drag.second": abs(drag[2]),
+        "rest": bar_rest / abs(bar[1]),
+        "drag.rest": drag_rest,
+        "work": float(np.trapezoid(series["beam_power"][part], past)) / PERIODS,
+    }
+
+
+def harmonics(time: np.ndarray, values: np.ndarray, frequency: float) -> tuple[np.ndarray, float]:
+    """a_k + i b_k of the fit, `[HARMONICS + 1]`, the mean first, and the rms of what it leaves."""
+    order = np.arange(1, HARMONICS + 1)
+    phases = np.outer(time, 2 * np.pi * frequency * order)
+    matrix = np.column_stack([np.ones_like(time), np.sin(phases), np.cos(phases)])
+    found = np.linalg.lstsq(matrix, values, rcond=None)[0]
+    a, b = np.split(found[1:], 2)
+    return np.r_[found[0], a + 1j * b], float(np.std(values - matrix @ found))
+
+
+def cases() -> Iterator[Case]:
+    def case(name: str, changes: dict[str, Any], **motion: float) -> Case:
+        about = {"name": name.split("/")[1].replace("x", " x ")}
+        return Case(name, (*FLUID, "driven bar"), SCENE, changes, {"motion": motion}, run, about)
+
+    for (nx, ny), step in GRIDS.items():
+        yield case(f"stream/{nx}x{ny}", STREAM | on_grid(nx, ny, step))
+    for (nx, ny), step in list(GRIDS.items())[:2]:
+        for group, amplitude in (("still", AMPLITUDE), ("small", AMPLITUDE / 10)):
+            yield case(f"{group}/{nx}x{ny}", STILL | on_grid(nx, ny, step), amplitude=amplitude, **SOON)
+
+
+def keep(case: Case, run: Run) -> dict[str, Any]:
+    return {part: run.found[part] for part in ("values", "times")}
+
+
+def beside(group: str, data: Data) -> list[dict[str, Any]]:
+    """What others found, and what is found here with its difference from the first of them: of parts of a force with
+    the velocity in N/m, else relative."""
+    others = [{"name": name} | found for name, found in LISTED[group].items()]
+    first, rows = others[0], [*others]
+    for record in data.of(f"driven-bar/{group}/*"):
+        off = {
+            f"{name}.off": record[name] - value if name.endswith("velocity") else record[name] / value - 1
+            for name, value in first.items()
+            if name in record.values
+        }
+        rows.append(record.view | off)
+    return rows
+
+
+TABLES: dict[str, Callable[[Data], Any]] = {f"driven-bar-{group}": partial(beside, group) for group in LISTED}
+STUDY = Study("driven-bar", cases, keep, TABLES)

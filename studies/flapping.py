@@ -1,0 +1,189 @@
+"""Rigid bodies beside published curves: python -m studies.flapping [NAME …] runs the cases and writes docs/flapping.
+
+The cases are shipped scenes on several grids and in several boxes; results/flapping/CASE keeps what is done. Digitised
+curves are in studies/published, with their sources.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+import nervure
+from nervure.evaluate import flapping
+from nervure.evaluate.statistics import Window
+from nervure.files import write_csv
+from nervure.recorder import Series
+from nervure.resources import ROOT
+from nervure.show import fields
+from studies import show
+from studies.simulate import assignments, on_grid
+
+RESULTS, PUBLISHED = ROOT / "results" / "flapping", Path(__file__).with_name("published")
+
+KC5, HOVER, STREAM = "cylinder-kc5-600x360", "ellipse-hover-640x640", "cylinder-stream-384x512"
+PERIOD = 5.0  # Of the oscillating cylinder, s
+HOVER_PERIOD, HOVER_SPEED = 4.0, 1.4 * 2 * np.pi * 0.25  # Of the ellipse, s and m/s
+LIFT, DRAG = 1.2, 1.4  # By which Wang et al. (2004) divide the coefficients of the ellipse besides
+REVERSAL = 0.02  # Periods around a reversal of the stroke in which the digitised drag jumps from one sign to the other
+
+Changes = dict[str, Any]
+
+
+def box(x: list[float], y: list[float]) -> Changes:
+    return {"fluid.box.x": x, "fluid.box.y": y}
+
+
+NARROW = box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(384, 256, 0.02)
+
+CASES: dict[str, tuple[str, Changes]] = {
+    "oscillating/300x180": (KC5, on_grid(300, 180, 0.01)),
+    "oscillating/450x270": (KC5, on_grid(450, 270, 0.0075)),
+    "oscillating/600x360": (KC5, {}),
+    "oscillating/600x360, 40 x 24": (KC5, box([-20.0, 20.0], [-12.0, 12.0]) | on_grid(600, 360, 0.01)),
+    "oscillating/300x180, mean flow held": (KC5, on_grid(300, 180, 0.01) | {"fluid.mean_flow": {}}),
+    "hover/480x480": (HOVER, on_grid(480, 480, 0.01)),
+    "hover/640x640": (HOVER, {}),
+    "hover/640x640, mean flow free": (HOVER, {"fluid.mean_flow": None}),
+    "stream/384x256": (STREAM, NARROW),
+    "stream/384x512": (STREAM, {}),
+    "stream/576x384": (STREAM, box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(576, 384, 0.013333333)),
+    "stream/384x256, Re 20": (STREAM, NARROW | {"fluid.kinematic_viscosity": 0.05}),
+    "stream/384x512, Re 20": (STREAM, {"fluid.kinematic_viscosity": 0.05}),
+}  # fmt: skip
+
+
+def curve(name: str) -> np.ndarray:
+    """A published curve, `[2, n]`, in the order of its first column."""
+    points = np.genfromtxt(PUBLISHED / f"{name}.csv", delimiter=",", comments="#", skip_header=3)
+    ordered: np.ndarray = points[np.argsort(points[:, 0])].T
+    return ordered
+
+
+def off(found: np.ndarray, published: np.ndarray) -> float:
+    """Root mean square of a difference, by the peak of what is published."""
+    return float(np.sqrt(np.mean((found - published) ** 2)) / np.abs(published).max())
+
+
+def oscillating(series: Series) -> dict[str, float]:
+    """The in-line force of the last period, 2 F/(rho U² D): Morison's coefficients by Fourier averages (Keulegan &
+    Carpenter 1958) and by least squares, the peak, and how far the curve is from Dütsch's as digitised."""
+    time, force = series["time"], series["body_1_drag"]
+    window = Window(time[-1] - PERIOD, time[-1], 1)
+    phase = 2 * np.pi * time / PERIOD
+    cos, sin = -np.cos(phase), np.sin(phase)  # The velocity, and its rate by omega
+    part = window.of(time)
+    matrix = -np.column_stack([np.abs(cos) * cos / 2, np.pi / 4 * 2 * np.pi / PERIOD * sin])[part]
+    (cd, ci), *_ = np.linalg.lstsq(matrix, force[part], rcond=None)
+    share, published = curve("oscillating_cylinder_re100_kc5")
+    return {
+        "cd": -flapping.average(time, force * cos, window) * 3 * np.pi / 2,
+        "ci": -flapping.average(time, force * sin, window) * 4 * PERIOD / np.pi**2,
+        "cd_squares": float(cd),
+        "ci_squares": float(ci),
+        "peak": 2 * float(np.abs(force[part]).max()),
+        "rms": off(np.interp(time[-1] - PERIOD + PERIOD * share, time, force), published),
+    }
+
+
+def hovering(series: Series) -> dict[str, np.ndarray]:
+    """Time in periods, and lift and drag as Wang et al. (2004) have them, the drag against the stroke."""
+    time, pressure = series["time"] / HOVER_PERIOD, HOVER_SPEED**2 / 2
+    against = np.where(time % 1 < 0.5, 1.0, -1.0)
+    return {
+        "time": time,
+        "lift": series["body_1_lift"] / pressure / LIFT,
+        "drag": against * series["body_1_drag"] / pressure / DRAG,
+    }
+
+
+def fourth_period(series: Series) -> dict[str, float]:
+    """Means of lift and drag, the largest lift, and how far both are from Eldredge's curves as digitised."""
+    found = hovering(series)
+    values = {}
+    for name in ("lift", "drag"):
+        share, published = curve(f"hovering_ellipse_re75_eldredge_{name}")
+        there = (share > 3) & (share <= 4)
+        if name == "drag":
+            there &= np.abs((share + 0.25) % 0.5 - 0.25) > REVERSAL
+        values[name] = flapping.average(found["time"], found[name], Window(3.0, 4.0, 1))
+        values[f"{name}_rms"] = off(np.interp(share[there], found["time"], found[name]), published[there])
+    last = found["time"] > 3
+    return values | {"lift_max": float(found["lift"][last].max())}
+
+
+def stream(series: Series, folder: Path) -> dict[str, float | None]:
+    """Drag coefficient at the end, and the length of the bubble behind the cylinder, by D."""
+    with h5py.File(folder / fields.FLUID) as file:
+        data: Any = file["VTKHDF"]
+        u = np.array(data["PointData/velocity"][-1])[..., 0]
+        (x0, y0, _), (dx, dy, _) = data.attrs["Origin"], data.attrs["Spacing"]
+    along, row = x0 + dx * np.arange(u.shape[1]), u[round(-y0 / dy)]
+    (ends,) = np.nonzero((along[:-1] > 0.5) & (row[:-1] < 0) & (row[1:] >= 0))
+    end = ends[-1] if ends.size else None
+    bubble = None if end is None else float(along[end] - dx * row[end] / (row[end + 1] - row[end]) - 0.5)
+    return {"cd": 2 * float(series["body_1_drag"][-1]), "bubble": bubble}
+
+
+def run(name: str) -> nervure.Run:
+    """The run of a case; made, where it is not there yet."""
+    scene, changes = CASES[name]
+    folder = RESULTS / name.replace("/", "-").replace(", ", "-").replace(" ", "-")
+    asked = nervure.load(scene, assignments(changes))
+    if (folder / "summary.json").exists() and (there := nervure.read(folder)).scene == asked:
+        return there
+    every = asked.time.end if scene == STREAM else None
+    return nervure.run(asked, folder, fields_every=every, force=True, quiet=True)
+
+
+def rows(group: str) -> list[dict[str, Any]]:
+    """A row for each case of a group."""
+    found = []
+    for name in CASES:
+        if not name.startswith(f"{group}/"):
+            continue
+        done = run(name)
+        found.append({"case": name.partition("/")[2]} | measured(group, done) | {"cpu_s": done.summary.cpu_s})
+    return found
+
+
+def measured(group: str, done: nervure.Run) -> dict[str, Any]:
+    """What the page shows of a run."""
+    if group == "oscillating":
+        return oscillating(done.series)
+    return fourth_period(done.series) if group == "hover" else stream(done.series, done.folder)
+
+
+def draw() -> None:
+    """Curve on curve: the force of the oscillating cylinder, lift and drag of the ellipse."""
+    done = run("oscillating/600x360").series
+    time, force = done["time"], done["body_1_drag"]
+    share = (time - (time[-1] - PERIOD)) / PERIOD
+    published = curve("oscillating_cylinder_re100_kc5")
+    show.curves("flapping/oscillating", ("t/T", "F / (rho U² D)"), [
+        {"x": share[share >= 0], "y": force[share >= 0], "label": "600 x 360"},
+        {"x": published[0], "y": published[1], "marker": "o", "linestyle": "", "markersize": 3,
+         "label": "Dütsch et al. 1998, digitised"},
+    ], log=False)  # fmt: skip
+    figure, axes = show.panel(2, 1, (9.0, 6.0), sharex=True)
+    found = hovering(run("hover/640x640").series)
+    for axis, name in zip(axes[:, 0], ("lift", "drag"), strict=True):
+        axis.plot(found["time"], found[name], linewidth=1.0, label="640 x 640")
+        for source, label in (("eldredge", "Eldredge 2007"), ("wang_experiment", "experiment, Wang et al. 2004")):
+            axis.plot(*curve(f"hovering_ellipse_re75_{source}_{name}"), "o", markersize=2, label=f"{label}, digitised")
+        axis.set(ylabel={"lift": "$c_L$ / 1.2", "drag": "$c_D$ / 1.4"}[name], ylim=(-1.0, 2.0), xlim=(0, 4))
+    axes[1, 0].set_xlabel("t/T")
+    axes[0, 0].legend(fontsize=8, ncols=3)
+    show.save(figure, "flapping/hover", 110)
+
+
+def main() -> None:
+    for group in sys.argv[1:] or ["oscillating", "hover", "stream"]:
+        write_csv(show.DOCS / "flapping" / f"{group}.csv", rows(group))
+    draw()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,260 @@
+"""The benchmarks of Turek and Hron as one set: CSM1-3, CFD1-3 and FSI1-3, on the grids of a box that is trimmed; and
+what trimming it changes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nervure.evaluate import statistics
+from studies import fsi3, show, simulate
+from studies.driven_bar import harmonics
+from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
+from studies.show import COLOURS
+from studies.simulate import on_grid
+from studies.store import Data
+
+Series = Mapping[str, np.ndarray]
+
+LISTED: dict[str, Any] = simulate.LISTED["turek-hron"]
+FEATFLOW = Path(__file__).with_name("featflow_fsi3.csv")
+SOLIDS = ("csm1", "csm2", "csm3")
+FLOWS = {"cfd1": 2e-3, "cfd2": 4e-4, "cfd3": 2e-4, "fsi1": 1e-3, "fsi2": 4e-4, "fsi3": 2e-4}  # Steps on 648 x 108, s
+GRIDS = ("324x54", "648x108", "1296x216")
+SHIPPED = "648x108"
+SWINGING = ("tip_ux.mean", "tip_ux.amplitude", "tip_uy.amplitude", "tip_uy.frequency_hz", "drag.mean",
+            "drag.amplitude", "lift.amplitude")  # fmt: skip
+QUANTITIES: dict[str, tuple[str, ...]] = {
+    "csm1": ("tip_ux.mean", "tip_uy.mean"),
+    "csm2": ("tip_ux.mean", "tip_uy.mean"),
+    "csm3": ("tip_ux.mean", "tip_ux.amplitude", "tip_uy.mean", "tip_uy.amplitude", "tip_uy.frequency_hz"),
+    "cfd1": ("drag.mean", "lift.mean"),
+    "cfd2": ("drag.mean", "lift.mean"),
+    "cfd3": ("drag.mean", "drag.amplitude", "lift.amplitude", "lift.frequency_hz"),
+    "fsi1": ("tip_ux.mean", "tip_uy.mean", "drag.mean", "lift.mean"),
+    "fsi2": SWINGING,
+    "fsi3": SWINGING,
+}
+"""What is compared of each: means near zero of what swings are not."""
+
+WIDE = {"fluid.box.x": [-0.452, 2.5], "fluid.box.y": [-0.0902, 0.5002], "fluid.inflow.x.0": -0.452}
+"""The box of the thesis in y, and of the length of the cylinder's in front of the channel, on the same grid points."""
+TRIMMED = {  # Wide and trimmed cases by what is compared of them
+    "fsi3, 324 x 54": ("box/fsi3, 360x72", "fsi3/324x54", SWINGING),
+    "fsi3, 648 x 108": ("box/fsi3, 720x144", "fsi3/648x108", SWINGING),
+    "2D-1, 400 x 72": ("box/2D-1, 450x90", "box/2D-1, 400x72", ("cd_mean", "dp_mean")),
+    "2D-2, 400 x 72": ("box/2D-2, 450x90", "box/2D-2, 400x72", ("cd_max", "cl_peak_to_peak", "st")),
+}
+
+
+PLACES = ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5), (0.25, 0.25), (0.37, 0.5))
+"""Of the grid, in parts of a cell aside."""
+PLACED = {"324x54": PLACES, "648x108": PLACES[:5:2]}  # By grid
+SETTLED = {"cfd3": ("drag.mean", "lift.amplitude"), "fsi3": ("tip_uy.amplitude", "drag.mean", "lift.amplitude")}
+"""What is compared over the places; of CFD1 and CFD2 what is compared anyway."""
+
+
+def scene_of(name: str) -> str:
+    """The shipped scene of a benchmark."""
+    return name if name in SOLIDS else f"{name}-{SHIPPED}"
+
+
+def cases() -> Iterator[Case]:
+    for name in SOLIDS:
+        yield Case(f"{name}/rod", ROD, name)
+    for grid in GRIDS:
+        nx, ny = map(int, grid.split("x"))
+        for name, step in FLOWS.items():
+            rooms = FLUID if name.startswith("cfd") else COUPLED
+            changes = {} if grid == SHIPPED else on_grid(nx, ny, step * 648 / nx)
+            about = {"published": scene_of(name)}
+            yield Case(f"{name}/{grid}", rooms, scene_of(name), changes, about=about, quick=grid == GRIDS[0])
+    for grid, places in PLACED.items():
+        nx, ny = map(int, grid.split("x"))
+        for name in ("cfd1", "cfd2", "cfd3", "fsi3"):
+            rooms, step = COUPLED if name == "fsi3" else FLUID, FLOWS[name] * 648 / nx
+            for x, y in places:
+                if (x, y) != (0.0, 0.0):
+                    moved = on_grid(nx, ny, step) | simulate.aside(scene_of(name), nx, ny, (x, y))
+                    yield Case(f"place/{name}, {grid}, {x:g} {y:g}", rooms, scene_of(name), moved, quick=False)
+    for nx, ny, step in ((360, 72, 4e-4), (720, 144, 2e-4)):
+        yield Case(f"box/fsi3, {nx}x{ny}", COUPLED, scene_of("fsi3"), WIDE | on_grid(nx, ny, step), quick=False)
+    for flow, wide, trimmed, step in (
+        ("2D-1", "cylinder-2d1-450x90", "cylinder-2d1-400x72", 2e-3),
+        ("2D-2", "cylinder-2d2-900x180", "cylinder-2d2-800x144", 5e-4),
+    ):
+        for scene, (nx, ny) in ((wide, (450, 90)), (trimmed, (400, 72))):
+            yield Case(f"box/{flow}, {nx}x{ny}", FLUID, scene, on_grid(nx, ny, step), quick=False)
+
+
+def keep(case: Case, run: Run) -> dict[str, Any]:
+    swings = case.name.startswith("fsi3/")
+    tables = {"periods": fsi3.last_periods(run.series), "phases": settled_phases(run.series)} if swings else {}
+    return {"values": simulate.quantities(run.found), "tables": tables, "times": simulate.times(run.found)}
+
+
+def settled_phases(series: Series) -> list[dict[str, Any]]:
+    """`phases` over the last whole periods of uy, at the frequency that fits best."""
+    window = statistics.find_window(series["time"], series["tip_uy"])
+    part, frequency = window.of(series["time"]), statistics.fit(series["time"], series["tip_uy"], window).frequency_hz
+    assert frequency is not None, "uy does not swing"
+    return phases({name: series[name][part] for name in ("time", *fsi3.SIGNALS)}, frequency)
+
+
+def phases(series: Series, frequency: float) -> list[dict[str, Any]]:
+    """Amplitude, m and N/m, of the strongest harmonic of each signal, and by how many degrees it is ahead of the
+    multiple of uy's fundamental that has its frequency."""
+    found = {name: harmonics(series["time"], series[name], frequency)[0] for name in fsi3.SIGNALS}
+    lead, rows = np.angle(found["tip_uy"][1]), []
+    for name, order in (("tip_uy", 1), ("lift", 1), ("tip_ux", 2), ("drag", 2)):
+        angle = np.degrees(np.angle(found[name][order]) - order * lead)
+        rows.append({"signal": name, "order": order, "amplitude": abs(found[name][order]), "phase": angle % 360})
+    return rows
+
+
+def featflow() -> Series:
+    """FeatFlow's FSI3 over time, by the names of our series, in SI units: a period and a third."""
+    values = np.loadtxt(FEATFLOW, delimiter=",", skiprows=3, unpack=True)
+    return dict(zip(("time", "drag", "lift", "tip_ux", "tip_uy"), values))
+
+
+def quantity(name: str) -> tuple[str, float]:
+    """What a table calls a quantity, with its unit, and the factor to that unit."""
+    signal, what = name.split(".")
+    if what == "frequency_hz":
+        return "f, Hz", 1.0
+    if signal in ("drag", "lift"):
+        return f"{signal} {what}, N/m", 1.0
+    return f"{signal.removeprefix('tip_')} {what}, mm", 1e3
+
+
+def errors(data: Data, name: str, grid: str) -> list[float]:
+    """Relative differences from FeatFlow of what is compared of a benchmark; empty where it was not run."""
+    record = data.get(f"turek-hron/{name}/{grid}")
+    if record is None:
+        return []
+    published = simulate.published(scene_of(name))
+    return [record[what] / published[what][0] - 1 for what in QUANTITIES[name] if record.get(what) is not None]
+
+
+def every(data: Data) -> list[str]:
+    """Each quantity beside FeatFlow's, with its spread, and others'."""
+    rows = []
+    for name, compared in QUANTITIES.items():
+        published = simulate.published(scene_of(name))
+        for what in compared:
+            said, factor = quantity(what)
+            number, cells = published[what][0], []
+            for grid in GRIDS if name in FLOWS else ("rod",):
+                record = data.get(f"turek-hron/{name}/{grid}")
+                found = record.get(what) if record else None
+                off = "" if found is None else f" ({100 * (found / number - 1):+.1f} %)"
+                cells.append("" if found is None else f"{factor * found:.5g}{off}")
+            cells += [""] * (len(GRIDS) - len(cells))
+            low_high = LISTED["spread"].get(name, {}).get(what)
+            spread = " to ".join(f"{edge:g}" for edge in low_high) if low_high else ""
+            other = LISTED["others"].get(name, {}).get(what, "")
+            rows.append([name.upper(), said, f"{factor * number:.6g}", spread, str(other), *cells])
+    header = ["", "quantity", "FeatFlow", "its levels and steps", "others"]
+    return show.markdown([*header, *(f"{grid.replace('x', ' x ')}" for grid in GRIDS)], rows)
+
+
+def overall(data: Data) -> list[str]:
+    """Largest and rms difference over the quantities of a benchmark, with the processor time."""
+
+    def cell(name: str, grid: str) -> str:
+        found = errors(data, name, "rod" if name in SOLIDS else grid)
+        if not found or (name in SOLIDS and grid != GRIDS[0]):
+            return ""
+        record = data[f"turek-hron/{name}/{'rod' if name in SOLIDS else grid}"]
+        largest, rms = max(map(abs, found)), float(np.sqrt(np.mean(np.square(found))))
+        return f"{100 * largest:.1f}, {100 * rms:.1f} % ({record['cpu_s']:.2g} s)"
+
+    rows = [
+        [name.upper(), *(cell(name, grid) for grid in GRIDS), LISTED["overall"].get(name, "")] for name in QUANTITIES
+    ]
+    return show.markdown(["", *(grid.replace("x", " x ") for grid in GRIDS), "others"], rows)
+
+
+def harmonic_phases(data: Data) -> list[str]:
+    """Strongest harmonics of FSI3's signals beside those of FeatFlow's history."""
+    names = {"tip_uy": "uy, mm", "lift": "lift, N/m", "tip_ux": "ux, mm", "drag": "drag, N/m"}
+    runs = {"FeatFlow": phases(featflow(), simulate.published(scene_of("fsi3"))["tip_uy.frequency_hz"][0])}
+    for grid in GRIDS:
+        record = data.get(f"turek-hron/fsi3/{grid}")
+        if record and "phases" in record.tables:
+            runs[grid.replace("x", " x ")] = record.tables["phases"]
+    rows = []
+    for i, (signal, said) in enumerate(names.items()):
+        factor = 1e3 if signal.startswith("tip") else 1.0
+        found = [rows[i] for rows in runs.values()]
+        rows.append([said, found[0]["order"], *(f"{factor * f['amplitude']:.4g} at {f['phase']:.1f}°" for f in found)])
+    return show.markdown(["", "multiple of f", *runs], rows)
+
+
+def trimmed(data: Data) -> list[str]:
+    """What the trimmed boxes change, on the same grid points."""
+    rows = []
+    for name, (wide, narrow, compared) in TRIMMED.items():
+        before, after = (data.get(f"turek-hron/{case}") for case in (wide, narrow))
+        if before and after:
+            for what in compared:
+                change = f"{100 * (after[what] / before[what] - 1):+.2f} %"
+                rows.append([name, f"`{what}`", f"{before[what]:.6g}", f"{after[what]:.6g}", change])
+            times = [before["cpu_s"], after["cpu_s"]]
+            rows.append([name, "CPU, s", *(f"{t:.3g}" for t in times), f"{100 * (times[1] / times[0] - 1):+.0f} %"])
+    return show.markdown(["", "quantity", "wide", "trimmed", "difference"], rows)
+
+
+def placed(data: Data) -> list[str]:
+    """Smallest and largest value of a benchmark over the places of the grid, by the reference, and how far they are
+    apart."""
+    rows = []
+    for name in ("cfd1", "cfd2", "cfd3", "fsi3"):
+        for grid in PLACED:
+            records = [data.get(f"turek-hron/{name}/{grid}"), *data.of(f"turek-hron/place/{name}, {grid}, *")]
+            for what in SETTLED.get(name, QUANTITIES[name]):
+                number = simulate.published(scene_of(name))[what][0]
+                found = [record[what] / number for record in records if record and record.get(what) is not None]
+                if len(found) > 1:
+                    ends = (f"{100 * (end - 1):+.1f} %" for end in (min(found), max(found)))
+                    apart = f"{100 * (max(found) - min(found)):.1f} %"
+                    rows.append([name.upper(), grid.replace("x", " x "), f"`{what}`", len(found), *ends, apart])
+    return show.markdown(["", "grid", "quantity", "places", "lowest", "highest", "apart"], rows)
+
+
+def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
+    """Two periods of FSI3 on each grid, over FeatFlow's."""
+    theirs, lines = featflow(), {}
+    (begin,) = statistics.upward_crossings(theirs["time"], theirs["tip_uy"], *statistics.extent(theirs["tip_uy"]))
+    frequency = simulate.published(scene_of("fsi3"))["tip_uy.frequency_hz"][0]
+    for grid in GRIDS:
+        record = data.get(f"turek-hron/fsi3/{grid}")
+        if record and "periods" in record.tables:
+            lines[grid.replace("x", " x ")] = record.tables["periods"]
+    figure, axes = show.panel(2, 2, (9.5, 6), sharex=True)
+    for axis, (name, title) in zip(axes.flat, fsi3.SIGNALS.items()):
+        factor = 1e3 if name.startswith("tip") else 1.0
+        axis.plot(frequency * (theirs["time"] - begin), factor * theirs[name], ".k", label="FeatFlow, level 4")
+        for (label, rows), colour, style in zip(lines.items(), COLOURS, ("-", "--", "-.")):
+            x, y = [row["phase"] for row in rows], [factor * row[name] for row in rows]
+            axis.plot(x, y, style, color=colour, linewidth=1.3, label=label)
+        axis.set_ylabel(title)
+    for axis in axes[1]:
+        axis.set_xlabel("periods of $u_y$")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
+    show.save(figure, "fsi3/featflow")
+
+
+TABLES: dict[str, Callable[[Data], Any]] = {
+    "turek-hron": every,
+    "turek-hron-overall": overall,
+    "turek-hron-phases": harmonic_phases,
+    "trimmed": trimmed,
+    "turek-hron-places": placed,
+}
+STUDY = Study("turek-hron", cases, keep, TABLES, draw)
