@@ -15,8 +15,8 @@ MANIFEST, TARGET = "crates/rod/study/Cargo.toml", "target/rod-study"
 
 Rows = list[dict[str, Any]]
 
-FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "bending_models", "csm", "csm3_energy",
-          "extreme", "situations")  # fmt: skip
+FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "bending_models", "taper", "csm",
+          "csm3_energy", "extreme", "situations")  # fmt: skip
 """What the program can be asked for; each is a file of that name."""
 
 THESIS_CONDITION = [number for row in simulate.LISTED["thesis"]["condition"] for number in row["numbers"]]
@@ -160,11 +160,25 @@ def csm(data: Data) -> Rows:
     return table
 
 
+def tapers(data: Data) -> Rows:
+    """The tapered cantilever by n: errors with their observed order from 32 to 128 in a last row, and conditions."""
+    rows = table_of(data, "taper")
+    part = [row for row in rows if 32 <= row["n"] <= 128]
+    errors = ("deflection", "first", "second", "third")
+    orders = {key: -exponent([row["n"] for row in part], [abs(row[key]) for row in part]) for key in errors}
+    return [
+        *({"name": f"{row['n']:.0f}"} | {key: f"{row[key]:+.2e}" for key in errors}
+          | {key: f"{row[key]:.2e}" for key in ("tapered", "even")} for row in rows),
+        {"name": "order, 32 … 128", "tapered": "", "even": ""} | {key: f"{orders[key]:.2f}" for key in errors},
+    ]  # fmt: skip
+
+
 TABLES: dict[str, Callable[[Data], Any]] = {
     "rod-condition": conditions,
     "rod-runtime": run_times,
     "rod-order-in-n": ERRORS_IN_N,
     "rod-order-in-dt": ERRORS_IN_DT,
+    "rod-taper": tapers,
     "rod-energy": energies,
     "rod-extreme": stiff,
     "rod-clamp": lambda data: [row | {"cowper": 10 / (12 - row["poisson"])} for row in table_of(data, "clamp")],

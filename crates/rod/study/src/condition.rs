@@ -42,10 +42,14 @@ fn conditions(n: usize, k_e: f64, dt: f64) -> [f64; 2] {
         (false, false) => h * f64::from(i == j),
     });
     let eliminated = Mat::from_fn(order, order, |i, j| k(i, j) + 4.0 * h / (dt * dt) * f64::from(i == j));
-    [full, eliminated].map(|matrix| norm_1(&matrix) * norm_1(&matrix.partial_piv_lu().inverse()))
+    [full, eliminated].map(|matrix| norm_1(&matrix) * norm_1(&inverse(&matrix)))
+}
+
+pub fn inverse(matrix: &Mat<f64>) -> Mat<f64> {
+    matrix.partial_piv_lu().inverse()
 }
 
 /// Largest sum of a column's magnitudes.
-fn norm_1(matrix: &Mat<f64>) -> f64 {
+pub fn norm_1(matrix: &Mat<f64>) -> f64 {
     (0..matrix.ncols()).map(|j| matrix.col(j).norm_l1()).fold(0.0, f64::max)
 }

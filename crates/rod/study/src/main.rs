@@ -9,6 +9,7 @@ mod condition;
 mod extreme;
 mod rods;
 mod runtime;
+mod taper;
 
 use std::fmt::Display;
 use std::fs;
@@ -17,12 +18,13 @@ use std::path::Path;
 /// Name of a CSV file, and what computes its lines.
 type Study = (&'static str, fn() -> Table);
 
-const STUDIES: [Study; 10] = [
+const STUDIES: [Study; 11] = [
     ("condition", condition::table),
     ("runtime", runtime::table),
     ("deflection", accuracy::deflection),
     ("order_in_n", accuracy::order_in_n),
     ("order_in_dt", accuracy::order_in_dt),
+    ("taper", taper::table),
     ("bending_models", accuracy::bending_models),
     ("csm", accuracy::csm),
     ("csm3_energy", accuracy::csm3_energy),
