@@ -88,9 +88,6 @@ TYPES = [
     (FSI3, "fluid.cylinders.0.diameter=0.1"),
     (FSI3, f'{BODY}, "shape": {{"circle": {{"radius": -0.1}}}}}}]'),
     (FSI3, f'{BODY}, "shape": {{"square": {{"length": 0.1}}}}}}]'),
-    (FSI3, f'{BODY}, "shape": {{"rectangle": {{"length": 0.1, "thickness": 0.2, "ends": "round"}}}}}}]'),
-    (FSI3, f'{BODY}, "shape": {{"polygon": {{"corners": [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.1]]}}}}}}]'),
-    (FSI3, 'fluid.bodies=[{"position": [5, 0.2], "shape": {"circle": {"radius": 0.1}}}]'),
     (FSI3, "fluid.mask={}"),
     (FSI3, "fluid.mask=sharp"),
     (FSI3, 'fluid.mask={"sharp": {"c_eta": 1e-3}, "cosine": {"c_eta": 1e-3, "half_width": 1}}'),
@@ -147,6 +144,9 @@ TYPES = [
 """What types and ranges do not allow."""
 
 RELATIONS = [
+    (FSI3, f'{BODY}, "shape": {{"rectangle": {{"length": 0.1, "thickness": 0.2, "ends": "round"}}}}}}]'),
+    (FSI3, f'{BODY}, "shape": {{"polygon": {{"corners": [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.1]]}}}}}}]'),
+    (FSI3, 'fluid.bodies=[{"position": [5, 0.2], "shape": {"circle": {"radius": 0.1}}}]'),
     (FSI3, "fluid=null"),
     (FSI3, "rod=null"),
     (CSM1, "beam=null"),
