@@ -82,7 +82,7 @@ def test_a_state_of_another_size_has_another_layout(small_fsi3, start):
         state = unit.serialize()
         name = state[14 : 14 + state[12]].decode()
         found[unit.name] = name[name.index("layout") :], len(state) - 14 - state[12]
-    assert found == {"rod": ("layout 1 of its state)", 3272), "fluid": ("layout 1 of its state)", 370804)}
+    assert found == {"rod": ("layout 1 of its state)", 3273), "fluid": ("layout 1 of its state)", 370804)}
 
 
 def test_a_corrupted_state_is_refused(small_fsi3, start):
