@@ -22,7 +22,7 @@ from nervure.scene import Scene
 from nervure.unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
-FORMAT = 5
+FORMAT = 6
 About = dict[str, Any]  # What a checkpoint says in JSON, as a whole or of one thing
 EXCHANGED = ("inputs", "outputs", "integers")  # The arrays of a unit that the next step or the next row may need
 

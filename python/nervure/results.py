@@ -15,6 +15,7 @@ from nervure.errors import Refusal
 from nervure.evaluate.summary import Summary
 from nervure.files import write_together
 from nervure.recorder import Series
+from nervure.resources import KINDS
 from nervure.scene import Document, Scene, document, text, typed
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
@@ -124,6 +125,14 @@ def scene_name(folder: Path) -> str | None:
         return None
 
 
+def unit_names(folder: Path) -> list[str]:
+    """Names of the units whose results are in `folder`; those of one rod and a fluid where that cannot be read."""
+    try:
+        return list(json.loads((folder / "summary.json").read_text(encoding="utf-8"))["units"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return list(KINDS)
+
+
 def _difference(there: Any, here: Any, key: str = "") -> tuple[str, str, str] | None:
     """Dotted key and both values of the first difference of two JSON values; None where they are the same."""
     for kind in (dict, list):
@@ -158,7 +167,8 @@ def write(run: Results, scheme: Single, strays: Iterable[Path] = ()) -> None:
     # Where it is new, the others are.
     writers["summary.json"] = lambda path: path.write_text(summarized, encoding="utf-8")
     write_together(run.folder, writers)
-    for name in {*FILES, *FURTHER_FILES} - writers.keys():
-        (run.folder / name).unlink(missing_ok=True)
+    gone = [run.folder / name for name in {*FILES, *FURTHER_FILES} - writers.keys()]
+    for path in [*gone, *run.folder.glob("flapping-*.png")]:
+        path.unlink(missing_ok=True)
     for path in strays:
         path.unlink(missing_ok=True)

@@ -3,6 +3,8 @@
 mod rk2;
 mod sbdf2;
 
+use std::mem::take;
+
 use scene::TimeScheme;
 
 use crate::bodies::{Bodies, Stations};
@@ -28,8 +30,8 @@ pub struct Step<'a> {
     pub dt: f64,
     /// Its end, s.
     pub end: f64,
-    /// Stations of the beam at its end.
-    pub stations: Option<&'a Stations>,
+    /// Stations of the beams at its end.
+    pub stations: &'a [Stations],
     /// Largest CFL number.
     pub max_cfl: f64,
     /// The shortest step that the flow at its end may ask for, s.
@@ -47,9 +49,7 @@ impl Step<'_> {
     /// Take the time and the stations of the end over.
     fn finish(&self, present: &mut Present, advection_rate: f64) {
         (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
-        if let Some((beam, stations)) = present.beam.as_mut().zip(self.stations) {
-            beam.stations.copy_from(stations);
-        }
+        Stations::copy_all(&mut present.beams.stations, self.stations);
     }
 }
 
@@ -128,14 +128,15 @@ impl Scheme {
 
     /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
     pub fn predict_loads(&self, present: &mut Present, bodies: &mut Bodies) {
-        let Some(mut loads) = present.beam.as_mut().and_then(|beam| beam.loads.take()) else { return };
+        if present.beams.loads.is_empty() {
+            return;
+        }
+        let mut loads = take(&mut present.beams.loads);
         match self {
             Self::Sbdf2(scheme) => scheme.predict_loads(present, bodies, &mut loads),
             Self::Rk2(_) => rk2::predict_loads(present, bodies, &mut loads),
         }
-        if let Some(beam) = &mut present.beam {
-            beam.loads = Some(loads);
-        }
+        present.beams.loads = loads;
     }
 
     /// Pi at the present time (m²/s²) into `domain.w[0]`: what makes the rate of change free of divergence.
