@@ -65,7 +65,7 @@ def test_a_restored_unit_shows_what_it_showed_when_saved(small_fsi3, start):
 def test_a_serialized_state_continues_the_same_way_in_another_instance(small_fsi3, start):
     one, other = start(small_fsi3), start(small_fsi3)
     advance(one, 0, STEPS)
-    for source, target in ((one.rod, other.rod), (one.fluid, other.fluid)):
+    for source, target in ((one.rods[0], other.rods[0]), (one.fluid, other.fluid)):
         source.save()
         text = source.fmu.serializeFMUstate(source.state)
         target.fmu.deSerializeFMUstate(text, target.state)
@@ -82,11 +82,11 @@ def test_a_state_of_another_size_has_another_layout(small_fsi3, start):
         state = unit.serialize()
         name = state[14 : 14 + state[12]].decode()
         found[unit.name] = name[name.index("layout") :], len(state) - 14 - state[12]
-    assert found == {"rod": ("layout 1 of its state)", 3273), "fluid": ("layout 1 of its state)", 370804)}
+    assert found == {"rod": ("layout 1 of its state)", 3273), "fluid": ("layout 1 of its state)", 370805)}
 
 
 def test_a_corrupted_state_is_refused(small_fsi3, start):
-    rod = start(small_fsi3).rod
+    rod = start(small_fsi3).rods[0]
     rod.save()
     text = bytearray(rod.fmu.serializeFMUstate(rod.state))
     text[len(text) // 2] ^= 1

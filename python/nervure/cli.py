@@ -128,6 +128,8 @@ def _rod_fmus(given: list[str], several: bool) -> dict[str, Path]:
         if name in fmus:
             raise Refusal(f"--rod-fmu gives two FMUs for the rod{f' {name}' if several else ''}: {fmus[name]}, {path}")
         fmus[name] = Path(path)
+        if not fmus[name].is_file():
+            raise Refusal(f"--rod-fmu: the file {path} does not exist")
     return fmus
 
 

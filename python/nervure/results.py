@@ -16,7 +16,7 @@ from nervure.evaluate.summary import Summary
 from nervure.files import write_together
 from nervure.recorder import Series
 from nervure.resources import KINDS
-from nervure.scene import Document, Scene, document, text, typed
+from nervure.scene import Document, Scene, called, document, text, typed
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
 """The files that a coupled run leaves in its folder, besides the FMUs."""
@@ -113,7 +113,7 @@ def other(folder: Path, scene: Scene | Document, models: Mapping[str, str]) -> s
         return "the results of another scene: {} is {} there, but {} here".format(*found)
     for kind, model in models.items():
         if ran.get(kind) != model:
-            return f"the results of another {kind}: it is {ran.get(kind)} there, but {model} here"
+            return f"the results of another {called(kind)}: it is {ran.get(kind)} there, but {model} here"
     return None
 
 

@@ -11,7 +11,7 @@ from nervure import checkpoint, master, results
 from nervure.errors import Refusal
 from nervure.evaluate.summary import summarize
 from nervure.pack import package
-from nervure.scene import Scene, kinds, typed
+from nervure.scene import Scene, called, kinds, typed
 from nervure.show import fields, forecast
 from nervure.show.progress import display, interruptible
 from nervure.show.table import print_table
@@ -50,20 +50,13 @@ def run(
 
 def replaced(scene: Scene, rods: Mapping[str, Path], fluid: Path | None) -> dict[str, Path | None]:
     """The FMUs in the place of ours, by the unit that each is: `rods` by the name of a rod, that of the only one being
-    `rod`. Raises `Refusal` for a name that the scene does not have, and for a file that is not there."""
+    `rod`. Raises `Refusal` for a name that the scene does not have."""
     names = [kind for kind in kinds(scene) if kind != "fluid"] if scene.rods else ["rod"]
-    for name, path in rods.items():
+    for name in rods:
         if name not in names:
             known = f"the rods {', '.join(names)}" if scene.rods else "one rod, which needs no name"
             raise Refusal(f"an FMU is given for the rod `{name}`, but the scene has {known}")
-        if not path.is_file():
-            raise Refusal(f"the FMU {path} that is given for the {_called(name)} is no file")
     return {**rods, "fluid": fluid}
-
-
-def _called(kind: str) -> str:
-    """What messages call a unit."""
-    return kind if kind in package.KINDS else f"rod {kind}"
 
 
 def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], force: bool) -> set[Path]:
@@ -102,7 +95,7 @@ def resume(folder: Path, quiet: bool) -> results.Results:
     fmus = {kind: folder / path for kind, path in setup["fmus"].items()}
     for kind, path in fmus.items():
         if not path.is_file():
-            raise Refusal(f"the {_called(kind)} of the run in {folder} is not there any more: {path}")
+            raise Refusal(f"the {called(kind)} of the run in {folder} is not there any more: {path}")
     return _execute(typed(kept.about["scene"]), fmus, setup["foreign"], setup["options"], folder, quiet, kept)
 
 

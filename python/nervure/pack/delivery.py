@@ -76,7 +76,9 @@ def write(scene: Scene, folder: Path, version: int = 2) -> None:
     """Make a folder to hand out, with units of that version of FMI, in the place of one that exists."""
     kinds, git = package.kinds(scene), git_revision()
     libraries = {kind: binaries(package.kind_of(kind), version) for kind in kinds}
-    needed = {f"{kind} for {name}": glibc(path) for kind in kinds for name, path in libraries[kind].items()}
+    needed = {
+        f"{package.kind_of(kind)} for {name}": glibc(path) for kind in kinds for name, path in libraries[kind].items()
+    }
     for what, least in needed.items():
         if least > OLDEST_GLIBC:
             newer, oldest = (".".join(map(str, each)) for each in (least, OLDEST_GLIBC))

@@ -22,8 +22,8 @@ from nervure.scene.part import Part
 from nervure.scene.source import Source, parse
 from nervure.scene.types import Beam, Rod, Scene
 
-__all__ = ["Document", "Own", "Scene", "assign", "beams", "carried", "document", "kinds", "load", "override", "read"]
-__all__ += ["text", "typed"]
+__all__ = ["Document", "Own", "Scene", "assign", "beams", "called", "carried", "document", "kinds", "load", "override"]
+__all__ += ["read", "text", "typed"]
 
 Document = dict[str, Any]  # A scene as JSON has it, which no unit need have seen
 
@@ -109,6 +109,11 @@ def kinds(scene: Scene | Document) -> list[str]:
     A scene without any is for the fluid to refuse."""
     parts = vars(scene) if isinstance(scene, Scene) else scene
     return [*_names(parts), *(kind for kind in KINDS if parts.get(kind) is not None)] or ["fluid"]
+
+
+def called(kind: str) -> str:
+    """What messages call a unit: `rod`, `fluid`, or `rod NAME`."""
+    return kind if kind in KINDS else f"rod {kind}"
 
 
 def _names(parts: dict[str, Any]) -> list[str]:

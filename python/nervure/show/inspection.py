@@ -107,7 +107,8 @@ def show_scene(console: Console, scene: Scene) -> None:
         stations = {own.unit: len(fields.stations(units, own)) for own in beams(scene)}
 
     rows = [("description", scene.description)] if scene.description else []
-    rows.append(("units", " and ".join(fmus)))
+    *front, last = fmus
+    rows.append(("units", f"{', '.join(front)} and {last}" if front else last))
     if fluid := scene.fluid:
         (nx, ny), (x0, x1), (y0, y1) = fluid.box.cells, fluid.box.x, fluid.box.y
         rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
