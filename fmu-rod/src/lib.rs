@@ -514,7 +514,7 @@ impl Model for RodUnit {
         let whole = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
         let load = whole.chosen_load().map(|(load, reason)| [load.name().to_string(), reason]).unwrap_or_default();
         let scene =
-            whole.of_unit().ok_or("the scene has several rods, but no key `unit` that says which this one is")?;
+            whole.of_unit().ok_or("the scene has several rods, but no key `this_rod` that says which this one is")?;
         let stations = scene.beam.as_ref().map_or(0, |beam| beam.segments + 1);
         require_memory(BYTES_PER_STATION * stations)?;
         let dimension = scene.beam.as_ref().map_or(2, |beam| scene.dimension(beam));

@@ -999,8 +999,8 @@ class Scene(Part):
     """Several beams in the fluid, each with a rod that is a unit of its own: at least two, in the place of `beam` and
     `rod`."""
 
-    unit: str | None = None
-    """Name of the one of `rods` that a unit is, in the scene that it carries; absent elsewhere."""
+    this_rod: str | None = None
+    """Name of the one of `rods` that a rod's unit is, in the scene that it carries; absent elsewhere."""
 
     coupling: Coupling | None = None
     """How fluid and rod exchange; absent where it is left to the rules, refused where there are not both."""
