@@ -306,7 +306,8 @@ impl Beam {
                 let off = ahead - fraction * length;
                 let (height, arm) = (side.hypot(off).copysign(side), [x - root[0], y - root[1]]);
                 let place = Place { segment: k as u32, fraction, height, arm };
-                let distance_squared = height * height;
+                let past = (fraction - fraction.clamp(0.0, 1.0)) * length;
+                let distance_squared = height * height + past * past;
                 match slot[index] {
                     0 => {
                         candidates.push((index, (place, distance_squared)));
