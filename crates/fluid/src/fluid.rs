@@ -60,7 +60,7 @@ pub struct Fluid {
 struct Motion {
     /// At the beginning of the communication step.
     from: Stations,
-    /// At the end of the present step.
+    /// At the end of the present step, and then where they go on to in the coming communication step.
     now: Stations,
     /// At the end of the coming communication step, set from outside.
     target: Stations,
@@ -167,10 +167,11 @@ impl Fluid {
             self.domain.bodies.place(self.present.time, stations, stations, &self.domain.grid);
             return Err(error);
         }
-        if let Some(motion) = &mut self.motion {
+        if let Some((motion, stations)) = self.motion.as_mut().zip(self.present.stations()) {
             motion.pressure_jump_is_current = false;
+            motion.now.go_on(stations, h);
+            self.scheme.predict_loads(&motion.now, &mut self.present, &mut self.domain);
         }
-        self.scheme.predict_loads(&mut self.present, &mut self.domain.bodies);
         self.domain.clock.mark(crate::clock::Phase::Loads);
         if self.loads().is_some_and(|loads| !loads.are_finite()) {
             // The flow before is gone. With no rate there is no way on but a state put back.

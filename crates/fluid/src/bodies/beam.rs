@@ -236,7 +236,7 @@ impl Beam {
 
     /// Directions of segments and sections at `stations`, and how these turn with the velocities there and with those
     /// `before`.
-    fn orient(&mut self, stations: &Stations, before: &Stations) {
+    pub fn orient(&mut self, stations: &Stations, before: &Stations) {
         let difference = |field: &[Vec<f64>; 2], [from, to]: [usize; 2]| field.each_ref().map(|f| f[to] - f[from]);
         for (k, segment) in self.segments.iter_mut().enumerate() {
             let step = difference(&stations.position, [k, k + 1]);

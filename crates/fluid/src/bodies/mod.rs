@@ -111,6 +111,21 @@ impl Bodies {
         self.paint_changing();
     }
 
+    /// Put the beam alone at `ahead`, to which it goes on from `stations`.
+    pub fn send_beam(&mut self, ahead: &Stations, stations: &Stations, grid: &Grid) {
+        if let Some(beam) = &mut self.beam {
+            beam.place(ahead, stations, grid);
+            self.paint_changing();
+        }
+    }
+
+    /// After [`Self::send_beam`]: its surface is at `stations` again. Its cells are where they were sent.
+    pub fn recall_beam(&mut self, stations: &Stations) {
+        if let Some(beam) = &mut self.beam {
+            beam.orient(stations, stations);
+        }
+    }
+
     /// Let the bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
     pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
         self.rigid.iter_mut().for_each(|rigid| rigid.cells.sample(&velocity));

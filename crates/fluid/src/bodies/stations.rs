@@ -48,6 +48,14 @@ impl Stations {
         }
     }
 
+    /// Become where `from` gets to in `h` seconds with the velocities it has.
+    pub(crate) fn go_on(&mut self, from: &Self, h: f64) {
+        self.copy_from(from);
+        for (position, velocity) in self.position.iter_mut().zip(&from.velocity) {
+            position.iter_mut().zip(velocity).for_each(|(p, v)| *p += h * v);
+        }
+    }
+
     /// Whether there are as many stations as in `other`.
     pub fn has_shape_of(&self, other: &Self) -> bool {
         let lengths = |s: &Self| [&s.position, &s.velocity].map(|axes| axes.each_ref().map(Vec::len));

@@ -5,7 +5,7 @@ mod sbdf2;
 
 use scene::TimeScheme;
 
-use crate::bodies::{Bodies, Stations};
+use crate::bodies::Stations;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::state::{Memory, Present};
@@ -126,12 +126,21 @@ impl Scheme {
         }
     }
 
-    /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
-    pub fn predict_loads(&self, present: &mut Present, bodies: &mut Bodies) {
+    /// Loads on the stations in the coming step of the same size, were they to keep their velocities, with which they
+    /// get to `ahead`.
+    ///
+    /// The mask is put there for it. With the mask where it is, the loads would be late by the way of a step, and the
+    /// exchange would feed the rod.
+    pub fn predict_loads(&self, ahead: &Stations, present: &mut Present, domain: &mut Domain) {
         let Some(mut loads) = present.beam.as_mut().and_then(|beam| beam.loads.take()) else { return };
-        match self {
-            Self::Sbdf2(scheme) => scheme.predict_loads(present, bodies, &mut loads),
-            Self::Rk2(_) => rk2::predict_loads(present, bodies, &mut loads),
+        match (self, present.stations()) {
+            (Self::Sbdf2(scheme), Some(stations)) => {
+                domain.bodies.send_beam(ahead, stations, &domain.grid);
+                scheme.predict_loads(present, &mut domain.bodies, &mut loads);
+                domain.bodies.recall_beam(stations);
+            }
+            // Its explicit drag is that of the mask where it is at the beginning of the step.
+            _ => rk2::predict_loads(present, &mut domain.bodies, &mut loads),
         }
         if let Some(beam) = &mut present.beam {
             beam.loads = Some(loads);
