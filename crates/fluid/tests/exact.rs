@@ -85,7 +85,7 @@ fn the_velocity_is_divergence_free_around_bodies() {
     let mut fluid = Fluid::new(&scene(CYLINDER_IN_CHANNEL, BEAM)).unwrap_or_else(|e| panic!("{e}"));
     run(&mut fluid, 60, 2e-3);
     let grid = *fluid.grid();
-    let [u_hat, v_hat] = [0, 1].map(|axis| spectrum(fluid.velocity(axis), [grid.nx, grid.ny]));
+    let [u_hat, v_hat] = [0, 1].map(|axis| spectrum(&fluid.velocity(axis), [grid.nx, grid.ny]));
     let (mut divergence, mut gradient) = (0.0_f64, 0.0_f64);
     for j in 0..=grid.ny / 2 {
         for i in 0..grid.nx {

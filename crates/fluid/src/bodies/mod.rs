@@ -10,6 +10,7 @@ use scene::Scene;
 
 use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
+use crate::simd::Real;
 use crate::wall::DragProfile;
 use crate::zone::Zone;
 
@@ -146,14 +147,15 @@ impl Bodies {
     }
 
     /// Add `weight(Σ a) a_b u_b` of all bodies to `w`.
-    pub fn add_velocities(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<f64>; 2]) {
+    pub fn add_velocities<R: Real>(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<R>; 2]) {
         let Some(rate) = &self.rate else { return };
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
         let beam = self.beam.iter().map(|beam| &beam.cells);
         for cell in rigid.chain(beam).flat_map(Cells::iter) {
             let weight = weight(rate[cell.index]) * cell.rate;
-            w[0][cell.index] += weight * cell.velocity[0];
-            w[1][cell.index] += weight * cell.velocity[1];
+            for (w, velocity) in w.iter_mut().zip(cell.velocity) {
+                w[cell.index] = R::narrow(w[cell.index].wide() + weight * velocity);
+            }
         }
     }
 
