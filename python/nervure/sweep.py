@@ -26,7 +26,7 @@ from typing import Any
 from nervure import master, results, simulation
 from nervure.errors import Refusal, SceneError
 from nervure.files import json_numbers, write_csv, write_whole
-from nervure.library import library
+from nervure.library import kind_of, library
 from nervure.master import Clock
 from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, typed
 from nervure.show.sweeps import FINISHED, Row, short_keys, short_value
@@ -107,7 +107,7 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
             for key, value in varied.items():
                 assign(scene, key, copy.deepcopy(value))
             digest = hashlib.sha256(text(scene).encode())
-            for kind in kinds(scene):
+            for kind in dict.fromkeys(map(kind_of, kinds(scene))):
                 digest.update(library_digest(kind))
             if digest.hexdigest() not in cases:
                 name = _folder_name(scene, varied, len(bases) > 1, folders)
