@@ -129,9 +129,9 @@ impl Model for FluidUnit {
     /// `vorticity`, `u`, `v` and `p`, in SI units, x the slow axis.
     fn field(&mut self, name: &str) -> Option<([usize; 2], Vec<f64>)> {
         let values = match name {
-            "vorticity" => self.fluid.vorticity().to_vec(),
-            "u" => self.fluid.velocity(0).to_vec(),
-            "v" => self.fluid.velocity(1).to_vec(),
+            "vorticity" => self.fluid.vorticity().into_owned(),
+            "u" => self.fluid.velocity(0).into_owned(),
+            "v" => self.fluid.velocity(1).into_owned(),
             "p" => self.fluid.pressure(),
             _ => return None,
         };

@@ -9,6 +9,14 @@ pub enum Error {
     /// A state of another scene, or no state at all.
     #[error("{0} of the state is not of the size that it has in this scene, or not finite")]
     State(&'static str),
+    /// A state of a fluid in the other precision.
+    #[error("the state is in {state} precision, but the scene asks for {own} (`fluid.precision`)")]
+    Precision {
+        /// Precision of the state.
+        state: &'static str,
+        /// That of the fluid.
+        own: &'static str,
+    },
     /// A step that is no positive number.
     #[error("the step from t = {time:.6e} s is {step:.3e} s, but it must be a finite number above 0")]
     Step {

@@ -1,5 +1,6 @@
-//! The fluid of a scene: its time loop, and what can be set and read.
+//! The fluid of a scene in one precision: its time loop, and what can be set and read.
 
+use std::borrow::Cow;
 use std::hint::black_box;
 use std::mem::take;
 
@@ -11,7 +12,8 @@ use crate::error::Error;
 use crate::force::{Exchange, Force};
 use crate::grid::Grid;
 use crate::probe::Probe;
-use crate::state::{Beams, Flow, Present, State};
+use crate::simd::Real;
+use crate::state::{Beams, Flow, Present, StateIn};
 use crate::step::{Scheme, Step};
 
 /// The usual step of the fluid's own is the smaller of `max_step` and the scene's communication step. Flow and beam may
@@ -27,23 +29,25 @@ const MOST_STEPS: f64 = 1e5;
 /// Explicit drag, which depends on the scene alone, may divide a communication step into so many.
 const MOST_EXPLICIT_STEPS: f64 = 1e4;
 
-/// Memory of a fluid by cell, bytes: 29 numbers, of which 8 are the state and 8 a copy of it, and what rounding adds.
-const BYTES_PER_CELL: usize = 260;
+/// Memory of a fluid by cell: numbers in its precision, of which 8 are the state and 8 a copy of it; and bytes of what is in
+/// both precisions the same, and of what rounding adds.
+const NUMBERS_PER_CELL: usize = 27;
+const BYTES_PER_CELL: usize = 44;
 
 /// Memory that each beam takes by cell, bytes: the number of a candidate.
 const BYTES_PER_BEAM_AND_CELL: usize = 4;
 
-/// Memory of a state by cell, bytes: velocity and vorticity of two times and two components of `w`, or less.
-const STATE_BYTES_PER_CELL: usize = 64;
+/// Numbers of a state by cell: velocity and vorticity of two times and two components of `w`, or less.
+const STATE_NUMBERS_PER_CELL: usize = 8;
 
 /// Memory of the stations and their loads by station, in the fluid and in a state, bytes.
 const BYTES_PER_STATION: usize = 400;
 
-/// A fluid with the bodies of a scene in it.
-pub struct Fluid {
-    domain: Domain,
-    scheme: Scheme,
-    present: Present,
+/// [`crate::Fluid`] in one precision.
+pub struct FluidIn<R: Real> {
+    domain: Domain<R>,
+    scheme: Scheme<R>,
+    present: Present<R>,
     density: f64,
     max_step: f64,
     max_cfl: f64,
@@ -57,14 +61,14 @@ pub struct Fluid {
     /// Whether `domain.w[0]` is Pi at the present time.
     total_pressure_is_current: bool,
     /// The state before a communication step of several steps, for an error on the way; made when first needed.
-    undo: Option<State>,
+    undo: Option<StateIn<R>>,
 }
 
 /// The ways of the beams' stations, and the pressure jumps at them; every list is empty without a beam.
 struct Motion {
     /// At the beginning of the communication step.
     from: Vec<Stations>,
-    /// At the end of the present step.
+    /// At the end of the present step, and then where they go on to in the coming communication step.
     now: Vec<Stations>,
     /// At the end of the coming communication step, set from outside.
     target: Vec<Stations>,
@@ -73,11 +77,10 @@ struct Motion {
     pressure_jump_is_current: bool,
 }
 
-impl Fluid {
-    /// The fluid of a scene at t = 0.
-    pub fn new(scene: &Scene) -> Result<Self, Error> {
+impl<R: Real> FluidIn<R> {
+    /// The `fluid` of a scene at t = 0.
+    pub fn new(scene: &Scene, fluid: &scene::Fluid) -> Self {
         let loads_are_wanted = scene.load().is_none_or(|load| load == Load::Momentum);
-        let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
         let mut domain = Domain::new(scene, fluid);
         let stations: Vec<_> = scene.beams().map(|beam| Stations::at_rest(scene, beam)).collect();
         domain.bodies.place(0.0, &stations, &stations, &domain.grid);
@@ -103,7 +106,7 @@ impl Fluid {
         };
         let max_step = fluid.time_stepping.max_step;
         let usual_step = max_step.min(scene.time.communication_step);
-        Ok(Self {
+        Self {
             scheme: Scheme::new(fluid.time_stepping.scheme, [u, v], &domain),
             density: fluid.density,
             max_step,
@@ -116,20 +119,20 @@ impl Fluid {
             motion,
             present,
             domain,
-        })
+        }
     }
 
-    /// Memory that the fluid of a scene takes, about, bytes; 0 without a fluid.
-    pub fn bytes(scene: &Scene) -> usize {
-        let cells = scene.fluid.as_ref().map_or(0, |fluid| fluid.domain.cells.iter().product());
+    /// Memory that the `fluid` of a scene takes, about, bytes.
+    pub fn bytes(scene: &Scene, fluid: &scene::Fluid) -> usize {
+        let cells = fluid.domain.cells.iter().product::<usize>();
         let beams = scene.beams().map(|beam| BYTES_PER_STATION * (beam.segments + 1) + BYTES_PER_BEAM_AND_CELL * cells);
-        BYTES_PER_CELL * cells + beams.sum::<usize>()
+        (NUMBERS_PER_CELL * size_of::<R>() + BYTES_PER_CELL) * cells + beams.sum::<usize>()
     }
 
     /// Memory that a state takes, about, bytes.
     pub fn state_bytes(&self) -> usize {
         let stations = self.stations().iter().map(Stations::len).sum::<usize>();
-        STATE_BYTES_PER_CELL * self.domain.grid.len() + BYTES_PER_STATION * stations
+        STATE_NUMBERS_PER_CELL * size_of::<R>() * self.domain.grid.len() + BYTES_PER_STATION * stations
     }
 
     /// Start anew from a velocity field (m/s at a point in m), of which the divergence-free part is taken.
@@ -138,8 +141,8 @@ impl Fluid {
         for i in 0..grid.nx {
             for j in 0..grid.ny {
                 let [u, v] = velocity(grid.x(i), grid.y(j));
-                self.domain.w[0][i * grid.ny + j] = u;
-                self.domain.w[1][i * grid.ny + j] = v;
+                self.domain.w[0][i * grid.ny + j] = R::narrow(u);
+                self.domain.w[1][i * grid.ny + j] = R::narrow(v);
             }
         }
         self.total_pressure_is_current = false;
@@ -171,7 +174,10 @@ impl Fluid {
             return Err(error);
         }
         self.motion.pressure_jump_is_current = false;
-        self.scheme.predict_loads(&mut self.present, &mut self.domain.bodies);
+        for (ahead, stations) in self.motion.now.iter_mut().zip(&self.present.beams.stations) {
+            ahead.go_on(stations, h);
+        }
+        self.scheme.predict_loads(&self.motion.now, &mut self.present, &mut self.domain);
         self.domain.clock.mark(crate::clock::Phase::Loads);
         if !self.loads().iter().all(Loads::are_finite) {
             // The flow before is gone. With no rate there is no way on but a state put back.
@@ -280,12 +286,12 @@ impl Fluid {
     }
 
     /// A copy of everything that the next step depends on.
-    pub fn state(&self) -> State {
-        State { present: self.present.clone(), memory: self.scheme.memory() }
+    pub fn state(&self) -> StateIn<R> {
+        StateIn { present: self.present.clone(), memory: self.scheme.memory() }
     }
 
     /// Go back (or on) to a state of this scene; a state that is refused changes nothing.
-    pub fn restore(&mut self, state: &State) -> Result<(), Error> {
+    pub fn restore(&mut self, state: &StateIn<R>) -> Result<(), Error> {
         if let Some(part) = state.misfit(&self.present, self.scheme.fits(&state.memory)) {
             return Err(Error::State(part));
         }
@@ -311,13 +317,13 @@ impl Fluid {
     }
 
     /// Velocity component (0: x, 1: y), m/s, `[nx, ny]`.
-    pub fn velocity(&self, axis: usize) -> &[f64] {
-        &self.present.flow.velocity[axis]
+    pub fn velocity(&self, axis: usize) -> Cow<'_, [f64]> {
+        R::widened(&self.present.flow.velocity[axis])
     }
 
     /// Vorticity, 1/s, `[nx, ny]`.
-    pub fn vorticity(&self) -> &[f64] {
-        &self.present.flow.vorticity
+    pub fn vorticity(&self) -> Cow<'_, [f64]> {
+        R::widened(&self.present.flow.vorticity)
     }
 
     /// Static pressure p = rho (Pi − u²/2), Pa, `[nx, ny]`; Pi has zero mean over the box.
@@ -328,8 +334,8 @@ impl Fluid {
 
     /// Static pressure over the density at a grid point, Pi − u²/2, m²/s²; Pi must be current.
     fn pressure_at(&self, point: usize) -> f64 {
-        let [u, v] = self.present.flow.velocity.each_ref().map(|velocity| velocity[point]);
-        self.domain.w[0][point] - 0.5 * (u * u + v * v)
+        let [u, v] = self.present.flow.velocity.each_ref().map(|velocity| velocity[point].wide());
+        self.domain.w[0][point].wide() - 0.5 * (u * u + v * v)
     }
 
     fn make_total_pressure(&mut self) {
@@ -355,8 +361,8 @@ impl Fluid {
         let velocity @ [u, v] = &self.present.flow.velocity;
         let divergence = &mut self.domain.w[1];
         self.domain.spectral.divergence(velocity, divergence);
-        let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.abs()));
-        let fastest = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max(u.hypot(*v)));
+        let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.wide().abs()));
+        let fastest = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max(u.wide().hypot(v.wide())));
         largest * self.domain.grid.cell_size() / fastest.max(f64::MIN_POSITIVE)
     }
 
@@ -368,18 +374,20 @@ impl Fluid {
     /// Flow rate through the column in the middle of the box, m²/s.
     pub fn flow_rate(&self) -> f64 {
         let Grid { nx, ny, dy, .. } = self.domain.grid;
-        self.velocity(0)[nx / 2 * ny..(nx / 2 + 1) * ny].iter().sum::<f64>() * dy
+        let column = &self.present.flow.velocity[0][nx / 2 * ny..(nx / 2 + 1) * ny];
+        column.iter().map(|u| u.wide()).sum::<f64>() * dy
     }
 
     /// Kinetic energy of the whole box, J/m.
     pub fn kinetic_energy(&self) -> f64 {
-        let squares: f64 = self.velocity(0).iter().zip(self.velocity(1)).map(|(u, v)| u * u + v * v).sum();
+        let [u, v] = &self.present.flow.velocity;
+        let squares: f64 = u.iter().zip(v).map(|(u, v)| u.wide().powi(2) + v.wide().powi(2)).sum();
         0.5 * self.density * squares * self.domain.grid.cell_area()
     }
 
     /// Half the integral of the squared vorticity over the whole box, m²/s².
     pub fn enstrophy(&self) -> f64 {
-        let squares: f64 = self.vorticity().iter().map(|omega| omega * omega).sum();
+        let squares: f64 = self.present.flow.vorticity.iter().map(|omega| omega.wide().powi(2)).sum();
         0.5 * squares * self.domain.grid.cell_area()
     }
 

@@ -108,8 +108,8 @@ fn the_stations_go_their_way_within_a_communication_step() {
         };
         let (whole, divided) = (run_in(1), run_in(parts));
         for (found, expected) in [
-            (whole.velocity(0), divided.velocity(0)),
-            (whole.velocity(1), divided.velocity(1)),
+            (&*whole.velocity(0), &*divided.velocity(0)),
+            (&whole.velocity(1), &divided.velocity(1)),
             (&whole.force(), &divided.force()),
         ] {
             let far = difference(found, expected);

@@ -11,7 +11,7 @@ use measures::{
     BEAM, CYLINDER_IN_CHANNEL, added_mass, aliased, arrays, flux_error, made_by_advection, noise, resolved_noise,
     taylor_green_error, walls,
 };
-use nervure_fluid::{Fluid, Loads};
+use nervure_fluid::{Fluid, Loads, Stations};
 use rustfft::num_complex::Complex64;
 use scene::{Filter, Mask, TimeScheme, WallTarget};
 
@@ -85,7 +85,7 @@ fn the_velocity_is_divergence_free_around_bodies() {
     let mut fluid = Fluid::new(&scene(CYLINDER_IN_CHANNEL, BEAM)).unwrap_or_else(|e| panic!("{e}"));
     run(&mut fluid, 60, 2e-3);
     let grid = *fluid.grid();
-    let [u_hat, v_hat] = [0, 1].map(|axis| spectrum(fluid.velocity(axis), [grid.nx, grid.ny]));
+    let [u_hat, v_hat] = [0, 1].map(|axis| spectrum(&fluid.velocity(axis), [grid.nx, grid.ny]));
     let (mut divergence, mut gradient) = (0.0_f64, 0.0_f64);
     for j in 0..=grid.ny / 2 {
         for i in 0..grid.nx {
@@ -210,8 +210,8 @@ fn announced_loads_are_exerted() {
     }
 }
 
-/// Where the stations keep position and velocity, what was announced to them is what is exerted: their sum is the force on
-/// the beam less the unsteady term, and their power that of the drag on the cells, rotation of the section included.
+/// Where the stations go on with their velocities, what was announced to them is what is exerted: their sum is the drag on
+/// the beam, and their power that of the drag on the cells, rotation of the section included.
 #[test]
 fn announced_station_loads_have_the_force_and_the_power_of_the_drag() {
     for mask in [
@@ -228,25 +228,30 @@ fn announced_station_loads_have_the_force_and_the_power_of_the_drag() {
             let s = k as f64 / stations.len() as f64;
             (stations.velocity[0][k], stations.velocity[1][k]) = (0.1 - 0.05 * s, 0.3 * s * s);
         }
-        run(&mut fluid, 20, 2e-3);
+        let h = 2e-3;
+        let go_on = |fluid: &mut Fluid| {
+            let Stations { position, velocity } = &mut fluid.stations_mut()[0];
+            let way = velocity.iter().flatten().map(|v| h * v);
+            position.iter_mut().flatten().zip(way).for_each(|(p, way)| *p += way);
+            run(fluid, 1, h);
+        };
+        (0..20).for_each(|_| go_on(&mut fluid));
         let velocity = fluid.stations()[0].velocity.clone();
         let Loads { force, .. } = fluid.loads()[0].clone();
         let work = fluid.exchange()[0].work;
-        run(&mut fluid, 1, 2e-3);
+        go_on(&mut fluid);
         let exchange = fluid.exchange()[0];
         let sums = force.each_ref().map(|component| component.iter().sum::<f64>());
         let product = |axis: usize| force[axis].iter().zip(&velocity[axis]).map(|(f, v)| f * v).sum::<f64>();
         let power = product(0) + product(1);
-        let total = fluid.force_on_beam(0).force;
         for axis in 0..2 {
-            let close = |a: f64, b: f64| (a - b).abs() < 1e-9 * (sums[0].abs() + sums[1].abs());
-            assert!(close(exchange.force[axis], sums[axis]), "{mask:?}: {:?} N/m, announced {sums:?}", exchange.force);
-            assert!(close(total[axis], sums[axis]), "{mask:?}: force {total:?} N/m against {sums:?}");
+            let far = (exchange.force[axis] - sums[axis]).abs() / (sums[0].abs() + sums[1].abs());
+            assert!(far < 1e-9, "{mask:?}: {:?} N/m, announced {sums:?}", exchange.force);
         }
         let far = (exchange.power / power - 1.0).abs();
         assert!(far < 1e-9, "{mask:?}: {} W/m on the cells, {power} on the stations", exchange.power);
         let done = exchange.work - work;
-        assert!((done - 2e-3 * power).abs() < 1e-9 * power.abs(), "{mask:?}: work {done} J/m");
+        assert!((done - h * power).abs() < 1e-9 * power.abs(), "{mask:?}: work {done} J/m");
     }
 }
 

@@ -30,8 +30,8 @@ pub use beam::{Beam, Root};
 pub use body::{Body, BodyMotion, Ends, Shape};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use fluid::{
-    Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Probe, Sponge,
-    TimeScheme, TimeStepping, WallTarget,
+    Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Precision, Probe,
+    Sponge, TimeScheme, TimeStepping, WallTarget,
 };
 pub use law::TimeLaw;
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};

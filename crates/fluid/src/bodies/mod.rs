@@ -10,6 +10,7 @@ use scene::Scene;
 
 use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
+use crate::simd::Real;
 use crate::wall::DragProfile;
 use crate::zone::Zone;
 
@@ -111,6 +112,21 @@ impl Bodies {
         self.paint_changing();
     }
 
+    /// Put the beams alone at `ahead`, to which they go on from `stations`.
+    pub fn send_beams(&mut self, ahead: &[Stations], stations: &[Stations], grid: &Grid) {
+        for (beam, (ahead, stations)) in self.beams.iter_mut().zip(ahead.iter().zip(stations)) {
+            beam.place(ahead, stations, grid);
+        }
+        self.paint_changing();
+    }
+
+    /// After [`Self::send_beams`]: their surfaces are at `stations` again. Their cells are where they were sent.
+    pub fn recall_beams(&mut self, stations: &[Stations]) {
+        for (beam, stations) in self.beams.iter_mut().zip(stations) {
+            beam.orient(stations, stations);
+        }
+    }
+
     /// Let the bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
     pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
         self.rigid.iter_mut().for_each(|rigid| rigid.cells.sample(&velocity));
@@ -129,14 +145,15 @@ impl Bodies {
     }
 
     /// Add `weight(Σ a) a_b u_b` of all bodies to `w`.
-    pub fn add_velocities(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<f64>; 2]) {
+    pub fn add_velocities<R: Real>(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<R>; 2]) {
         let Some(rate) = &self.rate else { return };
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
         let beams = self.beams.iter().map(|beam| &beam.cells);
         for cell in rigid.chain(beams).flat_map(Cells::iter) {
             let weight = weight(rate[cell.index]) * cell.rate;
-            w[0][cell.index] += weight * cell.velocity[0];
-            w[1][cell.index] += weight * cell.velocity[1];
+            for (w, velocity) in w.iter_mut().zip(cell.velocity) {
+                w[cell.index] = R::narrow(w[cell.index].wide() + weight * velocity);
+            }
         }
     }
 

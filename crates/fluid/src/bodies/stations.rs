@@ -48,6 +48,14 @@ impl Stations {
         }
     }
 
+    /// Become where `from` gets to in `h` seconds with the velocities it has.
+    pub(crate) fn go_on(&mut self, from: &Self, h: f64) {
+        self.copy_from(from);
+        for (position, velocity) in self.position.iter_mut().zip(&from.velocity) {
+            position.iter_mut().zip(velocity).for_each(|(p, v)| *p += h * v);
+        }
+    }
+
     /// Let each of `all` become the one of `others` in the same place; unlike `clone_from` this allocates nothing.
     pub(crate) fn copy_all(all: &mut [Self], others: &[Self]) {
         all.iter_mut().zip(others).for_each(|(own, other)| own.copy_from(other));
