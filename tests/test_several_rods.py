@@ -133,7 +133,9 @@ def test_fluid_for_more_rods_is_refused():
 
 @pytest.fixture
 def scene_file(two_rods, tmp_path):
+    """The pair with one rod heavier than the other, so that nothing of theirs is the same."""
     two_rods["time"]["end"] = 0.1
+    two_rods["rods"][1]["rod"]["material"]["section"]["line_density"] = 0.5
     path = tmp_path / "two.json"
     path.write_text(json.dumps(two_rods))
     return path
