@@ -411,8 +411,8 @@ mod tests {
             let numbers: Vec<_> = (0..R::LANES).map(|j| R::narrow((10 * i + j) as f64)).collect();
             rows[i] = R::gather(&numbers);
         }
-        run(Transpose(rows));
-        Transpose(rows).run(Scalar256b);
+        run(Transpose::<R>(rows));
+        Transpose::<R>(rows).run(Scalar256b);
     }
 
     #[test]
