@@ -19,7 +19,7 @@ pub struct Domain<R: Real> {
     pub zones: Vec<Zone>,
     /// Mean velocity that is held; absent where it is free.
     pub mean_flow: Option<MeanFlow>,
-    /// Walls, zones, cylinders and the beam as drag.
+    /// Walls, zones, rigid bodies and beams as drag.
     pub bodies: Bodies,
     /// Transforms and projection.
     pub spectral: Spectral<R>,

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::hint::black_box;
+use std::mem::take;
 
 use scene::{Load, Scene};
 
@@ -12,7 +13,7 @@ use crate::force::{Exchange, Force};
 use crate::grid::Grid;
 use crate::probe::Probe;
 use crate::simd::Real;
-use crate::state::{BeamState, Flow, Present, StateIn};
+use crate::state::{Beams, Flow, Present, StateIn};
 use crate::step::{Scheme, Step};
 
 /// The usual step of the fluid's own is the smaller of `max_step` and the scene's communication step. Flow and beam may
@@ -33,6 +34,9 @@ const MOST_EXPLICIT_STEPS: f64 = 1e4;
 const NUMBERS_PER_CELL: usize = 27;
 const BYTES_PER_CELL: usize = 44;
 
+/// Memory that each beam takes by cell, bytes: the number of a candidate.
+const BYTES_PER_BEAM_AND_CELL: usize = 4;
+
 /// Numbers of a state by cell: velocity and vorticity of two times and two components of `w`, or less.
 const STATE_NUMBERS_PER_CELL: usize = 8;
 
@@ -52,24 +56,24 @@ pub struct FluidIn<R: Real> {
     /// The longest communication step, s.
     longest_step: f64,
     probes: Vec<Probe>,
-    /// Where the beam is told to go; absent without a beam.
-    motion: Option<Motion>,
+    /// Where the beams are told to go.
+    motion: Motion,
     /// Whether `domain.w[0]` is Pi at the present time.
     total_pressure_is_current: bool,
     /// The state before a communication step of several steps, for an error on the way; made when first needed.
     undo: Option<StateIn<R>>,
 }
 
-/// The way of the beam's stations, and the pressure jump at them.
+/// The ways of the beams' stations, and the pressure jumps at them; every list is empty without a beam.
 struct Motion {
     /// At the beginning of the communication step.
-    from: Stations,
-    /// At the end of the present step.
-    now: Stations,
+    from: Vec<Stations>,
+    /// At the end of the present step, and then where they go on to in the coming communication step.
+    now: Vec<Stations>,
     /// At the end of the coming communication step, set from outside.
-    target: Stations,
-    /// Pressure jump, Pa, and whether it is that of the present time: it is made when asked for.
-    pressure_jump: Vec<f64>,
+    target: Vec<Stations>,
+    /// Pressure jumps, Pa, and whether they are those of the present time: they are made when asked for.
+    pressure_jump: Vec<Vec<f64>>,
     pressure_jump_is_current: bool,
 }
 
@@ -78,28 +82,28 @@ impl<R: Real> FluidIn<R> {
     pub fn new(scene: &Scene, fluid: &scene::Fluid) -> Self {
         let loads_are_wanted = scene.load().is_none_or(|load| load == Load::Momentum);
         let mut domain = Domain::new(scene, fluid);
-        let stations = scene.beam.as_ref().map(|beam| Stations::at_rest(scene, beam));
-        domain.bodies.place(0.0, stations.as_ref(), stations.as_ref(), &domain.grid);
+        let stations: Vec<_> = scene.beams().map(|beam| Stations::at_rest(scene, beam)).collect();
+        domain.bodies.place(0.0, &stations, &stations, &domain.grid);
         let [u, v] = fluid.initial_velocity;
         let present = Present {
             time: 0.0,
             step: 0.0,
             flow: Flow::uniform([u, v], domain.grid.len()),
             advection_rate: u.abs() / domain.grid.dx + v.abs() / domain.grid.dy,
-            bodies: domain.bodies.without_force(stations.as_ref()),
-            beam: stations.as_ref().map(|stations| BeamState {
+            bodies: domain.bodies.without_force(&stations),
+            beams: Beams {
                 stations: stations.clone(),
-                loads: loads_are_wanted.then(|| Loads::none(stations.len())),
-                exchange: Exchange::default(),
-            }),
+                loads: stations.iter().filter(|_| loads_are_wanted).map(|s| Loads::none(s.len())).collect(),
+                exchange: vec![Exchange::default(); stations.len()],
+            },
         };
-        let motion = stations.map(|stations| Motion {
-            pressure_jump: vec![0.0; stations.len()],
+        let motion = Motion {
+            pressure_jump: stations.iter().map(|stations| vec![0.0; stations.len()]).collect(),
             pressure_jump_is_current: false,
             now: stations.clone(),
             target: stations.clone(),
             from: stations,
-        });
+        };
         let max_step = fluid.time_stepping.max_step;
         let usual_step = max_step.min(scene.time.communication_step);
         Self {
@@ -121,14 +125,14 @@ impl<R: Real> FluidIn<R> {
     /// Memory that the `fluid` of a scene takes, about, bytes.
     pub fn bytes(scene: &Scene, fluid: &scene::Fluid) -> usize {
         let cells = fluid.domain.cells.iter().product::<usize>();
-        let stations = scene.beam.as_ref().map_or(0, |beam| beam.segments + 1);
-        (NUMBERS_PER_CELL * size_of::<R>() + BYTES_PER_CELL) * cells + BYTES_PER_STATION * stations
+        let beams = scene.beams().map(|beam| BYTES_PER_STATION * (beam.segments + 1) + BYTES_PER_BEAM_AND_CELL * cells);
+        (NUMBERS_PER_CELL * size_of::<R>() + BYTES_PER_CELL) * cells + beams.sum::<usize>()
     }
 
     /// Memory that a state takes, about, bytes.
     pub fn state_bytes(&self) -> usize {
-        STATE_NUMBERS_PER_CELL * size_of::<R>() * self.domain.grid.len()
-            + BYTES_PER_STATION * self.stations().map_or(0, Stations::len)
+        let stations = self.stations().iter().map(Stations::len).sum::<usize>();
+        STATE_NUMBERS_PER_CELL * size_of::<R>() * self.domain.grid.len() + BYTES_PER_STATION * stations
     }
 
     /// Start anew from a velocity field (m/s at a point in m), of which the divergence-free part is taken.
@@ -153,9 +157,7 @@ impl<R: Real> FluidIn<R> {
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.domain.clock.start();
         let substeps = self.divide(t, h)?;
-        if let Some((motion, stations)) = self.motion.as_mut().zip(self.present.stations()) {
-            motion.from.copy_from(stations);
-        }
+        Stations::copy_all(&mut self.motion.from, &self.present.beams.stations);
         // A single step changes nothing before it is known to be good.
         let several = substeps > 1.0;
         if several {
@@ -167,16 +169,17 @@ impl<R: Real> FluidIn<R> {
                 self.present.copy_from(&undo.present);
                 self.scheme.restore(&undo.memory);
             }
-            let stations = self.present.stations();
+            let stations = &self.present.beams.stations;
             self.domain.bodies.place(self.present.time, stations, stations, &self.domain.grid);
             return Err(error);
         }
-        if let Some(motion) = &mut self.motion {
-            motion.pressure_jump_is_current = false;
+        self.motion.pressure_jump_is_current = false;
+        for (ahead, stations) in self.motion.now.iter_mut().zip(&self.present.beams.stations) {
+            ahead.go_on(stations, h);
         }
-        self.scheme.predict_loads(&mut self.present, &mut self.domain.bodies);
+        self.scheme.predict_loads(&self.motion.now, &mut self.present, &mut self.domain);
         self.domain.clock.mark(crate::clock::Phase::Loads);
-        if self.loads().is_some_and(|loads| !loads.are_finite()) {
+        if !self.loads().iter().all(Loads::are_finite) {
             // The flow before is gone. With no rate there is no way on but a state put back.
             self.present.advection_rate = f64::NAN;
             return Err(Error::Loads { time: self.present.time });
@@ -192,9 +195,7 @@ impl<R: Real> FluidIn<R> {
         if h > self.longest_step {
             return Err(Error::Long { time: t, step: h, longest: self.longest_step });
         }
-        if let Some(motion) = &self.motion {
-            self.check_stations(&motion.target)?;
-        }
+        self.check_stations(&self.motion.target)?;
         let (needed, shortest) = (self.max_cfl / self.present.advection_rate, self.shortest_step);
         if needed.is_nan() || needed < shortest {
             return Err(Error::Diverged { time: t, needed, shortest });
@@ -224,13 +225,13 @@ impl<R: Real> FluidIn<R> {
             }
             substep += 1.0;
             done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
-            let stations = self.motion.as_mut().map(|Motion { from, now, target, .. }| {
-                if done == 1.0 {
-                    return &*target;
-                }
-                now.interpolate(from, target, done, h);
-                &*now
-            });
+            let Motion { from, now, target, .. } = &mut self.motion;
+            let stations = if done == 1.0 {
+                target
+            } else {
+                now.iter_mut().zip(from.iter().zip(&*target)).for_each(|(now, (a, b))| now.interpolate(a, b, done, h));
+                now
+            };
             let shortest = self.shortest_step;
             let step = Step { dt, end: t + done * h, stations, max_cfl: self.max_cfl, shortest };
             self.scheme.step(step, &mut self.present, &mut self.domain)?;
@@ -255,7 +256,13 @@ impl<R: Real> FluidIn<R> {
         Ok(())
     }
 
-    fn check_stations(&self, stations: &Stations) -> Result<(), Error> {
+    fn check_stations(&self, beams: &[Stations]) -> Result<(), Error> {
+        let name = |k| if beams.len() == 1 { "the beam".into() } else { format!("beam {}", k + 1) };
+        beams.iter().enumerate().try_for_each(|(k, stations)| self.check_stations_of(&|| name(k), stations))
+    }
+
+    /// Check the stations of the beam that `name` gives the name of.
+    fn check_stations_of(&self, name: &dyn Fn() -> String, stations: &Stations) -> Result<(), Error> {
         let Stations { position: [x, y], velocity: [vx, vy] } = stations;
         let far = |p: f64, middle: f64, size: f64| (p - middle).abs() > 1.5 * size;
         let grid = &self.domain.grid;
@@ -263,15 +270,16 @@ impl<R: Real> FluidIn<R> {
         for k in 0..x.len() {
             let finite = [x[k], y[k], vx[k], vy[k]].iter().all(|c| c.is_finite());
             if !finite || far(x[k], middle[0], grid.length) || far(y[k], middle[1], grid.height) {
-                return Err(Error::Station { station: k + 1, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
+                let (beam, station) = (name(), k + 1);
+                return Err(Error::Station { beam, station, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
             }
             if k > 0 && x[k] == x[k - 1] && y[k] == y[k - 1] {
-                return Err(Error::Coincide { station: k, x: x[k], y: y[k] });
+                return Err(Error::Coincide { beam: name(), station: k, x: x[k], y: y[k] });
             }
             let needed = self.max_cfl / (vx[k].abs() / grid.dx + vy[k].abs() / grid.dy);
             if needed < self.shortest_step {
-                let shortest = self.shortest_step;
-                return Err(Error::FastStation { station: k + 1, vx: vx[k], vy: vy[k], needed, shortest });
+                let (beam, station, shortest) = (name(), k + 1, self.shortest_step);
+                return Err(Error::FastStation { beam, station, vx: vx[k], vy: vy[k], needed, shortest });
             }
         }
         Ok(())
@@ -287,17 +295,13 @@ impl<R: Real> FluidIn<R> {
         if let Some(part) = state.misfit(&self.present, self.scheme.fits(&state.memory)) {
             return Err(Error::State(part));
         }
-        if let Some(stations) = state.present.stations() {
-            self.check_stations(stations)?;
-        }
+        self.check_stations(&state.present.beams.stations)?;
         self.present.copy_from(&state.present);
         self.scheme.restore(&state.memory);
-        if let Some((motion, stations)) = self.motion.as_mut().zip(state.present.stations()) {
-            motion.target.copy_from(stations);
-            motion.pressure_jump_is_current = false;
-        }
+        Stations::copy_all(&mut self.motion.target, &state.present.beams.stations);
+        self.motion.pressure_jump_is_current = false;
         self.total_pressure_is_current = false;
-        let stations = self.present.stations();
+        let stations = &self.present.beams.stations;
         self.domain.bodies.place(self.present.time, stations, stations, &self.domain.grid);
         Ok(())
     }
@@ -423,53 +427,54 @@ impl<R: Real> FluidIn<R> {
         cylinders + body
     }
 
-    /// Force of the fluid on the beam in the last step; none without a beam.
-    pub fn force_on_beam(&self) -> Option<Force> {
-        self.motion.as_ref().map(|_| self.present.bodies[self.domain.bodies.rigid()].force)
+    /// Force of the fluid on a beam, numbered from 0, in the last step.
+    pub fn force_on_beam(&self, beam: usize) -> Force {
+        self.present.bodies[self.domain.bodies.rigid() + beam].force
     }
 
-    /// What the fluid did to the beam, without the unsteady term of [`Self::force_on_beam`]; none without a beam.
-    pub fn exchange(&self) -> Option<Exchange> {
-        self.present.beam.as_ref().map(|beam| beam.exchange)
+    /// What the fluid did to each beam, without the unsteady term of [`Self::force_on_beam`].
+    pub fn exchange(&self) -> &[Exchange] {
+        &self.present.beams.exchange
     }
 
-    /// Loads on the stations for the coming step; none without a beam or where the scene uses the pressure jump.
-    pub fn loads(&self) -> Option<&Loads> {
-        self.present.beam.as_ref()?.loads.as_ref()
+    /// Loads on the stations of each beam for the coming step; empty where the scene uses the pressure jump.
+    pub fn loads(&self) -> &[Loads] {
+        &self.present.beams.loads
     }
 
-    /// Stations at the end of the coming step; none without a beam.
-    pub fn stations(&self) -> Option<&Stations> {
-        self.motion.as_ref().map(|motion| &motion.target)
+    /// Stations of each beam at the end of the coming step.
+    pub fn stations(&self) -> &[Stations] {
+        &self.motion.target
     }
 
-    /// Stations at the end of the coming step, to be set before [`Self::advance`]; none without a beam.
-    pub fn stations_mut(&mut self) -> Option<&mut Stations> {
-        self.motion.as_mut().map(|motion| &mut motion.target)
+    /// Stations of each beam at the end of the coming step, to be set before [`Self::advance`].
+    pub fn stations_mut(&mut self) -> &mut [Stations] {
+        &mut self.motion.target
     }
 
-    /// Pressure jump p_above − p_below at the stations, Pa; made when first asked for after a step. None without a beam.
-    pub fn pressure_jump(&mut self) -> Option<&[f64]> {
-        if !self.motion.as_ref()?.pressure_jump_is_current {
+    /// Pressure jump p_above − p_below at the stations of each beam, Pa; made when first asked for after a step.
+    pub fn pressure_jump(&mut self) -> &[Vec<f64>] {
+        if !self.motion.pressure_jump_is_current && !self.motion.pressure_jump.is_empty() {
             self.make_total_pressure();
             // Taken out, so that the rest can be read while it is written.
-            let mut motion = self.motion.take()?;
-            for (k, jump) in motion.pressure_jump.iter_mut().enumerate() {
-                let [above, below] = [1.0, -1.0].map(|side| self.surface_pressure(k, side));
-                *jump = self.density * (above - below);
+            let mut jumps = take(&mut self.motion.pressure_jump);
+            for (beam, jumps) in jumps.iter_mut().enumerate() {
+                for (k, jump) in jumps.iter_mut().enumerate() {
+                    let [above, below] = [1.0, -1.0].map(|side| self.surface_pressure(beam, k, side));
+                    *jump = self.density * (above - below);
+                }
             }
-            motion.pressure_jump_is_current = true;
-            self.motion = Some(motion);
+            self.motion.pressure_jump = jumps;
+            self.motion.pressure_jump_is_current = true;
         }
-        self.motion.as_ref().map(|motion| motion.pressure_jump.as_slice())
+        &self.motion.pressure_jump
     }
 
-    /// Static pressure over the density at the beam's surface above (1) or below (−1) station `k`, m²/s².
-    fn surface_pressure(&self, k: usize, side: f64) -> f64 {
-        let stations = self.present.stations();
-        let point = stations.and_then(|stations| self.domain.bodies.surface_point(stations, k, side));
-        let around = point.map(|point| self.domain.grid.interpolation(point));
-        around.iter().flatten().map(|&(c, weight)| weight * self.pressure_at(c)).sum()
+    /// Static pressure over the density at the surface of a beam above (1) or below (−1) its station `k`, m²/s².
+    fn surface_pressure(&self, beam: usize, k: usize, side: f64) -> f64 {
+        let point = self.domain.bodies.surface_point(beam, &self.present.beams.stations[beam], k, side);
+        let around = self.domain.grid.interpolation(point);
+        around.iter().map(|&(c, weight)| weight * self.pressure_at(c)).sum()
     }
 
     /// Times the phases of a step.

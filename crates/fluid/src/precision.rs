@@ -178,33 +178,33 @@ impl Fluid {
         in_either!(&self.0, fluid => fluid.pose(body))
     }
 
-    /// Force of the fluid on the beam in the last step; none without a beam.
-    pub fn force_on_beam(&self) -> Option<Force> {
-        in_either!(&self.0, fluid => fluid.force_on_beam())
+    /// Force of the fluid on a beam, numbered from 0, in the last step.
+    pub fn force_on_beam(&self, beam: usize) -> Force {
+        in_either!(&self.0, fluid => fluid.force_on_beam(beam))
     }
 
-    /// What the fluid did to the beam, without the unsteady term of [`Self::force_on_beam`]; none without a beam.
-    pub fn exchange(&self) -> Option<Exchange> {
+    /// What the fluid did to each beam, without the unsteady term of [`Self::force_on_beam`].
+    pub fn exchange(&self) -> &[Exchange] {
         in_either!(&self.0, fluid => fluid.exchange())
     }
 
-    /// Loads on the stations for the coming step; none without a beam or where the scene uses the pressure jump.
-    pub fn loads(&self) -> Option<&Loads> {
+    /// Loads on the stations of each beam for the coming step; empty where the scene uses the pressure jump.
+    pub fn loads(&self) -> &[Loads] {
         in_either!(&self.0, fluid => fluid.loads())
     }
 
-    /// Stations at the end of the coming step; none without a beam.
-    pub fn stations(&self) -> Option<&Stations> {
+    /// Stations of each beam at the end of the coming step.
+    pub fn stations(&self) -> &[Stations] {
         in_either!(&self.0, fluid => fluid.stations())
     }
 
-    /// Stations at the end of the coming step, to be set before [`Self::advance`]; none without a beam.
-    pub fn stations_mut(&mut self) -> Option<&mut Stations> {
+    /// Stations of each beam at the end of the coming step, to be set before [`Self::advance`].
+    pub fn stations_mut(&mut self) -> &mut [Stations] {
         in_either!(&mut self.0, fluid => fluid.stations_mut())
     }
 
-    /// Pressure jump p_above − p_below at the stations, Pa; made when first asked for after a step. None without a beam.
-    pub fn pressure_jump(&mut self) -> Option<&[f64]> {
+    /// Pressure jump p_above − p_below at the stations of each beam, Pa; made when first asked for after a step.
+    pub fn pressure_jump(&mut self) -> &[Vec<f64>] {
         in_either!(&mut self.0, fluid => fluid.pressure_jump())
     }
 

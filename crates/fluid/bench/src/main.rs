@@ -177,7 +177,7 @@ impl Flow {
 
     /// One step, with a shift (m) and a velocity (m/s) of the bar in a shape over the share of its length.
     fn advance(&mut self, shape: fn(f64) -> f64, shift: f64, velocity: f64) {
-        if let Some(stations) = self.fluid.stations_mut() {
+        for stations in self.fluid.stations_mut() {
             let last = stations.len() - 1;
             for k in 0..=last {
                 let shape = shape(k as f64 / last as f64);

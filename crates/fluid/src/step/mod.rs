@@ -3,9 +3,11 @@
 mod rk2;
 mod sbdf2;
 
+use std::mem::take;
+
 use scene::TimeScheme;
 
-use crate::bodies::{Bodies, Stations};
+use crate::bodies::Stations;
 use crate::domain::Domain;
 use crate::error::Error;
 use crate::simd::Real;
@@ -29,8 +31,8 @@ pub struct Step<'a> {
     pub dt: f64,
     /// Its end, s.
     pub end: f64,
-    /// Stations of the beam at its end.
-    pub stations: Option<&'a Stations>,
+    /// Stations of the beams at its end.
+    pub stations: &'a [Stations],
     /// Largest CFL number.
     pub max_cfl: f64,
     /// The shortest step that the flow at its end may ask for, s.
@@ -48,9 +50,7 @@ impl Step<'_> {
     /// Take the time and the stations of the end over.
     fn finish<R: Real>(&self, present: &mut Present<R>, advection_rate: f64) {
         (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
-        if let Some((beam, stations)) = present.beam.as_mut().zip(self.stations) {
-            beam.stations.copy_from(stations);
-        }
+        Stations::copy_all(&mut present.beams.stations, self.stations);
     }
 }
 
@@ -127,16 +127,27 @@ impl<R: Real> Scheme<R> {
         }
     }
 
-    /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
-    pub fn predict_loads(&self, present: &mut Present<R>, bodies: &mut Bodies) {
-        let Some(mut loads) = present.beam.as_mut().and_then(|beam| beam.loads.take()) else { return };
+    /// Loads on the stations in the coming step of the same size, were they to keep their velocities, with which they
+    /// get to `ahead`.
+    ///
+    /// The mask is put there for it. With the mask where it is, the loads would be late by the way of a step, and the
+    /// exchange would feed the rod.
+    pub fn predict_loads(&self, ahead: &[Stations], present: &mut Present<R>, domain: &mut Domain<R>) {
+        if present.beams.loads.is_empty() {
+            return;
+        }
+        let mut loads = take(&mut present.beams.loads);
         match self {
-            Self::Sbdf2(scheme) => scheme.predict_loads(present, bodies, &mut loads),
-            Self::Rk2(_) => rk2::predict_loads(present, bodies, &mut loads),
+            Self::Sbdf2(scheme) => {
+                let stations = &present.beams.stations;
+                domain.bodies.send_beams(ahead, stations, &domain.grid);
+                scheme.predict_loads(present, &mut domain.bodies, &mut loads);
+                domain.bodies.recall_beams(stations);
+            }
+            // Its explicit drag is that of the mask where it is at the beginning of the step.
+            Self::Rk2(_) => rk2::predict_loads(present, &mut domain.bodies, &mut loads),
         }
-        if let Some(beam) = &mut present.beam {
-            beam.loads = Some(loads);
-        }
+        present.beams.loads = loads;
     }
 
     /// Pi at the present time (m²/s²) into `domain.w[0]`: what makes the rate of change free of divergence.

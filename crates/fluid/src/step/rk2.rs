@@ -80,7 +80,7 @@ impl<R: Real> Rk2<R> {
         let cfl = present.advection_rate * step.dt;
         self.decay.set_viscosity(step.dt * domain.nu);
         add_rate_of_change(present.time, &present.flow, step.dt, domain);
-        domain.bodies.place(step.end, step.stations, present.stations(), &domain.grid);
+        domain.bodies.place(step.end, step.stations, &present.beams.stations, &domain.grid);
         step.check(self.solve_wave_by_wave(Stage::First, step.end, cfl, domain))?;
         add_rate_of_change(step.end, &self.next, step.dt, domain);
         let advection_rate = self.solve_wave_by_wave(Stage::Second, step.end, cfl, domain);
@@ -89,7 +89,7 @@ impl<R: Real> Rk2<R> {
         self.take_over(&mut present.flow);
         sample(&present.flow, &mut domain.bodies);
         let drag = |cell: &Cell| present_drag(&present.flow, cell);
-        let exchange = present.beam.as_mut().map(|beam| &mut beam.exchange);
+        let exchange = &mut present.beams.exchange;
         domain.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
         step.finish(present, advection_rate);
         Ok(())
@@ -204,7 +204,7 @@ pub fn add_rate_of_change<R: Real>(time: f64, flow: &Flow<R>, dt: f64, domain: &
 }
 
 /// The drag as it is. A change of the body's velocity in the coming step moves the fluid along with `dt a_b/2`.
-pub fn predict_loads<R: Real>(present: &Present<R>, bodies: &mut Bodies, loads: &mut Loads) {
+pub fn predict_loads<R: Real>(present: &Present<R>, bodies: &mut Bodies, loads: &mut [Loads]) {
     sample(&present.flow, bodies);
     let weight = bodies.cell_mass;
     let drag = |cell: &Cell| {

@@ -57,7 +57,7 @@ impl<R: Real> Sbdf2<R> {
 
     pub fn step(&mut self, step: Step, present: &mut Present<R>, domain: &mut Domain<R>) -> Result<(), Error> {
         let scheme = Differences::new(step.dt, present.step);
-        domain.bodies.place(step.end, step.stations, present.stations(), &domain.grid);
+        domain.bodies.place(step.end, step.stations, &present.beams.stations, &domain.grid);
         domain.clock.mark(Phase::Paint);
         self.sample(&scheme, &present.flow, &mut domain.bodies);
         domain.clock.mark(Phase::Sample);
@@ -81,7 +81,7 @@ impl<R: Real> Sbdf2<R> {
                 cell.rate * (u_star - cell.velocity[axis])
             })
         };
-        let exchange = present.beam.as_mut().map(|beam| &mut beam.exchange);
+        let exchange = &mut present.beams.exchange;
         domain.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
         domain.clock.mark(Phase::Forces);
         self.take_over(&mut present.flow, domain);
@@ -107,7 +107,7 @@ impl<R: Real> Sbdf2<R> {
     }
 
     /// The drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
-    pub fn predict_loads(&self, present: &Present<R>, bodies: &mut Bodies, loads: &mut Loads) {
+    pub fn predict_loads(&self, present: &Present<R>, bodies: &mut Bodies, loads: &mut [Loads]) {
         let scheme = Differences::new(present.step, present.step);
         self.sample(&scheme, &present.flow, bodies);
         let Some(rate) = bodies.rate() else { return };
