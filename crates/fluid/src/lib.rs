@@ -43,6 +43,7 @@ pub use state::State;
 pub mod internals {
     pub use crate::clock::{Clock, Phase};
     pub use crate::projection::Projection;
+    pub use crate::simd::Real;
     pub use crate::transform::{Fft2, Pack, Scratch};
     pub use crate::wall::{DragProfile, WallTarget};
 }

@@ -464,7 +464,8 @@ class Fluid(Part):
     """Precision of the fields and transforms."""
 
     threads: Integer = 1
-    """Threads that share the work of a step; results do not depend on it."""
+    """Threads that share the work of a step, as far as the grid is large enough for so many to gain time; results do
+    not depend on it."""
 
 
 class OnCylinder(Part):
