@@ -43,7 +43,11 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
         ]);
     }
     if let Some(stations) = unit.fluid.stations() {
-        list.extend(station_variables(stations.len(), unit.fluid.loads().is_some()));
+        list.extend(station_variables(
+            stations.len(),
+            unit.fluid.loads().is_some(),
+            unit.scene.strain_per_pressure().is_some(),
+        ));
     }
     list
 }
@@ -130,8 +134,8 @@ fn exchange() -> [Variable; 4] {
     ]
 }
 
-/// Motion of `n` stations in, pressure jump and, where the scene has them, loads out.
-fn station_variables(n: usize, loads: bool) -> Vec<Variable> {
+/// Motion of `n` stations in, pressure jump and, where the scene has them, loads and pressure around the beam out.
+fn station_variables(n: usize, loads: bool, pressure: bool) -> Vec<Variable> {
     let (position, velocity) =
         ("Position of the stations at the end of the step", "Velocity of the stations at the end of the step");
     let (jump, load) = ("Pressure above minus below the beam", "Load on the stations for the coming step");
@@ -154,6 +158,11 @@ fn station_variables(n: usize, loads: bool) -> Vec<Variable> {
             ]
             .map(|variable| variable.array(n).depends_on(&[])),
         );
+    }
+    if pressure {
+        let text = "Pressure around the beam, the mean of both sides, less that of the outlet";
+        let pressure = Real::output("pressure", "Pa", text, |m| m.fluid.pressure_around().unwrap_or_default());
+        list.push(pressure.array(n).depends_on(&[]));
     }
     list
 }

@@ -9,6 +9,7 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::force::{Exchange, Force};
 use crate::grid::Grid;
+use crate::outlet::Outlet;
 use crate::probe::Probe;
 use crate::state::{BeamState, Flow, Present, State};
 use crate::step::{Scheme, Step};
@@ -56,7 +57,7 @@ pub struct Fluid {
     undo: Option<State>,
 }
 
-/// The way of the beam's stations, and the pressure jump at them.
+/// The way of the beam's stations, and the pressure on both sides of them.
 struct Motion {
     /// At the beginning of the communication step.
     from: Stations,
@@ -64,9 +65,12 @@ struct Motion {
     now: Stations,
     /// At the end of the coming communication step, set from outside.
     target: Stations,
-    /// Pressure jump, Pa, and whether it is that of the present time: it is made when asked for.
+    /// Pressure jump, Pa.
     pressure_jump: Vec<f64>,
-    pressure_jump_is_current: bool,
+    /// Pressure around the beam, Pa, and where it is measured from; absent where the scene does not want it.
+    pressure: Option<(Outlet, Vec<f64>)>,
+    /// Whether both are those of the present time: they are made when asked for.
+    pressures_are_current: bool,
 }
 
 impl Fluid {
@@ -90,9 +94,12 @@ impl Fluid {
                 exchange: Exchange::default(),
             }),
         };
+        let level_is_wanted = scene.strain_per_pressure().is_some();
+        let outlet = level_is_wanted.then(|| Outlet::of(fluid, &domain.grid)).flatten();
         let motion = stations.map(|stations| Motion {
             pressure_jump: vec![0.0; stations.len()],
-            pressure_jump_is_current: false,
+            pressure: outlet.map(|outlet| (outlet, vec![0.0; stations.len()])),
+            pressures_are_current: false,
             now: stations.clone(),
             target: stations.clone(),
             from: stations,
@@ -168,7 +175,7 @@ impl Fluid {
             return Err(error);
         }
         if let Some(motion) = &mut self.motion {
-            motion.pressure_jump_is_current = false;
+            motion.pressures_are_current = false;
         }
         self.scheme.predict_loads(&mut self.present, &mut self.domain.bodies);
         self.domain.clock.mark(crate::clock::Phase::Loads);
@@ -290,7 +297,7 @@ impl Fluid {
         self.scheme.restore(&state.memory);
         if let Some((motion, stations)) = self.motion.as_mut().zip(state.present.stations()) {
             motion.target.copy_from(stations);
-            motion.pressure_jump_is_current = false;
+            motion.pressures_are_current = false;
         }
         self.total_pressure_is_current = false;
         let stations = self.present.stations();
@@ -444,18 +451,37 @@ impl Fluid {
 
     /// Pressure jump p_above − p_below at the stations, Pa; made when first asked for after a step. None without a beam.
     pub fn pressure_jump(&mut self) -> Option<&[f64]> {
-        if !self.motion.as_ref()?.pressure_jump_is_current {
-            self.make_total_pressure();
-            // Taken out, so that the rest can be read while it is written.
-            let mut motion = self.motion.take()?;
-            for (k, jump) in motion.pressure_jump.iter_mut().enumerate() {
-                let [above, below] = [1.0, -1.0].map(|side| self.surface_pressure(k, side));
-                *jump = self.density * (above - below);
-            }
-            motion.pressure_jump_is_current = true;
-            self.motion = Some(motion);
-        }
+        self.make_surface_pressures();
         self.motion.as_ref().map(|motion| motion.pressure_jump.as_slice())
+    }
+
+    /// Pressure around the stations, the mean of that above and below, less the mean over the outlet, Pa; made when first
+    /// asked for after a step. None without a beam or where the scene does not want its level.
+    pub fn pressure_around(&mut self) -> Option<&[f64]> {
+        self.make_surface_pressures();
+        self.motion.as_ref()?.pressure.as_ref().map(|(_, pressure)| pressure.as_slice())
+    }
+
+    fn make_surface_pressures(&mut self) {
+        if self.motion.as_ref().is_none_or(|motion| motion.pressures_are_current) {
+            return;
+        }
+        self.make_total_pressure();
+        // Taken out, so that the rest can be read while it is written.
+        let Some(mut motion) = self.motion.take() else { return };
+        for (k, jump) in motion.pressure_jump.iter_mut().enumerate() {
+            let [above, below] = [1.0, -1.0].map(|side| self.surface_pressure(k, side));
+            *jump = self.density * (above - below);
+            if let Some((_, pressure)) = &mut motion.pressure {
+                pressure[k] = 0.5 * self.density * (above + below);
+            }
+        }
+        if let Some((outlet, pressure)) = &mut motion.pressure {
+            let level = self.density * outlet.mean(|point| self.pressure_at(point));
+            pressure.iter_mut().for_each(|p| *p -= level);
+        }
+        motion.pressures_are_current = true;
+        self.motion = Some(motion);
     }
 
     /// Static pressure over the density at the beam's surface above (1) or below (−1) station `k`, m²/s².

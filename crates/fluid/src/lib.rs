@@ -19,6 +19,7 @@ mod error;
 mod fluid;
 mod force;
 mod grid;
+mod outlet;
 mod probe;
 mod projection;
 mod simd;
