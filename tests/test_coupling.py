@@ -142,6 +142,10 @@ def test_sides_that_come_apart_end_the_run_and_a_small_difference_does_not():
     stopped, said = steps_made(apart, 3000)
     assert 1000 < stopped < 1000 + 2 * WINDOW
     assert "the coupling is unstable at t = " in said and "% of what went across" in said, said
+    assert "take fewer `beam.segments` than" in said, said
+    apart = powered(lambda i: (-1) ** i, lambda i: 1.0)
+    _, said = steps_made(coupling.ParallelExplicit(*apart, guards=Guards(window_steps=10)), 100)
+    assert "take the scheme explicit" in said, said
 
 
 def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not():
@@ -156,6 +160,7 @@ def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not()
     stopped, said = steps_made(made(lambda i: swing(i) + (i > 1000) * noise(i)), 3000)
     assert 1000 < stopped < 1000 + 2 * WINDOW
     assert "the coupling is unstable at t = " in said and "is noise" in said, said
+    assert "`coupling.scheme` out, which iterates, or take a `time.communication_step` shorter than 0.001 s" in said
 
 
 def test_a_burst_at_the_start_is_no_instability():

@@ -28,6 +28,12 @@ from nervure.unit import Unit
 STATION_ROUNDING = 1e-12
 """Residual relative to the stations' positions that counts as converged: a rod's own solver leaves about as much."""
 
+FALLING = 5
+"""Iterations at the end in which an iteration that converges slowly has halved the least of its residuals."""
+
+COARSEST_TOLERANCE = 1e-2
+"""A residual of less than this part of the step's displacement may be worth accepting."""
+
 Drive = Callable[[float], Sequence[float]]
 """Motion of a root that the master drives: the values at a time (s) of the rod's inputs `root.*`, in their order."""
 
@@ -121,7 +127,7 @@ class Explicit(Single):
         fluid.connect(stations, loads, [name for name in powers[1] if name in fluid.variables])
         self.loads, self.stations = fluid.exchanged, rod.exchanged
         self.taken, self.root = np.split(rod.inputs, [self.loads.size])
-        self.watch = Watch(guards, rod, fluid) if guards else None
+        self.watch = Watch(guards, rod, fluid, self.parallel) if guards else None
 
     def start(self) -> None:
         self.rod.get()
@@ -143,7 +149,7 @@ class Explicit(Single):
             self.fluid.inputs[:] = self.stations
         self.fluid.step(t, h)
         if self.watch:
-            self.watch.check(t + h)
+            self.watch.check(t + h, h)
         return 1
 
     def memory(self) -> dict[str, np.ndarray]:
@@ -220,8 +226,30 @@ class Iterated(Explicit):
             given[:] = a.guess(given, stations)
         raise CouplingError(
             f"the step from t = {t:g} s to {t + h:g} s did not converge in {iteration} iterations: the "
-            f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit"
+            f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit; {self._remedy(error, iteration, h)}"
         )
+
+    def _remedy(self, error: float, iterations: int, h: float) -> str:
+        """What helps after so many iterations of a step of `h` seconds that did not converge, the residual being `error`
+        (m): by how they went, and by why there is an iteration at all."""
+        residuals = np.array(self.convergence).reshape(-1, len(CONVERGENCE))[-iterations:, 2]
+        least = residuals.min()
+        if not np.isfinite(error):
+            said = f"the stations became no numbers: take a `time.communication_step` shorter than {h:g} s"
+        elif isinstance(self.acceleration, Aitken):
+            said = "`acceleration` iqn_ils holds where aitken does not"
+        elif residuals[-FALLING:].min() < 0.5 * residuals[:-FALLING].min(initial=np.inf):
+            said = f"it was still falling: a `max_iterations` above {self.max_iterations} lets it go on"
+        elif least < COARSEST_TOLERANCE:
+            said = f"at best it was {least:.2g} of the step's displacement, which a `tolerance` above that accepts"
+        else:
+            said = (
+                f"at best it was {least:.2g} of the step's displacement: take a `time.communication_step` shorter than "
+                f"{h:g} s, a heavier rod or a larger `c_eta`"
+            )
+        reason = self.rod.variables.get("load.reason")
+        why = reason.start[0] if reason else None
+        return said if why is None else f"{said} (it iterates under the load pressure_jump: {why})"
 
     def memory(self) -> dict[str, np.ndarray]:
         own = {"iterations": np.array(self.iterations), "convergence": np.array(self.convergence)}
