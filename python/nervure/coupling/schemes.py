@@ -224,14 +224,15 @@ class Iterated(Explicit):
             if not np.isfinite(error):
                 break
             given[:] = a.guess(given, stations)
+        remedy = self._remedy(error, iteration, h)
         raise CouplingError(
             f"the step from t = {t:g} s to {t + h:g} s did not converge in {iteration} iterations: the "
-            f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit; {self._remedy(error, iteration, h)}"
+            f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit; {remedy}"
         )
 
     def _remedy(self, error: float, iterations: int, h: float) -> str:
-        """What helps after so many iterations of a step of `h` seconds that did not converge, the residual being `error`
-        (m): by how they went, and by why there is an iteration at all."""
+        """What helps after so many iterations of a step of `h` seconds that did not converge, the residual being
+        `error` (m): by how they went, and by why there is an iteration at all."""
         residuals = np.array(self.convergence).reshape(-1, len(CONVERGENCE))[-iterations:, 2]
         least = residuals.min()
         if not np.isfinite(error):
