@@ -138,6 +138,7 @@ TYPES = [
     (FSI3, f"{LOAD}=traction"),
     (FSI3, 'coupling.scheme={"iterated": {"max_iterations": 1}}'),
     (FSI3, 'coupling.guards={"window_steps": 0}'),
+    (FSI3, "coupling.pressure_level=1"),
     (FSI3, "reference.source="),
     (FSI3, "reference.quantities.tip_uy.amplitude=-1"),
 ]
@@ -186,6 +187,8 @@ RELATIONS = [
     (CSM1, 'coupling={"load": "momentum"}'),
     (FSI3, "rod.material.plane_strain.density=900"),
     (FSI3, 'coupling.scheme={"iterated": {}}'),
+    (FSI3, 'coupling={"load": "pressure_jump", "pressure_level": true}'),
+    (VEIN, "coupling.pressure_level=true"),
     (FSI3, "reference.spread.quantities.lift.amplitude=[174, 146]"),
 ]
 """What is allowed by itself, but not together with the rest of the scene."""
