@@ -188,7 +188,7 @@ RELATIONS = [
     (FSI3, "rod.material.plane_strain.density=900"),
     (FSI3, 'coupling.scheme={"iterated": {}}'),
     (FSI3, 'coupling={"load": "pressure_jump", "pressure_level": true}'),
-    (VEIN, "coupling.pressure_level=true"),
+    (VEIN, 'coupling={"load": "momentum", "pressure_level": true}'),
     (FSI3, "reference.spread.quantities.lift.amplitude=[174, 146]"),
 ]
 """What is allowed by itself, but not together with the rest of the scene."""
