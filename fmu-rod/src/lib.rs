@@ -276,6 +276,10 @@ impl RodUnit {
             })
             .array(loads.pressure_jump.len()),
         );
+        list.push(
+            Real::input("pressure", "Pa", "Pressure around the beam", |m| &mut m.body.loads().pressure)
+                .array(loads.pressure.len()),
+        );
         list
     }
 
@@ -635,6 +639,7 @@ impl Model for RodUnit {
             ("force", &mut loads.force, &state.loads.force),
             ("impedance", &mut loads.impedance, &state.loads.impedance),
             ("pressure_jump", &mut loads.pressure_jump, &state.loads.pressure_jump),
+            ("pressure", &mut loads.pressure, &state.loads.pressure),
         ] {
             if own.len() != known.len() {
                 return Err(format!("loads.{name} has {} elements, but this rod has {}", known.len(), own.len()));
