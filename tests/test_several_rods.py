@@ -253,4 +253,4 @@ def test_two_filaments_flap_together_when_close_and_against_each_other_when_not(
     late = run.series["time"] > 19.0
     assert min(np.ptp(run.series[f"{name}_tip_uy"][late]) for name in filaments.RODS) > 0.5, "both flap"
     found = filaments.correlation(run.series, 19.0, 26.0)
-    assert found > 0.9 if together else found < -0.95, f"correlation {found:.3f}"
+    assert found > 0.8 if together else found < -0.95, f"correlation {found:.3f}"
