@@ -19,6 +19,7 @@ mod error;
 mod fluid;
 mod force;
 mod grid;
+mod outlet;
 mod precision;
 mod probe;
 mod projection;
