@@ -113,6 +113,7 @@ TYPES = [
     (FSI3, 'fluid.time_stepping={"max_step": 1e-4, "max_cfl": 1, "scheme": "rk2"}'),
     (FSI3, "fluid.threads=0"),
     (FSI3, "fluid.threads=2000"),
+    (FSI3, "fluid.precision=half"),
     (CYLINDER, f"fluid.probes=[{PROBE.format('a.b', '[0, 0.2]')}]"),
     (CYLINDER, f"fluid.probes=[{PROBE.format('a', '0.2')}]"),
     (FSI3, "beam.length=0"),
