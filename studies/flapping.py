@@ -27,6 +27,7 @@ RESULTS, PUBLISHED = ROOT / "results" / "flapping", Path(__file__).with_name("pu
 
 KC5, HOVER, STREAM = "cylinder-kc5-600x360", "ellipse-hover-640x640", "cylinder-stream-384x512"
 FLAG, FILAMENT, PASSIVE = "flag-stream-720x360", "filament-hanging-384x384", "vein-passive-240x240"
+TAPERED, MODULUS = "vein-hover-tapered-288x256", "rod.material.plane_strain.youngs_modulus"
 PERIOD = 5.0  # Of the oscillating cylinder, s
 HOVER_PERIOD, HOVER_SPEED = 4.0, 1.4 * 2 * np.pi * 0.25  # Of the ellipse, s and m/s
 LIFT, DRAG = 1.2, 1.4  # By which Wang et al. (2004) divide the coefficients of the ellipse besides
@@ -35,6 +36,8 @@ SETTLED = {"flag": 10.0, "filament": 12.0, "shedding": 70.0, "passive": 4.0}  # 
 FILTER = 0.02  # Width of the box filter over the forces of the passive vein, s: a fiftieth of its period
 TWIN_STEP = 20  # Steps of the passive vein between two points of the motion that its rigid twin is given
 REVERSAL = 0.02  # Periods around a reversal of the stroke in which the digitised drag jumps from one sign to the other
+
+MODULI = (2.5e4, 5e4, 1e5, 2e5, 4e5)  # Of the tapered vein, Pa
 
 Changes = dict[str, Any]
 
@@ -46,7 +49,8 @@ def box(x: list[float], y: list[float]) -> Changes:
 NARROW = box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(384, 256, 0.02)
 GUST = {"table": {"times": [0.0, 2.0, 4.0, 6.0], "values": [0.0, 0.2, 0.2, 0.0]}}
 SHEDDING = {"fluid.kinematic_viscosity": 0.01, "fluid.mean_flow.y": GUST, "time.end": 100.0}
-COARSE_FLAG, THICKNESS = on_grid(480, 240, 0.0027), "beam.thickness"
+THICKNESS, BENDING = "beam.thickness", "rod.material.section.bending_stiffness"
+COARSE_FLAG = on_grid(480, 240, 0.0027)
 TALL_FLAG = box([-1.0, 4.0], [-2.5, 2.5]) | on_grid(480, 480, 0.0027)
 
 CASES: dict[str, tuple[str, Changes]] = {
@@ -68,14 +72,15 @@ CASES: dict[str, tuple[str, Changes]] = {
     "flag/480x240, 0.045": (FLAG, COARSE_FLAG | {THICKNESS: 0.045}),
     "flag/480x240, 0.03": (FLAG, COARSE_FLAG | {THICKNESS: 0.03}),
     "flag/480x480, 0.03, twice as high": (FLAG, TALL_FLAG | {THICKNESS: 0.03}),
-    "flag/720x360, 0.03": (FLAG, {THICKNESS: 0.03}),
+    "flag/640x320, 0.03": (FLAG, on_grid(640, 320, 0.002) | {THICKNESS: 0.03}),
     "flag/720x360, 0.02": (FLAG, {THICKNESS: 0.02}),
     "flag/720x360, 0.015": (FLAG, {}),
     "filament/256x256, 0.06": (FILAMENT, on_grid(256, 256, 0.0075)),
+    "filament/256x256, 0.06, EI 0.0015": (FILAMENT, on_grid(256, 256, 0.0075) | {BENDING: 0.0015}),
     "filament/384x384, 0.06": (FILAMENT, {}),
     "filament/384x384, 0.045": (FILAMENT, {THICKNESS: 0.045}),
-    "filament/512x512, 0.045": (FILAMENT, on_grid(512, 512, 0.00375) | {THICKNESS: 0.045}),
     "passive/240x240": (PASSIVE, {}),
+    **{f"tapered/{e:g}": (TAPERED, on_grid(216, 192, 5e-4) | {"time.end": 6.0, MODULUS: e}) for e in MODULI},
 }  # fmt: skip
 
 
@@ -247,6 +252,10 @@ def measured(group: str, done: nervure.Run) -> dict[str, Any]:
     """What the page shows of a run."""
     if group in ("flag", "filament"):
         return swing(done.series, "tip_uy", SETTLED[group]) | {"drag": done.summary.quantities["drag"].mean}
+    if group == "tapered":
+        averages = done.summary.flapping
+        assert averages
+        return {name: getattr(averages, name) for name in ("thrust", "power_in", "tip_by_rigid_tip", "phase_lag_deg")}
     if group == "shedding":
         return shedding(done.series)
     if group == "passive":
@@ -281,7 +290,16 @@ def draw() -> None:
 
 
 def main() -> None:
-    for group in sys.argv[1:] or ["oscillating", "hover", "stream", "shedding", "flag", "filament", "passive"]:
+    for group in sys.argv[1:] or [
+        "oscillating",
+        "hover",
+        "stream",
+        "shedding",
+        "flag",
+        "filament",
+        "passive",
+        "tapered",
+    ]:
         write_csv(show.DOCS / "flapping" / f"{group}.csv", rows(group))
     draw()
 
