@@ -31,7 +31,7 @@ TAPERED, MODULUS = "vein-hover-tapered-288x256", "rod.material.plane_strain.youn
 PERIOD = 5.0  # Of the oscillating cylinder, s
 HOVER_PERIOD, HOVER_SPEED = 4.0, 1.4 * 2 * np.pi * 0.25  # Of the ellipse, s and m/s
 LIFT, DRAG = 1.2, 1.4  # By which Wang et al. (2004) divide the coefficients of the ellipse besides
-SHOWN = "hover/640x640"  # The run of the ellipse that is drawn
+SHOWN, PASSIVE_SHOWN = "hover/640x640", "passive/240x240"  # The runs of ellipse and passive vein that are drawn
 SETTLED = {"flag": 10.0, "filament": 12.0, "shedding": 70.0, "passive": 4.0}  # From when on is evaluated, s
 FILTER = 0.02  # Width of the box filter over the forces of the passive vein, s: a fiftieth of its period
 TWIN_STEP = 20  # Steps of the passive vein between two points of the motion that its rigid twin is given
@@ -193,13 +193,10 @@ def twin(done: nervure.Run) -> dict[str, Any]:
     return scene | {"name": f"{scene['name']}-twin"}
 
 
-def passive(done: nervure.Run, rigid: Series) -> dict[str, float]:
-    """Pitching of a stiff vein on a spring, its energy balance, and the moment about its root beside that on its rigid
-    twin.
-
-    The vein asks the fluid for M = I angle'' + m x_c y'' cos(angle) + k angle, the root being driven by y. The rest is
-    the root mean square of what the fluid does to the twin less that, by the largest M, both under a box filter."""
-    series, scene, begin = done.series, done.scene.document(), SETTLED["passive"]
+def moments(done: nervure.Run, rigid: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time, the moment about its root that a stiff vein on a spring asks the fluid for, and that on its rigid twin,
+    under a box filter: M = I angle'' + m x_c y'' cos(angle) + k angle, the root being driven by y."""
+    series, scene = done.series, done.scene.document()
     time, angle = series["time"], series["hinge_angle"]
     length = scene["beam"]["length"]
     mass = scene["rod"]["material"]["section"]["line_density"] * length
@@ -208,16 +205,27 @@ def passive(done: nervure.Run, rigid: Series) -> dict[str, float]:
     rising = np.gradient(np.gradient(series["rigid_tip_uy"], time), time)
     asked = mass * length**2 / 3 * turning + mass * length / 2 * rising * np.cos(angle) + spring * angle
     asked, given = (statistics.box_filter(time, moment, FILTER) for moment in (asked, rigid["body_1_moment"]))
-    part = (time >= begin) & (time <= time[-1] - FILTER)
+    return time, asked, given
+
+
+def passive(done: nervure.Run, rigid: Series) -> dict[str, float]:
+    """Pitching of a stiff vein on a spring, its energy balance, and the root mean square of the moment on its rigid
+    twin less that which it asks for, by the largest of the latter."""
+    time, asked, given = moments(done, rigid)
+    part = (time >= SETTLED["passive"]) & (time <= time[-1] - FILTER)
     averages = done.summary.flapping
     assert averages and averages.thrust is not None
     return {
-        "amplitude_deg": float(np.degrees(swing(series, "hinge_angle", begin)["amplitude"])),
+        "amplitude_deg": float(np.degrees(swing(done.series, "hinge_angle", SETTLED["passive"])["amplitude"])),
         "missing": averages.energy_balance["missing"] or 0.0,
         "thrust": averages.thrust,
         "moment_rms": off(given[part], asked[part]),
         "moment": float(np.abs(asked[part]).max()),
     }
+
+
+def twin_folder(done: nervure.Run) -> Path:
+    return done.folder.with_name(f"{done.folder.name}-twin")
 
 
 def folder_of(name: str) -> Path:
@@ -259,15 +267,15 @@ def measured(group: str, done: nervure.Run) -> dict[str, Any]:
     if group == "shedding":
         return shedding(done.series)
     if group == "passive":
-        rigid = nervure.run(typed(twin(done)), RESULTS / f"{done.folder.name}-twin", force=True, quiet=True)
+        rigid = nervure.run(typed(twin(done)), twin_folder(done), force=True, quiet=True)
         return passive(done, rigid.series)
     if group == "oscillating":
         return oscillating(done.series)
     return fourth_period(done.series) if group == "hover" else stream(done.series, done.folder)
 
 
-def draw() -> None:
-    """Curve on curve: the force of the oscillating cylinder, lift and drag of the ellipse."""
+def draw_oscillating() -> None:
+    """Curve on curve: the force of the oscillating cylinder."""
     done = run("oscillating/600x360").series
     time, force = done["time"], done["body_1_drag"]
     share = (time - (time[-1] - PERIOD)) / PERIOD
@@ -277,6 +285,10 @@ def draw() -> None:
         {"x": published[0], "y": published[1], "marker": "o", "linestyle": "", "markersize": 3,
          "label": "Dütsch et al. 1998, digitised"},
     ], log=False)  # fmt: skip
+
+
+def draw_hover() -> None:
+    """Curve on curve: lift and drag of the ellipse."""
     figure, axes = show.panel(2, 1, (9.0, 6.0), sharex=True)
     found = hovering(run(SHOWN).series)
     for axis, name in zip(axes[:, 0], ("lift", "drag"), strict=True):
@@ -287,6 +299,21 @@ def draw() -> None:
     axes[1, 0].set_xlabel("t/T")
     axes[0, 0].legend(fontsize=8, ncols=3)
     show.save(figure, "flapping/hover", 110)
+
+
+def draw_passive() -> None:
+    """The moment that the passive vein asks for, and that on its rigid twin."""
+    done = run(PASSIVE_SHOWN)
+    time, asked, given = moments(done, nervure.read(twin_folder(done)).series)
+    part = (time >= SETTLED["passive"]) & (time <= time[-1] - FILTER)
+    show.curves("flapping/passive", ("t, strokes", "moment about the root, N m/m"), [
+        {"x": time[part], "y": asked[part], "label": "inertia and spring of the vein"},
+        {"x": time[part], "y": given[part], "linestyle": "--", "label": "on a rigid plate in the same motion"},
+    ], log=False)  # fmt: skip
+
+
+DRAWN = {"oscillating": draw_oscillating, "hover": draw_hover, "passive": draw_passive}
+"""Figures by the group of cases that they show."""
 
 
 def main() -> None:
@@ -301,7 +328,8 @@ def main() -> None:
         "tapered",
     ]:
         write_csv(show.DOCS / "flapping" / f"{group}.csv", rows(group))
-    draw()
+        if group in DRAWN:
+            DRAWN[group]()
 
 
 if __name__ == "__main__":
