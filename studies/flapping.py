@@ -78,7 +78,7 @@ CASES: dict[str, tuple[str, Changes]] = {
     "filament/256x256, 0.06": (FILAMENT, on_grid(256, 256, 0.0075)),
     "filament/256x256, 0.06, EI 0.0015": (FILAMENT, on_grid(256, 256, 0.0075) | {BENDING: 0.0015}),
     "filament/384x384, 0.06": (FILAMENT, {}),
-    "filament/384x384, 0.045": (FILAMENT, {THICKNESS: 0.045}),
+    "filament/256x256, 0.09": (FILAMENT, on_grid(256, 256, 0.0075) | {THICKNESS: 0.09}),
     "passive/240x240": (PASSIVE, {}),
     **{f"tapered/{e:g}": (TAPERED, on_grid(216, 192, 5e-4) | {"time.end": 6.0, MODULUS: e}) for e in MODULI},
 }  # fmt: skip

@@ -106,13 +106,14 @@ def ran(tmp_path, libraries):
     return ran
 
 
-def test_a_flag_flaps_as_published(ran):
-    """Connell & Yue 2007 as others quote them: amplitude 0.095 to 0.098 L, 0.92 to 0.95 U/L. A flag 0.03 thick has
-    0.082 and 1.02 here, on 64 points a length; 0.092 and 1.06 on finer grids, and thinner ones go wider and slower."""
+def test_a_flag_flaps_as_on_finer_grids(ran):
+    """0.092 L at 1.06 U/L where it is 0.03 thick; published for no thickness are 0.095 to 0.098 L. With 64 points a
+    length it is 0.082 and 1.02; 0.109 and 0.99 if the displaced fluid is not taken off its mass, 0.072 and 0.84 if it
+    is twice as stiff."""
     coarse = simulate.on_grid(320, 160, 0.004) | {"beam.thickness": 0.03, "beam.segments": 48, "time.end": 12.0}
     found = cases.swing(ran(cases.FLAG, coarse).series, "tip_uy", 6.0)
-    assert found["amplitude"] == pytest.approx(0.0965, rel=0.2), found
-    assert found["frequency"] == pytest.approx(0.935, rel=0.12), found
+    assert found["amplitude"] == pytest.approx(0.092, rel=0.15), found
+    assert found["frequency"] == pytest.approx(1.06, rel=0.08), found
 
 
 def test_a_hanging_filament_flaps_as_on_finer_grids(ran):
