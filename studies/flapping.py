@@ -69,7 +69,7 @@ CASES: dict[str, tuple[str, Changes]] = {
     "stream/384x256, Re 20": (STREAM, NARROW | {"fluid.kinematic_viscosity": 0.05}),
     "shedding/384x256": (STREAM, NARROW | SHEDDING),
     "shedding/384x512": (STREAM, SHEDDING),
-    "flag/480x240, 0.045": (FLAG, COARSE_FLAG | {THICKNESS: 0.045}),
+    "flag/480x240, 0.02": (FLAG, COARSE_FLAG | {THICKNESS: 0.02}),
     "flag/480x240, 0.03": (FLAG, COARSE_FLAG | {THICKNESS: 0.03}),
     "flag/480x480, 0.03, twice as high": (FLAG, TALL_FLAG | {THICKNESS: 0.03}),
     "flag/640x320, 0.03": (FLAG, on_grid(640, 320, 0.002) | {THICKNESS: 0.03}),
