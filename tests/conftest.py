@@ -57,6 +57,36 @@ FLUID_ONLY = {
 """A cylinder in the middle of a uniform stream that starts at once."""
 
 
+TWO_RODS = {
+    "name": "two",
+    "time": {"end": 0.3, "communication_step": 2e-3},
+    "fluid": {
+        "box": {"x": [0.0, 4.0], "y": [-1.0, 1.0], "cells": [128, 64]},
+        "density": 1.0,
+        "kinematic_viscosity": 5e-3,
+        "initial_velocity": [1.0, 0.0],
+        "mean_flow": {"x": {"steady": 1.0}},
+        "mask": {"log_linear": {"c_eta": 1e-3}},
+        "time_stepping": {"max_step": 2e-3, "max_cfl": 0.3},
+    },
+    "rods": [
+        {
+            "name": name,
+            "beam": {
+                "root": {"at": {"position": [1.0, side * 0.25], "direction": [1.0, side * 0.2]}},
+                "length": 1.0,
+                "thickness": 0.1,
+                "segments": 16,
+            },
+            "rod": {
+                "material": {"section": {"line_density": 0.3, "bending_stiffness": 2e-3, "axial_stiffness": 200.0}}
+            },
+        }
+        for name, side in (("upper", 1), ("lower", -1))
+    ],
+}
+
+
 @pytest.fixture(scope="session")
 def libraries():
     """Both libraries, built from the sources as they are; those in `NERVURE_LIBRARIES` are taken as they are."""
@@ -88,6 +118,12 @@ def rod_only():
 @pytest.fixture
 def fluid_only():
     return copy.deepcopy(FLUID_ONLY)
+
+
+@pytest.fixture
+def two_rods():
+    """Two equal rods in a stream, mirror images at y = 0, where the grid has a row."""
+    return copy.deepcopy(TWO_RODS)
 
 
 @pytest.fixture(scope="session", autouse=True)

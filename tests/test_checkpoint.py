@@ -22,7 +22,7 @@ TIMES = ("wall_s", "cpu_s", "wall_s_per_simulated_s", "phases_s")
 
 
 @pytest.fixture
-def scenes(rod_only, fluid_only, small_fsi3):
+def scenes(rod_only, fluid_only, small_fsi3, two_rods):
     """Small scenes by kind; each is long enough to be killed on its way."""
     rod_only["time"]["end"], fluid_only["time"]["end"], small_fsi3["time"]["end"] = 4.0, 6.0, 0.8
     iterated = json.loads(json.dumps(small_fsi3))
@@ -30,7 +30,9 @@ def scenes(rod_only, fluid_only, small_fsi3):
     iterated["fluid"]["mask"] = {"cosine": {"c_eta": 1e-3, "half_width": 1.0}}
     aitken = json.loads(json.dumps(iterated))
     aitken["coupling"]["scheme"]["iterated"]["acceleration"] = "aitken"
-    return {"rod": rod_only, "fluid": fluid_only, "explicit": small_fsi3, "iqn_ils": iterated, "aitken": aitken}
+    two_rods["coupling"], two_rods["time"]["end"] = {"load": "pressure_jump"}, 0.6
+    scenes = {"rod": rod_only, "fluid": fluid_only, "explicit": small_fsi3, "iqn_ils": iterated, "aitken": aitken}
+    return scenes | {"several": two_rods}
 
 
 def run_scene_of(scene, tmp_path, *arguments):
@@ -75,7 +77,7 @@ def saved(fluid_only, start, tmp_path):
     return kept
 
 
-@pytest.mark.parametrize("kind", ["rod", "fluid", "explicit", "iqn_ils", "aitken"])
+@pytest.mark.parametrize("kind", ["rod", "fluid", "explicit", "iqn_ils", "aitken", "several"])
 def test_a_killed_run_goes_on_as_if_nothing_had_been(kind, scenes, tmp_path):
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(scenes[kind]))

@@ -122,7 +122,7 @@ def powered(took, gave):
     """A pair under the momentum load, with the power that the rod takes and the fluid gives in step i."""
     rod = Powered("rod", ["force_x", "force_y", "impedance"], ["x", "y", "vx", "vy"], "load.power", took)
     fluid = Powered("fluid", ["x", "y", "vx", "vy"], ["force_x", "force_y", "impedance"], "beam.power", gave)
-    return rod, fluid
+    return [rod], fluid
 
 
 def steps_made(scheme, steps):
@@ -148,7 +148,7 @@ def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not()
     def made(took, guards=Guards()):
         rod = Powered("rod", ["pressure_jump"], ["x", "y", "vx", "vy"], "load.power", took)
         fluid = Powered("fluid", ["x", "y", "vx", "vy"], ["pressure_jump"], "beam.power", lambda i: 0.0)
-        return coupling.Explicit(rod, fluid, guards=guards)
+        return coupling.Explicit([rod], fluid, guards=guards)
 
     swing, noise = lambda i: np.sin(0.05 * i), lambda i: np.cos(3.1 * i)
     assert steps_made(made(lambda i: swing(i) + 0.1 * noise(i)), 3000) == (3000, "")
@@ -172,23 +172,23 @@ def test_a_guard_can_be_off():
 
 def test_guards_are_on_unless_a_unit_is_foreign_or_the_scene_says_so():
     def watch(given, foreign):
-        rod, fluid = powered(float, float)
-        return coupling.couple({"rod": rod, "fluid": fluid}, given, foreign=foreign).watch
+        [rod], fluid = powered(float, float)
+        return [watch.guards for watch in coupling.couple({"rod": rod, "fluid": fluid}, given, foreign=foreign).watches]
 
-    assert watch(None, False).guards == Guards()
-    assert watch(None, True) is None and watch(Coupling(load="momentum"), True) is None
-    assert watch(Coupling(guards={"window_steps": 7}), True).guards.window_steps == 7
+    assert watch(None, False) == [Guards()]
+    assert watch(None, True) == [] == watch(Coupling(load="momentum"), True)
+    assert watch(Coupling(guards={"window_steps": 7}), True)[0].window_steps == 7
 
 
 def test_guards_that_a_unit_has_no_powers_for_are_refused():
-    rod, fluid = powered(float, float)
+    [rod], fluid = powered(float, float)
     fluid.power = "power"
     with pytest.raises(coupling.CouplingError, match="need the output `beam.power`, which the fluid does not have"):
         coupling.couple({"rod": rod, "fluid": fluid}, Coupling(guards=Guards()), foreign=True)
 
 
 def test_scheme_follows_the_load_that_the_rod_takes():
-    rod, fluid = powered(float, float)
+    [rod], fluid = powered(float, float)
     made = coupling.couple({"rod": rod, "fluid": fluid}, Coupling())
     assert type(made) is coupling.Explicit and made.choice.load == "momentum", made.choice
     made = coupling.couple({"rod": Spring(), "fluid": AddedMass()}, None)
@@ -202,7 +202,7 @@ def test_scheme_follows_the_load_that_the_rod_takes():
 
 def test_parallel_exchange_gives_the_fluid_the_stations_of_the_step_before():
     rod, fluid = Spring(), AddedMass()
-    scheme = coupling.ParallelExplicit(rod, fluid)
+    scheme = coupling.ParallelExplicit([rod], fluid)
     scheme.start()
     scheme.step(0.0, 1e-2)
     moved = rod.outputs.copy()
@@ -220,7 +220,7 @@ def fsi3_run(start, step, end=0.5, segments=42):
     scene["coupling"] = {}
     scheme = start(scene)
     clock = master.Clock(end, step)
-    recorder = Recorder({"rod": scheme.rod, "fluid": scheme.fluid}, clock.steps)
+    recorder = Recorder({"rod": scheme.rods[0], "fluid": scheme.fluid}, clock.steps)
     recorder.record(0, 0.0, 0)
     for i in range(clock.steps):
         t, h = clock.step(i)
@@ -230,9 +230,9 @@ def fsi3_run(start, step, end=0.5, segments=42):
 
 
 def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
-    """What the rod took was announced, what the fluid exerted came a step later, when the mask had moved on: the work
-    differs by a fifth of a per cent, the force by half a per cent, and both by five sixths of that with half the
-    step."""
+    """What the rod took was announced for where the stations go on to, and exerted where they went: the work differs
+    by less than a ten-thousandth, the force by less than a thousandth, and both by less with half the step. With the
+    load of the mask where it is, they are thirty and ten times as far apart."""
     found = []
     for step in (4e-4, 2e-4):
         series = fsi3_run(start, step)
@@ -243,7 +243,7 @@ def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
         found.append((apart, np.std(force) / np.std(series["beam_load_y"])))
         assert interface(series).exchanged == pytest.approx(exchanged)
     (work, force), (work_half, force_half) = found
-    assert work < 2.5e-3 and force < 6e-3, found
+    assert work < 1e-4 and force < 1e-3, found
     assert work_half < 0.9 * work and force_half < 0.9 * force, found
 
 

@@ -22,7 +22,9 @@ pytestmark = pytest.mark.usefixtures("libraries")
 def write(scene, start, folder, interval):
     """Run `scene` in this process with fields; returns its units and field files."""
     scheme = start(scene)
-    units = {"rod": scheme.rod, "fluid": scheme.fluid} if hasattr(scheme, "rod") else {scheme.unit.name: scheme.unit}
+    units = (
+        {"rod": scheme.rods[0], "fluid": scheme.fluid} if hasattr(scheme, "rods") else {scheme.unit.name: scheme.unit}
+    )
     clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
     kept = fields.Fields(folder, typed(scene), units, clock, interval, 0)
     watch = kept.watch(pytest.fail)

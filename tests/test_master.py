@@ -90,26 +90,26 @@ def monolithic():
 
 
 def run(scheme, clock=CLOCK, stopping=lambda: False):
-    recorder = Recorder({"rod": scheme.rod, "fluid": scheme.fluid}, clock.steps)
+    recorder = Recorder({"rod": scheme.rods[0], "fluid": scheme.fluid}, clock.steps)
     return master.run(scheme, clock, recorder, stopping=stopping), recorder
 
 
 def test_iterated_scheme_gives_the_monolithic_solution_at_ten_times_the_mass():
-    scheme = coupling.Iterated(Spring(), AddedMass(), Iterated(tolerance=1e-8, max_iterations=20))
+    scheme = coupling.Iterated([Spring()], AddedMass(), Iterated(tolerance=1e-8, max_iterations=20))
     outcome, recorder = run(scheme)
     assert outcome.error is None
-    assert scheme.rod.state["q"] == pytest.approx(monolithic(), rel=1e-6)
+    assert scheme.rods[0].state["q"] == pytest.approx(monolithic(), rel=1e-6)
     assert recorder.series["iterations"][1:].max() <= 5, "Aitken's relaxation is exact for one unknown"
 
 
 def test_explicit_scheme_blows_up_at_ten_times_the_mass():
-    scheme = coupling.Explicit(Spring(), AddedMass())
+    scheme = coupling.Explicit([Spring()], AddedMass())
     run(scheme)
-    assert abs(scheme.rod.state["q"]) > 1e6 * monolithic()
+    assert abs(scheme.rods[0].state["q"]) > 1e6 * monolithic()
 
 
 def test_iteration_that_does_not_converge_names_time_residual_and_limit():
-    outcome, recorder = run(coupling.Iterated(Spring(), AddedMass(), Iterated(tolerance=1e-8, max_iterations=2)))
+    outcome, recorder = run(coupling.Iterated([Spring()], AddedMass(), Iterated(tolerance=1e-8, max_iterations=2)))
     assert not outcome.completed
     assert "from t = 0 s to 0.01 s did not converge in 2 iterations" in outcome.error, outcome.error
     assert "residual" in outcome.error and "limit" in outcome.error, outcome.error
@@ -121,21 +121,21 @@ def test_iterated_scheme_refuses_the_momentum_load():
     for unit, causality in ((rod, "input"), (fluid, "output")):
         unit.variables["impedance"] = Variable("impedance", "Real", causality, "m", [0, 1], [None] * 2)
     with pytest.raises(coupling.CouplingError, match="needs the load pressure_jump"):
-        coupling.Iterated(rod, fluid, Iterated())
+        coupling.Iterated([rod], fluid, Iterated())
 
 
 def test_iterated_scheme_refuses_a_unit_without_rollback():
     rod = Spring()
     rod.can_roll_back = False
     with pytest.raises(coupling.CouplingError, match="the rod cannot restore its state"):
-        coupling.Iterated(rod, AddedMass(), Iterated())
+        coupling.Iterated([rod], AddedMass(), Iterated())
 
 
 def test_missing_output_is_named():
     rod = Spring()
     del rod.variables["vy"]
     with pytest.raises(coupling.CouplingError, match="fluid has the input `vy`, but the rod has no such output"):
-        coupling.Explicit(rod, AddedMass())
+        coupling.Explicit([rod], AddedMass())
 
 
 @pytest.mark.parametrize(
@@ -151,11 +151,11 @@ def test_quantities_that_do_not_fit_are_named(change, message):
     for field, value in change.items():
         setattr(rod.variables["y"], field, value)
     with pytest.raises(coupling.CouplingError, match=message):
-        coupling.Explicit(rod, AddedMass())
+        coupling.Explicit([rod], AddedMass())
 
 
 def test_a_failing_unit_leaves_what_was_computed_before():
-    scheme = coupling.Explicit(Spring(), AddedMass())
+    scheme = coupling.Explicit([Spring()], AddedMass())
 
     def fail(t, _h):
         if t >= 0.1:
@@ -169,7 +169,7 @@ def test_a_failing_unit_leaves_what_was_computed_before():
 
 def test_a_stopped_run_is_not_completed():
     asked = iter([False] * 7 + [True])
-    outcome, recorder = run(coupling.Explicit(Spring(), AddedMass()), stopping=lambda: next(asked))
+    outcome, recorder = run(coupling.Explicit([Spring()], AddedMass()), stopping=lambda: next(asked))
     assert (outcome.error, outcome.completed, outcome.steps) == (None, False, 7)
     assert recorder.rows == 8
 

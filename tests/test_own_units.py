@@ -130,7 +130,7 @@ def test_frequency_and_decay_in_the_analytic_fluid(still, own, open_unit, foreig
     scene = still(density)
     rod, fluid = open_unit(own("rod", scene, foreign_rod), "rod"), open_unit(own("fluid", scene, True), "fluid")
     fluid.fmu.setReal(fluid.variables["linear_drag"].references, [linear_drag])
-    coupled = coupling.Explicit(rod, fluid)
+    coupled = coupling.Explicit([rod], fluid)
     coupled.start()
     clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
     times, tip = [], []

@@ -14,7 +14,7 @@ def advance(scheme, begin, count, h=2e-4):
     shown = []
     for i in range(begin, begin + count):
         scheme.step(i * h, h)
-        shown += [scheme.rod.outputs.copy(), scheme.fluid.outputs.copy()]
+        shown += [scheme.rods[0].outputs.copy(), scheme.fluid.outputs.copy()]
     fields = [scheme.fluid.field(name).ravel() for name in ("u", "v", "p", "vorticity")]
     return np.concatenate(shown + fields)
 
@@ -28,7 +28,7 @@ def assert_same_bits(first, second):
 def test_the_flow_reaches_the_rod(small_fsi3, start):
     scheme = start(small_fsi3)
     advance(scheme, 0, STEPS)
-    assert np.abs(output(scheme.rod, "vx")).max() > 0
+    assert np.abs(output(scheme.rods[0], "vx")).max() > 0
     assert np.abs(output(scheme.fluid, "force_x")).max() > 0
 
 
@@ -39,20 +39,20 @@ def test_a_repeated_run_is_the_same(small_fsi3, start):
 def test_a_restored_state_continues_the_same_way(small_fsi3, start):
     scheme = start(small_fsi3)
     advance(scheme, 0, STEPS)
-    before = scheme.rod.outputs.copy(), scheme.fluid.outputs.copy()
-    scheme.rod.save()
+    before = scheme.rods[0].outputs.copy(), scheme.fluid.outputs.copy()
+    scheme.rods[0].save()
     scheme.fluid.save()
     first = advance(scheme, STEPS, STEPS)
-    scheme.rod.restore()
+    scheme.rods[0].restore()
     scheme.fluid.restore()
-    scheme.rod.outputs[:], scheme.fluid.outputs[:] = before
+    scheme.rods[0].outputs[:], scheme.fluid.outputs[:] = before
     assert_same_bits(first, advance(scheme, STEPS, STEPS))
 
 
 def test_a_restored_unit_shows_what_it_showed_when_saved(small_fsi3, start):
     scheme = start(small_fsi3)
     advance(scheme, 0, STEPS)
-    for unit in (scheme.rod, scheme.fluid):
+    for unit in (scheme.rods[0], scheme.fluid):
         before = unit.outputs.copy()
         unit.save()
         unit.step(STEPS * 2e-4, 2e-4)
@@ -65,7 +65,7 @@ def test_a_restored_unit_shows_what_it_showed_when_saved(small_fsi3, start):
 def test_a_serialized_state_continues_the_same_way_in_another_instance(small_fsi3, start):
     one, other = start(small_fsi3), start(small_fsi3)
     advance(one, 0, STEPS)
-    for source, target in ((one.rod, other.rod), (one.fluid, other.fluid)):
+    for source, target in ((one.rods[0], other.rods[0]), (one.fluid, other.fluid)):
         source.save()
         text = source.fmu.serializeFMUstate(source.state)
         target.fmu.deSerializeFMUstate(text, target.state)
@@ -78,15 +78,15 @@ def test_a_state_of_another_size_has_another_layout(small_fsi3, start):
     """Whoever changes what a state holds raises STATE_LAYOUT of the unit, so that the states of before are refused."""
     scheme = start(small_fsi3)
     found = {}
-    for unit in (scheme.rod, scheme.fluid):
+    for unit in (scheme.rods[0], scheme.fluid):
         state = unit.serialize()
         name = state[14 : 14 + state[12]].decode()
         found[unit.name] = name[name.index("layout") :], len(state) - 14 - state[12]
-    assert found == {"rod": ("layout 1 of its state)", 3273), "fluid": ("layout 1 of its state)", 370804)}
+    assert found == {"rod": ("layout 1 of its state)", 3273), "fluid": ("layout 1 of its state)", 370805)}
 
 
 def test_a_corrupted_state_is_refused(small_fsi3, start):
-    rod = start(small_fsi3).rod
+    rod = start(small_fsi3).rods[0]
     rod.save()
     text = bytearray(rod.fmu.serializeFMUstate(rod.state))
     text[len(text) // 2] ^= 1

@@ -232,6 +232,15 @@ def test_ctrl_c_ends_a_sweep_without_a_traceback(moment, scene, tmp_path):
     assert len(workers) > 1 and not psutil.wait_procs(workers, timeout=10)[1]
 
 
+def test_ctrl_c_is_raised_where_the_sweep_asks_for_it():
+    """Not where it comes: in a destructor it would be lost."""
+    with sweep._remembering() as check:
+        check()
+        signal.raise_signal(signal.SIGINT)
+        with pytest.raises(KeyboardInterrupt):
+            check()
+
+
 @pytest.mark.parametrize(
     ("variations", "message"),
     [

@@ -5,7 +5,7 @@ mod variables;
 
 use std::slice::from_ref;
 
-use fluid::{Fluid, Loads, Stations};
+use fluid::{Fluid, Stations};
 use fmi2::{Description, Log, Model, Resources, Variable, require_memory};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -24,19 +24,11 @@ struct FluidUnit {
 #[derive(Clone, Serialize, Deserialize)]
 struct State {
     parameters: Parameters,
-    stations: Option<Stations>,
+    stations: Vec<Stations>,
     fluid: fluid::State,
 }
 
 impl FluidUnit {
-    fn stations(&mut self) -> &mut Stations {
-        self.fluid.stations_mut().expect("a scene without a beam has no variable of its stations")
-    }
-
-    fn loads(&self) -> &Loads {
-        self.fluid.loads().expect("a scene without the momentum load has no variable of it")
-    }
-
     /// Make the solver anew if a parameter is not the one that it was made with.
     fn set_parameters(&mut self, parameters: Parameters) -> Result<(), String> {
         self.parameters = parameters;
@@ -49,9 +41,7 @@ impl FluidUnit {
         let checked = self.scene.check().map_err(|e| e.to_string());
         match checked.and_then(|()| new_fluid(&self.scene)) {
             Ok(mut fluid) => {
-                if let Some((stations, set)) = fluid.stations_mut().zip(self.fluid.stations()) {
-                    stations.copy_from(set);
-                }
+                fluid.stations_mut().iter_mut().zip(self.fluid.stations()).for_each(|(own, set)| own.copy_from(set));
                 self.fluid = fluid;
             }
             Err(message) => {
@@ -108,7 +98,7 @@ impl Model for FluidUnit {
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
-        let (grid, stations) = (self.fluid.grid(), self.fluid.stations().map_or(0, Stations::len));
+        let (grid, stations) = (self.fluid.grid(), self.fluid.stations().iter().map(Stations::len).sum::<usize>());
         log.info(format_args!("{} x {} cells, {stations} stations, start at t = {start} s", grid.nx, grid.ny));
         Ok(())
     }
@@ -122,27 +112,26 @@ impl Model for FluidUnit {
     }
 
     fn save(&self) -> State {
-        State { parameters: self.parameters, stations: self.fluid.stations().cloned(), fluid: self.fluid.state() }
+        State { parameters: self.parameters, stations: self.fluid.stations().to_vec(), fluid: self.fluid.state() }
     }
 
     fn restore(&mut self, state: &State) -> Result<(), String> {
         self.set_parameters(state.parameters)?;
         self.fluid.restore(&state.fluid).map_err(|e| e.to_string())?;
-        if let Some(stations) = self.fluid.stations_mut() {
-            match &state.stations {
-                Some(known) if known.has_shape_of(stations) => stations.copy_from(known),
-                _ => return Err("its stations are not as many as those of this beam".into()),
-            }
+        let (own, known) = (self.fluid.stations_mut(), &state.stations);
+        if own.len() != known.len() || own.iter().zip(known).any(|(own, known)| !known.has_shape_of(own)) {
+            return Err("its stations are not as many as those of this beam".into());
         }
+        own.iter_mut().zip(known).for_each(|(own, known)| own.copy_from(known));
         Ok(())
     }
 
     /// `vorticity`, `u`, `v` and `p`, in SI units, x the slow axis.
     fn field(&mut self, name: &str) -> Option<([usize; 2], Vec<f64>)> {
         let values = match name {
-            "vorticity" => self.fluid.vorticity().to_vec(),
-            "u" => self.fluid.velocity(0).to_vec(),
-            "v" => self.fluid.velocity(1).to_vec(),
+            "vorticity" => self.fluid.vorticity().into_owned(),
+            "u" => self.fluid.velocity(0).into_owned(),
+            "v" => self.fluid.velocity(1).into_owned(),
             "p" => self.fluid.pressure(),
             _ => return None,
         };

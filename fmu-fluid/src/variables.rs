@@ -12,10 +12,10 @@ type Variable = fmi2::Variable<FluidUnit>;
 /// The variables of a unit; the parts that its scene has not are left out.
 pub fn of(unit: &FluidUnit) -> Vec<Variable> {
     let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
-    let (cylinders, bodies, beam) = (part.cylinders.len(), part.bodies.len(), unit.scene.beam.is_some());
+    let (cylinders, bodies, beams) = (part.cylinders.len(), part.bodies.len(), unit.fluid.stations().len());
     let mut list = parameters_and_totals();
-    if cylinders > 0 || bodies > 0 || beam {
-        let all = if bodies > 0 { "all bodies" } else { "all cylinders and the beam" };
+    if cylinders > 0 || bodies > 0 || beams > 0 {
+        let all = if bodies > 0 || beams > 1 { "all bodies" } else { "all cylinders and the beam" };
         let text = |axis| format!("Force of the fluid on {all} along {axis}, per metre of depth");
         list.push(output("drag", "N/m", text("x"), |fluid| fluid.force()[0]));
         list.push(output("lift", "N/m", text("y"), |fluid| fluid.force()[1]));
@@ -29,9 +29,11 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
         list.extend(force(&name, &body, "its pivot", move |fluid| fluid.force_on_body(k)));
         list.extend(motion(&name, &body, k));
     }
-    if beam {
-        list.extend(force("beam", "the beam", "its root", |fluid| fluid.force_on_beam().unwrap_or_default()));
-        list.extend(exchange());
+    for k in 0..beams {
+        // One beam has the names without a number.
+        let [name, beam] = if beams == 1 { ["beam".into(), "the beam".into()] } else { numbered(k) };
+        list.extend(force(&name, &beam, "its root", move |fluid| fluid.force_on_beam(k)));
+        list.extend(exchange(&name, k));
     }
     for (k, probe) in part.probes.iter().enumerate() {
         let (name, [x, y]) = (&probe.name, probe.position);
@@ -42,10 +44,16 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
             output(format!("probe.{name}.p"), "Pa", text("Static pressure"), move |f| f.probe_pressure(k)),
         ]);
     }
-    if let Some(stations) = unit.fluid.stations() {
-        list.extend(station_variables(stations.len(), unit.fluid.loads().is_some()));
+    for (k, stations) in unit.fluid.stations().iter().enumerate() {
+        let prefix = if beams == 1 { String::new() } else { format!("{}.", numbered(k)[0]) };
+        list.extend(station_variables(&prefix, k, stations.len(), !unit.fluid.loads().is_empty()));
     }
     list
+}
+
+/// Name of the variables of beam number `k` from 0 among several, and what texts call it.
+fn numbered(k: usize) -> [String; 2] {
+    [format!("beam[{}]", k + 1), format!("beam {}", k + 1)]
 }
 
 /// A number that is read off the fluid when it is asked for.
@@ -117,40 +125,39 @@ fn motion(name: &str, body: &str, k: usize) -> [Variable; 4] {
     ]
 }
 
-/// What the fluid did to the beam in the last step, to be compared with what the rod took.
-fn exchange() -> [Variable; 4] {
+/// What the fluid did to beam number `k` in the last step, to be compared with what its rod took.
+fn exchange(name: &str, k: usize) -> [Variable; 4] {
     let sum = |axis| format!("Sum of what the fluid exerted on the stations along {axis}: no unsteady term");
     let power = "Power of what the fluid exerted on the stations, at the end of the step";
     let work = "Its work since the start: the sum of power times step";
     [
-        output("beam.load_x", "N/m", sum("x"), |fluid| fluid.exchange().unwrap_or_default().force[0]),
-        output("beam.load_y", "N/m", sum("y"), |fluid| fluid.exchange().unwrap_or_default().force[1]),
-        output("beam.power", "W/m", power, |fluid| fluid.exchange().unwrap_or_default().power),
-        output("beam.work", "J/m", work, |fluid| fluid.exchange().unwrap_or_default().work),
+        output(format!("{name}.load_x"), "N/m", sum("x"), move |fluid| fluid.exchange()[k].force[0]),
+        output(format!("{name}.load_y"), "N/m", sum("y"), move |fluid| fluid.exchange()[k].force[1]),
+        output(format!("{name}.power"), "W/m", power, move |fluid| fluid.exchange()[k].power),
+        output(format!("{name}.work"), "J/m", work, move |fluid| fluid.exchange()[k].work),
     ]
 }
 
-/// Motion of `n` stations in, pressure jump and, where the scene has them, loads out.
-fn station_variables(n: usize, loads: bool) -> Vec<Variable> {
+/// Motion of the `n` stations of beam number `k` in, pressure jump and, where the scene has them, loads out.
+fn station_variables(prefix: &str, k: usize, n: usize, loads: bool) -> Vec<Variable> {
     let (position, velocity) =
         ("Position of the stations at the end of the step", "Velocity of the stations at the end of the step");
     let (jump, load) = ("Pressure above minus below the beam", "Load on the stations for the coming step");
     let impedance = "Rate at which the load falls with the station's velocity";
+    let name = |name: &str| format!("{prefix}{name}");
     let mut list = vec![
-        Real::input("x", "m", position, |m| &mut m.stations().position[0]).array(n),
-        Real::input("y", "m", position, |m| &mut m.stations().position[1]).array(n),
-        Real::input("vx", "m/s", velocity, |m| &mut m.stations().velocity[0]).array(n),
-        Real::input("vy", "m/s", velocity, |m| &mut m.stations().velocity[1]).array(n),
-        Real::output("pressure_jump", "Pa", jump, |m| m.fluid.pressure_jump().unwrap_or_default())
-            .array(n)
-            .depends_on(&[]),
+        Real::input(name("x"), "m", position, move |m| &mut m.fluid.stations_mut()[k].position[0]).array(n),
+        Real::input(name("y"), "m", position, move |m| &mut m.fluid.stations_mut()[k].position[1]).array(n),
+        Real::input(name("vx"), "m/s", velocity, move |m| &mut m.fluid.stations_mut()[k].velocity[0]).array(n),
+        Real::input(name("vy"), "m/s", velocity, move |m| &mut m.fluid.stations_mut()[k].velocity[1]).array(n),
+        Real::output(name("pressure_jump"), "Pa", jump, move |m| &m.fluid.pressure_jump()[k]).array(n).depends_on(&[]),
     ];
     if loads {
         list.extend(
             [
-                Real::output("force_x", "N/m", load, |m| &m.loads().force[0]),
-                Real::output("force_y", "N/m", load, |m| &m.loads().force[1]),
-                Real::output("impedance", "kg/(m.s)", impedance, |m| &m.loads().impedance),
+                Real::output(name("force_x"), "N/m", load, move |m| &m.fluid.loads()[k].force[0]),
+                Real::output(name("force_y"), "N/m", load, move |m| &m.fluid.loads()[k].force[1]),
+                Real::output(name("impedance"), "kg/(m.s)", impedance, move |m| &m.fluid.loads()[k].impedance),
             ]
             .map(|variable| variable.array(n).depends_on(&[])),
         );

@@ -20,7 +20,10 @@ const STATE_BYTES_PER_STATION: usize = 250;
 
 /// The rod of a scene.
 struct RodUnit {
+    /// With this rod alone.
     scene: Scene,
+    /// Whether it is one of several, whose name is in that of its scene.
+    several: bool,
     parameters: Parameters,
     body: Body,
     /// Where the master wants the root at the end of the next step.
@@ -508,7 +511,10 @@ impl Model for RodUnit {
     type State = State;
 
     fn load(resources: &Resources) -> Result<Self, String> {
-        let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
+        let whole = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
+        let load = whole.chosen_load().map(|(load, reason)| [load.name().to_string(), reason]).unwrap_or_default();
+        let scene =
+            whole.of_unit().ok_or("the scene has several rods, but no key `unit` that says which this one is")?;
         let stations = scene.beam.as_ref().map_or(0, |beam| beam.segments + 1);
         require_memory(BYTES_PER_STATION * stations)?;
         let dimension = scene.beam.as_ref().map_or(2, |beam| scene.dimension(beam));
@@ -519,7 +525,8 @@ impl Model for RodUnit {
         let angle = direction[1].atan2(direction[0]);
         let mut unit = Self {
             parameters: either!(&body, rod => Parameters::of(rod)),
-            load: scene.chosen_load().map(|(load, reason)| [load.name().to_string(), reason]).unwrap_or_default(),
+            load,
+            several: !whole.rods.is_empty(),
             scene,
             body,
             root: RootInputs { position, velocity: still, angle, omega: 0.0, direction, direction_rate: still },
@@ -539,7 +546,7 @@ impl Model for RodUnit {
             Hold::Free => "free at its root",
         };
         Description {
-            model_name: format!("{}.rod", self.scene.name),
+            model_name: if self.several { self.scene.name.clone() } else { format!("{}.rod", self.scene.name) },
             text: format!("Elastic mass-spring rod, {root}, implicit in time"),
             author: "The nervure developers".into(),
             copyright: "Copyright (c) 2026 The nervure developers".into(),

@@ -189,12 +189,12 @@ pub fn scene(data: &[u8]) {
     // What is allowed and takes long is left out.
     let cells = scene.fluid.as_ref().map_or(0, |fluid| fluid.domain.cells.iter().product());
     let threads = scene.fluid.as_ref().map_or(1, |fluid| fluid.threads);
-    if cells > 2048 || threads > 2 || scene.beam.as_ref().is_some_and(|beam| beam.segments > 64) {
+    if cells > 2048 || threads > 2 || scene.beams().any(|beam| beam.segments > 64) {
         return;
     }
     let own = scene.fluid.as_ref().map(|fluid| fluid.time_stepping.max_step);
-    let rods = scene.rod.as_ref().and_then(|rod| rod.max_step);
-    let h = [own, rods].into_iter().flatten().fold(scene.time.communication_step, f64::min);
+    let rods = scene.rod.iter().chain(scene.rods.iter().map(|own| &own.rod)).filter_map(|rod| rod.max_step);
+    let h = own.into_iter().chain(rods).fold(scene.time.communication_step, f64::min);
     std::fs::write(FOLDER.join("scene.json"), text).expect("the scene can be written");
     let Some(unit) = Unit::new(&FOLDER) else { return };
     unit.outputs();

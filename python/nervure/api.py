@@ -1,7 +1,7 @@
 """What a Python program does with scenes and runs: `nervure.load`, `nervure.inspect`, `nervure.run`, `nervure.read`."""
 
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -74,7 +74,7 @@ def run(
     output: str | Path | None = None,
     *,
     overrides: Iterable[str] = (),
-    rod_fmu: Path | None = None,
+    rod_fmu: Path | Mapping[str, Path] | None = None,
     fluid_fmu: Path | None = None,
     checkpoint_every: float | None = None,
     fields_every: float | None = None,
@@ -85,9 +85,9 @@ def run(
 ) -> Run:
     """Run a scene, an object or the name of one, into the folder `output` or results/NAME.
 
-    `overrides` (key=value), the FMUs in the place of ours, the minutes between checkpoints, the seconds between fields
-    and between rows of the series, `force`, which replaces results of another scene, and `fmi`, the version of our
-    units, are those of `nervure run`.
+    `overrides` (key=value), the FMUs in the place of ours, of several rods by their names, the minutes between
+    checkpoints, the seconds between fields and between rows of the series, `force`, which replaces results of another
+    scene, and `fmi`, the version of our units, are those of `nervure run`.
     Raises `Refusal` where something that was given cannot be used, `RunError` where the run failed and
     `KeyboardInterrupt` where it was interrupted; in the last two cases the results so far are written.
     """
@@ -97,7 +97,12 @@ def run(
         raise Refusal(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
     if fmi not in (2, 3):
         raise Refusal(f"fmi is {fmi!r}, but must be 2 or 3")
-    foreign = {"rod": rod_fmu, "fluid": fluid_fmu}
+    if rod_fmu is not None and not isinstance(rod_fmu, Mapping):
+        if scene.rods:
+            raise Refusal(f"rod_fmu is {rod_fmu}, but the scene has several rods: it must be a dict by their names")
+        rod_fmu = {"rod": rod_fmu}
+    rods = {name: Path(path) for name, path in (rod_fmu or {}).items()}
+    foreign = simulation.replaced(scene, rods, fluid_fmu)
     if output == "":
         raise Refusal("the output is empty, but it must be the path of a folder")
     folder = None if output is None else Path(output)

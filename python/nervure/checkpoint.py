@@ -18,11 +18,11 @@ from nervure.coupling import Single
 from nervure.errors import Refusal
 from nervure.files import write_whole
 from nervure.recorder import Recorder
-from nervure.scene import Scene
+from nervure.scene import Scene, called
 from nervure.unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
-FORMAT = 5
+FORMAT = 6
 About = dict[str, Any]  # What a checkpoint says in JSON, as a whole or of one thing
 EXCHANGED = ("inputs", "outputs", "integers")  # The arrays of a unit that the next step or the next row may need
 
@@ -107,13 +107,14 @@ class Checkpoint:
             here, there = unit.description.guid, about["guids"][kind]
             if here != there:
                 raise CheckpointError(
-                    f"the checkpoint {kept.path} is of another {kind}: its GUID is {here} here, but {there} there"
+                    f"the checkpoint {kept.path} is of another {called(kind)}: its GUID is {here} here, but {there} "
+                    "there"
                 )
             try:
                 unit.deserialize(arrays[f"{kind}_state"].tobytes())
             except UnitError as error:
                 raise CheckpointError(
-                    f"the checkpoint {kept.path} is of another build of the {kind}: {error}"
+                    f"the checkpoint {kept.path} is of another build of the {called(kind)}: {error}"
                 ) from error
             for name in EXCHANGED:
                 getattr(unit, name)[:] = arrays[f"{kind}_{name}"]

@@ -41,6 +41,14 @@ EndTime = Annotated[float | None, typer.Option(help="End of the run, s, in place
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace the results of another scene in the folder.")]
 Fmi = Annotated[int, typer.Option("--fmi", min=2, max=3, help="Version of FMI of our units.")]
+RodFmus = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--rod-fmu",
+        metavar="[NAME=]FMU",
+        help="Use this FMU in place of our rod; where the scene has several, of the one of this name; repeatable.",
+    ),
+]
 FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of ours.")]
 
 app = typer.Typer(help="Build, run and look at FMI units.", no_args_is_help=True, pretty_exceptions_enable=False)
@@ -84,7 +92,7 @@ def run(
     end_time: EndTime = None,
     output: Output = None,
     overrides: Overrides = None,
-    rod_fmu: FmuPath = None,
+    rod_fmu: RodFmus = None,
     fluid_fmu: FmuPath = None,
     checkpoint_every: Annotated[
         float | None,
@@ -104,9 +112,25 @@ def run(
     from nervure import simulation
     from nervure.scene import load
 
-    scene, fmus = load(scene_file, overrides or (), end_time), {"rod": rod_fmu, "fluid": fluid_fmu}
+    scene = load(scene_file, overrides or (), end_time)
+    fmus = simulation.replaced(scene, _rod_fmus(rod_fmu or [], bool(scene.rods)), fluid_fmu)
     done = simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet, force, series_every, fmi)
     _exit(done.summary)
+
+
+def _rod_fmus(given: list[str], several: bool) -> dict[str, Path]:
+    """The FMUs of `--rod-fmu` by the names of their rods; a single rod has none."""
+    fmus: dict[str, Path] = {}
+    for text in given:
+        name, equals, path = text.partition("=") if several else ("rod", "=", text)
+        if not (name and equals and path):
+            raise Refusal(f"--rod-fmu is {text}, but the scene has several rods: it must be of the form NAME=FMU")
+        if name in fmus:
+            raise Refusal(f"--rod-fmu gives two FMUs for the rod{f' {name}' if several else ''}: {fmus[name]}, {path}")
+        fmus[name] = Path(path)
+        if not fmus[name].is_file():
+            raise Refusal(f"--rod-fmu: the file {path} does not exist")
+    return fmus
 
 
 @app.command()

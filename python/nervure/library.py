@@ -12,7 +12,12 @@ from pathlib import Path
 from nervure.errors import SceneError
 from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX
 
-__all__ = ["KINDS", "SUFFIX", "check", "describe", "is_built", "library"]
+__all__ = ["KINDS", "SUFFIX", "check", "describe", "is_built", "kind_of", "library"]
+
+
+def kind_of(unit: str) -> str:
+    """The kind of a unit of a scene: every one but the fluid is a rod."""
+    return "fluid" if unit == "fluid" else "rod"
 
 
 def library(kind: str) -> Path:

@@ -17,8 +17,9 @@ class Recorder:
     """Table of time (s), the scalar outputs of `units` and iterations, one row for each of `steps` steps, or for every
     `stride`-th. Then the units' scalars are fetched for those rows only.
 
-    Dots and brackets in names become underscores; a name that two units have gets that of its unit in front. `units`
-    has the physical unit of each column but the last. To be made after the units are connected.
+    Dots and brackets in names become underscores; a name that two units have gets that of its unit in front, and those
+    of several rods always do. `units` has the physical unit of each column but the last. To be made after the units are
+    connected.
     """
 
     def __init__(self, units: dict[str, Unit], steps: int, stride: int = 1):
@@ -26,12 +27,14 @@ class Recorder:
         self.sampled = list(units.values()) if self.stride > 1 else []
         for unit in self.sampled:
             unit.all_in_step = False
-        outputs = [(unit, kind, name) for unit in units.values() for kind in KINDS for name in unit.scalars(kind)]
-        names = [name for _, _, name in outputs]
+        outputs = [(own, name) for own, unit in units.items() for kind in KINDS for name in unit.scalars(kind)]
+        names = [name for _, name in outputs]
+        several = len(units) > 2
         self.units: dict[str, str | None] = {"time": "s"}
-        for unit, _, name in outputs:
-            column = PUNCTUATION.sub("_", name if names.count(name) == 1 else f"{unit.name}_{name}")
-            self.units[column] = unit.variables[name].unit
+        for own, name in outputs:
+            alone = names.count(name) == 1 and not (several and own != "fluid")
+            column = PUNCTUATION.sub("_", name if alone else f"{own}_{name}")
+            self.units[column] = units[own].variables[name].unit
         self.columns = [*self.units, "iterations"]
         self.table = np.empty((steps // self.stride + 1, len(self.columns)))
         self.rows = 0

@@ -15,7 +15,8 @@ from nervure.errors import Refusal
 from nervure.evaluate.summary import Summary
 from nervure.files import write_together
 from nervure.recorder import Series
-from nervure.scene import Document, Scene, document, text, typed
+from nervure.resources import KINDS
+from nervure.scene import Document, Scene, called, document, text, typed
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
 """The files that a coupled run leaves in its folder, besides the FMUs."""
@@ -112,7 +113,7 @@ def other(folder: Path, scene: Scene | Document, models: Mapping[str, str]) -> s
         return "the results of another scene: {} is {} there, but {} here".format(*found)
     for kind, model in models.items():
         if ran.get(kind) != model:
-            return f"the results of another {kind}: it is {ran.get(kind)} there, but {model} here"
+            return f"the results of another {called(kind)}: it is {ran.get(kind)} there, but {model} here"
     return None
 
 
@@ -122,6 +123,14 @@ def scene_name(folder: Path) -> str | None:
         return str(json.loads((folder / "scene.json").read_text(encoding="utf-8"))["name"])
     except (OSError, ValueError, KeyError, TypeError):
         return None
+
+
+def unit_names(folder: Path) -> list[str]:
+    """Names of the units whose results are in `folder`; those of one rod and a fluid where that cannot be read."""
+    try:
+        return list(json.loads((folder / "summary.json").read_text(encoding="utf-8"))["units"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return list(KINDS)
 
 
 def _difference(there: Any, here: Any, key: str = "") -> tuple[str, str, str] | None:
@@ -158,7 +167,8 @@ def write(run: Results, scheme: Single, strays: Iterable[Path] = ()) -> None:
     # Where it is new, the others are.
     writers["summary.json"] = lambda path: path.write_text(summarized, encoding="utf-8")
     write_together(run.folder, writers)
-    for name in {*FILES, *FURTHER_FILES} - writers.keys():
-        (run.folder / name).unlink(missing_ok=True)
+    gone = [run.folder / name for name in {*FILES, *FURTHER_FILES} - writers.keys()]
+    for path in [*gone, *run.folder.glob("flapping-*.png")]:
+        path.unlink(missing_ok=True)
     for path in strays:
         path.unlink(missing_ok=True)

@@ -11,7 +11,7 @@ from nervure import checkpoint, master, results
 from nervure.errors import Refusal
 from nervure.evaluate.summary import summarize
 from nervure.pack import package
-from nervure.scene import Scene, kinds, typed
+from nervure.scene import Scene, called, kinds, typed
 from nervure.show import fields, forecast
 from nervure.show.progress import display, interruptible
 from nervure.show.table import print_table
@@ -48,6 +48,17 @@ def run(
     return _execute(scene, fmus, any(foreign.values()), options, folder, quiet, strays=strays)
 
 
+def replaced(scene: Scene, rods: Mapping[str, Path], fluid: Path | None) -> dict[str, Path | None]:
+    """The FMUs in the place of ours, by the unit that each is: `rods` by the name of a rod, that of the only one being
+    `rod`. Raises `Refusal` for a name that the scene does not have."""
+    names = [kind for kind in kinds(scene) if kind != "fluid"] if scene.rods else ["rod"]
+    for name in rods:
+        if name not in names:
+            known = f"the rods {', '.join(names)}" if scene.rods else "one rod, which needs no name"
+            raise Refusal(f"an FMU is given for the rod `{name}`, but the scene has {known}")
+    return {**rods, "fluid": fluid}
+
+
 def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], force: bool) -> set[Path]:
     """The units of an earlier scene in `folder` and its row of a sweep, which the results of this one will replace;
     raises `Refusal` where that would lose something, unless `force` allows it."""
@@ -65,7 +76,7 @@ def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], f
     if held := results.other(folder, scene, models):
         if not force:
             raise Refusal(f"{folder} holds {held}; give another --output, or --force to replace what is there")
-        units = {f"{results.scene_name(folder)}-{kind}.fmu" for kind in package.KINDS}
+        units = {f"{results.scene_name(folder)}-{kind}.fmu" for kind in results.unit_names(folder)}
         return {folder.resolve() / name for name in (*units, "row.json")}
     return set()
 
@@ -84,7 +95,7 @@ def resume(folder: Path, quiet: bool) -> results.Results:
     fmus = {kind: folder / path for kind, path in setup["fmus"].items()}
     for kind, path in fmus.items():
         if not path.is_file():
-            raise Refusal(f"the {kind} of the run in {folder} is not there any more: {path}")
+            raise Refusal(f"the {called(kind)} of the run in {folder} is not there any more: {path}")
     return _execute(typed(kept.about["scene"]), fmus, setup["foreign"], setup["options"], folder, quiet, kept)
 
 

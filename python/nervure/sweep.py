@@ -19,13 +19,14 @@ from dataclasses import dataclass
 from functools import cache, partial
 from multiprocessing import resource_tracker
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from time import perf_counter, process_time
 from typing import Any
 
 from nervure import master, results, simulation
 from nervure.errors import Refusal, SceneError
 from nervure.files import json_numbers, write_csv, write_whole
-from nervure.library import library
+from nervure.library import kind_of, library
 from nervure.master import Clock
 from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, typed
 from nervure.show.sweeps import FINISHED, Row, short_keys, short_value
@@ -33,6 +34,7 @@ from nervure.show.sweeps import FINISHED, Row, short_keys, short_value
 ROW = "row.json"
 FAILED, KILLED = "failed", "killed"  # Killed: with its worker, as often as it was tried
 CONNECT_S = 5  # How long a scheduler has to answer, s
+LISTEN_S = 0.2  # How long Ctrl-C may have to wait, s
 PROGRESS, REPORT_S = "nervure-progress", 0.5  # Dask's topic of what is under way, and s between two reports of a run
 LONGEST_FOLDER = 100  # Characters
 Progress = Callable[[int, int], None]  # Given the runs and the steps that are done
@@ -105,7 +107,7 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
             for key, value in varied.items():
                 assign(scene, key, copy.deepcopy(value))
             digest = hashlib.sha256(text(scene).encode())
-            for kind in kinds(scene):
+            for kind in dict.fromkeys(map(kind_of, kinds(scene))):
                 digest.update(library_digest(kind))
             if digest.hexdigest() not in cases:
                 name = _folder_name(scene, varied, len(bases) > 1, folders)
@@ -215,28 +217,44 @@ def run(
 
 
 @contextmanager
-def _deaf() -> Iterator[None]:
-    """Within it, threads and processes are started that Ctrl-C in the terminal does not reach, nor what they start: it
-    is for the sweep to end them. One that comes meanwhile is raised at the end."""
-    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_sigmask"):
-        yield  # In Windows a worker that ends by Ctrl-C is one that the sweep ends too
-        return
+def _remembering() -> Iterator[Callable[[], None]]:
+    """Within it the first Ctrl-C is raised only where the function that is given is called: Python loses one that is
+    raised in a destructor, and the libraries of the workers have many."""
     came = False
 
     def remember(*_: object) -> None:
         nonlocal came
+        if came:
+            raise KeyboardInterrupt
         came = True
 
+    def check() -> None:
+        if came:
+            raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield check
+        return
+    before = signal.signal(signal.SIGINT, remember)
+    try:
+        yield check
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def _deaf() -> Iterator[None]:
+    """Within it, threads and processes are started that Ctrl-C in the terminal does not reach, nor what they start: it
+    is for the sweep to end them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield  # In Windows a worker that ends by Ctrl-C is one that the sweep ends too
+        return
     resource_tracker.ensure_running()  # Later it would end the blocking
-    before = signal.signal(signal.SIGINT, remember)  # Threads of before may still take it
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        signal.signal(signal.SIGINT, before)
-    if came:
-        raise KeyboardInterrupt
 
 
 def _distribute(
@@ -253,6 +271,7 @@ def _distribute(
     from distributed.scheduler import KilledWorker
 
     with ExitStack() as stack:
+        check = stack.enter_context(_remembering())
         if scheduler is None:
             from dask.system import CPU_COUNT
 
@@ -280,19 +299,22 @@ def _distribute(
             if told["folder"] in {case.folder for case in list(running.values())}:
                 reached(told["folder"], told["steps"])
 
-        waiting, running = iter(cases), dict[Any, Case]()
+        waiting, running, done = iter(cases), dict[Any, Case](), SimpleQueue[Any]()
         client.subscribe_topic(PROGRESS, hear)
-        done = distributed.as_completed()
         while True:
+            check()
             try:
                 free = max(1, len(client.nthreads())) - len(running)  # below 0 while workers are being started again
                 for case in itertools.islice(waiting, max(0, free)):
                     future = client.submit(one, case.scene, (folder / case.folder).resolve(), pure=False)
                     running[future] = case
-                    done.add(future)
+                    future.add_done_callback(done.put)
                 if not running:
                     return
-                future = next(done)
+                try:
+                    future = done.get(timeout=LISTEN_S)
+                except Empty:
+                    continue
                 case = running.pop(future)
                 if future.cancelled():
                     raise CancelledError

@@ -5,11 +5,12 @@ use scene::{MeanFlow, Scene};
 use crate::bodies::Bodies;
 use crate::clock::Clock;
 use crate::grid::Grid;
+use crate::simd::Real;
 use crate::spectral::Spectral;
 use crate::zone::Zone;
 
 /// The box of a scene.
-pub struct Domain {
+pub struct Domain<R: Real> {
     /// Its grid.
     pub grid: Grid,
     /// Kinematic viscosity, m²/s.
@@ -18,22 +19,22 @@ pub struct Domain {
     pub zones: Vec<Zone>,
     /// Mean velocity that is held; absent where it is free.
     pub mean_flow: Option<MeanFlow>,
-    /// Walls, zones, cylinders and the beam as drag.
+    /// Walls, zones, rigid bodies and beams as drag.
     pub bodies: Bodies,
     /// Transforms and projection.
-    pub spectral: Spectral,
+    pub spectral: Spectral<R>,
     /// What a step hands to the spectral solve, m/s. Between steps the first holds Pi (m²/s²), if that was asked for.
-    pub w: [Vec<f64>; 2],
+    pub w: [Vec<R>; 2],
     /// Times the phases of a step.
     pub clock: Clock,
 }
 
-impl Domain {
+impl<R: Real> Domain<R> {
     /// The box of a scene with a fluid, at t = 0.
     pub fn new(scene: &Scene, fluid: &scene::Fluid) -> Self {
         let grid = Grid::new(&fluid.domain);
         let zones = Zone::of(fluid, &grid);
-        let field = || vec![0.0; grid.len()];
+        let field = || vec![R::zero(); grid.len()];
         Self {
             nu: fluid.kinematic_viscosity,
             mean_flow: fluid.mean_flow.clone(),
@@ -62,7 +63,7 @@ impl Domain {
                 let column = i * self.grid.ny..(i + 1) * self.grid.ny;
                 let (wx, rate) = (&mut self.w[0][column.clone()], &rate[column]);
                 for ((wx, rate), shape) in wx.iter_mut().zip(rate).zip(shape) {
-                    *wx += weight(*rate) * zone * mean * shape;
+                    *wx = R::narrow(wx.wide() + weight(*rate) * zone * mean * shape);
                 }
             }
         }

@@ -9,6 +9,14 @@ pub enum Error {
     /// A state of another scene, or no state at all.
     #[error("{0} of the state is not of the size that it has in this scene, or not finite")]
     State(&'static str),
+    /// A state of a fluid in the other precision.
+    #[error("the state is in {state} precision, but the scene asks for {own} (`fluid.precision`)")]
+    Precision {
+        /// Precision of the state.
+        state: &'static str,
+        /// That of the fluid.
+        own: &'static str,
+    },
     /// A step that is no positive number.
     #[error("the step from t = {time:.6e} s is {step:.3e} s, but it must be a finite number above 0")]
     Step {
@@ -30,12 +38,14 @@ pub enum Error {
         /// Longest that is made, s.
         longest: f64,
     },
-    /// A station of the beam that is no number or far outside the box.
+    /// A station of a beam that is no number or far outside the box.
     #[error(
-        "station {station} of the beam is at ({x:.3e}, {y:.3e}) m with velocity ({vx:.3e}, {vy:.3e}) m/s, but it must be \
+        "station {station} of {beam} is at ({x:.3e}, {y:.3e}) m with velocity ({vx:.3e}, {vy:.3e}) m/s, but it must be \
          finite and within one box length of the box"
     )]
     Station {
+        /// Which beam: `the beam`, or `beam 2` of several.
+        beam: String,
         /// Number of the station, from 1.
         station: usize,
         /// Position, m.
@@ -47,12 +57,14 @@ pub enum Error {
         /// Velocity, m/s.
         vy: f64,
     },
-    /// Two neighbouring stations of the beam in one place.
+    /// Two neighbouring stations of a beam in one place.
     #[error(
-        "stations {station} and {} of the beam coincide at ({x:.3e}, {y:.3e}) m, where no segment can be; a master has to give \
+        "stations {station} and {} of {beam} coincide at ({x:.3e}, {y:.3e}) m, where no segment can be; a master has to give \
          their places before the first step: the start values are those at rest", station + 1
     )]
     Coincide {
+        /// Which beam: `the beam`, or `beam 2` of several.
+        beam: String,
         /// Number of the first of them, from 1.
         station: usize,
         /// Position, m.
@@ -60,13 +72,15 @@ pub enum Error {
         /// Position, m.
         y: f64,
     },
-    /// A station of the beam that is too fast for any reasonable step.
+    /// A station of a beam that is too fast for any reasonable step.
     #[error(
-        "station {station} of the beam has the velocity ({vx:.3e}, {vy:.3e}) m/s, for which `max_cfl` asks for steps of \
+        "station {station} of {beam} has the velocity ({vx:.3e}, {vy:.3e}) m/s, for which `max_cfl` asks for steps of \
          {needed:.3e} s, but they may be no shorter than {shortest:.3e} s, a hundredth of the usual step: the smaller of \
          `max_step` and the scene's communication step"
     )]
     FastStation {
+        /// Which beam: `the beam`, or `beam 2` of several.
+        beam: String,
         /// Number of the station, from 1.
         station: usize,
         /// Velocity, m/s.
@@ -109,7 +123,7 @@ pub enum Error {
         /// Shortest step that is made, s.
         shortest: f64,
     },
-    /// The loads on the beam are not finite numbers.
+    /// The loads on a beam are not finite numbers.
     #[error("the loads on the beam at t = {time:.6e} s are not finite")]
     Loads {
         /// Time reached, s.

@@ -1,6 +1,8 @@
-//! The fluid of a scene: its time loop, and what can be set and read.
+//! The fluid of a scene in one precision: its time loop, and what can be set and read.
 
+use std::borrow::Cow;
 use std::hint::black_box;
+use std::mem::take;
 
 use scene::{Load, Scene};
 
@@ -10,7 +12,8 @@ use crate::error::Error;
 use crate::force::{Exchange, Force};
 use crate::grid::Grid;
 use crate::probe::Probe;
-use crate::state::{BeamState, Flow, Present, State};
+use crate::simd::Real;
+use crate::state::{Beams, Flow, Present, StateIn};
 use crate::step::{Scheme, Step};
 
 /// The usual step of the fluid's own is the smaller of `max_step` and the scene's communication step. Flow and beam may
@@ -26,20 +29,25 @@ const MOST_STEPS: f64 = 1e5;
 /// Explicit drag, which depends on the scene alone, may divide a communication step into so many.
 const MOST_EXPLICIT_STEPS: f64 = 1e4;
 
-/// Memory of a fluid by cell, bytes: 29 numbers, of which 8 are the state and 8 a copy of it, and what rounding adds.
-const BYTES_PER_CELL: usize = 260;
+/// Memory of a fluid by cell: numbers in its precision, of which 8 are the state and 8 a copy of it; and bytes of what is in
+/// both precisions the same, and of what rounding adds.
+const NUMBERS_PER_CELL: usize = 27;
+const BYTES_PER_CELL: usize = 44;
 
-/// Memory of a state by cell, bytes: velocity and vorticity of two times and two components of `w`, or less.
-const STATE_BYTES_PER_CELL: usize = 64;
+/// Memory that each beam takes by cell, bytes: the number of a candidate.
+const BYTES_PER_BEAM_AND_CELL: usize = 4;
+
+/// Numbers of a state by cell: velocity and vorticity of two times and two components of `w`, or less.
+const STATE_NUMBERS_PER_CELL: usize = 8;
 
 /// Memory of the stations and their loads by station, in the fluid and in a state, bytes.
 const BYTES_PER_STATION: usize = 400;
 
-/// A fluid with the bodies of a scene in it.
-pub struct Fluid {
-    domain: Domain,
-    scheme: Scheme,
-    present: Present,
+/// [`crate::Fluid`] in one precision.
+pub struct FluidIn<R: Real> {
+    domain: Domain<R>,
+    scheme: Scheme<R>,
+    present: Present<R>,
     density: f64,
     max_step: f64,
     max_cfl: f64,
@@ -48,58 +56,57 @@ pub struct Fluid {
     /// The longest communication step, s.
     longest_step: f64,
     probes: Vec<Probe>,
-    /// Where the beam is told to go; absent without a beam.
-    motion: Option<Motion>,
+    /// Where the beams are told to go.
+    motion: Motion,
     /// Whether `domain.w[0]` is Pi at the present time.
     total_pressure_is_current: bool,
     /// The state before a communication step of several steps, for an error on the way; made when first needed.
-    undo: Option<State>,
+    undo: Option<StateIn<R>>,
 }
 
-/// The way of the beam's stations, and the pressure jump at them.
+/// The ways of the beams' stations, and the pressure jumps at them; every list is empty without a beam.
 struct Motion {
     /// At the beginning of the communication step.
-    from: Stations,
-    /// At the end of the present step.
-    now: Stations,
+    from: Vec<Stations>,
+    /// At the end of the present step, and then where they go on to in the coming communication step.
+    now: Vec<Stations>,
     /// At the end of the coming communication step, set from outside.
-    target: Stations,
-    /// Pressure jump, Pa, and whether it is that of the present time: it is made when asked for.
-    pressure_jump: Vec<f64>,
+    target: Vec<Stations>,
+    /// Pressure jumps, Pa, and whether they are those of the present time: they are made when asked for.
+    pressure_jump: Vec<Vec<f64>>,
     pressure_jump_is_current: bool,
 }
 
-impl Fluid {
-    /// The fluid of a scene at t = 0.
-    pub fn new(scene: &Scene) -> Result<Self, Error> {
+impl<R: Real> FluidIn<R> {
+    /// The `fluid` of a scene at t = 0.
+    pub fn new(scene: &Scene, fluid: &scene::Fluid) -> Self {
         let loads_are_wanted = scene.load().is_none_or(|load| load == Load::Momentum);
-        let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
         let mut domain = Domain::new(scene, fluid);
-        let stations = scene.beam.as_ref().map(|beam| Stations::at_rest(scene, beam));
-        domain.bodies.place(0.0, stations.as_ref(), stations.as_ref(), &domain.grid);
+        let stations: Vec<_> = scene.beams().map(|beam| Stations::at_rest(scene, beam)).collect();
+        domain.bodies.place(0.0, &stations, &stations, &domain.grid);
         let [u, v] = fluid.initial_velocity;
         let present = Present {
             time: 0.0,
             step: 0.0,
             flow: Flow::uniform([u, v], domain.grid.len()),
             advection_rate: u.abs() / domain.grid.dx + v.abs() / domain.grid.dy,
-            bodies: domain.bodies.without_force(stations.as_ref()),
-            beam: stations.as_ref().map(|stations| BeamState {
+            bodies: domain.bodies.without_force(&stations),
+            beams: Beams {
                 stations: stations.clone(),
-                loads: loads_are_wanted.then(|| Loads::none(stations.len())),
-                exchange: Exchange::default(),
-            }),
+                loads: stations.iter().filter(|_| loads_are_wanted).map(|s| Loads::none(s.len())).collect(),
+                exchange: vec![Exchange::default(); stations.len()],
+            },
         };
-        let motion = stations.map(|stations| Motion {
-            pressure_jump: vec![0.0; stations.len()],
+        let motion = Motion {
+            pressure_jump: stations.iter().map(|stations| vec![0.0; stations.len()]).collect(),
             pressure_jump_is_current: false,
             now: stations.clone(),
             target: stations.clone(),
             from: stations,
-        });
+        };
         let max_step = fluid.time_stepping.max_step;
         let usual_step = max_step.min(scene.time.communication_step);
-        Ok(Self {
+        Self {
             scheme: Scheme::new(fluid.time_stepping.scheme, [u, v], &domain),
             density: fluid.density,
             max_step,
@@ -112,19 +119,20 @@ impl Fluid {
             motion,
             present,
             domain,
-        })
+        }
     }
 
-    /// Memory that the fluid of a scene takes, about, bytes; 0 without a fluid.
-    pub fn bytes(scene: &Scene) -> usize {
-        let cells = scene.fluid.as_ref().map_or(0, |fluid| fluid.domain.cells.iter().product());
-        let stations = scene.beam.as_ref().map_or(0, |beam| beam.segments + 1);
-        BYTES_PER_CELL * cells + BYTES_PER_STATION * stations
+    /// Memory that the `fluid` of a scene takes, about, bytes.
+    pub fn bytes(scene: &Scene, fluid: &scene::Fluid) -> usize {
+        let cells = fluid.domain.cells.iter().product::<usize>();
+        let beams = scene.beams().map(|beam| BYTES_PER_STATION * (beam.segments + 1) + BYTES_PER_BEAM_AND_CELL * cells);
+        (NUMBERS_PER_CELL * size_of::<R>() + BYTES_PER_CELL) * cells + beams.sum::<usize>()
     }
 
     /// Memory that a state takes, about, bytes.
     pub fn state_bytes(&self) -> usize {
-        STATE_BYTES_PER_CELL * self.domain.grid.len() + BYTES_PER_STATION * self.stations().map_or(0, Stations::len)
+        let stations = self.stations().iter().map(Stations::len).sum::<usize>();
+        STATE_NUMBERS_PER_CELL * size_of::<R>() * self.domain.grid.len() + BYTES_PER_STATION * stations
     }
 
     /// Start anew from a velocity field (m/s at a point in m), of which the divergence-free part is taken.
@@ -133,8 +141,8 @@ impl Fluid {
         for i in 0..grid.nx {
             for j in 0..grid.ny {
                 let [u, v] = velocity(grid.x(i), grid.y(j));
-                self.domain.w[0][i * grid.ny + j] = u;
-                self.domain.w[1][i * grid.ny + j] = v;
+                self.domain.w[0][i * grid.ny + j] = R::narrow(u);
+                self.domain.w[1][i * grid.ny + j] = R::narrow(v);
             }
         }
         self.total_pressure_is_current = false;
@@ -149,9 +157,7 @@ impl Fluid {
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.domain.clock.start();
         let substeps = self.divide(t, h)?;
-        if let Some((motion, stations)) = self.motion.as_mut().zip(self.present.stations()) {
-            motion.from.copy_from(stations);
-        }
+        Stations::copy_all(&mut self.motion.from, &self.present.beams.stations);
         // A single step changes nothing before it is known to be good.
         let several = substeps > 1.0;
         if several {
@@ -163,16 +169,17 @@ impl Fluid {
                 self.present.copy_from(&undo.present);
                 self.scheme.restore(&undo.memory);
             }
-            let stations = self.present.stations();
+            let stations = &self.present.beams.stations;
             self.domain.bodies.place(self.present.time, stations, stations, &self.domain.grid);
             return Err(error);
         }
-        if let Some(motion) = &mut self.motion {
-            motion.pressure_jump_is_current = false;
+        self.motion.pressure_jump_is_current = false;
+        for (ahead, stations) in self.motion.now.iter_mut().zip(&self.present.beams.stations) {
+            ahead.go_on(stations, h);
         }
-        self.scheme.predict_loads(&mut self.present, &mut self.domain.bodies);
+        self.scheme.predict_loads(&self.motion.now, &mut self.present, &mut self.domain);
         self.domain.clock.mark(crate::clock::Phase::Loads);
-        if self.loads().is_some_and(|loads| !loads.are_finite()) {
+        if !self.loads().iter().all(Loads::are_finite) {
             // The flow before is gone. With no rate there is no way on but a state put back.
             self.present.advection_rate = f64::NAN;
             return Err(Error::Loads { time: self.present.time });
@@ -188,9 +195,7 @@ impl Fluid {
         if h > self.longest_step {
             return Err(Error::Long { time: t, step: h, longest: self.longest_step });
         }
-        if let Some(motion) = &self.motion {
-            self.check_stations(&motion.target)?;
-        }
+        self.check_stations(&self.motion.target)?;
         let (needed, shortest) = (self.max_cfl / self.present.advection_rate, self.shortest_step);
         if needed.is_nan() || needed < shortest {
             return Err(Error::Diverged { time: t, needed, shortest });
@@ -220,13 +225,13 @@ impl Fluid {
             }
             substep += 1.0;
             done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
-            let stations = self.motion.as_mut().map(|Motion { from, now, target, .. }| {
-                if done == 1.0 {
-                    return &*target;
-                }
-                now.interpolate(from, target, done, h);
-                &*now
-            });
+            let Motion { from, now, target, .. } = &mut self.motion;
+            let stations = if done == 1.0 {
+                target
+            } else {
+                now.iter_mut().zip(from.iter().zip(&*target)).for_each(|(now, (a, b))| now.interpolate(a, b, done, h));
+                now
+            };
             let shortest = self.shortest_step;
             let step = Step { dt, end: t + done * h, stations, max_cfl: self.max_cfl, shortest };
             self.scheme.step(step, &mut self.present, &mut self.domain)?;
@@ -251,7 +256,13 @@ impl Fluid {
         Ok(())
     }
 
-    fn check_stations(&self, stations: &Stations) -> Result<(), Error> {
+    fn check_stations(&self, beams: &[Stations]) -> Result<(), Error> {
+        let name = |k| if beams.len() == 1 { "the beam".into() } else { format!("beam {}", k + 1) };
+        beams.iter().enumerate().try_for_each(|(k, stations)| self.check_stations_of(&|| name(k), stations))
+    }
+
+    /// Check the stations of the beam that `name` gives the name of.
+    fn check_stations_of(&self, name: &dyn Fn() -> String, stations: &Stations) -> Result<(), Error> {
         let Stations { position: [x, y], velocity: [vx, vy] } = stations;
         let far = |p: f64, middle: f64, size: f64| (p - middle).abs() > 1.5 * size;
         let grid = &self.domain.grid;
@@ -259,41 +270,38 @@ impl Fluid {
         for k in 0..x.len() {
             let finite = [x[k], y[k], vx[k], vy[k]].iter().all(|c| c.is_finite());
             if !finite || far(x[k], middle[0], grid.length) || far(y[k], middle[1], grid.height) {
-                return Err(Error::Station { station: k + 1, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
+                let (beam, station) = (name(), k + 1);
+                return Err(Error::Station { beam, station, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
             }
             if k > 0 && x[k] == x[k - 1] && y[k] == y[k - 1] {
-                return Err(Error::Coincide { station: k, x: x[k], y: y[k] });
+                return Err(Error::Coincide { beam: name(), station: k, x: x[k], y: y[k] });
             }
             let needed = self.max_cfl / (vx[k].abs() / grid.dx + vy[k].abs() / grid.dy);
             if needed < self.shortest_step {
-                let shortest = self.shortest_step;
-                return Err(Error::FastStation { station: k + 1, vx: vx[k], vy: vy[k], needed, shortest });
+                let (beam, station, shortest) = (name(), k + 1, self.shortest_step);
+                return Err(Error::FastStation { beam, station, vx: vx[k], vy: vy[k], needed, shortest });
             }
         }
         Ok(())
     }
 
     /// A copy of everything that the next step depends on.
-    pub fn state(&self) -> State {
-        State { present: self.present.clone(), memory: self.scheme.memory() }
+    pub fn state(&self) -> StateIn<R> {
+        StateIn { present: self.present.clone(), memory: self.scheme.memory() }
     }
 
     /// Go back (or on) to a state of this scene; a state that is refused changes nothing.
-    pub fn restore(&mut self, state: &State) -> Result<(), Error> {
+    pub fn restore(&mut self, state: &StateIn<R>) -> Result<(), Error> {
         if let Some(part) = state.misfit(&self.present, self.scheme.fits(&state.memory)) {
             return Err(Error::State(part));
         }
-        if let Some(stations) = state.present.stations() {
-            self.check_stations(stations)?;
-        }
+        self.check_stations(&state.present.beams.stations)?;
         self.present.copy_from(&state.present);
         self.scheme.restore(&state.memory);
-        if let Some((motion, stations)) = self.motion.as_mut().zip(state.present.stations()) {
-            motion.target.copy_from(stations);
-            motion.pressure_jump_is_current = false;
-        }
+        Stations::copy_all(&mut self.motion.target, &state.present.beams.stations);
+        self.motion.pressure_jump_is_current = false;
         self.total_pressure_is_current = false;
-        let stations = self.present.stations();
+        let stations = &self.present.beams.stations;
         self.domain.bodies.place(self.present.time, stations, stations, &self.domain.grid);
         Ok(())
     }
@@ -309,13 +317,13 @@ impl Fluid {
     }
 
     /// Velocity component (0: x, 1: y), m/s, `[nx, ny]`.
-    pub fn velocity(&self, axis: usize) -> &[f64] {
-        &self.present.flow.velocity[axis]
+    pub fn velocity(&self, axis: usize) -> Cow<'_, [f64]> {
+        R::widened(&self.present.flow.velocity[axis])
     }
 
     /// Vorticity, 1/s, `[nx, ny]`.
-    pub fn vorticity(&self) -> &[f64] {
-        &self.present.flow.vorticity
+    pub fn vorticity(&self) -> Cow<'_, [f64]> {
+        R::widened(&self.present.flow.vorticity)
     }
 
     /// Static pressure p = rho (Pi − u²/2), Pa, `[nx, ny]`; Pi has zero mean over the box.
@@ -326,8 +334,8 @@ impl Fluid {
 
     /// Static pressure over the density at a grid point, Pi − u²/2, m²/s²; Pi must be current.
     fn pressure_at(&self, point: usize) -> f64 {
-        let [u, v] = self.present.flow.velocity.each_ref().map(|velocity| velocity[point]);
-        self.domain.w[0][point] - 0.5 * (u * u + v * v)
+        let [u, v] = self.present.flow.velocity.each_ref().map(|velocity| velocity[point].wide());
+        self.domain.w[0][point].wide() - 0.5 * (u * u + v * v)
     }
 
     fn make_total_pressure(&mut self) {
@@ -353,8 +361,8 @@ impl Fluid {
         let velocity @ [u, v] = &self.present.flow.velocity;
         let divergence = &mut self.domain.w[1];
         self.domain.spectral.divergence(velocity, divergence);
-        let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.abs()));
-        let fastest = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max(u.hypot(*v)));
+        let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.wide().abs()));
+        let fastest = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max(u.wide().hypot(v.wide())));
         largest * self.domain.grid.cell_size() / fastest.max(f64::MIN_POSITIVE)
     }
 
@@ -366,18 +374,20 @@ impl Fluid {
     /// Flow rate through the column in the middle of the box, m²/s.
     pub fn flow_rate(&self) -> f64 {
         let Grid { nx, ny, dy, .. } = self.domain.grid;
-        self.velocity(0)[nx / 2 * ny..(nx / 2 + 1) * ny].iter().sum::<f64>() * dy
+        let column = &self.present.flow.velocity[0][nx / 2 * ny..(nx / 2 + 1) * ny];
+        column.iter().map(|u| u.wide()).sum::<f64>() * dy
     }
 
     /// Kinetic energy of the whole box, J/m.
     pub fn kinetic_energy(&self) -> f64 {
-        let squares: f64 = self.velocity(0).iter().zip(self.velocity(1)).map(|(u, v)| u * u + v * v).sum();
+        let [u, v] = &self.present.flow.velocity;
+        let squares: f64 = u.iter().zip(v).map(|(u, v)| u.wide().powi(2) + v.wide().powi(2)).sum();
         0.5 * self.density * squares * self.domain.grid.cell_area()
     }
 
     /// Half the integral of the squared vorticity over the whole box, m²/s².
     pub fn enstrophy(&self) -> f64 {
-        let squares: f64 = self.vorticity().iter().map(|omega| omega * omega).sum();
+        let squares: f64 = self.present.flow.vorticity.iter().map(|omega| omega.wide().powi(2)).sum();
         0.5 * squares * self.domain.grid.cell_area()
     }
 
@@ -417,53 +427,54 @@ impl Fluid {
         cylinders + body
     }
 
-    /// Force of the fluid on the beam in the last step; none without a beam.
-    pub fn force_on_beam(&self) -> Option<Force> {
-        self.motion.as_ref().map(|_| self.present.bodies[self.domain.bodies.rigid()].force)
+    /// Force of the fluid on a beam, numbered from 0, in the last step.
+    pub fn force_on_beam(&self, beam: usize) -> Force {
+        self.present.bodies[self.domain.bodies.rigid() + beam].force
     }
 
-    /// What the fluid did to the beam, without the unsteady term of [`Self::force_on_beam`]; none without a beam.
-    pub fn exchange(&self) -> Option<Exchange> {
-        self.present.beam.as_ref().map(|beam| beam.exchange)
+    /// What the fluid did to each beam, without the unsteady term of [`Self::force_on_beam`].
+    pub fn exchange(&self) -> &[Exchange] {
+        &self.present.beams.exchange
     }
 
-    /// Loads on the stations for the coming step; none without a beam or where the scene uses the pressure jump.
-    pub fn loads(&self) -> Option<&Loads> {
-        self.present.beam.as_ref()?.loads.as_ref()
+    /// Loads on the stations of each beam for the coming step; empty where the scene uses the pressure jump.
+    pub fn loads(&self) -> &[Loads] {
+        &self.present.beams.loads
     }
 
-    /// Stations at the end of the coming step; none without a beam.
-    pub fn stations(&self) -> Option<&Stations> {
-        self.motion.as_ref().map(|motion| &motion.target)
+    /// Stations of each beam at the end of the coming step.
+    pub fn stations(&self) -> &[Stations] {
+        &self.motion.target
     }
 
-    /// Stations at the end of the coming step, to be set before [`Self::advance`]; none without a beam.
-    pub fn stations_mut(&mut self) -> Option<&mut Stations> {
-        self.motion.as_mut().map(|motion| &mut motion.target)
+    /// Stations of each beam at the end of the coming step, to be set before [`Self::advance`].
+    pub fn stations_mut(&mut self) -> &mut [Stations] {
+        &mut self.motion.target
     }
 
-    /// Pressure jump p_above − p_below at the stations, Pa; made when first asked for after a step. None without a beam.
-    pub fn pressure_jump(&mut self) -> Option<&[f64]> {
-        if !self.motion.as_ref()?.pressure_jump_is_current {
+    /// Pressure jump p_above − p_below at the stations of each beam, Pa; made when first asked for after a step.
+    pub fn pressure_jump(&mut self) -> &[Vec<f64>] {
+        if !self.motion.pressure_jump_is_current && !self.motion.pressure_jump.is_empty() {
             self.make_total_pressure();
             // Taken out, so that the rest can be read while it is written.
-            let mut motion = self.motion.take()?;
-            for (k, jump) in motion.pressure_jump.iter_mut().enumerate() {
-                let [above, below] = [1.0, -1.0].map(|side| self.surface_pressure(k, side));
-                *jump = self.density * (above - below);
+            let mut jumps = take(&mut self.motion.pressure_jump);
+            for (beam, jumps) in jumps.iter_mut().enumerate() {
+                for (k, jump) in jumps.iter_mut().enumerate() {
+                    let [above, below] = [1.0, -1.0].map(|side| self.surface_pressure(beam, k, side));
+                    *jump = self.density * (above - below);
+                }
             }
-            motion.pressure_jump_is_current = true;
-            self.motion = Some(motion);
+            self.motion.pressure_jump = jumps;
+            self.motion.pressure_jump_is_current = true;
         }
-        self.motion.as_ref().map(|motion| motion.pressure_jump.as_slice())
+        &self.motion.pressure_jump
     }
 
-    /// Static pressure over the density at the beam's surface above (1) or below (−1) station `k`, m²/s².
-    fn surface_pressure(&self, k: usize, side: f64) -> f64 {
-        let stations = self.present.stations();
-        let point = stations.and_then(|stations| self.domain.bodies.surface_point(stations, k, side));
-        let around = point.map(|point| self.domain.grid.interpolation(point));
-        around.iter().flatten().map(|&(c, weight)| weight * self.pressure_at(c)).sum()
+    /// Static pressure over the density at the surface of a beam above (1) or below (−1) its station `k`, m²/s².
+    fn surface_pressure(&self, beam: usize, k: usize, side: f64) -> f64 {
+        let point = self.domain.bodies.surface_point(beam, &self.present.beams.stations[beam], k, side);
+        let around = self.domain.grid.interpolation(point);
+        around.iter().map(|&(c, weight)| weight * self.pressure_at(c)).sum()
     }
 
     /// Times the phases of a step.

@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 pub struct Force {
     /// Force, N per metre of depth.
     pub force: [f64; 2],
-    /// Moment about the centre of a cylinder or the root of the beam, N m per metre of depth, positive to the left.
+    /// Moment about the centre of a cylinder or the root of a beam, N m per metre of depth, positive to the left.
     pub moment: f64,
 }
 
-/// What the fluid did to the beam, by the drag on its cells.
+/// What the fluid did to a beam, by the drag on its cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exchange {
     /// Sum of the drag in the last step, N per metre of depth.

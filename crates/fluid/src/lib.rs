@@ -19,6 +19,7 @@ mod error;
 mod fluid;
 mod force;
 mod grid;
+mod precision;
 mod probe;
 mod projection;
 mod simd;
@@ -32,9 +33,9 @@ mod zone;
 
 pub use bodies::{Loads, Pose, Stations};
 pub use error::Error;
-pub use fluid::Fluid;
 pub use force::{Exchange, Force};
 pub use grid::Grid;
+pub use precision::Fluid;
 pub use state::State;
 
 /// What benchmarks and tables measure apart from a fluid: no part of the interface, and without promises.
@@ -42,6 +43,6 @@ pub use state::State;
 pub mod internals {
     pub use crate::clock::{Clock, Phase};
     pub use crate::projection::Projection;
-    pub use crate::transform::{Fft2, Quad, Scratch};
+    pub use crate::transform::{Fft2, Pack, Scratch};
     pub use crate::wall::{DragProfile, WallTarget};
 }

@@ -1,13 +1,17 @@
 //! The spectral half of a step: viscosity, filter and projection onto divergence-free fields.
+//!
+//! All of it is calculated in double precision, mode by mode, whatever the precision of the spectra: a factor `1 + tau nu k²`
+//! rounded to single would be off by as much as viscosity takes from a long wave in a step, in every step alike.
 
 use std::array::from_fn;
 use std::f64::consts::TAU;
+use std::marker::PhantomData;
 
 use scene::Filter;
 
 use crate::grid::Grid;
-use crate::simd::{Arithmetic, Kernel, LANES, run, splat};
-use crate::transform::{Complex4, Quad};
+use crate::simd::{Arithmetic, Kernel, Real, WIDE, run};
+use crate::transform::Pack;
 
 /// Strength and order of the smooth filter `F_0 = exp(−α (k/k_max)^p)` (Hou & Li 2007).
 ///
@@ -25,14 +29,16 @@ pub fn smooth_damping(fraction: f64) -> f64 {
     ((FILTER_STRENGTH * fraction.powi(FILTER_ORDER)).exp() - 1.0) / FILTER_CFL
 }
 
-/// Wavenumbers and filter of one grid, for the rows of [`crate::transform`]: four modes in y at a time.
-pub struct Projection {
+/// Wavenumbers and filter of one grid, for the rows of [`crate::transform`]: [`Real::PARTS`] times four modes in y at a
+/// time.
+pub struct Projection<R> {
     kx: Vec<f64>,
-    ky: Vec<[f64; LANES]>,
-    /// What the filter takes in a step of the CFL number 1, `(1/F_0 − 1)/FILTER_CFL`, `[rows, nx]`.
-    damping: Vec<[f64; LANES]>,
-    /// `1/k²`, 0 for the mean, `[rows, nx]`.
-    inverse_k2: Vec<[f64; LANES]>,
+    /// By row and part.
+    ky: Vec<[f64; WIDE]>,
+    /// What the filter takes in a step of the CFL number 1, `(1/F_0 − 1)/FILTER_CFL`, `[rows, nx]` by part.
+    damping: Vec<[f64; WIDE]>,
+    /// `1/k²`, 0 for the mean, `[rows, nx]` by part.
+    inverse_k2: Vec<[f64; WIDE]>,
     /// 1 over the number of points: the transforms are unnormalised.
     per_points: f64,
     /// `tau nu`, m², and the CFL number of the step.
@@ -41,9 +47,10 @@ pub struct Projection {
     /// Mean velocity that is held, m/s; absent where it is free.
     pub mean: Option<[f64; 2]>,
     modes: usize,
+    precision: PhantomData<R>,
 }
 
-impl Projection {
+impl<R: Real> Projection<R> {
     /// Wavenumbers and filter of `grid`.
     pub fn new(grid: &Grid, filter: Filter) -> Self {
         let Grid { nx, ny, length, height, .. } = *grid;
@@ -63,16 +70,32 @@ impl Projection {
             }
         };
         let modes = (0..=ny / 2).rev().find(|&j| (0..nx).any(|i| damping(i, j) < f64::INFINITY)).map_or(0, |j| j + 1);
-        let rows = modes.div_ceil(LANES);
-        let by_mode = |value: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; LANES]> {
-            (0..rows * nx).map(|m| from_fn(|lane| value(m % nx, m / nx * LANES + lane))).collect()
+        let rows = modes.div_ceil(R::LANES);
+        // The first mode in y of a part of a row.
+        let first = |row: usize, part: usize| row * R::LANES + part * WIDE;
+        let by_mode = |value: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; WIDE]> {
+            let place = |n: usize| (n / R::PARTS % nx, first(n / R::PARTS / nx, n % R::PARTS));
+            let modes = (0..rows * nx * R::PARTS).map(place);
+            modes.map(|(i, first)| from_fn(|lane| value(i, first + lane))).collect()
         };
         let damping = by_mode(&damping);
         let ky = |j: usize| TAU / height * j as f64;
         let inverse_k2 = by_mode(&|i, j| if i + j == 0 { 0.0 } else { 1.0 / (kx[i] * kx[i] + ky(j) * ky(j)) });
-        let ky = (0..rows).map(|row| from_fn(|lane| ky(row * LANES + lane))).collect();
+        let parts = (0..rows).flat_map(|row| (0..R::PARTS).map(move |part| first(row, part)));
+        let ky = parts.map(|first| from_fn(|lane| ky(first + lane))).collect();
         let per_points = 1.0 / grid.len() as f64;
-        Self { kx, ky, damping, inverse_k2, per_points, tau_nu: 0.0, cfl: 0.0, mean: None, modes }
+        Self {
+            kx,
+            ky,
+            damping,
+            inverse_k2,
+            per_points,
+            tau_nu: 0.0,
+            cfl: 0.0,
+            mean: None,
+            modes,
+            precision: PhantomData,
+        }
     }
 
     /// Number of modes in y that the filter leaves.
@@ -89,82 +112,90 @@ impl Projection {
     /// Solve `(1 − tau nu ∇² + tau r) u + tau ∇Pi = w, ∇·u = 0` for the modes of a row.
     ///
     /// `wx` and `wy` hold w, unnormalised, and get u; `omega` gets the vorticity of u.
-    pub fn project(&self, row: usize, wx: &mut [Quad], wy: &mut [Quad], omega: &mut [Quad]) {
-        let modes = row * self.kx.len()..(row + 1) * self.kx.len();
+    pub fn project(&self, row: usize, wx: &mut [Pack<R>], wy: &mut [Pack<R>], omega: &mut [Pack<R>]) {
+        let row_length = self.kx.len() * R::PARTS;
+        let modes = row * row_length..(row + 1) * row_length;
         let (inverse_k2, damping) = (&self.inverse_k2[modes.clone()], &self.damping[modes]);
         let Self { per_points, tau_nu, cfl, .. } = *self;
-        let (kx, ky) = (&self.kx[..], self.ky[row]);
+        let (kx, ky) = (&self.kx[..], &self.ky[row * R::PARTS..(row + 1) * R::PARTS]);
         run(ProjectRow { kx, ky, inverse_k2, damping, per_points, tau_nu, cfl, wx: &mut *wx, wy: &mut *wy, omega });
         if let (0, Some(mean)) = (row, self.mean) {
             for (w, mean) in [wx, wy].into_iter().zip(mean) {
-                (w[0].re[0], w[0].im[0]) = (mean, 0.0);
+                (w[0].re[0], w[0].im[0]) = (R::narrow(mean), R::narrow(0.0));
             }
         }
     }
 
     /// The divergence of a velocity from its unnormalised spectra, `i k·u / (nx ny)`.
-    pub fn divergence(&self, ux: &[Quad], uy: &[Quad], divergence: &mut [Quad]) {
+    pub fn divergence(&self, ux: &[Pack<R>], uy: &[Pack<R>], divergence: &mut [Pack<R>]) {
         let nx = self.kx.len();
         let scale = self.per_points;
         for (m, divergence) in divergence.iter_mut().enumerate() {
             let (kx, ux, uy) = (self.kx[m % nx], &ux[m], &uy[m]);
-            for (lane, ky) in self.ky[m / nx].iter().enumerate() {
-                divergence.re[lane] = -scale * (kx * ux.im[lane] + ky * uy.im[lane]);
-                divergence.im[lane] = scale * (kx * ux.re[lane] + ky * uy.re[lane]);
+            for lane in 0..R::LANES {
+                let ky = self.ky[m / nx * R::PARTS + lane / WIDE][lane % WIDE];
+                divergence.re[lane] = R::narrow(-scale * (kx * ux.im[lane].wide() + ky * uy.im[lane].wide()));
+                divergence.im[lane] = R::narrow(scale * (kx * ux.re[lane].wide() + ky * uy.re[lane].wide()));
             }
         }
     }
 
     /// The Pi that belongs to it, from the whole spectra of w: `−i k·w / (tau k²)`, with as much of the short waves left
     /// out as the filter takes from a velocity in a step with a CFL number.
-    pub fn pressure(&self, wx: &[Quad], wy: &[Quad], per_tau: f64, cfl: f64, pressure: &mut [Quad]) {
+    pub fn pressure(&self, wx: &[Pack<R>], wy: &[Pack<R>], per_tau: f64, cfl: f64, pressure: &mut [Pack<R>]) {
         let cfl = cfl.max(f64::MIN_POSITIVE);
         let nx = self.kx.len();
         for (m, pressure) in pressure.iter_mut().enumerate() {
             let (kx, wx, wy) = (self.kx[m % nx], &wx[m], &wy[m]);
-            for (lane, ky) in self.ky[m / nx].iter().enumerate() {
-                let filtered = self.per_points / (1.0 + cfl * self.damping[m][lane]);
-                let scale = per_tau * self.inverse_k2[m][lane] * filtered;
-                pressure.re[lane] = scale * (kx * wx.im[lane] + ky * wy.im[lane]);
-                pressure.im[lane] = -scale * (kx * wx.re[lane] + ky * wy.re[lane]);
+            for lane in 0..R::LANES {
+                let (part, in_part) = (m * R::PARTS + lane / WIDE, lane % WIDE);
+                let ky = self.ky[m / nx * R::PARTS + lane / WIDE][in_part];
+                let filtered = self.per_points / (1.0 + cfl * self.damping[part][in_part]);
+                let scale = per_tau * self.inverse_k2[part][in_part] * filtered;
+                pressure.re[lane] = R::narrow(scale * (kx * wx.im[lane].wide() + ky * wy.im[lane].wide()));
+                pressure.im[lane] = R::narrow(-scale * (kx * wx.re[lane].wide() + ky * wy.re[lane].wide()));
             }
         }
     }
 }
 
 /// [`Projection::project`] with the coefficients of the row.
-struct ProjectRow<'a> {
+struct ProjectRow<'a, R: Real> {
     kx: &'a [f64],
-    ky: [f64; LANES],
-    inverse_k2: &'a [[f64; LANES]],
-    damping: &'a [[f64; LANES]],
+    ky: &'a [[f64; WIDE]],
+    inverse_k2: &'a [[f64; WIDE]],
+    damping: &'a [[f64; WIDE]],
     per_points: f64,
     tau_nu: f64,
     cfl: f64,
-    wx: &'a mut [Quad],
-    wy: &'a mut [Quad],
-    omega: &'a mut [Quad],
+    wx: &'a mut [Pack<R>],
+    wy: &'a mut [Pack<R>],
+    omega: &'a mut [Pack<R>],
 }
 
-impl Kernel for ProjectRow<'_> {
+impl<R: Real> Kernel for ProjectRow<'_, R> {
+    type Real = f64;
+
     #[inline(always)]
-    fn run(self, on: impl Arithmetic) {
-        let ky = pulp::cast(self.ky);
-        let (per_points, tau_nu, cfl) = (splat(self.per_points), splat(self.tau_nu), splat(self.cfl));
-        let along_y = on.mul_add(tau_nu, on.mul_f64s(ky, ky), splat(1.0));
-        let coefficients = self.kx.iter().zip(self.inverse_k2).zip(self.damping);
+    fn run(self, on: impl Arithmetic<f64>) {
+        let (per_points, tau_nu, cfl) = (self.per_points.splat(), self.tau_nu.splat(), self.cfl.splat());
+        let coefficients = self.inverse_k2.chunks_exact(R::PARTS).zip(self.damping.chunks_exact(R::PARTS));
         let modes = self.wx.iter_mut().zip(self.wy).zip(self.omega);
-        for (((kx, inverse_k2), damping), ((wx, wy), omega)) in coefficients.zip(modes) {
-            let (kx, inverse_k2, damping) = (splat(*kx), pulp::cast(*inverse_k2), pulp::cast(*damping));
-            let viscous = on.mul_add(tau_nu, on.mul_f64s(kx, kx), along_y);
-            let gain = on.div_f64s(per_points, on.mul_add(cfl, damping, viscous));
-            // w/(1 + tau nu k² + tau r), then what of it is along the wave.
-            let (x, y) = (Complex4::load(wx).scaled(on, gain), Complex4::load(wy).scaled(on, gain));
-            let along = x.scaled(on, kx).mul_add(on, ky, y).scaled(on, inverse_k2);
-            let curl = y.scaled(on, kx).mul_sub(on, ky, x);
-            *wx = x.mul_sub(on, kx, along).quad();
-            *wy = y.mul_sub(on, ky, along).quad();
-            *omega = curl.times_i(on).quad();
+        for ((kx, (inverse_k2, damping)), ((wx, wy), omega)) in self.kx.iter().zip(coefficients).zip(modes) {
+            let kx = kx.splat();
+            for part in 0..R::PARTS {
+                let [ky, inverse_k2, damping] = [self.ky, inverse_k2, damping].map(|of| pulp::cast(of[part]));
+                let along_y = on.mul_add(tau_nu, on.mul(ky, ky), 1.0.splat());
+                let viscous = on.mul_add(tau_nu, on.mul(kx, kx), along_y);
+                let gain = on.div(per_points, on.mul_add(cfl, damping, viscous));
+                // w/(1 + tau nu k² + tau r), then what of it is along the wave.
+                let (x, y) = (wx.part(part).scaled(on, gain), wy.part(part).scaled(on, gain));
+                let along = x.scaled(on, kx).mul_add(on, ky, y).scaled(on, inverse_k2);
+                let curl = y.scaled(on, kx).mul_sub(on, ky, x);
+                wx.set_part(part, x.mul_sub(on, kx, along));
+                wy.set_part(part, y.mul_sub(on, ky, along));
+                omega.set_part(part, curl.times_i(on));
+            }
         }
     }
 }

@@ -5,24 +5,24 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::clock::{Clock, Phase};
 use crate::grid::Grid;
 use crate::projection::Projection;
-use crate::simd::{Arithmetic, Kernel, run};
+use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::Flow;
 use crate::threads::on_threads;
-use crate::transform::{Fft2, Quad, Scratch};
+use crate::transform::{Fft2, Pack, Scratch};
 
 /// Transforms and projection of one grid, with room for the spectra.
-pub struct Spectral {
+pub struct Spectral<R: Real> {
     grid: Grid,
-    fft: Fft2,
+    fft: Fft2<R>,
     /// Viscosity, filter and projection.
-    pub projection: Projection,
+    pub projection: Projection<R>,
     /// Spectra of both components and of the vorticity or pressure.
-    spectra: [Vec<Quad>; 3],
+    spectra: [Vec<Pack<R>>; 3],
     /// What each thread needs for itself.
-    scratch: Vec<Scratch>,
+    scratch: Vec<Scratch<R>>,
 }
 
-impl Spectral {
+impl<R: Real> Spectral<R> {
     /// Plan for a grid and a number of threads.
     pub fn new(grid: &Grid, filter: scene::Filter, threads: usize) -> Self {
         let projection = Projection::new(grid, filter);
@@ -42,7 +42,7 @@ impl Spectral {
     }
 
     /// A spectrum of zeros, `[rows, nx]`.
-    pub fn spectrum(&self) -> Vec<Quad> {
+    pub fn spectrum(&self) -> Vec<Pack<R>> {
         self.fft.spectrum()
     }
 
@@ -59,10 +59,10 @@ impl Spectral {
     /// goes through both transforms along x and through `solve` while it is in the cache.
     pub fn solve<T>(
         &mut self,
-        w: &[Vec<f64>; 2],
+        w: &[Vec<R>; 2],
         own: impl Iterator<Item: Iterator<Item = T> + Send>,
-        solve: impl Fn(&Projection, usize, T, [&mut [Quad]; 3]) + Sync,
-        flow: &mut Flow,
+        solve: impl Fn(&Projection<R>, usize, T, [&mut [Pack<R>]; 3]) + Sync,
+        flow: &mut Flow<R>,
         clock: &mut Clock,
     ) -> f64 {
         let share = self.share();
@@ -93,7 +93,7 @@ impl Spectral {
 
         let Flow { velocity: [u, v], vorticity } = flow;
         let [u_hat, v_hat, omega_hat] = &self.spectra;
-        let (per_dx, per_dy) = (1.0 / self.grid.dx, 1.0 / self.grid.dy);
+        let (per_dx, per_dy) = (R::narrow(1.0 / self.grid.dx), R::narrow(1.0 / self.grid.dy));
         // Numbers not below 0 are ordered like their bits.
         let largest = AtomicU64::new(0);
         let [mut u_rest, mut v_rest, mut omega_rest] = [&mut *u, &mut *v, vorticity].map(Vec::as_mut_slice);
@@ -109,9 +109,9 @@ impl Spectral {
                 fft.inverse_along_y(u_hat, columns.clone(), u, scratch);
                 fft.inverse_along_y(v_hat, columns.clone(), v, scratch);
                 fft.inverse_along_y(omega_hat, columns, omega, scratch);
-                let mut here = 0.0;
+                let mut here = R::zero();
                 run(AdvectionRate { per_dx, per_dy, u, v, largest: &mut here });
-                largest.fetch_max(here.to_bits(), Ordering::Relaxed);
+                largest.fetch_max(here.wide().to_bits(), Ordering::Relaxed);
             }
         });
         clock.mark(Phase::Back);
@@ -119,18 +119,17 @@ impl Spectral {
     }
 
     /// Whether the flow of the spectra is finite, seen before it is made, from the modes of the first column. A transform
-    /// along x spreads what is not a number over its row, and of what is larger than `LARGEST` at least its rounding.
+    /// along x spreads what is not a number over its row, and of what is larger than [`Real::LARGEST`] at least its rounding.
     fn is_finite(&self) -> bool {
-        /// A sum over a column and the conversion to rates stay finite with this; rounding, 1e-16 of a number near the
-        /// end of the range, is above it.
-        const LARGEST: f64 = 1e250;
         let [u_hat, v_hat, _] = &self.spectra;
         let mut modes = u_hat.iter().step_by(self.grid.nx).chain(v_hat.iter().step_by(self.grid.nx));
-        modes.all(|mode| mode.re.iter().chain(&mode.im).all(|part| part.abs() < LARGEST))
+        modes.all(|mode| {
+            [mode.re, mode.im].iter().all(|lanes| lanes.as_ref().iter().all(|part| part.abs() < R::LARGEST))
+        })
     }
 
     /// Find Pi that belongs to `w` (m/s) of a step with `per_tau` (1/s) and a CFL number, for [`Self::pressure`].
-    pub fn solve_for_pressure(&mut self, w: &[Vec<f64>; 2], per_tau: f64, cfl: f64) {
+    pub fn solve_for_pressure(&mut self, w: &[Vec<R>; 2], per_tau: f64, cfl: f64) {
         let [wx_hat, wy_hat, pi_hat] = &mut self.spectra;
         let scratch = &mut self.scratch[0];
         self.fft.forward(&w[0], wx_hat, scratch);
@@ -139,12 +138,12 @@ impl Spectral {
     }
 
     /// Pi, m²/s², as [`Self::solve_for_pressure`] found it.
-    pub fn pressure(&mut self, pi: &mut [f64]) {
+    pub fn pressure(&mut self, pi: &mut [R]) {
         self.fft.inverse(&mut self.spectra[2], pi, &mut self.scratch[0]);
     }
 
     /// Divergence (1/s) of a velocity (m/s).
-    pub fn divergence(&mut self, velocity: &[Vec<f64>; 2], divergence: &mut [f64]) {
+    pub fn divergence(&mut self, velocity: &[Vec<R>; 2], divergence: &mut [R]) {
         let [u_hat, v_hat, divergence_hat] = &mut self.spectra;
         let scratch = &mut self.scratch[0];
         self.fft.forward(&velocity[0], u_hat, scratch);
@@ -155,21 +154,23 @@ impl Spectral {
 }
 
 /// Largest `|u|/dx + |v|/dy`, 1/s.
-struct AdvectionRate<'a> {
-    per_dx: f64,
-    per_dy: f64,
-    u: &'a [f64],
-    v: &'a [f64],
-    largest: &'a mut f64,
+struct AdvectionRate<'a, R> {
+    per_dx: R,
+    per_dy: R,
+    u: &'a [R],
+    v: &'a [R],
+    largest: &'a mut R,
 }
 
-impl Kernel for AdvectionRate<'_> {
+impl<R: Real> Kernel for AdvectionRate<'_, R> {
+    type Real = R;
+
     #[inline(always)]
-    fn run(self, _: impl Arithmetic) {
+    fn run(self, _: impl Arithmetic<R>) {
         /// Independent maxima, so that no comparison waits for the one before.
         const LANES: usize = 8;
         let Self { per_dx, per_dy, u, v, .. } = self;
-        let mut largest = [0.0; LANES];
+        let mut largest = [R::zero(); LANES];
         let ((u, u_rest), (v, v_rest)) = (u.as_chunks::<LANES>(), v.as_chunks::<LANES>());
         for (u, v) in u.iter().zip(v) {
             for lane in 0..LANES {
@@ -178,6 +179,6 @@ impl Kernel for AdvectionRate<'_> {
             }
         }
         let rest = u_rest.iter().zip(v_rest).map(|(u, v)| u.abs() * per_dx + v.abs() * per_dy);
-        *self.largest = largest.into_iter().chain(rest).fold(0.0, |a, b| if a > b { a } else { b });
+        *self.largest = largest.into_iter().chain(rest).fold(R::zero(), |a, b| if a > b { a } else { b });
     }
 }

@@ -4,116 +4,113 @@ use serde::{Deserialize, Serialize};
 
 use crate::bodies::{Loads, Stations};
 use crate::force::{BodyForce, Exchange};
-use crate::transform::Quad;
+use crate::precision::ByPrecision;
+use crate::simd::Real;
+use crate::transform::Pack;
 
-/// A state of a fluid, to go back to. It fits every fluid of the same scene.
+/// A state of a fluid, to go back to. It fits every fluid of the same scene. It is of the precision of its fluid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State {
-    pub(crate) present: Present,
-    pub(crate) memory: Memory,
+pub struct State(pub(crate) ByPrecision<StateIn<f64>, StateIn<f32>>);
+
+/// A state in one precision.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound = "")]
+pub struct StateIn<R: Real> {
+    pub present: Present<R>,
+    pub memory: Memory<R>,
 }
 
 /// What there is at the present time, whatever the time scheme.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Present {
+#[serde(bound = "")]
+pub struct Present<R: Real> {
     /// Time, s.
     pub time: f64,
     /// The last step, s; 0 before the first.
     pub step: f64,
     /// The flow.
-    pub flow: Flow,
+    pub flow: Flow<R>,
     /// Largest `|u|/dx + |v|/dy`, 1/s.
     pub advection_rate: f64,
-    /// The cylinders, then the beam.
+    /// The cylinders and the other rigid bodies, then the beams.
     pub bodies: Vec<BodyForce>,
-    /// The beam, where there is one.
-    pub beam: Option<BeamState>,
+    /// The beams.
+    pub beams: Beams,
 }
 
 /// What a time scheme remembers of earlier steps.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Memory {
+#[serde(bound = "")]
+pub enum Memory<R: Real> {
     /// Two-step backward differences.
-    Sbdf2(TwoStep),
+    Sbdf2(TwoStep<R>),
     /// Heun's method: spectrum of the velocity, m/s, `[ny/2 + 1, nx]` per component.
-    Rk2([Vec<Quad>; 2]),
+    Rk2([Vec<Pack<R>>; 2]),
 }
 
 /// What the two-step scheme remembers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct TwoStep {
+#[serde(bound = "")]
+pub struct TwoStep<R: Real> {
     /// The flow one step earlier.
-    pub before: Flow,
+    pub before: Flow<R>,
     /// `w = u* + tau G` of the last step, m/s, `[nx, ny]` per component.
-    pub w: [Vec<f64>; 2],
+    pub w: [Vec<R>; 2],
     /// `1/tau` of the last step, 1/s, so that `G = (w − u)/tau`; 0 before the first, where G is 0.
     pub per_tau: f64,
 }
 
 /// Fields of one time, `[nx, ny]` each.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Flow {
+#[serde(bound = "")]
+pub struct Flow<R: Real> {
     /// Velocity, m/s, per component.
-    pub velocity: [Vec<f64>; 2],
+    pub velocity: [Vec<R>; 2],
     /// Vorticity, 1/s.
-    pub vorticity: Vec<f64>,
+    pub vorticity: Vec<R>,
 }
 
-/// The beam as the fluid last saw it.
+/// The beams as the fluid last saw them; every list is empty without one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BeamState {
-    /// Where it is.
-    pub stations: Stations,
-    /// Loads for the coming step; absent where the scene uses the pressure jump.
-    pub loads: Option<Loads>,
-    /// What the fluid did to it.
-    pub exchange: Exchange,
+pub struct Beams {
+    /// Where they are.
+    pub stations: Vec<Stations>,
+    /// Loads for the coming step; empty where the scene uses the pressure jump.
+    pub loads: Vec<Loads>,
+    /// What the fluid did to them.
+    pub exchange: Vec<Exchange>,
 }
 
-impl State {
+impl<R: Real> StateIn<R> {
     /// The first part that a state `own` of the same scene would have otherwise: in another size, or, of the numbers
     /// that are not fields, not finite. `memory_fits`: it is of the scheme and size of that scene.
-    pub(crate) fn misfit(&self, own: &Present, memory_fits: bool) -> Option<&'static str> {
+    pub fn misfit(&self, own: &Present<R>, memory_fits: bool) -> Option<&'static str> {
         let present = &self.present;
         let numbers = [present.time, present.step, present.advection_rate];
-        let beam = match (&present.beam, &own.beam) {
-            (None, None) => true,
-            (Some(a), Some(b)) => a.has_shape_of(b),
-            _ => false,
-        };
         [
             ("the time or a step", numbers.iter().all(|number| number.is_finite())),
             ("a field", present.flow.lengths() == own.flow.lengths() && memory_fits),
             ("the list of bodies", present.bodies.len() == own.bodies.len()),
-            ("the beam", beam),
+            ("the list of beams", present.beams.have_shape_of(&own.beams)),
         ]
         .into_iter()
         .find_map(|(part, fits)| (!fits).then_some(part))
     }
 }
 
-impl Present {
+impl<R: Real> Present<R> {
     /// Become `other`, which is of the same scene; unlike `clone_from` this allocates nothing.
     pub fn copy_from(&mut self, other: &Self) {
         (self.time, self.step, self.advection_rate) = (other.time, other.step, other.advection_rate);
         self.flow.copy_from(&other.flow);
         self.bodies.copy_from_slice(&other.bodies);
-        if let Some((own, other)) = self.beam.as_mut().zip(other.beam.as_ref()) {
-            own.stations.copy_from(&other.stations);
-            own.exchange = other.exchange;
-            if let Some((own, other)) = own.loads.as_mut().zip(other.loads.as_ref()) {
-                own.copy_from(other);
-            }
-        }
-    }
-
-    /// Where the beam is.
-    pub fn stations(&self) -> Option<&Stations> {
-        self.beam.as_ref().map(|beam| &beam.stations)
+        Stations::copy_all(&mut self.beams.stations, &other.beams.stations);
+        self.beams.loads.iter_mut().zip(&other.beams.loads).for_each(|(own, other)| own.copy_from(other));
+        self.beams.exchange.copy_from_slice(&other.beams.exchange);
     }
 }
 
-impl TwoStep {
+impl<R: Real> TwoStep<R> {
     /// Become `other`, which is as large; unlike `clone_from` this allocates nothing.
     pub fn copy_from(&mut self, other: &Self) {
         self.before.copy_from(&other.before);
@@ -123,15 +120,15 @@ impl TwoStep {
 
     /// Whether it is as large as `other`.
     pub fn has_shape_of(&self, other: &Self) -> bool {
-        let lengths = |w: &[Vec<f64>; 2]| w.each_ref().map(Vec::len);
+        let lengths = |w: &[Vec<R>; 2]| w.each_ref().map(Vec::len);
         self.before.lengths() == other.before.lengths() && lengths(&self.w) == lengths(&other.w)
     }
 }
 
-impl Flow {
+impl<R: Real> Flow<R> {
     /// A uniform flow (m/s) at `n` points.
     pub fn uniform(velocity: [f64; 2], n: usize) -> Self {
-        Self { velocity: velocity.map(|u| vec![u; n]), vorticity: vec![0.0; n] }
+        Self { velocity: velocity.map(|u| vec![R::narrow(u); n]), vorticity: vec![R::zero(); n] }
     }
 
     /// Become `other`, which is as large; unlike `clone_from` this allocates nothing.
@@ -145,13 +142,11 @@ impl Flow {
     }
 }
 
-impl BeamState {
-    fn has_shape_of(&self, other: &Self) -> bool {
-        let loads = match (&self.loads, &other.loads) {
-            (None, None) => true,
-            (Some(a), Some(b)) => a.has_shape_of(b),
-            _ => false,
-        };
-        loads && self.stations.has_shape_of(&other.stations)
+impl Beams {
+    fn have_shape_of(&self, other: &Self) -> bool {
+        let lengths = |beams: &Self| [beams.stations.len(), beams.loads.len(), beams.exchange.len()];
+        lengths(self) == lengths(other)
+            && self.stations.iter().zip(&other.stations).all(|(a, b)| a.has_shape_of(b))
+            && self.loads.iter().zip(&other.loads).all(|(a, b)| a.has_shape_of(b))
     }
 }

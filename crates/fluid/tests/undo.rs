@@ -12,7 +12,7 @@ use scene::{Mask, TimeScheme};
 
 /// Set the tip's velocity (m/s) at the end of the coming step.
 fn set_tip(fluid: &mut Fluid, velocity: f64) {
-    let stations = fluid.stations_mut().expect("the scene has a beam");
+    let stations = &mut fluid.stations_mut()[0];
     *stations.velocity[1].last_mut().expect("it has stations") = velocity;
 }
 

@@ -122,9 +122,10 @@ impl Scene {
         Some(self.chosen_load()?.0)
     }
 
-    /// As [`Scene::load`], with the reason, as the rest of a sentence.
+    /// As [`Scene::load`], with the reason, as the rest of a sentence. Several rods take the same load: that which suits the
+    /// lightest.
     pub fn chosen_load(&self) -> Option<(Load, String)> {
-        let [own, displaced] = self.line_densities()?;
+        let Weight { name, own, displaced, free } = self.lightest()?;
         if let Some(load) = self.coupling.as_ref().and_then(|coupling| coupling.load) {
             return Some((load, "the scene says so".into()));
         }
@@ -136,16 +137,16 @@ impl Scene {
         };
         Some(if own < displaced {
             let needed = "the momentum load needs 1 or more";
-            (Load::PressureJump, format!("the rod weighs {ratio:.4} of the fluid it displaces; {needed}"))
-        } else if own == displaced && self.is_free() {
+            (Load::PressureJump, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces; {needed}"))
+        } else if own == displaced && free {
             let needed = "a free rod needs more for the momentum load";
-            (Load::PressureJump, format!("the rod weighs {ratio:.4} of the fluid it displaces; {needed}"))
+            (Load::PressureJump, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces; {needed}"))
         } else if step > largest * (1.0 + STEP_ROUNDING) {
             let held = "the momentum load is not to be held over several of the fluid's";
             let reason = format!("the step of {step} s is above {largest} s, the fluid's largest; {held}");
             (Load::PressureJump, reason)
         } else {
-            (Load::Momentum, format!("the rod weighs {ratio:.4} of the fluid it displaces, at least 1"))
+            (Load::Momentum, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces, at least 1"))
         })
     }
 
@@ -159,38 +160,38 @@ impl Scene {
         }
     }
 
-    /// Whether nothing holds the root: without a mass of its own such a rod could not even begin to move.
-    fn is_free(&self) -> bool {
-        self.rod.as_ref().is_some_and(|rod| matches!(rod.root, Hold::Free { .. }))
-    }
-
-    /// Mass of the rod and of the fluid it displaces, per length and metre of depth, kg/m², where the rod is lightest by
-    /// the fluid.
-    fn line_densities(&self) -> Option<[f64; 2]> {
-        let (fluid, beam, rod) = (self.fluid.as_ref()?, self.beam.as_ref()?, self.rod.as_ref()?);
-        let (material, thickness) = (&rod.material, &beam.thickness);
-        let masses =
-            beam.places().map(|s| [material.section(thickness, s).line_density, fluid.density * thickness.at(s)]);
-        masses.min_by(|a, b| (a[0] / a[1]).total_cmp(&(b[0] / b[1])))
+    /// The rod that is lightest by the fluid that it displaces, where it is so; of equal ones first one that is free.
+    fn lightest(&self) -> Option<Weight> {
+        let fluid = self.fluid.as_ref()?;
+        let weights = self.rods_by_name().flat_map(|(name, beam, rod)| {
+            let (material, thickness) = (&rod.material, &beam.thickness);
+            beam.places().map(move |s| Weight {
+                name: name.map_or(String::new(), |name| format!(" `{name}`")),
+                own: material.section(thickness, s).line_density,
+                displaced: fluid.density * thickness.at(s),
+                free: matches!(rod.root, Hold::Free { .. }),
+            })
+        });
+        weights.min_by(|a, b| (a.own / a.displaced).total_cmp(&(b.own / b.displaced)).then(b.free.cmp(&a.free)))
     }
 
     /// Whether the two sides can exchange like this.
     pub(crate) fn check_coupling(&self) -> Result<(), SceneError> {
-        let coupled = self.fluid.is_some() && self.rod.is_some();
+        let coupled = self.fluid.is_some() && (self.rod.is_some() || !self.rods.is_empty());
         require(coupled || self.coupling.is_none(), "coupling", "present", || {
             "it may be there only when the scene has both a fluid and a rod".into()
         })?;
         let Some((load, _)) = self.chosen_load() else { return Ok(()) };
-        if let (Load::Momentum, Some([own, displaced])) = (load, self.line_densities()) {
+        if let (Load::Momentum, Some(Weight { name, own, displaced, free })) = (load, self.lightest()) {
             let ratio = own / displaced;
             require(own >= displaced, "coupling.load", "momentum", || {
                 format!(
-                    "the rod weighs {ratio:.4} of the fluid it displaces, less than 1; leave the load out or take pressure_jump"
+                    "the rod{name} weighs {ratio:.4} of the fluid it displaces, less than 1; leave the load out or take pressure_jump"
                 )
             })?;
-            require(own > displaced || !self.is_free(), "coupling.load", "momentum", || {
+            require(own > displaced || !free, "coupling.load", "momentum", || {
                 format!(
-                    "the free rod weighs {ratio:.4} of the fluid it displaces, which leaves it no mass; leave the load out or take \
+                    "the free rod{name} weighs {ratio:.4} of the fluid it displaces, which leaves it no mass; leave the load out or take \
                      pressure_jump"
                 )
             })?;
@@ -203,6 +204,16 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// Mass of a rod at one place and of the fluid it displaces there, per length and metre of depth, kg/m².
+struct Weight {
+    /// Name of the rod in a sentence, with a space in front; empty of a rod that has none.
+    name: String,
+    own: f64,
+    displaced: f64,
+    /// Whether nothing holds the root: without a mass of its own such a rod could not even begin to move.
+    free: bool,
 }
 
 /// Part by which the communication step may exceed the fluid's largest without being divided, as in the fluid itself.

@@ -50,6 +50,9 @@ pub struct Fluid {
     /// Points whose velocity and pressure are outputs.
     #[serde(default)]
     pub probes: Vec<Probe>,
+    /// Precision of the fields and transforms.
+    #[serde(default)]
+    pub precision: Precision,
     /// Threads that share the work of a step; results do not depend on it.
     #[serde(default = "one_thread")]
     #[schemars(range(min = 1, max = 1024))]
@@ -245,6 +248,18 @@ pub enum WallTarget {
     Curvature,
 }
 
+/// Precision of the fields and transforms. Bodies, forces and loads are in double precision in both.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Precision {
+    /// 16 digits.
+    #[default]
+    Double,
+    /// 7 digits, at half of the memory. Not where small differences matter: a lift of 1e-5 of the drag, or orders of
+    /// convergence.
+    Single,
+}
+
 /// What removes aliasing errors.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -310,6 +325,16 @@ impl TimeScheme {
     }
 }
 
+impl Precision {
+    /// Fewest grid points along x: as many columns are transformed together.
+    fn fewest_columns(self) -> usize {
+        match self {
+            Self::Double => 8,
+            Self::Single => 16,
+        }
+    }
+}
+
 impl Mask {
     /// Relaxation time C_eta deep inside the solid, s.
     pub fn c_eta(&self) -> f64 {
@@ -345,6 +370,10 @@ impl Check for Fluid {
         let [nx, ny] = self.domain.cells;
         require(nx * ny <= MOST_CELLS, &format!("{key}.box.cells"), format!("[{nx}, {ny}]"), || {
             format!("it must be at most {MOST_CELLS} cells together")
+        })?;
+        let least = self.precision.fewest_columns();
+        require(nx >= least, &format!("{key}.box.cells[0]"), nx, || {
+            format!("it must be at least {least} in single precision")
         })?;
         let within = |key: &str, [low, high]: [f64; 2], outer: [f64; 2]| {
             interval(key, [low, high])?;

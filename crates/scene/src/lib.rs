@@ -16,6 +16,7 @@ mod fluid;
 mod law;
 mod reference;
 mod rod;
+mod rods;
 mod schema;
 mod text;
 
@@ -29,14 +30,15 @@ pub use beam::{Beam, Root};
 pub use body::{Body, BodyMotion, Ends, Shape};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use fluid::{
-    Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Probe, Sponge,
-    TimeScheme, TimeStepping, WallTarget,
+    Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Precision, Probe,
+    Sponge, TimeScheme, TimeStepping, WallTarget,
 };
 pub use law::TimeLaw;
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
 pub use rod::{
     Bending, Calibration, Hold, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section, SectionAlong,
 };
+pub use rods::NamedRod;
 
 use check::{Check, require};
 use rod::Z_AXIS;
@@ -69,6 +71,12 @@ pub struct Scene {
     /// Elastic model of the beam; absent where the beam is rigid.
     #[serde(default)]
     pub rod: Option<Rod>,
+    /// Several beams in the fluid, each with a rod that is a unit of its own: at least two, in the place of `beam` and `rod`.
+    #[serde(default)]
+    pub rods: Vec<NamedRod>,
+    /// Name of the one of `rods` that a unit is, in the scene that it carries; absent elsewhere.
+    #[serde(default)]
+    pub unit: Option<String>,
     /// How fluid and rod exchange; absent where it is left to the rules, refused where there are not both.
     #[serde(default)]
     pub coupling: Option<Coupling>,
@@ -183,38 +191,59 @@ impl Scene {
             || format!("it must be at least {:e}: a run has at most {MOST_STEPS:e} steps", end / MOST_STEPS),
         )?;
         require(self.fluid.is_some() || self.rod.is_some(), "fluid", "missing", || {
-            "a scene needs a fluid, a rod with a beam, or both".into()
+            let several = "several rods need a fluid that couples them";
+            if self.rods.is_empty() { "a scene needs a fluid, a rod with a beam, or both" } else { several }.into()
         })?;
+        self.check_rods()?;
         self.check_substeps()?;
         self.fluid.check_at("fluid")?;
-        self.beam.check_at("beam")?;
-        self.rod.check_at("rod")?;
-        if let Some(Beam { root: Root::OnCylinder { cylinder, .. }, .. }) = &self.beam {
+        self.check_beam(self.beam.as_ref(), self.rod.as_ref(), "")?;
+        for (i, NamedRod { beam, rod, .. }) in self.rods.iter().enumerate() {
+            self.check_beam(Some(beam), Some(rod), &format!("rods[{i}]."))?;
+        }
+        self.check_places()?;
+        self.reference.check_at("reference")?;
+        self.check_coupling()
+    }
+
+    /// Check a beam with its rod, whose keys begin with `at`.
+    fn check_beam(&self, beam: Option<&Beam>, rod: Option<&Rod>, at: &str) -> Result<(), SceneError> {
+        let key = |key: &str| format!("{at}{key}");
+        if let Some(beam) = beam {
+            beam.check_at(&key("beam"))?;
+        }
+        if let Some(rod) = rod {
+            rod.check_at(&key("rod"))?;
+        }
+        if let Some(Beam { root: Root::OnCylinder { cylinder, .. }, .. }) = beam {
             let count = self.fluid.as_ref().map_or(0, |f| f.cylinders.len());
-            require(*cylinder < count, "beam.root.on_cylinder.cylinder", cylinder, || match count {
+            require(*cylinder < count, &key("beam.root.on_cylinder.cylinder"), cylinder, || match count {
                 0 => "the scene has no cylinder".into(),
                 count => format!("it must be at most {}: the scene has {count}, counted from 0", count - 1),
             })?;
         }
 
-        if let Some(rod) = &self.rod {
-            let Some(beam) = &self.beam else {
+        if let Some(rod) = rod {
+            let Some(beam) = beam else {
                 return require(false, "beam", "missing", || "a rod needs a beam: its geometry".into());
             };
             let dimension = self.dimension(beam);
             require(
                 rod.gravity.is_empty() || rod.gravity.len() == dimension,
-                "rod.gravity",
+                &key("rod.gravity"),
                 format!("{:?}", rod.gravity),
                 || format!("it must have {dimension} components like the beam's root"),
             )?;
-            check_hold(rod, beam, dimension)?;
+            check_hold(rod, beam, dimension, &key("rod"))?;
             let tapered = beam.thickness.varies() || rod.material.varies();
-            require(!tapered || rod.calibration == Calibration::SecondOrder, "rod.calibration", "thesis", || {
-                "of a rod that changes along its length it must be second_order".into()
-            })?;
+            require(
+                !tapered || rod.calibration == Calibration::SecondOrder,
+                &key("rod.calibration"),
+                "thesis",
+                || "of a rod that changes along its length it must be second_order".into(),
+            )?;
             if let (2, Some(RootMotion::Laws(laws))) = (dimension, &rod.root_motion) {
-                let key = "rod.root_motion.laws";
+                let key = key("rod.root_motion.laws");
                 require(laws.z == TimeLaw::default(), &format!("{key}.z"), "present", || {
                     "a beam in two dimensions has no z".into()
                 })?;
@@ -225,22 +254,21 @@ impl Scene {
                 }
             }
         }
-        if let (Some(fluid), Some(beam)) = (&self.fluid, &self.beam) {
-            require(self.dimension(beam) == 2, "beam.root", "three-dimensional", || {
+        if let (Some(fluid), Some(beam)) = (&self.fluid, beam) {
+            require(self.dimension(beam) == 2, &key("beam.root"), "three-dimensional", || {
                 "a beam in the two-dimensional fluid needs a root with 2 components".into()
             })?;
             for [x, y, _] in self.beam_stations(beam) {
                 let inside = |p: f64, [low, high]: [f64; 2]| (low..=high).contains(&p);
                 require(
                     inside(x, fluid.domain.x) && inside(y, fluid.domain.y),
-                    "beam.root",
+                    &key("beam.root"),
                     format!("a station at ({x}, {y})"),
                     || format!("the beam must lie inside the box x {:?}, y {:?}", fluid.domain.x, fluid.domain.y),
                 )?;
             }
         }
-        self.reference.check_at("reference")?;
-        self.check_coupling()
+        Ok(())
     }
 
     /// Steps so short that no run would end are refused where they are asked for: a unit could only say of the first
@@ -255,8 +283,9 @@ impl Scene {
                 )
             })
         };
-        if let Some(longest) = self.rod.as_ref().and_then(|rod| rod.max_step) {
-            reachable("rod.max_step", longest)?;
+        let several = self.rods.iter().enumerate().map(|(i, own)| (format!("rods[{i}].rod.max_step"), &own.rod));
+        for (key, rod) in self.rod.iter().map(|rod| ("rod.max_step".to_string(), rod)).chain(several) {
+            rod.max_step.map_or(Ok(()), |longest| reachable(&key, longest))?;
         }
         let Some(fluid) = &self.fluid else { return Ok(()) };
         let TimeStepping { max_step, max_cfl, .. } = fluid.time_stepping;
@@ -318,9 +347,9 @@ impl Scene {
     }
 }
 
-/// What a root that is not clamped does not go with.
-fn check_hold(rod: &Rod, beam: &Beam, dimension: usize) -> Result<(), SceneError> {
-    let (key, absent) = ("rod.root", TimeLaw::default());
+/// What a root that is not clamped does not go with; `of` is the key of the rod.
+fn check_hold(rod: &Rod, beam: &Beam, dimension: usize, of: &str) -> Result<(), SceneError> {
+    let (key, absent) = (&format!("{of}.root"), TimeLaw::default());
     let name = match &rod.root {
         Hold::Clamped => return Ok(()),
         Hold::Pinned => "pinned",
@@ -345,21 +374,21 @@ fn check_hold(rod: &Rod, beam: &Beam, dimension: usize) -> Result<(), SceneError
     require(!free || matches!(beam.root, Root::At { .. }), key, name, || {
         "a beam on a cylinder has a root that it holds".into()
     })?;
-    require(!free || rod.root_motion.is_none(), "rod.root_motion", "present", || {
+    require(!free || rod.root_motion.is_none(), &format!("{of}.root_motion"), "present", || {
         "a free root has no prescribed motion; rod.root.free has the forces that tow it".into()
     })?;
     let turns = matches!(&rod.root_motion, Some(RootMotion::Laws(laws)) if !laws.rotations.is_empty());
-    require(rod.root != Hold::Pinned || !turns, "rod.root_motion.laws.rotations", "present", || {
+    require(rod.root != Hold::Pinned || !turns, &format!("{of}.root_motion.laws.rotations"), "present", || {
         "a pinned root has no direction that could be turned".into()
     })?;
-    require(rod.bending == Bending::Invariant, "rod.bending", "projected", || {
+    require(rod.bending == Bending::Invariant, &format!("{of}.bending"), "projected", || {
         format!("with a root that is {name} it must be invariant")
     })?;
-    require(rod.calibration == Calibration::SecondOrder, "rod.calibration", "thesis", || {
+    require(rod.calibration == Calibration::SecondOrder, &format!("{of}.calibration"), "thesis", || {
         format!("with a root that is {name} it must be second_order")
     })?;
     let clamped = matches!(rod.root, Hold::TorsionSpring { .. });
-    require(clamped || rod.clamp_setback == 0.0, "rod.clamp_setback", rod.clamp_setback, || {
+    require(clamped || rod.clamp_setback == 0.0, &format!("{of}.clamp_setback"), rod.clamp_setback, || {
         format!("it must be 0 with a root that is {name}: there is no clamp")
     })
 }

@@ -1,6 +1,6 @@
 """How units exchange within one communication step, from t to t + H (`docs/coupling.md`).
 
-Explicit (serial), each unit once:
+There are one or several rods; x and the loads are those of all of them. Explicit (serial), each unit once:
 
     rod.step(loads of the fluid at t)  →  stations at t + H  →  fluid.step(stations)  →  loads for the next step
 
@@ -37,19 +37,28 @@ def root_inputs(unit: Unit) -> list[str]:
     return [v.name for v in unit.variables.values() if v.causality == "input" and v.name.startswith("root.")]
 
 
-def connections(source: Unit, target: Unit) -> list[str]:
+def beam_prefixes(rods: int) -> list[str]:
+    """What the names of a fluid's exchanged variables begin with, for each of so many rods: with nothing where there is
+    one, else `beam[1].`, `beam[2].` and so on."""
+    return [""] if rods == 1 else [f"beam[{i}]." for i in range(1, rods + 1)]
+
+
+def connections(source: Unit, target: Unit, given_as: str = "", taken_as: str = "") -> list[str]:
     """Names of the quantities that `source` gives to `target`; raises `CouplingError` where an input of `target`, but
-    those of a driven root, finds no output of the same name, number and unit."""
-    names = [v.name for v in target.variables.values() if v.causality == "input" and not v.name.startswith("root.")]
+    those of a driven root, finds no output of the same name, number and unit. The names begin with `given_as` at the
+    one and with `taken_as` at the other."""
+    inputs = (v.name for v in target.variables.values() if v.causality == "input" and not v.name.startswith("root."))
+    names = [name.removeprefix(taken_as) for name in inputs if name.startswith(taken_as)]
     for name in names:
-        here, there = target.variables[name], source.variables.get(name)
+        here, there = target.variables[taken_as + name], source.variables.get(given_as + name)
         if there is None or there.causality != "output":
-            raise CouplingError(f"the {target.name} has the input `{name}`, but the {source.name} has no such output")
+            such = "such output" if given_as == taken_as else f"output `{given_as}{name}`"
+            raise CouplingError(f"the {target.name} has the input `{here.name}`, but the {source.name} has no {such}")
         for what in ("kind", "size", "unit"):
             mine, theirs = getattr(here, what), getattr(there, what)
             if mine != theirs:
                 raise CouplingError(
-                    f"the {what} of `{name}` is {mine} at the {target.name}, but {theirs} at the {source.name}"
+                    f"the {what} of `{here.name}` is {mine} at the {target.name}, but {theirs} at the {source.name}"
                 )
     return names
 
@@ -102,60 +111,120 @@ class Single:
         return {}
 
 
+@dataclass(frozen=True)
+class Link:
+    """A rod, and where its buffers and those of the fluid meet."""
+
+    rod: Unit
+    stations: np.ndarray  # As the rod gave them
+    given: np.ndarray  # The same as inputs of the fluid
+    loads: np.ndarray  # As the fluid gave them
+    taken: np.ndarray  # The same as inputs of the rod
+    root: np.ndarray  # Further inputs of the rod: those that drive its root
+
+
 class Explicit(Single):
-    """Rod and fluid with one exchange a step, the rod first."""
+    """Rods and fluid with one exchange a step, the rods first."""
 
     parallel = False
     """Whether the fluid steps with the stations at the beginning of the step."""
 
-    def __init__(self, rod: Unit, fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
-        self.rod, self.fluid, self.drive = rod, fluid, drive
-        loads, stations, root = connections(fluid, rod), connections(rod, fluid), root_inputs(rod)
-        if root and drive is None:
-            raise CouplingError(
-                "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of time, "
-                "or couple the units from Python with a drive"
-            )
-        powers = watched(rod, fluid) if guards else ([], [])
-        rod.connect(loads + root, stations, [name for name in powers[0] if name in rod.variables])
-        fluid.connect(stations, loads, [name for name in powers[1] if name in fluid.variables])
-        self.loads, self.stations = fluid.exchanged, rod.exchanged
-        self.taken, self.root = np.split(rod.inputs, [self.loads.size])
-        self.watch = Watch(guards, rod, fluid) if guards else None
+    def __init__(self, rods: Sequence[Unit], fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
+        self.rods, self.fluid, self.drive = list(rods), fluid, drive
+        self.links, self.watches = self._connect(guards), []
+        if guards:
+            several = len(self.rods) > 1
+            self.watches = [
+                Watch(guards, rod, fluid, f"beam[{i}]" if several else "beam") for i, rod in enumerate(self.rods, 1)
+            ]
+
+    def _connect(self, guards: Guards | None) -> list[Link]:
+        """Choose what is exchanged: at the fluid what belongs to each rod, one after the other."""
+        prefixes = beam_prefixes(len(self.rods))
+        stations: list[list[str]] = []
+        loads: list[list[str]] = []
+        gave: list[str] = []
+        for rod, beam in zip(self.rods, prefixes, strict=True):
+            loads.append(connections(self.fluid, rod, given_as=beam))
+            stations.append(connections(rod, self.fluid, taken_as=beam))
+            root = root_inputs(rod)
+            if root and self.drive is None:
+                raise CouplingError(
+                    "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of "
+                    "time, or couple the units from Python with a drive"
+                )
+            powers = watched(rod, beam or "beam.") if guards else ([], [])
+            rod.connect(loads[-1] + root, stations[-1], [name for name in powers[0] if name in rod.variables])
+            gave += [name for name in powers[1] if name in self.fluid.variables]
+        here = [[beam + name for name in names] for beam, names in zip(prefixes, stations, strict=True)]
+        there = [[beam + name for name in names] for beam, names in zip(prefixes, loads, strict=True)]
+        known = [name for names in here for name in names]
+        inputs = [v.name for v in self.fluid.variables.values() if v.causality == "input"]
+        if lost := next((name for name in inputs if name not in known), None):
+            raise CouplingError(f"the {self.fluid.name} has the input `{lost}`, but there is no rod for it")
+        self.fluid.connect(known, [name for names in there for name in names], gave)
+
+        def parts(values: np.ndarray, names: list[list[str]]) -> list[np.ndarray]:
+            sizes = [sum(self.fluid.variables[name].size for name in part) for part in names]
+            return np.split(values, np.cumsum(sizes)[:-1])
+
+        meet = zip(self.rods, parts(self.fluid.inputs, here), parts(self.fluid.exchanged, there), strict=True)
+        return [
+            Link(rod, rod.exchanged, given, taken, *np.split(rod.inputs, [taken.size])) for rod, given, taken in meet
+        ]
+
+    def give_stations(self) -> None:
+        """Hand the rods' stations to the fluid."""
+        for link in self.links:
+            link.given[:] = link.stations
+
+    def take_loads(self) -> None:
+        """Hand the fluid's loads to the rods."""
+        for link in self.links:
+            link.taken[:] = link.loads
+
+    def move_root(self, t: float) -> None:
+        if self.drive:
+            ends = np.cumsum([link.root.size for link in self.links])[:-1]
+            for link, values in zip(self.links, np.split(np.asarray(self.drive(t)), ends), strict=True):
+                link.root[:] = values
 
     def start(self) -> None:
-        self.rod.get()
-        self.fluid.inputs[:] = self.stations
+        for rod in self.rods:
+            rod.get()
+        self.give_stations()
         self.fluid.set()
         self.fluid.get()
-        self.taken[:] = self.loads
-        self.rod.set()
-        self.rod.start()
+        self.take_loads()
+        for rod in self.rods:
+            rod.set()
+            rod.start()
         self.fluid.start()
 
     def step(self, t: float, h: float) -> int:
-        self.taken[:] = self.loads
+        self.take_loads()
         self.move_root(t + h)
         if self.parallel:
-            self.fluid.inputs[:] = self.stations
-        self.rod.step(t, h)
+            self.give_stations()
+        for rod in self.rods:
+            rod.step(t, h)
         if not self.parallel:
-            self.fluid.inputs[:] = self.stations
+            self.give_stations()
         self.fluid.step(t, h)
-        if self.watch:
-            self.watch.check(t + h)
+        for watch in self.watches:
+            watch.check(t + h)
         return 1
 
     def memory(self) -> dict[str, np.ndarray]:
-        return {"balance": np.array(self.watch.balance)} if self.watch else {}
+        return {"balance": np.array([watch.balance for watch in self.watches])} if self.watches else {}
 
     def remember(self, memory: dict[str, np.ndarray]) -> None:
-        if self.watch:
-            self.watch.balance = memory["balance"].tolist()
+        for watch, balance in zip(self.watches, memory.get("balance", ()), strict=True):
+            watch.balance = balance.tolist()
 
 
 class ParallelExplicit(Explicit):
-    """Rod and fluid with one exchange a step, each with what the other gave at its beginning."""
+    """Rods and fluid with one exchange a step, each with what the other gave at its beginning."""
 
     parallel = True
 
@@ -166,44 +235,58 @@ CONVERGENCE = ("step", "iteration", "residual")
 
 
 class Iterated(Explicit):
-    """Rod and fluid with exchanges until they agree."""
+    """Rods and fluid with exchanges until all agree: the guess, the residual and its limit are of all rods together."""
 
-    def __init__(self, rod: Unit, fluid: Unit, options: Iteration, drive: Drive | None = None):
-        super().__init__(rod, fluid, drive)
-        for unit in (rod, fluid):
+    def __init__(self, rods: Sequence[Unit], fluid: Unit, options: Iteration, drive: Drive | None = None):
+        super().__init__(rods, fluid, drive)
+        for unit in (*self.rods, fluid):
             if not unit.can_roll_back:
                 raise CouplingError(f"the iterated scheme needs rollback, but the {unit.name} cannot restore its state")
-        if takes_momentum(rod):
+        if any(map(takes_momentum, self.rods)):
             raise CouplingError(
                 "the iterated scheme needs the load pressure_jump: the momentum load holds for stations that keep "
                 "their velocity, so repeating the step with it would count the impedance twice"
             )
         self.tolerance, self.max_iterations = options.tolerance, options.max_iterations
-        self.displacement = np.r_[rod.slices["x"], rod.slices["y"]]
+        # One rod's stations are those that it gave, several are gathered.
+        self.stations = self.rods[0].exchanged if len(self.rods) == 1 else np.zeros(fluid.inputs.size)
+        sizes = [link.stations.size for link in self.links]
+        places = [np.r_[rod.slices["x"], rod.slices["y"]] for rod in self.rods]
+        self.displacement = np.concatenate(
+            [place + begin for place, begin in zip(places, np.cumsum([0, *sizes[:-1]]), strict=True)]
+        )
         newton = IqnIls(self.displacement.size, self.stations.size)
         self.acceleration = Aitken() if options.acceleration == "aitken" else newton
         self.last_stations: np.ndarray | None = None
         self.iterations, self.convergence = array("d"), array("d")
 
+    def gather(self) -> None:
+        """Put the stations that the rods gave one after the other."""
+        if len(self.links) > 1:
+            np.concatenate([link.stations for link in self.links], out=self.stations)
+
     def step(self, t: float, h: float) -> int:
-        rod, fluid, stations, given, a = self.rod, self.fluid, self.stations, self.fluid.inputs, self.acceleration
+        rods, fluid, stations, given, a = self.rods, self.fluid, self.stations, self.fluid.inputs, self.acceleration
+        self.gather()
         before = stations.copy()
         rounding = STATION_ROUNDING * float(np.linalg.norm(before[self.displacement]))
         number = len(self.iterations) // len(ITERATIONS) + 1
         a.begin()
-        rod.save()
-        fluid.save()
+        for unit in (*rods, fluid):
+            unit.save()
 
         # The first guess is the straight line through the last two.
         given[:] = before if self.last_stations is None else 2 * before - self.last_stations
         for iteration in range(1, self.max_iterations + 1):
             if iteration > 1:
-                rod.restore()
-                fluid.restore()
+                for unit in (*rods, fluid):
+                    unit.restore()
             fluid.step(t, h)
-            self.taken[:] = self.loads
+            self.take_loads()
             self.move_root(t + h)
-            rod.step(t, h)
+            for rod in rods:
+                rod.step(t, h)
+            self.gather()
             residual = (stations - given)[self.displacement]
             change = float(np.linalg.norm((stations - before)[self.displacement]))
             error = float(np.linalg.norm(residual))

@@ -15,9 +15,9 @@ def takes_momentum(rod: Unit) -> bool:
     return impedance is not None and impedance.causality == "input"
 
 
-def watched(rod: Unit, fluid: Unit) -> tuple[list[str], list[str]]:
-    """The outputs of `rod` and `fluid` that a watch needs in every step."""
-    return ["load.power"], ["beam.power"] if takes_momentum(rod) else []
+def watched(rod: Unit, beam: str) -> tuple[list[str], list[str]]:
+    """The outputs of `rod` and of the fluid that a watch needs in every step; there the names begin with `beam`."""
+    return ["load.power"], [f"{beam}power"] if takes_momentum(rod) else []
 
 
 class Watch:
@@ -28,11 +28,11 @@ class Watch:
     difference of what the rod takes that counts.
     """
 
-    def __init__(self, guards: Guards, rod: Unit, fluid: Unit):
+    def __init__(self, guards: Guards, rod: Unit, fluid: Unit, beam: str = "beam"):
         self.guards, self.rod, self.fluid = guards, rod, fluid
         self.momentum = takes_momentum(rod)
         self.took = _place(rod, "load.power")
-        self.gave = _place(fluid, "beam.power") if self.momentum else 0
+        self.gave = _place(fluid, f"{beam}.power") if self.momentum else 0
         self.balance = [0.0] * 5
         """Steps, fading sums of the magnitudes of what is watched and of what went across, W, and the rod's last two
         powers."""
@@ -58,10 +58,12 @@ class Watch:
         imbalance, noise = self.guards.largest_imbalance, self.guards.largest_noise
         if self.momentum and imbalance is not None and watched > imbalance * crossed:
             share = f"{watched / crossed:.0%}" if crossed else "all"
-            return f"the power that the rod took and that the fluid gave differ by {share} of what went across"
+            return (
+                f"the power that the {self.rod.name} took and that the fluid gave differ by {share} of what went across"
+            )
         if not self.momentum and noise is not None and watched > noise * crossed and power > self.guards.quiet_power:
             noisy = f"{watched / crossed:.2g} of it from step to step"
-            return f"the power that the rod took is noise, {noisy}; iterate, or take shorter steps"
+            return f"the power that the {self.rod.name} took is noise, {noisy}; iterate, or take shorter steps"
         return None
 
 

@@ -21,9 +21,10 @@ import numpy as np
 
 from nervure.evaluate import flapping, statistics
 from nervure.evaluate.dimensionless import Dimensionless
+from nervure.evaluate.rods import seen
 from nervure.evaluate.statistics import Window
 from nervure.recorder import Series
-from nervure.scene import Scene
+from nervure.scene import Scene, beams
 from nervure.scene.types import BodyMotion, Motion, TimeLaw, TimeLawSine, TimeLawSteady
 
 
@@ -72,8 +73,10 @@ def evaluate(
     stream = flapping.stream(scene, window)
     ahead = np.array([-1.0, 0.0]) if stream is None else -stream / np.linalg.norm(stream)
     motions = {name: motion for name, motion in _motions(scene) if motion}
+    rods = {own.force: own for own in beams(scene)}
     found = {}
     for name, body in numbers.bodies.items():
+        own = seen(series, rods[name]) if name in rods else None
         forces = [f"{name}_drag", f"{name}_lift"]
         if not series.keys() >= {*forces}:
             continue
@@ -82,7 +85,7 @@ def evaluate(
             statistics.evaluate(time, statistics.box_filter(time, series[force], width), window) for force in forces
         )
         thrust = ahead @ [flapping.average(time, series[force], window) for force in forces]
-        power = power_in(name, series) if name in motions or name == "beam" else None
+        power = power_in(name, series) if name in motions else own.get("root_power") if own else None
         curves = {"cd": series[forces[0]] / pressure, "cl": series[forces[1]] / pressure}
         if stream is None and f"{name}_x" in series and name in motions:
             curves["cd_path"] = against_path(name, series) / pressure
@@ -97,7 +100,7 @@ def evaluate(
             ct=float(thrust) / pressure,
             cp=flapping.average(time, power, window) / (pressure * velocity) if power is not None else None,
             st=lift.frequency_hz * body.length / velocity if lift.frequency_hz and window.periods else None,
-            st_tip=_tip(series, window, velocity) if name == "beam" else None,
+            st_tip=_tip(own, window, velocity) if own else None,
             kc=oscillation.largest_speed / (oscillation.frequency * body.length) if oscillation else None,
             cycles={key: cycle_mean(time, curve, window) for key, curve in curves.items()} if window.periods else None,
             morison=oscillation.morison(name, scene, series, window, body.length) if oscillation else None,
@@ -106,9 +109,7 @@ def evaluate(
 
 
 def power_in(name: str, series: Series) -> np.ndarray | None:
-    """Power that the drive of a body puts into the fluid, W/m, or that of the root into beam and fluid."""
-    if name == "beam":
-        return series.get("root_power")
+    """Power that the drive of a rigid body puts into the fluid, W/m."""
     return -series[f"{name}_power"] if f"{name}_power" in series else None
 
 

@@ -33,7 +33,7 @@ class Scale:
 def scale(scene: Scene) -> Scale | None:
     """The scale of `scene`; None unless it is one still cylinder without a beam in an inflow that becomes steady."""
     fluid = scene.fluid
-    if scene.beam or fluid is None or len(fluid.cylinders) != 1 or fluid.inflow is None:
+    if scene.beam or scene.rods or fluid is None or len(fluid.cylinders) != 1 or fluid.inflow is None:
         return None
     (cylinder,), velocity = fluid.cylinders, final_value(fluid.inflow.mean_velocity)
     if cylinder.motion or not velocity:

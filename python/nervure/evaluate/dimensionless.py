@@ -4,7 +4,7 @@
 
 with U the velocity that drives the flow, L the diameter of the first cylinder, the length of the first body, or that of
 the beam (in M and K that of the beam), f the frequency of the drive, mu the mass per area and EI the stiffness of the
-beam per depth, both at its root.
+beam per depth, both at its root. Of several beams it is the first.
 
 The added mass is that of a thin plate across the flow, pi/4 rho L² (Theodorsen 1935). The layer at the front of a body
 is that of the stagnation flow with the strain rate of potential flow: 4 U/D at a cylinder, 2 U/L amid a plate.
@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from nervure.scene import Scene
+from nervure.scene import Own, Scene, beams
 from nervure.scene.along import along, places, thickness
 from nervure.scene.types import (
     Body as BodyOfScene,
@@ -59,11 +59,11 @@ class Dimensionless:
     reynolds: float | None
     reduced_frequency: float | None  # Of a sine that drives a body or the flow
     mass_ratio: float | None  # mu / (rho L)
-    density_ratio: float | None  # Mass of the beam by that of the fluid it displaces
+    density_ratio: float | None  # Mass of the beam by that of the fluid it displaces, of several the least
     added_mass_ratio: float | None  # Added mass of a plate by the mass of the beam
     stiffness: float | None  # EI / (rho U² L³)
     cfl: float | None  # CFL number of the longest step, with twice the largest velocity, as at the side of a cylinder
-    bodies: dict[str, Body]  # By the names of their forces: cylinder_1, …, body_1, …, beam
+    bodies: dict[str, Body]  # By the names of their forces: cylinder_1, …, body_1, …, beam, or beam_1, …
 
 
 class Drive(NamedTuple):
@@ -76,15 +76,15 @@ class Drive(NamedTuple):
 
 def evaluate(scene: Scene) -> Dimensionless | None:
     """The numbers of `scene`; None without a fluid."""
-    fluid, beam = scene.fluid, scene.beam
+    fluid, own = scene.fluid, beams(scene)
     if fluid is None:
         return None
     sizes = {f"cylinder_{i}": (2 * cylinder.radius,) * 2 for i, cylinder in enumerate(fluid.cylinders, 1)}
     sizes |= {f"body_{i}": size(body.shape) for i, body in enumerate(fluid.bodies, 1)}
-    if beam:
-        sizes["beam"] = beam.length, float(thickness(beam).min())
+    sizes |= {each.force: (each.beam.length, float(thickness(each.beam).min())) for each in own}
     lengths = {name: length for name, (length, _) in sizes.items()}
-    plates = {"beam"} | {
+    flexible = {each.force for each in own}
+    plates = flexible | {
         f"body_{i}" for i, body in enumerate(fluid.bodies, 1) if not isinstance(body.shape, ShapeCircle)
     }
     length_of = next(iter(lengths), None)
@@ -103,13 +103,16 @@ def evaluate(scene: Scene) -> Dimensionless | None:
     step = min(scene.time.communication_step, fluid.time_stepping.max_step)
     bodies = {}
     for name, (extent, thinnest) in sizes.items():
-        strain = (2 if name in plates else 4) * fastest / extent if name == length_of or name != "beam" else 0.0
+        strain = (2 if name in plates else 4) * fastest / extent if name == length_of or name not in flexible else 0.0
         bodies[name] = Body(
             length=extent,
             thickness_cells=thinnest / max(dx, dy),
             layer_cells=sqrt(fluid.kinematic_viscosity / strain) / max(dx, dy) if strain else None,
         )
-    section, span = _section(scene), beam.length if beam else 0.0
+    section, span = _section(own[0]) if own else None, own[0].beam.length if own else 0.0
+    ratios = [
+        float((found[0] / fluid.density / thickness(each.beam)).min()) for each in own if (found := _section(each))
+    ]
     masses, stiffnesses = section or (np.zeros(1), np.zeros(1))
     mass = float(masses[0]) / fluid.density if section else None
     return Dimensionless(
@@ -120,7 +123,7 @@ def evaluate(scene: Scene) -> Dimensionless | None:
         reynolds=velocity * length / fluid.kinematic_viscosity if velocity and length else None,
         reduced_frequency=pi * frequency * length / velocity if frequency and length and velocity else None,
         mass_ratio=mass / span if mass else None,
-        density_ratio=float((masses / fluid.density / thickness(beam)).min()) if section and beam else None,
+        density_ratio=min(ratios, default=None),
         added_mass_ratio=pi / 4 * span / mass if mass else None,
         stiffness=float(stiffnesses[0]) / (fluid.density * velocity**2 * span**3) if section and velocity else None,
         cfl=2 * fastest * step / min(dx, dy) if fastest else None,
@@ -155,10 +158,12 @@ def _motions(scene: Scene) -> Iterator[Drive]:
             speed = hypot(largest_rate(moved.x), largest_rate(moved.y)) or largest_rate(moved.angle) * reach(body)
             found = _frequency(moved.x) or _frequency(moved.y) or _frequency(moved.angle)
             yield Drive(speed, f"motion of body {i}", found)
-    if scene.rod and scene.beam and isinstance(scene.rod.root_motion, RootMotionLaws):
-        laws = scene.rod.root_motion.laws
+    for own in beams(scene):
+        if not (own.rod and isinstance(own.rod.root_motion, RootMotionLaws)):
+            continue
+        laws = own.rod.root_motion.laws
         shifts, turns = [laws.x, laws.y, laws.z], [rotation.angle for rotation in laws.rotations]
-        turning = scene.beam.length * hypot(*map(largest_rate, turns))
+        turning = own.beam.length * hypot(*map(largest_rate, turns))
         frequencies = [found for law in [*shifts, *turns] if (found := _frequency(law))]
         yield Drive(hypot(turning, *map(largest_rate, shifts)), "drive of the root", next(iter(frequencies), None))
 
@@ -220,13 +225,13 @@ def _frequency(law: TimeLaw) -> float | None:
     return law.sine.frequency if isinstance(law, TimeLawSine) and law.sine.amplitude else None
 
 
-def _section(scene: Scene) -> tuple[np.ndarray, np.ndarray] | None:
-    """Mass and bending stiffness of the beam at its stations, per metre of depth."""
-    if scene.rod is None or scene.beam is None:
+def _section(own: Own) -> tuple[np.ndarray, np.ndarray] | None:
+    """Mass and bending stiffness of a beam at its stations, per metre of depth; None without a rod."""
+    if own.rod is None:
         return None
-    material, h = scene.rod.material, thickness(scene.beam)
+    material, h = own.rod.material, thickness(own.beam)
     if not isinstance(material, MaterialPlaneStrain):
-        section, s = material.section, places(scene.beam)
+        section, s = material.section, places(own.beam)
         return along(section.line_density, s), along(section.bending_stiffness, s)
     strain = material.plane_strain
     modulus = strain.youngs_modulus / (1 - strain.poisson_ratio**2)

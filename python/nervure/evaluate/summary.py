@@ -16,15 +16,16 @@ from nervure.coupling import Choice, Single
 from nervure.evaluate import bodies, coefficients, dimensionless, flapping, statistics
 from nervure.evaluate.bodies import BodyCoefficients
 from nervure.evaluate.dimensionless import Dimensionless
+from nervure.evaluate.rods import seen
 from nervure.files import json_numbers
 from nervure.master import RunStatus
 from nervure.provenance import Machine, Revision, git_revision, machine
 from nervure.recorder import Recorder, Series
-from nervure.scene import Scene
+from nervure.scene import Scene, beams
 from nervure.unit import Unit
 
-QUANTITIES = ("tip_ux", "tip_uy", "tip_uz", "drag", "lift")
-"""The outputs that are evaluated, as far as the units have them."""
+TIP = ("tip_ux", "tip_uy", "tip_uz")
+"""The outputs of a rod that are evaluated; those of the fluid are `FORCES`."""
 
 PERIODIC = 0.1  # Largest `amplitude_drift` of a run that is compared with published values of a periodic state
 STEADY = 0.05  # Largest amplitude by mean of a run that is compared with published values of a steady one
@@ -83,6 +84,14 @@ class Interface:
 
 
 @dataclass(frozen=True)
+class OfRod:
+    """What one of several rods has given."""
+
+    flapping: flapping.Flapping | None  # None where no root is driven
+    interface: Interface | None  # None where a unit does not tell its power
+
+
+@dataclass(frozen=True)
 class UnitInfo:
     """What a unit says of itself."""
 
@@ -122,6 +131,7 @@ class Summary:
     versions: dict[str, str]
     git: Revision | None
     machine: Machine
+    rods: dict[str, OfRod] | None = None  # By name; None unless there are several, of which `flapping` is None
 
     @property
     def window(self) -> statistics.Window | None:
@@ -132,6 +142,12 @@ class Summary:
         """What summary.json holds."""
         kept: dict[str, Any] = json_numbers(TypeAdapter(Summary).dump_python(self, exclude_defaults=True))
         return kept
+
+
+def quantities(scene: Scene) -> list[str]:
+    """The columns that are evaluated, as far as a run has them."""
+    prefixes = [own.prefix for own in beams(scene)] or [""]
+    return [*(prefix + name for prefix in prefixes for name in TIP), *FORCES]
 
 
 def main_signal(series: Series) -> str | None:
@@ -162,28 +178,37 @@ def _quantity(
     return Quantity(**asdict(extremes), unit=unit or "", fit=fit, reference=reference)
 
 
+def _main_column(scene: Scene, series: Series) -> str | None:
+    """The main signal of a run; of several rods that of the first."""
+    for own in beams(scene)[:1] if scene.rods else ():
+        if found := main_signal(seen(series, own)):
+            return own.prefix + found
+    return main_signal(series)
+
+
 def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Recorder, status: RunStatus) -> Summary:
     """The summary of a run."""
     series = recorder.series
     time, iterations = series["time"], series["iterations"][1:]
-    main = main_signal(series) if time.size > 2 else None
+    main = _main_column(scene, series) if time.size > 2 else None
     window = statistics.find_window(time, series[main]) if main else None
     width = statistics.force_filter_width(window) if window else 0.0
     numbers = dimensionless.evaluate(scene)
     inside = {kind: unit.seconds for kind, unit in units.items()}
     about = {kind: unit.description for kind, unit in units.items()}
-    quantities = {
+    known = {
         name: _quantity(name, recorder.units[name], series, scene, window, width)
-        for name in QUANTITIES
+        for name in quantities(scene)
         if window and name in series
     }
+    rods = {own.unit: seen(series, own) for own in beams(scene)} if scene.rods else {}
     settling = settling_signal(series, main) if main else None
     drift = statistics.drift(time, series[settling], window) if settling and window else None
     return Summary(
         scene=scene.name,
         completed=status.completed,
         error=status.error,
-        quantities=quantities,
+        quantities=known,
         dimensionless=numbers,
         bodies=bodies.evaluate(scene, numbers, series, window, width) if window else {},
         coefficients=_coefficients(scene, series, window, width) if window else None,
@@ -191,7 +216,7 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
         amplitude_drift=drift,
-        not_compared=_not_compared(scene, status, quantities, settling, window, drift),
+        not_compared=_not_compared(scene, status, known, settling, window, drift),
         method=Method(
             coupling=scheme.choice,
             communication_step_s=scene.time.communication_step,
@@ -214,6 +239,11 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
         versions={"python": platform.python_version()} | {name: version(name) for name in ("fmpy", "numpy")},
         git=git_revision(),
         machine=machine(),
+        rods={
+            name: OfRod(flapping.evaluate(scene, columns, window) if window else None, interface(columns))
+            for name, columns in rods.items()
+        }
+        or None,
     )
 
 

@@ -75,8 +75,10 @@ def binaries(kind: str, version: int) -> dict[str, Path]:
 def write(scene: Scene, folder: Path, version: int = 2) -> None:
     """Make a folder to hand out, with units of that version of FMI, in the place of one that exists."""
     kinds, git = package.kinds(scene), git_revision()
-    libraries = {kind: binaries(kind, version) for kind in kinds}
-    needed = {f"{kind} for {name}": glibc(path) for kind in kinds for name, path in libraries[kind].items()}
+    libraries = {kind: binaries(package.kind_of(kind), version) for kind in kinds}
+    needed = {
+        f"{package.kind_of(kind)} for {name}": glibc(path) for kind in kinds for name, path in libraries[kind].items()
+    }
     for what, least in needed.items():
         if least > OLDEST_GLIBC:
             newer, oldest = (".".join(map(str, each)) for each in (least, OLDEST_GLIBC))
@@ -85,7 +87,10 @@ def write(scene: Scene, folder: Path, version: int = 2) -> None:
             )
     unfinished = folder.with_name(folder.name + ".unfinished")
     shutil.rmtree(unfinished, ignore_errors=True)
-    fmus = {kind: package.pack(kind, scene, unfinished, libraries[kind], notices(kind), version) for kind in kinds}
+    fmus = {
+        kind: package.pack(kind, scene, unfinished, libraries[kind], notices(package.kind_of(kind)), version)
+        for kind in kinds
+    }
     files = list(fmus.values())
     if len(kinds) > 1 and version == 2:  # SSP 1.0 has no arrays
         files.append(ssp.pack(scene, unfinished, fmus))

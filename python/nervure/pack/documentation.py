@@ -1,5 +1,6 @@
 """What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals."""
 
+import re
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -15,6 +16,7 @@ PAGE = Path(__file__).with_name("page.html").read_text(encoding="utf-8")
 
 STATIONS = ("x", "y", "z", "vx", "vy", "vz")
 LOAD = ("force_x", "force_y", "force_z", "impedance")
+BEAM = re.compile(r"beam\[\d+\]\.")  # In front of the names of the arrays that belong to one of several rods
 TERMINALS = dict.fromkeys(STATIONS, "stations") | dict.fromkeys(LOAD, "load")
 """Arrays that go together in FMI 3.0, where an array is one variable and a terminal may have several."""
 DESCRIPTIONS = {"stations": "Positions and velocities of the stations", "load": "Load on the stations"}
@@ -91,16 +93,21 @@ def page(kind: str, description: str) -> str:
 
 def terminals(description: str) -> str:
     """terminalsAndIcons.xml (FMI 3.0) of the arrays of inputs or outputs. Under FMI 2.0 each is a terminal with its
-    elements as members; under FMI 3.0 the arrays themselves are the members, and those of `TERMINALS` go together."""
+    elements as members; under FMI 3.0 the arrays themselves are the members, and those of `TERMINALS` go together. The
+    members have the names that a rod has for them, so that its terminals fit those of a fluid with several."""
     arrays = [v for v in _variables(description) if v.members and v.about.get("causality") in ("input", "output")]
     listed: dict[str, Any] = {}
     for array in arrays:
         whole = array.about is array.value
-        name = TERMINALS.get(array.name, array.name) if whole else array.name
+        beam = found[0] if (found := BEAM.match(array.name)) else ""
+        own = array.name.removeprefix(beam)
+        group = TERMINALS.get(own, own) if whole else own
+        name = beam + group
         if name not in listed:
-            about = array.about.get("description") if name == array.name else DESCRIPTIONS[name]
+            about = array.about.get("description") if group == own else DESCRIPTIONS[group]
             listed[name] = E.Terminal(name=name, matchingRule="plug", description=about)
         for member in [array.name] if whole else array.members:
-            listed[name].append(E.TerminalMemberVariable(variableName=member, memberName=member, variableKind="signal"))
+            names = {"variableName": member, "memberName": member.removeprefix(beam)}
+            listed[name].append(E.TerminalMemberVariable(**names, variableKind="signal"))
     root = E.fmiTerminalsAndIcons(*([E.Terminals(*listed.values())] if listed else []), fmiVersion="3.0")
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{etree.tostring(root, encoding="unicode", pretty_print=True)}'

@@ -10,12 +10,12 @@ import fmpy
 from nervure import library as libraries
 from nervure.errors import SceneError
 from nervure.files import write_whole
-from nervure.library import KINDS, SUFFIX, library
+from nervure.library import SUFFIX, kind_of, library
 from nervure.pack import documentation
-from nervure.resources import ROOT
-from nervure.scene import Document, Scene, document, kinds, text
+from nervure.resources import KINDS, ROOT
+from nervure.scene import Document, Scene, carried, document, kinds
 
-__all__ = ["KINDS", "describe", "kinds", "library", "merge", "pack", "unpacked", "write_archive"]
+__all__ = ["KINDS", "describe", "kind_of", "kinds", "library", "merge", "pack", "unpacked", "write_archive"]
 
 COMPRESSION = zipfile.ZIP_DEFLATED
 ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # Of every file in an FMU: the same scene and library give the same bytes
@@ -27,8 +27,8 @@ PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}
 
 def describe(kind: str, scene: Scene | Document, version: int = 2) -> str:
     """modelDescription.xml of unit `kind` for `scene` in that version of FMI, 2 or 3; raises `SceneError` with the
-    unit's words if it refuses it."""
-    return libraries.describe(kind, text(scene), version)
+    unit's words if it refuses it. `kind` is `rod`, `fluid`, or the name of one of several rods."""
+    return libraries.describe(kind_of(kind), carried(scene, kind), version)
 
 
 def pack(
@@ -46,14 +46,15 @@ def pack(
     are the licences of what is linked into them.
     """
     description = describe(kind, scene, version)
-    libraries = binaries or {PLATFORM[version]: library(kind)}
-    picture = (ROOT / f"fmu-{kind}" / "model.png").read_bytes()
+    built = kind_of(kind)
+    libraries = binaries or {PLATFORM[version]: library(built)}
+    picture = (ROOT / f"fmu-{built}" / "model.png").read_bytes()
     contents = {
         "modelDescription.xml": description.encode("utf-8"),
-        **{f"binaries/{name}/fmu_{kind}{path.suffix}": path.read_bytes() for name, path in libraries.items()},
-        "resources/scene.json": text(scene).encode("utf-8"),
+        **{f"binaries/{name}/fmu_{built}{path.suffix}": path.read_bytes() for name, path in libraries.items()},
+        "resources/scene.json": carried(scene, kind).encode("utf-8"),
         **({"model.png": picture} if version == 2 else {}),
-        "documentation/index.html": documentation.page(kind, description).encode("utf-8"),
+        "documentation/index.html": documentation.page(built, description).encode("utf-8"),
         "terminalsAndIcons/terminalsAndIcons.xml": documentation.terminals(description).encode("utf-8"),
         "terminalsAndIcons/icon.png": picture,
     }
@@ -68,12 +69,12 @@ def unpacked(kind: str, scene: Scene | Document, folder: Path) -> Path:
     """Lay out what an FMU of FMI 2.0 needs to run here, unpacked and with a link to the library, in a folder of its own
     below `folder`; returns it. Costs a hundredth of packing and unpacking one."""
     description = describe(kind, scene)
-    place, built = folder / kind, library(kind)
+    place, built = folder / kind, library(kind_of(kind))
     (place / "binaries" / PLATFORM[2]).mkdir(parents=True)
     (place / "resources").mkdir()
     (place / "modelDescription.xml").write_text(description, encoding="utf-8")
-    (place / "resources" / "scene.json").write_text(text(scene), encoding="utf-8")
-    linked = place / "binaries" / PLATFORM[2] / f"fmu_{kind}{SUFFIX}"
+    (place / "resources" / "scene.json").write_text(carried(scene, kind), encoding="utf-8")
+    linked = place / "binaries" / PLATFORM[2] / f"fmu_{kind_of(kind)}{SUFFIX}"
     try:
         linked.symlink_to(built.resolve())
     except OSError:  # Windows allows links to some only

@@ -7,6 +7,7 @@ import fmpy
 from lxml import etree
 from lxml.builder import ElementMaker
 
+from nervure.coupling import beam_prefixes
 from nervure.errors import SceneError
 from nervure.pack import package
 from nervure.scene import Scene
@@ -16,22 +17,28 @@ SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 
 
 def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
-    """SystemStructure.ssd of the units `fmus` by name: every input is connected with the output of the same name."""
+    """SystemStructure.ssd of the units `fmus` by name: every input is connected with the output of the same name, where
+    the fluid's names of several rods begin with `beam[1].` and so on."""
     names = {"ssd": SSD, "ssc": SSC}
     ssd, ssc = ElementMaker(namespace=SSD, nsmap=names), ElementMaker(namespace=SSC, nsmap=names)
-    components, outputs, inputs = [], dict[str, str](), list[tuple[str, str]]()
+    rods = [unit for unit in fmus if unit != "fluid"]
+    beams = dict(zip(rods, beam_prefixes(len(rods)), strict=True))
+    components, outputs, inputs = [], dict[str, tuple[str, str]](), list[tuple[str, str, str]]()
     for unit, path in fmus.items():
         variables = fmpy.read_model_description(str(path), validate=False).modelVariables
-        outputs |= {v.name: unit for v in variables if v.causality == "output"}
-        inputs += [(v.name, unit) for v in variables if v.causality == "input"]
+        # By the name that the fluid has for it.
+        beam = beams.get(unit, "")
+        outputs |= {beam + v.name: (unit, v.name) for v in variables if v.causality == "output"}
+        inputs += [(beam + v.name, unit, v.name) for v in variables if v.causality == "input"]
         exchanged = [v for v in variables if v.causality in ("input", "output")]
         connectors = [ssd.Connector(ssc(v.type), name=v.name, kind=v.causality) for v in exchanged]
         about = {"name": unit, "type": "application/x-fmu-sharedlibrary", "source": f"resources/{path.name}"}
         components.append(ssd.Component(ssd.Connectors(*connectors), **about))
     connections = [
-        ssd.Connection(startElement=outputs[variable], startConnector=variable, endElement=unit, endConnector=variable)
-        for variable, unit in inputs
-        if variable in outputs
+        ssd.Connection(startElement=source, startConnector=output, endElement=unit, endConnector=name)
+        for variable, unit, name in inputs
+        for source, output in [outputs.get(variable, ("", ""))]
+        if source
     ]
     # A name of SSP is an identifier in some readers.
     system = ssd.System(ssd.Elements(*components), ssd.Connections(*connections), name=re.sub(r"\W", "_", name))
@@ -41,7 +48,7 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
 
 
 def pack(scene: Scene, folder: Path, fmus: dict[str, Path] | None = None) -> Path:
-    """Write `NAME.ssp` with both units of `scene` into `folder` and return its path; `fmus` are the units by kind, by
+    """Write `NAME.ssp` with the units of `scene` into `folder` and return its path; `fmus` are the units by kind, by
     default packed into `folder` before."""
     kinds = package.kinds(scene)
     if len(kinds) < 2:

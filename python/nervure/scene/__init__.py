@@ -8,6 +8,7 @@ become part of every result and stay there when a later version has better ones.
 import json
 import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -17,10 +18,12 @@ from pydantic import ValidationError
 from nervure.errors import SceneError
 from nervure.library import KINDS, check, is_built
 from nervure.resources import SCENES
+from nervure.scene.part import Part
 from nervure.scene.source import Source, parse
-from nervure.scene.types import Scene
+from nervure.scene.types import Beam, Rod, Scene
 
-__all__ = ["Document", "Scene", "assign", "document", "kinds", "load", "override", "read", "text", "typed"]
+__all__ = ["Document", "Own", "Scene", "assign", "beams", "called", "carried", "document", "kinds", "load", "override"]
+__all__ += ["read", "text", "typed"]
 
 Document = dict[str, Any]  # A scene as JSON has it, which no unit need have seen
 
@@ -102,9 +105,45 @@ def _jsonable(value: Any) -> Any:
 
 
 def kinds(scene: Scene | Document) -> list[str]:
-    """The units that a scene has, in the order in which they step; a scene without any is for the fluid to refuse."""
+    """The units that a scene has, in the order in which they step: the rod or, by their names, several, and the fluid.
+    A scene without any is for the fluid to refuse."""
     parts = vars(scene) if isinstance(scene, Scene) else scene
-    return [kind for kind in KINDS if parts.get(kind) is not None] or ["fluid"]
+    return [*_names(parts), *(kind for kind in KINDS if parts.get(kind) is not None)] or ["fluid"]
+
+
+def called(kind: str) -> str:
+    """What messages call a unit: `rod`, `fluid`, or `rod NAME`."""
+    return kind if kind in KINDS else f"rod {kind}"
+
+
+def _names(parts: dict[str, Any]) -> list[str]:
+    """Names of several rods, as far as they have some: a unit may not have seen the scene yet."""
+    rods = parts.get("rods")
+    each = [vars(own) if isinstance(own, Part) else own for own in rods] if isinstance(rods, list) else []
+    return [own["name"] for own in each if isinstance(own, dict) and isinstance(own.get("name"), str)]
+
+
+def carried(scene: Scene | Document, kind: str) -> str:
+    """The text of the scene that a unit carries: that of one of several rods says which it is."""
+    return text(scene if kind in KINDS else {**document(scene), "unit": kind})
+
+
+@dataclass(frozen=True)
+class Own:
+    """A beam of a scene and its rod, and what its names begin with."""
+
+    unit: str  # Of the rod: `rod`, or its name
+    beam: Beam
+    rod: Rod | None
+    prefix: str  # Of the columns that the rod gives: none where it is the only one
+    force: str  # Of the columns of the fluid's forces on it: `beam`, or `beam_1` and so on
+
+
+def beams(scene: Scene) -> list[Own]:
+    """The beams of a scene, in the order in which the fluid counts them."""
+    if scene.beam:
+        return [Own("rod", scene.beam, scene.rod, "", "beam")]
+    return [Own(own.name, own.beam, own.rod, f"{own.name}_", f"beam_{i}") for i, own in enumerate(scene.rods, 1)]
 
 
 def override(scene: Document, assignment: str) -> None:

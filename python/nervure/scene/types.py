@@ -409,6 +409,12 @@ class Probe(Part):
     """Where it is, m."""
 
 
+Precision = Literal["double", "single"]
+"""Precision of the fields and transforms. Bodies, forces and loads are in double precision in both. `double`: 16
+digits. `single`: 7 digits, at half of the memory. Not where small differences matter: a lift of 1e-5 of the drag, or
+orders of convergence."""
+
+
 class Fluid(Part):
     """A two-dimensional incompressible fluid in a periodic box."""
 
@@ -453,6 +459,9 @@ class Fluid(Part):
 
     probes: list[Probe] = Field(default_factory=list)
     """Points whose velocity and pressure are outputs."""
+
+    precision: Precision = "double"
+    """Precision of the fields and transforms."""
 
     threads: Integer = 1
     """Threads that share the work of a step; results do not depend on it."""
@@ -789,6 +798,19 @@ class Rod(Part):
     """Largest step of the rod's own inside a communication step, s; absent: the communication step."""
 
 
+class NamedRod(Part):
+    """One of several rods in a fluid."""
+
+    name: str
+    """Name of its unit, of at most 40 characters: a letter, then letters, digits and `_`; not `rod` or `fluid`."""
+
+    beam: Beam
+    """Geometry of the beam that the fluid sees and the rod moves."""
+
+    rod: Rod
+    """Elastic model of the beam."""
+
+
 Load = Literal["momentum", "pressure_jump"]
 """What the fluid does to the rod. `momentum`: Momentum that the penalization takes from the fluid, with its impedance;
 the rod then carries only the difference between its own mass and that of the fluid it displaces. `pressure_jump`: Jump
@@ -981,6 +1003,13 @@ class Scene(Part):
 
     rod: Rod | None = None
     """Elastic model of the beam; absent where the beam is rigid."""
+
+    rods: list[NamedRod] = Field(default_factory=list)
+    """Several beams in the fluid, each with a rod that is a unit of its own: at least two, in the place of `beam` and
+    `rod`."""
+
+    unit: str | None = None
+    """Name of the one of `rods` that a unit is, in the scene that it carries; absent elsewhere."""
 
     coupling: Coupling | None = None
     """How fluid and rod exchange; absent where it is left to the rules, refused where there are not both."""

@@ -23,7 +23,7 @@ from nervure.errors import Refusal
 from nervure.evaluate import statistics
 from nervure.files import write_whole
 from nervure.recorder import Series
-from nervure.scene import typed
+from nervure.scene import beams, typed
 from nervure.show import fields, plots, with_unit
 
 PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
@@ -36,7 +36,7 @@ GREYS = 32  # Colours of the palette for text, axes and solids; the other ones a
 
 
 class Frames:
-    """The frames of a result folder: times (s), vorticity and the beam's outline."""
+    """The frames of a result folder: times (s), vorticity and the beams' outlines."""
 
     def __init__(self, folder: Path):
         alone = not (folder / fields.FLUID).exists() and (folder / fields.BEAM).exists()
@@ -44,7 +44,7 @@ class Frames:
         first: Any = h5py.File(folder / fields.BEAM) if alone else self.fluid
         self.scene = scene = typed(json.loads(first[fields.SCENE][()]))
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
-        self.beam: Any = h5py.File(folder / fields.BEAM)["VTKHDF"] if scene.beam else None
+        self.beams: list[Any] = [h5py.File(folder / fields.beam_file(own))["VTKHDF"] for own in beams(scene)]
         self.moves = self._moves(results.read(folder).series) if scene.fluid and scene.fluid.bodies else []
 
     def _moves(self, series: Series) -> list[np.ndarray]:
@@ -62,16 +62,16 @@ class Frames:
     def vorticity(self, frame: int) -> np.ndarray:
         return np.array(self.fluid["VTKHDF/PointData/vorticity"][frame]).T
 
-    def points(self, frame: int) -> np.ndarray:
-        """Outline of the beam in the plane, its centre line in space, `[n, 3]`."""
-        n = self.beam["NumberOfPoints"][0]
-        return np.array(self.beam["Points"][frame * n : (frame + 1) * n])
+    def points(self, frame: int, beam: int = 0) -> np.ndarray:
+        """Outline of a beam in the plane, its centre line in space, `[n, 3]`."""
+        n = self.beams[beam]["NumberOfPoints"][0]
+        return np.array(self.beams[beam]["Points"][frame * n : (frame + 1) * n])
 
     def title(self, frame: int) -> str:
         return f"t = {self.times[frame]:.3f} {plots.unit('s', self.scene)}"
 
-    def outline(self, frame: int) -> np.ndarray | None:
-        return None if self.beam is None else self.points(frame)[:, :2]
+    def outlines(self, frame: int) -> list[np.ndarray]:
+        return [self.points(frame, beam)[:, :2] for beam in range(len(self.beams))]
 
     def between(self, begin: float, end: float) -> list[int]:
         """Frames of the times from `begin` up to `end`, without `end` itself."""
@@ -141,7 +141,7 @@ def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
     axes = figure.subplots(rows, columns, sharex=True, sharey=True)
     for axis, frame in zip(axes.flat, chosen, strict=True):
         picture = plots.draw_vorticity(
-            axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit, frames.poses(frame)
+            axis, frames.scene, frames.vorticity(frame), frames.outlines(frame), limit, frames.poses(frame)
         )
         axis.set_title(frames.title(frame), fontsize="medium")
         axis.label_outer()
@@ -209,7 +209,7 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
     for frame in chosen:
         axis.clear()
         picture = plots.draw_vorticity(
-            axis, frames.scene, frames.vorticity(frame), frames.outline(frame), limit, frames.poses(frame)
+            axis, frames.scene, frames.vorticity(frame), frames.outlines(frame), limit, frames.poses(frame)
         )
         axis.set_title(frames.title(frame), fontsize="medium")
         bar = bar or figure.colorbar(picture, label=plots.vorticity_label(frames.scene), extend="both", pad=0.01)

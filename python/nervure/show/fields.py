@@ -1,4 +1,4 @@
-"""Fields over time in files that ParaView opens (VTKHDF 2): the fluid's grid in one, the beam in another.
+"""Fields over time in files that ParaView opens (VTKHDF 2): the fluid's grid in one, each beam in another.
 
 Every frame has its place from the beginning, and is counted only when it is there: the file of a killed run can be
 read up to its last frame, and a resumed run writes on. For that nothing is compressed. Values are single precision.
@@ -12,9 +12,9 @@ import numpy as np
 
 from nervure.errors import SceneError
 from nervure.master import Clock, Watcher
-from nervure.scene import Scene, text
+from nervure.scene import Own, Scene, beams, text
 from nervure.scene.along import thickness
-from nervure.scene.types import Beam as SceneBeam, Fluid
+from nervure.scene.types import Fluid
 from nervure.unit import Unit
 
 FILES = FLUID, BEAM = "fields.vtkhdf", "beam.vtkhdf"
@@ -22,9 +22,14 @@ SCENE = "scene"  # Dataset with the text of the scene, outside of what VTK reads
 CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
-def stations(units: dict[str, Unit]) -> np.ndarray:
-    """Where the beam's stations are now, `[n, 2]`, or `[n, 3]` in space."""
-    unit = units.get("rod") or units["fluid"]
+def beam_file(own: Own) -> str:
+    """Name of the file of a beam."""
+    return f"beam-{own.unit}.vtkhdf" if own.prefix else BEAM
+
+
+def stations(units: dict[str, Unit], own: Own) -> np.ndarray:
+    """Where a beam's stations are now, `[n, 2]`, or `[n, 3]` in space."""
+    unit = units.get(own.unit) or units["fluid"]
     return np.column_stack([unit.read(name) for name in "xyz" if name in unit.variables])
 
 
@@ -38,8 +43,8 @@ def outline(centre_line: np.ndarray, thickness: np.ndarray) -> np.ndarray:
 
 def clear(folder: Path) -> None:
     """Remove the field files of an earlier run from `folder`."""
-    for name in FILES:
-        (folder / name).unlink(missing_ok=True)
+    for path in [*(folder / name for name in FILES), *folder.glob("beam-*.vtkhdf")]:
+        path.unlink(missing_ok=True)
 
 
 class Fields:
@@ -53,13 +58,13 @@ class Fields:
         self.stride = max(1, round(interval / clock.communication_step))
         frames, known = clock.steps // self.stride + 1, done // self.stride + 1 if done else 0
         shows = scene.fluid if "fluid" in units and units["fluid"].shown_field("u") is not None else None
-        if not shows and not scene.beam:
+        if not shows and not beams(scene):
             raise SceneError("--fields-every needs a beam or a fluid that shows its fields (fmu_field)")
         self.files: list[Grid | Beam] = []
         if shows:
             self.files.append(Grid(folder / FLUID, scene, shows, units["fluid"], frames, known))
-        if scene.beam:
-            self.files.append(Beam(folder / BEAM, scene, scene.beam, units, frames, known))
+        for own in beams(scene):
+            self.files.append(Beam(folder / beam_file(own), scene, own, units, frames, known))
 
     def watch(self, warn: Callable[[str], None]) -> Watcher:
         """Watcher of a run. Where the disk does not take a frame, the run goes on and the files end there."""
@@ -154,17 +159,17 @@ class Grid(Series):
 
 
 class Beam(Series):
-    """The beam as PolyData: its outline in the plane, its centre line in space."""
+    """A beam as PolyData: its outline in the plane, its centre line in space."""
 
-    def __init__(self, path: Path, scene: Scene, beam: SceneBeam, units: dict[str, Unit], frames: int, known: int):
+    def __init__(self, path: Path, scene: Scene, own: Own, units: dict[str, Unit], frames: int, known: int):
         super().__init__(path, scene, frames, known)
-        self.units, self.thickness = units, thickness(beam)
+        self.units, self.own, self.thickness = units, own, thickness(own.beam)
         if not known:
             n = len(self._points())
             self.root.attrs["Type"] = np.bytes_("PolyData")
             self.root["NumberOfPoints"] = np.full(1, n)
             self._place(self.root, "Points", (frames * n, 3))
-            shape = "Polygons" if stations(units).shape[1] == 2 else "Lines"
+            shape = "Polygons" if stations(units, own).shape[1] == 2 else "Lines"
             for kind in CELL_KINDS:
                 group, cells = self.root.create_group(kind), int(kind == shape)
                 group["NumberOfCells"] = np.full(1, cells)
@@ -179,7 +184,7 @@ class Beam(Series):
             self.file.flush()
 
     def _points(self) -> np.ndarray:
-        points = stations(self.units)
+        points = stations(self.units, self.own)
         return points if points.shape[1] == 3 else np.pad(outline(points, self.thickness), ((0, 0), (0, 1)))
 
     def write(self, frame: int, time: float) -> None:

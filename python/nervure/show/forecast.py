@@ -15,7 +15,7 @@ from nervure.coupling import Choice
 from nervure.evaluate import dimensionless
 from nervure.evaluate.dimensionless import Body, Dimensionless
 from nervure.master import Clock, Watcher
-from nervure.scene import Scene
+from nervure.scene import Scene, beams
 from nervure.scene.along import thickness
 from nervure.unit import Unit
 
@@ -91,17 +91,18 @@ def warnings(scene: Scene) -> Iterator[str]:
         softness = mask["c_eta"] * numbers.velocity / numbers.length
         if softness > SOFTNESS * (1 + ROUNDING):
             yield f"the mask is soft: C_eta U/L is {softness:.2g}; above {SOFTNESS:g} forces can be off by 10 %"
-    if (beam := scene.beam) and (ratio := beam.length / beam.segments / thickness(beam).max()) < SEGMENT * (
-        1 - ROUNDING
-    ):
-        yield f"segments are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
+    for own in beams(scene):
+        ratio = own.beam.length / own.beam.segments / thickness(own.beam).max()
+        if ratio < SEGMENT * (1 - ROUNDING):
+            whose = f"segments of the rod {own.unit}" if own.prefix else "segments"
+            yield f"{whose} are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
 
 
 def _unresolved(name: str, body: Body) -> Iterator[str]:
     if body.thickness_cells < THICKNESS_CELLS:
         across = f"{body.thickness_cells:.3g} cells in the {_across(name)} of {name}"
         yield f"{across} are few: forces and motion want {THICKNESS_CELLS:g} or more"
-    if name != "beam" and body.layer_cells is not None and body.layer_cells < LAYER_CELLS:
+    if not name.startswith("beam") and body.layer_cells is not None and body.layer_cells < LAYER_CELLS:
         layer = f"the boundary layer at the front of {name} has {body.layer_cells:.2g} cells"
         yield f"{layer}; with less than {LAYER_CELLS:g} drag can be off by some per cent and lift by ten"
 

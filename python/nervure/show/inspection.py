@@ -14,7 +14,7 @@ from rich.table import Table
 from nervure import checkpoint, master, results
 from nervure.errors import Refusal
 from nervure.pack import package
-from nervure.scene import Scene, kinds
+from nervure.scene import Scene, beams, kinds
 from nervure.scene.along import thickness
 from nervure.show import fields, forecast
 from nervure.show.table import print_table
@@ -104,18 +104,19 @@ def show_scene(console: Console, scene: Scene) -> None:
         else:
             whole = perf_counter() - begin
         resident = forecast.resident()
-        stations = len(fields.stations(units)) if scene.beam else 0
+        stations = {own.unit: len(fields.stations(units, own)) for own in beams(scene)}
 
     rows = [("description", scene.description)] if scene.description else []
-    rows.append(("units", " and ".join(fmus)))
+    *front, last = fmus
+    rows.append(("units", f"{', '.join(front)} and {last}" if front else last))
     if fluid := scene.fluid:
         (nx, ny), (x0, x1), (y0, y1) = fluid.box.cells, fluid.box.x, fluid.box.y
         rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
-    if beam := scene.beam:
-        ends = dict.fromkeys(f"{h:g}" for h in thickness(beam)[[0, -1]])
-        across = " to ".join(ends)
-        rows.append(("beam", f"{beam.length:g} x {across} m, {beam.segments} segments, {stations} stations"))
+    for own in beams(scene):
+        beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in thickness(own.beam)[[0, -1]])
+        size = f"{beam.length:g} x {' to '.join(ends)} m, {beam.segments} segments, {stations[own.unit]} stations"
+        rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
     rows += forecast.rows(scene)
     rows += forecast.chosen(scheme.choice) if scheme.choice else ()
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))

@@ -14,9 +14,12 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon
 
 from nervure.evaluate import coefficients, dimensionless, flapping, statistics
+from nervure.evaluate.rods import seen
+from nervure.evaluate.summary import TIP
 from nervure.files import write_whole
+from nervure.recorder import Series
 from nervure.results import Results
-from nervure.scene import Scene
+from nervure.scene import Scene, beams
 from nervure.scene.along import thickness
 from nervure.scene.types import Body, Fluid, Reference, ShapePolygon, ShapeRectangle
 from nervure.show import shown_in, with_unit
@@ -39,14 +42,15 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     the first run's scene; several `runs` over each other, by the names of their folders, or by their paths where those
     are the same. Of one run coefficients.png and flapping.png too. Returns what was written."""
     first, *others = runs
+    tips = [column for run in runs for own in beams(run.scene) for column in (own.prefix + name for name in TIP)]
     named = {run.folder.resolve().name: run for run in runs}
     labelled = named if len(named) == len(runs) else {str(run.folder): run for run in runs}
     written = []
-    for file, wanted in (("tip", ("tip_ux", "tip_uy", "tip_uz")), ("drag", ("drag",)), ("lift", ("lift",))):
+    for file, wanted in (("tip", list(dict.fromkeys(tips))), ("drag", ("drag",)), ("lift", ("lift",))):
         columns = [column for column in wanted if any(column in run.series for run in runs)]
         if columns:
             written.append(_save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.png"))
-    return written if others else [*written, *cylinder(folder, first), *driven_root(folder, first)]
+    return written if others else [*written, *cylinder(folder, first), *driven_roots(folder, first)]
 
 
 def unit(name: str, scene: Scene) -> str:
@@ -133,12 +137,24 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
     return [_save(figure, folder / "coefficients.png")]
 
 
-def driven_root(folder: Path, run: Results) -> list[Path]:
-    """Write flapping.png, the path of the tip, its way beside that of a rigid rod, forces and power over the periods of
-    the window; nothing if no root is driven. Returns what was written."""
-    found, series = run.summary.flapping, run.series
-    if found is None:
-        return []
+def driven_roots(folder: Path, run: Results) -> list[Path]:
+    """Write flapping.png, or of several rods flapping-NAME.png, of each root that is driven; returns what was
+    written."""
+    of = {own.unit: (own, f"flapping-{own.unit}.png") for own in beams(run.scene)}
+    several = {name: rod.flapping for name, rod in (run.summary.rods or {}).items()}
+    alone = {"rod": run.summary.flapping}
+    pictures = []
+    for name, found in (several or alone).items():
+        if found is not None:
+            own, file = of[name]
+            picture = driven_root(run, found, seen(run.series, own))
+            pictures.append(_save(picture, folder / (file if several else "flapping.png")))
+    return pictures
+
+
+def driven_root(run: Results, found: flapping.Flapping, series: Series) -> Figure:
+    """The path of the tip of a driven rod, its way beside that of a rigid rod, forces and power over the periods of the
+    window; `series` are the columns of this rod."""
     time, main, window = series["time"], found.axis, statistics.Window(*found.window_s, found.periods)
     part = window.of(time)
     phase = (time[part] - window.begin) * window.periods / (window.end - window.begin)
@@ -180,16 +196,16 @@ def driven_root(folder: Path, run: Results) -> list[Path]:
         axis.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, fontsize="small", frameon=False, borderaxespad=0)
     first = f"t = {window.begin:.3g} {unit('s', run.scene)}"
     figure.suptitle(f"{window.periods} periods from {first}, the last one dark", fontsize="small")
-    return [_save(figure, folder / "flapping.png")]
+    return figure
 
 
 def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -> None:
-    """Write vorticity.png of the fluid at `time` (s), with the cylinders that stand still and the bodies and the beam
+    """Write vorticity.png of the fluid at `time` (s), with the cylinders that stand still and the bodies and beams
     where they are now; nothing if the fluid shows no field."""
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
-    corners = outline(stations(units), thickness(scene.beam)) if scene.beam else None
+    corners = [outline(stations(units, own), thickness(own.beam)) for own in beams(scene)]
     figure = Figure(figsize=size(scene, 12.0), layout="constrained")
     axis = figure.subplots()
     poses = [
@@ -211,12 +227,12 @@ def draw_vorticity(
     axis: Axes,
     scene: Scene,
     field: np.ndarray,
-    corners: np.ndarray | None,
+    corners: Sequence[np.ndarray],
     limit: float,
     poses: Sequence[Sequence[float]] = (),
 ) -> AxesImage:
     """Draw a vorticity `field`, `[nx, ny]`, with the solids, the colours from -`limit` to `limit` (1/s); `corners` are
-    those of the beam, `poses` position (m) and angle (rad) of the pivots of the bodies."""
+    those of each beam, `poses` position (m) and angle (rad) of the pivots of the bodies."""
     fluid = _fluid(scene)
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
@@ -228,8 +244,8 @@ def draw_vorticity(
             axis.add_patch(Circle(cylinder.center, cylinder.radius, color=SOLID))
     for body, pose in zip(fluid.bodies, poses, strict=False):
         axis.add_patch(Polygon(body_outline(body, *pose), color=SOLID))
-    if corners is not None:
-        axis.add_patch(Polygon(corners, color=SOLID))
+    for each in corners:
+        axis.add_patch(Polygon(each, color=SOLID))
     left, right, bottom, top = _view(fluid)
     metre = unit("m", scene)
     axis.set(xlim=(left, right), ylim=(bottom, top), xlabel=with_unit("x", metre), ylabel=with_unit("y", metre))

@@ -35,10 +35,13 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
     if found := summary.coefficients:
         for name, value in found.values.items():
             row(name.replace("_", " "), value, found.reference.get(name), 6)
-    for field in fields(summary.flapping) if summary.flapping else ():
-        value = getattr(summary.flapping, field.name)
-        if isinstance(value, float):
-            row(field.name.replace("_", " "), value, None, 4)
+    rods = {f"{name} ": (own.flapping, own.interface) for name, own in (summary.rods or {}).items()}
+    rods = rods or {"": (summary.flapping, summary.interface)}
+    for name, (flapping, _) in rods.items():
+        for field in fields(flapping) if flapping else ():
+            value = getattr(flapping, field.name)
+            if isinstance(value, float):
+                row(name + field.name.replace("_", " "), value, None, 4)
     console.print(table)
     if summary.not_compared is not None:
         console.print(f"not compared with published values: {summary.not_compared}", markup=False, soft_wrap=True)
@@ -48,12 +51,13 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
         drift = summary.amplitude_drift
         steady = "" if drift is None else f", amplitude drift {drift * 100:+.1f} %"
         console.print(f"window {begin:.3f} – {end:.3f} s, {summary.periods} periods{steady}")
-    if (work := summary.interface) and work.imbalance is not None:
-        console.print(
-            f"interface: work on the rod {work.work_on_rod:.4g} J, by the fluid {work.work_by_fluid:.4g} J, "
-            f"{work.imbalance:+.1%} of {work.exchanged:.4g} J",
-            soft_wrap=True,
-        )
+    for name, (_, work) in rods.items():
+        if work and work.imbalance is not None:
+            console.print(
+                f"interface: work on the rod {name}{work.work_on_rod:.4g} J, by the fluid {work.work_by_fluid:.4g} J, "
+                f"{work.imbalance:+.1%} of {work.exchanged:.4g} J",
+                soft_wrap=True,
+            )
     phases = ", ".join(f"{phase.replace('_', ' ')} {seconds:.1f} s" for phase, seconds in summary.phases_s.items())
     reached = f"{summary.steps} steps to t = {summary.simulated_s:g} s"
     console.print(f"{reached} in {summary.wall_s:.1f} s of wall time ({phases})", soft_wrap=True)

@@ -15,7 +15,7 @@ use cpu_time::ThreadTime;
 use libloading::Library;
 use nervure_fluid::Fluid;
 use nervure_fluid::internals::{Fft2, Phase, Projection};
-use scene::{Filter, Scene};
+use scene::{Filter, Precision, Scene};
 
 /// How long a row of a table is measured.
 const TIME: Duration = Duration::from_millis(3000);
@@ -126,7 +126,7 @@ fn pairs(library: &Library, table: &mut Table) {
     for [nx, ny] in SIZES {
         table.begin("pair", "", [nx, ny]);
         let ours = |modes: usize| {
-            let fft = Fft2::new(nx, ny, modes);
+            let fft = Fft2::<f64>::new(nx, ny, modes);
             let (mut spectrum, mut scratch) = (fft.spectrum(), fft.scratch());
             let (field, mut back) = (noise(nx * ny), vec![0.0; nx * ny]);
             move || {
@@ -155,11 +155,11 @@ struct Flow {
 
 impl Flow {
     /// Some steps of a shipped scene on a grid.
-    fn new(name: &str, cells: [usize; 2], step: f64, threads: usize) -> Self {
+    fn new(name: &str, cells: [usize; 2], step: f64, threads: usize, precision: Precision) -> Self {
         let path = format!("{}/../../../scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let mut scene = Scene::from_file(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
         let fluid = scene.fluid.as_mut().expect("the scene has a fluid");
-        (fluid.domain.cells, fluid.threads) = (cells, threads);
+        (fluid.domain.cells, fluid.threads, fluid.precision) = (cells, threads, precision);
         let (filter, amplitude) = (fluid.filter, scene.beam.as_ref().map_or(0.0, |beam| 0.086 * beam.length));
         let fluid = Fluid::new(&scene).unwrap_or_else(|error| panic!("{error}"));
         let mut flow = Self { fluid, filter, amplitude, step };
@@ -176,7 +176,7 @@ impl Flow {
 
     /// One step, with a shift (m) and a velocity (m/s) of the bar in a shape over the share of its length.
     fn advance(&mut self, shape: fn(f64) -> f64, shift: f64, velocity: f64) {
-        if let Some(stations) = self.fluid.stations_mut() {
+        for stations in self.fluid.stations_mut() {
             let last = stations.len() - 1;
             for k in 0..=last {
                 let shape = shape(k as f64 / last as f64);
@@ -192,20 +192,34 @@ impl Flow {
     }
 }
 
-/// A step, beside FFTW's time for the five transforms that it has (two forward, three back).
+/// A step in double and in single precision, beside FFTW's time for the five transforms that it has (two forward, three back).
 fn steps(library: &Library, table: &mut Table) {
-    let grids = [(0, [325, 72]), (0, [320, 72]), (1, [650, 144]), (1, [640, 144]), (3, [900, 180]), (3, [1100, 220])];
+    let grids = [
+        (0, [325, 72]),
+        (0, [320, 72]),
+        (1, [650, 144]),
+        (1, [640, 144]),
+        (3, [900, 180]),
+        (3, [1100, 220]),
+        (2, [1300, 288]),
+    ];
     for (scene, cells) in grids {
         let (name, _, step) = SCENES[scene];
         table.begin("step", name, cells);
-        let mut flow = Flow::new(name, cells, step, 1);
+        let [mut double, mut single] =
+            [Precision::Double, Precision::Single].map(|precision| Flow::new(name, cells, step, 1, precision));
         let [forward, inverse] = fftw::plan(library, cells);
         let mut five = || {
             (0..2).for_each(|_| forward());
             (0..3).for_each(|_| inverse());
         };
-        let things: [Thing; 2] = [("step", &mut || flow.swing()), ("five of FFTW", &mut five)];
-        table.compare(&processor_time, things, &[("step/FFTW", 0, 1)]);
+        let things: [Thing; 3] = [
+            ("step", &mut || double.swing()),
+            ("five of FFTW", &mut five),
+            ("step in single precision", &mut || single.swing()),
+        ];
+        let ratios = [("step/FFTW", 0, 1), ("single/FFTW", 2, 1), ("single/double", 2, 0)];
+        table.compare(&processor_time, things, &ratios);
     }
 }
 
@@ -230,10 +244,10 @@ fn phases_of(flow: &mut Flow, mut step: impl FnMut(&mut Flow)) -> [f64; PHASES.l
 fn phases(table: &mut Table) {
     for (name, cells, step) in SCENES {
         table.begin("phases", name, cells);
-        let mut flow = Flow::new(name, cells, step, 1);
+        let mut flow = Flow::new(name, cells, step, 1, Precision::Double);
         let mut spent = phases_of(&mut flow, Flow::swing);
         table.time("rest", spent[STEP] - spent[..STEP].iter().sum::<f64>());
-        let mut projection = Projection::new(flow.fluid.grid(), flow.filter);
+        let mut projection = Projection::<f64>::new(flow.fluid.grid(), flow.filter);
         projection.set_step(1e-8, 0.3);
         let fft = Fft2::new(cells[0], cells[1], projection.modes());
         let (mut scratch, rows) = (fft.scratch(), fft.spectrum().len() / cells[0]);
@@ -251,7 +265,7 @@ fn motion(table: &mut Table) {
     for (name, cells, step) in [SCENES[0], SCENES[1]] {
         table.begin("motion", name, cells);
         for jump in [0.0, 0.01, 0.03, 0.1, 0.3, 1.0] {
-            let mut flow = Flow::new(name, cells, step, 1);
+            let mut flow = Flow::new(name, cells, step, 1, Precision::Double);
             let mut shift = jump * flow.fluid.grid().dy;
             let spent = phases_of(&mut flow, |flow| {
                 shift = -shift;
@@ -268,7 +282,7 @@ fn motion(table: &mut Table) {
 fn threads(table: &mut Table) {
     for (name, cells) in [("fsi3-650x144", [650, 144]), ("cylinder-2d2-900x180", [1100, 220])] {
         table.begin("threads", name, cells);
-        let [mut one, mut two] = [1, 2].map(|threads| Flow::new(name, cells, 1e-4, threads));
+        let [mut one, mut two] = [1, 2].map(|threads| Flow::new(name, cells, 1e-4, threads, Precision::Double));
         let begin = Instant::now();
         let wall_time = || begin.elapsed().as_secs_f64();
         for (name, clock) in [("wall", &wall_time as Clock), ("processor", &processor_time)] {

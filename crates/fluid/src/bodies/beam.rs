@@ -236,7 +236,7 @@ impl Beam {
 
     /// Directions of segments and sections at `stations`, and how these turn with the velocities there and with those
     /// `before`.
-    fn orient(&mut self, stations: &Stations, before: &Stations) {
+    pub fn orient(&mut self, stations: &Stations, before: &Stations) {
         let difference = |field: &[Vec<f64>; 2], [from, to]: [usize; 2]| field.each_ref().map(|f| f[to] - f[from]);
         for (k, segment) in self.segments.iter_mut().enumerate() {
             let step = difference(&stations.position, [k, k + 1]);
@@ -306,7 +306,8 @@ impl Beam {
                 let off = ahead - fraction * length;
                 let (height, arm) = (side.hypot(off).copysign(side), [x - root[0], y - root[1]]);
                 let place = Place { segment: k as u32, fraction, height, arm };
-                let distance_squared = height * height;
+                let past = (fraction - fraction.clamp(0.0, 1.0)) * length;
+                let distance_squared = height * height + past * past;
                 match slot[index] {
                     0 => {
                         candidates.push((index, (place, distance_squared)));

@@ -10,6 +10,7 @@ use scene::Scene;
 
 use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
+use crate::simd::Real;
 use crate::wall::DragProfile;
 use crate::zone::Zone;
 
@@ -20,13 +21,13 @@ pub use rigid::Pose;
 use rigid::Rigid;
 pub use stations::{Loads, Stations};
 
-/// Walls, zones, rigid bodies and the beam, as a field of drag and as cells.
+/// Walls, zones, rigid bodies and beams, as a field of drag and as cells.
 pub struct Bodies {
     /// The cylinders, then the other rigid bodies.
     rigid: Vec<Rigid>,
     /// Number of cylinders.
     cylinders: usize,
-    beam: Option<Beam>,
+    beams: Vec<Beam>,
     /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
     rate: Option<Vec<f64>>,
     painted: Painted,
@@ -42,12 +43,12 @@ impl Bodies {
         let (mask, nu) = (&fluid.mask, fluid.kinematic_viscosity);
         let bodies = fluid.cylinders.iter().map(scene::Body::from).chain(fluid.bodies.iter().cloned());
         let rigid: Vec<_> = bodies.map(|body| Rigid::new(body, grid, mask, nu)).collect();
-        let beam = scene.beam.as_ref().map(|beam| Beam::new(beam, grid, mask, nu));
-        let any = !zones.is_empty() || fluid.channel.is_some() || !rigid.is_empty() || beam.is_some();
+        let beams: Vec<_> = scene.beams().map(|beam| Beam::new(beam, grid, mask, nu)).collect();
+        let any = !zones.is_empty() || fluid.channel.is_some() || !rigid.is_empty() || !beams.is_empty();
         let mut bodies = Self {
             rigid,
             cylinders: fluid.cylinders.len(),
-            beam,
+            beams,
             rate: any.then(|| vec![0.0; grid.len()]),
             painted: Painted::default(),
             density: fluid.density,
@@ -100,23 +101,36 @@ impl Bodies {
         self.rate.as_deref()
     }
 
-    /// Put the moving bodies where they are at a time (s), the beam at its stations; it was at `before`.
-    pub fn place(&mut self, time: f64, stations: Option<&Stations>, before: Option<&Stations>, grid: &Grid) {
+    /// Put the moving bodies where they are at a time (s), the beams at their stations; they were at `before`.
+    pub fn place(&mut self, time: f64, stations: &[Stations], before: &[Stations], grid: &Grid) {
         for rigid in self.rigid.iter_mut().filter(|rigid| rigid.moves()) {
             rigid.place(time, grid);
         }
-        if let Some((beam, (stations, before))) = self.beam.as_mut().zip(stations.zip(before)) {
+        for (beam, (stations, before)) in self.beams.iter_mut().zip(stations.iter().zip(before)) {
             beam.place(stations, before, grid);
         }
         self.paint_changing();
     }
 
+    /// Put the beams alone at `ahead`, to which they go on from `stations`.
+    pub fn send_beams(&mut self, ahead: &[Stations], stations: &[Stations], grid: &Grid) {
+        for (beam, (ahead, stations)) in self.beams.iter_mut().zip(ahead.iter().zip(stations)) {
+            beam.place(ahead, stations, grid);
+        }
+        self.paint_changing();
+    }
+
+    /// After [`Self::send_beams`]: their surfaces are at `stations` again. Their cells are where they were sent.
+    pub fn recall_beams(&mut self, stations: &[Stations]) {
+        for (beam, stations) in self.beams.iter_mut().zip(stations) {
+            beam.orient(stations, stations);
+        }
+    }
+
     /// Let the bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
     pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
         self.rigid.iter_mut().for_each(|rigid| rigid.cells.sample(&velocity));
-        if let Some(beam) = &mut self.beam {
-            beam.cells.sample(&velocity);
-        }
+        self.beams.iter_mut().for_each(|beam| beam.cells.sample(&velocity));
         self.paint_changing();
     }
 
@@ -125,32 +139,33 @@ impl Bodies {
         let Some(rate) = &mut self.rate else { return };
         self.painted.erase(rate);
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
-        for cells in rigid.chain(self.beam.iter().map(|beam| &beam.cells)) {
+        for cells in rigid.chain(self.beams.iter().map(|beam| &beam.cells)) {
             self.painted.add(cells, rate);
         }
     }
 
     /// Add `weight(Σ a) a_b u_b` of all bodies to `w`.
-    pub fn add_velocities(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<f64>; 2]) {
+    pub fn add_velocities<R: Real>(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<R>; 2]) {
         let Some(rate) = &self.rate else { return };
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
-        let beam = self.beam.iter().map(|beam| &beam.cells);
-        for cell in rigid.chain(beam).flat_map(Cells::iter) {
+        let beams = self.beams.iter().map(|beam| &beam.cells);
+        for cell in rigid.chain(beams).flat_map(Cells::iter) {
             let weight = weight(rate[cell.index]) * cell.rate;
-            w[0][cell.index] += weight * cell.velocity[0];
-            w[1][cell.index] += weight * cell.velocity[1];
+            for (w, velocity) in w.iter_mut().zip(cell.velocity) {
+                w[cell.index] = R::narrow(w[cell.index].wide() + weight * velocity);
+            }
         }
     }
 
-    /// Cells and displaced fluid of the rigid bodies, then of the beam at its stations.
-    fn displaced(&self, stations: Option<&Stations>) -> impl Iterator<Item = (&Cells, Displaced)> {
+    /// Cells and displaced fluid of the rigid bodies, then of the beams at their stations.
+    fn displaced(&self, stations: &[Stations]) -> impl Iterator<Item = (&Cells, Displaced)> {
         let rigid = self.rigid.iter().map(|rigid| (&rigid.cells, rigid.displaced(self.density)));
-        let beam = self.beam.iter().zip(stations);
-        rigid.chain(beam.map(|(beam, stations)| (&beam.cells, beam.displaced(stations, self.density))))
+        let beams = self.beams.iter().zip(stations);
+        rigid.chain(beams.map(|(beam, stations)| (&beam.cells, beam.displaced(stations, self.density))))
     }
 
     /// The displaced fluid of all bodies as they are, with no force yet.
-    pub fn without_force(&self, stations: Option<&Stations>) -> Vec<BodyForce> {
+    pub fn without_force(&self, stations: &[Stations]) -> Vec<BodyForce> {
         let displaced = self.displaced(stations);
         displaced.map(|(_, displaced)| BodyForce { displaced, force: Force::default() }).collect()
     }
@@ -163,15 +178,14 @@ impl Bodies {
         &self,
         dt: f64,
         drag: impl Fn(&Cell) -> [f64; 2],
-        stations: Option<&Stations>,
+        stations: &[Stations],
         forces: &mut [BodyForce],
-        exchange: Option<&mut Exchange>,
+        exchange: &mut [Exchange],
     ) {
-        let (mut beam_drag, mut power) = ([0.0; 2], 0.0);
         for (number, (known, (cells, displaced))) in forces.iter_mut().zip(self.displaced(stations)).enumerate() {
-            let beam = self.beam.as_ref().zip(stations).filter(|_| number == self.rigid.len());
-            let mut section = beam.into_iter().flat_map(|(beam, stations)| beam.section_velocities(stations));
-            let mut sum = Force::default();
+            let beam = number.checked_sub(self.rigid.len());
+            let mut section = beam.into_iter().flat_map(|k| self.beams[k].section_velocities(&stations[k]));
+            let (mut sum, mut power) = (Force::default(), 0.0);
             for cell in cells.iter() {
                 let [fx, fy] = drag(cell).map(|drag| self.cell_mass * drag);
                 sum.force[0] += fx;
@@ -181,29 +195,26 @@ impl Bodies {
                     power += fx * u + fy * v;
                 }
             }
-            beam_drag = sum.force;
+            if let Some(k) = beam {
+                exchange[k] = Exchange { force: sum.force, power, work: exchange[k].work + power * dt };
+            }
             let unsteady = displaced.rate_of_change(&known.displaced, dt);
             (0..2).for_each(|axis| sum.force[axis] += unsteady.force[axis]);
             sum.moment += unsteady.moment;
             *known = BodyForce { force: sum, displaced };
         }
-        if let Some(exchange) = exchange {
-            *exchange = Exchange { force: beam_drag, power, work: exchange.work + power * dt };
-        }
     }
 
-    /// Bring the drag on the beam's cells to its stations.
+    /// Bring the drag on each beam's cells to its stations.
     ///
     /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it falls with the body's
     /// velocity there (kg/(m s)), per axis.
-    pub fn collect_loads(&self, drag: impl Fn(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut Loads) {
-        if let Some(beam) = &self.beam {
-            beam.collect(drag, loads);
-        }
+    pub fn collect_loads(&self, drag: impl Fn(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut [Loads]) {
+        self.beams.iter().zip(loads).for_each(|(beam, loads)| beam.collect(&drag, loads));
     }
 
-    /// Point on the upper (`side` = 1) or lower (−1) surface of the beam at station `k`, m; none without a beam.
-    pub fn surface_point(&self, stations: &Stations, k: usize, side: f64) -> Option<[f64; 2]> {
-        Some(self.beam.as_ref()?.surface_point(stations, k, side))
+    /// Point on the upper (`side` = 1) or lower (−1) surface of a beam, numbered from 0, at station `k`, m.
+    pub fn surface_point(&self, beam: usize, stations: &Stations, k: usize, side: f64) -> [f64; 2] {
+        self.beams[beam].surface_point(stations, k, side)
     }
 }

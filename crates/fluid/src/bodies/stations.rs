@@ -1,4 +1,4 @@
-//! The stations of the beam, where its motion comes in and its loads go out.
+//! The stations of a beam, where its motion comes in and its loads go out.
 
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ pub struct Loads {
 }
 
 impl Stations {
-    /// Stations of a scene's beam at rest.
+    /// Stations of one of a scene's beams at rest.
     pub(crate) fn at_rest(scene: &Scene, beam: &scene::Beam) -> Self {
         let rest = scene.beam_stations(beam);
         let component = |axis: usize| rest.iter().map(|p| p[axis]).collect::<Vec<_>>();
@@ -46,6 +46,19 @@ impl Stations {
             self.position[axis].copy_from_slice(&other.position[axis]);
             self.velocity[axis].copy_from_slice(&other.velocity[axis]);
         }
+    }
+
+    /// Become where `from` gets to in `h` seconds with the velocities it has.
+    pub(crate) fn go_on(&mut self, from: &Self, h: f64) {
+        self.copy_from(from);
+        for (position, velocity) in self.position.iter_mut().zip(&from.velocity) {
+            position.iter_mut().zip(velocity).for_each(|(p, v)| *p += h * v);
+        }
+    }
+
+    /// Let each of `all` become the one of `others` in the same place; unlike `clone_from` this allocates nothing.
+    pub(crate) fn copy_all(all: &mut [Self], others: &[Self]) {
+        all.iter_mut().zip(others).for_each(|(own, other)| own.copy_from(other));
     }
 
     /// Whether there are as many stations as in `other`.

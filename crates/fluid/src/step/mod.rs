@@ -3,22 +3,25 @@
 mod rk2;
 mod sbdf2;
 
+use std::mem::take;
+
 use scene::TimeScheme;
 
-use crate::bodies::{Bodies, Stations};
+use crate::bodies::Stations;
 use crate::domain::Domain;
 use crate::error::Error;
+use crate::simd::Real;
 use crate::state::{Memory, Present};
 
 use rk2::Rk2;
 use sbdf2::Sbdf2;
 
 /// A time scheme with what it remembers of earlier steps.
-pub enum Scheme {
+pub enum Scheme<R: Real> {
     /// Two-step backward differences.
-    Sbdf2(Sbdf2),
+    Sbdf2(Sbdf2<R>),
     /// Heun's method.
-    Rk2(Rk2),
+    Rk2(Rk2<R>),
 }
 
 /// One step of the fluid's own.
@@ -28,8 +31,8 @@ pub struct Step<'a> {
     pub dt: f64,
     /// Its end, s.
     pub end: f64,
-    /// Stations of the beam at its end.
-    pub stations: Option<&'a Stations>,
+    /// Stations of the beams at its end.
+    pub stations: &'a [Stations],
     /// Largest CFL number.
     pub max_cfl: f64,
     /// The shortest step that the flow at its end may ask for, s.
@@ -45,17 +48,15 @@ impl Step<'_> {
     }
 
     /// Take the time and the stations of the end over.
-    fn finish(&self, present: &mut Present, advection_rate: f64) {
+    fn finish<R: Real>(&self, present: &mut Present<R>, advection_rate: f64) {
         (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
-        if let Some((beam, stations)) = present.beam.as_mut().zip(self.stations) {
-            beam.stations.copy_from(stations);
-        }
+        Stations::copy_all(&mut present.beams.stations, self.stations);
     }
 }
 
-impl Scheme {
+impl<R: Real> Scheme<R> {
     /// A scheme at the beginning, from a uniform velocity (m/s).
-    pub fn new(scheme: TimeScheme, velocity: [f64; 2], domain: &Domain) -> Self {
+    pub fn new(scheme: TimeScheme, velocity: [f64; 2], domain: &Domain<R>) -> Self {
         match scheme {
             TimeScheme::Sbdf2 => Self::Sbdf2(Sbdf2::new(domain)),
             TimeScheme::Rk2 => Self::Rk2(Rk2::new(velocity, domain)),
@@ -63,7 +64,7 @@ impl Scheme {
     }
 
     /// What the scheme remembers.
-    pub fn memory(&self) -> Memory {
+    pub fn memory(&self) -> Memory<R> {
         match self {
             Self::Sbdf2(scheme) => Memory::Sbdf2(scheme.memory.clone()),
             Self::Rk2(scheme) => Memory::Rk2(scheme.u_hat.clone()),
@@ -71,7 +72,7 @@ impl Scheme {
     }
 
     /// Whether `memory` is of this scheme and size, and its numbers are finite.
-    pub fn fits(&self, memory: &Memory) -> bool {
+    pub fn fits(&self, memory: &Memory<R>) -> bool {
         match (self, memory) {
             (Self::Sbdf2(scheme), Memory::Sbdf2(memory)) => {
                 memory.has_shape_of(&scheme.memory) && memory.per_tau.is_finite()
@@ -84,7 +85,7 @@ impl Scheme {
     }
 
     /// Copy what the scheme remembers into `memory`, which is of the same shape; allocates nothing.
-    pub fn save(&self, memory: &mut Memory) {
+    pub fn save(&self, memory: &mut Memory<R>) {
         match (self, memory) {
             (Self::Sbdf2(scheme), Memory::Sbdf2(memory)) => memory.copy_from(&scheme.memory),
             (Self::Rk2(scheme), Memory::Rk2(u_hat)) => copy(u_hat, &scheme.u_hat),
@@ -93,7 +94,7 @@ impl Scheme {
     }
 
     /// The way back from [`Self::save`].
-    pub fn restore(&mut self, memory: &Memory) {
+    pub fn restore(&mut self, memory: &Memory<R>) {
         match (self, memory) {
             (Self::Sbdf2(scheme), Memory::Sbdf2(memory)) => scheme.memory.copy_from(memory),
             (Self::Rk2(scheme), Memory::Rk2(u_hat)) => copy(&mut scheme.u_hat, u_hat),
@@ -102,7 +103,7 @@ impl Scheme {
     }
 
     /// Longest step that the scheme can make through the bodies, s; none where it has no limit.
-    pub fn longest_step(&self, domain: &Domain) -> Option<f64> {
+    pub fn longest_step(&self, domain: &Domain<R>) -> Option<f64> {
         match self {
             Self::Sbdf2(_) => None,
             Self::Rk2(_) => Some(rk2::longest_step(&domain.bodies)),
@@ -110,7 +111,7 @@ impl Scheme {
     }
 
     /// Start from the part without divergence of the velocity in `domain.w`.
-    pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
+    pub fn start(&mut self, present: &mut Present<R>, domain: &mut Domain<R>) {
         present.step = 0.0;
         match self {
             Self::Sbdf2(scheme) => scheme.start(present, domain),
@@ -119,27 +120,38 @@ impl Scheme {
     }
 
     /// Make a step. On an error everything is as before but the bodies, which are where the step would have ended.
-    pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
+    pub fn step(&mut self, step: Step, present: &mut Present<R>, domain: &mut Domain<R>) -> Result<(), Error> {
         match self {
             Self::Sbdf2(scheme) => scheme.step(step, present, domain),
             Self::Rk2(scheme) => scheme.step(step, present, domain),
         }
     }
 
-    /// Loads on the stations in the coming step of the same size, were the stations to keep their velocities.
-    pub fn predict_loads(&self, present: &mut Present, bodies: &mut Bodies) {
-        let Some(mut loads) = present.beam.as_mut().and_then(|beam| beam.loads.take()) else { return };
+    /// Loads on the stations in the coming step of the same size, were they to keep their velocities, with which they
+    /// get to `ahead`.
+    ///
+    /// The mask is put there for it. With the mask where it is, the loads would be late by the way of a step, and the
+    /// exchange would feed the rod.
+    pub fn predict_loads(&self, ahead: &[Stations], present: &mut Present<R>, domain: &mut Domain<R>) {
+        if present.beams.loads.is_empty() {
+            return;
+        }
+        let mut loads = take(&mut present.beams.loads);
         match self {
-            Self::Sbdf2(scheme) => scheme.predict_loads(present, bodies, &mut loads),
-            Self::Rk2(_) => rk2::predict_loads(present, bodies, &mut loads),
+            Self::Sbdf2(scheme) => {
+                let stations = &present.beams.stations;
+                domain.bodies.send_beams(ahead, stations, &domain.grid);
+                scheme.predict_loads(present, &mut domain.bodies, &mut loads);
+                domain.bodies.recall_beams(stations);
+            }
+            // Its explicit drag is that of the mask where it is at the beginning of the step.
+            Self::Rk2(_) => rk2::predict_loads(present, &mut domain.bodies, &mut loads),
         }
-        if let Some(beam) = &mut present.beam {
-            beam.loads = Some(loads);
-        }
+        present.beams.loads = loads;
     }
 
     /// Pi at the present time (m²/s²) into `domain.w[0]`: what makes the rate of change free of divergence.
-    pub fn make_total_pressure(&self, present: &Present, domain: &mut Domain) {
+    pub fn make_total_pressure(&self, present: &Present<R>, domain: &mut Domain<R>) {
         let cfl = present.advection_rate * present.step;
         match self {
             Self::Sbdf2(scheme) => domain.spectral.solve_for_pressure(&scheme.memory.w, scheme.memory.per_tau, cfl),

@@ -11,7 +11,6 @@
 //! with `F = 1/(1 + dt r)`, r the rate of the filter. It is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n is kept, so a step takes ten real transforms: twice two
 //! forward and three inverse. The explicit drag is stable up to `dt Σ a = 2`; steps are divided to keep it at or below 1.
 
-use std::array::from_fn;
 use std::f64::consts::TAU;
 use std::mem::swap;
 
@@ -21,26 +20,26 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::projection::Projection;
-use crate::simd::{Arithmetic, Kernel, LANES, run};
+use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::{Flow, Present};
-use crate::transform::Quad;
+use crate::transform::Pack;
 
 /// The scheme with its memory.
-pub struct Rk2 {
+pub struct Rk2<R: Real> {
     /// Spectrum of the present velocity, m/s, `[rows, nx]` per component.
-    pub u_hat: [Vec<Quad>; 2],
+    pub u_hat: [Vec<Pack<R>>; 2],
     /// The flow that a step makes, and the spectrum of its velocity.
-    next: Flow,
-    next_u_hat: [Vec<Quad>; 2],
+    next: Flow<R>,
+    next_u_hat: [Vec<Pack<R>>; 2],
     decay: Decay,
 }
 
-/// The exact decay by viscosity, as factors for each kx, and for the ky of each row.
+/// The exact decay by viscosity, as factors for each kx, and for each ky.
 struct Decay {
     kx2: Vec<f64>,
-    ky2: Vec<[f64; LANES]>,
+    ky2: Vec<f64>,
     x: Vec<f64>,
-    y: Vec<[f64; LANES]>,
+    y: Vec<f64>,
     /// What they were made for, `nu dt`, m².
     nu_dt: f64,
 }
@@ -56,30 +55,30 @@ enum Stage {
     Second,
 }
 
-impl Rk2 {
+impl<R: Real> Rk2<R> {
     /// From a uniform velocity, m/s.
-    pub fn new(velocity: [f64; 2], domain: &Domain) -> Self {
+    pub fn new(velocity: [f64; 2], domain: &Domain<R>) -> Self {
         let spectrum = domain.spectral.spectrum();
         let uniform = |velocity: f64| {
             let mut spectrum = spectrum.clone();
-            spectrum[0].re[0] = velocity;
+            spectrum[0].re[0] = R::narrow(velocity);
             spectrum
         };
-        let decay = Decay::new(&domain.grid, spectrum.len() / domain.grid.nx);
+        let decay = Decay::new(&domain.grid, spectrum.len() / domain.grid.nx * R::LANES);
         let next = Flow::uniform([0.0; 2], domain.grid.len());
         Self { u_hat: velocity.map(uniform), next, next_u_hat: [spectrum.clone(), spectrum], decay }
     }
 
-    pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
+    pub fn start(&mut self, present: &mut Present<R>, domain: &mut Domain<R>) {
         present.advection_rate = self.solve_wave_by_wave(Stage::Start, present.time, 0.0, domain);
         self.take_over(&mut present.flow);
     }
 
-    pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
+    pub fn step(&mut self, step: Step, present: &mut Present<R>, domain: &mut Domain<R>) -> Result<(), Error> {
         let cfl = present.advection_rate * step.dt;
         self.decay.set_viscosity(step.dt * domain.nu);
         add_rate_of_change(present.time, &present.flow, step.dt, domain);
-        domain.bodies.place(step.end, step.stations, present.stations(), &domain.grid);
+        domain.bodies.place(step.end, step.stations, &present.beams.stations, &domain.grid);
         step.check(self.solve_wave_by_wave(Stage::First, step.end, cfl, domain))?;
         add_rate_of_change(step.end, &self.next, step.dt, domain);
         let advection_rate = self.solve_wave_by_wave(Stage::Second, step.end, cfl, domain);
@@ -88,21 +87,21 @@ impl Rk2 {
         self.take_over(&mut present.flow);
         sample(&present.flow, &mut domain.bodies);
         let drag = |cell: &Cell| present_drag(&present.flow, cell);
-        let exchange = present.beam.as_mut().map(|beam| &mut beam.exchange);
+        let exchange = &mut present.beams.exchange;
         domain.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
         step.finish(present, advection_rate);
         Ok(())
     }
 
     /// Make the new flow the present one.
-    fn take_over(&mut self, flow: &mut Flow) {
+    fn take_over(&mut self, flow: &mut Flow<R>) {
         swap(flow, &mut self.next);
         swap(&mut self.u_hat, &mut self.next_u_hat);
     }
 
     /// From `domain.w` to `next`, the flow after a stage at a time (s) of a step with a CFL number, and its advection
     /// rate, 1/s.
-    fn solve_wave_by_wave(&mut self, stage: Stage, time: f64, cfl: f64, domain: &mut Domain) -> f64 {
+    fn solve_wave_by_wave(&mut self, stage: Stage, time: f64, cfl: f64, domain: &mut Domain<R>) -> f64 {
         domain.hold_mean_flow(time);
         domain.spectral.projection.set_step(0.0, cfl);
         let (nx, share, points) = (domain.grid.nx, domain.spectral.share(), domain.grid.len() as f64);
@@ -113,7 +112,7 @@ impl Rk2 {
             before.zip(next_u.chunks_exact_mut(nx).zip(next_v.chunks_exact_mut(nx)))
         });
         let decay = &self.decay;
-        let solve = |projection: &Projection, row: usize, own: Row, [u, v, omega]: [&mut [Quad]; 3]| {
+        let solve = |projection: &Projection<R>, row: usize, own: Row<R>, [u, v, omega]: [&mut [Pack<R>]; 3]| {
             let ((u_before, v_before), (u_after, v_after)) = own;
             decay.apply(stage, points, row, u, u_before);
             decay.apply(stage, points, row, v, v_before);
@@ -128,19 +127,19 @@ impl Rk2 {
 }
 
 /// A row of both components of u^n, and where that of u^{n+1} goes.
-type Row<'a> = ((&'a [Quad], &'a [Quad]), (&'a mut [Quad], &'a mut [Quad]));
+type Row<'a, R> = ((&'a [Pack<R>], &'a [Pack<R>]), (&'a mut [Pack<R>], &'a mut [Pack<R>]));
 
 impl Decay {
-    /// For spectra of `rows` rows.
-    fn new(grid: &Grid, rows: usize) -> Self {
+    /// For spectra of so many modes in y.
+    fn new(grid: &Grid, modes: usize) -> Self {
         let Grid { nx, length, height, .. } = *grid;
         let kx2 = |i: usize| (TAU / length * i.min(nx - i) as f64).powi(2);
         let ky2 = |j: usize| (TAU / height * j as f64).powi(2);
         Self {
             kx2: (0..nx).map(kx2).collect(),
-            ky2: (0..rows).map(|row| from_fn(|lane| ky2(row * LANES + lane))).collect(),
+            ky2: (0..modes).map(ky2).collect(),
             x: vec![1.0; nx],
-            y: vec![[1.0; LANES]; rows],
+            y: vec![1.0; modes],
             nu_dt: 0.0,
         }
     }
@@ -152,23 +151,25 @@ impl Decay {
         self.nu_dt = nu_dt;
         let decay = |k2: f64| (-nu_dt * k2).exp();
         self.x.iter_mut().zip(&self.kx2).for_each(|(x, k2)| *x = decay(*k2));
-        self.y.iter_mut().zip(&self.ky2).for_each(|(y, k2)| *y = k2.map(decay));
+        self.y.iter_mut().zip(&self.ky2).for_each(|(y, k2)| *y = decay(*k2));
     }
 
     /// From w to what a stage projects, in a row of one component; `before` is that of u^n over the number of points.
-    fn apply(&self, stage: Stage, points: f64, row: usize, w: &mut [Quad], before: &[Quad]) {
+    fn apply<R: Real>(&self, stage: Stage, points: f64, row: usize, w: &mut [Pack<R>], before: &[Pack<R>]) {
+        let decay_y = &self.y[row * R::LANES..][..R::LANES];
         for ((w, before), decay_x) in w.iter_mut().zip(before).zip(&self.x) {
-            for (lane, decay_y) in self.y[row].iter().enumerate() {
+            for (lane, decay_y) in decay_y.iter().enumerate() {
                 let decay = decay_x * decay_y;
-                let (re, im) = (&mut w.re[lane], &mut w.im[lane]);
-                match stage {
-                    Stage::Start => {}
-                    Stage::First => (*re, *im) = (decay * *re, decay * *im),
+                let (re, im) = (w.re[lane].wide(), w.im[lane].wide());
+                let (re, im) = match stage {
+                    Stage::Start => (re, im),
+                    Stage::First => (decay * re, decay * im),
                     Stage::Second => {
-                        *re = 0.5 * (*re + points * decay * before.re[lane]);
-                        *im = 0.5 * (*im + points * decay * before.im[lane]);
+                        let (re_before, im_before) = (before.re[lane].wide(), before.im[lane].wide());
+                        (0.5 * (re + points * decay * re_before), 0.5 * (im + points * decay * im_before))
                     }
-                }
+                };
+                (w.re[lane], w.im[lane]) = (R::narrow(re), R::narrow(im));
             }
         }
     }
@@ -181,13 +182,13 @@ pub fn longest_step(bodies: &Bodies) -> f64 {
 }
 
 /// Let the bodies sample a flow.
-fn sample(flow: &Flow, bodies: &mut Bodies) {
+fn sample<R: Real>(flow: &Flow<R>, bodies: &mut Bodies) {
     let [u, v] = &flow.velocity;
-    bodies.sample(|point| [u[point], v[point]]);
+    bodies.sample(|point| [u[point].wide(), v[point].wide()]);
 }
 
 /// `u + dt f` for a flow at a time (s), into `domain.w`.
-pub fn add_rate_of_change(time: f64, flow: &Flow, dt: f64, domain: &mut Domain) {
+pub fn add_rate_of_change<R: Real>(time: f64, flow: &Flow<R>, dt: f64, domain: &mut Domain<R>) {
     sample(flow, &mut domain.bodies);
     let Flow { velocity: [u, v], vorticity: omega } = flow;
     let rate = domain.bodies.rate();
@@ -198,7 +199,7 @@ pub fn add_rate_of_change(time: f64, flow: &Flow, dt: f64, domain: &mut Domain) 
 }
 
 /// The drag as it is. A change of the body's velocity in the coming step moves the fluid along with `dt a_b/2`.
-pub fn predict_loads(present: &Present, bodies: &mut Bodies, loads: &mut Loads) {
+pub fn predict_loads<R: Real>(present: &Present<R>, bodies: &mut Bodies, loads: &mut [Loads]) {
     sample(&present.flow, bodies);
     let weight = bodies.cell_mass;
     let drag = |cell: &Cell| {
@@ -209,36 +210,39 @@ pub fn predict_loads(present: &Present, bodies: &mut Bodies, loads: &mut Loads) 
 }
 
 /// Drag of a flow on a cell over the density, `a_b (u − u_b)`, m/s².
-fn present_drag(flow: &Flow, cell: &Cell) -> [f64; 2] {
-    [0, 1].map(|axis| cell.rate * (flow.velocity[axis][cell.index] - cell.velocity[axis]))
+fn present_drag<R: Real>(flow: &Flow<R>, cell: &Cell) -> [f64; 2] {
+    [0, 1].map(|axis| cell.rate * (flow.velocity[axis][cell.index].wide() - cell.velocity[axis]))
 }
 
 /// `u + dt (−sign omega other − a u)`, with `sign omega other` this component of `omega × u`.
-struct Explicit<'a> {
+struct Explicit<'a, R> {
     dt: f64,
-    u: &'a [f64],
-    other: &'a [f64],
-    omega: &'a [f64],
+    u: &'a [R],
+    other: &'a [R],
+    omega: &'a [R],
     sign: f64,
     rate: Option<&'a [f64]>,
-    w: &'a mut [f64],
+    w: &'a mut [R],
 }
 
-impl Kernel for Explicit<'_> {
+impl<R: Real> Kernel for Explicit<'_, R> {
+    type Real = R;
+
     #[inline(always)]
-    fn run(self, _: impl Arithmetic) {
+    fn run(self, _: impl Arithmetic<R>) {
         let Self { dt, sign, w, .. } = self;
         let n = w.len();
         let (u, other, omega) = (&self.u[..n], &self.other[..n], &self.omega[..n]);
         match self.rate.map(|rate| &rate[..n]) {
             Some(rate) => {
                 for i in 0..n {
-                    w[i] = u[i] - dt * (sign * omega[i] * other[i] + rate[i] * u[i]);
+                    let u = u[i].wide();
+                    w[i] = R::narrow(u - dt * (sign * omega[i].wide() * other[i].wide() + rate[i] * u));
                 }
             }
             None => {
                 for i in 0..n {
-                    w[i] = u[i] - dt * (sign * omega[i] * other[i]);
+                    w[i] = R::narrow(u[i].wide() - dt * (sign * omega[i].wide() * other[i].wide()));
                 }
             }
         }

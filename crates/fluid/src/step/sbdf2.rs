@@ -26,7 +26,8 @@ use crate::bodies::{Bodies, Cell, Loads};
 use crate::clock::Phase;
 use crate::domain::Domain;
 use crate::error::Error;
-use crate::simd::{Arithmetic, Kernel, run};
+use crate::projection::Projection;
+use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::{Flow, Present, TwoStep};
 use crate::threads::on_threads;
 
@@ -34,29 +35,29 @@ use crate::threads::on_threads;
 const BLOCK: usize = 256;
 
 /// The scheme with its memory.
-pub struct Sbdf2 {
-    pub memory: TwoStep,
+pub struct Sbdf2<R: Real> {
+    pub memory: TwoStep<R>,
 }
 
-impl Sbdf2 {
+impl<R: Real> Sbdf2<R> {
     /// With no step before.
-    pub fn new(domain: &Domain) -> Self {
+    pub fn new(domain: &Domain<R>) -> Self {
         let n = domain.grid.len();
         let before = Flow::uniform([0.0; 2], n);
-        Self { memory: TwoStep { before, w: [vec![0.0; n], vec![0.0; n]], per_tau: 0.0 } }
+        Self { memory: TwoStep { before, w: [vec![R::zero(); n], vec![R::zero(); n]], per_tau: 0.0 } }
     }
 
     /// In no time viscosity does nothing: what is left of the solve wave by wave is the projection.
-    pub fn start(&mut self, present: &mut Present, domain: &mut Domain) {
+    pub fn start(&mut self, present: &mut Present<R>, domain: &mut Domain<R>) {
         domain.hold_mean_flow(present.time);
         present.advection_rate = self.solve_wave_by_wave(f64::MIN_POSITIVE, 0.0, domain);
         self.take_over(&mut present.flow, domain);
         self.memory.per_tau = 0.0;
     }
 
-    pub fn step(&mut self, step: Step, present: &mut Present, domain: &mut Domain) -> Result<(), Error> {
+    pub fn step(&mut self, step: Step, present: &mut Present<R>, domain: &mut Domain<R>) -> Result<(), Error> {
         let scheme = Differences::new(step.dt, present.step);
-        domain.bodies.place(step.end, step.stations, present.stations(), &domain.grid);
+        domain.bodies.place(step.end, step.stations, &present.beams.stations, &domain.grid);
         domain.clock.mark(Phase::Paint);
         self.sample(&scheme, &present.flow, &mut domain.bodies);
         domain.clock.mark(Phase::Sample);
@@ -73,12 +74,14 @@ impl Sbdf2 {
         let memory = &self.memory;
         let drag = |cell: &Cell| {
             [0, 1].map(|axis| {
-                let g = memory.per_tau * (memory.w[axis][cell.index] - present.flow.velocity[axis][cell.index]);
-                let u_star = domain.w[axis][cell.index] - scheme.tau * g;
+                let [u, w, w_next] =
+                    [&present.flow.velocity, &memory.w, &domain.w].map(|field| field[axis][cell.index].wide());
+                let g = memory.per_tau * (w - u);
+                let u_star = w_next - scheme.tau * g;
                 cell.rate * (u_star - cell.velocity[axis])
             })
         };
-        let exchange = present.beam.as_mut().map(|beam| &mut beam.exchange);
+        let exchange = &mut present.beams.exchange;
         domain.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
         domain.clock.mark(Phase::Forces);
         self.take_over(&mut present.flow, domain);
@@ -89,22 +92,22 @@ impl Sbdf2 {
 
     /// From `domain.w` to a new flow in the place of the one before, which is not needed any more; and its advection
     /// rate, 1/s.
-    fn solve_wave_by_wave(&mut self, tau: f64, cfl: f64, domain: &mut Domain) -> f64 {
+    fn solve_wave_by_wave(&mut self, tau: f64, cfl: f64, domain: &mut Domain<R>) -> f64 {
         domain.spectral.projection.set_step(tau * domain.nu, cfl);
-        let solve = |projection: &crate::projection::Projection, row, (), [u, v, omega]: [&mut [_]; 3]| {
+        let solve = |projection: &Projection<R>, row, (), [u, v, omega]: [&mut [_]; 3]| {
             projection.project(row, u, v, omega);
         };
         domain.spectral.solve(&domain.w, repeat(repeat(())), solve, &mut self.memory.before, &mut domain.clock)
     }
 
     /// Make the new flow the present one, that the one before, and keep w.
-    fn take_over(&mut self, flow: &mut Flow, domain: &mut Domain) {
+    fn take_over(&mut self, flow: &mut Flow<R>, domain: &mut Domain<R>) {
         swap(flow, &mut self.memory.before);
         swap(&mut self.memory.w, &mut domain.w);
     }
 
     /// The drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
-    pub fn predict_loads(&self, present: &Present, bodies: &mut Bodies, loads: &mut Loads) {
+    pub fn predict_loads(&self, present: &Present<R>, bodies: &mut Bodies, loads: &mut [Loads]) {
         let scheme = Differences::new(present.step, present.step);
         self.sample(&scheme, &present.flow, bodies);
         let Some(rate) = bodies.rate() else { return };
@@ -123,13 +126,15 @@ impl Sbdf2 {
     }
 
     /// Let the bodies sample the flow as it is at the end of the step, by extrapolation.
-    fn sample(&self, Differences { e, .. }: &Differences, flow: &Flow, bodies: &mut Bodies) {
-        let ([u, v], [u_before, v_before]) = (&flow.velocity, &self.memory.before.velocity);
-        bodies.sample(|point| [e[0] * u[point] + e[1] * u_before[point], e[0] * v[point] + e[1] * v_before[point]]);
+    fn sample(&self, Differences { e, .. }: &Differences, flow: &Flow<R>, bodies: &mut Bodies) {
+        let (now, before) = (&flow.velocity, &self.memory.before.velocity);
+        let extrapolated =
+            |axis: usize, point: usize| e[0] * now[axis][point].wide() + e[1] * before[axis][point].wide();
+        bodies.sample(|point| [extrapolated(0, point), extrapolated(1, point)]);
     }
 
     /// What the local solve reads, by component.
-    fn components<'a>(&'a self, flow: &'a Flow) -> [Component<'a>; 2] {
+    fn components<'a>(&'a self, flow: &'a Flow<R>) -> [Component<'a, R>; 2] {
         let TwoStep { before, w, per_tau } = &self.memory;
         // omega × u = (−omega v, omega u)
         [(0, 1, -1.0), (1, 0, 1.0)].map(|(axis, other, sign)| Component {
@@ -147,7 +152,7 @@ impl Sbdf2 {
 }
 
 /// u* + tau G without the velocities of the bodies, into `domain.w`.
-fn solve_locally(components: &[Component; 2], scheme: &Differences, domain: &mut Domain) {
+fn solve_locally<R: Real>(components: &[Component<R>; 2], scheme: &Differences, domain: &mut Domain<R>) {
     let no_rate = [0.0; BLOCK];
     let rate = domain.bodies.rate();
     let share = domain.grid.len().div_ceil(domain.spectral.threads());
@@ -190,32 +195,32 @@ impl Differences {
 
 /// What one component of the local solve reads at each point.
 #[derive(Clone)]
-struct Component<'a> {
+struct Component<'a, R> {
     /// This component of the velocity.
-    u: &'a [f64],
+    u: &'a [R],
     /// The same one step earlier.
-    u_before: &'a [f64],
+    u_before: &'a [R],
     /// `w = u + tau G` of the last step.
-    w: &'a [f64],
+    w: &'a [R],
     /// `1/tau` of the last step.
     per_tau: f64,
     /// Vorticity.
-    omega: &'a [f64],
+    omega: &'a [R],
     /// The same one step earlier.
-    omega_before: &'a [f64],
+    omega_before: &'a [R],
     /// The other component of the velocity: this one of `omega × u` is `sign · omega · other`.
-    other: &'a [f64],
+    other: &'a [R],
     /// The same one step earlier.
-    other_before: &'a [f64],
+    other_before: &'a [R],
     /// −1 for x, 1 for y.
     sign: f64,
 }
 
-impl<'a> Component<'a> {
+impl<'a, R: Real> Component<'a, R> {
     /// The same for some of the points.
     #[inline(always)]
     fn points(&self, points: Range<usize>) -> Self {
-        let part = |field: &'a [f64]| &field[points.clone()];
+        let part = |field: &'a [R]| &field[points.clone()];
         Self {
             u: part(self.u),
             u_before: part(self.u_before),
@@ -232,29 +237,32 @@ impl<'a> Component<'a> {
     /// G^n.
     #[inline(always)]
     fn right_side(&self, &Differences { c, e, .. }: &Differences, i: usize) -> (f64, f64) {
-        let n = self.sign * self.omega[i] * self.other[i];
-        let n_before = self.sign * self.omega_before[i] * self.other_before[i];
-        let g = self.per_tau * (self.w[i] - self.u[i]);
-        (c[1] * self.u[i] + c[2] * self.u_before[i] - e[0] * n - e[1] * n_before - g, g)
+        let (u, u_before) = (self.u[i].wide(), self.u_before[i].wide());
+        let n = self.sign * self.omega[i].wide() * self.other[i].wide();
+        let n_before = self.sign * self.omega_before[i].wide() * self.other_before[i].wide();
+        let g = self.per_tau * (self.w[i].wide() - u);
+        (c[1] * u + c[2] * u_before - e[0] * n - e[1] * n_before - g, g)
     }
 }
 
 /// u* + tau G without the velocities of the bodies, at points with the total drag rate `rate`.
-struct LocalSolve<'a> {
-    component: Component<'a>,
+struct LocalSolve<'a, R> {
+    component: Component<'a, R>,
     scheme: &'a Differences,
     rate: &'a [f64],
-    w: &'a mut [f64],
+    w: &'a mut [R],
 }
 
-impl Kernel for LocalSolve<'_> {
+impl<R: Real> Kernel for LocalSolve<'_, R> {
+    type Real = R;
+
     #[inline(always)]
-    fn run(self, _: impl Arithmetic) {
+    fn run(self, _: impl Arithmetic<R>) {
         let Self { component, scheme, rate, w } = self;
         let component = component.points(0..w.len());
         for (i, (w, rate)) in w.iter_mut().zip(rate).enumerate() {
             let (r, g) = component.right_side(scheme, i);
-            *w = r / (scheme.c[0] + rate) + scheme.tau * g;
+            *w = R::narrow(r / (scheme.c[0] + rate) + scheme.tau * g);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Discrete Fourier transforms of four lines at once, one line in each lane of a vector.
+//! Discrete Fourier transforms of as many lines at once as a vector has lanes, one in each.
 //!
 //! All lanes do the same, so no factor of a length needs shuffles, and 13 gets on as well as 4. Decimation in time
 //! (Cooley & Tukey 1965): transforms of the last factor from strided input, then a pass for each other factor in place.
@@ -9,38 +9,41 @@ use std::array::from_fn;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use rustfft::{Fft, FftPlanner, num_complex::Complex64};
+use rustfft::{
+    Fft, FftPlanner,
+    num_complex::{Complex, Complex64},
+};
 
-use super::quad::{Complex4, Quad};
-use crate::simd::{Arithmetic, Kernel, LANES, run, splat};
+use super::pack::{Complexes, Pack};
+use crate::simd::{Arithmetic, Kernel, Real, run};
 
 /// A line longer than this is transformed in parts, so that a part with its input stays in the first cache.
 const LONG: usize = 384;
 
 /// Transforms of one length.
-pub enum Lines {
+pub enum Lines<R: Real> {
     /// Of a length with no prime factor above 13.
-    Smooth(Smooth),
+    Smooth(Smooth<R>),
     /// Of any length, one line after the other.
-    Any(Arc<dyn Fft<f64>>),
+    Any(Arc<dyn Fft<R>>),
 }
 
 /// Plan for a length with small factors.
-pub struct Smooth {
+pub struct Smooth<R> {
     /// The factor transformed first, and its [`roots`].
-    leaf: (usize, Vec<Complex64>),
+    leaf: (usize, Vec<Complex<R>>),
     /// Where in the input each of those transforms begins.
     starts: Vec<usize>,
-    passes: Vec<Pass>,
+    passes: Vec<Pass<R>>,
 }
 
 /// From transforms of length `m` to those of length `factor m`.
-struct Pass {
+struct Pass<R> {
     factor: usize,
     m: usize,
-    roots: Vec<Complex64>,
+    roots: Vec<Complex<R>>,
     /// `exp(−2πi r k/(factor m))` for r = 1 … factor − 1, then k.
-    twiddles: Vec<Complex64>,
+    twiddles: Vec<Complex<R>>,
 }
 
 fn root(numerator: usize, n: usize) -> Complex64 {
@@ -48,11 +51,11 @@ fn root(numerator: usize, n: usize) -> Complex64 {
 }
 
 /// `exp(−2πi j k/p)` for j = 1 … p/2, then k.
-fn roots(p: usize) -> Vec<Complex64> {
-    (1..=p / 2).flat_map(|k| (1..=p / 2).map(move |j| root(j * k, p))).collect()
+fn roots<R: Real>(p: usize) -> Vec<Complex<R>> {
+    (1..=p / 2).flat_map(|k| (1..=p / 2).map(move |j| R::complex(root(j * k, p)))).collect()
 }
 
-impl Lines {
+impl<R: Real> Lines<R> {
     /// Plan transforms of length `n`.
     pub fn new(n: usize) -> Self {
         let mut factors = Vec::new();
@@ -74,7 +77,7 @@ impl Lines {
             starts = starts.iter().flat_map(|start| (0..*factor).map(move |r| start + r * apart)).collect();
         }
         let passes = factors[1..].iter().map(|&factor| {
-            let twiddles = (0..m).flat_map(|k| (1..factor).map(move |r| root(r * k, factor * m))).collect();
+            let twiddles = (0..m).flat_map(|k| (1..factor).map(move |r| R::complex(root(r * k, factor * m)))).collect();
             let pass = Pass { factor, m, roots: roots(factor), twiddles };
             m *= factor;
             pass
@@ -95,19 +98,19 @@ impl Lines {
     ///
     /// With `EXCHANGE` the input is taken with real and imaginary parts exchanged. The output is then that of the
     /// inverse transform, with the parts exchanged.
-    pub fn forward<const EXCHANGE: bool>(&self, from: &[Quad], to: &mut [Quad], scratch: &mut [Complex64]) {
+    pub fn forward<const EXCHANGE: bool>(&self, from: &[Pack<R>], to: &mut [Pack<R>], scratch: &mut [Complex<R>]) {
         match self {
             Self::Smooth(smooth) => smooth.forward::<EXCHANGE>(from, to),
             Self::Any(fft) => {
                 let (line, scratch) = scratch.split_at_mut(fft.len());
-                for lane in 0..LANES {
-                    for (value, quad) in line.iter_mut().zip(from) {
-                        let (re, im) = (quad.re[lane], quad.im[lane]);
-                        *value = if EXCHANGE { Complex64::new(im, re) } else { Complex64::new(re, im) };
+                for lane in 0..R::LANES {
+                    for (value, pack) in line.iter_mut().zip(from) {
+                        let (re, im) = (pack.re[lane], pack.im[lane]);
+                        *value = if EXCHANGE { Complex::new(im, re) } else { Complex::new(re, im) };
                     }
                     fft.process_with_scratch(line, &mut scratch[..fft.get_inplace_scratch_len()]);
-                    for (value, quad) in line.iter().zip(&mut *to) {
-                        (quad.re[lane], quad.im[lane]) = (value.re, value.im);
+                    for (value, pack) in line.iter().zip(&mut *to) {
+                        (pack.re[lane], pack.im[lane]) = (value.re, value.im);
                     }
                 }
             }
@@ -115,8 +118,8 @@ impl Lines {
     }
 }
 
-impl Smooth {
-    fn forward<const EXCHANGE: bool>(&self, from: &[Quad], to: &mut [Quad]) {
+impl<R: Real> Smooth<R> {
+    fn forward<const EXCHANGE: bool>(&self, from: &[Pack<R>], to: &mut [Pack<R>]) {
         let (inner, outer) = match self.passes.split_last() {
             Some((last, inner)) if to.len() > LONG => (inner, Some(last)),
             _ => (&self.passes[..], None),
@@ -125,13 +128,13 @@ impl Smooth {
         let (leaf, roots) = &self.leaf;
         for (to, starts) in to.chunks_exact_mut(part).zip(self.starts.chunks_exact(part / leaf)) {
             match leaf {
-                2 => run(Leaves::<2, EXCHANGE> { from, to, starts, roots }),
-                3 => run(Leaves::<3, EXCHANGE> { from, to, starts, roots }),
-                4 => run(Leaves::<4, EXCHANGE> { from, to, starts, roots }),
-                5 => run(Leaves::<5, EXCHANGE> { from, to, starts, roots }),
-                7 => run(Leaves::<7, EXCHANGE> { from, to, starts, roots }),
-                11 => run(Leaves::<11, EXCHANGE> { from, to, starts, roots }),
-                _ => run(Leaves::<13, EXCHANGE> { from, to, starts, roots }),
+                2 => run(Leaves::<R, 2, EXCHANGE> { from, to, starts, roots }),
+                3 => run(Leaves::<R, 3, EXCHANGE> { from, to, starts, roots }),
+                4 => run(Leaves::<R, 4, EXCHANGE> { from, to, starts, roots }),
+                5 => run(Leaves::<R, 5, EXCHANGE> { from, to, starts, roots }),
+                7 => run(Leaves::<R, 7, EXCHANGE> { from, to, starts, roots }),
+                11 => run(Leaves::<R, 11, EXCHANGE> { from, to, starts, roots }),
+                _ => run(Leaves::<R, 13, EXCHANGE> { from, to, starts, roots }),
             }
             inner.iter().for_each(|pass| pass.apply(to));
         }
@@ -139,69 +142,73 @@ impl Smooth {
     }
 }
 
-impl Pass {
-    fn apply(&self, lines: &mut [Quad]) {
+impl<R: Real> Pass<R> {
+    fn apply(&self, lines: &mut [Pack<R>]) {
         let pass = self;
         match pass.factor {
-            2 => run(Combine::<2> { pass, lines }),
-            3 => run(Combine::<3> { pass, lines }),
-            4 => run(Combine::<4> { pass, lines }),
-            5 => run(Combine::<5> { pass, lines }),
-            7 => run(Combine::<7> { pass, lines }),
-            11 => run(Combine::<11> { pass, lines }),
-            _ => run(Combine::<13> { pass, lines }),
+            2 => run(Combine::<R, 2> { pass, lines }),
+            3 => run(Combine::<R, 3> { pass, lines }),
+            4 => run(Combine::<R, 4> { pass, lines }),
+            5 => run(Combine::<R, 5> { pass, lines }),
+            7 => run(Combine::<R, 7> { pass, lines }),
+            11 => run(Combine::<R, 11> { pass, lines }),
+            _ => run(Combine::<R, 13> { pass, lines }),
         }
     }
 }
 
 /// Transforms of length `P` from strided input.
-struct Leaves<'a, const P: usize, const EXCHANGE: bool> {
-    from: &'a [Quad],
-    to: &'a mut [Quad],
+struct Leaves<'a, R: Real, const P: usize, const EXCHANGE: bool> {
+    from: &'a [Pack<R>],
+    to: &'a mut [Pack<R>],
     starts: &'a [usize],
-    roots: &'a [Complex64],
+    roots: &'a [Complex<R>],
 }
 
-impl<const P: usize, const EXCHANGE: bool> Kernel for Leaves<'_, P, EXCHANGE> {
+impl<R: Real, const P: usize, const EXCHANGE: bool> Kernel for Leaves<'_, R, P, EXCHANGE> {
+    type Real = R;
+
     #[inline(always)]
-    fn run(self, on: impl Arithmetic) {
+    fn run(self, on: impl Arithmetic<R>) {
         let roots = self.roots;
         let stride = self.from.len() / P;
-        let from: [&[Quad]; P] = from_fn(|j| &self.from[j * stride..][..stride]);
+        let from: [&[Pack<R>]; P] = from_fn(|j| &self.from[j * stride..][..stride]);
         for (to, &start) in self.to.as_chunks_mut::<P>().0.iter_mut().zip(self.starts) {
-            let mut x = [Complex4::ZERO; P];
+            let mut x = [Complexes::zero(); P];
             for j in 0..P {
-                let value = Complex4::load(&from[j][start]);
+                let value = Complexes::load(&from[j][start]);
                 x[j] = if EXCHANGE { value.exchanged() } else { value };
             }
-            butterfly(on, x, roots, |k, value| to[k] = value.quad());
+            butterfly(on, x, roots, |k, value| to[k] = value.pack());
         }
     }
 }
 
 /// [`Pass::apply`] for the factor `P`.
-struct Combine<'a, const P: usize> {
-    pass: &'a Pass,
-    lines: &'a mut [Quad],
+struct Combine<'a, R: Real, const P: usize> {
+    pass: &'a Pass<R>,
+    lines: &'a mut [Pack<R>],
 }
 
-impl<const P: usize> Kernel for Combine<'_, P> {
+impl<R: Real, const P: usize> Kernel for Combine<'_, R, P> {
+    type Real = R;
+
     #[inline(always)]
-    fn run(self, on: impl Arithmetic) {
+    fn run(self, on: impl Arithmetic<R>) {
         let Pass { m, ref roots, ref twiddles, .. } = *self.pass;
         for line in self.lines.chunks_exact_mut(P * m) {
             let mut rest = line;
-            let mut parts: [&mut [Quad]; P] = from_fn(|_| {
+            let mut parts: [&mut [Pack<R>]; P] = from_fn(|_| {
                 let (part, others) = std::mem::take(&mut rest).split_at_mut(m);
                 rest = others;
                 part
             });
             for (k, twiddles) in twiddles.chunks_exact(P - 1).enumerate().take(m) {
-                let mut x = [Complex4::load(&parts[0][k]); P];
+                let mut x = [Complexes::load(&parts[0][k]); P];
                 for r in 1..P {
-                    x[r] = Complex4::load(&parts[r][k]).times(on, twiddles[r - 1]);
+                    x[r] = Complexes::load(&parts[r][k]).times(on, twiddles[r - 1]);
                 }
-                butterfly(on, x, roots, |r, value| parts[r][k] = value.quad());
+                butterfly(on, x, roots, |r, value| parts[r][k] = value.pack());
             }
         }
     }
@@ -209,11 +216,11 @@ impl<const P: usize> Kernel for Combine<'_, P> {
 
 /// The transform of length `P`, which is 2, 4 or odd; `store(k, value)` puts the values away.
 #[inline(always)]
-fn butterfly<const P: usize>(
-    on: impl Arithmetic,
-    mut x: [Complex4; P],
-    roots: &[Complex64],
-    mut store: impl FnMut(usize, Complex4),
+fn butterfly<R: Real, const P: usize>(
+    on: impl Arithmetic<R>,
+    mut x: [Complexes<R>; P],
+    roots: &[Complex<R>],
+    mut store: impl FnMut(usize, Complexes<R>),
 ) {
     if P == 2 {
         store(0, x[0].add(on, x[1]));
@@ -237,11 +244,11 @@ fn butterfly<const P: usize>(
         store(0, sum);
         for k in 1..half + 1 {
             let roots = &roots[(k - 1) * half..][..half];
-            let mut even = x[0].mul_add(on, splat(roots[0].re), x[1]);
-            let mut odd = x[P - 1].scaled(on, splat(roots[0].im));
+            let mut even = x[0].mul_add(on, roots[0].re.splat(), x[1]);
+            let mut odd = x[P - 1].scaled(on, roots[0].im.splat());
             for j in 2..half + 1 {
-                even = even.mul_add(on, splat(roots[j - 1].re), x[j]);
-                odd = odd.mul_add(on, splat(roots[j - 1].im), x[P - j]);
+                even = even.mul_add(on, roots[j - 1].re.splat(), x[j]);
+                odd = odd.mul_add(on, roots[j - 1].im.splat(), x[P - j]);
             }
             store(k, even.add_i(on, odd));
             store(P - k, even.sub_i(on, odd));
@@ -253,51 +260,73 @@ fn butterfly<const P: usize>(
 mod tests {
     use super::*;
 
-    fn noise(n: usize) -> Vec<Quad> {
-        let number = |c: usize| (c as f64 * 0.618_033_988_749_894_9).fract() - 0.5;
-        let quad = |k: usize| Quad {
-            re: from_fn(|lane| number(8 * k + lane)),
-            im: from_fn(|lane| number(8 * k + LANES + lane)),
+    fn noise<R: Real>(n: usize) -> Vec<Pack<R>> {
+        let number = |c: usize| R::narrow((c as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
+        let pack = |k: usize| {
+            let mut pack = Pack::<R>::default();
+            for lane in 0..R::LANES {
+                pack.re[lane] = number(2 * R::LANES * k + lane);
+                pack.im[lane] = number(2 * R::LANES * k + R::LANES + lane);
+            }
+            pack
         };
-        (0..n).map(quad).collect()
+        (0..n).map(pack).collect()
+    }
+
+    fn value<R: Real>(pack: &Pack<R>, lane: usize) -> Complex64 {
+        Complex::new(pack.re[lane].wide(), pack.im[lane].wide())
+    }
+
+    fn is_the_sum<R: Real>(rounding: f64) {
+        // Each factor as the first and in a pass, parts of a long line, and a prime that is none of the factors.
+        for n in [2, 3, 4, 5, 7, 11, 13, 8, 9, 25, 49, 121, 169, 60, 450, 650, 17, 74] {
+            let (lines, from) = (Lines::<R>::new(n), noise(n));
+            let mut to = [vec![Pack::default(); n], vec![Pack::default(); n]];
+            let mut scratch = vec![Complex::default(); lines.scratch_len()];
+            lines.forward::<false>(&from, &mut to[0], &mut scratch);
+            lines.forward::<true>(&from, &mut to[1], &mut scratch);
+            for (k, lane) in (0..n).flat_map(|k| (0..R::LANES).map(move |lane| (k, lane))) {
+                let mut sums = [Complex64::default(); 2];
+                for (j, pack) in from.iter().enumerate() {
+                    let value = value(pack, lane);
+                    sums[0] += value * root(j * k, n);
+                    sums[1] += Complex64::new(value.im, value.re) * root(j * k, n);
+                }
+                for (sum, to) in sums.iter().zip(&to) {
+                    let error = (value(&to[k], lane) - sum).norm();
+                    assert!(error < rounding * n as f64, "length {n}, {k} of lane {lane}: off by {error}");
+                }
+            }
+        }
     }
 
     #[test]
     fn a_transform_is_the_sum_that_defines_it() {
-        // Each factor as the first and in a pass, parts of a long line, and a prime that is none of the factors.
-        for n in [2, 3, 4, 5, 7, 11, 13, 8, 9, 25, 49, 121, 169, 60, 450, 650, 17, 74] {
-            let (lines, from) = (Lines::new(n), noise(n));
-            let mut to = [vec![Quad::default(); n], vec![Quad::default(); n]];
-            let mut scratch = vec![Complex64::default(); lines.scratch_len()];
-            lines.forward::<false>(&from, &mut to[0], &mut scratch);
-            lines.forward::<true>(&from, &mut to[1], &mut scratch);
-            for (k, lane) in (0..n).flat_map(|k| (0..LANES).map(move |lane| (k, lane))) {
-                let mut sums = [Complex64::default(); 2];
-                for (j, quad) in from.iter().enumerate() {
-                    sums[0] += Complex64::new(quad.re[lane], quad.im[lane]) * root(j * k, n);
-                    sums[1] += Complex64::new(quad.im[lane], quad.re[lane]) * root(j * k, n);
-                }
-                for (sum, to) in sums.iter().zip(&to) {
-                    let error = (Complex64::new(to[k].re[lane], to[k].im[lane]) - sum).norm();
-                    assert!(error < 1e-15 * n as f64, "length {n}, {k} of lane {lane}: off by {error}");
-                }
+        is_the_sum::<f64>(1e-15);
+        is_the_sum::<f32>(3e-7);
+    }
+
+    fn every_processor_gives<R: Real>(rounding: f64)
+    where
+        pulp::Scalar256b: Arithmetic<R>,
+    {
+        let (from, roots) = (noise::<R>(35), roots(5));
+        let starts: Vec<_> = (0..7).collect();
+        let mut to = [vec![Pack::default(); 35], vec![Pack::default(); 35]];
+        let [any, this] = &mut to;
+        Leaves::<R, 5, false> { from: &from, to: any, starts: &starts, roots: &roots }.run(pulp::Scalar256b);
+        run(Leaves::<R, 5, false> { from: &from, to: this, starts: &starts, roots: &roots });
+        for (any, this) in any.iter().zip(this) {
+            for lane in 0..R::LANES {
+                let error = (value(any, lane) - value(this, lane)).norm();
+                assert!(error < rounding, "lane {lane}: {error}");
             }
         }
     }
 
     #[test]
     fn every_processor_gives_the_same() {
-        let (from, roots) = (noise(35), roots(5));
-        let starts: Vec<_> = (0..7).collect();
-        let mut to = [vec![Quad::default(); 35], vec![Quad::default(); 35]];
-        let [any, this] = &mut to;
-        Leaves::<5, false> { from: &from, to: any, starts: &starts, roots: &roots }.run(pulp::Scalar256b);
-        run(Leaves::<5, false> { from: &from, to: this, starts: &starts, roots: &roots });
-        for (any, this) in any.iter().zip(this) {
-            for lane in 0..LANES {
-                let error = (any.re[lane] - this.re[lane]).hypot(any.im[lane] - this.im[lane]);
-                assert!(error < 1e-15, "lane {lane}: {error}");
-            }
-        }
+        every_processor_gives::<f64>(1e-15);
+        every_processor_gives::<f32>(5e-7);
     }
 }

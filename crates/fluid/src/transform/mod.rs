@@ -2,7 +2,7 @@
 
 mod fft;
 mod lines;
-mod quad;
+mod pack;
 
 pub use fft::{Fft2, Scratch};
-pub use quad::{Complex4, Quad};
+pub use pack::Pack;

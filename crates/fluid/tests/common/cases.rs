@@ -116,10 +116,11 @@ pub fn outcome(scene: Result<Scene, String>, steps: usize) -> Outcome {
         if let Err(error) = fluid.advance(h * step as f64, h) {
             return Outcome::Error { time: Some(fluid.time()), message: error.to_string() };
         }
-        let speeds = fluid.velocity(0).iter().zip(fluid.velocity(1)).map(|(u, v)| u.hypot(*v));
+        let (u, v) = (fluid.velocity(0), fluid.velocity(1));
+        let speeds = u.iter().zip(&*v).map(|(u, v)| u.hypot(*v));
         fastest = speeds.fold(fastest, |most, speed| if speed > most { speed } else { most });
     }
-    let numbers = [fluid.velocity(0), fluid.velocity(1), fluid.vorticity(), &fluid.force()].concat();
+    let numbers = [&*fluid.velocity(0), &fluid.velocity(1), &fluid.vorticity(), &fluid.force()].concat();
     if numbers.iter().chain(&fluid.pressure()).any(|number| !number.is_finite()) {
         Outcome::NotFinite
     } else if fastest < TOO_FAST {

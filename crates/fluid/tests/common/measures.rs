@@ -1,5 +1,6 @@
 //! What is measured of exact solutions and invariants: the tests hold it to limits, `bench` writes it down.
 
+use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use nervure_fluid::Fluid;
@@ -119,7 +120,7 @@ pub fn noise(filter: Filter) -> Fluid {
 /// The first step is backward Euler, `u_1 = F P (u_0 − dt N)` without viscosity and bodies: `⟨u_0, u_1 − u_0⟩` is the
 /// energy that advection makes, and the same with omega the enstrophy.
 pub fn made_by_advection(mut fluid: Fluid) -> [f64; 2] {
-    let fields = |fluid: &Fluid| [fluid.velocity(0), fluid.velocity(1), fluid.vorticity()].map(<[f64]>::to_vec);
+    let fields = |fluid: &Fluid| [fluid.velocity(0), fluid.velocity(1), fluid.vorticity()].map(Cow::into_owned);
     let before = fields(&fluid);
     run(&mut fluid, 1, 0.1);
     let after = fields(&fluid);
@@ -158,7 +159,7 @@ pub fn aliased(filter: Filter, waves: [[i32; 2]; 2]) -> f64 {
         })
     });
     run(&mut fluid, 1, 1e-3);
-    let omega = spectrum(fluid.vorticity(), [n, n]);
+    let omega = spectrum(&fluid.vorticity(), [n, n]);
     let at = |wave: [i32; 2]| {
         let [i, j] = wave.map(|k| k.rem_euclid(n as i32) as usize);
         omega[i * n + j].norm()
@@ -182,7 +183,8 @@ fn poiseuille(cells: usize, offset: f64, mask: Mask) -> ([f64; 2], f64) {
     (part.mask, part.time_stepping.max_cfl) = (mask, 1e9);
     let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
     run(&mut fluid, 1500, 1e-3);
-    let (grid, u) = (*fluid.grid(), &fluid.velocity(0)[..cells]);
+    let (grid, velocity) = (*fluid.grid(), fluid.velocity(0));
+    let u = &velocity[..cells];
     // Least squares in powers of the distance z from the middle, eight cells and more from the walls.
     let middle = 0.5 * (low + high);
     let (mut moments, mut sums) = ([0.0; 5], [0.0; 3]);
