@@ -26,7 +26,7 @@ from studies.simulate import assignments, on_grid
 RESULTS, PUBLISHED = ROOT / "results" / "flapping", Path(__file__).with_name("published")
 
 KC5, HOVER, STREAM = "cylinder-kc5-600x360", "ellipse-hover-640x640", "cylinder-stream-384x512"
-FLAG, FILAMENT, PASSIVE = "flag-stream-720x360", "filament-hanging-384x384", "vein-passive-240x240"
+FLAG, FILAMENT, PASSIVE = "flag-stream-480x240", "filament-hanging-384x384", "vein-passive-240x240"
 TAPERED, MODULUS = "vein-hover-tapered-288x256", "rod.material.plane_strain.youngs_modulus"
 PERIOD = 5.0  # Of the oscillating cylinder, s
 HOVER_PERIOD, HOVER_SPEED = 4.0, 1.4 * 2 * np.pi * 0.25  # Of the ellipse, s and m/s
@@ -49,8 +49,7 @@ def box(x: list[float], y: list[float]) -> Changes:
 NARROW = box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(384, 256, 0.02)
 GUST = {"table": {"times": [0.0, 2.0, 4.0, 6.0], "values": [0.0, 0.2, 0.2, 0.0]}}
 SHEDDING = {"fluid.kinematic_viscosity": 0.01, "fluid.mean_flow.y": GUST, "time.end": 100.0}
-THICKNESS, BENDING = "beam.thickness", "rod.material.section.bending_stiffness"
-COARSE_FLAG = on_grid(480, 240, 0.0027)
+THICKNESS = "beam.thickness"
 
 CASES: dict[str, tuple[str, Changes]] = {
     "oscillating/300x180": (KC5, on_grid(300, 180, 0.01)),
@@ -68,12 +67,10 @@ CASES: dict[str, tuple[str, Changes]] = {
     "stream/384x256, Re 20": (STREAM, NARROW | {"fluid.kinematic_viscosity": 0.05}),
     "shedding/384x256": (STREAM, NARROW | SHEDDING),
     "shedding/384x512": (STREAM, SHEDDING),
-    "flag/480x240, 0.03": (FLAG, COARSE_FLAG | {THICKNESS: 0.03}),
-    "flag/480x240, 0.02": (FLAG, COARSE_FLAG | {THICKNESS: 0.02}),
-    "flag/720x360, 0.02": (FLAG, {THICKNESS: 0.02}),
-    "flag/720x360, 0.015": (FLAG, {}),
+    "flag/320x160, 0.03": (FLAG, on_grid(320, 160, 0.004) | {THICKNESS: 0.03}),
+    "flag/480x240, 0.03": (FLAG, {THICKNESS: 0.03}),
+    "flag/480x240, 0.02": (FLAG, {}),
     "filament/256x256, 0.06": (FILAMENT, on_grid(256, 256, 0.0075)),
-    "filament/256x256, 0.06, EI 0.0015": (FILAMENT, on_grid(256, 256, 0.0075) | {BENDING: 0.0015}),
     "filament/384x384, 0.06": (FILAMENT, {}),
     "filament/256x256, 0.09": (FILAMENT, on_grid(256, 256, 0.0075) | {THICKNESS: 0.09}),
     "passive/240x240": (PASSIVE, {}),
