@@ -118,7 +118,7 @@ $(READY_DEV): requirements/dev.lock $(READY)
 
 STUDY := $(RUN) -m studies
 
-.PHONY: flapping studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study turek-hron driven-bar vein-study shown-rows
+.PHONY: flapping filaments studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study turek-hron driven-bar vein-study shown-rows
 
 studies: $(READY_DEV) ## write all pages and tables of results.json anew; docs/report/stale.md lists what the code has since changed
 	$(STUDY) $(ARGS)
@@ -158,6 +158,9 @@ vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a qua
 
 flapping: build $(READY_DEV) ## run the cases of docs/flapping.md (some minutes), write its tables' rows and figures; ARGS="hover"
 	$(RUN) -m studies.flapping $(ARGS)
+
+filaments: build $(READY_DEV) ## run two filaments side by side at several distances (two minutes), write docs/flapping/filaments.*
+	$(RUN) -m studies.filaments
 
 BENCH_VENV := target/fluid-bench/venv
 

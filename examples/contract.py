@@ -6,6 +6,7 @@ of different units therefore need different names.
 """
 
 import json
+import math
 from pathlib import Path
 from xml.etree.ElementTree import Element, SubElement
 
@@ -98,3 +99,15 @@ def station_lengths(beam: dict) -> np.ndarray:
     lengths = np.full(beam["segments"] + 1, beam["length"] / beam["segments"])
     lengths[[0, -1]] /= 2
     return lengths
+
+
+def root_of(scene: dict) -> tuple[np.ndarray, np.ndarray]:
+    """Position of the beam's root at rest, m, and its unit direction there."""
+    root = scene["beam"]["root"]
+    if "at" in root:
+        direction = np.array(root["at"]["direction"])
+        return np.array(root["at"]["position"]), direction / np.linalg.norm(direction)
+    place = root["on_cylinder"]
+    cylinder, angle = scene["fluid"]["cylinders"][place["cylinder"]], place.get("angle", 0.0)
+    direction = np.array([math.cos(angle), math.sin(angle)])
+    return np.array(cylinder["center"]) + cylinder["radius"] * direction, direction

@@ -19,7 +19,7 @@ by two-step backward differences, everything at the end of the step.
 import math
 
 import numpy as np
-from contract import ContractUnit, backward_differences
+from contract import ContractUnit, backward_differences, root_of
 from pythonfmu.enums import Fmi2Causality, Fmi2Status
 
 MODES = 6
@@ -52,7 +52,7 @@ class ModalBeam(ContractUnit):
         if line_density < 0.0:
             raise ValueError("the beam must be at least as heavy as the fluid that it displaces")
 
-        root, tangent = self._root(beam["root"])
+        root, tangent = root_of(self.scene)
         self.normal = np.array([-tangent[1], tangent[0]])
         self.s = np.linspace(0.0, length, beam["segments"] + 1)
         self.rest = root[:, None] + tangent[:, None] * self.s
@@ -89,16 +89,6 @@ class ModalBeam(ContractUnit):
             ("tip.vy", "m/s", lambda: self.vy[-1]),
         ):
             self.register(name, unit, Fmi2Causality.output, read)
-
-    def _root(self, root: dict) -> tuple[np.ndarray, np.ndarray]:
-        """Position of the root, m, and the beam's unit direction."""
-        if "at" in root:
-            direction = np.array(root["at"]["direction"])
-            return np.array(root["at"]["position"]), direction / np.linalg.norm(direction)
-        place = root["on_cylinder"]
-        cylinder, angle = self.scene["fluid"]["cylinders"][place["cylinder"]], place.get("angle", 0.0)
-        direction = np.array([math.cos(angle), math.sin(angle)])
-        return np.array(cylinder["center"]) + cylinder["radius"] * direction, direction
 
     def do_step(self, current_time: float, step_size: float) -> bool:
         c0, c1, c2 = backward_differences(step_size, self.h_before)

@@ -21,6 +21,8 @@ from nervure.scene import read
 FSI3, CSM1, CYLINDER, VEIN, HOVER = (
     "fsi3-325x72", "csm1", "cylinder-2d1-450x90", "vein-pitching-320x240", "vein-hover-288x256"
 )  # fmt: skip
+PAIR = "filament-pair-192x128"
+BEAM = '{"root": {"at": {"position": [0, 0], "direction": [1, 0]}}, "length": 1, "thickness": 0.08, "segments": 8}'
 BODY = 'fluid.bodies=[{"position": [1.5, 0.2]'
 THESIS, VEIN_3D = "fsi3-thesis-325x72", "vein-3d"
 LAW, LOAD = "fluid.inflow.mean_velocity", "coupling.load"
@@ -47,6 +49,11 @@ TYPES = [
     (FSI3, 'time.end="8"'),
     (FSI3, "time.end=true"),
     (FSI3, "time.begin=0"),
+    (PAIR, "rods=2"),
+    (PAIR, "rods.0.name=7"),
+    (PAIR, "rods.0.name=left-hand"),
+    (PAIR, "rods.0.rod=null"),
+    (PAIR, "rods.0.colour=red"),
     (FSI3, "time.communication_step=0"),
     (FSI3, "fluid=3"),
     (FSI3, "fluid={}"),
@@ -138,6 +145,7 @@ TYPES = [
     (FSI3, f"{LOAD}=traction"),
     (FSI3, 'coupling.scheme={"iterated": {"max_iterations": 1}}'),
     (FSI3, 'coupling.guards={"window_steps": 0}'),
+    (FSI3, "coupling.pressure_level=1"),
     (FSI3, "reference.source="),
     (FSI3, "reference.quantities.tip_uy.amplitude=-1"),
 ]
@@ -186,7 +194,18 @@ RELATIONS = [
     (CSM1, 'coupling={"load": "momentum"}'),
     (FSI3, "rod.material.plane_strain.density=900"),
     (FSI3, 'coupling.scheme={"iterated": {}}'),
+    (FSI3, 'coupling={"load": "pressure_jump", "pressure_level": true}'),
+    (VEIN, 'coupling={"load": "momentum", "pressure_level": true}'),
     (FSI3, "reference.spread.quantities.lift.amplitude=[174, 146]"),
+    (PAIR, "rods.1.name=Upper"),
+    (PAIR, "rods.1.name=fluid"),
+    (PAIR, 'rods.1.beam.root.at={"position": [0, 0.5], "direction": [0.9510565162951535, 0.3090169943749474]}'),
+    (PAIR, "rods.1.beam.root.at.position=[0, 3]"),
+    (PAIR, "rods.1.rod.gravity=[0, 0, 1]"),
+    (PAIR, f"beam={BEAM}"),
+    (PAIR, "this_rod=middle"),
+    (FSI3, "this_rod=rod"),
+    (PAIR, "fluid=null"),
 ]
 """What is allowed by itself, but not together with the rest of the scene."""
 
@@ -216,6 +235,8 @@ ARGUMENTS = [
     ["run", FSI3, "--set", "fluid.cylinders.5.radius=1"],
     ["run", FSI3, "--set", 'fluid.mask={"sharp": 1, "sharp": 2}'],
     ["run", FSI3, "--rod-fmu", "none.fmu"],
+    ["run", PAIR, "--rod-fmu", "my.fmu"],
+    ["run", PAIR, "--rod-fmu", "upper=none.fmu"],
     ["run", FSI3, "--checkpoint-every", "-1"],
     ["run", FSI3, "--fields-every", "-1"],
     ["run", FSI3, "--colour"],

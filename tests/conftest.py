@@ -21,7 +21,7 @@ from nervure.resources import ROOT
 from nervure.scene import kinds, read, text, typed
 from nervure.unit import Unit
 
-FSI3 = ROOT / "scenes" / "fsi3-325x72.json"
+FSI1, FSI3 = (ROOT / "scenes" / f"{name}.json" for name in ("fsi1-648x108", "fsi3-325x72"))
 SCENES = sorted((ROOT / "scenes").glob("*.json"))
 
 ROD_ONLY = {

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import FSI3
+from conftest import FSI1, FSI3, output
 from test_master import AddedMass, Fake, Spring
 
 from nervure import coupling, master
@@ -142,6 +142,10 @@ def test_sides_that_come_apart_end_the_run_and_a_small_difference_does_not():
     stopped, said = steps_made(apart, 3000)
     assert 1000 < stopped < 1000 + 2 * WINDOW
     assert "the coupling is unstable at t = " in said and "% of what went across" in said, said
+    assert "take fewer `beam.segments` than" in said, said
+    apart = powered(lambda i: (-1) ** i, lambda i: 1.0)
+    _, said = steps_made(coupling.ParallelExplicit(*apart, guards=Guards(window_steps=10)), 100)
+    assert "take the scheme explicit" in said, said
 
 
 def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not():
@@ -156,6 +160,7 @@ def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not()
     stopped, said = steps_made(made(lambda i: swing(i) + (i > 1000) * noise(i)), 3000)
     assert 1000 < stopped < 1000 + 2 * WINDOW
     assert "the coupling is unstable at t = " in said and "is noise" in said, said
+    assert "`coupling.scheme` out, which iterates, or take a `time.communication_step` shorter than 0.001 s" in said
 
 
 def test_a_burst_at_the_start_is_no_instability():
@@ -245,6 +250,32 @@ def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
     (work, force), (work_half, force_half) = found
     assert work < 1e-4 and force < 1e-3, found
     assert work_half < 0.9 * work and force_half < 0.9 * force, found
+
+
+def test_level_of_the_pressure_shortens_the_bar_of_fsi1(start, libraries):
+    """By (1 + nu)(1 - 2 nu)/E of the pressure along it, about 35 Pa against the outlet, and changes nothing else."""
+    scene = read(FSI1)
+    scene["time"] = {"end": 6.0, "communication_step": 3e-3}
+    scene["fluid"]["box"]["cells"] = [216, 36]
+    scene["fluid"]["time_stepping"]["max_step"] = 3e-3
+    scene["fluid"]["inflow"]["mean_velocity"]["cosine_ramp"]["duration"] = 1.0
+    tips = {}
+    for wanted in (True, False):
+        scene["coupling"]["pressure_level"] = wanted
+        scheme = start(scene)
+        for i in range(2000):
+            scheme.step(3e-3 * i, 3e-3)
+        tips[wanted] = [output(scheme.rods[0], f"tip.{name}")[0] for name in ("ux", "uy")]
+        assert ("pressure" in scheme.fluid.variables) == ("pressure" in scheme.rods[0].variables) == wanted
+        if wanted:
+            pressure = output(scheme.fluid, "pressure").copy()
+    material = scene["rod"]["material"]["plane_strain"]
+    nu, young = material["poisson_ratio"], material["youngs_modulus"]
+    mean = np.mean((pressure[1:] + pressure[:-1]) / 2)
+    assert mean == pytest.approx(35.9, abs=2.0)
+    shortened = -scene["beam"]["length"] * mean * (1 + nu) * (1 - 2 * nu) / young
+    assert tips[True][0] - tips[False][0] == pytest.approx(shortened, rel=0.01)
+    assert tips[True][1] == pytest.approx(tips[False][1], rel=0.01)
 
 
 def test_segments_much_shorter_than_the_bar_is_thick_do_not_zigzag(start, libraries):

@@ -116,6 +116,37 @@ def test_iteration_that_does_not_converge_names_time_residual_and_limit():
     assert recorder.rows == 1
 
 
+class Moody(AddedMass):
+    """A load that follows a law of how often it was asked for instead of the stations."""
+
+    def __init__(self, law):
+        super().__init__()
+        self.law, self.asked = law, 0
+
+    def advance(self, _t, _h):
+        self.asked += 1
+        self.outputs[:] = self.law(self.asked)
+
+
+@pytest.mark.parametrize(
+    ("fluid", "options", "helps"),
+    [
+        (
+            Moody(lambda n: np.nan if n > 2 else 1.0),
+            {"max_iterations": 9},
+            "a `time.communication_step` shorter than 0.01",
+        ),
+        (AddedMass(), {"max_iterations": 2, "acceleration": "aitken"}, "`acceleration` iqn_ils holds"),
+        (AddedMass(), {"max_iterations": 2}, "still falling: a `max_iterations` above 2"),
+        (Moody(lambda n: 1 + 1e-3 * np.sin(n * n)), {"max_iterations": 30}, "which a `tolerance` above that accepts"),
+        (Moody(lambda n: 1 + 0.5 * np.sin(n * n)), {"max_iterations": 30}, "a heavier rod or a larger `c_eta`"),
+    ],
+)
+def test_iteration_that_does_not_converge_says_what_helps(fluid, options, helps):
+    outcome, _ = run(coupling.Iterated([Spring()], fluid, Iterated(tolerance=1e-8, **options)))
+    assert helps in outcome.error, outcome.error
+
+
 def test_iterated_scheme_refuses_the_momentum_load():
     rod, fluid = Spring(), AddedMass()
     for unit, causality in ((rod, "input"), (fluid, "output")):

@@ -1,4 +1,5 @@
-"""Units from elsewhere, made with PythonFMU: the modal beam and the analytic fluid of examples/ in place of ours."""
+"""Units from elsewhere, made with PythonFMU: the modal beam, the bar of finite elements and the analytic fluid of
+examples/ in place of ours."""
 
 import json
 import math
@@ -21,7 +22,7 @@ pytestmark = [
     pytest.mark.skipif(not FmuBuilder.has_binary(), reason="PythonFMU has no binary for this system"),
 ]
 
-EXAMPLES = {"rod": "modal_beam.py", "fluid": "strip_fluid.py"}
+EXAMPLES = {"rod": "modal_beam.py", "solid": "solid_bar.py", "fluid": "strip_fluid.py"}
 LENGTH, THICKNESS, FLUID_DENSITY = 0.35, 0.02, 1000.0
 BENDING_STIFFNESS = 5.6e6 * THICKNESS**3 / 12 / (1 - 0.4**2)
 FIRST_MODE = 1.8751040687
@@ -36,6 +37,9 @@ or 9e-4 (our rod, whose stiffness is of second order as well)."""
 
 DECAY_TOLERANCE = 1e-4
 """Of the angular frequency: what the second mode, 1 % of the first, leaves in a fit over four periods."""
+
+CSM1, CSM_TOLERANCE = (-7.1877e-3, -66.1023e-3), 0.002
+"""Turek & Hron (2006), m; the elements of the example leave 0.13 % of ux and 0.07 % of uy."""
 
 STARTUP_TOLERANCE = 0.01
 """Of the largest deflection: 20 segments of the rod and the tension by the drag make 0.4 %."""
@@ -179,21 +183,76 @@ def test_a_foreign_unit_that_dies_ends_the_run_with_its_reason(still, own, tmp_p
     assert results(folder)["tip_uy"].size > 1
 
 
-def test_modal_beam_starts_up_in_our_fluid_as_our_rod_does(fsi3, own, tmp_path):
+@pytest.mark.parametrize("kind", ["rod", "solid"])
+def test_foreign_rod_starts_up_in_our_fluid_as_our_rod_does(fsi3, own, tmp_path, kind):
     """FSI3's own start-up on a coarse grid: the deflection is small, but the fluid is our own."""
     fsi3["fluid"]["box"]["cells"] = [160, 36]
     fsi3["beam"]["segments"] = 20
-    del fsi3["rod"]["material"]["plane_strain"]["shear_factor"]  # which the modal beam does without
+    if kind == "rod":
+        del fsi3["rod"]["material"]["plane_strain"]["shear_factor"]  # which the modal beam does without
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(fsi3))
     tips = {}
-    for name, foreign in (("rod", []), ("modal", ["--rod-fmu", own("rod", fsi3, True)])):
+    for name, foreign in (("ours", []), ("foreign", ["--rod-fmu", own(kind, fsi3, True)])):
         done = run_scene(path, "--output", tmp_path / name, "--end-time", "0.3", *foreign)
         assert done.returncode == 0, done.stderr
         tips[name] = results(tmp_path / name)["tip_uy"]
-    largest = np.abs(tips["rod"]).max()
+    largest = np.abs(tips["ours"]).max()
     assert 5e-5 < largest < 0.001 * LENGTH
-    assert tips["modal"] == pytest.approx(tips["rod"], abs=STARTUP_TOLERANCE * largest)
+    assert tips["foreign"] == pytest.approx(tips["ours"], abs=STARTUP_TOLERANCE * largest)
+
+
+@pytest.fixture
+def bar():
+    """Function that makes the elements' bar of CSM1 and CSM3, whose root is the arc of the cylinder."""
+    sys.path.insert(0, str(ROOT / "examples"))
+    try:
+        from solid_bar import Bar
+    finally:
+        sys.path.remove(str(ROOT / "examples"))
+    return lambda: Bar(LENGTH, THICKNESS, 42, 1000.0, 1.4e6, 0.4, arc_radius=0.05)
+
+
+NO_LOAD = (np.zeros((43, 2)), np.zeros(43))
+"""On the stations, and its impedance."""
+
+
+def test_bar_of_finite_elements_hangs_as_csm1_does(bar):
+    """In steps so long that inertia is nothing, with gravity growing from one to the next."""
+    hanging = bar()
+    for part in np.linspace(0.1, 1.0, 10):
+        hanging.step(1e6, *NO_LOAD, np.array([0.0, -2.0 * part]))
+    assert tuple(hanging.sections(hanging.u)[-1]) == pytest.approx(CSM1, rel=CSM_TOLERANCE)
+
+
+def test_bar_of_finite_elements_falls_as_our_rod_does(bar, rod_only, start):
+    """CSM3 over a third of its period, to half of its swing. The two agree to 0.2 %."""
+    rod_only["time"]["end"] = 1.0
+    rod_only["beam"]["segments"] = 64
+    rod_only["rod"]["material"]["plane_strain"]["shear_factor"] = 0.862
+    rod_only["rod"]["clamp_setback"] = 2.4e-4
+    ours, falling = start(rod_only), bar()
+    for i in range(100):
+        ours.step(3e-3 * i, 3e-3)
+        falling.step(3e-3, *NO_LOAD, np.array([0.0, -2.0]))
+    found, expected = falling.sections(falling.u)[-1], [output(ours.unit, f"tip.{name}")[0] for name in ("ux", "uy")]
+    assert expected[1] < -0.06
+    assert found == pytest.approx(expected, rel=0.005)
+
+
+def test_impedance_and_load_of_a_station_do_to_the_elements_what_they_say(bar):
+    """A load with impedance does what f − D (v − v_before) does without it, v at the step's end."""
+    random = np.random.default_rng(1)
+    force, impedance = 0.1 * random.standard_normal((43, 2)), 500 * random.random(43)
+    with_impedance, without = bar(), bar()
+    for one in (with_impedance, without):
+        one.step(1e-3, force, np.zeros(43), np.zeros(2))
+    before = without.sections(without.v)
+    with_impedance.step(1e-3, force, impedance, np.zeros(2))
+    change = with_impedance.sections(with_impedance.v) - before
+    without.step(1e-3, force - impedance[:, None] * change, np.zeros(43), np.zeros(2))
+    assert np.abs(impedance[:, None] * change).max() > 0.01 * np.abs(force).max()
+    assert without.v == pytest.approx(with_impedance.v, abs=1e-6 * np.abs(without.v).max())
 
 
 @pytest.mark.parametrize(
@@ -212,7 +271,7 @@ def test_modal_beam_refuses_what_it_does_not_know(still, own, part, change, reas
         own("rod", scene, True)
 
 
-@pytest.mark.parametrize("kind", package.KINDS)
+@pytest.mark.parametrize("kind", EXAMPLES)
 def test_state_of_a_foreign_unit_comes_back_bit_by_bit(still, own, open_unit, kind):
     path = own(kind, still(1001.0), True)
     assert validate_fmu(str(path)) == []

@@ -77,6 +77,15 @@ def test_iterated_and_explicit_coupling_agree_where_both_hold(small_fsi3, tmp_pa
     assert iterated == pytest.approx(explicit, rel=0.05)
 
 
+def test_single_precision_runs_like_double(small_fsi3, tmp_path):
+    double, _ = run(tmp_path, small_fsi3, "--end-time", "0.05")
+    small_fsi3["fluid"]["precision"] = "single"
+    single, _ = run(tmp_path, small_fsi3, "--end-time", "0.05")
+    for name in ("tip_ux", "tip_uy", "drag", "lift"):
+        far = np.abs(single[name] - double[name]).max() / np.abs(double[name]).max()
+        assert 0 < far < 1e-3, (name, far)
+
+
 def test_the_end_time_is_reached_by_a_shorter_last_step(rod_only, tmp_path):
     series, summary = run(tmp_path, rod_only, "--end-time", "0.00025")
     assert summary["steps"] == 3

@@ -17,6 +17,7 @@ from nervure.errors import Refusal
 from nervure.pack import ssp
 from nervure.scene import kinds, typed
 from nervure.scene.types import Iterated
+from studies import filaments
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -132,7 +133,9 @@ def test_fluid_for_more_rods_is_refused():
 
 @pytest.fixture
 def scene_file(two_rods, tmp_path):
+    """The pair with one rod heavier than the other, so that nothing of theirs is the same."""
     two_rods["time"]["end"] = 0.1
+    two_rods["rods"][1]["rod"]["material"]["section"]["line_density"] = 0.5
     path = tmp_path / "two.json"
     path.write_text(json.dumps(two_rods))
     return path
@@ -240,3 +243,14 @@ def test_fluid_says_which_beam_has_a_wrong_station(two_rods, instantiate):
     scheme.give_stations()
     with pytest.raises(Exception, match=r"beam\[2\]\.x\[3\]|station 3 of beam 2"):
         units["fluid"].step(0.0, 2e-3)
+
+
+@pytest.mark.parametrize(("apart", "together"), [(1.0, False), (0.2, True)])
+def test_two_filaments_flap_together_when_close_and_against_each_other_when_not(apart, together, tmp_path):
+    """As in Huang, Shin & Sung (2007), from the same start: only the distance decides."""
+    scene = api.load(filaments.SCENE, [*filaments.changes(apart, filaments.START), "time.end=26.0"])
+    run = api.run(scene, tmp_path, quiet=True)
+    late = run.series["time"] > 19.0
+    assert min(np.ptp(run.series[f"{name}_tip_uy"][late]) for name in filaments.RODS) > 0.5, "both flap"
+    found = filaments.correlation(run.series, 19.0, 26.0)
+    assert found > 0.8 if together else found < -0.95, f"correlation {found:.3f}"

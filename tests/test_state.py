@@ -82,7 +82,24 @@ def test_a_state_of_another_size_has_another_layout(small_fsi3, start):
         state = unit.serialize()
         name = state[14 : 14 + state[12]].decode()
         found[unit.name] = name[name.index("layout") :], len(state) - 14 - state[12]
-    assert found == {"rod": ("layout 1 of its state)", 3273), "fluid": ("layout 1 of its state)", 370805)}
+    assert found == {"rod": ("layout 1 of its state)", 3273), "fluid": ("layout 2 of its state)", 370805)}
+
+
+def test_a_state_in_single_precision_continues_the_same_way_and_is_half_as_large(small_fsi3, start):
+    double = start(small_fsi3)
+    small_fsi3["fluid"]["precision"] = "single"
+    single = start(small_fsi3)
+    advance(single, 0, STEPS)
+    single.rods[0].save()
+    single.fluid.save()
+    before = single.rods[0].outputs.copy(), single.fluid.outputs.copy()
+    first = advance(single, STEPS, STEPS)
+    single.rods[0].restore()
+    single.fluid.restore()
+    single.rods[0].outputs[:], single.fluid.outputs[:] = before
+    assert_same_bits(first, advance(single, STEPS, STEPS))
+    state = single.fluid.serialize()
+    assert len(state) < 0.55 * len(double.fluid.serialize())
 
 
 def test_a_corrupted_state_is_refused(small_fsi3, start):

@@ -46,7 +46,8 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
     }
     for (k, stations) in unit.fluid.stations().iter().enumerate() {
         let prefix = if beams == 1 { String::new() } else { format!("{}.", numbered(k)[0]) };
-        list.extend(station_variables(&prefix, k, stations.len(), !unit.fluid.loads().is_empty()));
+        let loads = [!unit.fluid.loads().is_empty(), unit.scene.pressure_level()];
+        list.extend(station_variables(&prefix, k, stations.len(), loads));
     }
     list
 }
@@ -138,8 +139,9 @@ fn exchange(name: &str, k: usize) -> [Variable; 4] {
     ]
 }
 
-/// Motion of the `n` stations of beam number `k` in, pressure jump and, where the scene has them, loads out.
-fn station_variables(prefix: &str, k: usize, n: usize, loads: bool) -> Vec<Variable> {
+/// Motion of the `n` stations of beam number `k` in, pressure jump and, where the scene has them, loads and pressure around
+/// the beam out.
+fn station_variables(prefix: &str, k: usize, n: usize, [loads, pressure]: [bool; 2]) -> Vec<Variable> {
     let (position, velocity) =
         ("Position of the stations at the end of the step", "Velocity of the stations at the end of the step");
     let (jump, load) = ("Pressure above minus below the beam", "Load on the stations for the coming step");
@@ -161,6 +163,11 @@ fn station_variables(prefix: &str, k: usize, n: usize, loads: bool) -> Vec<Varia
             ]
             .map(|variable| variable.array(n).depends_on(&[])),
         );
+    }
+    if pressure {
+        let text = "Pressure around the beam, the mean of both sides, less that of the outlet";
+        let pressure = Real::output(name("pressure"), "Pa", text, move |m| &m.fluid.pressure_around()[k]);
+        list.push(pressure.array(n).depends_on(&[]));
     }
     list
 }

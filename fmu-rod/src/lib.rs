@@ -276,6 +276,10 @@ impl RodUnit {
             })
             .array(loads.pressure_jump.len()),
         );
+        list.push(
+            Real::input("pressure", "Pa", "Pressure around the beam", |m| &mut m.body.loads().pressure)
+                .array(loads.pressure.len()),
+        );
         list
     }
 
@@ -514,7 +518,7 @@ impl Model for RodUnit {
         let whole = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
         let load = whole.chosen_load().map(|(load, reason)| [load.name().to_string(), reason]).unwrap_or_default();
         let scene =
-            whole.of_unit().ok_or("the scene has several rods, but no key `unit` that says which this one is")?;
+            whole.of_unit().ok_or("the scene has several rods, but no key `this_rod` that says which this one is")?;
         let stations = scene.beam.as_ref().map_or(0, |beam| beam.segments + 1);
         require_memory(BYTES_PER_STATION * stations)?;
         let dimension = scene.beam.as_ref().map_or(2, |beam| scene.dimension(beam));
@@ -635,6 +639,7 @@ impl Model for RodUnit {
             ("force", &mut loads.force, &state.loads.force),
             ("impedance", &mut loads.impedance, &state.loads.impedance),
             ("pressure_jump", &mut loads.pressure_jump, &state.loads.pressure_jump),
+            ("pressure", &mut loads.pressure, &state.loads.pressure),
         ] {
             if own.len() != known.len() {
                 return Err(format!("loads.{name} has {} elements, but this rod has {}", known.len(), own.len()));

@@ -11,6 +11,7 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::force::{Exchange, Force};
 use crate::grid::Grid;
+use crate::outlet::Outlet;
 use crate::probe::Probe;
 use crate::simd::Real;
 use crate::state::{Beams, Flow, Present, StateIn};
@@ -64,7 +65,7 @@ pub struct FluidIn<R: Real> {
     undo: Option<StateIn<R>>,
 }
 
-/// The ways of the beams' stations, and the pressure jumps at them; every list is empty without a beam.
+/// The ways of the beams' stations, and the pressure on both sides of them; every list is empty without a beam.
 struct Motion {
     /// At the beginning of the communication step.
     from: Vec<Stations>,
@@ -72,9 +73,13 @@ struct Motion {
     now: Vec<Stations>,
     /// At the end of the coming communication step, set from outside.
     target: Vec<Stations>,
-    /// Pressure jumps, Pa, and whether they are those of the present time: they are made when asked for.
+    /// Pressure jumps, Pa.
     pressure_jump: Vec<Vec<f64>>,
-    pressure_jump_is_current: bool,
+    /// Pressure around the beams, Pa, and where it is measured from; both absent where the scene does not want it.
+    pressure: Vec<Vec<f64>>,
+    outlet: Option<Outlet>,
+    /// Whether both pressures are those of the present time: they are made when asked for.
+    pressures_are_current: bool,
 }
 
 impl<R: Real> FluidIn<R> {
@@ -97,9 +102,13 @@ impl<R: Real> FluidIn<R> {
                 exchange: vec![Exchange::default(); stations.len()],
             },
         };
+        let outlet = if scene.pressure_level() { Outlet::of(fluid, &domain.grid) } else { None };
+        let zeros = |stations: &Stations| vec![0.0; stations.len()];
         let motion = Motion {
-            pressure_jump: stations.iter().map(|stations| vec![0.0; stations.len()]).collect(),
-            pressure_jump_is_current: false,
+            pressure_jump: stations.iter().map(zeros).collect(),
+            pressure: stations.iter().filter(|_| outlet.is_some()).map(zeros).collect(),
+            outlet,
+            pressures_are_current: false,
             now: stations.clone(),
             target: stations.clone(),
             from: stations,
@@ -173,7 +182,7 @@ impl<R: Real> FluidIn<R> {
             self.domain.bodies.place(self.present.time, stations, stations, &self.domain.grid);
             return Err(error);
         }
-        self.motion.pressure_jump_is_current = false;
+        self.motion.pressures_are_current = false;
         for (ahead, stations) in self.motion.now.iter_mut().zip(&self.present.beams.stations) {
             ahead.go_on(stations, h);
         }
@@ -299,7 +308,7 @@ impl<R: Real> FluidIn<R> {
         self.present.copy_from(&state.present);
         self.scheme.restore(&state.memory);
         Stations::copy_all(&mut self.motion.target, &state.present.beams.stations);
-        self.motion.pressure_jump_is_current = false;
+        self.motion.pressures_are_current = false;
         self.total_pressure_is_current = false;
         let stations = &self.present.beams.stations;
         self.domain.bodies.place(self.present.time, stations, stations, &self.domain.grid);
@@ -454,20 +463,36 @@ impl<R: Real> FluidIn<R> {
 
     /// Pressure jump p_above − p_below at the stations of each beam, Pa; made when first asked for after a step.
     pub fn pressure_jump(&mut self) -> &[Vec<f64>] {
-        if !self.motion.pressure_jump_is_current && !self.motion.pressure_jump.is_empty() {
-            self.make_total_pressure();
-            // Taken out, so that the rest can be read while it is written.
-            let mut jumps = take(&mut self.motion.pressure_jump);
-            for (beam, jumps) in jumps.iter_mut().enumerate() {
-                for (k, jump) in jumps.iter_mut().enumerate() {
-                    let [above, below] = [1.0, -1.0].map(|side| self.surface_pressure(beam, k, side));
-                    *jump = self.density * (above - below);
+        self.make_surface_pressures();
+        &self.motion.pressure_jump
+    }
+
+    /// Pressure around the stations of each beam, the mean of that above and below, less the mean over the outlet, Pa; made when
+    /// first asked for after a step. Empty where the scene does not want its level.
+    pub fn pressure_around(&mut self) -> &[Vec<f64>] {
+        self.make_surface_pressures();
+        &self.motion.pressure
+    }
+
+    fn make_surface_pressures(&mut self) {
+        if self.motion.pressures_are_current || self.motion.pressure_jump.is_empty() {
+            return;
+        }
+        self.make_total_pressure();
+        // Taken out, so that the rest can be read while it is written.
+        let (mut jumps, mut around) = (take(&mut self.motion.pressure_jump), take(&mut self.motion.pressure));
+        let level = self.motion.outlet.as_ref().map_or(0.0, |outlet| outlet.mean(|point| self.pressure_at(point)));
+        for (beam, jumps) in jumps.iter_mut().enumerate() {
+            for (k, jump) in jumps.iter_mut().enumerate() {
+                let [above, below] = [1.0, -1.0].map(|side| self.surface_pressure(beam, k, side));
+                *jump = self.density * (above - below);
+                if let Some(around) = around.get_mut(beam) {
+                    around[k] = self.density * (0.5 * (above + below) - level);
                 }
             }
-            self.motion.pressure_jump = jumps;
-            self.motion.pressure_jump_is_current = true;
         }
-        &self.motion.pressure_jump
+        (self.motion.pressure_jump, self.motion.pressure) = (jumps, around);
+        self.motion.pressures_are_current = true;
     }
 
     /// Static pressure over the density at the surface of a beam above (1) or below (−1) its station `k`, m²/s².

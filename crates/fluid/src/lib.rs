@@ -19,6 +19,7 @@ mod error;
 mod fluid;
 mod force;
 mod grid;
+mod outlet;
 mod precision;
 mod probe;
 mod projection;
@@ -43,6 +44,7 @@ pub use state::State;
 pub mod internals {
     pub use crate::clock::{Clock, Phase};
     pub use crate::projection::Projection;
+    pub use crate::simd::Real;
     pub use crate::transform::{Fft2, Pack, Scratch};
     pub use crate::wall::{DragProfile, WallTarget};
 }

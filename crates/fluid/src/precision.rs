@@ -208,6 +208,12 @@ impl Fluid {
         in_either!(&mut self.0, fluid => fluid.pressure_jump())
     }
 
+    /// Pressure around the stations of each beam, the mean of that above and below, less the mean over the outlet, Pa; made when
+    /// first asked for after a step. Empty where the scene does not want its level.
+    pub fn pressure_around(&mut self) -> &[Vec<f64>] {
+        in_either!(&mut self.0, fluid => fluid.pressure_around())
+    }
+
     /// Times the phases of a step.
     #[cfg(feature = "internals")]
     pub fn clock(&mut self) -> &mut crate::clock::Clock {

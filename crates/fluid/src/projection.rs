@@ -41,6 +41,9 @@ pub struct Projection<R> {
     inverse_k2: Vec<[f64; WIDE]>,
     /// 1 over the number of points: the transforms are unnormalised.
     per_points: f64,
+    /// 1 over what rounding makes of a mode in the transforms: a factor for each kx, and for each ky by row and part.
+    per_gain_x: Vec<f64>,
+    per_gain_y: Vec<[f64; WIDE]>,
     /// `tau nu`, m², and the CFL number of the step.
     tau_nu: f64,
     cfl: f64,
@@ -85,6 +88,8 @@ impl<R: Real> Projection<R> {
         let ky = parts.map(|first| from_fn(|lane| ky(first + lane))).collect();
         let per_points = 1.0 / grid.len() as f64;
         Self {
+            per_gain_x: vec![1.0; nx],
+            per_gain_y: vec![[1.0; WIDE]; rows * R::PARTS],
             kx,
             ky,
             damping,
@@ -103,6 +108,12 @@ impl<R: Real> Projection<R> {
         self.modes
     }
 
+    /// Take out what transforms with these [`Fft2::gains`](crate::transform::Fft2::gains) make of a mode in a step.
+    pub fn set_gains(&mut self, [x, y]: &[Vec<f64>; 2]) {
+        self.per_gain_x = x.iter().map(|gain| 1.0 / gain).collect();
+        self.per_gain_y = y.as_chunks().0.iter().map(|gains| gains.map(|gain| 1.0 / gain)).collect();
+    }
+
     /// Make ready for a step with `tau nu` (m²) and a CFL number.
     pub fn set_step(&mut self, tau_nu: f64, cfl: f64) {
         // What the filter cuts off has infinite damping, in still fluid too.
@@ -117,8 +128,23 @@ impl<R: Real> Projection<R> {
         let modes = row * row_length..(row + 1) * row_length;
         let (inverse_k2, damping) = (&self.inverse_k2[modes.clone()], &self.damping[modes]);
         let Self { per_points, tau_nu, cfl, .. } = *self;
-        let (kx, ky) = (&self.kx[..], &self.ky[row * R::PARTS..(row + 1) * R::PARTS]);
-        run(ProjectRow { kx, ky, inverse_k2, damping, per_points, tau_nu, cfl, wx: &mut *wx, wy: &mut *wy, omega });
+        let [ky, per_gain_y] = [&self.ky, &self.per_gain_y].map(|of| &of[row * R::PARTS..(row + 1) * R::PARTS]);
+        let (kx, per_gain_x) = (&self.kx[..], &self.per_gain_x[..]);
+        let (x, y) = (&mut *wx, &mut *wy);
+        run(ProjectRow {
+            kx,
+            ky,
+            inverse_k2,
+            damping,
+            per_gain_x,
+            per_gain_y,
+            per_points,
+            tau_nu,
+            cfl,
+            wx: x,
+            wy: y,
+            omega,
+        });
         if let (0, Some(mean)) = (row, self.mean) {
             for (w, mean) in [wx, wy].into_iter().zip(mean) {
                 (w[0].re[0], w[0].im[0]) = (R::narrow(mean), R::narrow(0.0));
@@ -165,6 +191,8 @@ struct ProjectRow<'a, R: Real> {
     ky: &'a [[f64; WIDE]],
     inverse_k2: &'a [[f64; WIDE]],
     damping: &'a [[f64; WIDE]],
+    per_gain_x: &'a [f64],
+    per_gain_y: &'a [[f64; WIDE]],
     per_points: f64,
     tau_nu: f64,
     cfl: f64,
@@ -178,16 +206,23 @@ impl<R: Real> Kernel for ProjectRow<'_, R> {
 
     #[inline(always)]
     fn run(self, on: impl Arithmetic<f64>) {
-        let (per_points, tau_nu, cfl) = (self.per_points.splat(), self.tau_nu.splat(), self.cfl.splat());
+        let (tau_nu, cfl) = (self.tau_nu.splat(), self.cfl.splat());
+        // What the parts of a row have of their own; in double precision there is one.
+        let [mut ky, mut along_y, mut scale] = [[0.0.splat(); 2]; 3];
+        for part in 0..R::PARTS {
+            ky[part] = pulp::cast(self.ky[part]);
+            along_y[part] = on.mul_add(tau_nu, on.mul(ky[part], ky[part]), 1.0.splat());
+            scale[part] = on.mul(self.per_points.splat(), pulp::cast(self.per_gain_y[part]));
+        }
         let coefficients = self.inverse_k2.chunks_exact(R::PARTS).zip(self.damping.chunks_exact(R::PARTS));
         let modes = self.wx.iter_mut().zip(self.wy).zip(self.omega);
-        for ((kx, (inverse_k2, damping)), ((wx, wy), omega)) in self.kx.iter().zip(coefficients).zip(modes) {
-            let kx = kx.splat();
+        let along_x = self.kx.iter().zip(self.per_gain_x);
+        for (((kx, per_gain_x), (inverse_k2, damping)), ((wx, wy), omega)) in along_x.zip(coefficients).zip(modes) {
+            let (kx, per_gain_x) = (kx.splat(), per_gain_x.splat());
             for part in 0..R::PARTS {
-                let [ky, inverse_k2, damping] = [self.ky, inverse_k2, damping].map(|of| pulp::cast(of[part]));
-                let along_y = on.mul_add(tau_nu, on.mul(ky, ky), 1.0.splat());
-                let viscous = on.mul_add(tau_nu, on.mul(kx, kx), along_y);
-                let gain = on.div(per_points, on.mul_add(cfl, damping, viscous));
+                let (inverse_k2, damping) = (pulp::cast(inverse_k2[part]), pulp::cast(damping[part]));
+                let (ky, viscous) = (ky[part], on.mul_add(tau_nu, on.mul(kx, kx), along_y[part]));
+                let gain = on.div(on.mul(scale[part], per_gain_x), on.mul_add(cfl, damping, viscous));
                 // w/(1 + tau nu k² + tau r), then what of it is along the wave.
                 let (x, y) = (wx.part(part).scaled(on, gain), wy.part(part).scaled(on, gain));
                 let along = x.scaled(on, kx).mul_add(on, ky, y).scaled(on, inverse_k2);

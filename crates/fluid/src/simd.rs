@@ -65,8 +65,6 @@ pub trait Real: sealed::Sealed + FftNum + Default + PartialOrd + AddAssign + Ser
     fn store(vector: Self::Vector) -> Self::Lanes;
     /// Vectors of zeros.
     fn zeros() -> Self::Square;
-    /// Rows to columns.
-    fn transposed(rows: Self::Square) -> Self::Square;
     /// Run a kernel on the processor at hand.
     fn run(kernel: impl Kernel<Real = Self>);
 
@@ -99,6 +97,8 @@ pub trait Arithmetic<R: Real>: Copy {
     fn mul_add(self, a: R::Vector, b: R::Vector, c: R::Vector) -> R::Vector;
     /// c − a b
     fn mul_sub(self, a: R::Vector, b: R::Vector, c: R::Vector) -> R::Vector;
+    /// Rows to columns.
+    fn transposed(self, rows: R::Square) -> R::Square;
 }
 
 /// A loop to be compiled for each kind of processor.
@@ -139,7 +139,8 @@ where
 
 /// What is the same in both precisions but for the names: arithmetic, and what [`Real`] has of memory.
 macro_rules! precision {
-    ($real:ident, $vector:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $mul_add:ident, $mul_sub:ident) => {
+    ($real:ident, $vector:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $mul_add:ident, $mul_sub:ident,
+     $transposed:ident) => {
         /// Any processor: without an instruction for it, a product is rounded before it is added.
         impl Arithmetic<$real> for Scalar256b {
             arithmetic!($vector, $add, $sub, $mul, $div);
@@ -152,6 +153,19 @@ macro_rules! precision {
             #[inline(always)]
             fn mul_sub(self, a: $vector, b: $vector, c: $vector) -> $vector {
                 self.$sub(c, self.$mul(a, b))
+            }
+
+            #[inline(always)]
+            fn transposed(self, rows: <$real as Real>::Square) -> <$real as Real>::Square {
+                let mut columns = rows;
+                for (i, column) in columns.iter_mut().enumerate() {
+                    let mut lanes = <$real>::store(*column);
+                    for (lane, row) in lanes.iter_mut().zip(rows) {
+                        *lane = <$real>::store(row)[i];
+                    }
+                    *column = <$real>::load(&lanes);
+                }
+                columns
             }
         }
 
@@ -167,6 +181,11 @@ macro_rules! precision {
             #[inline(always)]
             fn mul_sub(self, a: $vector, b: $vector, c: $vector) -> $vector {
                 self.$mul_sub(a, b, c)
+            }
+
+            #[inline(always)]
+            fn transposed(self, rows: <$real as Real>::Square) -> <$real as Real>::Square {
+                avx::$transposed(self, rows)
             }
         }
     };
@@ -235,8 +254,62 @@ macro_rules! memory {
     };
 }
 
-precision!(f64, Four, add_f64s, sub_f64s, mul_f64s, div_f64s, mul_add_f64s, negate_mul_add_f64s);
-precision!(f32, Eight, add_f32s, sub_f32s, mul_f32s, div_f32s, mul_add_f32s, negate_mul_add_f32s);
+precision!(f64, Four, add_f64s, sub_f64s, mul_f64s, div_f64s, mul_add_f64s, negate_mul_add_f64s, transposed_f64);
+precision!(f32, Eight, add_f32s, sub_f32s, mul_f32s, div_f32s, mul_add_f32s, negate_mul_add_f32s, transposed_f32);
+
+/// Transposes by the instructions that are made for them: of single numbers the compiler makes many more.
+#[cfg(target_arch = "x86_64")]
+mod avx {
+    use std::arch::x86_64::{__m256, __m256d};
+
+    use pulp::cast;
+
+    use super::{Eight, Four, V3};
+
+    /// Pairs of rows, then halves.
+    #[inline(always)]
+    pub fn transposed_f64(V3 { avx, .. }: V3, [a, b, c, d]: [Four; 4]) -> [Four; 4] {
+        let (a, b, c, d): (__m256d, __m256d, __m256d, __m256d) = (cast(a), cast(b), cast(c), cast(d));
+        let (even_ab, odd_ab) = (avx._mm256_unpacklo_pd(a, b), avx._mm256_unpackhi_pd(a, b));
+        let (even_cd, odd_cd) = (avx._mm256_unpacklo_pd(c, d), avx._mm256_unpackhi_pd(c, d));
+        [
+            cast(avx._mm256_permute2f128_pd::<0x20>(even_ab, even_cd)),
+            cast(avx._mm256_permute2f128_pd::<0x20>(odd_ab, odd_cd)),
+            cast(avx._mm256_permute2f128_pd::<0x31>(even_ab, even_cd)),
+            cast(avx._mm256_permute2f128_pd::<0x31>(odd_ab, odd_cd)),
+        ]
+    }
+
+    /// Columns 0 and 4, 1 and 5, … of four rows.
+    #[inline(always)]
+    fn four_rows(V3 { avx, .. }: V3, a: Eight, b: Eight, c: Eight, d: Eight) -> [__m256; 4] {
+        let (a, b, c, d): (__m256, __m256, __m256, __m256) = (cast(a), cast(b), cast(c), cast(d));
+        let (low_ab, high_ab) = (avx._mm256_unpacklo_ps(a, b), avx._mm256_unpackhi_ps(a, b));
+        let (low_cd, high_cd) = (avx._mm256_unpacklo_ps(c, d), avx._mm256_unpackhi_ps(c, d));
+        [
+            avx._mm256_shuffle_ps::<0x44>(low_ab, low_cd),
+            avx._mm256_shuffle_ps::<0xee>(low_ab, low_cd),
+            avx._mm256_shuffle_ps::<0x44>(high_ab, high_cd),
+            avx._mm256_shuffle_ps::<0xee>(high_ab, high_cd),
+        ]
+    }
+
+    /// Pairs of rows, pairs of pairs, then halves.
+    #[inline(always)]
+    pub fn transposed_f32(v3: V3, [a, b, c, d, e, f, g, h]: [Eight; 8]) -> [Eight; 8] {
+        let (upper, lower, avx) = (four_rows(v3, a, b, c, d), four_rows(v3, e, f, g, h), v3.avx);
+        [
+            cast(avx._mm256_permute2f128_ps::<0x20>(upper[0], lower[0])),
+            cast(avx._mm256_permute2f128_ps::<0x20>(upper[1], lower[1])),
+            cast(avx._mm256_permute2f128_ps::<0x20>(upper[2], lower[2])),
+            cast(avx._mm256_permute2f128_ps::<0x20>(upper[3], lower[3])),
+            cast(avx._mm256_permute2f128_ps::<0x31>(upper[0], lower[0])),
+            cast(avx._mm256_permute2f128_ps::<0x31>(upper[1], lower[1])),
+            cast(avx._mm256_permute2f128_ps::<0x31>(upper[2], lower[2])),
+            cast(avx._mm256_permute2f128_ps::<0x31>(upper[3], lower[3])),
+        ]
+    }
+}
 
 impl Real for f64 {
     memory!(4, Four);
@@ -270,11 +343,6 @@ impl Real for f64 {
     #[inline(always)]
     fn splat(self) -> Four {
         Four(self, self, self, self)
-    }
-
-    #[inline(always)]
-    fn transposed([a, b, c, d]: [Four; 4]) -> [Four; 4] {
-        [Four(a.0, b.0, c.0, d.0), Four(a.1, b.1, c.1, d.1), Four(a.2, b.2, c.2, d.2), Four(a.3, b.3, c.3, d.3)]
     }
 }
 
@@ -314,52 +382,41 @@ impl Real for f32 {
         let a = self;
         Eight(a, a, a, a, a, a, a, a)
     }
-
-    /// In three rounds, each of which the processor has an instruction for: pairs of numbers, of pairs, and of halves.
-    #[inline(always)]
-    fn transposed(rows: [Eight; 8]) -> [Eight; 8] {
-        let low = |a: Eight, b: Eight| Eight(a.0, b.0, a.1, b.1, a.4, b.4, a.5, b.5);
-        let high = |a: Eight, b: Eight| Eight(a.2, b.2, a.3, b.3, a.6, b.6, a.7, b.7);
-        let [a, b, c, d, e, f, g, h] = rows;
-        let ([a, c, e, g], [b, d, f, h]) =
-            ([low(a, b), low(c, d), low(e, f), low(g, h)], [high(a, b), high(c, d), high(e, f), high(g, h)]);
-        let low = |a: Eight, b: Eight| Eight(a.0, a.1, b.0, b.1, a.4, a.5, b.4, b.5);
-        let high = |a: Eight, b: Eight| Eight(a.2, a.3, b.2, b.3, a.6, a.7, b.6, b.7);
-        let upper = [low(a, c), high(a, c), low(b, d), high(b, d)];
-        let lower = [low(e, g), high(e, g), low(f, h), high(f, h)];
-        let left = |a: Eight, b: Eight| Eight(a.0, a.1, a.2, a.3, b.0, b.1, b.2, b.3);
-        let right = |a: Eight, b: Eight| Eight(a.4, a.5, a.6, a.7, b.4, b.5, b.6, b.7);
-        [
-            left(upper[0], lower[0]),
-            left(upper[1], lower[1]),
-            left(upper[2], lower[2]),
-            left(upper[3], lower[3]),
-            right(upper[0], lower[0]),
-            right(upper[1], lower[1]),
-            right(upper[2], lower[2]),
-            right(upper[3], lower[3]),
-        ]
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn transposes<R: Real>() {
+    struct Transpose<R: Real>(R::Square);
+
+    impl<R: Real> Kernel for Transpose<R> {
+        type Real = R;
+
+        #[inline(always)]
+        fn run(self, on: impl Arithmetic<R>) {
+            let columns = on.transposed(self.0);
+            for (i, j) in (0..R::LANES).flat_map(|i| (0..R::LANES).map(move |j| (i, j))) {
+                assert_eq!(R::store(columns[i])[j].wide(), (10 * j + i) as f64, "row {i}, column {j}");
+            }
+        }
+    }
+
+    fn transposes<R: Real>()
+    where
+        Scalar256b: Arithmetic<R>,
+    {
         let mut rows = R::zeros();
         for i in 0..R::LANES {
             let numbers: Vec<_> = (0..R::LANES).map(|j| R::narrow((10 * i + j) as f64)).collect();
             rows[i] = R::gather(&numbers);
         }
-        let columns = R::transposed(rows);
-        for (i, j) in (0..R::LANES).flat_map(|i| (0..R::LANES).map(move |j| (i, j))) {
-            assert_eq!(R::store(columns[i])[j].wide(), (10 * j + i) as f64, "row {i}, column {j}");
-        }
+        run(Transpose::<R>(rows));
+        Transpose::<R>(rows).run(Scalar256b);
     }
 
     #[test]
-    fn rows_become_columns() {
+    fn rows_become_columns_on_every_processor() {
         transposes::<f32>();
         transposes::<f64>();
     }

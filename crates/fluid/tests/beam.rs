@@ -221,3 +221,43 @@ fn loads_are_continuous_in_the_stations() {
     let (coarse, fine) = (largest_change(100, 1.6e-4), largest_change(800, 2e-5));
     assert!(fine < 0.2 * coarse, "a move changes the loads by {coarse} N/m, an eighth of it by {fine}");
 }
+
+/// A stream that speeds up as a whole, and a beam that goes with it, have p = rho a (x_out − x), whatever stands in it.
+#[test]
+fn pressure_around_the_beam_is_measured_from_the_outlet() {
+    let (acceleration, h) = (2.0, 1e-3);
+    let fluid = r#""kinematic_viscosity": 1e-3, "box": { "x": [-0.6, 0.6], "y": [-0.2, 0.2], "cells": [144, 48] },
+        "inflow": { "x": [-0.5, -0.3], "profile": "uniform", "c_eta": 1e-4,
+            "mean_velocity": { "table": { "times": [-1, 0, 1, 2], "values": [-2, 0, 2, 4] } } }"#;
+    let rest = r#", "beam": { "root": { "at": { "position": [-0.1, 0.02], "direction": [1, 0] } },
+        "length": 0.3, "thickness": 0.04, "segments": 6 },
+        "rod": { "material": { "plane_strain": { "density": 2000.0, "youngs_modulus": 1e6, "poisson_ratio": 0.3 } } },
+        "coupling": { "load": "momentum", "pressure_level": true }"#;
+    for mask in MASKS {
+        let mut scene = scene(fluid, rest);
+        scene.fluid.as_mut().expect("it has one").mask = mask;
+        let mut fluid = fluid_of(&scene);
+        let rest = stations(&mut fluid).position[0].clone();
+        for step in 1..=100 {
+            let t = h * f64::from(step);
+            let stations = stations(&mut fluid);
+            for (x, rest) in stations.position[0].iter_mut().zip(&rest) {
+                *x = rest + 0.5 * acceleration * t * t;
+            }
+            stations.velocity[0].fill(acceleration * t);
+            run(&mut fluid, 1, h);
+        }
+        let x = stations(&mut fluid).position[0].clone();
+        // The inflow's zone ends the box for the flow at −0.5 m, that is at 0.7 m.
+        let expected: Vec<_> = x.iter().map(|x| 1000.0 * acceleration * (0.7 - x)).collect();
+        let found = fluid.pressure_around()[0].clone();
+        let far = difference(&found, &expected);
+        assert!(far < 5e-3, "{mask:?}: {far}, {found:?} against {expected:?}");
+        // It is that of the present time, and a state that is put back has its own.
+        let state = fluid.state();
+        run(&mut fluid, 1, h);
+        assert_ne!(fluid.pressure_around()[0], found);
+        fluid.restore(&state).expect("it is its own");
+        assert_eq!(fluid.pressure_around()[0], found);
+    }
+}

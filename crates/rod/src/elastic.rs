@@ -44,6 +44,8 @@ const SMALL_ANGLE: f64 = 1e-2;
 pub(crate) struct Elastic<const D: usize> {
     /// Length of a segment at rest, l0, m.
     pub(crate) segment_length: f64,
+    /// Length of each segment without tension, m: l0, but for what the pressure around the rod takes: `[n]`.
+    pub(crate) slack: Vec<f64>,
     /// k_e of each segment, N/m: `[n]`.
     pub(crate) axial: Vec<f64>,
     /// k_b at the beginning of each segment, N m, the first that of the joint at the root: `[n]`.
@@ -161,7 +163,7 @@ impl<const D: usize> Elastic<D> {
         let (mut before, mut sheared) = (self.clamped_edge(), 0.0);
         for (node, (ends, (k_e, k_b))) in x.windows(2).zip(self.axial.iter().zip(&self.bending)).enumerate() {
             let after = Edge::between(ends[0], ends[1]);
-            energy.stretching += 0.5 * k_e * (after.l - self.segment_length).powi(2);
+            energy.stretching += 0.5 * k_e * (after.l - self.slack[node]).powi(2);
             if let Some(shear) = &self.shear {
                 energy.bending += shear.energy(node, self.turn(node, before, after)?.0, &mut sheared);
                 if let (0, Joint::Spring { stored, .. }) = (node, self.joint) {
@@ -216,7 +218,7 @@ impl<const D: usize> Elastic<D> {
                 let after = Edge::between(*start, *end);
                 let vertex = self.vertex_gradient(node, before, after, self.bending[node], moments.get(node))?;
                 by_before += vertex.0;
-                new_by_before = after.t * (self.axial[node] * (after.l - self.segment_length)) + vertex.1;
+                new_by_before = after.t * (self.axial[node] * (after.l - self.slack[node])) + vertex.1;
                 before = after;
             }
             if node > self.first {
@@ -236,7 +238,6 @@ impl<const D: usize> Elastic<D> {
         mut emit: impl FnMut(usize, &NodeDerivatives<D>),
     ) -> Result<(), BadShape> {
         self.find_moments(x, moments)?;
-        let l0 = self.segment_length;
         let mut before = self.clamped_edge();
         // By the edges: gradient and own block of the edge before, and of the one before that with its coupling to it.
         let (mut gradient, mut block) = (Vector::zeros(), Matrix::zeros());
@@ -250,7 +251,7 @@ impl<const D: usize> Elastic<D> {
             turns = [turns[1], turns[2], (Vector::zeros(), Vector::zeros())];
             if let Some([start, end]) = x[node..].first_chunk() {
                 let after @ Edge { t, l, inverse_l } = Edge::between(*start, *end);
-                let (k_e, k_b) = (self.axial[node], self.bending[node]);
+                let (l0, k_e, k_b) = (self.slack[node], self.axial[node], self.bending[node]);
                 let vertex = self.vertex(node, before, after, k_b, moments.get(node))?;
                 if self.shear.is_some() {
                     turns[2] = self.turn_gradient(node, before, after)?;
@@ -284,6 +285,14 @@ impl<const D: usize> Elastic<D> {
         Ok(())
     }
 
+    /// Let the segments shrink by `strain` (1/Pa) times the pressure at their ends, Pa: `[n + 1]`, or empty where there is
+    /// none.
+    pub(crate) fn set_pressure(&mut self, strain: f64, pressure: &[f64]) {
+        for (slack, ends) in self.slack.iter_mut().zip(pressure.windows(2)) {
+            *slack = self.segment_length * (1.0 - strain * 0.5 * (ends[0] + ends[1]));
+        }
+    }
+
     /// What the clamp holds the shape `x`, `[n + 1]`, with: ∂U/∂x_0, N, and the moment e × ∂U/∂e, N m, e being the edge
     /// along the clamp's direction; `moments` as in [`Elastic::gradient`].
     pub(crate) fn clamp_reaction(
@@ -295,7 +304,7 @@ impl<const D: usize> Elastic<D> {
         let (clamped, first, second) = (self.clamped_edge(), Edge::between(x[0], x[1]), Edge::between(x[1], x[2]));
         let (by_clamped, by_first) = self.vertex_gradient(0, clamped, first, self.bending[0], moments.first())?;
         let (by_first_again, _) = self.vertex_gradient(1, first, second, self.bending[1], moments.get(1))?;
-        let tension = first.t * (self.axial[0] * (first.l - self.segment_length));
+        let tension = first.t * (self.axial[0] * (first.l - self.slack[0]));
         Ok((-(tension + by_first + by_first_again), cross(&(clamped.t * clamped.l), &by_clamped)))
     }
 
@@ -661,6 +670,7 @@ mod tests {
         direction[0] = 1.0;
         Elastic {
             segment_length: 0.25,
+            slack: (0..SEGMENTS).map(|j| 0.25 - 0.001 * j as f64).collect(),
             axial: (0..SEGMENTS).map(|j| 40.0 + j as f64).collect(),
             bending: bending(),
             joint: Joint::Clamped,

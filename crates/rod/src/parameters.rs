@@ -34,6 +34,9 @@ pub struct Parameters<const D: usize> {
     pub displaced: f64,
     /// Both along the rod.
     pub taper: Taper,
+    /// Strain by which the rod shrinks under pressure from all sides, 1/Pa: (1 + ν)(1 − 2ν)/E in plane strain. With 0
+    /// the pressure of the loads has no effect.
+    pub strain_per_pressure: f64,
     /// Gravity, m/s².
     pub gravity: [f64; D],
     /// Damping force per length and velocity, kg/(m s).
@@ -105,6 +108,11 @@ pub struct Loads {
     /// f − D (v − v_ref), v_ref being its velocity at the beginning of the step, where f was found. With D = 0 a load
     /// from a fluid as heavy as the rod makes the coupling unstable.
     pub impedance: Vec<f64>,
+    /// Pressure around the rod, the mean over the section, Pa: `[n + 1]`. It is no force: nodal forces whose sum from any
+    /// section to the tip is that of the differences of the pressure have its level left out (docs/coupling.md), and the
+    /// strain of that is `strain_per_pressure`. The rod follows it with a lag of the period of its first axial mode, below
+    /// which it has no other inertia than the fluid's.
+    pub pressure: Vec<f64>,
 }
 
 impl<const D: usize> Parameters<D> {
@@ -138,9 +146,12 @@ impl<const D: usize> Parameters<D> {
                 return Err(Error::value(name, value, "a finite number above 0"));
             }
         }
-        for (name, value) in
-            [("displaced", self.displaced), ("damping", self.damping), ("clamp_setback", self.clamp_setback)]
-        {
+        for (name, value) in [
+            ("displaced", self.displaced),
+            ("damping", self.damping),
+            ("clamp_setback", self.clamp_setback),
+            ("strain_per_pressure", self.strain_per_pressure),
+        ] {
             if !(value.is_finite() && value >= 0.0) {
                 return Err(Error::value(name, value, "a finite number of at least 0"));
             }
@@ -305,7 +316,13 @@ impl<const D: usize> Parameters<D> {
             let stiffness = |j: usize| shear * at(&taper.shear_stiffness, 2 * j + 1);
             Shear::new(l0, &bending, stiffness)
         });
-        Elastic { segment_length: l0, axial, bending, direction, joint, first, angles, shear }
+        let slack = vec![l0; self.segments];
+        Elastic { segment_length: l0, slack, axial, bending, direction, joint, first, angles, shear }
+    }
+
+    /// Period of the first axial mode in vacuo, 4 L √(μ/EA), s.
+    pub(crate) fn axial_period(&self) -> f64 {
+        4.0 * self.length * (self.section.line_density / self.section.axial_stiffness).sqrt()
     }
 
     /// The hinge of a torsion spring at the root; in the plane only.
@@ -391,6 +408,7 @@ impl Loads {
             ("force", &self.force, D * nodes),
             ("pressure_jump", &self.pressure_jump, if D == 2 { nodes } else { 0 }),
             ("impedance", &self.impedance, nodes),
+            ("pressure", &self.pressure, nodes),
         ] {
             if !array.is_empty() && array.len() != expected {
                 return Err(Error::Length { name: format!("loads.{name}"), length: array.len(), expected });

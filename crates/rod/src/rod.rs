@@ -81,7 +81,8 @@ impl<const D: usize> Rod<D> {
         let rest = parameters.rest_shape(root, direction);
         let nodes = segments + 1;
         let hinge = parameters.hinge();
-        let at_rest = State::at_rest(rest.clone(), direction, hinge.map(|hinge| hinge.at_rest(0.0)));
+        let mut at_rest = State::at_rest(rest.clone(), direction, hinge.map(|hinge| hinge.at_rest(0.0)));
+        at_rest.pressure = vec![0.0; if parameters.strain_per_pressure > 0.0 { nodes } else { 0 }];
         let first = usize::from(parameters.hold != Hold::Free);
         let shear = parameters.section.shear_stiffness.is_some();
         let mut rod = Self {
@@ -131,6 +132,7 @@ impl<const D: usize> Rod<D> {
             rest_angles: beam.rest_angles.clone(),
             section: rod.material.section(&beam.thickness, 0.0),
             displaced: scene.displaced_line_density(),
+            strain_per_pressure: scene.strain_per_pressure().unwrap_or(0.0),
             taper: Taper::of(beam, &rod.material),
             gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),
             damping: rod.damping,
@@ -155,7 +157,10 @@ impl<const D: usize> Rod<D> {
                 let pressure_jump = zeros(if D == 2 { nodes } else { 0 });
                 Loads { force: zeros(D * nodes), pressure_jump, ..Loads::default() }
             }
-            Some(Load::Momentum) => Loads { force: zeros(D * nodes), impedance: zeros(nodes), ..Loads::default() },
+            Some(Load::Momentum) => {
+                let pressure = zeros(built.state.pressure.len());
+                Loads { force: zeros(D * nodes), impedance: zeros(nodes), pressure, ..Loads::default() }
+            }
             Some(Load::PressureJump) => Loads { pressure_jump: zeros(nodes), ..Loads::default() },
         };
         Ok(built)
@@ -231,9 +236,11 @@ impl<const D: usize> Rod<D> {
         Ok(())
     }
 
-    /// Let the elastic energy see clamp and spring as they are; without damping the spring is always in series with half a segment.
+    /// Let the elastic energy see clamp, pressure and spring as they are; without damping the spring is always in series with half
+    /// a segment.
     fn align(&mut self) {
         self.elastic.direction = self.state.direction;
+        self.elastic.set_pressure(self.parameters.strain_per_pressure, &self.state.pressure);
         if let (Some(hinge), Some(state)) = (self.hinge.filter(Hinge::is_damped), self.state.hinge) {
             self.elastic.set_spring(hinge.beside, state.angle, hinge.energy(state.angle));
         }
@@ -284,6 +291,10 @@ impl<const D: usize> Rod<D> {
             let allowed = "there where a torsion spring holds the root in the plane, and nowhere else";
             return Err(Error::value("state.hinge", format!("{:?}", state.hinge), allowed));
         }
+        if state.pressure.len() != self.state.pressure.len() {
+            let (length, expected) = (state.pressure.len(), self.state.pressure.len());
+            return Err(Error::Length { name: "state.pressure".into(), length, expected });
+        }
         let own = std::mem::replace(&mut self.elastic.direction, state.direction);
         if let Err(shape) = self.elastic.energy(&state.positions) {
             self.elastic.direction = own;
@@ -304,7 +315,8 @@ impl<const D: usize> Rod<D> {
         let elastic = self.parameters.elastic(clamp.direction);
         elastic.energy(&shape).map_err(|shape| self.error(shape.into()))?;
         self.elastic = elastic;
-        self.state = State::at_rest(shape, clamp.direction, self.state.hinge);
+        let pressure = vec![0.0; self.state.pressure.len()];
+        self.state = State { pressure, ..State::at_rest(shape, clamp.direction, self.state.hinge) };
         self.state.set_clamp(&clamp);
         self.settle_hinge()?;
         self.last = None;
@@ -332,6 +344,7 @@ impl<const D: usize> Rod<D> {
         self.before.copy_from(&self.state);
         self.statistics = Statistics::default();
         self.last = None;
+        self.follow_pressure(-(-duration / self.parameters.axial_period()).exp_m1());
         if self.state.last_step == 0.0 {
             self.start()?;
         }
@@ -383,10 +396,25 @@ impl<const D: usize> Rod<D> {
         Ok(())
     }
 
+    /// Take the pressure that strains the rod so large a `part` of the way to that around it.
+    ///
+    /// Without a lag a change of the pressure would push the tip at once, and that the pressure there: with short segments and
+    /// an exchange once in a step the two drive each other. Below the first axial mode the strain is that of equilibrium anyway.
+    fn follow_pressure(&mut self, part: f64) {
+        let Self { state: State { pressure, .. }, loads, elastic, parameters, .. } = self;
+        if pressure.is_empty() {
+            return;
+        }
+        for (k, own) in pressure.iter_mut().enumerate() {
+            *own += part * (loads.pressure.get(k).copied().unwrap_or(0.0) - *own);
+        }
+        elastic.set_pressure(parameters.strain_per_pressure, pressure);
+    }
+
     /// What the loads did in the step of `duration` seconds that has just been made.
     fn sum_up_loads(&mut self, duration: f64) {
         let nodes = self.rest.len();
-        let Loads { force, pressure_jump, impedance } = &self.loads;
+        let Loads { force, pressure_jump, impedance, .. } = &self.loads;
         let (mut sum, mut power) = (Vector::zeros(), 0.0);
         for (k, v) in self.state.velocities.iter().enumerate() {
             let mut load = Vector::<D>::from_fn(|d, _| force.get(d * nodes + k).copied().unwrap_or(0.0));
@@ -457,6 +485,8 @@ impl<const D: usize> Rod<D> {
             // Damping plays no part: spring and half a segment in series.
             self.elastic = self.parameters.elastic(self.state.direction);
         }
+        let pressure = self.state.pressure.clone();
+        self.follow_pressure(1.0);
         let mut missing = self.force.clone();
         let balanced = self.elastic.gradient(&self.state.positions, &mut self.newton.moments, |k, gradient| {
             missing[k] -= gradient;
@@ -482,13 +512,15 @@ impl<const D: usize> Rod<D> {
                 }
                 Err(_) if size > 1 => size = (size / 2).max(1),
                 Err(failure) => {
+                    self.state.pressure = pressure;
                     self.align();
                     return Err(self.error(failure));
                 }
             }
         }
         let clamp = self.state.clamp();
-        self.state = State::at_rest(settled, clamp.direction, self.state.hinge);
+        let pressure = std::mem::take(&mut self.state.pressure);
+        self.state = State { pressure, ..State::at_rest(settled, clamp.direction, self.state.hinge) };
         self.state.set_clamp(&clamp);
         self.settle_hinge()?;
         self.last = None;
@@ -530,6 +562,7 @@ impl<const D: usize> Rod<D> {
         let constant = span.clamp.is_none()
             && self.state.last_step > 0.0
             && self.force[self.elastic.first..] == self.state.loads[self.elastic.first..]
+            && self.state.pressure.is_empty()
             && self.loads.impedance.iter().all(|&impedance| impedance == 0.0);
         if !constant {
             self.stage(rule, 1.0, span)?;

@@ -44,6 +44,8 @@ pub struct State<const D: usize> {
     pub exchange: Exchange<D>,
     /// What a driven root did, or the force that tows a free one.
     pub drive: Drive<D>,
+    /// Pressure that strains the rod, Pa; empty where none does.
+    pub pressure: Vec<f64>,
     /// Angle of a torsion spring at the root; none where there is none, and in space.
     pub hinge: Option<HingeState>,
 }
@@ -106,6 +108,7 @@ impl<const D: usize> State<D> {
             largest_energy: 0.0,
             exchange: Exchange::none(),
             drive: Drive::none(),
+            pressure: Vec::new(),
             hinge,
         }
     }
@@ -144,6 +147,7 @@ impl<const D: usize> State<D> {
         (self.reference_energy, self.largest_energy) = (other.reference_energy, other.largest_energy);
         self.exchange = other.exchange;
         self.drive = other.drive;
+        self.pressure.copy_from_slice(&other.pressure);
         self.hinge = other.hinge;
     }
 
@@ -164,6 +168,9 @@ impl<const D: usize> State<D> {
             if let Some(k) = array.iter().position(|v| v.iter().any(|c| !c.is_finite())) {
                 return Err(Error::value(format!("state.{name}[{k}]"), array[k].as_slice(), "finite"));
             }
+        }
+        if let Some(k) = self.pressure.iter().position(|p| !p.is_finite()) {
+            return Err(Error::value(format!("state.pressure[{k}]"), self.pressure[k], "finite"));
         }
         for (name, vector) in [("direction", self.direction), ("direction_rate", self.direction_rate)] {
             if vector.iter().any(|c| !c.is_finite()) {

@@ -29,6 +29,7 @@ fn bad_parameters_are_named() {
         (Parameters { gravity: [0.0, f64::NAN], ..bar() }, ["gravity is [0.000e0, NaN]", "finite"]),
         (Parameters { damping: -1.0, ..bar() }, ["damping is -1", "at least 0"]),
         (Parameters { displaced: -1.0, ..bar() }, ["displaced is -1", "at least 0"]),
+        (Parameters { strain_per_pressure: -1e-7, ..bar() }, ["strain_per_pressure is -1.000e-7", "at least 0"]),
         (Parameters { displaced: 21.0, ..bar() }, ["weighs 20 kg/m and displaces 21 kg/m", "-1 kg/m"]),
         (Parameters { segments: 0, ..bar() }, ["segments is 0", "at least 2"]),
         (Parameters { clamp_setback: -1e-3, ..bar() }, ["clamp_setback is -1.000e-3", "at least 0"]),

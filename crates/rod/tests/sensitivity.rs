@@ -16,6 +16,7 @@ fn differences<const D: usize>(rod: &Rod<D>, change: &Loads, h: f64) -> [Vec<f64
             force: sum(&rod.loads.force, &change.force),
             pressure_jump: sum(&rod.loads.pressure_jump, &change.pressure_jump),
             impedance: sum(&rod.loads.impedance, &change.impedance),
+            ..rod.loads.clone()
         };
         other.step(h).unwrap();
         let all = |get: fn(&Rod<D>, usize) -> &[f64]| (0..D).flat_map(|d| get(&other, d).to_vec()).collect::<Vec<_>>();
@@ -51,9 +52,15 @@ fn sensitivity_is_the_derivative_of_the_step_in_the_plane() {
             force: wave(0.3, 2 * nodes).iter().map(|f| 3.0 * f).collect(),
             pressure_jump: vec![200.0; nodes],
             impedance: vec![20.0; nodes],
+            ..Loads::default()
         };
         (0..20).for_each(|_| rod.step(4e-3).unwrap());
-        let none = Loads { force: vec![0.0; 2 * nodes], pressure_jump: vec![0.0; nodes], impedance: vec![0.0; nodes] };
+        let none = Loads {
+            force: vec![0.0; 2 * nodes],
+            pressure_jump: vec![0.0; nodes],
+            impedance: vec![0.0; nodes],
+            ..Loads::default()
+        };
         for (name, change) in [
             ("force", Loads { force: wave(1.0, 2 * nodes), ..none.clone() }),
             ("pressure jump", Loads { pressure_jump: wave(2.0, nodes), ..none.clone() }),

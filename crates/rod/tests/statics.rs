@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 
 use common::{elastica_tip, turek_hron_bar, unit_rod};
 use nervure_rod::{Parameters, Rod};
-use scene::{Bending, Calibration, RodScheme, Section};
+use scene::{Bending, Calibration, RodScheme, Scene, Section};
 
 /// The bar of CSM1: 2 m/s² on 0.35 m.
 fn csm1(segments: usize) -> Parameters<2> {
@@ -262,4 +262,63 @@ fn pressure_load_follows_the_shape() {
     let applied = -0.5 * jump * (x[segments].powi(2) + y[segments].powi(2));
     assert!((clamp - applied).abs() < 1e-3 * applied.abs(), "{clamp} against {applied}, tip {tip:?}");
     assert!(tip[1] < -0.4, "hardly bent: {tip:?}");
+}
+
+/// FSI1's bar with the level of the pressure, by Hooke's law in plane strain with σ_x = σ_y = −p in every section. The
+/// pressure falls along the bar; a bent bar shrinks along itself.
+#[test]
+fn pressure_all_round_shrinks_the_bar_by_hookes_law() {
+    let scene = Scene::from_json(&include_str!("../../../scenes/fsi1-648x108.json").replace("1.4e6", "2.1e3")).unwrap();
+    let (young, nu) = (2.1e3, 0.4);
+    let strain = |p: f64| ((1.0 - nu * nu) * -p - nu * (1.0 + nu) * -p) / young;
+    let pressure: Vec<_> = (0..43).map(|k| 50.0 - 20.0 * f64::from(k) / 42.0).collect();
+    let expected = 0.35 * strain(40.0);
+    assert!(expected < -1e-3, "{expected} m is too little to be seen");
+
+    let mut rod = Rod::<2>::from_scene(&scene).unwrap();
+    rod.loads.pressure.clone_from(&pressure);
+    rod.solve_static().unwrap();
+    let [x, y] = rod.tip_displacement();
+    assert!((x / expected - 1.0).abs() < 1e-9 && y.abs() < 1e-12, "({x}, {y}) m against {expected} m");
+
+    // In time it comes to the same, and a state takes it along.
+    let mut moving = Rod::<2>::from_scene(&scene).unwrap();
+    moving.loads.pressure.clone_from(&pressure);
+    moving.loads.impedance.fill(5.0);
+    (0..100).for_each(|_| moving.step(0.5).unwrap());
+    let mut other = Rod::<2>::from_scene(&scene).unwrap();
+    other.loads = moving.loads.clone();
+    other.restore(moving.state()).unwrap();
+    for (name, rod) in [("moving", &mut moving), ("restored", &mut other)] {
+        rod.step(0.5).unwrap();
+        let [x, _] = rod.tip_displacement();
+        assert!((x / expected - 1.0).abs() < 1e-6, "{name}: {x} m against {expected} m");
+    }
+    assert_eq!(moving.state(), other.state());
+
+    // A bent bar: the chord between neighbouring nodes, with 0.2 % of bending's own change of the tension left out.
+    moving.loads.force[2 * 43 - 1] = -3e-3;
+    moving.solve_static().unwrap();
+    let lengths = (1..43).map(|k| {
+        let [dx, dy] = [0, 1].map(|d| moving.positions(d)[k] - moving.positions(d)[k - 1]);
+        dx.hypot(dy)
+    });
+    let (length, bent) = (lengths.sum::<f64>(), moving.tip_displacement()[1]);
+    assert!(bent < -0.02, "the tip is only {bent} m aside");
+    assert!(((length - 0.35) / expected - 1.0).abs() < 2e-3, "{length} m against {} m", 0.35 + expected);
+}
+
+#[test]
+fn pressure_of_the_wrong_number_and_a_state_without_it_are_refused() {
+    let text = include_str!("../../../scenes/fsi1-648x108.json");
+    let mut rod = Rod::<2>::from_scene(&Scene::from_json(text).unwrap()).unwrap();
+    let plain = text.replace(", \"pressure_level\": true", "");
+    assert_ne!(plain, text);
+    let other = Rod::<2>::from_scene(&Scene::from_json(&plain).unwrap()).unwrap();
+    assert!(other.loads.pressure.is_empty() && other.state().pressure.is_empty());
+    let error = rod.restore(other.state()).unwrap_err().to_string();
+    assert!(error.contains("state.pressure has 0 entries") && error.contains("43 are needed"), "{error}");
+    rod.loads.pressure.push(1.0);
+    let error = rod.step(1e-3).unwrap_err().to_string();
+    assert!(error.contains("loads.pressure has 44 entries"), "{error}");
 }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::require;
-use crate::{Hold, Scene, SceneError, TimeScheme};
+use crate::{Hold, Material, Scene, SceneError, TimeScheme};
 
 /// How fluid and rod exchange; what is left out is chosen by the rules of `docs/coupling.md`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,6 +18,11 @@ pub struct Coupling {
     /// `iterated` under `pressure_jump`.
     #[serde(default)]
     pub scheme: Option<CouplingScheme>,
+    /// Whether the pressure around the rod strains it along itself, too, beside the load `momentum`, which knows only differences
+    /// of the pressure. Its zero is the mean over the outlet, the upstream end of the inflow zone. Needs that load, an inflow and a
+    /// material in plane strain; costs the fluid three transforms in each step.
+    #[serde(default)]
+    pub pressure_level: bool,
     /// When an explicit run is stopped as unstable; absent: as with `{}` where both units are those of this project, not at all
     /// where one is another's.
     #[serde(default)]
@@ -160,6 +165,36 @@ impl Scene {
         }
     }
 
+    /// Whether the scene wants its rods to follow the level of the pressure.
+    pub fn pressure_level(&self) -> bool {
+        self.coupling.as_ref().is_some_and(|coupling| coupling.pressure_level)
+    }
+
+    /// Strain by which the rod shrinks under pressure from all sides, 1/Pa, where the scene wants it to follow the level of
+    /// the pressure: no stress but −p in the plane, none of the strain across it, gives (1 + ν)(1 − 2ν)/E.
+    pub fn strain_per_pressure(&self) -> Option<f64> {
+        let Material::PlaneStrain { youngs_modulus, poisson_ratio, .. } = self.rod.as_ref()?.material else {
+            return None;
+        };
+        self.pressure_level().then_some((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio) / youngs_modulus)
+    }
+
+    /// Whether the level of the pressure can strain the rods, if the scene wants that.
+    fn check_pressure_level(&self, load: Load) -> Result<(), SceneError> {
+        let mut rods = self.rods_by_name();
+        let plane_strain = rods.all(|(_, _, rod)| matches!(rod.material, Material::PlaneStrain { .. }));
+        let inflow = self.fluid.as_ref().is_some_and(|fluid| fluid.inflow.is_some());
+        for (there, needed) in [
+            (load == Load::Momentum, "the load momentum"),
+            (plane_strain, "a material in plane_strain, whose Poisson's ratio is known"),
+            (inflow, "an inflow, at whose outlet the level is 0"),
+        ] {
+            let key = "coupling.pressure_level";
+            require(there || !self.pressure_level(), key, true, || format!("it needs {needed}"))?;
+        }
+        Ok(())
+    }
+
     /// The rod that is lightest by the fluid that it displaces, where it is so; of equal ones first one that is free.
     fn lightest(&self) -> Option<Weight> {
         let fluid = self.fluid.as_ref()?;
@@ -196,6 +231,7 @@ impl Scene {
                 )
             })?;
         }
+        self.check_pressure_level(load)?;
         let scheme = self.coupling.as_ref().and_then(|coupling| coupling.scheme);
         if let Some(CouplingScheme::Iterated { .. }) = scheme {
             require(load == Load::PressureJump, "coupling.scheme", "iterated", || {
@@ -265,6 +301,24 @@ mod tests {
     fn momentum_load_on_a_light_rod_is_refused() {
         let error = fsi3(&[(ROD, r#""plane_strain": { "density": 990.0"#)]).unwrap_err().to_string();
         assert!(error.contains("`coupling.load` is momentum") && error.contains("weighs 0.9900"), "{error}");
+    }
+
+    #[test]
+    fn level_of_the_pressure_needs_what_it_is_made_of() {
+        let (given, wanted) = (GIVEN, r#""coupling": { "pressure_level": true }"#);
+        assert_eq!(fsi3(&[]).unwrap().strain_per_pressure(), None);
+        let strain = fsi3(&[(given, wanted)]).unwrap().strain_per_pressure().unwrap();
+        assert!((strain / (1.4 * 0.2 / 5.6e6) - 1.0).abs() < 1e-14, "{strain}");
+        let section = r#""section": { "line_density": 20.0, "bending_stiffness": 4.0, "axial_stiffness": 1e5 }"#;
+        let material = r#""plane_strain": { "density": 1000.0, "youngs_modulus": 5.6e6, "poisson_ratio": 0.4, "shear_factor": 0.862 }"#;
+        for (replaced, reason) in [
+            (vec![(given, wanted), (ROD, r#""plane_strain": { "density": 900.0"#)], "it needs the load momentum"),
+            (vec![(given, wanted), (material, section)], "it needs a material in plane_strain"),
+            (vec![(given, wanted), (r#""inflow": {"#, r#""sponge": {"#)], "it needs an inflow"),
+        ] {
+            let error = fsi3(&replaced).unwrap_err().to_string();
+            assert!(error.contains("`coupling.pressure_level` is true") && error.contains(reason), "{error}");
+        }
     }
 
     #[test]

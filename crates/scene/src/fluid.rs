@@ -53,7 +53,8 @@ pub struct Fluid {
     /// Precision of the fields and transforms.
     #[serde(default)]
     pub precision: Precision,
-    /// Threads that share the work of a step; results do not depend on it.
+    /// Threads that share the work of a step, as far as the grid is large enough for so many to gain time; results do not
+    /// depend on it.
     #[serde(default = "one_thread")]
     #[schemars(range(min = 1, max = 1024))]
     pub threads: usize,

@@ -74,9 +74,9 @@ pub struct Scene {
     /// Several beams in the fluid, each with a rod that is a unit of its own: at least two, in the place of `beam` and `rod`.
     #[serde(default)]
     pub rods: Vec<NamedRod>,
-    /// Name of the one of `rods` that a unit is, in the scene that it carries; absent elsewhere.
+    /// Name of the one of `rods` that a rod's unit is, in the scene that it carries; absent elsewhere.
     #[serde(default)]
-    pub unit: Option<String>,
+    pub this_rod: Option<String>,
     /// How fluid and rod exchange; absent where it is left to the rules, refused where there are not both.
     #[serde(default)]
     pub coupling: Option<Coupling>,

@@ -40,22 +40,22 @@ impl Scene {
         only.chain(self.rods.iter().map(|own| (Some(own.name.as_str()), &own.beam, &own.rod)))
     }
 
-    /// What the rod's unit sees of a scene: one of several rods, that of the name `unit`, as the only one, under the load that
-    /// was chosen for all. A scene with one rod stays as it is. None where `unit` does not say which.
+    /// What the rod's unit sees of a scene: one of several rods, that of the name `this_rod`, as the only one, under the load that
+    /// was chosen for all. A scene with one rod stays as it is. None where `this_rod` does not say which.
     pub fn of_unit(&self) -> Option<Self> {
         if self.rods.is_empty() {
             return Some(self.clone());
         }
-        let unit = self.unit.as_ref()?;
-        let own = self.rods.iter().find(|own| own.name == *unit)?.clone();
+        let name = self.this_rod.as_ref()?;
+        let own = self.rods.iter().find(|own| own.name == *name)?.clone();
         let mut coupling = self.coupling.clone().unwrap_or_default();
         coupling.load = self.load();
         Some(Self {
-            name: format!("{}.{unit}", self.name),
+            name: format!("{}.{name}", self.name),
             beam: Some(own.beam),
             rod: Some(own.rod),
             rods: Vec::new(),
-            unit: None,
+            this_rod: None,
             coupling: Some(coupling),
             ..self.clone()
         })
@@ -64,12 +64,12 @@ impl Scene {
     /// Check the list of several rods: how many there are, their names, and that no two lie on each other.
     pub(crate) fn check_rods(&self) -> Result<(), SceneError> {
         let names = || self.rods.iter().map(|own| format!("`{}`", own.name)).collect::<Vec<_>>().join(", ");
-        if let Some(unit) = &self.unit {
-            require(!self.rods.is_empty(), "unit", format!("{unit:?}"), || {
+        if let Some(name) = &self.this_rod {
+            require(!self.rods.is_empty(), "this_rod", format!("{name:?}"), || {
                 "it may be there only when the scene has several rods: `rods`".into()
             })?;
-            let known = self.rods.iter().any(|own| own.name == *unit);
-            require(known, "unit", format!("{unit:?}"), || format!("the names in `rods` are {}", names()))?;
+            let known = self.rods.iter().any(|own| own.name == *name);
+            require(known, "this_rod", format!("{name:?}"), || format!("the names in `rods` are {}", names()))?;
         }
         if self.rods.is_empty() {
             return Ok(());
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(load, Load::PressureJump);
         assert!(reason.contains("the rod `front` weighs 0.9000"), "{reason}");
         // The other rod's unit takes the same.
-        let back = Scene { unit: Some("back".into()), ..lighter }.of_unit().unwrap();
+        let back = Scene { this_rod: Some("back".into()), ..lighter }.of_unit().unwrap();
         assert_eq!((back.load(), back.displaced_line_density()), (Some(Load::PressureJump), 0.0));
     }
 
@@ -166,7 +166,7 @@ mod tests {
         let scene = two(&[]).unwrap();
         assert!(scene.of_unit().is_none(), "which one?");
         for (i, name) in ["front", "back"].into_iter().enumerate() {
-            let own = Scene { unit: Some(name.into()), ..scene.clone() }.of_unit().unwrap();
+            let own = Scene { this_rod: Some(name.into()), ..scene.clone() }.of_unit().unwrap();
             assert_eq!(own.beam.as_ref(), Some(&scene.rods[i].beam));
             assert_eq!(own.name, format!("fsi3-325x72.{name}"));
             assert_eq!(own.displaced_line_density(), 20.0);
@@ -183,8 +183,8 @@ mod tests {
             ((r#""angle":3.0"#, r#""angle":0.0"#), "`rods[1].beam.root` is the root of a beam that has a twin"),
             ((r#""cylinder":0"#, r#""cylinder":1"#), "`rods[0].beam.root.on_cylinder.cylinder` is 1, but"),
             (
-                (r#""rods":"#, r#""unit":"side","rods":"#),
-                "`unit` is \"side\", but the names in `rods` are `front`, `back`",
+                (r#""rods":"#, r#""this_rod":"side","rods":"#),
+                "`this_rod` is \"side\", but the names in `rods` are `front`, `back`",
             ),
         ] {
             let refused = two(&[replaced]).map(|_| ()).unwrap_err();

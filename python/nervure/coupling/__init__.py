@@ -10,6 +10,7 @@ from nervure.coupling.schemes import (
     Single,
     beam_prefixes,
     connections,
+    reason_of,
 )
 from nervure.coupling.watch import CouplingError, Watch, takes_momentum
 from nervure.scene.types import Coupling, CouplingSchemeIterated, Guards, Iterated as Iteration
@@ -49,6 +50,5 @@ def couple(
     else:
         made = (Explicit if scheme == "explicit" else ParallelExplicit)(rods, fluid, drive, guards)
         name = scheme
-    why = next((found for rod in rods if (found := rod.variables.get("load.reason"))), None)
-    made.choice = Choice(load, (why.start[0] if why else None) or "the rod has no other input", name, reason)
+    made.choice = Choice(load, reason_of(rods) or "the rod has no other input", name, reason)
     return made

@@ -28,6 +28,12 @@ from nervure.unit import Unit
 STATION_ROUNDING = 1e-12
 """Residual relative to the stations' positions that counts as converged: a rod's own solver leaves about as much."""
 
+FALLING = 5
+"""Iterations at the end in which an iteration that converges slowly has halved the least of its residuals."""
+
+COARSEST_TOLERANCE = 1e-2
+"""A residual of less than this part of the step's displacement may be worth accepting."""
+
 Drive = Callable[[float], Sequence[float]]
 """Motion of a root that the master drives: the values at a time (s) of the rod's inputs `root.*`, in their order."""
 
@@ -71,6 +77,12 @@ class Choice:
     load_reason: str
     scheme: str
     scheme_reason: str
+
+
+def reason_of(rods: Sequence[Unit]) -> str | None:
+    """Why `rods` take the load that they take, in the words of the first that says so."""
+    said = next((found for rod in rods if (found := rod.variables.get("load.reason"))), None)
+    return said.start[0] if said else None
 
 
 class Single:
@@ -135,7 +147,8 @@ class Explicit(Single):
         if guards:
             several = len(self.rods) > 1
             self.watches = [
-                Watch(guards, rod, fluid, f"beam[{i}]" if several else "beam") for i, rod in enumerate(self.rods, 1)
+                Watch(guards, rod, fluid, f"beam[{i}]" if several else "beam", self.parallel)
+                for i, rod in enumerate(self.rods, 1)
             ]
 
     def _connect(self, guards: Guards | None) -> list[Link]:
@@ -212,7 +225,7 @@ class Explicit(Single):
             self.give_stations()
         self.fluid.step(t, h)
         for watch in self.watches:
-            watch.check(t + h)
+            watch.check(t + h, h)
         return 1
 
     def memory(self) -> dict[str, np.ndarray]:
@@ -301,10 +314,32 @@ class Iterated(Explicit):
             if not np.isfinite(error):
                 break
             given[:] = a.guess(given, stations)
+        remedy = self._remedy(error, iteration, h)
         raise CouplingError(
             f"the step from t = {t:g} s to {t + h:g} s did not converge in {iteration} iterations: the "
-            f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit"
+            f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit; {remedy}"
         )
+
+    def _remedy(self, error: float, iterations: int, h: float) -> str:
+        """What helps after so many iterations of a step of `h` seconds that did not converge, the residual being
+        `error` (m): by how they went, and by why there is an iteration at all."""
+        residuals = np.array(self.convergence).reshape(-1, len(CONVERGENCE))[-iterations:, 2]
+        least = residuals.min()
+        if not np.isfinite(error):
+            said = f"the stations became no numbers: take a `time.communication_step` shorter than {h:g} s"
+        elif isinstance(self.acceleration, Aitken):
+            said = "`acceleration` iqn_ils holds where aitken does not"
+        elif residuals[-FALLING:].min() < 0.5 * residuals[:-FALLING].min(initial=np.inf):
+            said = f"it was still falling: a `max_iterations` above {self.max_iterations} lets it go on"
+        elif least < COARSEST_TOLERANCE:
+            said = f"at best it was {least:.2g} of the step's displacement, which a `tolerance` above that accepts"
+        else:
+            said = (
+                f"at best it was {least:.2g} of the step's displacement: take a `time.communication_step` shorter than "
+                f"{h:g} s, a heavier rod or a larger `c_eta`"
+            )
+        why = reason_of(self.rods)
+        return said if why is None else f"{said} (it iterates under the load pressure_jump: {why})"
 
     def memory(self) -> dict[str, np.ndarray]:
         own = {"iterations": np.array(self.iterations), "convergence": np.array(self.convergence)}

@@ -28,8 +28,8 @@ class Watch:
     difference of what the rod takes that counts.
     """
 
-    def __init__(self, guards: Guards, rod: Unit, fluid: Unit, beam: str = "beam"):
-        self.guards, self.rod, self.fluid = guards, rod, fluid
+    def __init__(self, guards: Guards, rod: Unit, fluid: Unit, beam: str = "beam", parallel: bool = False):
+        self.guards, self.rod, self.fluid, self.parallel = guards, rod, fluid, parallel
         self.momentum = takes_momentum(rod)
         self.took = _place(rod, "load.power")
         self.gave = _place(fluid, f"{beam}.power") if self.momentum else 0
@@ -37,8 +37,8 @@ class Watch:
         """Steps, fading sums of the magnitudes of what is watched and of what went across, W, and the rod's last two
         powers."""
 
-    def check(self, t: float) -> None:
-        """Take up the powers at `t` (s); raises `CouplingError` where a guard says so."""
+    def check(self, t: float, h: float) -> None:
+        """Take up the powers at `t`, after a step of `h` (s); raises `CouplingError` where a guard says so."""
         window = self.guards.window_steps
         took = self.rod.outputs.item(self.took)
         steps, watched, crossed, last, last_but_one = self.balance
@@ -48,9 +48,18 @@ class Watch:
         self.balance = [steps + 1, watched, crossed, took, last]
         if steps >= window and (reason := self.reason(watched, crossed, crossed / window)):
             raise CouplingError(
-                f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason} (the limits are in "
-                "`coupling.guards`)"
+                f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}; {self.remedy(h)} "
+                "(the limits are in `coupling.guards`)"
             )
+
+    def remedy(self, h: float) -> str:
+        """What helps in this scene, whose step is `h` (s)."""
+        if self.momentum and self.parallel:
+            return "take the scheme explicit: in parallel the fluid sees the rod a step late"
+        if self.momentum:
+            segments = self.rod.variables["x"].size - 1
+            return f"take fewer `beam.segments` than {segments}: close stations feel each other's load a step late"
+        return f"leave `coupling.scheme` out, which iterates, or take a `time.communication_step` shorter than {h:g} s"
 
     def reason(self, watched: float, crossed: float, power: float) -> str | None:
         """What is wrong with the sums of what is watched and of what went across, whose mean is `power` (W); None if
@@ -63,7 +72,7 @@ class Watch:
             )
         if not self.momentum and noise is not None and watched > noise * crossed and power > self.guards.quiet_power:
             noisy = f"{watched / crossed:.2g} of it from step to step"
-            return f"the power that the {self.rod.name} took is noise, {noisy}; iterate, or take shorter steps"
+            return f"the power that the {self.rod.name} took is noise, {noisy}"
         return None
 
 

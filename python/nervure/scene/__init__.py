@@ -125,7 +125,7 @@ def _names(parts: dict[str, Any]) -> list[str]:
 
 def carried(scene: Scene | Document, kind: str) -> str:
     """The text of the scene that a unit carries: that of one of several rods says which it is."""
-    return text(scene if kind in KINDS else {**document(scene), "unit": kind})
+    return text(scene if kind in KINDS else {**document(scene), "this_rod": kind})
 
 
 @dataclass(frozen=True)

@@ -464,7 +464,8 @@ class Fluid(Part):
     """Precision of the fields and transforms."""
 
     threads: Integer = 1
-    """Threads that share the work of a step; results do not depend on it."""
+    """Threads that share the work of a step, as far as the grid is large enough for so many to gain time; results do
+    not depend on it."""
 
 
 class OnCylinder(Part):
@@ -881,6 +882,11 @@ class Coupling(Part):
     """How often the two sides are asked within one communication step; absent: `explicit` under the load `momentum`,
     `iterated` under `pressure_jump`."""
 
+    pressure_level: Flag = False
+    """Whether the pressure around the rod strains it along itself, too, beside the load `momentum`, which knows only
+    differences of the pressure. Its zero is the mean over the outlet, the upstream end of the inflow zone. Needs that
+    load, an inflow and a material in plane strain; costs the fluid three transforms in each step."""
+
     guards: Guards | None = None
     """When an explicit run is stopped as unstable; absent: as with `{}` where both units are those of this project, not
     at all where one is another's."""
@@ -1008,8 +1014,8 @@ class Scene(Part):
     """Several beams in the fluid, each with a rod that is a unit of its own: at least two, in the place of `beam` and
     `rod`."""
 
-    unit: str | None = None
-    """Name of the one of `rods` that a unit is, in the scene that it carries; absent elsewhere."""
+    this_rod: str | None = None
+    """Name of the one of `rods` that a rod's unit is, in the scene that it carries; absent elsewhere."""
 
     coupling: Coupling | None = None
     """How fluid and rod exchange; absent where it is left to the rules, refused where there are not both."""

@@ -1,6 +1,7 @@
 //! How fast the fluid is: its transforms beside FFTW and rustfft, its step and the phases of it, on one core.
 //!
-//! `fluid-bench FILE.csv` writes `table,scene,grid,what,value,unit`. `FFTW_LIBRARY` is the path of FFTW 3.
+//! `fluid-bench FILE.csv` writes `table,scene,grid,what,value,unit`; names of tables after it ask for these alone.
+//! `FFTW_LIBRARY` is the path of FFTW 3.
 //!
 //! What is compared takes turns, so that what else runs on the machine meets all, and the times are processor times of
 //! the thread. A ratio is that of the shortest times; beside it stands the median of the ratios of neighbouring times.
@@ -14,7 +15,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use libloading::Library;
 use nervure_fluid::Fluid;
-use nervure_fluid::internals::{Fft2, Phase, Projection};
+use nervure_fluid::internals::{Fft2, Phase, Projection, Real};
 use scene::{Filter, Precision, Scene};
 
 /// How long a row of a table is measured.
@@ -241,15 +242,15 @@ fn phases_of(flow: &mut Flow, mut step: impl FnMut(&mut Flow)) -> [f64; PHASES.l
 
 /// The phases of a step, the bars swinging. The projection is timed by itself, row by row in the cache as it runs
 /// between the transforms along x.
-fn phases(table: &mut Table) {
+fn phases<R: Real>(precision: Precision, title: &str, table: &mut Table) {
     for (name, cells, step) in SCENES {
-        table.begin("phases", name, cells);
-        let mut flow = Flow::new(name, cells, step, 1, Precision::Double);
+        table.begin(title, name, cells);
+        let mut flow = Flow::new(name, cells, step, 1, precision);
         let mut spent = phases_of(&mut flow, Flow::swing);
         table.time("rest", spent[STEP] - spent[..STEP].iter().sum::<f64>());
-        let mut projection = Projection::<f64>::new(flow.fluid.grid(), flow.filter);
+        let mut projection = Projection::<R>::new(flow.fluid.grid(), flow.filter);
         projection.set_step(1e-8, 0.3);
-        let fft = Fft2::new(cells[0], cells[1], projection.modes());
+        let fft = Fft2::<R>::new(cells[0], cells[1], projection.modes());
         let (mut scratch, rows) = (fft.scratch(), fft.spectrum().len() / cells[0]);
         let [u, v, omega] = &mut scratch.rows;
         let mut all = || (0..rows).for_each(|row| projection.project(row, u, v, omega));
@@ -303,10 +304,19 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     table.file.write_record(["table", "scene", "grid", "what", "value", "unit"])?;
     table.begin("about", &fftw::version(&library), [0, 0]);
     table.row("FFTW, planned by measuring", 1.0, "1");
-    pairs(&library, &mut table);
-    steps(&library, &mut table);
-    phases(&mut table);
-    motion(&mut table);
-    threads(&mut table);
+    let tables: [(&str, &dyn Fn(&mut Table)); 6] = [
+        ("pair", &|table| pairs(&library, table)),
+        ("step", &|table| steps(&library, table)),
+        ("phases", &|table| phases::<f64>(Precision::Double, "phases", table)),
+        ("phases-single", &|table| phases::<f32>(Precision::Single, "phases-single", table)),
+        ("motion", &motion),
+        ("threads", &threads),
+    ];
+    let wanted: Vec<_> = std::env::args().skip(2).collect();
+    for (name, measure) in tables {
+        if wanted.is_empty() || wanted.iter().any(|wanted| wanted == name) {
+            measure(&mut table);
+        }
+    }
     Ok(table.file.flush()?)
 }

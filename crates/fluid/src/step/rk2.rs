@@ -40,6 +40,8 @@ struct Decay {
     ky2: Vec<f64>,
     x: Vec<f64>,
     y: Vec<f64>,
+    /// What the transforms make of a mode: the spectrum of u^n has not gone through them.
+    gains: [Vec<f64>; 2],
     /// What they were made for, `nu dt`, m².
     nu_dt: f64,
 }
@@ -64,7 +66,7 @@ impl<R: Real> Rk2<R> {
             spectrum[0].re[0] = R::narrow(velocity);
             spectrum
         };
-        let decay = Decay::new(&domain.grid, spectrum.len() / domain.grid.nx * R::LANES);
+        let decay = Decay::new(&domain.grid, domain.spectral.gains());
         let next = Flow::uniform([0.0; 2], domain.grid.len());
         Self { u_hat: velocity.map(uniform), next, next_u_hat: [spectrum.clone(), spectrum], decay }
     }
@@ -130,8 +132,9 @@ impl<R: Real> Rk2<R> {
 type Row<'a, R> = ((&'a [Pack<R>], &'a [Pack<R>]), (&'a mut [Pack<R>], &'a mut [Pack<R>]));
 
 impl Decay {
-    /// For spectra of so many modes in y.
-    fn new(grid: &Grid, modes: usize) -> Self {
+    /// For transforms with these gains.
+    fn new(grid: &Grid, gains: [Vec<f64>; 2]) -> Self {
+        let modes = gains[1].len();
         let Grid { nx, length, height, .. } = *grid;
         let kx2 = |i: usize| (TAU / length * i.min(nx - i) as f64).powi(2);
         let ky2 = |j: usize| (TAU / height * j as f64).powi(2);
@@ -140,6 +143,7 @@ impl Decay {
             ky2: (0..modes).map(ky2).collect(),
             x: vec![1.0; nx],
             y: vec![1.0; modes],
+            gains,
             nu_dt: 0.0,
         }
     }
@@ -156,15 +160,16 @@ impl Decay {
 
     /// From w to what a stage projects, in a row of one component; `before` is that of u^n over the number of points.
     fn apply<R: Real>(&self, stage: Stage, points: f64, row: usize, w: &mut [Pack<R>], before: &[Pack<R>]) {
-        let decay_y = &self.y[row * R::LANES..][..R::LANES];
-        for ((w, before), decay_x) in w.iter_mut().zip(before).zip(&self.x) {
-            for (lane, decay_y) in decay_y.iter().enumerate() {
+        let [decay_y, gain_y] = [&self.y, &self.gains[1]].map(|of| &of[row * R::LANES..][..R::LANES]);
+        for ((w, before), (decay_x, gain_x)) in w.iter_mut().zip(before).zip(self.x.iter().zip(&self.gains[0])) {
+            for (lane, (decay_y, gain_y)) in decay_y.iter().zip(gain_y).enumerate() {
                 let decay = decay_x * decay_y;
                 let (re, im) = (w.re[lane].wide(), w.im[lane].wide());
                 let (re, im) = match stage {
                     Stage::Start => (re, im),
                     Stage::First => (decay * re, decay * im),
                     Stage::Second => {
+                        let points = points * gain_x * gain_y;
                         let (re_before, im_before) = (before.re[lane].wide(), before.im[lane].wide());
                         (0.5 * (re + points * decay * re_before), 0.5 * (im + points * decay * im_before))
                     }

@@ -61,6 +61,15 @@ impl<R: Real> Fft2<R> {
         }
     }
 
+    /// By how much a mode grows in an inverse transform and a forward one after it, over the number of points: the product
+    /// of what it has along x, `[nx]`, and along y, by mode as far as a spectrum has them.
+    pub fn gains(&self) -> [Vec<f64>; 2] {
+        // Along y the modes of two columns are told apart by the mode and its mirror image.
+        let y = self.y.gains();
+        let along_y = |k: usize| if k < self.ny { 0.5 * (y[k] + y[(self.ny - k) % self.ny]) } else { 1.0 };
+        [self.x.gains(), (0..self.rows * R::LANES).map(along_y).collect()]
+    }
+
     /// A spectrum of zeros.
     pub fn spectrum(&self) -> Vec<Pack<R>> {
         vec![Pack::default(); self.rows * self.nx]
@@ -180,13 +189,13 @@ impl<R: Real> Fft2<R> {
 
 /// The first of some packs, rows to columns: of the real and of the imaginary parts.
 #[inline(always)]
-fn transposed_parts<R: Real>(packs: &[Pack<R>]) -> (R::Square, R::Square) {
+fn transposed_parts<R: Real>(on: impl Arithmetic<R>, packs: &[Pack<R>]) -> (R::Square, R::Square) {
     let (mut re, mut im) = (R::zeros(), R::zeros());
     let packs = &packs[..R::LANES];
     for l in 0..R::LANES {
         (re[l], im[l]) = (R::load(&packs[l].re), R::load(&packs[l].im));
     }
-    (R::transposed(re), R::transposed(im))
+    (on.transposed(re), on.transposed(im))
 }
 
 /// Half of the columns of a block as real parts, the other half as imaginary parts.
@@ -199,7 +208,7 @@ impl<R: Real> Kernel for Gather<'_, R> {
     type Real = R;
 
     #[inline(always)]
-    fn run(self, _: impl Arithmetic<R>) {
+    fn run(self, on: impl Arithmetic<R>) {
         let ny = self.lines.len();
         let (re_columns, im_columns) = self.field[..block::<R>() * ny].split_at(R::LANES * ny);
         let mut lines = self.lines.chunks_exact_mut(R::LANES);
@@ -209,7 +218,7 @@ impl<R: Real> Kernel for Gather<'_, R> {
                 let first = c * ny + block * R::LANES;
                 (re[c], im[c]) = (R::gather(&re_columns[first..]), R::gather(&im_columns[first..]));
             }
-            let (re, im) = (R::transposed(re), R::transposed(im));
+            let (re, im) = (on.transposed(re), on.transposed(im));
             for j in 0..R::LANES {
                 packs[j] = Complexes { re: re[j], im: im[j] }.pack();
             }
@@ -235,13 +244,13 @@ impl<R: Real> Kernel for Scatter<'_, R> {
     type Real = R;
 
     #[inline(always)]
-    fn run(self, _: impl Arithmetic<R>) {
+    fn run(self, on: impl Arithmetic<R>) {
         let ny = self.lines.len();
         let (im_columns, re_columns) = self.points[..block::<R>() * ny].split_at_mut(R::LANES * ny);
         let lines = self.lines.chunks_exact(R::LANES);
         let rest = lines.remainder();
         for (block, packs) in lines.enumerate() {
-            let (re, im) = transposed_parts(packs);
+            let (re, im) = transposed_parts(on, packs);
             for c in 0..R::LANES {
                 let first = c * ny + block * R::LANES;
                 im_columns[first..][..R::LANES].copy_from_slice(R::store(im[c]).as_ref());
@@ -283,8 +292,8 @@ impl<R: Real, F: FnMut(usize, usize, Pack<R>)> Kernel for Unpair<'_, R, F> {
                 b_re[l] = on.mul(half, on.add(z.im, mirror.im));
                 b_im[l] = on.mul(half, on.sub(mirror.re, z.re));
             }
-            let (a_re, a_im) = (R::transposed(a_re), R::transposed(a_im));
-            let (b_re, b_im) = (R::transposed(b_re), R::transposed(b_im));
+            let (a_re, a_im) = (on.transposed(a_re), on.transposed(a_im));
+            let (b_re, b_im) = (on.transposed(b_re), on.transposed(b_im));
             for c in 0..R::LANES {
                 (self.store)(row, c, Complexes { re: a_re[c], im: a_im[c] }.pack());
                 (self.store)(row, R::LANES + c, Complexes { re: b_re[c], im: b_im[c] }.pack());
@@ -310,7 +319,7 @@ impl<R: Real> Kernel for Pair<'_, R> {
         let ny = self.modes.len();
         for row in 0..self.rows {
             let packs = &self.spectrum[row * self.nx + self.first..][..block::<R>()];
-            let ((a_im, a_re), (b_im, b_re)) = (transposed_parts(packs), transposed_parts(&packs[R::LANES..]));
+            let ((a_im, a_re), (b_im, b_re)) = (transposed_parts(on, packs), transposed_parts(on, &packs[R::LANES..]));
             for l in 0..R::LANES.min(ny / 2 + 1 - R::LANES * row) {
                 let k = R::LANES * row + l;
                 if k == 0 || 2 * k == ny {

@@ -86,6 +86,15 @@ impl<R: Real> Lines<R> {
         Self::Smooth(Smooth { leaf: (factors[0], roots(factors[0])), starts, passes })
     }
 
+    /// By how much each mode grows in an inverse transform and a forward one after it, both unnormalised, over the length: 1,
+    /// but for the rounded roots of unity, whose absolute values are not 1. In every step the same, that adds up.
+    pub fn gains(&self) -> Vec<f64> {
+        match self {
+            Self::Smooth(smooth) => smooth.gains(),
+            Self::Any(fft) => vec![1.0; fft.len()],
+        }
+    }
+
     /// Number of complex values that [`Self::forward`] needs for itself.
     pub fn scratch_len(&self) -> usize {
         match self {
@@ -142,7 +151,58 @@ impl<R: Real> Smooth<R> {
     }
 }
 
+impl<R: Real> Smooth<R> {
+    /// See [`Lines::gains`], to first order of the rounding.
+    ///
+    /// The weight of an input in an output is a product with one factor for each pass. So the mean of its square over the
+    /// inputs, less 1, is a sum over the passes, and so is that over the outputs. Half of both is what a mode, which is an
+    /// output forward and an input back, has gained.
+    fn gains(&self) -> Vec<f64> {
+        /// A gain nearer to 1 counts for nothing in any number of steps; in double precision none is farther.
+        const NOTHING: f64 = 1e-12;
+        let (leaf, roots) = &self.leaf;
+        let first = Pass {
+            factor: *leaf,
+            m: 1,
+            roots: roots.clone(),
+            twiddles: vec![Complex::new(R::one(), R::zero()); leaf - 1],
+        };
+        let mut n = leaf * self.passes.iter().map(|pass| pass.factor).product::<usize>();
+        let mut gains = vec![1.0; n];
+        for pass in self.passes.iter().rev().chain([&first]) {
+            let (factor, m) = (pass.factor, pass.m);
+            let [mut of_input, mut of_output] = [vec![0.0; factor], vec![0.0; factor * m]];
+            for (k, r, q) in (0..m).flat_map(|k| (0..factor * factor).map(move |n| (k, n / factor, n % factor))) {
+                let excess = pass.square(q, r, k) - 1.0;
+                of_input[q] += 0.5 * excess / (factor * m) as f64;
+                of_output[r * m + k] += 0.5 * excess / factor as f64;
+            }
+            // What is between two inputs of one transform of this pass: the product of the factors of the passes after it.
+            let apart = gains.len() / n;
+            for (mode, gain) in gains.iter_mut().enumerate() {
+                *gain += of_input[mode / apart % factor] + of_output[mode % (factor * m)];
+            }
+            n = m;
+        }
+        gains.into_iter().map(|gain: f64| if (gain - 1.0).abs() < NOTHING { 1.0 } else { gain }).collect()
+    }
+}
+
 impl<R: Real> Pass<R> {
+    /// The square of the weight that part q has in the output `r m + k`.
+    fn square(&self, q: usize, r: usize, k: usize) -> f64 {
+        let square = |of: Complex<R>| of.re.wide().powi(2) + of.im.wide().powi(2);
+        let p = self.factor;
+        let twiddle = if q == 0 { 1.0 } else { square(self.twiddles[k * (p - 1) + q - 1]) };
+        // Of 2 and 4 all weights are exact.
+        let root = match (q.min(p - q), r.min(p - r)) {
+            (0, _) | (_, 0) => 1.0,
+            _ if p == 2 || p == 4 => 1.0,
+            (q, r) => square(self.roots[(r - 1) * (p / 2) + q - 1]),
+        };
+        twiddle * root
+    }
+
     fn apply(&self, lines: &mut [Pack<R>]) {
         let pass = self;
         match pass.factor {

@@ -148,11 +148,14 @@ pub fn calibrate(growth: Growth, wanted: scene::WallTarget) -> Option<(WallTarge
             break;
         }
     }
-    let target = target(unknowns);
+    // Rounded: processors that differ in the last digit, which the search makes more of, have the same wall.
+    let rounded = |number: f64| (number * 1e7).round() * 1e-7;
+    let target = target(unknowns.map(rounded));
     let mut shift = shear_flow(growth, &target).0;
     for _ in 0..5 {
         shift += wall_on_grid(growth, &target, shift)?;
     }
+    let shift = rounded(shift);
     (shift.is_finite() && target.mirror + target.curvature < 1.0).then_some((target, shift))
 }
 

@@ -18,6 +18,7 @@ pub fn turek_hron_bar(youngs_modulus: f64, gravity: f64, segments: usize) -> Par
         section: Material::PlaneStrain { density: 1000.0, youngs_modulus, poisson_ratio: 0.4, shear_factor: None }
             .section(&0.02.into(), 0.0),
         displaced: 0.0,
+        strain_per_pressure: 0.0,
         taper: Taper::default(),
         gravity: [0.0, -gravity],
         damping: 0.0,
@@ -40,6 +41,7 @@ pub fn unit_rod<const D: usize>(segments: usize, axial_stiffness: f64, scheme: R
         rest_angles: Vec::new(),
         section: Section { line_density: 1.0, bending_stiffness: 1.0, axial_stiffness, shear_stiffness: None },
         displaced: 0.0,
+        strain_per_pressure: 0.0,
         taper: Taper::default(),
         gravity: [0.0; D],
         damping: 0.0,
