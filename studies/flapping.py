@@ -1,10 +1,11 @@
-"""Rigid bodies beside published curves: python -m studies.flapping [NAME …] runs the cases and writes docs/flapping.
+"""Bodies and rods beside published values: python -m studies.flapping [NAME …] runs the cases and writes docs/flapping.
 
 The cases are shipped scenes on several grids and in several boxes; results/flapping/CASE keeps what is done. Digitised
 curves are in studies/published, with their sources.
 """
 
 import sys
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,12 @@ import h5py
 import numpy as np
 
 import nervure
-from nervure.evaluate import flapping
+from nervure.evaluate import flapping, statistics
 from nervure.evaluate.statistics import Window
 from nervure.files import write_csv
 from nervure.recorder import Series
 from nervure.resources import ROOT
+from nervure.scene import typed
 from nervure.show import fields
 from studies import show
 from studies.simulate import assignments, on_grid
@@ -24,11 +26,18 @@ from studies.simulate import assignments, on_grid
 RESULTS, PUBLISHED = ROOT / "results" / "flapping", Path(__file__).with_name("published")
 
 KC5, HOVER, STREAM = "cylinder-kc5-600x360", "ellipse-hover-640x640", "cylinder-stream-384x512"
+FLAG, FILAMENT, PASSIVE = "flag-stream-480x240", "filament-hanging-384x384", "vein-passive-240x240"
+TAPERED, MODULUS = "vein-hover-tapered-288x256", "rod.material.plane_strain.youngs_modulus"
 PERIOD = 5.0  # Of the oscillating cylinder, s
 HOVER_PERIOD, HOVER_SPEED = 4.0, 1.4 * 2 * np.pi * 0.25  # Of the ellipse, s and m/s
 LIFT, DRAG = 1.2, 1.4  # By which Wang et al. (2004) divide the coefficients of the ellipse besides
-SHOWN = "hover/640x640"  # The run of the ellipse that is drawn
+SHOWN, PASSIVE_SHOWN = "hover/640x640", "passive/240x240"  # The runs of ellipse and passive vein that are drawn
+SETTLED = {"flag": 10.0, "filament": 12.0, "shedding": 70.0, "passive": 4.0}  # From when on is evaluated, s
+FILTER = 0.02  # Width of the box filter over the forces of the passive vein, s: a fiftieth of its period
+TWIN_STEP = 20  # Steps of the passive vein between two points of the motion that its rigid twin is given
 REVERSAL = 0.02  # Periods around a reversal of the stroke in which the digitised drag jumps from one sign to the other
+
+MODULI = (5e4, 1e5, 2e5)  # Of the tapered vein, Pa
 
 Changes = dict[str, Any]
 
@@ -38,10 +47,14 @@ def box(x: list[float], y: list[float]) -> Changes:
 
 
 NARROW = box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(384, 256, 0.02)
+GUST = {"table": {"times": [0.0, 2.0, 4.0, 6.0], "values": [0.0, 0.2, 0.2, 0.0]}}
+SHEDDING = {"fluid.kinematic_viscosity": 0.01, "fluid.mean_flow.y": GUST, "time.end": 100.0}
+THICKNESS = "beam.thickness"
 
 CASES: dict[str, tuple[str, Changes]] = {
     "oscillating/300x180": (KC5, on_grid(300, 180, 0.01)),
     "oscillating/450x270": (KC5, on_grid(450, 270, 0.0075)),
+    "oscillating/480x288": (KC5, on_grid(480, 288, 0.0075)),
     "oscillating/600x360": (KC5, {}),
     "oscillating/600x360, 40 x 24": (KC5, box([-20.0, 20.0], [-12.0, 12.0]) | on_grid(600, 360, 0.01)),
     "oscillating/300x180, mean flow held": (KC5, on_grid(300, 180, 0.01) | {"fluid.mean_flow": {}}),
@@ -52,6 +65,16 @@ CASES: dict[str, tuple[str, Changes]] = {
     "stream/384x512": (STREAM, {}),
     "stream/576x384": (STREAM, box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(576, 384, 0.013333333)),
     "stream/384x256, Re 20": (STREAM, NARROW | {"fluid.kinematic_viscosity": 0.05}),
+    "shedding/384x256": (STREAM, NARROW | SHEDDING),
+    "shedding/384x512": (STREAM, SHEDDING),
+    "flag/320x160, 0.03": (FLAG, on_grid(320, 160, 0.004) | {THICKNESS: 0.03}),
+    "flag/480x240, 0.03": (FLAG, {THICKNESS: 0.03}),
+    "flag/480x240, 0.02": (FLAG, {}),
+    "filament/256x256, 0.06": (FILAMENT, on_grid(256, 256, 0.0075)),
+    "filament/384x384, 0.06": (FILAMENT, {}),
+    "filament/256x256, 0.09": (FILAMENT, on_grid(256, 256, 0.0075) | {THICKNESS: 0.09}),
+    "passive/240x240": (PASSIVE, {}),
+    **{f"tapered/{e:g}": (TAPERED, on_grid(216, 192, 5e-4) | {"time.end": 6.0, MODULUS: e}) for e in MODULI},
 }  # fmt: skip
 
 
@@ -127,10 +150,86 @@ def stream(series: Series, folder: Path) -> dict[str, float | None]:
     return {"cd": 2 * float(series["body_1_drag"][-1]), "bubble": bubble}
 
 
+def shedding(series: Series) -> dict[str, float]:
+    """Mean drag coefficient, amplitude of the lift's and Strouhal number of a cylinder that sheds vortices."""
+    lift = swing(series, "lift", SETTLED["shedding"])
+    window = Window(SETTLED["shedding"], float(series["time"][-1]), 1)
+    drag = flapping.average(series["time"], series["drag"], window)
+    return {"cd": 2 * drag, "cl": 2 * lift["amplitude"], "st": lift["frequency"]}
+
+
+def swing(series: Series, column: str, begin: float) -> dict[str, float]:
+    """Half the distance of the extremes of each cycle from `begin` on: its mean, and its scatter by that; and the
+    frequency, Hz."""
+    part = series["time"] >= begin
+    time, values = series["time"][part], series[column][part]
+    middle, half = statistics.extent(values)
+    starts = statistics.upward_crossings(time, values, middle, half)
+    cycles = [np.ptp(values[(time >= a) & (time <= b)]) / 2 for a, b in pairwise(starts)]
+    return {
+        "amplitude": float(np.mean(cycles)),
+        "scatter": float(np.std(cycles) / np.mean(cycles)),
+        "frequency": (len(starts) - 1) / float(starts[-1] - starts[0]),
+    }
+
+
+def twin(done: nervure.Run) -> dict[str, Any]:
+    """The scene of a passive vein with a rigid plate in its place, which is given the motion that the vein made."""
+    scene, series = done.scene.document(), done.series
+    beam, rod = scene.pop("beam"), scene.pop("rod")
+    position, at = beam["root"]["at"]["position"], slice(None, None, TWIN_STEP)
+    turn = {"table": {"times": series["time"][at].tolist(), "values": series["hinge_angle"][at].tolist()}}
+    scene["fluid"]["bodies"] = [{
+        "shape": {"rectangle": {"length": beam["length"], "thickness": beam["thickness"], "ends": "square"}},
+        "position": position, "pivot": [-beam["length"] / 2, 0.0],
+        "motion": {"y": rod["root_motion"]["laws"]["y"], "angle": turn},
+    }]  # fmt: skip
+    return scene | {"name": f"{scene['name']}-twin"}
+
+
+def moments(done: nervure.Run, rigid: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time, the moment about its root that a stiff vein on a spring asks the fluid for, and that on its rigid twin,
+    under a box filter: M = I angle'' + m x_c y'' cos(angle) + k angle, the root being driven by y."""
+    series, scene = done.series, done.scene.document()
+    time, angle = series["time"], series["hinge_angle"]
+    length = scene["beam"]["length"]
+    mass = scene["rod"]["material"]["section"]["line_density"] * length
+    spring = scene["rod"]["root"]["torsion_spring"]["stiffness"]
+    turning = np.gradient(series["hinge_omega"], time)
+    rising = np.gradient(np.gradient(series["rigid_tip_uy"], time), time)
+    asked = mass * length**2 / 3 * turning + mass * length / 2 * rising * np.cos(angle) + spring * angle
+    asked, given = (statistics.box_filter(time, moment, FILTER) for moment in (asked, rigid["body_1_moment"]))
+    return time, asked, given
+
+
+def passive(done: nervure.Run, rigid: Series) -> dict[str, float]:
+    """Pitching of a stiff vein on a spring, its energy balance, and the root mean square of the moment on its rigid
+    twin less that which it asks for, by the largest of the latter."""
+    time, asked, given = moments(done, rigid)
+    part = (time >= SETTLED["passive"]) & (time <= time[-1] - FILTER)
+    averages = done.summary.flapping
+    assert averages and averages.thrust is not None
+    return {
+        "amplitude_deg": float(np.degrees(swing(done.series, "hinge_angle", SETTLED["passive"])["amplitude"])),
+        "missing": averages.energy_balance["missing"] or 0.0,
+        "thrust": averages.thrust,
+        "moment_rms": off(given[part], asked[part]),
+        "moment": float(np.abs(asked[part]).max()),
+    }
+
+
+def twin_folder(done: nervure.Run) -> Path:
+    return done.folder.with_name(f"{done.folder.name}-twin")
+
+
+def folder_of(name: str) -> Path:
+    return RESULTS / name.replace("/", "-").replace(", ", "-").replace(" ", "-")
+
+
 def run(name: str) -> nervure.Run:
     """The run of a case; made, where it is not there yet."""
     scene, changes = CASES[name]
-    folder = RESULTS / name.replace("/", "-").replace(", ", "-").replace(" ", "-")
+    folder = folder_of(name)
     asked = nervure.load(scene, assignments(changes))
     if (folder / "summary.json").exists():
         there = nervure.read(folder)
@@ -153,13 +252,24 @@ def rows(group: str) -> list[dict[str, Any]]:
 
 def measured(group: str, done: nervure.Run) -> dict[str, Any]:
     """What the page shows of a run."""
+    if group in ("flag", "filament"):
+        return swing(done.series, "tip_uy", SETTLED[group]) | {"drag": done.summary.quantities["drag"].mean}
+    if group == "tapered":
+        averages = done.summary.flapping
+        assert averages
+        return {name: getattr(averages, name) for name in ("thrust", "power_in", "tip_by_rigid_tip", "phase_lag_deg")}
+    if group == "shedding":
+        return shedding(done.series)
+    if group == "passive":
+        rigid = nervure.run(typed(twin(done)), twin_folder(done), force=True, quiet=True)
+        return passive(done, rigid.series)
     if group == "oscillating":
         return oscillating(done.series)
     return fourth_period(done.series) if group == "hover" else stream(done.series, done.folder)
 
 
-def draw() -> None:
-    """Curve on curve: the force of the oscillating cylinder, lift and drag of the ellipse."""
+def draw_oscillating() -> None:
+    """Curve on curve: the force of the oscillating cylinder."""
     done = run("oscillating/600x360").series
     time, force = done["time"], done["body_1_drag"]
     share = (time - (time[-1] - PERIOD)) / PERIOD
@@ -169,6 +279,10 @@ def draw() -> None:
         {"x": published[0], "y": published[1], "marker": "o", "linestyle": "", "markersize": 3,
          "label": "Dütsch et al. 1998, digitised"},
     ], log=False)  # fmt: skip
+
+
+def draw_hover() -> None:
+    """Curve on curve: lift and drag of the ellipse."""
     figure, axes = show.panel(2, 1, (9.0, 6.0), sharex=True)
     found = hovering(run(SHOWN).series)
     for axis, name in zip(axes[:, 0], ("lift", "drag"), strict=True):
@@ -181,10 +295,35 @@ def draw() -> None:
     show.save(figure, "flapping/hover", 110)
 
 
+def draw_passive() -> None:
+    """The moment that the passive vein asks for, and that on its rigid twin."""
+    done = run(PASSIVE_SHOWN)
+    time, asked, given = moments(done, nervure.read(twin_folder(done)).series)
+    part = (time >= SETTLED["passive"]) & (time <= time[-1] - FILTER)
+    show.curves("flapping/passive", ("t, strokes", "moment about the root, N m/m"), [
+        {"x": time[part], "y": asked[part], "label": "inertia and spring of the vein"},
+        {"x": time[part], "y": given[part], "linestyle": "--", "label": "on a rigid plate in the same motion"},
+    ], log=False)  # fmt: skip
+
+
+DRAWN = {"oscillating": draw_oscillating, "hover": draw_hover, "passive": draw_passive}
+"""Figures by the group of cases that they show."""
+
+
 def main() -> None:
-    for group in sys.argv[1:] or ["oscillating", "hover", "stream"]:
+    for group in sys.argv[1:] or [
+        "oscillating",
+        "hover",
+        "stream",
+        "shedding",
+        "flag",
+        "filament",
+        "passive",
+        "tapered",
+    ]:
         write_csv(show.DOCS / "flapping" / f"{group}.csv", rows(group))
-    draw()
+        if group in DRAWN:
+            DRAWN[group]()
 
 
 if __name__ == "__main__":
