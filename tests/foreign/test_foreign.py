@@ -17,8 +17,8 @@ from nervure.resources import ROOT
 
 STEP, STEPS = 4e-4, 20
 AGREEMENT = 1e-12
-"""Largest difference, in the largest value of its unit and at least the scale of the scene: a rod's velocity is a difference of positions over a step, so that
-at the start, where all is small, its rounding is not small beside the velocity itself."""
+"""Largest difference, in the largest value of its unit and at least the scale of the scene: a rod's velocity is a
+difference of positions over a step, so that at the start, where all is small, its rounding is not small beside it."""
 
 LENGTH, SPEED, DENSITY = 0.35, 2.0, 1000.0  # Of the bar, the inflow and the fluid, SI
 PRESSURE = DENSITY * SPEED**2

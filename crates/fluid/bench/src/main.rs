@@ -295,6 +295,9 @@ fn threads(table: &mut Table) {
     }
 }
 
+/// Fills one of the tables.
+type Measure<'a> = &'a dyn Fn(&mut Table);
+
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("give the file to write to")?;
     let library = std::env::var("FFTW_LIBRARY").map_err(|error| format!("FFTW_LIBRARY: {error}"))?;
@@ -304,7 +307,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     table.file.write_record(["table", "scene", "grid", "what", "value", "unit"])?;
     table.begin("about", &fftw::version(&library), [0, 0]);
     table.row("FFTW, planned by measuring", 1.0, "1");
-    let tables: [(&str, &dyn Fn(&mut Table)); 6] = [
+    let tables: [(&str, Measure); 6] = [
         ("pair", &|table| pairs(&library, table)),
         ("step", &|table| steps(&library, table)),
         ("phases", &|table| phases::<f64>(Precision::Double, "phases", table)),
