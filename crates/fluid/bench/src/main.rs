@@ -1,4 +1,5 @@
-//! How fast the fluid is: its transforms beside FFTW and rustfft, its step and the phases of it, on one core.
+//! How fast the fluid is: its transforms beside FFTW and rustfft, its step and the phases of it beside what the machine
+//! could do, on one core.
 //!
 //! `fluid-bench FILE.csv` writes `table,scene,grid,what,value,unit`; names of tables after it ask for these alone.
 //! `FFTW_LIBRARY` is the path of FFTW 3.
@@ -7,6 +8,8 @@
 //! the thread. A ratio is that of the shortest times; beside it stands the median of the ratios of neighbouring times.
 
 mod fftw;
+mod machine;
+mod roofline;
 mod rows;
 
 use std::array::from_fn;
@@ -17,6 +20,9 @@ use libloading::Library;
 use nervure_fluid::Fluid;
 use nervure_fluid::internals::{Fft2, Phase, Projection, Real};
 use scene::{Filter, Precision, Scene};
+
+use machine::{Clock, Fused};
+use roofline::Work;
 
 /// How long a row of a table is measured.
 const TIME: Duration = Duration::from_millis(3000);
@@ -53,7 +59,8 @@ const PHASES: [&str; 10] = [
 ];
 const STEP: usize = PHASES.len() - 1;
 
-type Clock<'a> = &'a dyn Fn() -> f64;
+/// Bytes of the streams that the machine is measured by: some for each of its caches, and for the memory.
+const STREAMS: [usize; 4] = [24_000, 500_000, 8_000_000, 200_000_000];
 
 /// A name, and two numbers of things whose times are divided.
 type Ratio<'a> = (&'a str, usize, usize);
@@ -235,14 +242,25 @@ fn phases_of(flow: &mut Flow, mut step: impl FnMut(&mut Flow)) -> [f64; PHASES.l
         let whole = processor_time() - start;
         from_fn(|phase| *flow.fluid.clock().spent.get(phase).unwrap_or(&whole))
     });
+    // As `machine::fastest`, of all phases together.
     steps.sort_by(|a, b| a[STEP].total_cmp(&b[STEP]));
     steps.truncate(steps.len().div_ceil(4));
     from_fn(|phase| steps.iter().map(|step| step[phase]).sum::<f64>() / steps.len() as f64)
 }
 
-/// The phases of a step, the bars swinging. The projection is timed by itself, row by row in the cache as it runs
-/// between the transforms along x.
-fn phases<R: Real>(precision: Precision, title: &str, table: &mut Table) {
+/// What the machine can do.
+fn machine(table: &mut Table) {
+    table.begin("machine", "", [0, 0]);
+    for bytes in STREAMS {
+        table.row(&bytes.to_string(), 1e-9 * machine::bandwidth(bytes, &processor_time), "GB/s");
+    }
+    table.row("double", 1e-9 * f64::peak(&processor_time), "Gflop/s");
+    table.row("single", 1e-9 * f32::peak(&processor_time), "Gflop/s");
+}
+
+/// The phases of a step, the bars swinging, and those that go through whole arrays beside what the machine does with as
+/// much. The projection is timed by itself, row by row in the cache as it runs between the transforms along x.
+fn phases<R: Real + Fused>(precision: Precision, [title, roofline]: [&str; 2], table: &mut Table) {
     for (name, cells, step) in SCENES {
         table.begin(title, name, cells);
         let mut flow = Flow::new(name, cells, step, 1, precision);
@@ -255,8 +273,21 @@ fn phases<R: Real>(precision: Precision, title: &str, table: &mut Table) {
         let [u, v, omega] = &mut scratch.rows;
         let mut all = || (0..rows).for_each(|row| projection.project(row, u, v, omega));
         let [seconds] = table.compare(&processor_time, [("projection", &mut all)], &[]);
+        let with_projection = spent;
         spent[Phase::Rows as usize] -= seconds;
         PHASES.into_iter().zip(spent).for_each(|(what, seconds)| table.time(what, seconds));
+
+        table.begin(roofline, name, cells);
+        table.row("peak", 1e-9 * R::peak(&processor_time), "Gflop/s");
+        for Work { phase, moved, set, flops } in roofline::of_phases(cells, &projection) {
+            let name = PHASES[phase as usize];
+            table.time(name, with_projection[phase as usize]);
+            table.row(&format!("{name}: moved"), 1e-6 * moved, "MB");
+            table.row(&format!("{name}: set"), 1e-6 * set, "MB");
+            table.row(&format!("{name}: operations"), 1e-6 * flops, "Mflop");
+            let bandwidth = machine::bandwidth(set as usize, &processor_time);
+            table.row(&format!("{name}: bandwidth"), 1e-9 * bandwidth, "GB/s");
+        }
     }
 }
 
@@ -307,11 +338,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     table.file.write_record(["table", "scene", "grid", "what", "value", "unit"])?;
     table.begin("about", &fftw::version(&library), [0, 0]);
     table.row("FFTW, planned by measuring", 1.0, "1");
-    let tables: [(&str, Measure); 6] = [
+    let tables: [(&str, Measure); 7] = [
+        ("machine", &machine),
         ("pair", &|table| pairs(&library, table)),
         ("step", &|table| steps(&library, table)),
-        ("phases", &|table| phases::<f64>(Precision::Double, "phases", table)),
-        ("phases-single", &|table| phases::<f32>(Precision::Single, "phases-single", table)),
+        ("phases", &|table| phases::<f64>(Precision::Double, ["phases", "roofline"], table)),
+        ("phases-single", &|table| {
+            phases::<f32>(Precision::Single, ["phases-single", "roofline-single"], table);
+        }),
         ("motion", &motion),
         ("threads", &threads),
     ];

@@ -1,0 +1,119 @@
+//! What the phases of a step move and calculate, counted from what they do to arrays and lines.
+//!
+//! Moved is what a phase reads of arrays that are larger than a row or a block of columns, what it writes, and what it
+//! writes without having read, once more: a line comes into the cache before it is written to. The same is counted of the
+//! triad in `machine`. A fused multiply-add is two operations, a division, a comparison and a change of sign one.
+//!
+//! The phases that walk along lists of cells (painting, wall target, velocities of bodies and zones, forces, loads) have no
+//! count: how long the lists are is not known here.
+
+use nervure_fluid::internals::{Fft2, Phase, Projection, Real};
+
+/// What a phase does in a step.
+pub struct Work {
+    pub phase: Phase,
+    /// Bytes that it moves.
+    pub moved: f64,
+    /// Bytes of the arrays that it uses.
+    pub set: f64,
+    /// Operations.
+    pub flops: f64,
+}
+
+/// The work of the phases that go through whole arrays.
+pub fn of_phases<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> [Work; 4] {
+    let points = (nx * ny) as f64;
+    // Bytes of a field, of one in double precision whatever that of the others, and of a spectrum without the modes that are
+    // filtered away.
+    let field = points * size_of::<R>() as f64;
+    let wide = points * size_of::<f64>() as f64;
+    let modes = projection.modes().div_ceil(R::LANES) * R::LANES;
+    let spectrum = size_of_val(&Fft2::<R>::new(nx, ny, projection.modes()).spectrum()[..]) as f64;
+    // Two coefficients of each mode, in double precision.
+    let coefficients = (2 * size_of::<f64>() * modes * nx) as f64;
+    // Lines along y: the columns in pairs, in whole vectors of them.
+    let pairs = (nx.div_ceil(2 * R::LANES) * R::LANES) as f64;
+    let (rows, modes_of_line) = (modes as f64, modes as f64);
+    let along = |n: usize| operations_of_line(n) as f64;
+    [
+        Work {
+            phase: Phase::Solve,
+            // Reads u, v and omega of two times, both w and the drag rate; writes the next w.
+            moved: 8.0 * field + wide + 2.0 * 2.0 * field,
+            set: 10.0 * field + wide,
+            // A component: twice omega × u (2 each), G (2), the right-hand side (8), the solve (4).
+            flops: 2.0 * 18.0 * points,
+        },
+        Work {
+            phase: Phase::Forward,
+            // Reads both w; writes two spectra.
+            moved: 2.0 * field + 2.0 * 2.0 * spectrum,
+            set: 2.0 * field + 2.0 * spectrum,
+            // Two transforms; the modes of two columns told apart (8 a mode).
+            flops: 2.0 * pairs * (along(ny) + 8.0 * modes_of_line),
+        },
+        Work {
+            phase: Phase::Rows,
+            // Reads two spectra and the coefficients; writes both over what was read, and a third.
+            moved: 2.0 * spectrum + coefficients + 2.0 * spectrum + 2.0 * spectrum,
+            set: 3.0 * spectrum + coefficients,
+            // Five transforms; the projection of a mode: its gain (7), both components times it (4), what is along the wave
+            // (8), taken out (8), the curl (7).
+            flops: rows * (5.0 * along(nx) + 34.0 * nx as f64),
+        },
+        Work {
+            phase: Phase::Back,
+            // Reads three spectra; writes the flow. The CFL number finds what was just written in the first cache.
+            moved: 3.0 * spectrum + 3.0 * 2.0 * field,
+            set: 3.0 * spectrum + 3.0 * field,
+            // Three transforms; modes of two columns put together (4 a mode); the CFL number (4 a point).
+            flops: 3.0 * pairs * (along(ny) + 4.0 * modes_of_line) + 4.0 * points,
+        },
+    ]
+}
+
+/// Operations of a complex transform of length n by passes of small factors, as the fluid does it. A length with another
+/// factor is counted as 5 n log2 n, by custom.
+pub fn operations_of_line(n: usize) -> usize {
+    let (mut rest, mut first, mut operations) = (n, true, 0);
+    for factor in [13, 11, 7, 5, 4, 3, 2] {
+        while rest.is_multiple_of(factor) {
+            // Each input but one is turned by a complex number, but not before the first pass.
+            let turns = if first { 0 } else { 6 * (factor - 1) };
+            operations += n / factor * (operations_of_butterfly(factor) + turns);
+            (rest, first) = (rest / factor, false);
+        }
+    }
+    if rest == 1 { operations } else { (5.0 * n as f64 * (n as f64).log2()) as usize }
+}
+
+/// Operations of a transform of a factor.
+fn operations_of_butterfly(factor: usize) -> usize {
+    match factor {
+        2 => 2 * 2,
+        4 => 8 * 2,
+        _ => {
+            // Of each pair of inputs sum, difference and a part of the first output (2 each); of each pair of outputs two sums
+            // over the pairs (2 and 4 a number, one of them without a term to begin with) and their sum and difference.
+            let half = factor / 2;
+            half * 3 * 2 + half * (8 * half - 2 + 2 * 2)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_transforms_have_the_operations_of_their_formulas() {
+        // Of 3: t = x1 + x2, y0 = x0 + t, m = x0 + cos t, s = sin (x1 − x2), y1, y2 = m ± i s: 2 + 2 + 4 + 2 + 2 + 2 · 2.
+        assert_eq!(operations_of_line(3), 16);
+        // Of 8: two of 4 (8 complex sums each), three turned inputs with the one that is 1, and four pairs of sums.
+        assert_eq!(operations_of_line(8), 2 * 16 + 4 * 6 + 4 * 4);
+        // Of 15: three of 5, and five of 3 with two turns each.
+        assert_eq!(operations_of_line(15), 3 * operations_of_line(5) + 5 * (16 + 2 * 6));
+        // A prime that has no pass, by custom.
+        assert_eq!(operations_of_line(17), (85.0 * 17_f64.log2()) as usize);
+    }
+}
