@@ -28,7 +28,7 @@ pub fn fastest(mut times: Vec<f64>) -> f64 {
 }
 
 /// [`fastest`] time of a run, s.
-fn measured(clock: Clock, mut run: impl FnMut()) -> f64 {
+pub fn measured(clock: Clock, mut run: impl FnMut()) -> f64 {
     run();
     let (begin, mut times) = (Instant::now(), Vec::new());
     while begin.elapsed() < TIME || times.len() < 8 {

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use libloading::Library;
 use nervure_fluid::Fluid;
-use nervure_fluid::internals::{Fft2, Phase, Projection, Real};
+use nervure_fluid::internals::{Fft2, Phase, Projection, Real, Scratch};
 use scene::{Filter, Precision, Scene};
 
 use machine::{Clock, Fused};
@@ -278,17 +278,54 @@ fn phases<R: Real + Fused>(precision: Precision, [title, roofline]: [&str; 2], t
         PHASES.into_iter().zip(spent).for_each(|(what, seconds)| table.time(what, seconds));
 
         table.begin(roofline, name, cells);
+        let (works, set) = roofline::of_step(cells, &projection);
+        table.row("set", 1e-6 * set, "MB");
+        table.row("bandwidth", 1e-9 * machine::bandwidth(set as usize, &processor_time), "GB/s");
         table.row("peak", 1e-9 * R::peak(&processor_time), "Gflop/s");
-        for Work { phase, moved, set, flops } in roofline::of_phases(cells, &projection) {
+        let in_cache = in_cache::<R>(precision, cells, &projection);
+        for (Work { phase, moved, flops }, in_cache) in works.into_iter().zip(in_cache) {
             let name = PHASES[phase as usize];
             table.time(name, with_projection[phase as usize]);
+            table.time(&format!("{name}: in cache"), in_cache);
             table.row(&format!("{name}: moved"), 1e-6 * moved, "MB");
-            table.row(&format!("{name}: set"), 1e-6 * set, "MB");
             table.row(&format!("{name}: operations"), 1e-6 * flops, "Mflop");
-            let bandwidth = machine::bandwidth(set as usize, &processor_time);
-            table.row(&format!("{name}: bandwidth"), 1e-9 * bandwidth, "GB/s");
         }
     }
+}
+
+/// What the phases of [`roofline::of_step`] would take if nothing came from beyond the second cache, s: by a solve on a small
+/// grid, by one block of columns again and again, and by one row of modes.
+fn in_cache<R: Real>(precision: Precision, [nx, ny]: [usize; 2], projection: &Projection<R>) -> [f64; 4] {
+    let small = [160, 36];
+    let mut flow = Flow::new(SCENES[0].0, small, SCENES[0].2, 1, precision);
+    let solve = phases_of(&mut flow, Flow::swing)[Phase::Solve as usize];
+    let by_points = (nx * ny) as f64 / small.iter().product::<usize>() as f64;
+
+    let (columns, modes) = (2 * R::LANES, projection.modes());
+    let block = Fft2::<R>::new(columns, ny, modes);
+    let mut field: Vec<_> = noise(columns * ny).into_iter().map(R::narrow).collect();
+    let ([mut first, mut second], mut scratch) = ([block.spectrum(), block.spectrum()], [block.scratch()]);
+    let forward = machine::measured(&processor_time, || {
+        for _ in 0..nx.div_ceil(columns) {
+            block.forward_along_y([&field, &field], [&mut first, &mut second], &mut scratch);
+        }
+    });
+    let back = machine::measured(&processor_time, || {
+        for _ in 0..3 * nx.div_ceil(columns) {
+            block.inverse_along_y(&first, 0..columns, &mut field, &mut scratch[0]);
+        }
+    });
+
+    let fft = Fft2::<R>::new(nx, ny, modes);
+    let Scratch { rows: [u, v, omega], line, .. } = &mut fft.scratch();
+    let rows = machine::measured(&processor_time, || {
+        for row in 0..modes.div_ceil(R::LANES) {
+            (0..2).for_each(|_| fft.forward_along_x(u, v, line));
+            projection.project(row, u, v, omega);
+            (0..3).for_each(|_| fft.inverse_along_x(u, omega, line));
+        }
+    });
+    [solve * by_points, forward, rows, back]
 }
 
 /// What the bar costs and the whole step, with the bar jumping to and fro by a part of a cell from step to step (a body

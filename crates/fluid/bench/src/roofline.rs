@@ -14,14 +14,14 @@ pub struct Work {
     pub phase: Phase,
     /// Bytes that it moves.
     pub moved: f64,
-    /// Bytes of the arrays that it uses.
-    pub set: f64,
     /// Operations.
     pub flops: f64,
 }
 
-/// The work of the phases that go through whole arrays.
-pub fn of_phases<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> [Work; 4] {
+/// The phases that go through whole arrays, and the bytes of all arrays of a step: the flow and w at two times, the drag
+/// rate, three spectra and the coefficients of their modes. In a step each is used once or twice, so what a phase reads comes
+/// from where as much as that has room.
+pub fn of_step<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> ([Work; 4], f64) {
     let points = (nx * ny) as f64;
     // Bytes of a field, of one in double precision whatever that of the others, and of a spectrum without the modes that are
     // filtered away.
@@ -33,14 +33,13 @@ pub fn of_phases<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> [
     let coefficients = (2 * size_of::<f64>() * modes * nx) as f64;
     // Lines along y: the columns in pairs, in whole vectors of them.
     let pairs = (nx.div_ceil(2 * R::LANES) * R::LANES) as f64;
-    let (rows, modes_of_line) = (modes as f64, modes as f64);
+    let modes = modes as f64;
     let along = |n: usize| operations_of_line(n) as f64;
-    [
+    let phases = [
         Work {
             phase: Phase::Solve,
             // Reads u, v and omega of two times, both w and the drag rate; writes the next w.
             moved: 8.0 * field + wide + 2.0 * 2.0 * field,
-            set: 10.0 * field + wide,
             // A component: twice omega × u (2 each), G (2), the right-hand side (8), the solve (4).
             flops: 2.0 * 18.0 * points,
         },
@@ -48,28 +47,26 @@ pub fn of_phases<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> [
             phase: Phase::Forward,
             // Reads both w; writes two spectra.
             moved: 2.0 * field + 2.0 * 2.0 * spectrum,
-            set: 2.0 * field + 2.0 * spectrum,
             // Two transforms; the modes of two columns told apart (8 a mode).
-            flops: 2.0 * pairs * (along(ny) + 8.0 * modes_of_line),
+            flops: 2.0 * pairs * (along(ny) + 8.0 * modes),
         },
         Work {
             phase: Phase::Rows,
             // Reads two spectra and the coefficients; writes both over what was read, and a third.
             moved: 2.0 * spectrum + coefficients + 2.0 * spectrum + 2.0 * spectrum,
-            set: 3.0 * spectrum + coefficients,
             // Five transforms; the projection of a mode: its gain (7), both components times it (4), what is along the wave
             // (8), taken out (8), the curl (7).
-            flops: rows * (5.0 * along(nx) + 34.0 * nx as f64),
+            flops: modes * (5.0 * along(nx) + 34.0 * nx as f64),
         },
         Work {
             phase: Phase::Back,
             // Reads three spectra; writes the flow. The CFL number finds what was just written in the first cache.
             moved: 3.0 * spectrum + 3.0 * 2.0 * field,
-            set: 3.0 * spectrum + 3.0 * field,
             // Three transforms; modes of two columns put together (4 a mode); the CFL number (4 a point).
-            flops: 3.0 * pairs * (along(ny) + 4.0 * modes_of_line) + 4.0 * points,
+            flops: 3.0 * pairs * (along(ny) + 4.0 * modes) + 4.0 * points,
         },
-    ]
+    ];
+    (phases, 10.0 * field + wide + 3.0 * spectrum + coefficients)
 }
 
 /// Operations of a complex transform of length n by passes of small factors, as the fluid does it. A length with another
@@ -93,8 +90,8 @@ fn operations_of_butterfly(factor: usize) -> usize {
         2 => 2 * 2,
         4 => 8 * 2,
         _ => {
-            // Of each pair of inputs sum, difference and a part of the first output (2 each); of each pair of outputs two sums
-            // over the pairs (2 and 4 a number, one of them without a term to begin with) and their sum and difference.
+            // Of each pair of inputs sum, difference and a part of the first output (2 each). Of each pair of outputs two sums
+            // over the pairs by multiply-adds (4 each, one 2 less), and their sum and difference (2 each).
             let half = factor / 2;
             half * 3 * 2 + half * (8 * half - 2 + 2 * 2)
         }
