@@ -129,9 +129,8 @@ shown-rows: build $(READY_DEV) ## run the stale ones among the cases that README
 rod-study: $(READY_DEV) ## run what is missing of the rod's study (ten minutes), write docs/rod; ARGS="--list", "--only 'study/csm*'"
 	$(STUDY) rod $(ARGS)
 
-bench-rod: ## time a Newton iteration of the rod, and its solver beside faer's
-	$(ROD_STUDY) -- target/rod-study runtime
-	cat target/rod-study/runtime.csv
+bench-rod: $(READY_DEV) ## time a Newton iteration of the rod beside its floors, and its solver beside faer's
+	$(STUDY) rod --again --times --only 'study/r*' $(ARGS)
 
 fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours), write docs/fluid
 	$(STUDY) fluid $(ARGS)
@@ -166,7 +165,7 @@ BENCH_VENV := target/fluid-bench/venv
 
 .PHONY: bench-fluid
 
-bench-fluid: $(BENCH_VENV)/.ready $(READY_DEV) ## compare the fluid's speed with FFTW's, by phase and by threads
+bench-fluid: $(BENCH_VENV)/.ready $(READY_DEV) ## compare the fluid's speed with FFTW's and with what the machine can do, by phase and by threads
 	FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)" \
 	$(STUDY) fluid-speed --again --times $(ARGS)
 

@@ -36,7 +36,12 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "rod": ("crates/rod/src/**/*.rs", "crates/rod/Cargo.toml", "fmu-rod/src/**/*.rs"),
     "coupling": ("python/nervure/coupling/*.py", "python/nervure/master.py"),
     "evaluation": ("python/nervure/evaluate/**/*.py",),
-    "rod study": ("crates/rod/study/src/**/*.rs", "crates/rod/study/Cargo.toml", "crates/rod/tests/common/*.rs"),
+    "rod study": (
+        "crates/rod/study/src/**/*.rs",
+        "crates/rod/study/Cargo.toml",
+        "crates/rod/tests/common/*.rs",
+        "crates/fluid/bench/src/machine.rs",
+    ),
     "fluid bench": ("crates/fluid/bench/src/*.rs", "crates/fluid/bench/Cargo.toml"),
     "fluid measures": ("crates/fluid/bench/src/bin/*.rs", "crates/fluid/tests/common/*.rs"),
     "keeping": ("python/nervure/checkpoint.py", "python/nervure/show/fields.py"),

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
-from studies import commands, show, simulate
+from studies import commands, roofline, show, simulate
 from studies.engine import ROD, Case, Run, Study
 from studies.show import COLOURS, exponent, grouped
 from studies.store import Data
@@ -15,8 +15,8 @@ MANIFEST, TARGET = "crates/rod/study/Cargo.toml", "target/rod-study"
 
 Rows = list[dict[str, Any]]
 
-FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "bending_models", "taper", "csm",
-          "csm3_energy", "extreme", "situations")  # fmt: skip
+FILES = ("condition", "runtime", "roofline", "deflection", "order_in_n", "order_in_dt", "bending_models", "taper",
+          "csm", "csm3_energy", "extreme", "situations")  # fmt: skip
 """What the program can be asked for; each is a file of that name."""
 
 THESIS_CONDITION = [number for row in simulate.LISTED["thesis"]["condition"] for number in row["numbers"]]
@@ -41,7 +41,7 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
     """The table, with what depends on the machine apart from it; of the long ones what is shown."""
     name = case.name.split("/")[1]
     rows = run.found["tables"][name]
-    if name == "runtime":
+    if name in ("runtime", "roofline"):
         return {"times": {"rows": rows}}
     if name == "deflection":  # only drawn
         return {"values": {"points": len(rows)}}
@@ -93,6 +93,23 @@ def run_times(data: Data) -> Rows:
         micro = {name: 1e6 * row[name] for name in ("iteration_3d", "iteration_2d", *solvers)}
         ratios = {"3D/2D": row["iteration_3d"] / row["iteration_2d"], "sparse/banded": row["sparse"] / row["banded"]}
         rows.append({"n": row["n"]} | runs | micro | ratios)
+    return rows
+
+
+def rooflines(data: Data) -> Rows:
+    """The parts of a Newton iteration in space and their sum, beside both roofs and the longest chain of divisions."""
+    rows = []
+    for group in grouped(data["rod/study/roofline"].times["rows"], "n").values():
+        columns = {"µs": "seconds", "MB": "bytes", "Mflop": "flops"}
+        parts = [
+            {"part": row["part"]}
+            | {to: (1e6 if to == "µs" else 1e-6) * row[of] for to, of in columns.items()}
+            | {"chain": row["chain"] and 1e6 * row["chain"]}
+            for row in group
+        ]
+        whole = {"part": "iteration", "chain": None} | {to: sum(part[to] for part in parts) for to in columns}
+        about, (bandwidth, peak) = {"n": group[0]["n"]}, (1e-9 * group[0][name] for name in ("bandwidth", "peak"))
+        rows += [about | part | roofline.reached(part, bandwidth, peak) for part in (*parts, whole)]
     return rows
 
 
@@ -176,6 +193,7 @@ def tapers(data: Data) -> Rows:
 TABLES: dict[str, Callable[[Data], Any]] = {
     "rod-condition": conditions,
     "rod-runtime": run_times,
+    "rod-roofline": rooflines,
     "rod-order-in-n": ERRORS_IN_N,
     "rod-order-in-dt": ERRORS_IN_DT,
     "rod-taper": tapers,

@@ -1,14 +1,19 @@
-"""Speed of the fluid beside other transforms, by phase, motion and threads, by crates/fluid/bench."""
+"""Speed of the fluid beside other transforms and beside what the machine can do, by phase, motion and threads, by
+crates/fluid/bench."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
-from studies import commands, show, simulate
+from studies import commands, roofline, show, simulate
 from studies.engine import Case, Run, Study
 from studies.store import Data
 
 MANIFEST, TARGET = "crates/fluid/bench/Cargo.toml", "target/fluid-bench"
+
+ROOFLINES = (("roofline", "325 x 72", ""), ("roofline", "650 x 144", ""), ("roofline", "1300 x 288", ""),
+             ("roofline-single", "650 x 144", ", single"))  # fmt: skip
+"""Of the grids that are shown: table of the program, grid, and what is written behind it."""
 
 GROUPS: dict[str, list[str]] = simulate.LISTED["fluid-speed"]["groups"]  # What users ask for, and the phases of it
 
@@ -60,6 +65,41 @@ def motion(data: Data) -> list[str]:
     return show.markdown(["grid", "", *(f"{jump:g}" for jump in rows[0][2])], table)
 
 
+def rooflines(data: Data) -> list[dict[str, Any]]:
+    """The phases that go through whole arrays, and their sums, beside both roofs; waits are what they take beyond their
+    time with the data in the cache."""
+    rows = []
+    columns = {"µs": "", "in cache, µs": ": in cache", "MB": ": moved", "Mflop": ": operations"}
+    for table, grid, behind in ROOFLINES:
+        line = next(line for line in found(data, table) if line["grid"] == grid)
+        phases = [name.removesuffix(": moved") for name in line if name.endswith(": moved")]
+        parts = [{"part": name} | {to: line[name + of] for to, of in columns.items()} for name in phases]
+        parts.append({"part": "all four"} | {to: sum(part[to] for part in parts) for to in columns})
+        for part in parts:
+            waits = max(0.0, 1 - part["in cache, µs"] / part["µs"])
+            bound = {"waits": waits, "bound": "data" if waits > 0.5 else "instructions"}
+            rows.append(
+                {"grid": grid + behind} | part | bound | roofline.reached(part, line["bandwidth"], line["peak"])
+            )
+    return rows
+
+
+def machine(data: Data) -> list[list[str]]:
+    """What the machine does: streams through so many bytes, among them those of a step on each grid, and arithmetic."""
+    about = {
+        name: value for name, value in found(data, "machine")[0].items() if name not in ("scene", "grid", "points")
+    }
+    streams = {float(name): ("", value) for name, value in about.items() if name.isdigit()}
+    for table, grid, behind in ROOFLINES:
+        line = next(line for line in found(data, table) if line["grid"] == grid)
+        streams[1e6 * line["set"]] = (f", all arrays of {grid}{behind}", line["bandwidth"])
+    rows = [
+        [f"stream through {size / 1e6:.3g} MB{of}", f"{value:.3g} GB/s"]
+        for size, (of, value) in sorted(streams.items())
+    ]
+    return rows + [[f"multiply-adds, {name} precision", f"{about[name]:.3g} Gflop/s"] for name in ("double", "single")]
+
+
 TABLES: dict[str, Callable[[Data], Any]] = {
     "speed-pairs": partial(found, table="pair"),
     "speed-steps": partial(found, table="step"),
@@ -67,5 +107,7 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "speed-phases": phases,
     "speed-phases-fine": all_phases,
     "speed-motion": motion,
+    "speed-machine": lambda data: show.markdown(["one core", "measured"], machine(data)),
+    "speed-roofline": rooflines,
 }
 STUDY = Study("fluid-speed", cases, keep, TABLES)
