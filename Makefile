@@ -56,6 +56,7 @@ rust-test:
 	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
+	cargo test --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --bin fluid-bench --locked
 
 LINTED := python examples scripts site studies tests modelDescription hatch_build.py
 
