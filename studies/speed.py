@@ -39,6 +39,10 @@ def found(data: Data, table: str) -> list[dict[str, Any]]:
     return list(lines.values())
 
 
+def of_grid(data: Data, table: str, grid: str) -> dict[str, Any]:
+    return next(line for line in found(data, table) if line["grid"] == grid)
+
+
 def jumps(row: dict[str, Any], what: str) -> dict[float, float]:
     """Times of a scene by the distance that the bar jumps, cells."""
     return {float(name.split()[0]): value for name, value in row.items() if name.endswith(what)}
@@ -67,11 +71,11 @@ def motion(data: Data) -> list[str]:
 
 def rooflines(data: Data) -> list[dict[str, Any]]:
     """The phases that go through whole arrays, and their sums, beside both roofs; waits are what they take beyond their
-    time with the data in the cache."""
+    time with the data in the cache. The other phases have only a time."""
     rows = []
     columns = {"µs": "", "in cache, µs": ": in cache", "MB": ": moved", "Mflop": ": operations"}
     for table, grid, behind in ROOFLINES:
-        line = next(line for line in found(data, table) if line["grid"] == grid)
+        line, times = (of_grid(data, name, grid) for name in (table, table.replace("roofline", "phases")))
         phases = [name.removesuffix(": moved") for name in line if name.endswith(": moved")]
         parts = [{"part": name} | {to: line[name + of] for to, of in columns.items()} for name in phases]
         parts.append({"part": "all four"} | {to: sum(part[to] for part in parts) for to in columns})
@@ -81,6 +85,7 @@ def rooflines(data: Data) -> list[dict[str, Any]]:
             rows.append(
                 {"grid": grid + behind} | part | bound | roofline.reached(part, line["bandwidth"], line["peak"])
             )
+        rows.append({"grid": grid + behind, "part": "the other phases", "µs": times["step"] - parts[-1]["µs"]})
     return rows
 
 
@@ -91,7 +96,7 @@ def machine(data: Data) -> list[list[str]]:
     }
     streams = {float(name): ("", value) for name, value in about.items() if name.isdigit()}
     for table, grid, behind in ROOFLINES:
-        line = next(line for line in found(data, table) if line["grid"] == grid)
+        line = of_grid(data, table, grid)
         streams[1e6 * line["set"]] = (f", all arrays of {grid}{behind}", line["bandwidth"])
     rows = [
         [f"stream through {size / 1e6:.3g} MB{of}", f"{value:.3g} GB/s"]

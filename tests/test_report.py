@@ -6,7 +6,7 @@ import json
 import pytest
 
 from nervure.resources import ROOT
-from studies import catalogue, engine, show
+from studies import catalogue, engine, rod, show, speed
 
 SMALLEST = (
     "report/rod-static/rod/n = 32",
@@ -32,6 +32,12 @@ def test_no_row_that_readme_shows_is_stale(data):
     assert shown, "README shows no measured row"
     stale = sorted(name for name in shown if name not in data.records or data.records[name].stale)
     assert not stale, f"{stale}: `make shown-rows` runs them"
+
+
+def test_nothing_is_faster_than_the_machine(data):
+    """Bytes and operations are counted by hand: a count that is too high shows here."""
+    for row in (row for row in speed.rooflines(data) + rod.rooflines(data) if "of peak" in row):
+        assert row["of bandwidth"] < 1 and row["of peak"] < 1, row
 
 
 @pytest.mark.parametrize("room", ["report", "rod", "fluid", "vein"])

@@ -2,9 +2,9 @@
 
 import pytest
 
-from studies import catalogue, engine, fluid, fsi3, show
+from studies import catalogue, engine, fluid, fsi3, roofline, show, speed
 from studies.engine import Case, Study
-from studies.store import Data
+from studies.store import Data, Record
 
 
 def act(case: Case, folder) -> dict:
@@ -139,3 +139,32 @@ def test_short_waves_are_found_with_their_rate():
         {"time": time, "tip_vy": 1e-3 * np.exp(5 * time) * np.sin(2 * np.pi * 200 * time) + 0.3 * np.sin(6 * time)}
     )
     assert found["growth"] == pytest.approx(5, rel=0.02) and found["growth.frequency_hz"] == 200
+
+
+def test_a_roofline_has_rates_shares_and_floors():
+    found = roofline.reached({"µs": 1000.0, "MB": 32.0, "Mflop": 20.0}, bandwidth=40.0, peak=50.0)
+    assert found == pytest.approx({"GB/s": 32, "Gflop/s": 20, "of bandwidth": 0.8, "of peak": 0.4}
+                                  | {"by bytes": 800, "by operations": 400})  # fmt: skip
+
+
+def test_the_roofline_of_a_step_adds_up():
+    """By numbers that are easily seen: two phases with 2 and 3 MB, one of which waits, in a step of 100 µs."""
+    rows = [("set", 9.0, "MB"), ("bandwidth", 100.0, "GB/s"), ("peak", 50.0, "Gflop/s")]
+    for name, *values in (("a", 20.0, 5.0, 2.0, 0.5), ("b", 40.0, 44.0, 3.0, 1.0)):
+        columns = (("", "µs"), (": in cache", "µs"), (": moved", "MB"), (": operations", "Mflop"))
+        rows += [(name + of, value, unit) for (of, unit), value in zip(columns, values)]
+    data = Data([speed.STUDY])
+    case = next(iter(speed.cases()))
+    lines = [
+        [table, "scene", grid, *row]
+        for table, grid, _ in speed.ROOFLINES
+        for table, row in [(table, row) for row in rows]
+        + [(table.replace("roofline", "phases"), ("step", 100.0, "µs"))]
+    ]
+    name = f"{speed.STUDY.name}/{case.name}"
+    data.records[name] = Record(name, case, "", "", times={"rows": lines})
+    a, b, both, others = speed.rooflines(data)[:4]
+    assert (a["waits"], a["bound"], a["GB/s"], a["of peak"]) == (0.75, "data", 100, 0.5)
+    assert (b["waits"], b["bound"], b["GB/s"], b["of peak"]) == (0, "instructions", 75, 0.5)
+    assert (both["µs"], both["in cache, µs"], both["MB"], both["Mflop"]) == (60, 49, 5, 1.5)
+    assert others["µs"] == 40
