@@ -52,7 +52,7 @@ test: lint rust-test bindings-check python-test ## everything that has to pass
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --bins --locked -- -D warnings
+	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --bins --examples --locked -- -D warnings
 	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked

@@ -14,10 +14,11 @@ if TYPE_CHECKING:
     from studies.engine import Case
 
 
-def cargo(manifest: str, target: str, *arguments: str, binary: str = "") -> list[str]:
+def cargo(manifest: str, target: str, *arguments: str, binary: str = "", example: str = "") -> list[str]:
     """Command of a Rust program outside of the workspace."""
     run = ["cargo", "run", "--release", "--locked", "--manifest-path", manifest, "--target-dir", target]
-    return [*run, *(("--bin", binary) if binary else ()), "--", *arguments]
+    which = ("--bin", binary) if binary else ("--example", example) if example else ()
+    return [*run, *which, "--", *arguments]
 
 
 def tables(case: Case, folder: Path) -> dict[str, Any]:

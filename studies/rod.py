@@ -15,8 +15,8 @@ MANIFEST, TARGET = "crates/rod/study/Cargo.toml", "target/rod-study"
 
 Rows = list[dict[str, Any]]
 
-FILES = ("condition", "runtime", "roofline", "deflection", "order_in_n", "order_in_dt", "bending_models", "taper",
-          "csm", "csm3_energy", "extreme", "situations")  # fmt: skip
+FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "bending_models", "taper", "csm",
+          "csm3_energy", "extreme", "situations")  # fmt: skip
 """What the program can be asked for; each is a file of that name."""
 
 THESIS_CONDITION = [number for row in simulate.LISTED["thesis"]["condition"] for number in row["numbers"]]
@@ -34,6 +34,8 @@ def cases() -> Iterator[Case]:
     for name in FILES:
         command = commands.cargo(MANIFEST, TARGET, "{folder}", name)
         yield Case(f"study/{name}", (*ROD, "rod study"), options={"command": command}, action=commands.tables)
+    command = commands.cargo(MANIFEST, TARGET, "{folder}/roofline.csv", example="roofline")
+    yield Case("study/roofline", ("scene", "rod", "rod roofline"), options={"command": command}, action=commands.tables)
     yield Case("study/clamp", ("plate",), action=plate.run)
 
 

@@ -7,10 +7,7 @@ mod accuracy;
 mod common;
 mod condition;
 mod extreme;
-#[path = "../../../fluid/bench/src/machine.rs"]
-mod machine;
 mod rods;
-mod roofline;
 mod runtime;
 mod taper;
 
@@ -21,10 +18,9 @@ use std::path::Path;
 /// Name of a CSV file, and what computes its lines.
 type Study = (&'static str, fn() -> Table);
 
-const STUDIES: [Study; 12] = [
+const STUDIES: [Study; 11] = [
     ("condition", condition::table),
     ("runtime", runtime::table),
-    ("roofline", roofline::table),
     ("deflection", accuracy::deflection),
     ("order_in_n", accuracy::order_in_n),
     ("order_in_dt", accuracy::order_in_dt),

@@ -28,8 +28,7 @@ pub fn table() -> Table {
     ];
     for k in 0..11 {
         let n = 8 << k;
-        let ((spatial, iterations), (planar, _)) = (iteration_times::<3>(n), iteration_times::<2>(n));
-        let [spatial, planar] = [spatial, planar].map(median);
+        let ((spatial, iterations), (planar, _)) = (iteration_time::<3>(n), iteration_time::<2>(n));
         let [banded, sparse, dense] = solver_times(&newton_matrix(n));
         let [sparse_then, dense_then] =
             [SPARSE, DENSE].map(|times| times.get(k).map_or_else(String::new, f64::to_string));
@@ -39,7 +38,7 @@ pub fn table() -> Table {
 }
 
 /// Seconds of a step by its iterations, and the mean number of these: the beam falls from rest.
-pub fn iteration_times<const D: usize>(n: usize) -> (Vec<f64>, f64) {
+fn iteration_time<const D: usize>(n: usize) -> (f64, f64) {
     let mut rod = build(thesis_beam::<D>(n));
     let steps = (163_840 / n).clamp(100, 2000);
     let mut iterations = 0;
@@ -49,11 +48,11 @@ pub fn iteration_times<const D: usize>(n: usize) -> (Vec<f64>, f64) {
         iterations += rod.statistics().iterations;
         start.elapsed().as_secs_f64() / rod.statistics().iterations as f64
     });
-    (times.collect(), iterations as f64 / steps as f64)
+    (median(times.collect()), iterations as f64 / steps as f64)
 }
 
 /// K + 4 m/dt² of the thesis' beam in space, bending in the diagonal plane, so that no entry of the band vanishes.
-pub fn newton_matrix(n: usize) -> Banded {
+fn newton_matrix(n: usize) -> Banded {
     let mut rod = build(Parameters { gravity: [0.0, -0.5, -0.5], ..thesis_beam::<3>(n) });
     (0..5).for_each(|_| rod.step(DT).expect("an easy step"));
     let mut matrix = rod.stiffness().expect("a shape that steps have reached");
@@ -66,30 +65,30 @@ pub fn newton_matrix(n: usize) -> Banded {
 fn solver_times(matrix: &Banded) -> [String; 3] {
     let (order, good) = (matrix.order(), "a positive definite matrix");
     let copies = || (matrix.clone(), vec![1.0; order]);
-    let banded = median(times(order, copies, |(factors, b)| {
+    let banded = time(order, copies, |(factors, b)| {
         factors.factorise().expect(good);
         factors.solve(b);
-    }));
+    });
     let below = |j| j..order.min(j + matrix.half_bandwidth() + 1);
     let lower = (0..order).flat_map(|j| below(j).map(move |i| Triplet::new(i, j, entry(matrix, i, j))));
     let entries: Vec<_> = lower.filter(|entry| entry.val != 0.0).collect();
     let faers = SparseColMat::<usize, f64>::try_new_from_triplets(order, order, &entries).expect("entries inside");
     let symbolic = SymbolicLlt::try_new(faers.symbolic(), Side::Lower).expect("enough memory");
     let ones = || Mat::from_fn(order, 1, |_, _| 1.0);
-    let sparse = median(times(order, ones, |b| {
+    let sparse = time(order, ones, |b| {
         let factors = Llt::try_new_with_symbolic(symbolic.clone(), faers.as_ref(), Side::Lower);
         factors.expect(good).solve_in_place(b);
-    }));
+    });
     if order > 3 * 1024 {
         return [banded.to_string(), sparse.to_string(), String::new()];
     }
     let full = Mat::from_fn(order, order, |i, j| entry(matrix, i, j));
-    let dense = median(times(order * order, ones, |b| full.llt(Side::Lower).expect(good).solve_in_place(b)));
+    let dense = time(order * order, ones, |b| full.llt(Side::Lower).expect(good).solve_in_place(b));
     [banded, sparse, dense].map(|seconds| seconds.to_string())
 }
 
 /// Of as many runs as `size` leaves time for, each on a fresh input.
-pub fn times<T>(size: usize, fresh: impl Fn() -> T, run: impl Fn(&mut T)) -> Vec<f64> {
+fn time<T>(size: usize, fresh: impl Fn() -> T, run: impl Fn(&mut T)) -> f64 {
     let times = (0..(1_000_000 / size).clamp(3, 300)).map(|_| {
         let mut input = fresh();
         let start = Instant::now();
@@ -98,7 +97,7 @@ pub fn times<T>(size: usize, fresh: impl Fn() -> T, run: impl Fn(&mut T)) -> Vec
         black_box(input);
         seconds
     });
-    times.collect()
+    median(times.collect())
 }
 
 fn median(mut times: Vec<f64>) -> f64 {

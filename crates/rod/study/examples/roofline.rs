@@ -1,17 +1,28 @@
-//! A Newton iteration in space beside what the machine could do with its bytes, its operations and its longest chain.
+//! A Newton iteration of the thesis' beam in space beside what the machine could do with its bytes, its operations and its
+//! longest chain: `roofline FILE.csv`.
 //!
 //! Bytes and operations are counted by hand, as for the fluid's step: what an array is read, what it is written, and that
 //! once more where it was not read before. A fused multiply-add is two operations, a division or a root one.
 
+#[path = "../../tests/common/mod.rs"]
+mod common;
+#[path = "../../../fluid/bench/src/machine.rs"]
+mod machine;
+#[allow(dead_code, reason = "the studies use the rest")]
+#[path = "../src/rods.rs"]
+mod rods;
+
 use std::hint::black_box;
 use std::time::Instant;
 
-use crate::machine::{self, Fused, fastest};
-use crate::runtime::{iteration_times, newton_matrix, times};
-use crate::{Table, row};
+use machine::{Clock, Fused, fastest, measured};
+use nervure_rod::Parameters;
+use rods::{build, thesis_beam};
 
 /// Segments.
 const SIZES: [usize; 3] = [128, 1024, 8192];
+/// Step, s.
+const DT: f64 = 1e-3;
 /// Entries of a column of the band.
 const BAND: usize = 9;
 
@@ -28,20 +39,22 @@ struct Part {
     links: usize,
 }
 
-pub fn table() -> Table {
+fn main() -> Result<(), String> {
+    let path = std::env::args().nth(1).ok_or("give the file to write to")?;
     let begin = Instant::now();
     let clock = || begin.elapsed().as_secs_f64();
     let peak = f64::peak(&clock);
-    let mut table = vec!["n,part,seconds,bytes,set,flops,bandwidth,peak,chain".to_string()];
+    let mut lines = vec!["n,part,seconds,bytes,set,flops,bandwidth,peak,chain".to_string()];
     for n in SIZES {
         let set = n * SET;
         let bandwidth = machine::bandwidth(set, &clock);
-        for Part { name, seconds, moved, flops, links } in parts(n) {
+        for Part { name, seconds, moved, flops, links } in parts(n, &clock) {
             let chain = if links > 0 { chain(n * links, &clock).to_string() } else { String::new() };
-            table.push(row(&[&n, &name, &seconds, &(n * moved), &set, &(n * flops), &bandwidth, &peak, &chain]));
+            let (bytes, flops) = (n * moved, n * flops);
+            lines.push(format!("{n},{name},{seconds},{bytes},{set},{flops},{bandwidth},{peak},{chain}"));
         }
     }
-    table
+    std::fs::write(&path, lines.join("\n") + "\n").map_err(|error| format!("cannot write {path}: {error}"))
 }
 
 /// Bytes of a segment's part of the band, of a vector by nodes and of a number by segments.
@@ -53,19 +66,39 @@ const NUMBER: usize = 8;
 /// numbers (length without tension, both stiffnesses, mass).
 const SET: usize = MATRIX + 6 * VECTOR + 4 * NUMBER;
 
-/// The parts of an iteration with n segments; what is not the band's is the rest of a step by its iterations.
-fn parts(n: usize) -> [Part; 3] {
-    let matrix = newton_matrix(n);
+/// The parts of an iteration with n segments. Of the whole, which is that of a beam that falls from rest, what is not the
+/// band's is the rest of a step by its iterations.
+fn parts(n: usize, clock: Clock) -> [Part; 3] {
+    let mut rod = build(thesis_beam::<3>(n));
+    let times = (0..(163_840 / n).clamp(100, 2000)).map(|_| {
+        let start = clock();
+        rod.step(DT).expect("an easy step");
+        (clock() - start) / rod.statistics().iterations as f64
+    });
+    let whole = fastest(times.collect());
+
+    // Bent in the diagonal plane, so that no entry of the band vanishes.
+    let mut rod = build(Parameters { gravity: [0.0, -0.5, -0.5], ..thesis_beam::<3>(n) });
+    (0..5).for_each(|_| rod.step(DT).expect("an easy step"));
+    let mut matrix = rod.stiffness().expect("a shape that steps have reached");
+    let inertia = 4.0 * 0.0571 / n as f64 / (DT * DT);
+    (0..matrix.order()).for_each(|j| matrix.column_mut(j)[0] += inertia);
     let mut factors = matrix.clone();
-    factors.factorise().expect("a positive definite matrix");
-    let order = matrix.order();
-    let factorise = fastest(times(order, || matrix.clone(), |matrix| drop(matrix.factorise())));
-    let solve = fastest(times(order, || vec![1.0; order], |b| factors.solve(b)));
-    let (iterations, _) = iteration_times::<3>(n);
-    let rest = fastest(iterations) - factorise - solve;
+    let copy = measured(clock, || factors.clone_from(black_box(&matrix)));
+    let factorise = measured(clock, || {
+        factors.clone_from(black_box(&matrix));
+        factors.factorise().expect("a positive definite matrix");
+    });
+    let mut b = vec![0.0; matrix.order()];
+    let solve = measured(clock, || {
+        b.fill(1.0);
+        factors.solve(black_box(&mut b));
+    });
+    let factorise = factorise - copy;
+    let rest = whole - factorise - solve;
     [
         Part {
-            name: "derivatives, assembly, update, residual",
+            name: "derivatives; assembly; update; residual",
             seconds: rest,
             // Assembly reads three vectors and four numbers and writes band and right-hand side; the update is read three times,
             // and what it is added to is read and written; the residual reads what assembly reads and writes the right-hand
@@ -113,7 +146,7 @@ const RESIDUAL: usize = EDGE + COSINE + SLOPES + 20 + 18;
 
 /// Seconds of so many pivots one after the other: each is an entry less what the one before leaves of it, by a division, a
 /// product and a difference.
-fn chain(pivots: usize, clock: machine::Clock) -> f64 {
+fn chain(pivots: usize, clock: Clock) -> f64 {
     let times = (0..400).map(|_| {
         let (entry, beside) = black_box((2.0, 1.0));
         let mut pivot = entry;
