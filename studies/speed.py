@@ -91,10 +91,8 @@ def rooflines(data: Data) -> list[dict[str, Any]]:
 
 def machine(data: Data) -> list[list[str]]:
     """What the machine does: streams through so many bytes, among them those of a step on each grid, and arithmetic."""
-    about = {
-        name: value for name, value in found(data, "machine")[0].items() if name not in ("scene", "grid", "points")
-    }
-    streams = {float(name): ("", value) for name, value in about.items() if name.isdigit()}
+    about: dict[Any, Any] = found(data, "machine")[0]
+    streams = {size: ("", value) for size, value in about.items() if isinstance(size, float)}  # Names that are numbers
     for table, grid, behind in ROOFLINES:
         line = of_grid(data, table, grid)
         streams[1e6 * line["set"]] = (f", all arrays of {grid}{behind}", line["bandwidth"])

@@ -20,7 +20,7 @@ use nervure_rod::Parameters;
 use rods::{build, thesis_beam};
 
 /// Segments.
-const SIZES: [usize; 3] = [128, 1024, 8192];
+const SIZES: [usize; 2] = [128, 1024];
 /// Step, s.
 const DT: f64 = 1e-3;
 /// Entries of a column of the band.
