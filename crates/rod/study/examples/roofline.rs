@@ -1,8 +1,8 @@
 //! A Newton iteration of the thesis' beam in space beside what the machine could do with its bytes, its operations and its
 //! longest chain: `roofline FILE.csv`.
 //!
-//! Bytes and operations are counted by hand, as for the fluid's step: what an array is read, what it is written, and that
-//! once more where it was not read before. A fused multiply-add is two operations, a division or a root one.
+//! Bytes and operations are counted by hand, as for the fluid's step: what is read, what is written, and that once more
+//! where it was not read before. A multiply-add is two operations, a division or a root one.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
