@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 /// How long each is measured: longer than what else runs on the machine is busy without a pause.
-const TIME: Duration = Duration::from_millis(2500);
+const TIME: Duration = Duration::from_millis(1500);
 /// Bytes that are streamed between two looks at the clock, at least.
 const STREAMED: usize = 4_000_000;
 /// Vectors of multiply-adds that do not wait for each other: more than a core has under way.
@@ -20,23 +20,16 @@ const VECTOR: usize = 32;
 /// A clock, s.
 pub type Clock<'a> = &'a dyn Fn() -> f64;
 
-/// Mean over the fastest quarter of some times: what else runs on the machine counts little.
-pub fn fastest(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times.truncate(times.len().div_ceil(4));
-    times.iter().sum::<f64>() / times.len() as f64
-}
-
-/// [`fastest`] time of a run, s.
-pub fn measured(clock: Clock, mut run: impl FnMut()) -> f64 {
+/// Shortest time of a run, s.
+pub fn shortest(clock: Clock, mut run: impl FnMut()) -> f64 {
     run();
-    let (begin, mut times) = (Instant::now(), Vec::new());
-    while begin.elapsed() < TIME || times.len() < 8 {
+    let (begin, mut shortest) = (Instant::now(), f64::INFINITY);
+    while begin.elapsed() < TIME {
         let start = clock();
         run();
-        times.push(clock() - start);
+        shortest = shortest.min(clock() - start);
     }
-    fastest(times)
+    shortest
 }
 
 /// Bandwidth of the triad `a = b + s c` through three arrays of so many bytes together, bytes/s.
@@ -47,7 +40,7 @@ pub fn bandwidth(bytes: usize, clock: Clock) -> f64 {
     let n = bytes / (3 * size_of::<f64>());
     let [mut a, b, c] = [0.0, 1.0, 2.0].map(|value| vec![value; n]);
     let passes = STREAMED.div_ceil(bytes);
-    let seconds = measured(clock, || {
+    let seconds = shortest(clock, || {
         for _ in 0..passes {
             compiled::triad(black_box(&mut a), &b, &c, 0.5);
         }
@@ -66,7 +59,7 @@ macro_rules! fused {
         impl Fused for $number {
             fn peak(clock: Clock) -> f64 {
                 let mut sums = [[1.0; VECTOR / size_of::<$number>()]; CHAINS];
-                let seconds = measured(clock, || compiled::$multiply_add(black_box(&mut sums), 0.5));
+                let seconds = shortest(clock, || compiled::$multiply_add(black_box(&mut sums), 0.5));
                 (2 * LINKS * sums.as_flattened().len()) as f64 / seconds
             }
         }

@@ -242,7 +242,6 @@ fn phases_of(flow: &mut Flow, mut step: impl FnMut(&mut Flow)) -> [f64; PHASES.l
         let whole = processor_time() - start;
         from_fn(|phase| *flow.fluid.clock().spent.get(phase).unwrap_or(&whole))
     });
-    // As `machine::fastest`, of all phases together.
     steps.sort_by(|a, b| a[STEP].total_cmp(&b[STEP]));
     steps.truncate(steps.len().div_ceil(4));
     from_fn(|phase| steps.iter().map(|step| step[phase]).sum::<f64>() / steps.len() as f64)
@@ -285,7 +284,7 @@ fn phases<R: Real + Fused>(precision: Precision, [title, roofline]: [&str; 2], t
         table.row("set", 1e-6 * set, "MB");
         table.row("bandwidth", 1e-9 * machine::bandwidth(set as usize, &processor_time), "GB/s");
         table.row("peak", 1e-9 * R::peak(&processor_time), "Gflop/s");
-        let in_cache = in_cache::<R>(precision, cells, &projection);
+        let in_cache = in_cache::<R>(precision, cells, &projection, table);
         for (Work { phase, moved, flops }, in_cache) in works.into_iter().zip(in_cache) {
             let name = PHASES[phase as usize];
             table.time(name, with_projection[phase as usize]);
@@ -298,7 +297,12 @@ fn phases<R: Real + Fused>(precision: Precision, [title, roofline]: [&str; 2], t
 
 /// What the phases of [`roofline::of_step`] would take if nothing came from beyond the second cache, s: by a solve on a small
 /// grid, by one block of columns again and again, and by one row of modes.
-fn in_cache<R: Real>(precision: Precision, [nx, ny]: [usize; 2], projection: &Projection<R>) -> [f64; 4] {
+fn in_cache<R: Real>(
+    precision: Precision,
+    [nx, ny]: [usize; 2],
+    projection: &Projection<R>,
+    table: &mut Table,
+) -> [f64; 4] {
     let small = [160, 36];
     let mut flow = Flow::new(SCENES[0].0, small, SCENES[0].2, 1, precision);
     let solve = phases_of(&mut flow, Flow::swing)[Phase::Solve as usize];
@@ -306,36 +310,37 @@ fn in_cache<R: Real>(precision: Precision, [nx, ny]: [usize; 2], projection: &Pr
 
     let (columns, modes) = (2 * R::LANES, projection.modes());
     let (block, blocks) = (Fft2::<R>::new(columns, ny, modes), nx.div_ceil(columns));
-    let mut field: Vec<_> = noise(columns * ny).into_iter().map(R::narrow).collect();
-    let (mut spectrum, mut zeros, mut scratch) = (block.spectrum(), block.spectrum(), block.scratch());
-    let both = machine::measured(&processor_time, || {
-        (0..2 * blocks).for_each(|_| block.forward(&field, &mut spectrum, &mut scratch));
-    });
-    // The part of these along x.
-    let Scratch { rows: [copy, ..], line, .. } = &mut scratch;
-    let along_x = machine::measured(&processor_time, || {
-        for _ in 0..2 * blocks {
-            for row in zeros.chunks_exact_mut(columns) {
-                copy.copy_from_slice(row);
-                block.forward_along_x(copy, row, line);
-            }
-        }
-    });
-    let back = machine::measured(&processor_time, || {
-        for _ in 0..3 * blocks {
-            block.inverse_along_y(&spectrum, 0..columns, &mut field, &mut scratch);
-        }
-    });
-
+    let (field, mut back) =
+        (noise(columns * ny).into_iter().map(R::narrow).collect::<Vec<_>>(), vec![R::zero(); columns * ny]);
+    let [mut spectrum, mut zeros, empty] = [(); 3].map(|()| block.spectrum());
+    let [mut whole, mut rows, mut lines] = [(); 3].map(|()| block.scratch());
     let fft = Fft2::<R>::new(nx, ny, modes);
-    let Scratch { rows: [u, v, omega], line, .. } = &mut fft.scratch();
-    let rows = machine::measured(&processor_time, || {
-        for row in 0..modes.div_ceil(R::LANES) {
-            (0..2).for_each(|_| fft.forward_along_x(u, v, line));
-            projection.project(row, u, v, omega);
-            (0..3).for_each(|_| fft.inverse_along_x(u, omega, line));
-        }
-    });
+    let mut scratch = fft.scratch();
+    let things: [Thing; 4] = [
+        ("two whole, a block of columns", &mut || {
+            (0..2 * blocks).for_each(|_| block.forward(&field, &mut spectrum, &mut whole));
+        }),
+        ("their part along x", &mut || {
+            for _ in 0..2 * blocks {
+                for row in zeros.chunks_exact_mut(columns) {
+                    rows.rows[0].copy_from_slice(row);
+                    block.forward_along_x(&rows.rows[0], row, &mut rows.line);
+                }
+            }
+        }),
+        ("five along x, a row of modes", &mut || {
+            let Scratch { rows: [u, v, omega], line, .. } = &mut scratch;
+            for row in 0..modes.div_ceil(R::LANES) {
+                (0..2).for_each(|_| fft.forward_along_x(u, v, line));
+                projection.project(row, u, v, omega);
+                (0..3).for_each(|_| fft.inverse_along_x(u, omega, line));
+            }
+        }),
+        ("three back, a block of columns", &mut || {
+            (0..3 * blocks).for_each(|_| block.inverse_along_y(&empty, 0..columns, &mut back, &mut lines));
+        }),
+    ];
+    let [both, along_x, rows, back] = table.compare(&processor_time, things, &[]);
     [solve * by_points, both - along_x, rows, back]
 }
 
