@@ -8,7 +8,7 @@ use std::hint::spin_loop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard};
-use std::thread;
+use std::thread::{self, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
 use float::Modes;
@@ -50,16 +50,12 @@ impl Team {
         let team = Self { threads, ..team };
         let modes = Modes::of_thread();
         thread::scope(|scope| {
-            let _end = End(&team);
-            for _ in 1..threads {
-                let help = || {
-                    modes.apply();
-                    team.help();
-                };
-                if thread::Builder::new().spawn_scoped(scope, help).is_err() {
-                    break;
-                }
-            }
+            let help = || {
+                modes.apply();
+                team.help();
+            };
+            let mut end = End { team: &team, helpers: Vec::with_capacity(threads - 1) };
+            end.helpers.extend((1..threads).map_while(|_| thread::Builder::new().spawn_scoped(scope, help).ok()));
             work(&team)
         })
     }
@@ -166,13 +162,20 @@ impl Drop for Return<'_> {
     }
 }
 
-/// Where a team ends, also by a panic.
-struct End<'a>(&'a Team);
+/// Where a team ends, also by a panic. A scope alone would not wait until the system's threads have ended.
+struct End<'scope, 'a> {
+    team: &'a Team,
+    helpers: Vec<ScopedJoinHandle<'scope, ()>>,
+}
 
-impl Drop for End<'_> {
+impl Drop for End<'_, '_> {
     fn drop(&mut self) {
-        lock(&self.0.call).is_over = true;
-        self.0.wake();
+        lock(&self.team.call).is_over = true;
+        self.team.wake();
+        for helper in self.helpers.drain(..) {
+            // It catches every panic.
+            let _ = helper.join();
+        }
     }
 }
 
@@ -185,5 +188,86 @@ fn wait_shortly(is_there: impl Fn() -> bool) {
     let begin = Instant::now();
     while !is_there() && begin.elapsed() < PATIENCE {
         (0..16).for_each(|_| spin_loop());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Barrier;
+
+    use float::Fast;
+
+    use super::*;
+
+    const CALLER: &str = "on the calling thread";
+    const HELPER: &str = "on a helper";
+
+    /// Let a team of so many each have one part at once.
+    fn all_at_once(team: &Team, threads: usize, work: impl Fn() + Sync) {
+        let barrier = Barrier::new(threads);
+        team.share(0..threads, |_| {
+            barrier.wait();
+            work();
+        });
+    }
+
+    #[test]
+    fn every_thread_works_in_the_modes_of_the_first() {
+        let seen = Mutex::new(Vec::new());
+        let _fast = Fast::enter();
+        let own = Modes::of_thread();
+        Team::with(4, |team| all_at_once(team, 4, || lock(&seen).push((thread::current().id(), Modes::of_thread()))));
+        let mut seen = seen.into_inner().expect("no thread panics");
+        seen.dedup_by_key(|(thread, _)| *thread);
+        assert_eq!(seen.len(), 4);
+        assert!(seen.iter().all(|(_, modes)| *modes == own), "{seen:?}");
+    }
+
+    #[test]
+    fn every_part_is_done_once_by_threads_that_run_or_sleep() {
+        for threads in [1, 2, 5] {
+            let mut parts = [0; 37];
+            let mut own = vec![0; threads];
+            Team::with(threads, |team| {
+                for call in 0..200 {
+                    if call % 20 == 0 {
+                        thread::sleep(4 * PATIENCE);
+                    }
+                    team.share_with(&mut own, parts.iter_mut(), |part, own| {
+                        *part += 1;
+                        *own += 1;
+                    });
+                }
+            });
+            assert_eq!((parts, own.iter().sum()), ([200; 37], 200 * 37), "{threads} threads");
+        }
+    }
+
+    /// What comes out of a team where the caller or its helpers panic in the first call; it must come out at all.
+    fn panicked(who: &'static str) -> (String, usize) {
+        let (caller, ended) = (thread::current().id(), AtomicUsize::new(0));
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            Team::with(3, |team| {
+                all_at_once(team, 3, || {
+                    let is_caller = thread::current().id() == caller;
+                    if is_caller == (who == CALLER) {
+                        panic!("{who}");
+                    }
+                    thread::sleep(Duration::from_millis(20));
+                    ended.fetch_add(1, Ordering::Relaxed);
+                });
+            });
+        }));
+        let payload = result.expect_err("the panic comes out");
+        let text =
+            payload.downcast_ref::<String>().cloned().or(payload.downcast_ref().map(|text: &&str| text.to_string()));
+        (text.expect("a panic has a text"), ended.into_inner())
+    }
+
+    #[test]
+    fn a_panic_comes_out_once_all_have_ended() {
+        // While a helper is at work, what it has borrowed stays.
+        assert_eq!(panicked(CALLER), (CALLER.into(), 2));
+        assert_eq!(panicked(HELPER), ("a thread that shared the work panicked".into(), 1));
     }
 }
