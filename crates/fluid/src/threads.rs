@@ -108,19 +108,18 @@ impl Team {
         // `Return` takes it out and waits until none is busy, before the borrow ends, also where this thread panics.
         let work_for_helpers = unsafe { std::mem::transmute::<&(dyn Fn() + Sync), &'static (dyn Fn() + Sync)>(work) };
         let end = Return(self);
-        lock(&self.call).work = Some(work_for_helpers);
-        self.wake();
+        self.tell(|call| call.work = Some(work_for_helpers));
         work();
         drop(end);
         assert!(!lock(&self.call).has_panicked, "a thread that shared the work panicked");
     }
 
-    /// Say that there is something new in `call`.
-    fn wake(&self) {
-        {
-            let _call = lock(&self.call);
-            self.calls.fetch_add(1, Ordering::Release);
-        }
+    /// Wake the helpers with something new.
+    fn tell(&self, news: impl FnOnce(&mut Call)) {
+        let mut call = lock(&self.call);
+        news(&mut call);
+        self.calls.fetch_add(1, Ordering::Release);
+        drop(call);
         self.called.notify_all();
     }
 
@@ -170,8 +169,7 @@ struct End<'scope, 'a> {
 
 impl Drop for End<'_, '_> {
     fn drop(&mut self) {
-        lock(&self.team.call).is_over = true;
-        self.team.wake();
+        self.team.tell(|call| call.is_over = true);
         for helper in self.helpers.drain(..) {
             // It catches every panic.
             let _ = helper.join();
