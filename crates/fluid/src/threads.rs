@@ -2,7 +2,7 @@
 //!
 //! A team is there for one advance of the fluid. Its threads start once, take parts of the work of every phase as they
 //! come, and have ended with the advance: nothing is left when the library is unloaded or the process forks. Nobody waits
-//! for a thread that has taken nothing, so one that starts or wakes late, or whose core is busy, costs little.
+//! for a thread that has taken nothing: one that starts or wakes late does not hold the others up.
 
 use std::hint::spin_loop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -13,7 +13,8 @@ use std::time::{Duration, Instant};
 
 use float::Modes;
 
-/// How long a thread looks for what it waits for before it sleeps. To be woken takes about as long.
+/// How long a thread looks for what it waits for before it sleeps. On busy cores 5 to 50 µs made no difference
+/// that could be measured.
 const PATIENCE: Duration = Duration::from_micros(50);
 
 /// Parts of a phase for each thread: enough that none waits long for the last part of another.
