@@ -1,8 +1,8 @@
 //! Work shared by threads.
 //!
 //! A team is there for one advance of the fluid. Its threads start once, take parts of the work of every phase as they
-//! come, and have ended with the advance: nothing is left when the library is unloaded or the process forks. Nobody waits
-//! for a thread that has taken nothing: one that starts or wakes late does not hold the others up.
+//! come, and have ended with the advance: nothing is left when the library is unloaded or the process forks. Nobody
+//! waits for a thread that has taken nothing: one that starts or wakes late does not hold the others up.
 
 use std::hint::spin_loop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
