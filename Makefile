@@ -207,7 +207,7 @@ $(SITE_VENV)/.ready: requirements/site.lock
 	touch $@
 
 MOVING := vein-forward-384x192 vein-hover-288x256 vein-hover-tapered-288x256 vein-pitching-320x240 vein-3d csm1 csm3 \
-	cylinder-oscillating-460x100 cylinder-2d1-450x90
+	vein-pair-hover-256x288 vein-pair-forward-288x192 cylinder-oscillating-460x100 cylinder-2d1-450x90
 
 gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some minutes)
 	for name in $(MOVING); do $(NERVURE) run $$name --fields-every 0.04 --output results/gallery/$$name --force --quiet || exit; done
