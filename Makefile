@@ -156,7 +156,7 @@ driven-bar: build $(READY_DEV) ## run what is missing of the bar in prescribed m
 vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a quarter of an hour of one core), write docs/vein
 	$(STUDY) vein $(ARGS)
 
-flapping: build $(READY_DEV) ## run the cases of docs/flapping.md (some minutes), write its tables' rows and figures; ARGS="hover"
+flapping: build $(READY_DEV) ## run the cases of docs/flapping.md and the tapered veins (twenty minutes), write their tables' rows and figures; ARGS="hover"
 	$(RUN) -m studies.flapping $(ARGS)
 
 filaments: build $(READY_DEV) ## run two filaments side by side at several distances (two minutes), write docs/flapping/filaments.*

@@ -181,9 +181,7 @@ def swing(series: Series, column: str, begin: float) -> dict[str, float]:
 
 def unlike(series: Series) -> float:
     """Largest distance of the tip of one vein of a pair from the mirror image of the other's at y = 0, m."""
-    (ux, uy), (image_ux, image_uy) = (
-        [series[f"{name}_tip_u{axis}"] for axis in "xy"] for name in ("upper", "lower")
-    )
+    (ux, uy), (image_ux, image_uy) = ([series[f"{name}_tip_u{axis}"] for axis in "xy"] for name in ("upper", "lower"))
     return float(max(np.abs(ux - image_ux).max(), np.abs(uy + image_uy).max()))
 
 
@@ -193,7 +191,8 @@ def pair(done: nervure.Run) -> dict[str, float]:
     beams = [summary.bodies[f"beam_{i}"] for i in (1, 2)]
     averages = [rod.flapping for rod in rods if rod.flapping]
     ct, cp = (float(np.mean([getattr(beam, name) for beam in beams])) for name in ("ct", "cp"))
-    tip, lag = (float(np.mean([getattr(of, name) for of in averages])) for name in ("tip_by_rigid_tip", "phase_lag_deg"))
+    tip = float(np.mean([of.tip_by_rigid_tip for of in averages]))
+    lag = float(np.mean([of.phase_lag_deg for of in averages]))
     return {"ct": ct, "cp": cp, "ct_by_cp": ct / cp, "tip": tip, "lag_deg": lag, "unlike": unlike(done.series)}
 
 
