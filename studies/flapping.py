@@ -186,14 +186,24 @@ def unlike(series: Series) -> float:
 
 
 def pair(done: nervure.Run) -> dict[str, float]:
-    """Means over both veins of a pair, and how far they are from being mirror images."""
+    """Means over both veins of a pair, the thrust's scatter over the cycles, and how far they are from being mirror
+    images."""
     summary, rods = done.summary, (done.summary.rods or {}).values()
     beams = [summary.bodies[f"beam_{i}"] for i in (1, 2)]
     averages = [rod.flapping for rod in rods if rod.flapping]
     ct, cp = (float(np.mean([getattr(beam, name) for beam in beams])) for name in ("ct", "cp"))
     tip = float(np.mean([of.tip_by_rigid_tip for of in averages]))
     lag = float(np.mean([of.phase_lag_deg for of in averages]))
-    return {"ct": ct, "cp": cp, "ct_by_cp": ct / cp, "tip": tip, "lag_deg": lag, "unlike": unlike(done.series)}
+    scatter = float(np.mean([beam.cycles["cd"].scatter for beam in beams if beam.cycles]))
+    return {
+        "ct": ct,
+        "scatter": scatter,
+        "cp": cp,
+        "ct_by_cp": ct / cp,
+        "tip": tip,
+        "lag_deg": lag,
+        "unlike": unlike(done.series),
+    }
 
 
 def twin(done: nervure.Run) -> dict[str, Any]:
@@ -339,7 +349,9 @@ def draw_pair() -> None:
         for axis, key in zip(axes[0], ("ct", "ct_by_cp"), strict=True):
             axis.plot(PAIR_MODULI, [values[key] for values in found], "o-", label=label)
     for axis, name in zip(axes[0], ("$C_T$ of a vein", "$C_T / C_P$"), strict=True):
-        axis.set(xscale="log", xlabel="Young's modulus, Pa", ylabel=name)
+        axis.set(xscale="log", xlabel="Young's modulus, kPa", ylabel=name)
+        axis.set_xticks(PAIR_MODULI, [f"{e / 1e3:g}" for e in PAIR_MODULI])
+        axis.minorticks_off()
     axes[0, 0].legend(fontsize=8)
     show.save(figure, "vein/pair", 110)
 
