@@ -186,24 +186,14 @@ def unlike(series: Series) -> float:
 
 
 def pair(done: nervure.Run) -> dict[str, float]:
-    """Means over both veins of a pair, the thrust's scatter over the cycles, and how far they are from being mirror
-    images."""
+    """Means over both veins of a pair, and how far they are from being mirror images."""
     summary, rods = done.summary, (done.summary.rods or {}).values()
     beams = [summary.bodies[f"beam_{i}"] for i in (1, 2)]
     averages = [rod.flapping for rod in rods if rod.flapping]
     ct, cp = (float(np.mean([getattr(beam, name) for beam in beams])) for name in ("ct", "cp"))
     tip = float(np.mean([of.tip_by_rigid_tip for of in averages]))
     lag = float(np.mean([of.phase_lag_deg for of in averages]))
-    scatter = float(np.mean([beam.cycles["cd"].scatter for beam in beams if beam.cycles]))
-    return {
-        "ct": ct,
-        "scatter": scatter,
-        "cp": cp,
-        "ct_by_cp": ct / cp,
-        "tip": tip,
-        "lag_deg": lag,
-        "unlike": unlike(done.series),
-    }
+    return {"ct": ct, "cp": cp, "ct_by_cp": ct / cp, "tip": tip, "lag_deg": lag, "unlike": unlike(done.series)}
 
 
 def twin(done: nervure.Run) -> dict[str, Any]:
@@ -292,7 +282,8 @@ def measured(group: str, done: nervure.Run) -> dict[str, Any]:
         assert averages
         return {name: getattr(averages, name) for name in ("thrust", "power_in", "tip_by_rigid_tip", "phase_lag_deg")}
     if group in PAIRS:
-        return pair(done)
+        scatters = [beam.cycles["cd"].scatter or 0.0 for beam in done.summary.bodies.values() if beam.cycles]
+        return pair(done) | {"scatter": float(np.mean(scatters))}
     if group == "shedding":
         return shedding(done.series)
     if group == "passive":
