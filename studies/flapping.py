@@ -282,8 +282,8 @@ def measured(group: str, done: nervure.Run) -> dict[str, Any]:
         assert averages
         return {name: getattr(averages, name) for name in ("thrust", "power_in", "tip_by_rigid_tip", "phase_lag_deg")}
     if group in PAIRS:
-        scatters = [beam.cycles["cd"].scatter or 0.0 for beam in done.summary.bodies.values() if beam.cycles]
-        return pair(done) | {"scatter": float(np.mean(scatters))}
+        cycles = [beam.cycles["cd"] for beam in done.summary.bodies.values() if beam.cycles]
+        return pair(done) | {"scatter": float(np.mean([of.scatter for of in cycles if of.scatter is not None]))}
     if group == "shedding":
         return shedding(done.series)
     if group == "passive":
