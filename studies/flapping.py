@@ -52,6 +52,7 @@ NARROW = box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(384, 256, 0.02)
 GUST = {"table": {"times": [0.0, 2.0, 4.0, 6.0], "values": [0.0, 0.2, 0.2, 0.0]}}
 SHEDDING = {"fluid.kinematic_viscosity": 0.01, "fluid.mean_flow.y": GUST, "time.end": 100.0}
 THICKNESS = "beam.thickness"
+LONG = {"fluid.sponge.x": [5.0, 6.0], "time.end": 20.0}  # The flag in a longer box
 
 CASES: dict[str, tuple[str, Changes]] = {
     "oscillating/300x180": (KC5, on_grid(300, 180, 0.01)),
@@ -72,6 +73,8 @@ CASES: dict[str, tuple[str, Changes]] = {
     "flag/320x160, 0.03": (FLAG, on_grid(320, 160, 0.004) | {THICKNESS: 0.03}),
     "flag/480x240, 0.03": (FLAG, {THICKNESS: 0.03}),
     "flag/480x240, 0.02": (FLAG, {}),
+    "flag/768x240, 0.02, box 8 x 2.5": (FLAG, LONG | box([-2.0, 6.0], [-1.25, 1.25]) | {"fluid.box.cells": [768, 240]}),
+    "flag/768x480, 0.02, box 8 x 5": (FLAG, LONG | box([-2.0, 6.0], [-2.5, 2.5]) | {"fluid.box.cells": [768, 480]}),
     "flag/960x480, 0.02": (FLAG, on_grid(960, 480, 0.00135)),
     "flag/960x480, 0.01": (FLAG, on_grid(960, 480, 0.00135) | {THICKNESS: 0.01}),
     "filament/256x256, 0.06": (FILAMENT, on_grid(256, 256, 0.0075)),
