@@ -156,7 +156,7 @@ driven-bar: build $(READY_DEV) ## run what is missing of the bar in prescribed m
 vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a quarter of an hour of one core), write docs/vein
 	$(STUDY) vein $(ARGS)
 
-flapping: build $(READY_DEV) ## run the cases of docs/flapping.md (some minutes), write its tables' rows and figures; ARGS="hover"
+flapping: build $(READY_DEV) ## run the cases of docs/flapping.md and the tapered veins (twenty minutes), write their tables' rows and figures; ARGS="hover"
 	$(RUN) -m studies.flapping $(ARGS)
 
 filaments: build $(READY_DEV) ## run two filaments side by side at several distances (two minutes), write docs/flapping/filaments.*
@@ -207,7 +207,7 @@ $(SITE_VENV)/.ready: requirements/site.lock
 	touch $@
 
 MOVING := vein-forward-384x192 vein-hover-288x256 vein-hover-tapered-288x256 vein-pitching-320x240 vein-3d csm1 csm3 \
-	cylinder-oscillating-460x100 cylinder-2d1-450x90
+	vein-pair-hover-256x288 vein-pair-forward-288x192 cylinder-oscillating-460x100 cylinder-2d1-450x90
 
 gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some minutes)
 	for name in $(MOVING); do $(NERVURE) run $$name --fields-every 0.04 --output results/gallery/$$name --force --quiet || exit; done

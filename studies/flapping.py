@@ -38,6 +38,8 @@ TWIN_STEP = 20  # Steps of the passive vein between two points of the motion tha
 REVERSAL = 0.02  # Periods around a reversal of the stroke in which the digitised drag jumps from one sign to the other
 
 MODULI = (5e4, 1e5, 2e5)  # Of the tapered vein, Pa
+PAIRS = {"pair-hover": "vein-pair-hover-256x288", "pair-forward": "vein-pair-forward-288x192"}
+PAIR_MODULI = (2.5e4, 5e4, 1e5, 2e5, 4e5)  # Of both veins of a pair, Pa
 
 Changes = dict[str, Any]
 
@@ -50,6 +52,7 @@ NARROW = box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(384, 256, 0.02)
 GUST = {"table": {"times": [0.0, 2.0, 4.0, 6.0], "values": [0.0, 0.2, 0.2, 0.0]}}
 SHEDDING = {"fluid.kinematic_viscosity": 0.01, "fluid.mean_flow.y": GUST, "time.end": 100.0}
 THICKNESS = "beam.thickness"
+LONG = {"fluid.sponge.x": [5.0, 6.0], "time.end": 20.0}  # The flag in a longer box
 
 CASES: dict[str, tuple[str, Changes]] = {
     "oscillating/300x180": (KC5, on_grid(300, 180, 0.01)),
@@ -70,11 +73,17 @@ CASES: dict[str, tuple[str, Changes]] = {
     "flag/320x160, 0.03": (FLAG, on_grid(320, 160, 0.004) | {THICKNESS: 0.03}),
     "flag/480x240, 0.03": (FLAG, {THICKNESS: 0.03}),
     "flag/480x240, 0.02": (FLAG, {}),
+    "flag/768x240, 0.02, box 8 x 2.5": (FLAG, LONG | box([-2.0, 6.0], [-1.25, 1.25]) | {"fluid.box.cells": [768, 240]}),
+    "flag/768x480, 0.02, box 8 x 5": (FLAG, LONG | box([-2.0, 6.0], [-2.5, 2.5]) | {"fluid.box.cells": [768, 480]}),
+    "flag/960x480, 0.02": (FLAG, on_grid(960, 480, 0.00135)),
+    "flag/960x480, 0.01": (FLAG, on_grid(960, 480, 0.00135) | {THICKNESS: 0.01}),
     "filament/256x256, 0.06": (FILAMENT, on_grid(256, 256, 0.0075)),
     "filament/384x384, 0.06": (FILAMENT, {}),
     "filament/256x256, 0.09": (FILAMENT, on_grid(256, 256, 0.0075) | {THICKNESS: 0.09}),
     "passive/240x240": (PASSIVE, {}),
     **{f"tapered/{e:g}": (TAPERED, on_grid(216, 192, 5e-4) | {"time.end": 6.0, MODULUS: e}) for e in MODULI},
+    **{f"{group}/{e:g}": (scene, {f"rods.{i}.{MODULUS}": e for i in (0, 1)})
+       for group, scene in PAIRS.items() for e in PAIR_MODULI},
 }  # fmt: skip
 
 
@@ -173,6 +182,23 @@ def swing(series: Series, column: str, begin: float) -> dict[str, float]:
     }
 
 
+def unlike(series: Series) -> float:
+    """Largest distance of the tip of one vein of a pair from the mirror image of the other's at y = 0, m."""
+    (ux, uy), (image_ux, image_uy) = ([series[f"{name}_tip_u{axis}"] for axis in "xy"] for name in ("upper", "lower"))
+    return float(max(np.abs(ux - image_ux).max(), np.abs(uy + image_uy).max()))
+
+
+def pair(done: nervure.Run) -> dict[str, float]:
+    """Means over both veins of a pair, and how far they are from being mirror images."""
+    summary, rods = done.summary, (done.summary.rods or {}).values()
+    beams = [summary.bodies[f"beam_{i}"] for i in (1, 2)]
+    averages = [rod.flapping for rod in rods if rod.flapping]
+    ct, cp = (float(np.mean([getattr(beam, name) for beam in beams])) for name in ("ct", "cp"))
+    tip = float(np.mean([of.tip_by_rigid_tip for of in averages]))
+    lag = float(np.mean([of.phase_lag_deg for of in averages]))
+    return {"ct": ct, "cp": cp, "ct_by_cp": ct / cp, "tip": tip, "lag_deg": lag, "unlike": unlike(done.series)}
+
+
 def twin(done: nervure.Run) -> dict[str, Any]:
     """The scene of a passive vein with a rigid plate in its place, which is given the motion that the vein made."""
     scene, series = done.scene.document(), done.series
@@ -258,6 +284,9 @@ def measured(group: str, done: nervure.Run) -> dict[str, Any]:
         averages = done.summary.flapping
         assert averages
         return {name: getattr(averages, name) for name in ("thrust", "power_in", "tip_by_rigid_tip", "phase_lag_deg")}
+    if group in PAIRS:
+        cycles = [beam.cycles["cd"] for beam in done.summary.bodies.values() if beam.cycles]
+        return pair(done) | {"scatter": float(np.mean([of.scatter for of in cycles if of.scatter is not None]))}
     if group == "shedding":
         return shedding(done.series)
     if group == "passive":
@@ -306,7 +335,22 @@ def draw_passive() -> None:
     ], log=False)  # fmt: skip
 
 
-DRAWN = {"oscillating": draw_oscillating, "hover": draw_hover, "passive": draw_passive}
+def draw_pair() -> None:
+    """Thrust, and thrust by power, of both pairs over their modulus."""
+    figure, axes = show.panel(1, 2, (9.0, 3.6))
+    for group, label in (("pair-hover", "hover"), ("pair-forward", "forward flight")):
+        found = [pair(run(f"{group}/{e:g}")) for e in PAIR_MODULI]
+        for axis, key in zip(axes[0], ("ct", "ct_by_cp"), strict=True):
+            axis.plot(PAIR_MODULI, [values[key] for values in found], "o-", label=label)
+    for axis, name in zip(axes[0], ("$C_T$ of a vein", "$C_T / C_P$"), strict=True):
+        axis.set(xscale="log", xlabel="Young's modulus, kPa", ylabel=name)
+        axis.set_xticks(PAIR_MODULI, [f"{e / 1e3:g}" for e in PAIR_MODULI])
+        axis.minorticks_off()
+    axes[0, 0].legend(fontsize=8)
+    show.save(figure, "vein/pair", 110)
+
+
+DRAWN = {"oscillating": draw_oscillating, "hover": draw_hover, "passive": draw_passive, "pair-forward": draw_pair}
 """Figures by the group of cases that they show."""
 
 
@@ -320,6 +364,7 @@ def main() -> None:
         "filament",
         "passive",
         "tapered",
+        *PAIRS,
     ]:
         write_csv(show.DOCS / "flapping" / f"{group}.csv", rows(group))
         if group in DRAWN:

@@ -2,12 +2,18 @@
 
 import os
 import shutil
+import threading
 import time
+from pathlib import Path
 
+import fmpy
 import pytest
 
 from nervure.library import KINDS
+from nervure.pack import package
+from nervure.scene import Scene, load
 from studies.reliability.__main__ import CHECKS, SHIPPED, unpack
+from studies.reliability.trials import inherited
 from studies.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -78,3 +84,38 @@ def test_without_a_logger_a_refusal_is_only_a_status(kind, folders):
     unit = library.new()
     assert unit.call("DoStep", 0.0, -1.0, 0) == ERROR
     assert unit.call("DoStep", 0.0, STEP, 0) == OK
+
+
+def test_threads_of_a_step_end_with_it_and_a_fork_is_as_its_parent(libraries, tmp_path):
+    """On two threads: the bits of one, a second thread while a step runs, none after it."""
+    scene = load("fsi3-650x144")
+    one, two = (FMU2Unit("fluid", folder) for folder in (unpacked(scene, tmp_path, 1), unpacked(scene, tmp_path, 2)))
+    others, seen = set(tasks()), set()
+    unit, is_over = two.new(), threading.Event()
+
+    def watch():
+        while not is_over.is_set():
+            seen.update(tasks())
+
+    watcher = threading.Thread(target=watch)
+    watcher.start()
+    answer = unit.run(5)
+    is_over.set()
+    watcher.join()
+    assert answer == one.new().run(5)
+    assert len(seen - others - {str(watcher.native_id)}) >= 1, "the step ran on one thread"
+    assert set(tasks()) == others
+    fresh = two.new().run(5)
+    after = child("fork", 60.0, inherited, two, unit)
+    assert after == (unit.run(5), fresh)
+
+
+def unpacked(scene: Scene, folder: Path, threads: int) -> Path:
+    """The unpacked FMU of the fluid on so many threads."""
+    scene.fluid.threads, own = threads, folder / str(threads)
+    return Path(fmpy.extract(str(package.pack("fluid", scene, own)), str(own / "unpacked")))
+
+
+def tasks() -> list[str]:
+    """The threads of this process."""
+    return os.listdir("/proc/self/task")

@@ -16,6 +16,7 @@ use crate::probe::Probe;
 use crate::simd::Real;
 use crate::state::{Beams, Flow, Present, StateIn};
 use crate::step::{Scheme, Step};
+use crate::threads::Team;
 
 /// The usual step of the fluid's own is the smaller of `max_step` and the scene's communication step. Flow and beam may
 /// make steps so many times shorter, and no more.
@@ -173,7 +174,7 @@ impl<R: Real> FluidIn<R> {
             self.save_for_undo()?;
         }
         self.total_pressure_is_current = false;
-        if let Err(error) = self.make_steps(substeps, t, h) {
+        if let Err(error) = Team::with(self.domain.spectral.threads(), |team| self.make_steps(team, substeps, t, h)) {
             if let Some(undo) = self.undo.as_ref().filter(|_| several) {
                 self.present.copy_from(&undo.present);
                 self.scheme.restore(&undo.memory);
@@ -221,7 +222,7 @@ impl<R: Real> FluidIn<R> {
     }
 
     /// Make the steps of a communication step, at first so many.
-    fn make_steps(&mut self, mut substeps: f64, t: f64, h: f64) -> Result<(), Error> {
+    fn make_steps(&mut self, team: &Team, mut substeps: f64, t: f64, h: f64) -> Result<(), Error> {
         // The shares of `h` that are done, and that were done when what was left was last divided into `substeps`.
         let (mut done, mut divided, mut substep) = (0.0, 0.0, 0.0);
         let mut dt = h / substeps;
@@ -242,7 +243,7 @@ impl<R: Real> FluidIn<R> {
                 now
             };
             let shortest = self.shortest_step;
-            let step = Step { dt, end: t + done * h, stations, max_cfl: self.max_cfl, shortest };
+            let step = Step { dt, end: t + done * h, stations, max_cfl: self.max_cfl, shortest, team };
             self.scheme.step(step, &mut self.present, &mut self.domain)?;
         }
         Ok(())

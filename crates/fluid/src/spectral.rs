@@ -7,7 +7,7 @@ use crate::grid::Grid;
 use crate::projection::Projection;
 use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::Flow;
-use crate::threads::on_threads;
+use crate::threads::Team;
 use crate::transform::{Fft2, Pack, Scratch};
 
 /// Bytes of a field that are worth a thread of their own. Threads are started four times in a step: in runs of FSI3 two of
@@ -57,45 +57,37 @@ impl<R: Real> Spectral<R> {
         self.fft.gains()
     }
 
-    /// Number of modes in a spectrum that each thread solves for: some whole rows of `nx`.
-    pub fn share(&self) -> usize {
-        (self.spectra[0].len() / self.grid.nx).div_ceil(self.scratch.len()) * self.grid.nx
-    }
-
     /// From `w` to `flow`, and the largest `|u|/dx + |v|/dy` in it (1/s); where that would not be finite it is not a
     /// number, and `flow` stays as it was.
     ///
     /// `solve(projection, row, own, [u, v, omega])` makes the spectra of the flow from those of w in `u` and `v`, row by
-    /// row. `own` is what the caller has for the row, by shares and by rows. Between the two passes along y, each row
+    /// row. `own` is what the caller has for each row. Between the two passes along y, each row
     /// goes through both transforms along x and through `solve` while it is in the cache.
-    pub fn solve<T>(
+    pub fn solve<T: Send>(
         &mut self,
+        team: &Team,
         w: &[Vec<R>; 2],
-        own: impl Iterator<Item: Iterator<Item = T> + Send>,
+        own: impl Iterator<Item = T> + Send,
         solve: impl Fn(&Projection<R>, usize, T, [&mut [Pack<R>]; 3]) + Sync,
         flow: &mut Flow<R>,
         clock: &mut Clock,
     ) -> f64 {
-        let share = self.share();
         let [u_hat, v_hat, omega_hat] = &mut self.spectra;
         let (fft, projection, nx, ny) = (&self.fft, &self.projection, self.grid.nx, self.grid.ny);
-        fft.forward_along_y([&w[0], &w[1]], [&mut *u_hat, &mut *v_hat], &mut self.scratch);
+        fft.forward_along_y(team, [&w[0], &w[1]], [&mut *u_hat, &mut *v_hat], &mut self.scratch);
         clock.mark(Phase::Forward);
 
-        let shares = [&mut *u_hat, v_hat, omega_hat].map(|spectrum| spectrum.chunks_mut(share));
-        let [u_shares, v_shares, omega_shares] = shares;
-        let rows = (0..).step_by(share / nx).zip(u_shares.zip(v_shares).zip(omega_shares)).zip(own);
-        on_threads(rows.zip(&mut self.scratch), |(((first, ((u_hat, v_hat), omega_hat)), own), scratch)| {
+        let rows = [&mut *u_hat, v_hat, omega_hat].map(|spectrum| spectrum.chunks_exact_mut(nx));
+        let [u_rows, v_rows, omega_rows] = rows;
+        let rows = u_rows.zip(v_rows).zip(omega_rows).zip(own).enumerate();
+        team.share_with(&mut self.scratch, rows, |(row, (((u_hat, v_hat), omega_hat), own)), scratch| {
             let Scratch { rows: [u, v, omega], line, .. } = scratch;
-            let rows = u_hat.chunks_exact_mut(nx).zip(v_hat.chunks_exact_mut(nx)).zip(omega_hat.chunks_exact_mut(nx));
-            for ((row, ((u_hat, v_hat), omega_hat)), own) in (first..).zip(rows).zip(own) {
-                fft.forward_along_x(u_hat, u, line);
-                fft.forward_along_x(v_hat, v, line);
-                solve(projection, row, own, [&mut *u, &mut *v, &mut *omega]);
-                fft.inverse_along_x(u, u_hat, line);
-                fft.inverse_along_x(v, v_hat, line);
-                fft.inverse_along_x(omega, omega_hat, line);
-            }
+            fft.forward_along_x(u_hat, u, line);
+            fft.forward_along_x(v_hat, v, line);
+            solve(projection, row, own, [&mut *u, &mut *v, &mut *omega]);
+            fft.inverse_along_x(u, u_hat, line);
+            fft.inverse_along_x(v, v_hat, line);
+            fft.inverse_along_x(omega, omega_hat, line);
         });
         clock.mark(Phase::Rows);
         if !self.is_finite() {
@@ -108,12 +100,12 @@ impl<R: Real> Spectral<R> {
         // Numbers not below 0 are ordered like their bits.
         let largest = AtomicU64::new(0);
         let [mut u_rest, mut v_rest, mut omega_rest] = [&mut *u, &mut *v, vorticity].map(Vec::as_mut_slice);
-        let shares = fft.shares(self.scratch.len()).filter_map(|share| {
+        let shares = fft.shares(team.parts()).filter_map(|share| {
             let points = ..share.len() * ny;
             let (u, v) = (u_rest.split_off_mut(points)?, v_rest.split_off_mut(points)?);
             Some((share, u, v, omega_rest.split_off_mut(points)?))
         });
-        on_threads(shares.zip(&mut self.scratch), |((share, u, v, omega), scratch)| {
+        team.share_with(&mut self.scratch, shares, |(share, u, v, omega), scratch| {
             for columns in fft.blocks(share.clone()) {
                 let points = (columns.start - share.start) * ny..(columns.end - share.start) * ny;
                 let [u, v, omega] = [&mut *u, &mut *v, &mut *omega].map(|field| &mut field[points.clone()]);

@@ -1,45 +1,272 @@
 //! Work shared by threads.
+//!
+//! A team is there for one advance of the fluid. Its threads start once, take parts of the work of every phase as they
+//! come, and have ended with the advance: nothing is left when the library is unloaded or the process forks. Nobody
+//! waits for a thread that has taken nothing: one that starts or wakes late does not hold the others up.
+
+use std::hint::spin_loop;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard};
+use std::thread::{self, ScopedJoinHandle};
+use std::time::{Duration, Instant};
 
 use float::Modes;
 
-/// Do `work` with each of the parts on a thread of its own, with the first on this one, all in the floating-point modes
-/// of this one.
-///
-/// Threads that end with the phase leave nothing behind when the library is unloaded or the process forks.
-pub fn on_threads<T: Send>(parts: impl Iterator<Item = T>, work: impl Fn(T) + Sync) {
-    let mut parts = parts.peekable();
-    let Some(first) = parts.next() else { return };
-    if parts.peek().is_none() {
-        // A scope allocates, one thread must not.
-        return work(first);
-    }
-    let modes = Modes::of_thread();
-    std::thread::scope(|scope| {
-        let work = &work;
-        parts.for_each(|part| {
-            scope.spawn(move || {
+/// How long a thread looks for what it waits for before it sleeps. On busy cores 5 to 50 µs made no difference
+/// that could be measured.
+const PATIENCE: Duration = Duration::from_micros(50);
+
+/// Parts of a phase for each thread: enough that none waits long for the last part of another.
+const PARTS_PER_THREAD: usize = 4;
+
+/// The calling thread and those that help it.
+pub struct Team {
+    threads: usize,
+    call: Mutex<Call>,
+    /// Number of calls so far, changed while `call` is locked.
+    calls: AtomicUsize,
+    /// Helpers at work, changed while `call` is locked.
+    busy: AtomicUsize,
+    called: Condvar,
+    left: Condvar,
+}
+
+/// What helpers are called to.
+struct Call {
+    /// Takes parts until there are none.
+    work: Option<&'static (dyn Fn() + Sync)>,
+    is_over: bool,
+    has_panicked: bool,
+}
+
+impl Team {
+    /// Do `work` with a team of so many threads, all in the floating-point modes of this one. Where the system gives
+    /// fewer, there are fewer. One thread allocates nothing.
+    pub fn with<T>(threads: usize, work: impl FnOnce(&Self) -> T) -> T {
+        let team = Self::alone();
+        if threads < 2 {
+            return work(&team);
+        }
+        let team = Self { threads, ..team };
+        let modes = Modes::of_thread();
+        thread::scope(|scope| {
+            let help = || {
                 modes.apply();
-                work(part);
-            });
+                team.help();
+            };
+            let mut end = End { team: &team, helpers: Vec::with_capacity(threads - 1) };
+            end.helpers.extend((1..threads).map_while(|_| thread::Builder::new().spawn_scoped(scope, help).ok()));
+            work(&team)
+        })
+    }
+
+    /// The calling thread.
+    pub fn alone() -> Self {
+        Self {
+            threads: 1,
+            call: Mutex::new(Call { work: None, is_over: false, has_panicked: false }),
+            calls: AtomicUsize::new(0),
+            busy: AtomicUsize::new(0),
+            called: Condvar::new(),
+            left: Condvar::new(),
+        }
+    }
+
+    /// In how many parts a phase is best divided.
+    pub fn parts(&self) -> usize {
+        if self.threads == 1 { 1 } else { PARTS_PER_THREAD * self.threads }
+    }
+
+    /// Do `work` with each of the parts. Who takes which is left to chance.
+    pub fn share<T: Send>(&self, parts: impl Iterator<Item = T> + Send, work: impl Fn(T) + Sync) {
+        self.share_with(&mut vec![(); self.threads], parts, |part, ()| work(part));
+    }
+
+    /// The same with something that each thread has for itself: at least as many as the threads.
+    pub fn share_with<T: Send, S: Send>(
+        &self,
+        own: &mut [S],
+        mut parts: impl Iterator<Item = T> + Send,
+        work: impl Fn(T, &mut S) + Sync,
+    ) {
+        if self.threads == 1 {
+            return parts.for_each(|part| work(part, &mut own[0]));
+        }
+        let (own, parts) = (Mutex::new(own.iter_mut()), Mutex::new(parts.by_ref()));
+        self.call(&|| {
+            let Some(own) = lock(&own).next() else { return };
+            loop {
+                let Some(part) = lock(&parts).next() else { return };
+                work(part, own);
+            }
         });
-        work(first);
-    });
+    }
+
+    /// Call the helpers to what this thread does as well, and return when all have done.
+    fn call(&self, work: &(dyn Fn() + Sync)) {
+        // SAFETY: helpers run `work` only while they are counted as busy, which they become while it is in `call`.
+        // `Return` takes it out and waits until none is busy, before the borrow ends, also where this thread panics.
+        let work_for_helpers = unsafe { std::mem::transmute::<&(dyn Fn() + Sync), &'static (dyn Fn() + Sync)>(work) };
+        let end = Return(self);
+        self.tell(|call| call.work = Some(work_for_helpers));
+        work();
+        drop(end);
+        assert!(!lock(&self.call).has_panicked, "a thread that shared the work panicked");
+    }
+
+    /// Wake the helpers with something new.
+    fn tell(&self, news: impl FnOnce(&mut Call)) {
+        let mut call = lock(&self.call);
+        news(&mut call);
+        self.calls.fetch_add(1, Ordering::Release);
+        drop(call);
+        self.called.notify_all();
+    }
+
+    /// Come whenever called, until it is over.
+    fn help(&self) {
+        let mut seen = 0;
+        loop {
+            wait_shortly(|| self.calls.load(Ordering::Acquire) != seen);
+            let call = lock(&self.call);
+            let call = self.called.wait_while(call, |_| self.calls.load(Ordering::Relaxed) == seen);
+            let call = call.expect("nothing panics under the lock");
+            seen = self.calls.load(Ordering::Relaxed);
+            if call.is_over {
+                return;
+            }
+            let Some(work) = call.work else { continue };
+            self.busy.fetch_add(1, Ordering::Relaxed);
+            drop(call);
+            let done = catch_unwind(AssertUnwindSafe(work));
+            let mut call = lock(&self.call);
+            call.has_panicked |= done.is_err();
+            self.busy.fetch_sub(1, Ordering::Release);
+            drop(call);
+            self.left.notify_one();
+        }
+    }
+}
+
+/// Where a call ends, also by a panic.
+struct Return<'a>(&'a Team);
+
+impl Drop for Return<'_> {
+    fn drop(&mut self) {
+        let Self(team) = self;
+        lock(&team.call).work = None;
+        let is_done = || team.busy.load(Ordering::Acquire) == 0;
+        wait_shortly(is_done);
+        drop(team.left.wait_while(lock(&team.call), |_| !is_done()));
+    }
+}
+
+/// Where a team ends, also by a panic. A scope alone would not wait until the system's threads have ended.
+struct End<'scope, 'a> {
+    team: &'a Team,
+    helpers: Vec<ScopedJoinHandle<'scope, ()>>,
+}
+
+impl Drop for End<'_, '_> {
+    fn drop(&mut self) {
+        self.team.tell(|call| call.is_over = true);
+        for helper in self.helpers.drain(..) {
+            // It catches every panic.
+            let _ = helper.join();
+        }
+    }
+}
+
+fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().expect("nothing panics under the lock")
+}
+
+/// Wait for something as long as it is not worth to sleep.
+fn wait_shortly(is_there: impl Fn() -> bool) {
+    let begin = Instant::now();
+    while !is_there() && begin.elapsed() < PATIENCE {
+        (0..16).for_each(|_| spin_loop());
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Mutex;
+    use std::sync::Barrier;
 
     use float::Fast;
 
     use super::*;
+
+    const CALLER: &str = "on the calling thread";
+    const HELPER: &str = "on a helper";
+
+    /// Let a team of so many each have one part at once.
+    fn all_at_once(team: &Team, threads: usize, work: impl Fn() + Sync) {
+        let barrier = Barrier::new(threads);
+        team.share(0..threads, |_| {
+            barrier.wait();
+            work();
+        });
+    }
 
     #[test]
     fn every_thread_works_in_the_modes_of_the_first() {
         let seen = Mutex::new(Vec::new());
         let _fast = Fast::enter();
         let own = Modes::of_thread();
-        on_threads(0..4, |_| seen.lock().expect("no thread panics").push(Modes::of_thread()));
-        assert_eq!(seen.into_inner().expect("no thread panics"), [own; 4]);
+        Team::with(4, |team| all_at_once(team, 4, || lock(&seen).push((thread::current().id(), Modes::of_thread()))));
+        let mut seen = seen.into_inner().expect("no thread panics");
+        seen.dedup_by_key(|(thread, _)| *thread);
+        assert_eq!(seen.len(), 4);
+        assert!(seen.iter().all(|(_, modes)| *modes == own), "{seen:?}");
+    }
+
+    #[test]
+    fn every_part_is_done_once_by_threads_that_run_or_sleep() {
+        for threads in [1, 2, 5] {
+            let mut parts = [0; 37];
+            let mut own = vec![0; threads];
+            Team::with(threads, |team| {
+                for call in 0..200 {
+                    if call % 20 == 0 {
+                        thread::sleep(4 * PATIENCE);
+                    }
+                    team.share_with(&mut own, parts.iter_mut(), |part, own| {
+                        *part += 1;
+                        *own += 1;
+                    });
+                }
+            });
+            assert_eq!((parts, own.iter().sum()), ([200; 37], 200 * 37), "{threads} threads");
+        }
+    }
+
+    /// What comes out of a team where the caller or its helpers panic in the first call; it must come out at all.
+    fn panicked(who: &'static str) -> (String, usize) {
+        let (caller, ended) = (thread::current().id(), AtomicUsize::new(0));
+        let result = catch_unwind(AssertUnwindSafe(|| {
+            Team::with(3, |team| {
+                all_at_once(team, 3, || {
+                    let is_caller = thread::current().id() == caller;
+                    if is_caller == (who == CALLER) {
+                        panic!("{who}");
+                    }
+                    thread::sleep(Duration::from_millis(20));
+                    ended.fetch_add(1, Ordering::Relaxed);
+                });
+            });
+        }));
+        let payload = result.expect_err("the panic comes out");
+        let text =
+            payload.downcast_ref::<String>().cloned().or(payload.downcast_ref().map(|text: &&str| text.to_string()));
+        (text.expect("a panic has a text"), ended.into_inner())
+    }
+
+    #[test]
+    fn a_panic_comes_out_once_all_have_ended() {
+        // While a helper is at work, what it has borrowed stays.
+        assert_eq!(panicked(CALLER), (CALLER.into(), 2));
+        assert_eq!(panicked(HELPER), ("a thread that shared the work panicked".into(), 1));
     }
 }

@@ -8,7 +8,7 @@ use scene::{Mask, Scene, TimeScheme, WallTarget};
 
 const MASKS: [Mask; 2] = [
     Mask::Cosine { c_eta: 1e-4, half_width: 1.0, displacement_corrected: true },
-    Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, target: WallTarget::Curvature },
+    Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target: WallTarget::Curvature },
 ];
 
 /// A beam across a stream, along x, or with `transposed` the same with x and y exchanged.
@@ -195,7 +195,7 @@ fn the_impedance_of_rk2_is_that_of_its_drag() {
 /// velocity where the normal of a station passes over it would make an iteration between fluid and rod stall.
 #[test]
 fn loads_are_continuous_in_the_stations() {
-    let mask = Mask::LogLinear { c_eta: 4e-3, e_fold: 0.3, target: scene::WallTarget::None };
+    let mask = Mask::LogLinear { c_eta: 4e-3, e_fold: 0.3, core_depth: None, target: scene::WallTarget::None };
     let mut fluid = fluid_of(&beam_in_a_stream(mask, false));
     run(&mut fluid, 10, 2e-3);
     let (state, rest) = (fluid.state(), stations(&mut fluid).clone());

@@ -176,7 +176,7 @@ fn announced_loads_are_exerted() {
     let masks = [
         Mask::Sharp { c_eta: 1e-4, displacement_corrected: true },
         Mask::Cosine { c_eta: 1e-4, half_width: 1.0, displacement_corrected: true },
-        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, target: WallTarget::Curvature },
+        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target: WallTarget::Curvature },
     ];
     for mask in masks {
         let mut scene = scene(CYLINDER_IN_CHANNEL, FREE_BEAM);
@@ -216,7 +216,7 @@ fn announced_loads_are_exerted() {
 fn announced_station_loads_have_the_force_and_the_power_of_the_drag() {
     for mask in [
         Mask::Cosine { c_eta: 1e-4, half_width: 1.0, displacement_corrected: true },
-        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, target: WallTarget::Curvature },
+        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target: WallTarget::Curvature },
     ] {
         let mut scene = scene(CYLINDER_IN_CHANNEL, FREE_BEAM);
         let parts = (scene.fluid.as_mut(), scene.beam.as_mut());

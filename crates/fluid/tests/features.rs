@@ -295,7 +295,7 @@ fn with_bodies(bodies: &str, rest: &str, cells: usize) -> Scene {
         "",
     );
     let fluid = scene.fluid.as_mut().expect("it has one");
-    fluid.mask = Mask::LogLinear { c_eta: 1e-4, e_fold: 0.25, target: scene::WallTarget::Curvature };
+    fluid.mask = Mask::LogLinear { c_eta: 1e-4, e_fold: 0.25, core_depth: None, target: scene::WallTarget::Curvature };
     fluid.density = 1.0;
     scene
 }

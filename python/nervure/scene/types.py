@@ -357,6 +357,11 @@ class LogLinear(Part):
     """Length of e-fold growth in grid cells. A quarter is the shortest that the grid resolves: the wall keeps its place
     to 0.03 cells wherever the grid lies."""
 
+    core_depth: Real | None = None
+    """Depth at which the core of a body begins, in grid cells: from there on the drag grows three times as fast, up to
+    1/C_eta. Absent: one and a half e-folds, three without a wall target. With 2 the forces hardly depend on C_eta, but
+    a body of less than 25 cells across is porous. In a thin body the core begins earlier, as far as it has to."""
+
     target: WallTarget = "curvature"
     """What the cylinders and the beam draw the fluid at their surface to."""
 

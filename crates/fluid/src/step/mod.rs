@@ -12,6 +12,7 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::simd::Real;
 use crate::state::{Memory, Present};
+use crate::threads::Team;
 
 use rk2::Rk2;
 use sbdf2::Sbdf2;
@@ -37,6 +38,8 @@ pub struct Step<'a> {
     pub max_cfl: f64,
     /// The shortest step that the flow at its end may ask for, s.
     pub shortest: f64,
+    /// Who makes it.
+    pub team: &'a Team,
 }
 
 impl Step<'_> {

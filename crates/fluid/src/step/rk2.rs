@@ -22,6 +22,7 @@ use crate::grid::Grid;
 use crate::projection::Projection;
 use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::{Flow, Present};
+use crate::threads::Team;
 use crate::transform::Pack;
 
 /// The scheme with its memory.
@@ -72,7 +73,7 @@ impl<R: Real> Rk2<R> {
     }
 
     pub fn start(&mut self, present: &mut Present<R>, domain: &mut Domain<R>) {
-        present.advection_rate = self.solve_wave_by_wave(Stage::Start, present.time, 0.0, domain);
+        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), Stage::Start, present.time, 0.0, domain);
         self.take_over(&mut present.flow);
     }
 
@@ -81,9 +82,9 @@ impl<R: Real> Rk2<R> {
         self.decay.set_viscosity(step.dt * domain.nu);
         add_rate_of_change(present.time, &present.flow, step.dt, domain);
         domain.bodies.place(step.end, step.stations, &present.beams.stations, &domain.grid);
-        step.check(self.solve_wave_by_wave(Stage::First, step.end, cfl, domain))?;
+        step.check(self.solve_wave_by_wave(step.team, Stage::First, step.end, cfl, domain))?;
         add_rate_of_change(step.end, &self.next, step.dt, domain);
-        let advection_rate = self.solve_wave_by_wave(Stage::Second, step.end, cfl, domain);
+        let advection_rate = self.solve_wave_by_wave(step.team, Stage::Second, step.end, cfl, domain);
         step.check(advection_rate)?;
 
         self.take_over(&mut present.flow);
@@ -103,16 +104,13 @@ impl<R: Real> Rk2<R> {
 
     /// From `domain.w` to `next`, the flow after a stage at a time (s) of a step with a CFL number, and its advection
     /// rate, 1/s.
-    fn solve_wave_by_wave(&mut self, stage: Stage, time: f64, cfl: f64, domain: &mut Domain<R>) -> f64 {
+    fn solve_wave_by_wave(&mut self, team: &Team, stage: Stage, time: f64, cfl: f64, domain: &mut Domain<R>) -> f64 {
         domain.hold_mean_flow(time);
         domain.spectral.projection.set_step(0.0, cfl);
-        let (nx, share, points) = (domain.grid.nx, domain.spectral.share(), domain.grid.len() as f64);
-        let [u, v] = self.u_hat.each_ref().map(|u_hat| u_hat.chunks(share));
-        let [next_u, next_v] = self.next_u_hat.each_mut().map(|u_hat| u_hat.chunks_mut(share));
-        let shares = u.zip(v).zip(next_u.zip(next_v)).map(|((u, v), (next_u, next_v))| {
-            let before = u.chunks_exact(nx).zip(v.chunks_exact(nx));
-            before.zip(next_u.chunks_exact_mut(nx).zip(next_v.chunks_exact_mut(nx)))
-        });
+        let (nx, points) = (domain.grid.nx, domain.grid.len() as f64);
+        let [u, v] = self.u_hat.each_ref().map(|u_hat| u_hat.chunks_exact(nx));
+        let [next_u, next_v] = self.next_u_hat.each_mut().map(|u_hat| u_hat.chunks_exact_mut(nx));
+        let rows = u.zip(v).zip(next_u.zip(next_v));
         let decay = &self.decay;
         let solve = |projection: &Projection<R>, row: usize, own: Row<R>, [u, v, omega]: [&mut [Pack<R>]; 3]| {
             let ((u_before, v_before), (u_after, v_after)) = own;
@@ -124,7 +122,7 @@ impl<R: Real> Rk2<R> {
                 v_after.copy_from_slice(v);
             }
         };
-        domain.spectral.solve(&domain.w, shares, solve, &mut self.next, &mut domain.clock)
+        domain.spectral.solve(team, &domain.w, rows, solve, &mut self.next, &mut domain.clock)
     }
 }
 

@@ -29,7 +29,7 @@ use crate::error::Error;
 use crate::projection::Projection;
 use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::{Flow, Present, TwoStep};
-use crate::threads::on_threads;
+use crate::threads::Team;
 
 /// Points that the local solve takes at a time, so that what both components read stays in the first cache.
 const BLOCK: usize = 256;
@@ -50,7 +50,7 @@ impl<R: Real> Sbdf2<R> {
     /// In no time viscosity does nothing: what is left of the solve wave by wave is the projection.
     pub fn start(&mut self, present: &mut Present<R>, domain: &mut Domain<R>) {
         domain.hold_mean_flow(present.time);
-        present.advection_rate = self.solve_wave_by_wave(f64::MIN_POSITIVE, 0.0, domain);
+        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), f64::MIN_POSITIVE, 0.0, domain);
         self.take_over(&mut present.flow, domain);
         self.memory.per_tau = 0.0;
     }
@@ -62,13 +62,13 @@ impl<R: Real> Sbdf2<R> {
         self.sample(&scheme, &present.flow, &mut domain.bodies);
         domain.clock.mark(Phase::Sample);
         let components = self.components(&present.flow);
-        solve_locally(&components, &scheme, domain);
+        solve_locally(step.team, &components, &scheme, domain);
         domain.clock.mark(Phase::Solve);
         domain.add_velocities(step.end, |rate| 1.0 / (scheme.c[0] + rate));
         domain.clock.mark(Phase::Velocities);
         domain.hold_mean_flow(step.end);
         let cfl = present.advection_rate * step.dt;
-        let advection_rate = self.solve_wave_by_wave(scheme.tau, cfl, domain);
+        let advection_rate = self.solve_wave_by_wave(step.team, scheme.tau, cfl, domain);
         step.check(advection_rate)?;
 
         let memory = &self.memory;
@@ -92,12 +92,12 @@ impl<R: Real> Sbdf2<R> {
 
     /// From `domain.w` to a new flow in the place of the one before, which is not needed any more; and its advection
     /// rate, 1/s.
-    fn solve_wave_by_wave(&mut self, tau: f64, cfl: f64, domain: &mut Domain<R>) -> f64 {
+    fn solve_wave_by_wave(&mut self, team: &Team, tau: f64, cfl: f64, domain: &mut Domain<R>) -> f64 {
         domain.spectral.projection.set_step(tau * domain.nu, cfl);
         let solve = |projection: &Projection<R>, row, (), [u, v, omega]: [&mut [_]; 3]| {
             projection.project(row, u, v, omega);
         };
-        domain.spectral.solve(&domain.w, repeat(repeat(())), solve, &mut self.memory.before, &mut domain.clock)
+        domain.spectral.solve(team, &domain.w, repeat(()), solve, &mut self.memory.before, &mut domain.clock)
     }
 
     /// Make the new flow the present one, that the one before, and keep w.
@@ -152,12 +152,12 @@ impl<R: Real> Sbdf2<R> {
 }
 
 /// u* + tau G without the velocities of the bodies, into `domain.w`.
-fn solve_locally<R: Real>(components: &[Component<R>; 2], scheme: &Differences, domain: &mut Domain<R>) {
+fn solve_locally<R: Real>(team: &Team, components: &[Component<R>; 2], scheme: &Differences, domain: &mut Domain<R>) {
     let no_rate = [0.0; BLOCK];
     let rate = domain.bodies.rate();
-    let share = domain.grid.len().div_ceil(domain.spectral.threads());
+    let share = domain.grid.len().div_ceil(team.parts());
     let [wx, wy] = domain.w.each_mut().map(|w| w.chunks_mut(share));
-    on_threads((0..).step_by(share).zip(wx.zip(wy)), |(first, (wx, wy))| {
+    team.share((0..).step_by(share).zip(wx.zip(wy)), |(first, (wx, wy))| {
         for start in (0..wx.len()).step_by(BLOCK) {
             let part = start..(start + BLOCK).min(wx.len());
             let points = first + part.start..first + part.end;

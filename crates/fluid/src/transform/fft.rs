@@ -17,7 +17,7 @@ use rustfft::num_complex::Complex;
 use super::lines::Lines;
 use super::pack::{Complexes, Pack};
 use crate::simd::{Arithmetic, Kernel, Real, run};
-use crate::threads::on_threads;
+use crate::threads::Team;
 
 /// Columns that are transformed together.
 const fn block<R: Real>() -> usize {
@@ -94,7 +94,7 @@ impl<R: Real> Fft2<R> {
 
     /// Spectrum of a field, unnormalised.
     pub fn forward(&self, field: &[R], spectrum: &mut [Pack<R>], scratch: &mut Scratch<R>) {
-        self.forward_along_y([field], [&mut *spectrum], std::slice::from_mut(scratch));
+        self.forward_along_y(&Team::alone(), [field], [&mut *spectrum], std::slice::from_mut(scratch));
         for row in spectrum.chunks_exact_mut(self.nx) {
             scratch.rows[0].copy_from_slice(row);
             self.x.forward::<false>(&scratch.rows[0], row, &mut scratch.line);
@@ -116,12 +116,14 @@ impl<R: Real> Fft2<R> {
     /// Half a forward transform of several fields: modes in y of every column.
     pub fn forward_along_y<const N: usize>(
         &self,
+        team: &Team,
         fields: [&[R]; N],
         mut spectra: [&mut [Pack<R>]; N],
         scratch: &mut [Scratch<R>],
     ) {
         let (nx, ny) = (self.nx, self.ny);
-        if let [scratch] = scratch {
+        if team.parts() == 1 {
+            let scratch = &mut scratch[0];
             for (field, spectrum) in fields.into_iter().zip(spectra) {
                 for columns in self.blocks(0..nx) {
                     let field = &field[columns.start * ny..columns.end * ny];
@@ -131,15 +133,15 @@ impl<R: Real> Fft2<R> {
             }
             return;
         }
-        // Each thread gets its columns of each row.
+        // Each part has its columns of each row.
         let mut rows = spectra.each_mut().map(|spectrum| spectrum.chunks_exact_mut(nx).collect::<Vec<_>>());
         let mut take = |count: usize| {
             rows.each_mut().map(|rows| -> Vec<&mut [Pack<R>]> {
                 rows.iter_mut().filter_map(|row| row.split_off_mut(..count)).collect()
             })
         };
-        let shares: Vec<_> = self.shares(scratch.len()).map(|columns| (take(columns.len()), columns)).collect();
-        on_threads(shares.into_iter().zip(scratch), |((spectra, share), scratch)| {
+        let shares: Vec<_> = self.shares(team.parts()).map(|columns| (take(columns.len()), columns)).collect();
+        team.share_with(scratch, shares.into_iter(), |(spectra, share), scratch| {
             for (field, mut rows) in fields.into_iter().zip(spectra) {
                 for columns in self.blocks(share.clone()) {
                     let field = &field[columns.start * ny..columns.end * ny];

@@ -14,6 +14,10 @@ const CORE: f64 = 3.0;
 /// under the pressure of a fast flow where it lies deeper.
 const CORE_WITH_TARGET: f64 = 1.5;
 
+/// Growth, as an exponent, that the drag above a deep core stays at: 61 ν/dx², which the grid resolves. Held harder where
+/// it is drawn to what a wall target asks for, the fluid makes waves that the grid does not, and forces go with C_eta.
+const PLATEAU: f64 = 2.5;
+
 /// Growth, as an exponent, that a body's drag reaches in the depth where it has cells wherever the grid lies. A bar of
 /// two or three cells would be porous without it: the pressure on a flapping bar is ten times that of its stream.
 const TIGHT: f64 = 7.0;
@@ -25,30 +29,35 @@ pub struct Growth {
     pub e_fold: f64,
     /// e-folds below the surface at which the core begins.
     core: f64,
+    /// e-folds below the surface from which the drag stays as it is up to the core.
+    plateau: f64,
 }
 
 impl Growth {
-    /// In a body of some thickness without a wall target, all in cells.
-    pub fn bare(e_fold: f64, thickness: f64) -> Self {
-        Self::new(e_fold, thickness, CORE)
+    /// In a body of some thickness without a wall target, whose core begins at a depth or where it does by default; all
+    /// in cells.
+    pub fn bare(e_fold: f64, thickness: f64, core_depth: Option<f64>) -> Self {
+        Self::new(e_fold, thickness, core_depth.map_or(CORE, |depth| depth / e_fold), f64::INFINITY)
     }
 
     /// The same with a wall target.
-    pub fn with_target(e_fold: f64, thickness: f64) -> Self {
-        Self::new(e_fold, thickness, CORE_WITH_TARGET)
+    pub fn with_target(e_fold: f64, thickness: f64, core_depth: Option<f64>) -> Self {
+        Self::new(e_fold, thickness, core_depth.map_or(CORE_WITH_TARGET, |depth| depth / e_fold), PLATEAU)
     }
 
     /// With the core at most so many e-folds deep.
-    fn new(e_fold: f64, thickness: f64, deepest: f64) -> Self {
+    fn new(e_fold: f64, thickness: f64, deepest: f64, plateau: f64) -> Self {
         let everywhere = 0.5 * (thickness - 1.0) / e_fold;
-        let core = everywhere - (TIGHT - everywhere) / (STEEPNESS - 1.0);
-        Self { e_fold, core: core.clamp(0.0, deepest) }
+        let above_plateau = everywhere - (TIGHT - everywhere) / (STEEPNESS - 1.0);
+        let below_plateau = everywhere - (TIGHT - plateau) / STEEPNESS;
+        Self { e_fold, core: above_plateau.min(below_plateau).clamp(0.0, deepest), plateau }
     }
 
     /// Drag in ν/dx² at a depth (cells). At the surface it is what makes the flow vanish there in linear shear.
     pub fn drag(&self, depth: f64) -> f64 {
         let folds = depth / self.e_fold;
-        let growth = folds + (STEEPNESS - 1.0) * (folds - self.core).max(0.0);
+        let held_back = (folds.min(self.core) - self.plateau).max(0.0);
+        let growth = folds - held_back + (STEEPNESS - 1.0) * (folds - self.core).max(0.0);
         (growth - 2.0 * EULER_GAMMA).exp() / (self.e_fold * self.e_fold)
     }
 }

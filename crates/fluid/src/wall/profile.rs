@@ -67,7 +67,7 @@ impl DragProfile {
                 Self::Cosine { rate, half_width, shift: displacement }
             }
             Mask::LogLinear { e_fold, .. } => {
-                let growth = Growth::bare(e_fold, f64::INFINITY);
+                let growth = Growth::bare(e_fold, f64::INFINITY, None);
                 Self::LogLinear { rate, unit: nu / (dx * dx), growth, cell: dx, shrink: 0.0, target: None }
             }
         }
@@ -76,13 +76,15 @@ impl DragProfile {
     /// Profile of a body of some thickness (m): one of less than two cells has no wall target.
     pub fn of_body(thickness: f64, mask: &Mask, nu: f64, dx: f64) -> Self {
         let mut profile = Self::new(mask, mask.c_eta(), nu, dx);
-        let (Self::LogLinear { rate, growth, shrink, target, .. }, &Mask::LogLinear { e_fold, target: wanted, .. }) =
-            (&mut profile, mask)
+        let (
+            Self::LogLinear { rate, growth, shrink, target, .. },
+            &Mask::LogLinear { e_fold, core_depth, target: wanted, .. },
+        ) = (&mut profile, mask)
         else {
             return profile;
         };
-        *growth = Growth::bare(e_fold, thickness / dx);
-        let with_target = Growth::with_target(e_fold, thickness / dx);
+        *growth = Growth::bare(e_fold, thickness / dx, core_depth);
+        let with_target = Growth::with_target(e_fold, thickness / dx, core_depth);
         if let Some((known, shift)) = calibrate(with_target, wanted).filter(|_| thickness >= MIRROR_DEPTH * dx) {
             *growth = with_target;
             *shrink = shift * dx;
@@ -188,7 +190,7 @@ mod tests {
     fn the_log_linear_profile_holds_the_wall_at_zero() {
         let (nu, dx) = (1e-3, 4e-3);
         let profile = DragProfile::new(
-            &Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3, target: scene::WallTarget::None },
+            &Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3, core_depth: None, target: scene::WallTarget::None },
             1e-7,
             nu,
             dx,

@@ -68,7 +68,7 @@ pub fn added_mass(half_box: f64, cells: usize) -> [f64; 2] {
     );
     let mut scene = scene(&text, "");
     scene.fluid.as_mut().expect("it has one").mask =
-        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, target: WallTarget::Curvature };
+        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target: WallTarget::Curvature };
     let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
     let (h, per_period) = (1e-3, 200);
     run(&mut fluid, 2 * per_period, h);
@@ -214,7 +214,7 @@ fn poiseuille(cells: usize, offset: f64, mask: Mask) -> ([f64; 2], f64) {
 
 /// Where the walls of the penalized channel are at several offsets of the grid: least and most, cells, outwards positive.
 pub fn walls(e_fold: f64) -> [f64; 2] {
-    let mask = Mask::LogLinear { c_eta: 1e-7, e_fold, target: WallTarget::None };
+    let mask = Mask::LogLinear { c_eta: 1e-7, e_fold, core_depth: None, target: WallTarget::None };
     let offsets = [0.0, 0.13, 0.25, 0.37, 0.5, 0.71, 0.9];
     let walls = offsets.map(|offset| poiseuille(96, offset, mask).0).map(|[low, high]| [-low, high]);
     let (least, most) = walls.iter().flatten().fold((f64::MAX, f64::MIN), |(a, b), w| (w.min(a), w.max(b)));
@@ -223,7 +223,7 @@ pub fn walls(e_fold: f64) -> [f64; 2] {
 
 /// Largest relative error of the flux through the penalized channel over several offsets of the grid.
 pub fn flux_error(cells: usize) -> f64 {
-    let mask = Mask::LogLinear { c_eta: 1e-7, e_fold: 0.4, target: WallTarget::None };
+    let mask = Mask::LogLinear { c_eta: 1e-7, e_fold: 0.4, core_depth: None, target: WallTarget::None };
     let errors = [0.0, 0.25, 0.5, 0.75].map(|offset| poiseuille(cells, offset, mask).1);
     errors.iter().fold(0.0_f64, |worst, error| worst.max(error.abs()))
 }

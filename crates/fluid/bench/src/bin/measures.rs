@@ -51,7 +51,7 @@ fn main() -> Result<(), csv::Error> {
     }
     let targets = [0.2, 0.25, 0.3].map(|e_fold| (e_fold, "curvature", WallTarget::Curvature));
     for (e_fold, name, target) in targets.into_iter().chain([(0.25, "shear", WallTarget::Shear)]) {
-        let mask = Mask::LogLinear { c_eta: 1e-5, e_fold, target };
+        let mask = Mask::LogLinear { c_eta: 1e-5, e_fold, core_depth: None, target };
         let profile = DragProfile::of_body(20.0, &mask, 1e-3, 1.0);
         let DragProfile::LogLinear { shrink, target: Some(target), .. } = profile else { unreachable!() };
         let setting = format!("e-fold {e_fold}, {name}");
