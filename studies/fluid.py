@@ -37,7 +37,7 @@ def cylinder(
 ) -> Case:  # fmt: skip
     """A cylinder of Schäfer and Turek on `nx` points; `offset` shifts the grid by parts of a cell, `free` lets the unit
     take steps up to its CFL limit, `thesis` starts by a jump. The masks `curvature`, `shear` and `none` are wall
-    targets of the log-linear profile."""
+    targets of the log-linear profile; the first has the deep core of the shipped scenes unless it is "shallow"."""
     dt, ny = dt or STEP[flow] / nx, nx // 5
     kind, _, variant = mask.partition(", ")
     shape: dict[str, Any] = {"c_eta": c_eta}
@@ -45,7 +45,8 @@ def cylinder(
         shape["displacement_corrected"] = False
     if kind == "cosine":
         shape["half_width"] = 1.0
-    target = {"log_linear": {"c_eta": c_eta, "target": kind}}
+    core = {"core_depth": 2.0} if mask == "curvature" else {}
+    target = {"log_linear": {"c_eta": c_eta, "target": kind} | core}
     changes: dict[str, Any] = simulate.aside(SCENES[flow], nx, ny, offset) | {
         "name": f"cylinder-{flow.lower().replace('-', '')}-{name.replace('/', '-')}",
         "time.communication_step": dt,
@@ -75,6 +76,8 @@ def cases() -> Iterator[Case]:
                 if nx <= COARSE or (mask != "sharp" and nx == 900 and flow == "2D-2"):
                     yield cylinder(flow, nx, f"grid/{flow}-{mask}-{nx}", mask=mask, c_eta=c_eta)
     at = partial(cylinder, "2D-2")
+    for nx in (300, 450, 600, 900):
+        yield at(nx, f"grid/2D-2-shallow-{nx}", mask="curvature, shallow")
     for nx in (300, 450, 600):
         for mask in ("cosine, uncorrected", "sharp, uncorrected"):
             yield at(nx, f"grid/2D-2-{mask.replace(', ', '-')}-{nx}", mask=mask, c_eta=1e-4)
@@ -85,10 +88,12 @@ def cases() -> Iterator[Case]:
     for dt in (1e-3, 7.5e-4, 5e-4, 2.5e-4, 1.25e-4):
         yield at(450, f"dt/rk2-cosine-{dt:g}", dt, mask="cosine", c_eta=1e-3, scheme="rk2", free=True)
     for c_eta in (1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
-        for mask in ("curvature", "cosine", "cosine, uncorrected", "sharp"):
+        for mask in ("curvature", "curvature, shallow", "cosine", "cosine, uncorrected", "sharp"):
             yield at(450, f"c_eta/{mask.replace(', ', '-')}-{c_eta:g}", mask=mask, c_eta=c_eta)
-    for nx, c_eta in ((600, 1e-6), (900, 1e-6), (600, 1e-4)):
-        yield at(nx, f"hard/curvature-{nx}-{'1e-06' if c_eta == 1e-6 else '0.0001'}", c_eta=c_eta)
+    for c_eta in (1e-4, 1e-6):
+        for nx in (600, 900):
+            yield at(nx, f"hard/curvature-{nx}-{c_eta:g}", c_eta=c_eta)
+        yield at(600, f"hard/shallow-600-{c_eta:g}", mask="curvature, shallow", c_eta=c_eta)
     for truncation in ("none", "two_thirds"):
         for nx in (450, 600):
             yield at(nx, f"filter/{truncation}-{nx}", filter=truncation)
@@ -142,14 +147,20 @@ def errors(data: Data, name: str) -> str:
 
 
 def hardness(data: Data) -> list[str]:
-    """Errors of 2D-2 with the default mask by C_eta and grid."""
+    """Errors of 2D-2 with the wall target by core, C_eta and grid."""
 
-    def cell(c_eta: str, nx: int) -> str:
-        group = f"c_eta/curvature-{c_eta}" if nx == 450 else f"hard/curvature-{nx}-{c_eta}"
-        return errors(data, f"grid/2D-2-curvature-{nx}" if c_eta == "1e-05" else group)
+    def cell(row: tuple[str, str], nx: int) -> str:
+        core, c_eta = row
+        if c_eta == "1e-05":
+            return errors(data, f"grid/2D-2-{core}-{nx}")
+        if nx == 450:
+            return errors(data, f"c_eta/{'curvature-' * (core == 'shallow')}{core}-{c_eta}")
+        return errors(data, f"hard/{core}-{nx}-{c_eta}")
 
+    cores = {"2 cells deep": "curvature", "by default": "shallow"}
     c_etas = {"1e-4": "0.0001", "1e-5": "1e-05", "1e-6": "1e-06"}
-    return show.matrix("C_eta, s", c_etas, {on(nx): nx for nx in (450, 600, 900)}, cell)
+    rows = {f"{core}, {said}": (name, value) for core, name in cores.items() for said, value in c_etas.items()}
+    return show.matrix("core, C_eta (s)", rows, {on(nx): nx for nx in (450, 600, 900)}, cell)
 
 
 MASKS: dict[str, str] = simulate.LISTED["fluid"]["masks"]  # Cases by mask, with the number of points in `{}`

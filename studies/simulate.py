@@ -54,6 +54,10 @@ def on_grid(nx: int, ny: int, step: float) -> dict[str, Any]:
     return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
 
 
+SHALLOW = {"fluid.mask.log_linear.core_depth": "absent"}
+"""The change to the wall of coarse grids."""
+
+
 def aside(name: str, nx: int, ny: int, offset: tuple[float, float]) -> dict[str, Any]:
     """The changes to another grid that lies aside by parts of a cell against what is in the flow; the inflow begins
     with it."""
