@@ -61,3 +61,26 @@ impl Growth {
         (growth - 2.0 * EULER_GAMMA).exp() / (self.e_fold * self.e_fold)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Above a deep core the drag stays where the grid resolves it; a thin body has a hard core all the same, and without
+    /// a depth the core is where it was.
+    #[test]
+    fn the_drag_waits_for_a_deep_core() {
+        let exponent = |growth: &Growth, depth: f64| (growth.drag(depth) / growth.drag(0.0)).ln();
+        let deep = Growth::with_target(0.25, f64::INFINITY, Some(2.0));
+        for (depth, expected) in [(0.5, 2.0), (0.7, PLATEAU), (1.99, PLATEAU), (2.25, PLATEAU + 3.0)] {
+            assert!((exponent(&deep, depth) - expected).abs() < 1e-12, "{} at {depth}", exponent(&deep, depth));
+        }
+        for thickness in [2.2, 2.5, 3.0, 4.0, 5.0] {
+            let thin = Growth::with_target(0.25, thickness, Some(2.0));
+            let tight = exponent(&thin, 0.5 * (thickness - 1.0));
+            assert!(tight > TIGHT - 1e-9, "{tight} in a body of {thickness} cells");
+        }
+        let usual = Growth::with_target(0.25, f64::INFINITY, None);
+        assert!((exponent(&usual, 0.475) - 2.7).abs() < 1e-12, "{}", exponent(&usual, 0.475));
+    }
+}

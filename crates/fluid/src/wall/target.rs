@@ -287,8 +287,10 @@ mod tests {
             assert!((flux / expected - 1.0).abs() < 0.02, "e-fold {e_fold}: excess flux {flux} against {expected}");
             let (slip, _) = bent_flow(growth, &bare);
             assert!((slip / expected + 1.0).abs() < 0.02, "e-fold {e_fold}: slip {slip} against {}", -expected);
-            let growth = Growth::with_target(e_fold, f64::INFINITY, None);
-            for wanted in [scene::WallTarget::Shear, scene::WallTarget::Curvature] {
+            let cores = [None, Some(2.0)];
+            let targets = [scene::WallTarget::Shear, scene::WallTarget::Curvature];
+            for (core_depth, wanted) in cores.into_iter().flat_map(|core| targets.map(|wanted| (core, wanted))) {
+                let growth = Growth::with_target(e_fold, f64::INFINITY, core_depth);
                 let (target, shift) = calibrate(growth, wanted).expect("there is one");
                 let (wall, flux) = shear_flow(growth, &target);
                 let (slip, bent_flux) = bent_flow(growth, &target);
