@@ -49,14 +49,16 @@ fn main() -> Result<(), csv::Error> {
     for cells in [64, 128] {
         row("flux", &format!("{cells} cells"), "error", measures::flux_error(cells), "1", None)?;
     }
-    let targets = [0.2, 0.25, 0.3].map(|e_fold| (e_fold, "curvature", WallTarget::Curvature));
-    for (e_fold, name, target) in targets.into_iter().chain([(0.25, "shear", WallTarget::Shear)]) {
-        let mask = Mask::LogLinear { c_eta: 1e-5, e_fold, core_depth: None, target };
+    let targets = [0.2, 0.25, 0.3].map(|e_fold| (e_fold, "curvature", WallTarget::Curvature, None));
+    let others = [("core 2 cells deep", WallTarget::Curvature, Some(2.0)), ("shear", WallTarget::Shear, None)];
+    let others = others.map(|(name, target, core_depth)| (0.25, name, target, core_depth));
+    for (e_fold, name, target, core_depth) in targets.into_iter().chain(others) {
+        let mask = Mask::LogLinear { c_eta: 1e-5, e_fold, core_depth, target };
         let profile = DragProfile::of_body(20.0, &mask, 1e-3, 1.0);
         let DragProfile::LogLinear { shrink, target: Some(target), .. } = profile else { unreachable!() };
         let setting = format!("e-fold {e_fold}, {name}");
         row("wall target", &setting, "m", target.mirror, "1", None)?;
-        if name == "curvature" {
+        if name != "shear" {
             row("wall target", &setting, "c", target.curvature, "1", None)?;
             row("wall target", &setting, "D_c", target.depth, "cells", None)?;
         }
