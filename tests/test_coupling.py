@@ -284,3 +284,39 @@ def test_segments_much_shorter_than_the_bar_is_thick_do_not_zigzag(start, librar
     series = fsi3_run(start, 1e-4, 0.05, segments=168)
     assert np.abs(series["tip_uy"]).max() < 1e-4
     assert np.abs(series["beam_load_y"]).max() < 1.0
+
+
+def tip_path(scheme, step, steps, noise):
+    """Place of the tip after each step, `[steps, 2]` in m, where every force on a station is off at random in each step
+    by `noise` of the largest."""
+    [link], random, take = scheme.links, np.random.default_rng(1), scheme.take_loads
+    forces = link.taken[: link.stations.size // 2]
+
+    def take_disturbed():
+        take()
+        forces[:] += noise * np.abs(forces).max() * random.standard_normal(forces.size)
+
+    scheme.take_loads = take_disturbed
+    path = []
+    for i in range(steps):
+        scheme.step(i * step, step)
+        path.append([output(link.rod, name)[-1] for name in "xy"])
+    return np.array(path)
+
+
+def test_small_disturbances_of_the_loads_move_the_tip_in_proportion(start, libraries, small_fsi3):
+    """A bar that falls through two cells: noise of a thousandth in its loads and noise of a billionth move the tip as
+    far, each by its size, and by less than a fifth of that part of its way. So nothing jumps in between, and rounding
+    stays rounding. The two differ by a thousandth; where the stations are rounded to a tenth of a cell on their way to
+    the fluid, by a sixth."""
+    small_fsi3["rod"]["material"]["plane_strain"]["density"] = 2000.0
+    small_fsi3["rod"]["gravity"] = [0.0, -50.0]
+    small_fsi3["time"] = {"end": 0.1, "communication_step": 1e-3}
+    small_fsi3["fluid"]["time_stepping"]["max_step"] = 1e-3
+    small_fsi3["coupling"] = {}
+    path, tiny, small = (tip_path(start(small_fsi3), 1e-3, 100, noise) for noise in (0.0, 1e-9, 1e-3))
+    way = np.abs(path - path[0]).max()
+    assert 0.03 < way < 0.04, way
+    tiny, small = np.abs(tiny - path) / 1e-9, np.abs(small - path) / 1e-3
+    assert 1e-3 < tiny.max() < 0.2 * way, tiny.max()
+    assert np.abs(tiny - small).max() < 0.01 * tiny.max()
