@@ -275,7 +275,8 @@ def _distribute(
         if scheduler is None:
             from dask.system import CPU_COUNT
 
-            quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
+            # Not what is critical either: at Ctrl-C the scheduler may just write to a client that has gone.
+            quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
             workers = {"n_workers": min(CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
             with _deaf():
                 scheduler = stack.enter_context(distributed.LocalCluster(**workers, **quiet))
