@@ -10,8 +10,9 @@ use crate::state::Flow;
 use crate::threads::Team;
 use crate::transform::{Fft2, Pack, Scratch};
 
-/// Bytes of a field that are worth a thread of their own. Threads are started four times in a step: in runs of FSI3 two of
-/// them made a step longer by 30 to 130 % with 94 kB each, and by -39 to +14 % with 374 kB.
+/// Bytes of a field that are worth a thread of their own. Where threads were started four times in a step, two of them made
+/// a step of FSI3 longer by 30 to 130 % with 94 kB each, and by -39 to +14 % with 374 kB; with a team, on a busy machine, by
+/// a quarter with 94 kB.
 const LEAST_SHARE: usize = 320_000;
 
 /// Transforms and projection of one grid, with room for the spectra.
