@@ -39,6 +39,11 @@ FREQUENCY, AMPLITUDE = 5.5, 0.035  # Of FSI3: Hz, m
 HARMONICS, PERIODS = 6, 5  # That are fitted, and over which
 WIDTH = 4e-3  # Of the box filter over the lift before its extremes are taken, s
 GRIDS = {(324, 54): 4e-4, (648, 108): 2e-4, (972, 162): 1.3e-4, (1296, 216): 1e-4}  # Step by cells, s
+WALLS = {  # What is tried of the wall on the second of them
+    "C_eta 1e-5": {"fluid.mask.log_linear.c_eta": 1e-5},
+    "C_eta 1e-7": {"fluid.mask.log_linear.c_eta": 1e-7},
+    "core by default": SHALLOW,
+}
 STREAM = {"time.end": 5.0}
 """In the flow of CFD3, whose ramp ends at 2 s."""
 STILL = {"fluid.inflow.mean_velocity": {"steady": 0.0}, "time.end": 1.5}
@@ -162,6 +167,8 @@ def cases() -> Iterator[Case]:
     grids = {f"{nx}x{ny}": on_grid(nx, ny, step) | (SHALLOW if nx == 324 else {}) for (nx, ny), step in GRIDS.items()}
     for grid, changes in grids.items():
         yield case(f"stream/{grid}", STREAM | changes)
+    for name, wall in WALLS.items():
+        yield case(f"stream/648x108, {name}", STREAM | grids["648x108"] | wall)
     for grid, changes in list(grids.items())[:2]:
         for group, amplitude in (("still", AMPLITUDE), ("small", AMPLITUDE / 10)):
             yield case(f"{group}/{grid}", STILL | changes, amplitude=amplitude, **SOON)

@@ -22,6 +22,11 @@ const PLATEAU: f64 = 2.5;
 /// two or three cells would be porous without it: the pressure on a flapping bar is ten times that of its stream.
 const TIGHT: f64 = 7.0;
 
+/// Where a deep core begins at the latest, as a share of the body's thickness. The jump of the pressure across a body drives
+/// fluid through it at the speed of the jump over the density and the integral of the drag, and the soft part counts for
+/// little in that (docs/driven-bar.md).
+const SOFT_SHARE: f64 = 0.2;
+
 /// Growth of the log-linear drag with the depth: exponential, and steeper in the core of a body.
 #[derive(Clone, Copy, Debug)]
 pub struct Growth {
@@ -37,16 +42,17 @@ impl Growth {
     /// In a body of some thickness without a wall target, whose core begins at a depth or where it does by default; all
     /// in cells.
     pub fn bare(e_fold: f64, thickness: f64, core_depth: Option<f64>) -> Self {
-        Self::new(e_fold, thickness, core_depth.map_or(CORE, |depth| depth / e_fold), f64::INFINITY)
+        Self::new(e_fold, thickness, core_depth, CORE, f64::INFINITY)
     }
 
     /// The same with a wall target.
     pub fn with_target(e_fold: f64, thickness: f64, core_depth: Option<f64>) -> Self {
-        Self::new(e_fold, thickness, core_depth.map_or(CORE_WITH_TARGET, |depth| depth / e_fold), PLATEAU)
+        Self::new(e_fold, thickness, core_depth, CORE_WITH_TARGET, PLATEAU)
     }
 
-    /// With the core at most so many e-folds deep.
-    fn new(e_fold: f64, thickness: f64, deepest: f64, plateau: f64) -> Self {
+    /// With a core that is `usual` e-folds deep where no depth is given.
+    fn new(e_fold: f64, thickness: f64, core_depth: Option<f64>, usual: f64, plateau: f64) -> Self {
+        let deepest = core_depth.map_or(usual, |depth| depth.min(SOFT_SHARE * thickness) / e_fold);
         let everywhere = 0.5 * (thickness - 1.0) / e_fold;
         let above_plateau = everywhere - (TIGHT - everywhere) / (STEEPNESS - 1.0);
         let below_plateau = everywhere - (TIGHT - plateau) / STEEPNESS;
@@ -79,6 +85,10 @@ mod tests {
             let thin = Growth::with_target(0.25, thickness, Some(2.0));
             let tight = exponent(&thin, 0.5 * (thickness - 1.0));
             assert!(tight > TIGHT - 1e-9, "{tight} in a body of {thickness} cells");
+        }
+        let bar = Growth::with_target(0.25, 5.0, Some(2.0));
+        for (depth, expected) in [(0.99, PLATEAU), (1.25, PLATEAU + 3.0)] {
+            assert!((exponent(&bar, depth) - expected).abs() < 1e-12, "{} at {depth} in a bar", exponent(&bar, depth));
         }
         let usual = Growth::with_target(0.25, f64::INFINITY, None);
         assert!((exponent(&usual, 0.475) - 2.7).abs() < 1e-12, "{}", exponent(&usual, 0.475));
