@@ -66,9 +66,9 @@ impl Cells {
         self.cells.push(Cell { index, rate, velocity, arm, gain: [1.0; 2] });
     }
 
-    /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
-    /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`. Before the step the body had
-    /// the velocity `before` (m/s) there.
+    /// Let the cell added last follow a wall target that reaches it: the cell is `distance` (m, positive in the fluid)
+    /// off the point `surface` (m), where the unit normal out of the body is `normal`. Before the step the body had the
+    /// velocity `before` (m/s) there.
     pub fn follow_last(
         &mut self,
         target: &WallTarget,
@@ -79,7 +79,7 @@ impl Cells {
         grid: &Grid,
     ) {
         let number = self.cells.len().wrapping_sub(1);
-        let Some(cell) = self.cells.last_mut().filter(|_| distance > -target.reach()) else { return };
+        let Some(cell) = self.cells.last_mut() else { return };
         (self.inertia, self.largest) = (target.inertia, target.largest);
         let mut sum = [0.0; 3];
         for Sample { off, weight } in target.samples(distance) {
@@ -98,11 +98,10 @@ impl Cells {
         self.targeted.push(Targeted { cell, rate, body, across_before, turned, normal, weight, points_end });
     }
 
-    /// Let the body of the cell added last, at a `distance` (m) off the surface, turn at a rate (rad/s): the flow that
-    /// its wall target samples is that beyond the body's own velocity at those points.
+    /// Let the body of the cell that has just been told to follow, at a `distance` (m) off the surface, turn at a rate
+    /// (rad/s): the flow that its wall target samples is that beyond the body's own velocity at those points.
     pub fn turn_last(&mut self, target: &WallTarget, distance: f64, omega: f64) {
-        let last = self.cells.len().wrapping_sub(1);
-        let Some(targeted) = self.targeted.last_mut().filter(|targeted| targeted.cell == last) else { return };
+        let Some(targeted) = self.targeted.last_mut() else { return };
         let samples = target.samples(distance).into_iter();
         targeted.turned = omega * samples.map(|sample| sample.weight[0] * (sample.off - distance)).sum::<f64>();
     }
