@@ -99,13 +99,30 @@ fn normal([x, y]: [f64; 2]) -> [f64; 2] {
     [-y, x]
 }
 
-fn unit([x, y]: [f64; 2]) -> [f64; 2] {
+fn unit(vector: [f64; 2]) -> [f64; 2] {
+    direction(vector).0
+}
+
+/// Direction, and length.
+fn direction([x, y]: [f64; 2]) -> ([f64; 2], f64) {
     let length = x.hypot(y);
-    [x / length, y / length]
+    ([x / length, y / length], length)
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
+}
+
+/// From one entry of a field to another.
+fn difference(field: &[Vec<f64>; 2], [from, to]: [usize; 2]) -> [f64; 2] {
+    field.each_ref().map(|f| f[to] - f[from])
+}
+
+/// Unit tangent at station `k`: that of the bisector of its segments, of which `along` gives the directions, from 0 to
+/// `last`.
+fn bisector(k: usize, last: usize, along: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    let [behind, ahead] = [k.saturating_sub(1), k.min(last)].map(along);
+    unit([behind[0] + ahead[0], behind[1] + ahead[1]])
 }
 
 /// What lies the fraction `t` of the way from `a` to `b`.
@@ -241,21 +258,16 @@ impl Beam {
 
     /// Directions of segments and sections at `stations`, and how these turn with the velocities there and with those
     /// `before`.
-    pub fn orient(&mut self, stations: &Stations, before: &Stations) {
-        let difference = |field: &[Vec<f64>; 2], [from, to]: [usize; 2]| field.each_ref().map(|f| f[to] - f[from]);
+    fn orient(&mut self, stations: &Stations, before: &Stations) {
         for (k, (segment, [_, growth])) in self.segments.iter_mut().zip(&self.thickness).enumerate() {
-            let step = difference(&stations.position, [k, k + 1]);
-            let length = step[0].hypot(step[1]);
+            let (along, length) = direction(difference(&stations.position, [k, k + 1]));
             let slope = 0.5 * growth / length;
-            *segment = Segment { along: unit(step), length, slope, stretch: (1.0 + slope * slope).sqrt() };
+            *segment = Segment { along, length, slope, stretch: (1.0 + slope * slope).sqrt() };
         }
         for (k, section) in self.sections.iter_mut().enumerate() {
-            let along = |k: usize| self.segments[k].along;
-            let (behind, ahead) = (along(k.saturating_sub(1)), along(k.min(self.segments.len() - 1)));
-            section.tangent = unit([behind[0] + ahead[0], behind[1] + ahead[1]]);
-            let line = difference(&stations.position, section.ends);
-            section.span = line[0].hypot(line[1]);
-            section.across = normal(unit(line));
+            section.tangent = bisector(k, self.segments.len() - 1, |k| self.segments[k].along);
+            let (line, span) = direction(difference(&stations.position, section.ends));
+            (section.span, section.across) = (span, normal(line));
             [section.omega, section.omega_before] = [stations, before]
                 .map(|stations| dot(difference(&stations.velocity, section.ends), section.across) / section.span);
         }
@@ -364,8 +376,9 @@ impl Beam {
 
     /// Points on the upper (`side` = 1) or lower (−1) surface at the stations, m.
     pub fn surface_point(&self, stations: &Stations, k: usize, side: f64) -> [f64; 2] {
-        let [nx, ny] = normal(self.sections[k].tangent);
-        let [thickness, growth] = self.thickness[k.min(self.segments.len() - 1)];
+        let last = self.segments.len() - 1;
+        let [nx, ny] = normal(bisector(k, last, |k| unit(difference(&stations.position, [k, k + 1]))));
+        let [thickness, growth] = self.thickness[k.min(last)];
         let here = if k < self.segments.len() { thickness - 0.5 * growth } else { thickness + 0.5 * growth };
         let height = side * 0.5 * here;
         [stations.position[0][k] + height * nx, stations.position[1][k] + height * ny]

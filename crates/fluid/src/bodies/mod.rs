@@ -119,13 +119,6 @@ impl Bodies {
         }
     }
 
-    /// After [`Self::send_beams`]: their surfaces are at `stations` again. Their cells are where they were sent.
-    pub fn recall_beams(&mut self, stations: &[Stations]) {
-        for (beam, stations) in self.beams.iter_mut().zip(stations) {
-            beam.orient(stations, stations);
-        }
-    }
-
     /// Let the bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
     pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
         self.rigid.iter_mut().for_each(|rigid| rigid.cells.sample(&velocity));
