@@ -37,17 +37,20 @@ struct Targeted {
     normal: [f64; 2],
     /// Sums of the weights of its points, along, across and in the flow through the surface.
     weight: [f64; 3],
-    /// End of its points; they begin where those of the one before end.
-    points_end: usize,
+    /// End of its samples; they begin where those of the one before end.
+    samples_end: usize,
 }
+
+/// Where the flow is sampled: four grid points with their shares in an interpolation, and the weights of what they give.
+type Around = ([(usize, f64); 4], [f64; 3]);
 
 /// The cells of a body.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
     cells: Vec<Cell>,
     targeted: Vec<Targeted>,
-    /// Grid points at which those cells sample the flow, and their weights in the same order.
-    points: Vec<(usize, [f64; 3])>,
+    /// Where those cells sample the flow, in the same order.
+    samples: Vec<Around>,
     /// What the flow through the surface adds to the drag, s/m, and the largest drag rate, 1/s.
     inertia: f64,
     largest: f64,
@@ -58,7 +61,7 @@ impl Cells {
     pub fn clear(&mut self) {
         self.cells.clear();
         self.targeted.clear();
-        self.points.clear();
+        self.samples.clear();
     }
 
     /// Add a cell that moves with the body.
@@ -87,15 +90,15 @@ impl Cells {
                 continue;
             }
             let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
-            self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
+            self.samples.push((around, weight));
             sum = [0, 1, 2].map(|i| sum[i] + weight[i]);
         }
         cell.gain = [0, 1].map(|axis| 1.0 - sum[0] * normal[1 - axis].powi(2) - sum[1] * normal[axis].powi(2));
         let (rate, body) = (cell.rate, cell.velocity);
         let across_before = normal[0] * before[0] + normal[1] * before[1];
-        let points_end = self.points.len();
+        let samples_end = self.samples.len();
         let (cell, weight, turned) = (number, sum, 0.0);
-        self.targeted.push(Targeted { cell, rate, body, across_before, turned, normal, weight, points_end });
+        self.targeted.push(Targeted { cell, rate, body, across_before, turned, normal, weight, samples_end });
     }
 
     /// Let the body of the cell that has just been told to follow, at a `distance` (m) off the surface, turn at a rate
@@ -114,16 +117,18 @@ impl Cells {
             let (body_along, body_across) = (nx * v - ny * u, nx * u + ny * v);
             let mut along = -weight[0] * body_along - targeted.turned;
             let (mut across, mut through) = (-weight[1] * body_across, -weight[2] * targeted.across_before);
-            for &(point, weight) in &self.points[begin..targeted.points_end] {
-                let [u, v] = velocity(point);
-                along += weight[0] * (nx * v - ny * u);
-                across += weight[1] * (nx * u + ny * v);
-                through += weight[2] * (nx * u + ny * v);
+            for (around, weight) in &self.samples[begin..targeted.samples_end] {
+                for &(point, share) in around {
+                    let [u, v] = velocity(point);
+                    along += share * weight[0] * (nx * v - ny * u);
+                    across += share * weight[1] * (nx * u + ny * v);
+                    through += share * weight[2] * (nx * u + ny * v);
+                }
             }
             let cell = &mut self.cells[targeted.cell];
             cell.velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
             cell.rate = (targeted.rate * (1.0 + self.inertia * through.abs())).min(self.largest);
-            begin = targeted.points_end;
+            begin = targeted.samples_end;
         }
     }
 
