@@ -83,7 +83,7 @@ impl Grid {
     }
 
     /// Bilinear interpolation at a point (m): the indices of the four points around it and their weights.
-    #[inline]
+    #[inline(always)] // A call would hand the pairs over in memory, which takes as long as finding them.
     pub fn interpolation(&self, [x, y]: [f64; 2]) -> [(usize, f64); 4] {
         let split = |p: f64, origin: f64, step: f64, count: usize| {
             let (low, rest) = floor((p - origin) / step);
