@@ -72,9 +72,10 @@ impl Grid {
             let last = ((high - origin) / step).floor() as i64;
             first..last.saturating_add(1).min(first.saturating_add(count as i64))
         };
-        for i in range(x, self.origin[0], self.dx, self.nx) {
+        let (columns, rows) = (range(x, self.origin[0], self.dx, self.nx), range(y, self.origin[1], self.dy, self.ny));
+        for i in columns {
             let row = wrap(i, self.nx) * self.ny;
-            for j in range(y, self.origin[1], self.dy, self.ny) {
+            for j in rows.clone() {
                 let index = row + wrap(j, self.ny);
                 visit(index, self.origin[0] + i as f64 * self.dx, self.origin[1] + j as f64 * self.dy);
             }
@@ -82,11 +83,11 @@ impl Grid {
     }
 
     /// Bilinear interpolation at a point (m): the indices of the four points around it and their weights.
+    #[inline(always)] // A call would hand the pairs over in memory, which takes as long as finding them.
     pub fn interpolation(&self, [x, y]: [f64; 2]) -> [(usize, f64); 4] {
         let split = |p: f64, origin: f64, step: f64, count: usize| {
-            let q = (p - origin) / step;
-            let low = q.floor();
-            (wrap(low as i64, count), wrap((low as i64).saturating_add(1), count), q - low)
+            let (low, rest) = floor((p - origin) / step);
+            (wrap(low, count), wrap(low.saturating_add(1), count), rest)
         };
         let (i0, i1, s) = split(x, self.origin[0], self.dx, self.nx);
         let (j0, j1, t) = split(y, self.origin[1], self.dy, self.ny);
@@ -102,15 +103,14 @@ impl Grid {
     /// their weights.
     pub fn cubic_interpolation(&self, [x, y]: [f64; 2]) -> [(usize, f64); 16] {
         let along = |p: f64, origin: f64, step: f64, count: usize| {
-            let q = (p - origin) / step;
-            let (low, s) = (q.floor(), q - q.floor());
+            let (low, s) = floor((p - origin) / step);
             let weights = [
                 -s * (s - 1.0) * (s - 2.0) / 6.0,
                 (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
                 -(s + 1.0) * s * (s - 2.0) / 2.0,
                 (s + 1.0) * s * (s - 1.0) / 6.0,
             ];
-            let point = |k: usize| wrap((low as i64).saturating_add(k as i64 - 1), count);
+            let point = |k: usize| wrap(low.saturating_add(k as i64 - 1), count);
             std::array::from_fn::<_, 4, _>(|k| (point(k), weights[k]))
         };
         let (columns, rows) = (along(x, self.origin[0], self.dx, self.nx), along(y, self.origin[1], self.dy, self.ny));
@@ -129,6 +129,13 @@ impl Grid {
     pub fn periodic_y(&self, delta: f64) -> f64 {
         delta - self.height * (delta / self.height).round()
     }
+}
+
+/// The integer at or below `q`, and how far `q` is beyond it. `f64::floor` is a call where only SSE2 is taken for granted.
+fn floor(q: f64) -> (i64, f64) {
+    let near = q as i64;
+    let low = if near as f64 > q { near.saturating_sub(1) } else { near };
+    (low, q - low as f64)
 }
 
 /// `index` modulo `count`; a division only outside of 0 … count - 1.

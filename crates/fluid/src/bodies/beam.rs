@@ -24,16 +24,31 @@ use crate::force::Displaced;
 use crate::grid::Grid;
 use crate::wall::DragProfile;
 
+/// A grid point that the mask may reach.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    index: usize,
+    segment: usize,
+    /// Fraction along the segment; it may lie beyond the ends of the beam.
+    fraction: f64,
+    /// Height above the centre line, m.
+    height: f64,
+    /// Squared distance from its place on the polyline, m².
+    distance_squared: f64,
+    /// Position from the root, m.
+    arm: [f64; 2],
+}
+
 /// Where in the beam a cell lies.
 #[derive(Clone, Copy, Debug)]
 struct Place {
-    segment: u32,
+    segment: usize,
     /// Fraction along the segment.
     fraction: f64,
     /// Height above the centre line, m.
     height: f64,
-    /// Position from the root, m.
-    arm: [f64; 2],
+    /// Unit tangent.
+    tangent: [f64; 2],
 }
 
 /// The beam and the cells in which it drags the fluid.
@@ -52,7 +67,7 @@ pub struct Beam {
     sections: Vec<Section>,
     /// For each grid point, 1 + its number among the candidates of the present painting; 0 where it is none.
     slot: Vec<u32>,
-    candidates: Vec<(usize, (Place, f64))>,
+    candidates: Vec<Candidate>,
 }
 
 /// Direction and length of a segment.
@@ -60,6 +75,9 @@ pub struct Beam {
 struct Segment {
     along: [f64; 2],
     length: f64,
+    /// How its upper surface rises from the centre line, and the length of that surface over its own.
+    slope: f64,
+    stretch: f64,
 }
 
 /// The section at a station.
@@ -81,13 +99,30 @@ fn normal([x, y]: [f64; 2]) -> [f64; 2] {
     [-y, x]
 }
 
-fn unit([x, y]: [f64; 2]) -> [f64; 2] {
+fn unit(vector: [f64; 2]) -> [f64; 2] {
+    direction(vector).0
+}
+
+/// Direction, and length.
+fn direction([x, y]: [f64; 2]) -> ([f64; 2], f64) {
     let length = x.hypot(y);
-    [x / length, y / length]
+    ([x / length, y / length], length)
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
+}
+
+/// From one entry of a field to another.
+fn difference(field: &[Vec<f64>; 2], [from, to]: [usize; 2]) -> [f64; 2] {
+    field.each_ref().map(|f| f[to] - f[from])
+}
+
+/// Unit tangent at station `k`: that of the bisector of its segments, of which `along` gives the directions, from 0 to
+/// `last`.
+fn bisector(k: usize, last: usize, along: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    let [behind, ahead] = [k.saturating_sub(1), k.min(last)].map(along);
+    unit([behind[0] + ahead[0], behind[1] + ahead[1]])
 }
 
 /// What lies the fraction `t` of the way from `a` to `b`.
@@ -96,19 +131,13 @@ fn between(a: [f64; 2], b: [f64; 2], t: f64) -> [f64; 2] {
 }
 
 impl Place {
-    /// Unit tangent.
-    fn tangent(&self, sections: &[Section]) -> [f64; 2] {
-        let k = self.segment as usize;
-        unit(between(sections[k].tangent, sections[k + 1].tangent, self.fraction))
-    }
-
     /// Velocity of the section where the stations turn at the rates `omega` (1/s), m/s.
     fn velocity(&self, sections: &[Section], omega: impl Fn(&Section) -> f64, stations: &Stations) -> [f64; 2] {
-        let (k, t) = (self.segment as usize, self.fraction);
+        let (k, t) = (self.segment, self.fraction);
         let [start, end] = [k, k + 1].map(|k| stations.velocity.each_ref().map(|v| v[k]));
         let omega = (1.0 - t) * omega(&sections[k]) + t * omega(&sections[k + 1]);
-        let (center, tangent) = (between(start, end, t), self.tangent(sections));
-        [0, 1].map(|axis| center[axis] - omega * self.height * tangent[axis])
+        let center = between(start, end, t);
+        [0, 1].map(|axis| center[axis] - omega * self.height * self.tangent[axis])
     }
 }
 
@@ -129,7 +158,7 @@ impl Beam {
             let known = if k > 0 && thickness[k][0] == thickness[k - 1][0] { profiles.last().copied() } else { None };
             profiles.push(known.unwrap_or_else(|| DragProfile::of_body(thickness[k][0], mask, nu, grid.cell_size())));
         }
-        let ahead = Segment { along: [1.0, 0.0], length: 1.0 };
+        let ahead = Segment { along: [1.0, 0.0], length: 1.0, slope: 0.0, stretch: 1.0 };
         let section = |k: usize| {
             let half = (0.5 * at[2 * k] * beam.segments as f64 / beam.length).ceil() as usize;
             let span = (2 * half).clamp(2, beam.segments);
@@ -184,44 +213,37 @@ impl Beam {
     pub fn place(&mut self, stations: &Stations, before: &Stations, grid: &Grid) {
         self.orient(stations, before);
         self.find_candidates(stations, grid);
-        let last = self.segments.len() as u32 - 1;
+        let last = self.segments.len() - 1;
         self.cells.clear();
         self.places.clear();
-        for (index, (place, _)) in self.candidates.drain(..) {
+        for Candidate { index, segment: k, fraction, height, arm, .. } in self.candidates.drain(..) {
             self.slot[index] = 0;
-            let k = place.segment as usize;
-            let Segment { length, .. } = self.segments[k];
-            let beyond = if place.segment == 0 {
-                -place.fraction * length - self.anchor
-            } else if place.segment == last {
-                (place.fraction - 1.0) * length
+            let Segment { length, slope, stretch, .. } = self.segments[k];
+            let beyond = if k == 0 {
+                -fraction * length - self.anchor
+            } else if k == last {
+                (fraction - 1.0) * length
             } else {
                 f64::NEG_INFINITY
             };
-            let place = Place { fraction: place.fraction.clamp(0.0, 1.0), ..place };
+            let fraction = fraction.clamp(0.0, 1.0);
             // The lines of equal drag have corners: with the Euclidean distance outside they would round them.
             let [thickness, growth] = self.thickness[k];
-            let half = 0.5 * (thickness + (place.fraction - 0.5) * growth);
-            let slope = 0.5 * growth / length;
-            let stretch = (1.0 + slope * slope).sqrt();
-            let above = (place.height.abs() - half) / stretch;
+            let half = 0.5 * (thickness + (fraction - 0.5) * growth);
+            let above = (height.abs() - half) / stretch;
             let distance = above.max(beyond);
             let profile = &self.profiles[k];
             let rate = profile.rate(distance);
             if rate > 0.0 {
-                let tangent = place.tangent(&self.sections);
-                self.cells.push(
-                    index,
-                    rate,
-                    place.velocity(&self.sections, |section| section.omega, stations),
-                    place.arm,
-                );
-                if let Some(target) = profile.target() {
+                let tangent = unit(between(self.sections[k].tangent, self.sections[k + 1].tangent, fraction));
+                let place = Place { segment: k, fraction, height, tangent };
+                self.cells.push(index, rate, place.velocity(&self.sections, |section| section.omega, stations), arm);
+                if let Some(target) = profile.target(distance) {
                     // The nearest surface is that of the tip or the root, or that above or below.
                     let normal = if beyond > above {
-                        tangent.map(|component| if place.segment == 0 { -component } else { component })
+                        tangent.map(|component| if k == 0 { -component } else { component })
                     } else {
-                        let across = normal(tangent).map(|component| component.copysign(component * place.height));
+                        let across = normal(tangent).map(|component| component.copysign(component * height));
                         [0, 1].map(|axis| (across[axis] - slope * tangent[axis]) / stretch)
                     };
                     let point = grid.point(index);
@@ -236,33 +258,29 @@ impl Beam {
 
     /// Directions of segments and sections at `stations`, and how these turn with the velocities there and with those
     /// `before`.
-    pub fn orient(&mut self, stations: &Stations, before: &Stations) {
-        let difference = |field: &[Vec<f64>; 2], [from, to]: [usize; 2]| field.each_ref().map(|f| f[to] - f[from]);
-        for (k, segment) in self.segments.iter_mut().enumerate() {
-            let step = difference(&stations.position, [k, k + 1]);
-            *segment = Segment { along: unit(step), length: step[0].hypot(step[1]) };
+    fn orient(&mut self, stations: &Stations, before: &Stations) {
+        for (k, (segment, [_, growth])) in self.segments.iter_mut().zip(&self.thickness).enumerate() {
+            let (along, length) = direction(difference(&stations.position, [k, k + 1]));
+            let slope = 0.5 * growth / length;
+            *segment = Segment { along, length, slope, stretch: (1.0 + slope * slope).sqrt() };
         }
         for (k, section) in self.sections.iter_mut().enumerate() {
-            let along = |k: usize| self.segments[k].along;
-            let (behind, ahead) = (along(k.saturating_sub(1)), along(k.min(self.segments.len() - 1)));
-            section.tangent = unit([behind[0] + ahead[0], behind[1] + ahead[1]]);
-            let line = difference(&stations.position, section.ends);
-            section.span = line[0].hypot(line[1]);
-            section.across = normal(unit(line));
+            section.tangent = bisector(k, self.segments.len() - 1, |k| self.segments[k].along);
+            let (line, span) = direction(difference(&stations.position, section.ends));
+            (section.span, section.across) = (span, normal(line));
             [section.omega, section.omega_before] = [stations, before]
                 .map(|stations| dot(difference(&stations.velocity, section.ends), section.across) / section.span);
         }
     }
 
-    /// List the grid points that the mask may reach, each with its place, whose fraction may lie beyond the ends of the
-    /// beam, and its squared distance from there.
+    /// List the grid points that the mask may reach, each with the nearest of its places.
     fn find_candidates(&mut self, stations: &Stations, grid: &Grid) {
         /// Share of a segment by which its end may seem to lie beyond that of its neighbour.
         const ROUNDING: f64 = 1e-9;
         let last = self.segments.len() - 1;
         let root = [stations.position[0][0], stations.position[1][0]];
         let (slot, candidates) = (&mut self.slot, &mut self.candidates);
-        for (k, &Segment { along: [ex, ey], length }) in self.segments.iter().enumerate() {
+        for (k, &Segment { along: [ex, ey], length, .. }) in self.segments.iter().enumerate() {
             let [thickness, growth] = self.thickness[k];
             let reach = 0.5 * (thickness + 0.5 * growth.abs()) + self.profiles[k].reach();
             let [x0, y0] = [stations.position[0][k], stations.position[1][k]];
@@ -305,18 +323,18 @@ impl Beam {
                 }
                 let off = ahead - fraction * length;
                 let (height, arm) = (side.hypot(off).copysign(side), [x - root[0], y - root[1]]);
-                let place = Place { segment: k as u32, fraction, height, arm };
                 let past = (fraction - fraction.clamp(0.0, 1.0)) * length;
                 let distance_squared = height * height + past * past;
+                let candidate = Candidate { index, segment: k, fraction, height, distance_squared, arm };
                 match slot[index] {
                     0 => {
-                        candidates.push((index, (place, distance_squared)));
+                        candidates.push(candidate);
                         slot[index] = candidates.len() as u32;
                     }
                     number => {
-                        let known = &mut candidates[number as usize - 1].1;
-                        if distance_squared < known.1 {
-                            *known = (place, distance_squared);
+                        let known = &mut candidates[number as usize - 1];
+                        if distance_squared < known.distance_squared {
+                            *known = candidate;
                         }
                     }
                 }
@@ -338,8 +356,7 @@ impl Beam {
         loads.impedance.fill(0.0);
         for (cell, place) in self.cells.iter().zip(&self.places) {
             let ([fx, fy], [along_x, along_y]) = drag(cell);
-            let (k, t) = (place.segment as usize, place.fraction);
-            let tangent = place.tangent(&self.sections);
+            let Place { segment: k, fraction: t, tangent, .. } = *place;
             let moment = -place.height * dot([fx, fy], tangent);
             let [nx, ny] = normal(tangent);
             let impedance = along_x * nx * nx + along_y * ny * ny;
@@ -359,8 +376,9 @@ impl Beam {
 
     /// Points on the upper (`side` = 1) or lower (−1) surface at the stations, m.
     pub fn surface_point(&self, stations: &Stations, k: usize, side: f64) -> [f64; 2] {
-        let [nx, ny] = normal(self.sections[k].tangent);
-        let [thickness, growth] = self.thickness[k.min(self.segments.len() - 1)];
+        let last = self.segments.len() - 1;
+        let [nx, ny] = normal(bisector(k, last, |k| unit(difference(&stations.position, [k, k + 1]))));
+        let [thickness, growth] = self.thickness[k.min(last)];
         let here = if k < self.segments.len() { thickness - 0.5 * growth } else { thickness + 0.5 * growth };
         let height = side * 0.5 * here;
         [stations.position[0][k] + height * nx, stations.position[1][k] + height * ny]

@@ -37,17 +37,20 @@ struct Targeted {
     normal: [f64; 2],
     /// Sums of the weights of its points, along, across and in the flow through the surface.
     weight: [f64; 3],
-    /// End of its points; they begin where those of the one before end.
-    points_end: usize,
+    /// End of its samples; they begin where those of the one before end.
+    samples_end: usize,
 }
+
+/// Where the flow is sampled: four grid points with their shares in an interpolation, and the weights of what they give.
+type Around = ([(usize, f64); 4], [f64; 3]);
 
 /// The cells of a body.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
     cells: Vec<Cell>,
     targeted: Vec<Targeted>,
-    /// Grid points at which those cells sample the flow, and their weights in the same order.
-    points: Vec<(usize, [f64; 3])>,
+    /// Where those cells sample the flow, in the same order.
+    samples: Vec<Around>,
     /// What the flow through the surface adds to the drag, s/m, and the largest drag rate, 1/s.
     inertia: f64,
     largest: f64,
@@ -58,7 +61,7 @@ impl Cells {
     pub fn clear(&mut self) {
         self.cells.clear();
         self.targeted.clear();
-        self.points.clear();
+        self.samples.clear();
     }
 
     /// Add a cell that moves with the body.
@@ -66,9 +69,9 @@ impl Cells {
         self.cells.push(Cell { index, rate, velocity, arm, gain: [1.0; 2] });
     }
 
-    /// Let the cell added last follow a wall target, if it is in its reach: the cell is `distance` (m, positive in the
-    /// fluid) off the point `surface` (m), where the unit normal out of the body is `normal`. Before the step the body had
-    /// the velocity `before` (m/s) there.
+    /// Let the cell added last follow a wall target that reaches it: the cell is `distance` (m, positive in the fluid)
+    /// off the point `surface` (m), where the unit normal out of the body is `normal`. Before the step the body had the
+    /// velocity `before` (m/s) there.
     pub fn follow_last(
         &mut self,
         target: &WallTarget,
@@ -79,7 +82,7 @@ impl Cells {
         grid: &Grid,
     ) {
         let number = self.cells.len().wrapping_sub(1);
-        let Some(cell) = self.cells.last_mut().filter(|_| distance > -target.reach()) else { return };
+        let Some(cell) = self.cells.last_mut() else { return };
         (self.inertia, self.largest) = (target.inertia, target.largest);
         let mut sum = [0.0; 3];
         for Sample { off, weight } in target.samples(distance) {
@@ -87,22 +90,21 @@ impl Cells {
                 continue;
             }
             let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
-            self.points.extend(around.map(|(point, share)| (point, weight.map(|weight| share * weight))));
+            self.samples.push((around, weight));
             sum = [0, 1, 2].map(|i| sum[i] + weight[i]);
         }
         cell.gain = [0, 1].map(|axis| 1.0 - sum[0] * normal[1 - axis].powi(2) - sum[1] * normal[axis].powi(2));
         let (rate, body) = (cell.rate, cell.velocity);
         let across_before = normal[0] * before[0] + normal[1] * before[1];
-        let points_end = self.points.len();
+        let samples_end = self.samples.len();
         let (cell, weight, turned) = (number, sum, 0.0);
-        self.targeted.push(Targeted { cell, rate, body, across_before, turned, normal, weight, points_end });
+        self.targeted.push(Targeted { cell, rate, body, across_before, turned, normal, weight, samples_end });
     }
 
-    /// Let the body of the cell added last, at a `distance` (m) off the surface, turn at a rate (rad/s): the flow that
-    /// its wall target samples is that beyond the body's own velocity at those points.
+    /// Let the body of the cell that has just been told to follow, at a `distance` (m) off the surface, turn at a rate
+    /// (rad/s): the flow that its wall target samples is that beyond the body's own velocity at those points.
     pub fn turn_last(&mut self, target: &WallTarget, distance: f64, omega: f64) {
-        let last = self.cells.len().wrapping_sub(1);
-        let Some(targeted) = self.targeted.last_mut().filter(|targeted| targeted.cell == last) else { return };
+        let Some(targeted) = self.targeted.last_mut() else { return };
         let samples = target.samples(distance).into_iter();
         targeted.turned = omega * samples.map(|sample| sample.weight[0] * (sample.off - distance)).sum::<f64>();
     }
@@ -115,16 +117,18 @@ impl Cells {
             let (body_along, body_across) = (nx * v - ny * u, nx * u + ny * v);
             let mut along = -weight[0] * body_along - targeted.turned;
             let (mut across, mut through) = (-weight[1] * body_across, -weight[2] * targeted.across_before);
-            for &(point, weight) in &self.points[begin..targeted.points_end] {
-                let [u, v] = velocity(point);
-                along += weight[0] * (nx * v - ny * u);
-                across += weight[1] * (nx * u + ny * v);
-                through += weight[2] * (nx * u + ny * v);
+            for (around, weight) in &self.samples[begin..targeted.samples_end] {
+                for &(point, share) in around {
+                    let [u, v] = velocity(point);
+                    along += share * weight[0] * (nx * v - ny * u);
+                    across += share * weight[1] * (nx * u + ny * v);
+                    through += share * weight[2] * (nx * u + ny * v);
+                }
             }
             let cell = &mut self.cells[targeted.cell];
             cell.velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
             cell.rate = (targeted.rate * (1.0 + self.inertia * through.abs())).min(self.largest);
-            begin = targeted.points_end;
+            begin = targeted.samples_end;
         }
     }
 

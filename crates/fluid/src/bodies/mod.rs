@@ -112,18 +112,10 @@ impl Bodies {
         self.paint_changing();
     }
 
-    /// Put the beams alone at `ahead`, to which they go on from `stations`.
+    /// Put the beams alone at `ahead`, to which they go on from `stations`; [`Self::sample`] paints them there.
     pub fn send_beams(&mut self, ahead: &[Stations], stations: &[Stations], grid: &Grid) {
         for (beam, (ahead, stations)) in self.beams.iter_mut().zip(ahead.iter().zip(stations)) {
             beam.place(ahead, stations, grid);
-        }
-        self.paint_changing();
-    }
-
-    /// After [`Self::send_beams`]: their surfaces are at `stations` again. Their cells are where they were sent.
-    pub fn recall_beams(&mut self, stations: &[Stations]) {
-        for (beam, stations) in self.beams.iter_mut().zip(stations) {
-            beam.orient(stations, stations);
         }
     }
 

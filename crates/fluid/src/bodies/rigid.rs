@@ -119,7 +119,7 @@ impl Rigid {
             if rate > 0.0 && nearest.distance <= farthest {
                 let there = [velocity[0] - omega * arm[1], velocity[1] + omega * arm[0]];
                 cells.push(index, rate, there, arm);
-                if let Some(target) = profile.target() {
+                if let Some(target) = profile.target(nearest.distance) {
                     let [sx, sy] = turned([0, 1].map(|axis| nearest.surface[axis] - pivot[axis]), (sin, cos));
                     let surface = [position[0] + sx, position[1] + sy];
                     let normal = turned(nearest.normal, (sin, cos));

@@ -142,10 +142,8 @@ impl<R: Real> Scheme<R> {
         let mut loads = take(&mut present.beams.loads);
         match self {
             Self::Sbdf2(scheme) => {
-                let stations = &present.beams.stations;
-                domain.bodies.send_beams(ahead, stations, &domain.grid);
+                domain.bodies.send_beams(ahead, &present.beams.stations, &domain.grid);
                 scheme.predict_loads(present, &mut domain.bodies, &mut loads);
-                domain.bodies.recall_beams(stations);
             }
             // Its explicit drag is that of the mask where it is at the beginning of the step.
             Self::Rk2(_) => rk2::predict_loads(present, &mut domain.bodies, &mut loads),

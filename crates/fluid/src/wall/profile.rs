@@ -93,10 +93,10 @@ impl DragProfile {
         profile
     }
 
-    /// The wall target, if the solid does not draw the fluid to its own velocity.
-    pub fn target(&self) -> Option<&WallTarget> {
+    /// The wall target, if at signed distance `d` (m) the solid does not draw the fluid to its own velocity.
+    pub fn target(&self, d: f64) -> Option<&WallTarget> {
         match self {
-            Self::LogLinear { target, .. } => target.as_ref(),
+            Self::LogLinear { target, .. } => target.as_ref().filter(|target| target.reaches(d)),
             _ => None,
         }
     }

@@ -71,9 +71,9 @@ impl WallTarget {
         ]
     }
 
-    /// Depth in the solid down to which the flow outside matters, m.
-    pub fn reach(&self) -> f64 {
-        MIRROR_DEPTH.max(self.depth) * self.cell
+    /// Whether it samples anything for the point at signed distance `d` (m).
+    pub fn reaches(&self, d: f64) -> bool {
+        -MIRROR_DEPTH.max(self.depth) * self.cell < d && d < OUTSIDE * self.cell
     }
 
     /// Weights of the mirror image and of the second difference at a depth (cells).
