@@ -11,7 +11,7 @@ use crate::wall::DragProfile;
 pub struct Zone {
     /// Mean velocity, m/s.
     pub law: TimeLaw,
-    /// Drag rate of the zone by column, 1/s, for the columns where it is above 0.
+    /// Drag rate of the zone by column, 1/s, for the columns where it makes a difference.
     pub columns: Vec<(usize, f64)>,
     /// Velocity over its mean, by row.
     pub shape: Vec<f64>,
@@ -47,12 +47,14 @@ impl Zone {
     }
 }
 
-/// Columns where the rate, a function of the depth in the zone (m, negative outside), is above 0.
+/// Columns where the rate, a function of the depth in the zone (m, negative outside), makes a difference.
 fn columns([from, to]: [f64; 2], grid: &Grid, rate: impl Fn(f64) -> f64) -> Vec<(usize, f64)> {
+    /// Rate that changes no bit of a flow, 1/s: the tail of the log-linear profile has fallen to it within 25 cells.
+    const NONE: f64 = 1e-40;
     let (center, half) = (0.5 * (from + to), 0.5 * (to - from));
     (0..grid.nx)
         .map(|i| (i, rate(half - grid.periodic_x(grid.x(i) - center).abs())))
-        .filter(|(_, rate)| *rate > 0.0)
+        .filter(|(_, rate)| *rate > NONE)
         .collect()
 }
 
