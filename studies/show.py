@@ -29,7 +29,8 @@ plt.rcParams["axes.prop_cycle"] = matplotlib.rcsetup.cycler(color=COLOURS)
 
 LABELS = {"cd_mean": "$c_D$", "cl_mean": "$c_L$", "dp_mean": "$\\Delta p$", "cd_max": "$c_D$ max", "st": "St",
           "cl_peak_to_peak": "$c_L$ peak to peak", "tip_ux": "$u_x$", "tip_uy": "$u_y$",
-          "frequency_hz": "frequency"}  # fmt: skip
+          "frequency_hz": "frequency", "bar": "lift", "in_phase": "in phase", "with_velocity": "with velocity",
+          "second": "at 2f"}  # fmt: skip
 
 SPECS: dict[str, dict[str, str]] = tomllib.loads(Path(__file__).with_name("tables.toml").read_text(encoding="utf-8"))
 """Columns of the tables, by key."""

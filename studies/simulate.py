@@ -22,6 +22,7 @@ from nervure.pack import package
 from nervure.recorder import Recorder
 from nervure.scene import kinds, typed
 from nervure.show import plots
+from nervure.show.forecast import resident
 from nervure.unit import Unit
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def on_grid(nx: int, ny: int, step: float) -> dict[str, Any]:
     return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
 
 
-SHALLOW = {"fluid.mask.log_linear.core_depth": "absent"}
+SHALLOW: dict[str, Any] = {"fluid.mask.log_linear.core_depth": "absent"}
 """The change to the wall of coarse grids."""
 
 
@@ -167,7 +168,9 @@ def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Ca
 
 
 def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: bool = False) -> dict[str, Any]:
-    """One run into `folder`: its summary, with the wall time of FMI, Python and recording."""
+    """One run into `folder`: its summary, with the wall time of FMI, Python and recording, and the memory of units and
+    record, MB: of the first run in a process."""
+    before = resident()
     with ExitStack() as stack:
         units, scheme, clock, recorder = assemble(scene, folder, stack, rigid)
         seconds = {"fmi": 0.0, "recording": 0.0}
@@ -176,6 +179,7 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
                 setattr(unit, name, timed(getattr(unit, name), seconds, "fmi"))
         setattr(recorder, "record", timed(recorder.record, seconds, "recording"))  # noqa: B010
         outcome = master.run(scheme, clock, recorder)
+        memory = resident() - before
         evaluated = summarize(typed(scene), units, scheme, recorder, outcome)
         made = results.Results(typed(scene), folder, evaluated, recorder.series, recorder.units)
         results.write(made, scheme)
@@ -189,7 +193,7 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         columns: Any = made.series
         np.savez_compressed(folder / "series.npz", **columns)
         last = {name: float(values[-1]) for name, values in columns.items()}
-        return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "last": last}
+        return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "last": last, "memory": 1e-6 * memory}
 
 
 def run(case: Case, folder: Path) -> dict[str, Any]:

@@ -24,6 +24,7 @@ PEERS = ROOT / "studies" / "peers"
 PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
 LONGEST = 3600.0  # Wall time that a peer may take, s
 
+LARGEST = (8192, 2048)  # Grid whose step and memory are measured
 COST_STEPS = 200  # Communication steps of the runs that only tell what a step costs
 
 
@@ -82,6 +83,8 @@ def cases() -> Iterator[Case]:
     for nx, ny in ((160, 36), (325, 72), (640, 144), (1280, 288)):
         changes = on_grid(nx, ny, 1e-4) | {"time.end": COST_STEPS * 1e-4}
         yield case("cost", "grid", f"{nx} x {ny}", changes, nx * ny, repeats=5)
+    changes = on_grid(*LARGEST, 1e-4) | {"time.end": 20 * 1e-4}
+    yield case("cost", "grid", "{} x {}".format(*LARGEST), changes, LARGEST[0] * LARGEST[1], repeats=1, quick=False)
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
@@ -90,7 +93,8 @@ def keep(case: Case, run: Run) -> dict[str, Any]:
         walls, cpus = (np.percentile(spent, [25, 50, 75]).tolist() for spent in zip(*found["runs"]))
         times = {"wall_s": walls, "cpu_s": cpus, "runs": len(found["runs"])}
         return {"values": found["values"], "times": times}
-    values = {"steps": found["steps"]} if case.about["kind"] == "cost" else simulate.quantities(found)
+    cost = case.about["kind"] == "cost"
+    values = {name: found[name] for name in ("steps", "memory")} if cost else simulate.quantities(found)
     return {"values": values, "times": simulate.times(found)}
 
 

@@ -1,4 +1,4 @@
-"""docs/report: error against run time, stability, what a scene leaves out, where the time goes, what is missed."""
+"""docs/report: what is right and what is missed, error against run time, stability, where time and memory go."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 
-from studies import coupling, fsi3, show, simulate, speed
+from studies import coupling, driven_bar, fluid, fsi3, rod, show, simulate, speed, turek_hron
 from studies.engine import Run, Study
 from studies.report import cases, leave_out
 from studies.show import COLOURS, label, markdown, percent
@@ -22,6 +22,14 @@ LISTED: dict[str, Any] = simulate.LISTED["report"]
 QUANTITIES: dict[str, list[str]] = LISTED["quantities"]
 FLOWS = {"cylinder-2d1": "2D-1", "cylinder-2d2": "2D-2"}
 MASKS = {"none": "bare profile", "cosine": "cosine mask", "curvature": "wall target"}
+
+FIRST_SHOWN = ("600 x 120", "648 x 108")
+"""Grids of the cylinder and of the driven bar on the first page."""
+HALVED = (  # Exact solutions of the fluid: what is measured, on a step or grid and on half of it, along what
+    ("Taylor-Green", "sbdf2, 80 steps", "sbdf2, 160 steps", "step"),
+    ("Taylor-Green", "rk2, 80 steps", "rk2, 160 steps", "step"),
+    ("flux", "64 cells", "128 cells", "cell"),
+)
 
 CITED: list[dict[str, Any]] = simulate.LISTED["solvers"]
 SIMULATED = 8.0  # End of the FSI3 scenes, s
@@ -39,7 +47,9 @@ def kind_of(case: str) -> str:
 
 
 def point(record: Record, **about: Any) -> Point:
-    found = record.view | {name: record.times.get(f"{name}_s") for name in ("cpu", "wall")} | about
+    times = {name: record.times[f"{name}_s"] for name in ("cpu", "wall") if f"{name}_s" in record.times}
+    quartiles = {name: spent if isinstance(spent, list) else [spent] * 3 for name, spent in times.items()}
+    found = record.view | quartiles | about
     if record.name.startswith("report/rod-static"):
         beam = cases.exact("shear" in found["method"] or found["method"] in PEERS)
         found |= {f"{q}.discretisation": (found[q] - exact) / abs(exact) for q, exact in beam.items() if q in found}
@@ -60,6 +70,16 @@ def points(data: Data, case: str) -> list[Point]:
             errors = {f"{q}.error": (value - expected[q][0]) / expected[q][1] for q, value in row["values"].items()}
             found.append(row | errors | {"wall": [SIMULATED * row["wall"]] * 3, "failed": False})
         return found
+    if case == "driven-bar":
+        exact = driven_bar.LISTED["stream"]["moving mesh"]
+        grids = [data.get(f"driven-bar/stream/{nx}x{ny}") for nx, ny in driven_bar.GRIDS]
+        for run in filter(None, grids):
+            off = {f"{q}.error": (run[q] - exact[q]) / abs(exact[q]) for q in QUANTITIES[case]}
+            found.append(point(run, method="wall target", setting=run["name"], **off))
+        return found
+    if case in turek_hron.FLOWS:
+        swings = {grid.replace("x", " x "): data.get(f"turek-hron/{case}/{grid}") for grid in turek_hron.GRIDS}
+        return [point(run, method="momentum load", setting=grid) for grid, run in swings.items() if run]
     flow = FLOWS.get(case)
     found = [point(r) for r in data.of(f"report/{case}/*") if not flow or r["method"] in PEERS]
     for record in data.of("fluid/*", flow=flow) if flow else ():
@@ -123,6 +143,40 @@ def missed(data: Data) -> list[str]:
         rows.append((f"{case}, finest grid", {q: record[f"{q}.error"] for q in QUANTITIES[case]}))
     told = [[name, ", ".join(f"{label(q)} {percent(e)}" for q, e in found.items())] for name, found in rows]
     return markdown(["", "missed"], told)
+
+
+def verdicts(data: Data) -> list[str]:
+    """Largest error over the quantities of each benchmark on one grid, what it costs, and what others have."""
+    theirs = {row["case"]: row["theirs"] for row in beaten(data)} | turek_hron.LISTED["overall"]
+    rows = []
+    for name in turek_hron.QUANTITIES:
+        grid = "rod" if name in turek_hron.SOLIDS else turek_hron.SHIPPED
+        record, found = data[f"turek-hron/{name}/{grid}"], turek_hron.errors(data, name, grid)
+        rows.append((name.upper(), grid, max(map(abs, found)), record["cpu_s"], theirs.get(name, "")))
+    for case in (*FLOWS, "driven-bar"):
+        chosen = next(p for p in points(data, case) if p["setting"] in FIRST_SHOWN and p["method"] == "wall target")
+        largest = max(abs(chosen[f"{q}.error"]) for q in QUANTITIES[case])
+        rows.append((case, chosen["setting"], largest, chosen["cpu_s"], theirs.get(case, "")))
+    told = [[name, grid.replace("x", " x ").replace("  ", " "), f"{100 * largest:.1f} %", f"{cpu:.2g}", other]
+            for name, grid, largest, cpu, other in rows]  # fmt: skip
+    return markdown(["case", "grid", "largest error", "CPU, s", "others"], told)
+
+
+def orders(data: Data) -> list[str]:
+    """Observed orders of what is made to be of second order."""
+    found = [
+        (f"rod at rest, tip at {row['tip_angle']:.0f}°", "n, 32 to 128", row["order"])
+        for row in rod.ERRORS_IN_N(data)
+        if (row["calibration"], row["plane"]) == ("second order", "xz")
+    ]
+    found += [(f"{row['case']}, {row['scheme']}", "step", row["order"]) for row in rod.ERRORS_IN_DT(data)]
+    measured = {(row["measure"], row["setting"]): row["value"] for row in fluid.measures(data, walls=False)}
+    for measure, coarse, fine, along in HALVED:
+        order = float(np.log2(measured[measure, coarse] / measured[measure, fine]))
+        found.append((f"{measure}, {coarse} and twice as many", along, order))
+    rows = [[what, along, f"{order:.2f}", "second" if abs(order - 2) < 0.25 else "**not second**"]
+            for what, along, order in found]  # fmt: skip
+    return markdown(["error of", "over", "observed order", "verdict"], rows)
 
 
 # Stability
@@ -214,11 +268,12 @@ def draw_maps(data: Data) -> None:
 
 
 def steps(data: Data, **about: Any) -> list[Point]:
-    """A step of FSI3, the median CPU time, and its parts, the shortest wall times, µs."""
+    """A step of FSI3, the median CPU time, and its parts, the shortest wall times, µs; and the memory of a run, MB."""
     rows = []
     for record in data.of("report/cost/*", **about):
         seconds = record.times["phases_s"] | {"step": record["cpu_s"]}
-        rows.append(record.case.about | {phase: 1e6 * spent / record["steps"] for phase, spent in seconds.items()})
+        phases = {phase: 1e6 * spent / record["steps"] for phase, spent in seconds.items()}
+        rows.append(record.case.about | phases | {"memory": record.get("memory")})
     return rows
 
 
@@ -280,5 +335,6 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "report-bands": lambda data: [fsi3.LEVEL_4, *fsi3.costs(data)], "report-maps": maps, "report-failed": failed,
     "report-cited": lambda data: [row | row["values"] for row in CITED], "report-lacking": leave_out.lacking,
     "report-left-out": leave_out.added, "report-exponents": exponents, "report-steps": steps,
+    "report-verdicts": verdicts, "report-orders": orders,
 }  # fmt: skip
 STUDY = Study("report", cases.cases, cases.keep, TABLES, draw)
