@@ -347,6 +347,8 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     for case, kind in (("rod-static", "discretisation"), *((case, "error") for case in QUANTITIES)):
         groups = show.grouped(points(data, case), "method")
         times = {"wall": "wall time [s]", "cpu": "CPU time [s]"}
+        if len(groups) == 1:
+            del times["wall"]  # Nobody else's is beside it
         show.errors(f"report/{case.replace('-', '_')}_{kind}", groups, QUANTITIES[case], times, kind)
     draw_maps(data)
     draw_cost(data)
