@@ -26,6 +26,12 @@ through the grid alone makes 0.16 on this grid when the tip swings by 40 mm, fro
 SCHEMES: dict[str, dict[str, Any]] = simulate.LISTED["coupling"]["schemes"]
 
 
+PARTS: dict[str, dict[str, Any]] = simulate.LISTED["coupling"]["parts"]
+"""Scenes, and changes of them, that have a part which FSI3 on its coarse grid has not."""
+FACTORS, PART_STEPS = (0.1, 1.0, 10.0), 1000
+"""By which the rods of these are heavier, and communication steps of their runs."""
+
+
 def cell(
     scheme: str, ratio: float, c_eta: float, step: float = 4e-4, end: float = END, max_step: float | None = None
 ) -> Case:
@@ -45,12 +51,36 @@ def cell(
     return Case(name, COUPLED, COARSE, changes, about=about)
 
 
+def heavier(scene: dict[str, Any], factor: float) -> dict[str, Any]:
+    """The change to rods of so many times the mass."""
+    rods = [(f"rods.{i}.rod", rod["rod"]) for i, rod in enumerate(scene.get("rods", ()))]
+    changes = {}
+    for key, rod in rods or [("rod", scene["rod"])]:
+        for kind, material in rod["material"].items():
+            (mass,) = {"density", "line_density"} & material.keys()
+            changes[f"{key}.material.{kind}.{mass}"] = factor * material[mass]
+    return changes
+
+
+def part(name: str, factor: float) -> Case:
+    scene, changes = PARTS[name]["scene"], PARTS[name].get("changes", {})
+    built = simulate.changed(scene, changes)
+    step, mask = built["time"]["communication_step"], built["fluid"]["mask"]
+    changes = changes | heavier(built, factor) | {"time.end": PART_STEPS * step}
+    if scene.startswith("fsi3"):
+        changes |= {RAMP: START}
+    about = {"scheme": name, "ratio": factor, "c_eta": next(iter(mask.values()))["c_eta"], "step": step}
+    about |= {"end": PART_STEPS * step, "part": name}
+    return Case(f"parts/{name.replace(',', '').replace(' ', '-')}-{factor:g}", COUPLED, scene, changes, about=about)
+
+
 def cases() -> Iterator[Case]:
     c_etas = (1e-3, 1e-4, 1e-5)
     for light in (False, True):
         for ratio in (ratio for ratio in RATIOS if (ratio < 1) == light):
             for c_eta in c_etas:
                 yield cell("default", ratio, c_eta, end=END_ITERATED if light else END)
+            yield cell("default", ratio, 1e-6, end=END_ITERATED if light else END)
     for c_eta in c_etas:
         yield cell("default", 1.0, c_eta, 2e-4)
     for ratio in RATIOS:
@@ -69,6 +99,9 @@ def cases() -> Iterator[Case]:
         yield cell("IQN-ILS", ratio, 1e-4, end=END_ITERATED)
     yield cell("default", 0.1, 1e-4, 2e-4, END_ITERATED)
     yield cell("default", 1.0, 1e-4, end=END_LONG)
+    for name in PARTS:
+        for factor in FACTORS:
+            yield part(name, factor)
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
@@ -98,7 +131,7 @@ def shown(record: Record | None) -> str:
 
 def held(data: Data) -> list[str]:
     """A table for each scheme and step: outcome by density ratio and C_eta."""
-    records, text = data.of("coupling/*"), []
+    records, text = data.of("coupling/*", part=None), []
     for (scheme, step, end), members in show.grouped(records, "scheme", "step", "end").items():
         at = {(record["ratio"], record["c_eta"]): record for record in members}
         c_etas = {f"C_eta = {c_eta:g} s": c_eta for c_eta in sorted({c_eta for _, c_eta in at}, reverse=True)}
@@ -107,7 +140,14 @@ def held(data: Data) -> list[str]:
         text += [*show.matrix("density ratio", ratios, c_etas, lambda *place, at=at: shown(at.get(place))), ""]
     counts = Counter(map(outcome, records))
     said = ", ".join(f"{counts[what]} {what}" for what in ("ok", "error", "bad"))
-    return [*text, f"{len(records)} of {len(list(cases()))} cells were run: {said}."]
+    return [*text, f"{len(records)} cells were run: {said}."]
 
 
-STUDY = Study("coupling", cases, keep, {"coupling-map": held})
+def parts(data: Data) -> list[str]:
+    """Outcome of the scenes with other parts by the mass of their rods."""
+    masses = {f"mass x {factor:g}": factor for factor in FACTORS}
+    at = {(record["part"], record["ratio"]): record for record in data.of("coupling/parts/*")}
+    return show.matrix("scene", {name: name for name in PARTS}, masses, lambda *place: shown(at.get(place)))
+
+
+STUDY = Study("coupling", cases, keep, {"coupling-map": held, "coupling-parts": parts})
