@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -11,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from nervure import master
 from nervure.evaluate import flapping, statistics
 from nervure.scene import typed
 from studies import show, simulate
@@ -38,9 +36,6 @@ PART_STEPS, PART_REPEATS = 40, 9
 
 MEANS = ("thrust", "lift", "power_in", "efficiency", "tip_amplitude", "tip_by_rigid_tip", "phase_lag_deg", "periods")
 """What is kept of a flapping vein."""
-
-THICK, DIRECTIONS = "coupling/thickness-0.05", 20
-"""The case whose iteration stops at a step that is looked into, and the random ways in which its stations are moved."""
 
 
 def cases() -> Iterator[Case]:
@@ -71,8 +66,6 @@ def cases() -> Iterator[Case]:
         moving = {"fluid.initial_velocity": [1.0, 0.3], "rod": "absent", "coupling": "absent"}
         short = {"time.end": PART_STEPS * 4e-4}
         yield case(f"parts/{name}", PITCHING, moving | short | changes, repeats=PART_REPEATS)
-    thick = {"name": "thick", "time.end": COUPLED_END} | COUPLINGS["thickness-0.05"]
-    yield Case("further/jumps", COUPLED, PITCHING, thick, action=jumps)
     for name in LIMITS:
         yield Case(f"limits/{name}", (*COUPLED, "limits"), options={"limit": name}, action=limit)
 
@@ -81,34 +74,6 @@ def limit(case: Case, folder: Path) -> dict[str, Any]:
     """What `driven_root` finds."""
     all_found = LIMITS[case.options["limit"]](partial(driven_root.record, folder=folder))
     return {"tables": {"found": [asdict(found) | {"error": found.error} for found in all_found]}}
-
-
-def jumps(case: Case, folder: Path) -> dict[str, Any]:
-    """Where the iteration of the thick vein stops: how much the pressure jump of the step changes when the stations
-    of the last guess are moved by 1e-13 to 1e-6 in random ways, with the velocities that go with that, relative to its
-    norm."""
-    with ExitStack() as stack:
-        units, scheme, clock, recorder = simulate.assemble(case.built(), folder, stack)
-        outcome = master.run(scheme, clock, recorder)
-        assert outcome.error, f"{THICK} reached its end: there is no step to look into"
-        fluid, chance, h = units["fluid"], np.random.default_rng(1), clock.communication_step
-        guess = fluid.inputs.copy()
-
-        def pressure(stations: np.ndarray) -> np.ndarray:
-            fluid.restore()
-            fluid.inputs[:] = stations
-            fluid.step(outcome.simulated, h)
-            return fluid.exchanged.copy()
-
-        there, rows = pressure(guess), []
-        for power in range(-13, -5):
-            changes = []
-            for _ in range(DIRECTIONS):
-                way = chance.standard_normal(guess.size // 2)
-                way *= 10.0**power / np.linalg.norm(way)
-                changes.append(np.linalg.norm(pressure(guess + np.r_[way, way / h]) - there) / np.linalg.norm(there))
-            rows.append({"moved": 10.0**power, "median": float(np.median(changes)), "largest": float(max(changes))})
-    return {"tables": {"jumps": rows}}
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:

@@ -283,7 +283,7 @@ mod tests {
             (vec![OPEN], Load::Momentum, "weighs 1.0000 of the fluid"),
             (vec![OPEN, light], Load::PressureJump, "weighs 0.9990 of the fluid"),
             (vec![OPEN, long], Load::PressureJump, "the step of 0.0005 s is above 0.0004 s"),
-            (vec![OPEN, rk2], Load::PressureJump, "the step of 0.0004 s is above 0.00001 s"),
+            (vec![OPEN, rk2], Load::PressureJump, "the step of 0.0004 s is above 0.000001 s"),
         ] {
             let (found, why) = fsi3(&replaced).unwrap().chosen_load().unwrap();
             assert_eq!(found, load, "{replaced:?}: {why}");
