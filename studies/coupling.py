@@ -68,7 +68,7 @@ def part(name: str, factor: float) -> Case:
     step, mask = built["time"]["communication_step"], built["fluid"]["mask"]
     changes = changes | heavier(built, factor) | {"time.end": PART_STEPS * step}
     if scene.startswith("fsi3"):
-        changes |= {RAMP: START}
+        changes |= {RAMP: START, "coupling": {}}
     about = {"scheme": name, "ratio": factor, "c_eta": next(iter(mask.values()))["c_eta"], "step": step}
     about |= {"end": PART_STEPS * step, "part": name}
     return Case(f"parts/{name.replace(',', '').replace(' ', '-')}-{factor:g}", COUPLED, scene, changes, about=about)
