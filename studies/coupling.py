@@ -105,12 +105,16 @@ def cases() -> Iterator[Case]:
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
-    """Reached time (s), iterations a step, noise of the last third of the lift: its second difference by its spread."""
-    summary, lift = run.found, run.series["lift"]
+    """Reached time (s), iterations a step, noise of the last third of the lift: its second difference by its spread. Of
+    other parts that of the tips: two veins that are mirror images have no lift."""
+    summary, series = run.found, run.series
     values = {"reached": summary["simulated_s"]}
     if not summary["error"]:
-        lift = lift[-(lift.size // 3) :]
-        noise = float(np.std(np.diff(lift, 2)) / np.std(lift))
+        signals = [name for name in series if name.endswith("tip_uy")] if "part" in case.about else ["lift"]
+        noises = []
+        for signal in (series[name][-(series[name].size // 3) :] for name in signals):
+            noises.append(float(np.std(np.diff(signal, 2)) / np.std(signal)))
+        noise = max(noises)
         values |= {"iterations": summary["iterations_mean"], "noise": noise if np.isfinite(noise) else np.inf}
     return {"values": values, "times": simulate.times(summary)}
 
