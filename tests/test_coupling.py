@@ -239,7 +239,7 @@ def test_work_and_loads_are_balanced_across_the_interface(start, libraries):
     """What the rod took was announced for where the stations go on to, and exerted where they went: the work differs
     by less than a ten-thousandth, the force by less than a thousandth, and both by less with half the step. With the
     load of the mask where it is, they are thirty and ten times as far apart. So it is for ten times the scene's C_eta;
-    for its own the force has 1.1e-3 and 1.2e-3, because the noise of a harder core does not go with the step."""
+    for its own the force has 1.1e-3 and 1.2e-3, and does not go with the step."""
     found = []
     for step in (4e-4, 2e-4):
         series = fsi3_run(start, step, c_eta=1e-5)

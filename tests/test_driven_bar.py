@@ -18,7 +18,7 @@ IN_PHASE, WITH_VELOCITY, REST = 0.02, 80.0, 0.055
 1.3 %, -71 to -7 N/m and 4.7 to 5.4 %. Without the wall target it is -10 % and 287 N/m, without the filter 179 N/m,
 with a tenth more viscosity 101 N/m, with ten times C_eta 81 N/m."""
 ADDED_MASS = 0.02
-"""Limit in still fluid; it is 1.6 %, and 0.8 to 1.4 % at other places of the grid, with half the step 0.7 % less. A bar
+"""Limit in still fluid; it is 1.6 %, and 0.8 to 1.4 % at other places of the grid, with half the step 0.8 %. A bar
 that lets fluid through loses it: with a hundred times C_eta it is -6 %."""
 
 
