@@ -11,6 +11,15 @@ pub struct Force {
     pub moment: f64,
 }
 
+impl Force {
+    /// Add a force (N/m) that acts at `arm` (m) from the point that the moment is taken about.
+    pub fn add(&mut self, [fx, fy]: [f64; 2], arm: [f64; 2]) {
+        self.force[0] += fx;
+        self.force[1] += fy;
+        self.moment += arm[0] * fy - arm[1] * fx;
+    }
+}
+
 /// What the fluid did to a beam, by the drag on its cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exchange {
@@ -29,6 +38,15 @@ pub struct BodyForce {
     pub force: Force,
     /// The fluid that the body displaced at its end.
     pub displaced: Displaced,
+}
+
+impl BodyForce {
+    /// Take what `drag` did in a step of size `dt` (s), and the unsteady term of what is displaced at its end.
+    pub fn update(&mut self, drag: Force, displaced: Displaced, dt: f64) {
+        let unsteady = displaced.rate_of_change(&self.displaced, dt);
+        let force = [0, 1].map(|axis| drag.force[axis] + unsteady.force[axis]);
+        *self = Self { force: Force { force, moment: drag.moment + unsteady.moment }, displaced };
+    }
 }
 
 /// Momentum that the fluid displaced by a body would have, per metre of depth.

@@ -18,7 +18,7 @@
 
 use scene::Mask;
 
-use super::cells::{Cell, Cells};
+use super::cells::{Cell, Cells, Near};
 use super::stations::{Loads, Stations};
 use crate::force::Displaced;
 use crate::grid::Grid;
@@ -49,6 +49,8 @@ struct Place {
     height: f64,
     /// Unit tangent.
     tangent: [f64; 2],
+    /// Whether it is in the part that goes on behind the root: the cylinder there bears what acts on that.
+    behind: bool,
 }
 
 /// The beam and the cells in which it drags the fluid.
@@ -59,6 +61,8 @@ pub struct Beam {
     profiles: Vec<DragProfile>,
     /// How far the mask goes on behind the root, into the cylinder that the beam is clamped to, m.
     anchor: f64,
+    /// The cylinder that it is clamped to.
+    pub holder: Option<usize>,
     /// Cells of the present position.
     pub cells: Cells,
     places: Vec<Place>,
@@ -145,9 +149,9 @@ impl Beam {
     /// The beam of a scene, not yet anywhere.
     pub fn new(beam: &scene::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
         let at: Vec<_> = beam.places().map(|s| beam.thickness.at(s)).collect();
-        let anchor = match beam.root {
-            scene::Root::OnCylinder { .. } => 0.5 * at[0],
-            scene::Root::At { .. } => 0.0,
+        let (anchor, holder) = match beam.root {
+            scene::Root::OnCylinder { cylinder, .. } => (0.5 * at[0], Some(cylinder)),
+            scene::Root::At { .. } => (0.0, None),
         };
         // Between the stations the thickness is linear, whatever its law.
         let ends = at.iter().step_by(2).zip(at.iter().step_by(2).skip(1));
@@ -177,6 +181,7 @@ impl Beam {
             thickness,
             profiles,
             anchor,
+            holder,
             cells: Cells::default(),
             places: Vec::new(),
             segments: vec![ahead; beam.segments],
@@ -226,30 +231,34 @@ impl Beam {
             } else {
                 f64::NEG_INFINITY
             };
+            let behind = self.holder.is_some() && fraction < 0.0;
             let fraction = fraction.clamp(0.0, 1.0);
             // The lines of equal drag have corners: with the Euclidean distance outside they would round them.
             let [thickness, growth] = self.thickness[k];
             let half = 0.5 * (thickness + (fraction - 0.5) * growth);
-            let above = (height.abs() - half) / stretch;
-            let distance = above.max(beyond);
+            let [above, below] = [height, -height].map(|height| (height - half) / stretch);
+            let distance = above.max(below).max(beyond);
             let profile = &self.profiles[k];
             let rate = profile.rate(distance);
             if rate > 0.0 {
                 let tangent = unit(between(self.sections[k].tangent, self.sections[k + 1].tangent, fraction));
-                let place = Place { segment: k, fraction, height, tangent };
+                let place = Place { segment: k, fraction, height, tangent, behind };
                 self.cells.push(index, rate, place.velocity(&self.sections, |section| section.omega, stations), arm);
                 if let Some(target) = profile.target(distance) {
-                    // The nearest surface is that of the tip or the root, or that above or below.
-                    let normal = if beyond > above {
-                        tangent.map(|component| if k == 0 { -component } else { component })
-                    } else {
-                        let across = normal(tangent).map(|component| component.copysign(component * height));
-                        [0, 1].map(|axis| (across[axis] - slope * tangent[axis]) / stretch)
-                    };
                     let point = grid.point(index);
-                    let surface = [0, 1].map(|axis| point[axis] - distance * normal[axis]);
                     let before = place.velocity(&self.sections, |section| section.omega_before, before);
-                    self.cells.follow_last(target, distance, surface, normal, before, grid);
+                    let across = normal(tangent);
+                    let [upper, lower] = [1.0, -1.0]
+                        .map(|side| [0, 1].map(|axis| (side * across[axis] - slope * tangent[axis]) / stretch));
+                    let end = if k == 0 { tangent.map(|component| -component) } else { tangent };
+                    let distances = [above, below, beyond];
+                    let surfaces = distances.into_iter().zip([upper, lower, end]);
+                    for ((distance, normal), share) in surfaces.zip(target.shares(distances)) {
+                        if share > 0.0 && target.reaches(distance) {
+                            let surface = [0, 1].map(|axis| point[axis] - distance * normal[axis]);
+                            self.cells.follow_last(target, Near { distance, surface, normal, share }, before, grid);
+                        }
+                    }
                 }
                 self.places.push(place);
             }
@@ -342,9 +351,13 @@ impl Beam {
         }
     }
 
-    /// Velocity of the section, m/s, in each of the cells, in their order.
-    pub fn section_velocities<'a>(&'a self, stations: &'a Stations) -> impl Iterator<Item = [f64; 2]> + 'a {
-        self.places.iter().map(|place| place.velocity(&self.sections, |section| section.omega, stations))
+    /// The cells, each with the velocity of its section, m/s, unless the cylinder bears what acts on it.
+    pub fn cells_and_velocities<'a>(
+        &'a self,
+        stations: &'a Stations,
+    ) -> impl Iterator<Item = (&'a Cell, Option<[f64; 2]>)> {
+        let velocity = |place: &Place| place.velocity(&self.sections, |section| section.omega, stations);
+        self.cells.iter().zip(&self.places).map(move |(cell, place)| (cell, (!place.behind).then(|| velocity(place))))
     }
 
     /// Bring the drag on each cell to the stations.
@@ -354,7 +367,7 @@ impl Beam {
     pub fn collect(&self, mut drag: impl FnMut(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut Loads) {
         loads.force.iter_mut().for_each(|f| f.fill(0.0));
         loads.impedance.fill(0.0);
-        for (cell, place) in self.cells.iter().zip(&self.places) {
+        for (cell, place) in self.cells.iter().zip(&self.places).filter(|(_, place)| !place.behind) {
             let ([fx, fy], [along_x, along_y]) = drag(cell);
             let Place { segment: k, fraction: t, tangent, .. } = *place;
             let moment = -place.height * dot([fx, fy], tangent);

@@ -19,11 +19,13 @@ pub struct Cell {
 }
 
 /// A cell with a wall target: its body draws the fluid to `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`, summed over
-/// points, with t along the surface and n across.
+/// points, with t along the surface and n across. A cell between two surfaces has one of each, next to one another.
 #[derive(Clone, Copy, Debug)]
 struct Targeted {
     /// Which of the cells.
     cell: usize,
+    /// Part that this surface has in the cell.
+    share: f64,
     /// Drag rate in still fluid, 1/s.
     rate: f64,
     /// Velocity of the body there, m/s.
@@ -43,6 +45,19 @@ struct Targeted {
 
 /// Where the flow is sampled: four grid points with their shares in an interpolation, and the weights of what they give.
 type Around = ([(usize, f64); 4], [f64; 3]);
+
+/// A surface near a cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    /// Signed distance of the cell, m, positive in the fluid.
+    pub distance: f64,
+    /// The nearest point, m.
+    pub surface: [f64; 2],
+    /// Unit normal out of the body there.
+    pub normal: [f64; 2],
+    /// Part of the cell that is the surface's; 1 but for cells between two.
+    pub share: f64,
+}
 
 /// The cells of a body.
 #[derive(Clone, Debug, Default)]
@@ -69,15 +84,13 @@ impl Cells {
         self.cells.push(Cell { index, rate, velocity, arm, gain: [1.0; 2] });
     }
 
-    /// Let the cell added last follow a wall target that reaches it: the cell is `distance` (m, positive in the fluid)
-    /// off the point `surface` (m), where the unit normal out of the body is `normal`. Before the step the body had the
-    /// velocity `before` (m/s) there.
+    /// Let the cell added last follow, with a `share`, a wall target that reaches it: the cell is `distance` (m, positive
+    /// in the fluid) off the point `surface` (m), where the unit normal out of the body is `normal`. Before the step the
+    /// body had the velocity `before` (m/s) there.
     pub fn follow_last(
         &mut self,
         target: &WallTarget,
-        distance: f64,
-        surface: [f64; 2],
-        normal: [f64; 2],
+        Near { distance, surface, normal, share }: Near,
         before: [f64; 2],
         grid: &Grid,
     ) {
@@ -93,12 +106,14 @@ impl Cells {
             self.samples.push((around, weight));
             sum = [0, 1, 2].map(|i| sum[i] + weight[i]);
         }
-        cell.gain = [0, 1].map(|axis| 1.0 - sum[0] * normal[1 - axis].powi(2) - sum[1] * normal[axis].powi(2));
+        (0..2).for_each(|axis| {
+            cell.gain[axis] -= share * (sum[0] * normal[1 - axis].powi(2) + sum[1] * normal[axis].powi(2));
+        });
         let (rate, body) = (cell.rate, cell.velocity);
         let across_before = normal[0] * before[0] + normal[1] * before[1];
         let samples_end = self.samples.len();
         let (cell, weight, turned) = (number, sum, 0.0);
-        self.targeted.push(Targeted { cell, rate, body, across_before, turned, normal, weight, samples_end });
+        self.targeted.push(Targeted { cell, share, rate, body, across_before, turned, normal, weight, samples_end });
     }
 
     /// Let the body of the cell that has just been told to follow, at a `distance` (m) off the surface, turn at a rate
@@ -111,9 +126,9 @@ impl Cells {
 
     /// Sample the flow around the cells with a wall target; `velocity` gives it at a grid point, m/s.
     pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
-        let mut begin = 0;
+        let (mut begin, mut last, mut flow) = (0, usize::MAX, 0.0);
         for targeted in &self.targeted {
-            let ([u, v], [nx, ny], weight) = (targeted.body, targeted.normal, targeted.weight);
+            let ([u, v], [nx, ny], weight, share) = (targeted.body, targeted.normal, targeted.weight, targeted.share);
             let (body_along, body_across) = (nx * v - ny * u, nx * u + ny * v);
             let mut along = -weight[0] * body_along - targeted.turned;
             let (mut across, mut through) = (-weight[1] * body_across, -weight[2] * targeted.across_before);
@@ -126,8 +141,13 @@ impl Cells {
                 }
             }
             let cell = &mut self.cells[targeted.cell];
-            cell.velocity = [u - along * ny + across * nx, v + along * nx + across * ny];
-            cell.rate = (targeted.rate * (1.0 + self.inertia * through.abs())).min(self.largest);
+            if targeted.cell != last {
+                (cell.velocity, last, flow) = ([u, v], targeted.cell, 0.0);
+            }
+            cell.velocity[0] += share * (across * nx - along * ny);
+            cell.velocity[1] += share * (across * ny + along * nx);
+            flow += share * through.abs();
+            cell.rate = (targeted.rate * (1.0 + self.inertia * flow)).min(self.largest);
             begin = targeted.samples_end;
         }
     }

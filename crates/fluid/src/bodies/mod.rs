@@ -8,7 +8,7 @@ mod stations;
 
 use scene::Scene;
 
-use crate::force::{BodyForce, Displaced, Exchange, Force};
+use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
 use crate::simd::Real;
 use crate::wall::DragProfile;
@@ -149,23 +149,17 @@ impl Bodies {
         }
     }
 
-    /// Cells and displaced fluid of the rigid bodies, then of the beams at their stations.
-    fn displaced(&self, stations: &[Stations]) -> impl Iterator<Item = (&Cells, Displaced)> {
-        let rigid = self.rigid.iter().map(|rigid| (&rigid.cells, rigid.displaced(self.density)));
-        let beams = self.beams.iter().zip(stations);
-        rigid.chain(beams.map(|(beam, stations)| (&beam.cells, beam.displaced(stations, self.density))))
-    }
-
-    /// The displaced fluid of all bodies as they are, with no force yet.
+    /// The displaced fluid of all bodies as they are, the rigid ones first, with no force yet.
     pub fn without_force(&self, stations: &[Stations]) -> Vec<BodyForce> {
-        let displaced = self.displaced(stations);
-        displaced.map(|(_, displaced)| BodyForce { displaced, force: Force::default() }).collect()
+        let rigid = self.rigid.iter().map(|rigid| rigid.displaced(self.density));
+        let beams = self.beams.iter().zip(stations).map(|(beam, stations)| beam.displaced(stations, self.density));
+        rigid.chain(beams).map(|displaced| BodyForce { displaced, force: Force::default() }).collect()
     }
 
     /// Sum up the forces of a step of size `dt` (s) from `drag`, the drag on a cell over the density, m/s².
     ///
     /// The penalization integral lacks the rate of change of the momentum that the fluid displaced by a moving body
-    /// would have (thesis eq. 3.20).
+    /// would have (thesis eq. 3.20). What acts on a beam where it goes on into its cylinder acts on that.
     pub fn sum_up_forces(
         &self,
         dt: f64,
@@ -174,26 +168,28 @@ impl Bodies {
         forces: &mut [BodyForce],
         exchange: &mut [Exchange],
     ) {
-        for (number, (known, (cells, displaced))) in forces.iter_mut().zip(self.displaced(stations)).enumerate() {
-            let beam = number.checked_sub(self.rigid.len());
-            let mut section = beam.into_iter().flat_map(|k| self.beams[k].section_velocities(&stations[k]));
+        let drag = |cell: &Cell| drag(cell).map(|drag| self.cell_mass * drag);
+        let (on_rigid, on_beams) = forces.split_at_mut(self.rigid.len());
+        for (known, rigid) in on_rigid.iter_mut().zip(&self.rigid) {
+            let mut sum = Force::default();
+            rigid.cells.iter().for_each(|cell| sum.add(drag(cell), cell.arm));
+            known.update(sum, rigid.displaced(self.density), dt);
+        }
+        for (k, ((known, beam), stations)) in on_beams.iter_mut().zip(&self.beams).zip(stations).enumerate() {
             let (mut sum, mut power) = (Force::default(), 0.0);
-            for cell in cells.iter() {
-                let [fx, fy] = drag(cell).map(|drag| self.cell_mass * drag);
-                sum.force[0] += fx;
-                sum.force[1] += fy;
-                sum.moment += cell.arm[0] * fy - cell.arm[1] * fx;
-                if let Some([u, v]) = section.next() {
-                    power += fx * u + fy * v;
+            for (cell, velocity) in beam.cells_and_velocities(stations) {
+                let force = drag(cell);
+                if let Some([u, v]) = velocity {
+                    sum.add(force, cell.arm);
+                    power += force[0] * u + force[1] * v;
+                } else if let Some(holder) = beam.holder {
+                    let center = self.rigid[holder].pose.position;
+                    let arm = [0, 1].map(|axis| stations.position[axis][0] + cell.arm[axis] - center[axis]);
+                    on_rigid[holder].force.add(force, arm);
                 }
             }
-            if let Some(k) = beam {
-                exchange[k] = Exchange { force: sum.force, power, work: exchange[k].work + power * dt };
-            }
-            let unsteady = displaced.rate_of_change(&known.displaced, dt);
-            (0..2).for_each(|axis| sum.force[axis] += unsteady.force[axis]);
-            sum.moment += unsteady.moment;
-            *known = BodyForce { force: sum, displaced };
+            exchange[k] = Exchange { force: sum.force, power, work: exchange[k].work + power * dt };
+            known.update(sum, beam.displaced(stations, self.density), dt);
         }
     }
 

@@ -4,7 +4,7 @@
 
 use scene::{Body, Mask};
 
-use super::cells::Cells;
+use super::cells::{Cells, Near};
 use super::shape::{Section, Shape};
 use crate::force::Displaced;
 use crate::grid::Grid;
@@ -123,7 +123,8 @@ impl Rigid {
                     let [sx, sy] = turned([0, 1].map(|axis| nearest.surface[axis] - pivot[axis]), (sin, cos));
                     let surface = [position[0] + sx, position[1] + sy];
                     let normal = turned(nearest.normal, (sin, cos));
-                    cells.follow_last(target, nearest.distance, surface, normal, there, grid);
+                    let near = Near { distance: nearest.distance, surface, normal, share: 1.0 };
+                    cells.follow_last(target, near, there, grid);
                     cells.turn_last(target, nearest.distance, omega);
                 }
             }

@@ -13,6 +13,9 @@ pub const MIRROR_DEPTH: f64 = 2.0;
 /// How far outside the surface the second difference's part goes, in cells.
 const OUTSIDE: f64 = 1.0;
 
+/// By how much farther, in cells, a second surface may be for a cell that both share.
+const BETWEEN: f64 = 1.0;
+
 /// Share of the drag that a flow through the surface adds, per cell Reynolds number of that flow a cell off.
 ///
 /// The log-linear profile is made for a viscous layer, in which nu/dx² is the only rate. Where the flow comes to the wall
@@ -74,6 +77,16 @@ impl WallTarget {
     /// Whether it samples anything for the point at signed distance `d` (m).
     pub fn reaches(&self, d: f64) -> bool {
         -MIRROR_DEPTH.max(self.depth) * self.cell < d && d < OUTSIDE * self.cell
+    }
+
+    /// What each of several surfaces has of a cell at signed distances (m) from them, the largest of which is that from the
+    /// body: all of it has the nearest, but where two are nearly as near they share it, so that a body that moves through
+    /// the grid never turns a cell over from one to the other at once.
+    pub fn shares<const N: usize>(&self, distances: [f64; N]) -> [f64; N] {
+        let nearest = distances.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let weights = distances.map(|distance| fall((nearest - distance) / (BETWEEN * self.cell)));
+        let sum: f64 = weights.iter().sum();
+        weights.map(|weight| weight / sum)
     }
 
     /// Weights of the mirror image and of the second difference at a depth (cells).
