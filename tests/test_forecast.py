@@ -76,6 +76,11 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
         ),
         (["fluid.kinematic_viscosity=5e-4"], ["Re is 400; forces were compared with published ones from 20 to 200"]),
         (["rod.material.plane_strain.density=1e7"], ["the rod weighs 1e+04 of the fluid it displaces"]),
+        (["fluid.precision=single"], []),
+        (
+            ["fluid.precision=single", "rod.material.plane_strain.density=100"],
+            ["the rod weighs 0.1 of the fluid it displaces, which wants `precision` double"],
+        ),
         (["fluid.mask.log_linear.c_eta=1e-3"], ["the mask is soft: C_eta U/L is 0.02"]),
         (["beam.segments=100"], ["segments are 0.17 thicknesses long"]),
     ],

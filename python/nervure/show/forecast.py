@@ -86,6 +86,9 @@ def warnings(scene: Scene) -> Iterator[str]:
     if numbers.density_ratio is not None and not _within(numbers.density_ratio, DENSITY_RATIO):
         ratio, (low, high) = numbers.density_ratio, DENSITY_RATIO
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces; the coupling was tried from {low:g} to {high:g}"
+    elif numbers.density_ratio is not None and numbers.density_ratio < 1 and scene.fluid.precision == "single":
+        ratio = numbers.density_ratio
+        yield f"the rod weighs {ratio:.3g} of the fluid it displaces, which wants `precision` double to converge"
     if numbers.velocity and numbers.length:
         (mask,) = scene.fluid.mask.document().values()
         softness = mask["c_eta"] * numbers.velocity / numbers.length
