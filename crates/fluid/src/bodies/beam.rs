@@ -462,6 +462,38 @@ mod tests {
         }
     }
 
+    /// A cell on the line where two surfaces are as near draws the fluid to the same velocity on both sides of it: one at
+    /// a corner of the tip, outside or inside, and one in the middle of a thin beam.
+    #[test]
+    fn no_cell_turns_over_from_one_surface_to_the_other() {
+        let grid = Grid::new(&FluidBox { x: [0.0, 1.0], y: [0.0, 1.0], cells: [100, 100] });
+        let scene = scene::Beam {
+            root: Root::At { position: vec![0.3, 0.5], direction: vec![1.0, 0.0] },
+            length: 0.3,
+            thickness: Along::Constant(0.025),
+            segments: 6,
+            rest_angles: Vec::new(),
+        };
+        let target = scene::WallTarget::Curvature;
+        let mask = Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target };
+        let mut beam = Beam::new(&scene, &grid, &mask, 1e-3);
+        let flow: Vec<_> = (0..grid.len()).map(|i| grid.point(i)).map(|[x, y]| [y + x * y, x - 2.0 * y * y]).collect();
+        // A cell, and where the tip's upper corner is from it: on the bisector outside and inside, and far away.
+        let [x, y] = grid.point(60 * grid.ny + 50);
+        for [right, up] in [[0.003, 0.003], [-0.004, -0.004], [-0.1, -0.0125]] {
+            let drawn = [-1e-10, 1e-10].map(|aside| {
+                let root = [x - right - 0.3, y - up - 0.0125 + aside];
+                let along = |axis: usize| (0..=6).map(|k| root[axis] + [0.05, 0.0][axis] * f64::from(k)).collect();
+                let stations = Stations { position: [along(0), along(1)], velocity: [vec![0.0; 7], vec![0.0; 7]] };
+                beam.place(&stations, &stations, &grid);
+                beam.cells.sample(|point| flow[point]);
+                beam.cells.iter().find(|cell| cell.index == 60 * grid.ny + 50).expect("the mask reaches it").velocity
+            });
+            let apart = (drawn[0][0] - drawn[1][0]).hypot(drawn[0][1] - drawn[1][1]);
+            assert!(apart < 1e-6, "{right} m, {up} m: {drawn:?}");
+        }
+    }
+
     #[test]
     fn displaced_fluid_has_the_momentum_of_the_tapered_beam() {
         let (beam, stations, _) = turning();

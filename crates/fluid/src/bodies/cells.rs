@@ -106,9 +106,11 @@ impl Cells {
             self.samples.push((around, weight));
             sum = [0, 1, 2].map(|i| sum[i] + weight[i]);
         }
-        (0..2).for_each(|axis| {
-            cell.gain[axis] -= share * (sum[0] * normal[1 - axis].powi(2) + sum[1] * normal[axis].powi(2));
-        });
+        for axis in 0..2 {
+            let along = share * (sum[0] * normal[1 - axis].powi(2));
+            let across = share * (sum[1] * normal[axis].powi(2));
+            cell.gain[axis] = cell.gain[axis] - along - across;
+        }
         let (rate, body) = (cell.rate, cell.velocity);
         let across_before = normal[0] * before[0] + normal[1] * before[1];
         let samples_end = self.samples.len();
@@ -144,8 +146,9 @@ impl Cells {
             if targeted.cell != last {
                 (cell.velocity, last, flow) = ([u, v], targeted.cell, 0.0);
             }
-            cell.velocity[0] += share * (across * nx - along * ny);
-            cell.velocity[1] += share * (across * ny + along * nx);
+            let (along, across) = (share * along, share * across);
+            cell.velocity[0] = cell.velocity[0] - along * ny + across * nx;
+            cell.velocity[1] = cell.velocity[1] + along * nx + across * ny;
             flow += share * through.abs();
             cell.rate = (targeted.rate * (1.0 + self.inertia * flow)).min(self.largest);
             begin = targeted.samples_end;
