@@ -182,8 +182,9 @@ def overall(data: Data) -> list[str]:
         if not found or (name in SOLIDS and grid != GRIDS[0]):
             return ""
         record = data[f"turek-hron/{name}/{'rod' if name in SOLIDS else grid}"]
+        cpu = float(f"{record['cpu_s']:.2g}")
         by_fit = f"; fit {largest_and_rms(fit)}" if name in FLOWS and fit != found else ""
-        return f"{largest_and_rms(found)}{by_fit} ({record['cpu_s']:.2g} s)"
+        return f"{largest_and_rms(found)}{by_fit} ({cpu:g} s)"
 
     rows = [
         [name.upper(), *(cell(name, grid) for grid in GRIDS), LISTED["overall"].get(name, "")] for name in QUANTITIES
