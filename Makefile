@@ -166,9 +166,10 @@ BENCH_VENV := target/fluid-bench/venv
 
 .PHONY: bench-fluid
 
+WITH_FFTW = FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)"
+
 bench-fluid: $(BENCH_VENV)/.ready $(READY_DEV) ## compare the fluid's speed with FFTW's and with what the machine can do, by phase and by threads
-	FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)" \
-	$(STUDY) fluid-speed --again --times $(ARGS)
+	$(WITH_FFTW) $(STUDY) fluid-speed --again --times $(ARGS)
 
 $(BENCH_VENV)/.ready: requirements/bench.lock
 	$(PYTHON) -m venv --clear $(BENCH_VENV)
@@ -272,9 +273,10 @@ PEERS_VENV := target/report/venv
 report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (seven minutes on a free machine), write docs/report
 	$(STUDY) report leave-out --again $(ARGS)
 
-report-full: build $(READY_DEV) $(PEERS_VENV)/.ready bench-fluid report-pictures ## the same with the long cases, and what is missing of every study: half a day of one core
-	$(STUDY) rod fluid fluid-measures fsi3 coupling vein running
-	$(MAKE) report ARGS=--full
+STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein running report leave-out
+report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run what is stale or missing of every study, with the long cases, and draw all pages; goes on where it was stopped; half a day of one core
+	$(WITH_FFTW) $(STUDY) $(STUDIES) --full $(ARGS)
+	$(MAKE) ARGS= flapping filaments report-pictures
 
 report-pictures: build $(READY_DEV) ## the vorticity of FSI3 at four phases and over a period, for docs/report
 	$(NERVURE) run fsi3-325x72 --output results/report-pictures --fields-every 0.005 --quiet
