@@ -2,10 +2,13 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from nervure.coupling import Explicit
 from studies import show, simulate
 from studies.engine import COUPLED, Case, Run, Study
 from studies.fsi3 import COARSE, RAMP
@@ -22,6 +25,9 @@ amplitude: an iteration that does not hold fails at once, an explicit scheme may
 MOST_NOISE = 0.25
 """A run whose lift changes its slope by more than this part of its own spread from step to step is bad. The mask's way
 through the grid alone makes 0.16 on this grid when the tip swings by 40 mm, from 5 to 10 s as from 25 to 30 s."""
+
+NUDGED, NUDGE, NUDGED_STEPS = 10, 1e-6, 600
+"""Step whose loads are larger, by which part of themselves, and steps of these runs."""
 
 SCHEMES: dict[str, dict[str, Any]] = simulate.LISTED["coupling"]["schemes"]
 
@@ -74,6 +80,55 @@ def part(name: str, factor: float) -> Case:
     return Case(f"parts/{name.replace(',', '').replace(' ', '-')}-{factor:g}", COUPLED, scene, changes, about=about)
 
 
+def tips(scene: dict[str, Any], folder: Path, nudge: float) -> np.ndarray:
+    """Place of the tip after each step, `[steps, 2]` in m, where the loads of one step are larger by a part `nudge`."""
+    h = scene["time"]["communication_step"]
+    with ExitStack() as stack:
+        units, scheme, _, _ = simulate.assemble(scene, folder, stack)
+        assert isinstance(scheme, Explicit)
+        [link], take, now = scheme.links, scheme.take_loads, 0
+
+        def nudged() -> None:
+            take()
+            if now == NUDGED:
+                link.taken[: link.stations.size // 2] *= 1 + nudge
+
+        setattr(scheme, "take_loads", nudged)  # noqa: B010
+        scheme.start()
+        path = []
+        for now in range(NUDGED_STEPS):
+            scheme.step(h * now, h)
+            path.append([units["rod"].outputs[units["rod"].slices[name]][-1] for name in "xy"])
+        return np.array(path)
+
+
+def come_apart(case: Case, folder: Path) -> dict[str, Any]:
+    """How far two runs come apart of which one has other loads in one step, m: at most and when, in the end, and how
+    far the tip goes in all and in a step at most."""
+    path, other = (tips(case.built(), folder, nudge) for nudge in (0.0, NUDGE))
+    apart = np.abs(other - path).max(1)
+    way = np.abs(path - path[0]).max(1)
+    return {
+        "way": float(way.max()), "in_a_step": float(np.abs(np.diff(path, axis=0)).max()),
+        "apart": float(apart.max()), "at": int(apart.argmax()), "later": float(apart[200]), "last": float(apart[-1]),
+    }  # fmt: skip
+
+
+def rounding(name: str, density: float, tolerance: float | None) -> Case:
+    changes = {"name": "rounding", RAMP: START, "fluid.mask.log_linear.c_eta": 1e-5,
+               "rod.material.plane_strain.density": density, "coupling": {}}  # fmt: skip
+    if tolerance:
+        changes["coupling"] = {"scheme": {"iterated": {"tolerance": tolerance}}}
+    return Case(
+        f"rounding/{name}",
+        COUPLED,
+        COARSE,
+        changes,
+        action=come_apart,
+        about={"density": density, "tolerance": tolerance},
+    )
+
+
 def cases() -> Iterator[Case]:
     c_etas = (1e-3, 1e-4, 1e-5)
     for light in (False, True):
@@ -102,11 +157,16 @@ def cases() -> Iterator[Case]:
     for name in PARTS:
         for factor in FACTORS:
             yield part(name, factor)
+    yield rounding("momentum", 1000.0, None)
+    for tolerance in (1e-4, 1e-6):
+        yield rounding(f"pressure jump, {tolerance:g}", 500.0, tolerance)
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
     """Reached time (s), iterations a step, noise of the last third of the lift: its second difference by its spread. Of
     other parts that of the tips: two veins that are mirror images have no lift."""
+    if "apart" in run.found:
+        return {"values": run.found}
     summary, series = run.found, run.series
     values = {"reached": summary["simulated_s"]}
     if not summary["error"]:
@@ -133,9 +193,14 @@ def shown(record: Record | None) -> str:
     return outcome(record) + (f", {record['iterations']:.1f}" if record["iterations"] > 1 else "")
 
 
+def mapped(data: Data) -> list[Record]:
+    """Cells of the map, those of other parts with them."""
+    return [record for record in data.of("coupling/*") if "scheme" in record.view]
+
+
 def held(data: Data) -> list[str]:
     """A table for each scheme and step: outcome by density ratio and C_eta."""
-    records, text = data.of("coupling/*", part=None), []
+    records, text = [record for record in mapped(data) if "part" not in record.view], []
     for (scheme, step, end), members in show.grouped(records, "scheme", "step", "end").items():
         at = {(record["ratio"], record["c_eta"]): record for record in members}
         c_etas = {f"C_eta = {c_eta:g} s": c_eta for c_eta in sorted({c_eta for _, c_eta in at}, reverse=True)}
@@ -154,4 +219,10 @@ def parts(data: Data) -> list[str]:
     return show.matrix("scene", {name: name for name in PARTS}, masses, lambda *place: shown(at.get(place)))
 
 
-STUDY = Study("coupling", cases, keep, {"coupling-map": held, "coupling-parts": parts})
+def nudged(data: Data) -> list[dict[str, Any]]:
+    return [
+        record.view | {"load": record.name.split("/")[-1].split(",")[0]} for record in data.of("coupling/rounding/*")
+    ]
+
+
+STUDY = Study("coupling", cases, keep, {"coupling-map": held, "coupling-parts": parts, "coupling-rounding": nudged})

@@ -173,7 +173,7 @@ def masks(data: Data) -> list[str]:
     def cell(name: str, nx: int) -> str:
         return errors(data, name.format(nx) if name else ASIDE.get(nx, ""))
 
-    return show.matrix("mask", MASKS, {on(nx): nx for nx in (450, 600, 800, 900, 1100)}, cell)
+    return show.matrix("mask", MASKS, {on(nx): nx for nx in (450, 600, 800, 900, 1100, 1600)}, cell)
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:

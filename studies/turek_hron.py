@@ -49,7 +49,8 @@ TRIMMED = {  # Wide and trimmed cases by what is compared of them
     "2D-1, 400 x 72": ("box/2D-1, 450x90", "box/2D-1, 400x72", ("cd_mean", "dp_mean")),
     "2D-2, 400 x 72": ("box/2D-2, 450x90", "box/2D-2, 400x72", ("cd_max", "cl_peak_to_peak", "st")),
 }
-
+LONG = {"fsi2, 648 x 108": ("fsi2/648x108", "long/fsi2", SWINGING)}
+"""Cases as shipped and going on to 30 s."""
 
 PLACES = ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5), (0.25, 0.25), (0.37, 0.5))
 """Of the grid, in parts of a cell aside."""
@@ -84,6 +85,7 @@ def cases() -> Iterator[Case]:
     for nx, ny, step, wall in ((360, 72, 4e-4, SHALLOW), (720, 144, 2e-4, {})):
         changes = WIDE | on_grid(nx, ny, step) | wall
         yield Case(f"box/fsi3, {nx}x{ny}", COUPLED, scene_of("fsi3"), changes, quick=False)
+    yield Case("long/fsi2", COUPLED, scene_of("fsi2"), {"time.end": 30.0}, quick=False)
     for flow, wide, trimmed, step in (
         ("2D-1", "cylinder-2d1-450x90", "cylinder-2d1-400x72", 2e-3),
         ("2D-2", "cylinder-2d2-900x180", "cylinder-2d2-800x144", 5e-4),
@@ -208,18 +210,26 @@ def harmonic_phases(data: Data) -> list[str]:
     return show.markdown(["", "multiple of f", *runs], rows)
 
 
-def trimmed(data: Data) -> list[str]:
-    """What the trimmed boxes change, on the same grid points."""
+def beside(data: Data, pairs: Mapping[str, tuple[str, str, tuple[str, ...]]], before: str, after: str) -> list[str]:
+    """Two runs of a case beside each other, by what is compared of them, with the processor time of both."""
     rows = []
-    for name, (wide, narrow, compared) in TRIMMED.items():
-        before, after = (data.get(f"turek-hron/{case}") for case in (wide, narrow))
-        if before and after:
+    for name, (first, second, compared) in pairs.items():
+        found = [data.get(f"turek-hron/{case}") for case in (first, second)]
+        if all(found):
             for what in compared:
-                change = f"{100 * (after[what] / before[what] - 1):+.2f} %"
-                rows.append([name, f"`{what}`", f"{before[what]:.6g}", f"{after[what]:.6g}", change])
-            times = [before["cpu_s"], after["cpu_s"]]
+                values = [record[what] for record in found if record]
+                change = f"{100 * (values[1] / values[0] - 1):+.2f} %"
+                rows.append([name, f"`{what}`", *(f"{value:.6g}" for value in values), change])
+            times = [record["cpu_s"] for record in found if record]
             rows.append([name, "CPU, s", *(f"{t:.3g}" for t in times), f"{100 * (times[1] / times[0] - 1):+.0f} %"])
-    return show.markdown(["", "quantity", "wide", "trimmed", "difference"], rows)
+    return show.markdown(["", "quantity", before, after, "difference"], rows)
+
+
+def over_places(data: Data, name: str, grid: str, what: str) -> list[float]:
+    """Relative differences of a quantity from FeatFlow's at the places of a grid."""
+    records = [data.get(f"turek-hron/{name}/{grid}"), *data.of(f"turek-hron/place/{name}, {grid}, *")]
+    number = simulate.published(scene_of(name))[what][0]
+    return [record[what] / number - 1 for record in records if record and record.get(what) is not None]
 
 
 def placed(data: Data) -> list[str]:
@@ -228,12 +238,10 @@ def placed(data: Data) -> list[str]:
     rows = []
     for name in ("cfd1", "cfd2", "cfd3", "fsi3"):
         for grid in PLACED:
-            records = [data.get(f"turek-hron/{name}/{grid}"), *data.of(f"turek-hron/place/{name}, {grid}, *")]
             for what in SETTLED.get(name, QUANTITIES[name]):
-                number = simulate.published(scene_of(name))[what][0]
-                found = [record[what] / number for record in records if record and record.get(what) is not None]
+                found = over_places(data, name, grid, what)
                 if len(found) > 1:
-                    ends = (f"{100 * (end - 1):+.1f} %" for end in (min(found), max(found)))
+                    ends = (f"{100 * end:+.1f} %" for end in (min(found), max(found)))
                     apart = f"{100 * (max(found) - min(found)):.1f} %"
                     rows.append([name.upper(), grid.replace("x", " x "), f"`{what}`", len(found), *ends, apart])
     return show.markdown(["", "grid", "quantity", "places", "lowest", "highest", "apart"], rows)
@@ -267,7 +275,8 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "turek-hron": every,
     "turek-hron-overall": overall,
     "turek-hron-phases": harmonic_phases,
-    "trimmed": trimmed,
+    "trimmed": lambda data: beside(data, TRIMMED, "wide", "trimmed"),
+    "turek-hron-long": lambda data: beside(data, LONG, "as shipped", "to 30 s"),
     "turek-hron-places": placed,
 }
 STUDY = Study("turek-hron", cases, keep, TABLES, draw)
