@@ -102,4 +102,4 @@ def missed(data: Data) -> list[str]:
         for what, found, limit, unit in KINDS[kind](data, goal):
             if abs(found) > limit:
                 rows.append([goal["of"], what, told(found, unit), told(limit, unit), goal["reason"]])
-    return markdown(["", "", "found", "wanted, at most", "reason"], rows)
+    return markdown(["case", "of", "found", "wanted, at most", "reason"], rows)
