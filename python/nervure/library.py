@@ -7,6 +7,7 @@ and writes modelDescription.xml, or the reason why the scene cannot be run.
 import ctypes
 import os
 import tempfile
+from functools import lru_cache
 from pathlib import Path
 
 from nervure.errors import SceneError
@@ -59,10 +60,15 @@ def check(text: str) -> None:
 def describe(kind: str, text: str, version: int = 2) -> str:
     """modelDescription.xml of unit `kind` in that version of FMI, 2 or 3, for the text of a scene, or `SceneError` with
     the unit's words."""
+    return _described(library(kind), text, version)
+
+
+@lru_cache(maxsize=4)  # A fluid takes a tenth of a second, and a run wants it twice: to check the scene and to pack it
+def _described(path: Path, text: str, version: int) -> str:
     name = {2: "fmu_model_description", 3: "fmu_model_description_3"}[version]
-    function = ctypes.CDLL(str(library(kind)))[name]
+    function = ctypes.CDLL(str(path))[name]
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
-    needed, buffer = ctypes.c_size_t(1 << 16), ctypes.create_string_buffer(1)
+    needed, buffer = ctypes.c_size_t(1 << 20), ctypes.create_string_buffer(1)
     with tempfile.TemporaryDirectory() as resources:
         Path(resources, "scene.json").write_bytes(text.encode("utf-8"))  # the GUID is of the bytes
         while len(buffer) < needed.value:

@@ -110,12 +110,12 @@ def write_archive(path: Path, contents: dict[str, bytes]) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
 
     def writer(unfinished: Path) -> None:
-        with zipfile.ZipFile(unfinished, "w", compresslevel=1) as archive:
+        with zipfile.ZipFile(unfinished, "w") as archive:
             for name, data in contents.items():
                 entry = zipfile.ZipInfo(name, ARCHIVE_DATE)
                 entry.compress_type = COMPRESSION
                 entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-                archive.writestr(entry, data)
+                archive.writestr(entry, data, compresslevel=1)  # said here: an entry does not take the archive's
 
     write_whole(path, writer)
     return path
