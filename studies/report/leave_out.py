@@ -10,6 +10,9 @@ from studies.store import Data
 
 SCENES = sorted(path.stem for path in FOLDER.glob("*.json"))
 
+SHORT = ("csm3", "cylinder-2d1-450x90", "fsi3-325x72")
+"""Scenes of the short report: a rod, a fluid, and both."""
+
 STEPS = {"rod": 400, "fluid": 60}  # Communication steps of a run, of scenes without and with a fluid
 REPEATS = 3
 WEAK = 1e9  # Relaxation time of a sponge that does nothing, s
@@ -55,7 +58,8 @@ def cases() -> Iterator[Case]:
             variants[part] = changes
         for variant, changes in variants.items():
             rooms = COUPLED if fluid and rod else FLUID if fluid else ROD
-            yield Case(f"{name}/{variant}", rooms, name, short | changes, {"repeats": REPEATS}, about={"scene": name})
+            options, about = {"repeats": REPEATS}, {"scene": name}
+            yield Case(f"{name}/{variant}", rooms, name, short | changes, options, about=about, quick=name in SHORT)
 
 
 def keep(case: Case, run: Run) -> dict[str, Any]:
