@@ -12,7 +12,7 @@ import pytest
 from nervure.library import KINDS
 from nervure.pack import package
 from nervure.scene import Scene, load
-from studies.reliability.__main__ import CHECKS, SHIPPED, unpack
+from studies.reliability.__main__ import CHECKS, unpack
 from studies.reliability.trials import inherited
 from studies.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
 
@@ -22,21 +22,16 @@ both = pytest.mark.parametrize("kind", KINDS)
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory, libraries):
-    """The unpacked FMUs by kind."""
-    return {kind: unpack(kind, tmp_path_factory.mktemp(kind)) for kind in KINDS}
-
-
-@pytest.fixture(scope="module")
-def shipped(tmp_path_factory, libraries):
-    """Those of the shipped FSI3 scene."""
-    return {kind: unpack(kind, tmp_path_factory.mktemp(kind), shipped=True) for kind in KINDS}
+    """The unpacked FMUs of the small scene by kind."""
+    return {kind: unpack(kind, tmp_path_factory.mktemp(kind), "flag") for kind in KINDS}
 
 
 @both
 @pytest.mark.parametrize("name", CHECKS)
-def test_check_finds_nothing(name, kind, folders, shipped):
-    function, _, few = CHECKS[name]
-    child("spawn", 60.0, tried, function, kind, (shipped if name in SHIPPED else folders)[kind], few)
+def test_check_finds_nothing(name, kind, tmp_path):
+    check = CHECKS[name]
+    folder = unpack(kind, tmp_path, next(iter(check.counts())))
+    child("spawn", 60.0, tried, check.function, kind, folder, check.few)
 
 
 @pytest.mark.parametrize(("planted", "found"), [((os.abort,), "crashed"), ((time.sleep, 60), "hung")])

@@ -153,7 +153,9 @@ class Calls:
                 if name == "GetReal":
                     values[:] = [math.nan] * n
                 elif name == "SetReal" and n:
-                    values[:] = [float(starts.get(r) or 0.0) * (1 + 1e-4 * chance.random()) for r in references]
+                    changed = set(unit.references("input"))  # a parameter that is changed may be beyond its limits
+                    factors = [1 + 1e-4 * chance.random() * (r in changed) for r in references]
+                    values[:] = [float(starts.get(r) or 0.0) * factor for r, factor in zip(references, factors)]
                     wrong = self.fault(*WILD)
                     values[0] = values[0] if wrong is None else wrong
                 elif name == "SetString":

@@ -1,6 +1,7 @@
 """Random call sequences under FMI 3.0, with an oracle from the standard (FMI 3.0.2, sections 2.3 and 4.2)."""
 
 import ctypes
+import json
 import math
 import random
 from collections.abc import Sequence
@@ -14,7 +15,7 @@ from fmpy.fmi3 import FMU3Slave
 from nervure.pack import package
 
 from .calls import CALLS, COMPLETE, INITIALIZATION, INSTANTIATED, NOWHERE, STATES, TERMINATED, WILD
-from .unit import ERROR, OK, SCENE, STEP, FMU2Unit
+from .unit import ERROR, OK, STEP, FMU2Unit
 
 TYPES = {"Float64": ctypes.c_double, "Int32": ctypes.c_int32, "Int64": ctypes.c_int64, "Boolean": ctypes.c_bool,
          "String": ctypes.c_char_p}  # fmt: skip
@@ -166,8 +167,9 @@ class Calls:
         count = self.fault(n + 1, max(n - 1, 0))
         values = ({**TYPES, **OTHERS}[kind] * max(n, 1))()
         if name == "SetFloat64":
-            starts = [start for v in chosen for start in (v.start or "0").split()]
-            values[:n] = [float(start) * (1 + 1e-4 * chance.random()) for start in starts]
+            # A parameter that is changed may be beyond its limits.
+            starts = [(start, v.causality == "input") for v in chosen for start in (v.start or "0").split()]
+            values[:n] = [float(start) * (1 + 1e-4 * chance.random() * changed) for start, changed in starts]
         right = wrong is None and count in (None, n)
         if name == "SetFloat64" and n and (wild := self.fault(*WILD)) is not None:
             values[0], right = wild, False
@@ -208,7 +210,8 @@ class Calls:
 def sequences(unit: FMU2Unit, count: int) -> str:
     """Random calls under FMI 3.0, also of functions of what the units have not: each status is the standard's."""
     with TemporaryDirectory() as folder:
-        path = package.pack(unit.kind, SCENE, Path(folder), version=3)
+        scene = json.loads((unit.folder / "resources" / "scene.json").read_text(encoding="utf-8"))
+        path = package.pack(unit.kind, scene, Path(folder), version=3)
         own = FMU3Unit(unit.kind, fmpy.extract(str(path), str(Path(folder, "unit"))))
         for seed in range(count):
             own.begin()
