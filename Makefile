@@ -270,7 +270,7 @@ sanitizers: $(READY_DEV) ## call both units under AddressSanitizer and valgrind;
 .PHONY: report report-full report-pictures
 
 PEERS_VENV := target/report/venv
-report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (seven minutes on a free machine), write docs/report
+report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine, ten on a busy one), write docs/report
 	$(STUDY) report leave-out --again $(ARGS)
 
 STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein running report leave-out
