@@ -41,6 +41,7 @@ ROOMS: dict[str, tuple[str, ...]] = {
     "fluid bench": ("crates/fluid/bench/src/*.rs", "crates/fluid/bench/Cargo.toml"),
     "fluid measures": ("crates/fluid/bench/src/bin/*.rs", "crates/fluid/tests/common/*.rs"),
     "keeping": ("python/nervure/checkpoint.py", "python/nervure/show/fields.py"),
+    "command": ("python/nervure/**/*.py",),
     "peers": ("studies/peers/*.py",),
     "limits": ("tests/driven_root.py",),
     "plate": ("tests/plate.py",),

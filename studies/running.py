@@ -1,8 +1,12 @@
-"""What it costs to keep frames and checkpoints of a run: half a minute."""
+"""What it costs to keep frames and checkpoints of a run, and to start and end one: a minute."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from resource import RUSAGE_CHILDREN, getrusage
+from statistics import median
 from time import perf_counter
 from typing import Any
 
@@ -14,6 +18,7 @@ from studies.engine import COUPLED, Case, Study
 
 SCENES = ("fsi3-325x72", "fsi3-650x144", "fsi3-1300x288")
 REPEATS, STEPS = 10, 10  # Frames and checkpoints that are written, and steps before a frame
+STARTS = 7  # Runs of one step
 
 
 def measure(case: Case, folder: Path) -> dict[str, Any]:
@@ -51,9 +56,22 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
     return shortest | {"checkpoint_mb": round(size / 1e6, 2)}
 
 
+def start(case: Case, folder: Path) -> dict[str, Any]:
+    """Median processor time of the command for a run of one step, s: imports, packing, pictures and exit."""
+    end, spent = f"--end-time={case.built()['time']['communication_step']}", []
+    for _ in range(STARTS):
+        before = getrusage(RUSAGE_CHILDREN)
+        command = [sys.executable, "-m", "nervure", "run", case.scene, end, "--quiet", "--force"]
+        subprocess.run([*command, f"--output={folder / 'start'}"], check=True)
+        after = getrusage(RUSAGE_CHILDREN)
+        spent.append(after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime)
+    return {"start_s": median(spent)}
+
+
 def cases() -> Iterator[Case]:
     for scene in SCENES:
         yield Case(f"keeping/{scene}", (*COUPLED, "keeping"), scene, action=measure)
+    yield Case(f"start/{SCENES[0]}", (*COUPLED, "command"), SCENES[0], action=start)
 
 
 STUDY = Study("running", cases, lambda case, run: {"times": run.found})

@@ -37,8 +37,10 @@ def of_halves(data: Data, goal: Goal) -> Checks:
 
 
 def of_record(data: Data, goal: Goal) -> Checks:
-    for name, limit in goal["most"].items():
+    for name, limit in goal.get("most", {}).items():
         yield name.replace("_", " "), data[goal["record"]][name], limit, "%"
+    for name, limit in goal.get("times", {}).items():
+        yield "processor time", data[goal["record"]].times[name], limit, "s"
 
 
 def of_records(data: Data, goal: Goal) -> Checks:
