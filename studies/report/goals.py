@@ -43,6 +43,15 @@ def of_record(data: Data, goal: Goal) -> Checks:
         yield "processor time", data[goal["record"]].times[name], limit, "s"
 
 
+def of_still(data: Data, goal: Goal) -> Checks:
+    """Of the bar in prescribed motion in still fluid: beside the moving mesh."""
+    found, mesh = data[goal["still"]], simulate.LISTED["driven-bar"]["still"]["moving mesh"]
+    for name, limit in goal["most"].items():
+        yield label(name), found[name] / mesh[name] - 1.0, limit, "%"
+    for name, limit in goal["apart"].items():
+        yield label(name), found[name] - mesh[name], limit, "N/m"
+
+
 def of_records(data: Data, goal: Goal) -> Checks:
     """How far several are apart, by the last."""
     for name, limit in goal["apart"].items():
@@ -75,6 +84,13 @@ def of_rod(data: Data, goal: Goal) -> Checks:
     yield "iteration", next(row for row in rows if row["n"] == goal["rod"])["iteration_3d"], goal["seconds"], "s"
 
 
+def of_exchange(data: Data, goal: Goal) -> Checks:
+    """The part of a run's time that is neither the rod's nor the fluid's."""
+    record = data[goal["exchange"]]
+    phases = record.times["phases_s"]
+    yield "exchange and Python", 1 - (phases["rod"] + phases["fluid"]) / record["wall_s"], goal["share"], "%"
+
+
 def of_bench(data: Data, goal: Goal) -> Checks:
     """Of the fluid's speed; a gain by two threads is told the other way round, so that less is better."""
     line = speed.of_grid(data, goal["bench"], goal["grid"])
@@ -85,8 +101,8 @@ def of_bench(data: Data, goal: Goal) -> Checks:
 
 
 KINDS: dict[str, Callable[[Data, Goal], Checks]] = {
-    "case": of_case, "halves": of_halves, "record": of_record, "records": of_records, "places": of_places,
-    "fit": of_fit, "map": of_map, "rod": of_rod, "bench": of_bench,
+    "case": of_case, "halves": of_halves, "record": of_record, "still": of_still, "records": of_records,
+    "places": of_places, "fit": of_fit, "map": of_map, "rod": of_rod, "exchange": of_exchange, "bench": of_bench,
 }  # fmt: skip
 """By the key that a goal has."""
 
