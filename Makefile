@@ -208,10 +208,14 @@ $(SITE_VENV)/.ready: requirements/site.lock
 	touch $@
 
 MOVING := vein-forward-384x192 vein-hover-288x256 vein-hover-tapered-288x256 vein-pitching-320x240 vein-3d csm1 csm3 \
-	vein-pair-hover-256x288 vein-pair-forward-288x192 cylinder-oscillating-460x100 cylinder-2d1-450x90
+	vein-pair-hover-256x288 vein-pair-forward-288x192
 
 gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some minutes)
 	for name in $(MOVING); do $(NERVURE) run $$name --fields-every 0.04 --output results/gallery/$$name --force --quiet || exit; done
+	$(NERVURE) run cylinder-oscillating-460x100 --fields-every 0.1 --force --quiet \
+	--output results/gallery/cylinder-oscillating-460x100
+	$(NERVURE) run cylinder-2d1-450x90 --end-time 5 --fields-every 0.12 --force --quiet \
+	--output results/gallery/cylinder-2d1-450x90
 	$(NERVURE) run cylinder-2d2-900x180 --set fluid.box.cells=[450,90] --fields-every 0.015 --force --quiet \
 	--output results/gallery/cylinder-2d2-450x90
 	$(NERVURE) run cfd3-650x144 --set fluid.box.cells=[325,72] --fields-every 0.01 --force --quiet \
