@@ -74,6 +74,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
                 "2.43 cells in the thickness of beam are few: forces and motion",
             ],
         ),
+        (["fluid.box.cells=[1292, 286]"], ["three times as long; 1287 and 1296 have none"]),
         (["fluid.kinematic_viscosity=5e-4"], ["Re is 400; forces were compared with published ones from 20 to 200"]),
         (["rod.material.plane_strain.density=1e7"], ["the rod weighs 1e+04 of the fluid it displaces"]),
         (["fluid.precision=single"], []),

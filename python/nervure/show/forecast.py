@@ -6,6 +6,7 @@ Python. `docs/running.md` has where the ranges come from.
 
 import os
 from collections.abc import Iterator, Mapping
+from itertools import count
 from math import ceil
 from pathlib import Path
 
@@ -23,6 +24,7 @@ WARM_UP = 2  # Steps that are not timed: the first has no history, the second no
 TIMED = 0.5  # Wall time after which the speed of the machine is known, s
 ROUNDING = 1e-9  # Relative: a number on the limit is within
 
+FACTORS = (2, 3, 5, 7, 11, 13)  # That the fluid's own transforms have
 THICKNESS_CELLS = 2.5  # Least cells in a thickness
 LAYER_CELLS = 0.8  # Least cells in the boundary layer at the front of a cylinder
 REYNOLDS = (20.0, 200.0)  # Range with published values
@@ -74,9 +76,16 @@ def rows(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def warnings(scene: Scene) -> Iterator[str]:
-    """Where a scene is outside of what the method was tried for."""
+    """Where a scene is outside of what the method was tried for, or slower than it has to be."""
     numbers = dimensionless.evaluate(scene)
-    if scene.fluid is None or numbers is None:
+    if scene.fluid is None:
+        return
+    for axis, cells in zip("xy", scene.fluid.box.cells, strict=True):
+        if not _is_fast(cells):
+            below, above = (next(filter(_is_fast, count(cells, step))) for step in (-1, 1))
+            cause = f"{cells} cells along {axis} have a prime factor above {FACTORS[-1]}"
+            yield f"{cause}, with which transforms take about three times as long; {below} and {above} have none"
+    if numbers is None:
         return
     for name, body in numbers.bodies.items():
         yield from _unresolved(name, body)
@@ -99,6 +108,14 @@ def warnings(scene: Scene) -> Iterator[str]:
         if ratio < SEGMENT * (1 - ROUNDING):
             whose = f"segments of the rod {own.unit}" if own.prefix else "segments"
             yield f"{whose} are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
+
+
+def _is_fast(cells: int) -> bool:
+    """Whether a count of cells has no other prime factors than `FACTORS`."""
+    for factor in FACTORS:
+        while cells % factor == 0:
+            cells //= factor
+    return cells == 1
 
 
 def _unresolved(name: str, body: Body) -> Iterator[str]:
