@@ -1,5 +1,5 @@
-//! The two precisions, and loops compiled for the processor at hand: AVX2 with FMA where it has them, chosen at run time
-//! by pulp.
+//! The two precisions, and loops compiled for the processor at hand: AVX-512, or AVX2 with FMA, where it has them, chosen
+//! at run time by pulp. With AVX-512 a vector is as wide, so the bits are the same, but there are twice as many.
 //!
 //! A kernel either uses [`Arithmetic`] on a vector of numbers at a time, where a fused multiply-add is meant, or is a plain
 //! loop that the compiler vectorizes. A plain loop has the same bits on every processor: Rust does not contract `a b + c`.
@@ -9,7 +9,7 @@ use std::fmt::Debug;
 use std::ops::{AddAssign, Index, IndexMut};
 
 #[cfg(target_arch = "x86_64")]
-use pulp::x86::V3;
+use pulp::x86::{V3, V4};
 use pulp::{Scalar256b, Simd, f32x8 as Eight, f64x4 as Four};
 use rustfft::FftNum;
 use rustfft::num_complex::Complex;
@@ -245,6 +245,10 @@ macro_rules! memory {
 
         #[inline(always)]
         fn run(kernel: impl Kernel<Real = Self>) {
+            #[cfg(target_arch = "x86_64")]
+            if let Some(avx512) = V4::try_new() {
+                return avx512.vectorize(Compiled { avx2: *avx512, kernel });
+            }
             #[cfg(target_arch = "x86_64")]
             if let Some(avx2) = V3::try_new() {
                 return avx2.vectorize(Compiled { avx2, kernel });
