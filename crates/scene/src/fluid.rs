@@ -229,10 +229,11 @@ pub enum Mask {
         #[serde(default = "a_quarter")]
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         e_fold: f64,
-        /// Depth at which the core of a body begins, in grid cells: from there on the drag grows three times as fast, up to
-        /// 1/C_eta. Above a deep core it stays where the grid resolves it. Absent: one and a half e-folds, three without a
-        /// wall target. With 2 the forces depend much less on C_eta, but a body of less than 25 cells across is porous. A depth
-        /// beyond a fifth of a body's thickness counts as that; in a thinner body the core begins earlier still.
+        /// Depth at which the core of a cylinder or another still body begins, in grid cells: from there on the drag grows
+        /// three times as fast, up to 1/C_eta. Above a deep core it stays where the grid resolves it. Absent: one and a half
+        /// e-folds, three without a wall target. With 2 the forces depend much less on C_eta, but a body of less than 25 cells
+        /// across is porous. A depth beyond a fifth of a body's thickness counts as that; in a thinner body the core begins
+        /// earlier still. A beam or a body that moves has no core but where it is thinner than some four cells.
         #[serde(default)]
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         core_depth: Option<f64>,

@@ -156,11 +156,11 @@ impl Beam {
         // Between the stations the thickness is linear, whatever its law.
         let ends = at.iter().step_by(2).zip(at.iter().step_by(2).skip(1));
         let thickness: Vec<_> = ends.map(|(start, end)| [0.5 * (start + end), end - start]).collect();
-        let mut profiles: Vec<DragProfile> = Vec::with_capacity(beam.segments);
+        let (mut profiles, dx) = (Vec::<DragProfile>::with_capacity(beam.segments), grid.cell_size());
         for k in 0..beam.segments {
             // Calibrating a wall takes its time: segments of equal thickness share it.
             let known = if k > 0 && thickness[k][0] == thickness[k - 1][0] { profiles.last().copied() } else { None };
-            profiles.push(known.unwrap_or_else(|| DragProfile::of_body(thickness[k][0], mask, nu, grid.cell_size())));
+            profiles.push(known.unwrap_or_else(|| DragProfile::of_body(thickness[k][0], true, mask, nu, dx)));
         }
         let ahead = Segment { along: [1.0, 0.0], length: 1.0, slope: 0.0, stretch: 1.0 };
         let section = |k: usize| {
@@ -448,7 +448,7 @@ mod tests {
         let (mut beam, stations, grid) = turning();
         let mask = Mask::Cosine { c_eta: 1.0, half_width: 6.0, displacement_corrected: false };
         beam.profiles =
-            beam.thickness.iter().map(|h| DragProfile::of_body(h[0], &mask, 1e-3, grid.cell_size())).collect();
+            beam.thickness.iter().map(|h| DragProfile::of_body(h[0], true, &mask, 1e-3, grid.cell_size())).collect();
         beam.place(&stations, &stations, &grid);
         let slope = 0.5 * (ENDS[1] - ENDS[0]);
         for cell in beam.cells.iter() {

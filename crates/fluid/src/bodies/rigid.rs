@@ -57,7 +57,7 @@ impl Rigid {
     /// A body at its place at t = 0.
     pub fn new(body: Body, grid: &Grid, mask: &Mask, nu: f64) -> Self {
         let shape = Shape::new(&body.shape);
-        let profile = DragProfile::of_body(shape.thickness(), mask, nu, grid.cell_size());
+        let profile = DragProfile::of_body(shape.thickness(), body.motion.is_some(), mask, nu, grid.cell_size());
         let (section, pose, cells) = (shape.section(), Pose::default(), Cells::default());
         let mut rigid = Self { body, shape, section, profile, pose, cells };
         rigid.place(0.0, grid);

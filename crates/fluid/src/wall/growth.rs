@@ -3,15 +3,15 @@
 /// Euler's constant γ.
 const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 
-/// How much steeper than the log-linear growth the core is.
+/// How much steeper than the log-linear growth the core of a body is.
 const STEEPNESS: f64 = 3.0;
 
 /// Depth of the core below a wall without a target, e-folds. The flow along it has fallen to 0.7 % of λ times its shear
 /// there, and the calibration of the surface holds as it is.
 const CORE: f64 = 3.0;
 
-/// The same below a wall with a target, whose calibration takes the core into account. A cylinder or a bar is porous
-/// under the pressure of a fast flow where it lies deeper.
+/// The same below a wall with a target, whose calibration takes the core into account. A cylinder is porous under the
+/// pressure of a fast flow where it lies deeper.
 const CORE_WITH_TARGET: f64 = 1.5;
 
 /// Growth, as an exponent, that the drag above a deep core stays at: 61 ν/dx², which the grid resolves. Held harder where
@@ -39,20 +39,31 @@ pub struct Growth {
 }
 
 impl Growth {
-    /// In a body of some thickness without a wall target, whose core begins at a depth or where it does by default; all
-    /// in cells.
-    pub fn bare(e_fold: f64, thickness: f64, core_depth: Option<f64>) -> Self {
-        Self::new(e_fold, thickness, core_depth, CORE, f64::INFINITY)
+    /// Below a wall of the channel or in a zone, without a wall target.
+    pub fn wall(e_fold: f64) -> Self {
+        Self::still(e_fold, f64::INFINITY, None, false)
     }
 
-    /// The same with a wall target.
-    pub fn with_target(e_fold: f64, thickness: f64, core_depth: Option<f64>) -> Self {
-        Self::new(e_fold, thickness, core_depth, CORE_WITH_TARGET, PLATEAU)
-    }
-
-    /// With a core that is `usual` e-folds deep where no depth is given.
-    fn new(e_fold: f64, thickness: f64, core_depth: Option<f64>, usual: f64, plateau: f64) -> Self {
+    /// In a body of some thickness that stands still, with or without a wall target, whose core begins at a depth or where
+    /// it does by default; all in cells.
+    pub fn still(e_fold: f64, thickness: f64, core_depth: Option<f64>, with_target: bool) -> Self {
+        let (usual, plateau) = if with_target { (CORE_WITH_TARGET, PLATEAU) } else { (CORE, f64::INFINITY) };
         let deepest = core_depth.map_or(usual, |depth| depth.min(SOFT_SHARE * thickness) / e_fold);
+        Self::new(e_fold, thickness, deepest, plateau)
+    }
+
+    /// In a body of some thickness (cells) that moves, which has no core that it can do without.
+    ///
+    /// Cells enter the body and leave it. Of what follows the body at the rate s, each holds the share a/(a + s). Over an
+    /// exponential a of the decay length λ that is a logistic function, whose sum over the cells ripples with the place of
+    /// the grid by `2 π λ/sinh(2 π² λ)` of a cell: 0.02 for a quarter of a cell, 0.2 in a core that is three times as steep.
+    /// Forces flicker as the ripple does (docs/driven-bar.md).
+    pub fn moving(e_fold: f64, thickness: f64) -> Self {
+        Self::new(e_fold, thickness, f64::INFINITY, f64::INFINITY)
+    }
+
+    /// With a core that begins at `deepest` (e-folds), or earlier in a thin body.
+    fn new(e_fold: f64, thickness: f64, deepest: f64, plateau: f64) -> Self {
         let everywhere = 0.5 * (thickness - 1.0) / e_fold;
         let above_plateau = everywhere - (TIGHT - everywhere) / (STEEPNESS - 1.0);
         let below_plateau = everywhere - (TIGHT - plateau) / STEEPNESS;
@@ -72,25 +83,41 @@ impl Growth {
 mod tests {
     use super::*;
 
+    fn exponent(growth: &Growth, depth: f64) -> f64 {
+        (growth.drag(depth) / growth.drag(0.0)).ln()
+    }
+
     /// Above a deep core the drag stays where the grid resolves it; a thin body has a hard core all the same, and without
     /// a depth the core is where it was.
     #[test]
     fn the_drag_waits_for_a_deep_core() {
-        let exponent = |growth: &Growth, depth: f64| (growth.drag(depth) / growth.drag(0.0)).ln();
-        let deep = Growth::with_target(0.25, f64::INFINITY, Some(2.0));
+        let deep = Growth::still(0.25, f64::INFINITY, Some(2.0), true);
         for (depth, expected) in [(0.5, 2.0), (0.7, PLATEAU), (1.99, PLATEAU), (2.25, PLATEAU + 3.0)] {
             assert!((exponent(&deep, depth) - expected).abs() < 1e-12, "{} at {depth}", exponent(&deep, depth));
         }
         for thickness in [2.2, 2.5, 3.0, 4.0, 5.0] {
-            let thin = Growth::with_target(0.25, thickness, Some(2.0));
+            let thin = Growth::still(0.25, thickness, Some(2.0), true);
             let tight = exponent(&thin, 0.5 * (thickness - 1.0));
             assert!(tight > TIGHT - 1e-9, "{tight} in a body of {thickness} cells");
         }
-        let bar = Growth::with_target(0.25, 5.0, Some(2.0));
+        let bar = Growth::still(0.25, 5.0, Some(2.0), true);
         for (depth, expected) in [(0.99, PLATEAU), (1.25, PLATEAU + 3.0)] {
             assert!((exponent(&bar, depth) - expected).abs() < 1e-12, "{} at {depth} in a bar", exponent(&bar, depth));
         }
-        let usual = Growth::with_target(0.25, f64::INFINITY, None);
+        let usual = Growth::still(0.25, f64::INFINITY, None, true);
         assert!((exponent(&usual, 0.475) - 2.7).abs() < 1e-12, "{}", exponent(&usual, 0.475));
+    }
+
+    /// A body that moves has no core where it is tight without one, and else one that makes it just so.
+    #[test]
+    fn the_drag_of_a_body_that_moves_has_no_core() {
+        let thick = Growth::moving(0.25, 5.0);
+        for depth in [0.5, 1.0, 2.0] {
+            assert!((exponent(&thick, depth) - depth / 0.25).abs() < 1e-12, "{} at {depth}", exponent(&thick, depth));
+        }
+        for thickness in [2.5, 3.0, 4.0] {
+            let tight = exponent(&Growth::moving(0.25, thickness), 0.5 * (thickness - 1.0));
+            assert!((tight - TIGHT).abs() < 1e-9, "{tight} in a body of {thickness} cells");
+        }
     }
 }

@@ -67,14 +67,14 @@ impl DragProfile {
                 Self::Cosine { rate, half_width, shift: displacement }
             }
             Mask::LogLinear { e_fold, .. } => {
-                let growth = Growth::bare(e_fold, f64::INFINITY, None);
+                let growth = Growth::wall(e_fold);
                 Self::LogLinear { rate, unit: nu / (dx * dx), growth, cell: dx, shrink: 0.0, target: None }
             }
         }
     }
 
-    /// Profile of a body of some thickness (m): one of less than two cells has no wall target.
-    pub fn of_body(thickness: f64, mask: &Mask, nu: f64, dx: f64) -> Self {
+    /// Profile of a body of some thickness (m), and whether it moves: one of less than two cells has no wall target.
+    pub fn of_body(thickness: f64, moves: bool, mask: &Mask, nu: f64, dx: f64) -> Self {
         let mut profile = Self::new(mask, mask.c_eta(), nu, dx);
         let (
             Self::LogLinear { rate, growth, shrink, target, .. },
@@ -83,8 +83,12 @@ impl DragProfile {
         else {
             return profile;
         };
-        *growth = Growth::bare(e_fold, thickness / dx, core_depth);
-        let with_target = Growth::with_target(e_fold, thickness / dx, core_depth);
+        let cells = thickness / dx;
+        let growth_of = |with_target| {
+            if moves { Growth::moving(e_fold, cells) } else { Growth::still(e_fold, cells, core_depth, with_target) }
+        };
+        *growth = growth_of(false);
+        let with_target = growth_of(true);
         if let Some((known, shift)) = calibrate(with_target, wanted).filter(|_| thickness >= MIRROR_DEPTH * dx) {
             *growth = with_target;
             *shrink = shift * dx;

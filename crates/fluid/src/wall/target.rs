@@ -292,7 +292,7 @@ mod tests {
     #[test]
     fn the_wall_target_takes_out_displacement_fluxes_and_slip() {
         for e_fold in [0.15, 0.2, 0.25, 0.3] {
-            let growth = Growth::bare(e_fold, f64::INFINITY, None);
+            let growth = Growth::wall(e_fold);
             let bare = WallTarget { mirror: 0.0, curvature: 0.0, depth: 1.0, cell: 1.0, inertia: 0.0, largest: 1e6 };
             let (wall, flux) = shear_flow(growth, &bare);
             let expected = PI * PI / 6.0 * e_fold * e_fold;
@@ -300,10 +300,10 @@ mod tests {
             assert!((flux / expected - 1.0).abs() < 0.02, "e-fold {e_fold}: excess flux {flux} against {expected}");
             let (slip, _) = bent_flow(growth, &bare);
             assert!((slip / expected + 1.0).abs() < 0.02, "e-fold {e_fold}: slip {slip} against {}", -expected);
-            let cores = [None, Some(2.0)];
+            let still = |core_depth| Growth::still(e_fold, f64::INFINITY, core_depth, true);
+            let growths = [still(None), still(Some(2.0)), Growth::moving(e_fold, 5.0), Growth::moving(e_fold, 3.0)];
             let targets = [scene::WallTarget::Shear, scene::WallTarget::Curvature];
-            for (core_depth, wanted) in cores.into_iter().flat_map(|core| targets.map(|wanted| (core, wanted))) {
-                let growth = Growth::with_target(e_fold, f64::INFINITY, core_depth);
+            for (growth, wanted) in growths.into_iter().flat_map(|growth| targets.map(|wanted| (growth, wanted))) {
                 let (target, shift) = calibrate(growth, wanted).expect("there is one");
                 let (wall, flux) = shear_flow(growth, &target);
                 let (slip, bent_flux) = bent_flow(growth, &target);
@@ -365,7 +365,7 @@ mod tests {
     /// Without the share of inertia the flow cuts into the bare profile; with it the wall stays.
     #[test]
     fn the_wall_stays_where_the_flow_comes_to_it() {
-        let growth = Growth::bare(0.25, f64::INFINITY, None);
+        let growth = Growth::wall(0.25);
         let bare = WallTarget { mirror: 0.0, curvature: 0.0, depth: 1.0, cell: 1.0, inertia: INERTIA, largest: 1e6 };
         for (reynolds, without) in [(1.0, -0.15), (4.0, -0.3), (16.0, -0.45)] {
             let wall = wall_in_stagnation_flow(reynolds, &bare, growth, 0.0);

@@ -54,7 +54,7 @@ fn main() -> Result<(), csv::Error> {
     let others = others.map(|(name, target, core_depth)| (0.25, name, target, core_depth));
     for (e_fold, name, target, core_depth) in targets.into_iter().chain(others) {
         let mask = Mask::LogLinear { c_eta: 1e-5, e_fold, core_depth, target };
-        let profile = DragProfile::of_body(20.0, &mask, 1e-3, 1.0);
+        let profile = DragProfile::of_body(20.0, false, &mask, 1e-3, 1.0);
         let DragProfile::LogLinear { shrink, target: Some(target), .. } = profile else { unreachable!() };
         let setting = format!("e-fold {e_fold}, {name}");
         row("wall target", &setting, "m", target.mirror, "1", None)?;
