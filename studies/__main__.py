@@ -4,6 +4,7 @@ python -m studies fluid --list                  the cases, and what is known of 
 python -m studies fluid --only 'dt/*' --jobs 2  run some of those that are missing, two at a time
 python -m studies --shown README.md             run the stale ones among those that a document shows
 python -m studies --check                       fail if a page or a table would be written otherwise
+python -m studies fluid --same-as CHECKOUT      carry over what the units built there give the same bits for
 """
 
 import sys
@@ -13,7 +14,7 @@ from typing import Annotated
 
 import typer
 
-from studies import catalogue, engine
+from studies import catalogue, engine, same
 from studies.engine import Case, Study
 from studies.store import Data
 
@@ -39,6 +40,12 @@ def main(
     times: Annotated[bool, typer.Option("--times", help="Take new times where the results agree, too.")] = False,
     shown: Annotated[Path | None, typer.Option(metavar="FILE", help="Only the cases that this document shows.")] = None,
     check: Annotated[bool, typer.Option("--check", help="Write nothing; fail if a page would change.")] = False,
+    same_as: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="CHECKOUT", help="Run nothing, but keep stale cases for which units built there give the same bits."
+        ),
+    ] = None,
 ) -> None:
     """Run studies and write the pages that show them."""
     data = catalogue.load()
@@ -51,6 +58,12 @@ def main(
     if unknown := [name for name in names or () if name not in known]:
         raise typer.BadParameter(f"there is no study {unknown[0]!r}; there are {', '.join(known)}")
     studies = [known[name] for name in names or ()]
+    if same_as:
+        kept = same.carry_over(data, names or [], same_as.resolve(), jobs)
+        data.save()
+        catalogue.render(data)
+        typer.echo(f"{len(kept)} cases hold")
+        return
     if shown:
         wanted = catalogue.shown(shown.resolve())
         cases = [found for found in engine.chosen(catalogue.STUDIES) if f"{found[0].name}/{found[1].name}" in wanted]

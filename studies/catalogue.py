@@ -73,11 +73,13 @@ def shown(document: Path) -> set[str]:
 
 def stale_page(data: Data) -> str:
     """Cases whose sources or scenes have changed since they were run."""
-    stale = data.stale()
+    stale, carried = data.stale(), sum(record.carried for record in data.records.values())
     text = [
         "# Stale results", "",
         f"{len(stale)} of {len(data.records)} cases were run before the sources or the scene that they depend on",
         "were changed. Each is repeated by the command beside it.", "",
+        f"{carried} others were not run on the sources of today, but over the first steps of their scenes",
+        "the units give the same bits as those that they were run with.", "",
     ]  # fmt: skip
     rows = [[f"`{record.name}`", record.machine, f"`{record.command}`"] for record in stale]
     return "\n".join([*text, *show.markdown(["case", "run on, at", "command"], rows)]) + "\n"

@@ -49,6 +49,8 @@ ROOMS: dict[str, tuple[str, ...]] = {
 }
 """Sources by the name under which a case says that it depends on them."""
 
+UNITS = ("scene", "fluid", "rod")  # Of these the libraries of the units are built
+
 FLUID = ("scene", "fluid", "evaluation")
 ROD = ("scene", "rod", "evaluation")
 COUPLED = ("scene", "fluid", "rod", "coupling", "evaluation")
@@ -81,10 +83,14 @@ class Case:
     @cached_property
     def digest(self) -> str:
         """What decides whether a result still holds."""
+        return self.digest_on(ROOT)
+
+    def digest_on(self, checkout: Path) -> str:
+        """The digest of this case on the sources of a checkout."""
         built = self.built() if self.scene else {}
         scene = json.dumps({key: part for key, part in built.items() if key not in UNREAD}, sort_keys=True)
         options = json.dumps(self.options, sort_keys=True)
-        parts = [scene, options, *(sources(room) for room in self.rooms)]
+        parts = [scene, options, *(sources(room, checkout) for room in self.rooms)]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 
@@ -135,14 +141,15 @@ class Study:
 
 
 @lru_cache
-def sources(room: str) -> str:
-    """Digest of the code of a room: comment lines, empty lines and the tests at the end of a file do not count."""
+def sources(room: str, root: Path) -> str:
+    """Digest of the code of a room in a checkout: comment lines, empty lines and the tests at the end of a file do not
+    count."""
     digest = hashlib.sha256()
-    paths = sorted({path for pattern in ROOMS[room] for path in ROOT.glob(pattern)})
+    paths = sorted({path for pattern in ROOMS[room] for path in root.glob(pattern)})
     if not paths:
         raise FileNotFoundError(f"no file of {room!r} is where studies/engine.py looks for it: {ROOMS[room]}")
     for path in paths:
-        digest.update(path.relative_to(ROOT).as_posix().encode())
+        digest.update(path.relative_to(root).as_posix().encode())
         for line in path.read_text(encoding="utf-8").splitlines():
             code = line.strip()
             if code == "#[cfg(test)]":

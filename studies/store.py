@@ -35,6 +35,7 @@ class Record:
     error: str | None = None
     times: dict[str, Any] = field(default_factory=dict)
     machine: str = ""  # Key into the machines of times.json
+    carried: bool = False  # Not run on the sources of the digest, which give its scene the same bits
 
     def __getitem__(self, name: str) -> Any:
         return self.view[name]
@@ -71,6 +72,8 @@ class Record:
     def entry(self) -> dict[str, Any]:
         """As it stands in results.json."""
         found: dict[str, Any] = {"command": self.command, "digest": self.digest}
+        if self.carried:
+            found["carried"] = True
         if self.error:
             found["error"] = self.error
         found["rows"] = {}

@@ -1,8 +1,10 @@
 """The engine of the studies: what a change makes stale, what is run, what a run changes in what is committed."""
 
+import shutil
+
 import pytest
 
-from studies import catalogue, engine, fluid, fsi3, roofline, show, speed
+from studies import catalogue, engine, fluid, fsi3, roofline, same, show, speed
 from studies.engine import Case, Study
 from studies.store import Data, Record
 
@@ -85,12 +87,36 @@ def test_a_room_that_has_moved_is_noticed(small):
     (small.folder / "rod" / "lib.rs").unlink()
     engine.sources.cache_clear()
     with pytest.raises(FileNotFoundError, match="'rod'"):
-        engine.sources("rod")
+        engine.sources("rod", small.folder)
+
+
+def test_a_result_can_be_carried_over_only_where_nothing_but_the_units_has_changed(small, monkeypatch):
+    monkeypatch.setattr(same, "ROOT", small.folder)
+    monkeypatch.setattr(same, "UNITS", ("fluid",))
+    checkout = shutil.copytree(small.folder, small.folder / "checkout")
+    case = Case("group/3", ("fluid", "rod"), "csm1")
+    made = Record("small/group/3", case, "", case.digest_on(checkout))
+    for room, expected in (("fluid", True), ("rod", False)):
+        (small.folder / room / "lib.rs").write_text("let x = 2;\n")
+        engine.sources.cache_clear()
+        case.__dict__.pop("digest", None)
+        assert made.stale and same.comparable(made, checkout) is expected, room
+    elsewhere = Record("small/group/3", case, "", "of other sources")
+    assert not same.comparable(elsewhere, checkout)
+
+
+@pytest.mark.usefixtures("libraries")
+def test_units_that_give_other_bits_are_told_apart():
+    case = fluid.cylinder("2D-2", 100, "grid/same", 2e-3)
+    thicker = fluid.cylinder("2D-2", 100, "grid/same", 2e-3)
+    thicker.changes["fluid.kinematic_viscosity"] = 1e-3 * (1 + 1e-15)
+    assert same.holds(case, engine.ROOT)
+    assert same.first_steps(case, engine.ROOT) != same.first_steps(thicker, engine.ROOT)
 
 
 def test_every_room_has_sources():
     for room in engine.ROOMS:
-        assert engine.sources(room), room
+        assert engine.sources(room, engine.ROOT), room
 
 
 def test_cases_have_names_of_their_own():

@@ -50,11 +50,15 @@ fn main() -> Result<(), csv::Error> {
         row("flux", &format!("{cells} cells"), "error", measures::flux_error(cells), "1", None)?;
     }
     let targets = [0.2, 0.25, 0.3].map(|e_fold| (e_fold, "curvature", WallTarget::Curvature, None));
-    let others = [("core 2 cells deep", WallTarget::Curvature, Some(2.0)), ("shear", WallTarget::Shear, None)];
+    let others = [
+        ("core 2 cells deep", WallTarget::Curvature, Some(2.0)),
+        ("no core", WallTarget::Curvature, None),
+        ("shear", WallTarget::Shear, None),
+    ];
     let others = others.map(|(name, target, core_depth)| (0.25, name, target, core_depth));
     for (e_fold, name, target, core_depth) in targets.into_iter().chain(others) {
         let mask = Mask::LogLinear { c_eta: 1e-5, e_fold, core_depth, target };
-        let profile = DragProfile::of_body(20.0, false, &mask, 1e-3, 1.0);
+        let profile = DragProfile::of_body(20.0, name == "no core", &mask, 1e-3, 1.0);
         let DragProfile::LogLinear { shrink, target: Some(target), .. } = profile else { unreachable!() };
         let setting = format!("e-fold {e_fold}, {name}");
         row("wall target", &setting, "m", target.mirror, "1", None)?;
