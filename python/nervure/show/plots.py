@@ -35,6 +35,7 @@ START_UP = 0.01  # Part of the record that a start-up peak may last
 SOLID = "0.55"
 POSE = ("x", "y", "angle")  # What the fluid says of a rigid body
 ROUND = 90  # Corners with which a round outline is drawn
+PNG = {"compress_level": 3}  # A tenth of the start of a run less than by default, for a sixth of the size more
 
 
 def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
@@ -301,5 +302,5 @@ def _view(fluid: Fluid) -> tuple[float, float, float, float]:
 
 
 def _save(figure: Figure, path: Path) -> Path:
-    write_whole(path, lambda unfinished: figure.savefig(unfinished, dpi=150))
+    write_whole(path, lambda unfinished: figure.savefig(unfinished, dpi=150, pil_kwargs=PNG))
     return path
