@@ -51,6 +51,11 @@ TRIMMED = {  # Wide and trimmed cases by what is compared of them
 }
 LONG = {"fsi2, 648 x 108": ("fsi2/648x108", "long/fsi2", SWINGING)}
 """Cases as shipped and going on to 30 s."""
+PRECISIONS = {
+    "fsi3, 648 x 108": ("fsi3/648x108", "single/fsi3, 648x108", SWINGING),
+    "fsi3, 972 x 162": ("box/fsi3, 972x162", "single/fsi3, 972x162", SWINGING),
+}
+"""Cases in double and in single precision."""
 
 PLACES = ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5), (0.25, 0.25), (0.37, 0.5))
 """Of the grid, in parts of a cell aside."""
@@ -82,9 +87,16 @@ def cases() -> Iterator[Case]:
                 if (x, y) != (0.0, 0.0):
                     moved = on_grid(nx, ny, step) | simulate.aside(scene_of(name), nx, ny, (x, y)) | WALLS.get(grid, {})
                     yield Case(f"place/{name}, {grid}, {x:g} {y:g}", rooms, scene_of(name), moved, quick=False)
-    for nx, ny, step, wall in ((360, 72, 4e-4, SHALLOW), (720, 144, 2e-4, {})):
-        changes = WIDE | on_grid(nx, ny, step) | wall
-        yield Case(f"box/fsi3, {nx}x{ny}", COUPLED, scene_of("fsi3"), changes, quick=False)
+    between = on_grid(972, 162, FLOWS["fsi3"] * 648 / 972)
+    for grid, changes in (
+        ("360x72", WIDE | on_grid(360, 72, 4e-4) | SHALLOW),
+        ("720x144", WIDE | on_grid(720, 144, 2e-4)),
+        ("972x162", between),
+    ):
+        yield Case(f"box/fsi3, {grid}", COUPLED, scene_of("fsi3"), changes, quick=False)
+    for grid, changes in ((SHIPPED, {}), ("972x162", between)):
+        single = changes | {"fluid.precision": "single"}
+        yield Case(f"single/fsi3, {grid}", COUPLED, scene_of("fsi3"), single, quick=False)
     yield Case("long/fsi2", COUPLED, scene_of("fsi2"), {"time.end": 30.0}, quick=False)
     for flow, wide, trimmed, step in (
         ("2D-1", "cylinder-2d1-450x90", "cylinder-2d1-400x72", 2e-3),
@@ -276,6 +288,7 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "turek-hron-overall": overall,
     "turek-hron-phases": harmonic_phases,
     "trimmed": lambda data: beside(data, TRIMMED, "wide", "trimmed"),
+    "turek-hron-precision": lambda data: beside(data, PRECISIONS, "double", "single"),
     "turek-hron-long": lambda data: beside(data, LONG, "as shipped", "to 30 s"),
     "turek-hron-places": placed,
 }
