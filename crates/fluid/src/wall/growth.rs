@@ -120,4 +120,31 @@ mod tests {
             assert!((tight - TIGHT).abs() < 1e-9, "{tight} in a body of {thickness} cells");
         }
     }
+
+    /// How far the place of a face that follows at a rate (nu/dx²) is from its mean over the places of the grid, at most.
+    fn ripple(growth: &Growth, rate: f64) -> f64 {
+        const PLACES: i32 = 40;
+        let shares = (0..PLACES).map(|place| {
+            let aside = f64::from(place) / f64::from(PLACES);
+            let share = |cell: i32| 1.0 / (1.0 + rate / growth.drag(f64::from(cell) + aside));
+            (-30..30).map(share).sum::<f64>() - aside
+        });
+        let (least, most) = shares.fold((f64::MAX, f64::MIN), |(least, most), sum| (least.min(sum), most.max(sum)));
+        0.5 * (most - least)
+    }
+
+    /// By Poisson's summation formula, for a logistic function.
+    #[test]
+    fn what_follows_a_body_ripples_less_without_a_core() {
+        let expected = |decay: f64| {
+            let argument = 2.0 * std::f64::consts::PI.powi(2) * decay;
+            argument / std::f64::consts::PI / argument.sinh()
+        };
+        let smooth = ripple(&Growth::moving(0.25, 10.0), 100.0);
+        let steep = ripple(&Growth::still(0.25, 30.0, None, true), 1e5);
+        for (found, decay) in [(smooth, 0.25), (steep, 0.25 / STEEPNESS)] {
+            let expected = expected(decay);
+            assert!((found / expected - 1.0).abs() < 0.05, "{found} cells against {expected}");
+        }
+    }
 }
