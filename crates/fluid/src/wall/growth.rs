@@ -57,7 +57,7 @@ impl Growth {
     /// Cells enter the body and leave it. Of what follows the body at the rate s, each holds the share a/(a + s). Over an
     /// exponential a of the decay length λ that is a logistic function, whose sum over the cells ripples with the place of
     /// the grid by `2 π λ/sinh(2 π² λ)` of a cell: 0.02 for a quarter of a cell, 0.2 in a core that is three times as steep.
-    /// Forces flicker as the ripple does (docs/driven-bar.md).
+    /// Forces flicker with a core, wherever it begins (docs/driven-bar.md).
     pub fn moving(e_fold: f64, thickness: f64) -> Self {
         Self::new(e_fold, thickness, f64::INFINITY, f64::INFINITY)
     }
