@@ -1,8 +1,8 @@
 """Which stale results hold all the same: of scenes that the units of today give the same bits for as those of the
 revision that the results were made on.
 
-A case is carried over where it was run on the sources in a checkout of that revision, where of these only the units
-have changed since, and where both give the same outputs over the first steps of its scene, to the last bit.
+A case is carried over where it is a plain run of a scene, was run on the sources in a checkout of that revision, where
+of these only the units have changed since, and where both give the same outputs over the first steps, to the last bit.
 """
 
 from __future__ import annotations
@@ -45,11 +45,13 @@ def first_steps(case: Case, checkout: Path) -> bytes:
 
 
 def comparable(record: Record, checkout: Path) -> bool:
-    """Whether a stale result was made on the sources in the checkout, and only the units have changed since."""
+    """Whether a stale result is of a plain run on the sources in the checkout, of which only the units have changed."""
     case = record.case
+    if case.action is not simulate.run:
+        return False
     others = set(case.rooms) - set(UNITS)
     unchanged = all(sources(room, ROOT) == sources(room, checkout) for room in others)
-    return bool(case.scene) and unchanged and record.digest == case.digest_on(checkout)
+    return unchanged and record.digest == case.digest_on(checkout)
 
 
 def holds(case: Case, checkout: Path) -> bool:

@@ -1,6 +1,7 @@
 """The engine of the studies: what a change makes stale, what is run, what a run changes in what is committed."""
 
 import shutil
+from dataclasses import replace
 
 import pytest
 
@@ -101,8 +102,11 @@ def test_a_result_can_be_carried_over_only_where_nothing_but_the_units_has_chang
         engine.sources.cache_clear()
         case.__dict__.pop("digest", None)
         assert made.stale and same.comparable(made, checkout) is expected, room
-    elsewhere = Record("small/group/3", case, "", "of other sources")
-    assert not same.comparable(elsewhere, checkout)
+    (small.folder / "rod" / "lib.rs").write_text((checkout / "rod" / "lib.rs").read_text())
+    engine.sources.cache_clear()
+    assert same.comparable(made, checkout)
+    assert not same.comparable(replace(made, digest="of other sources"), checkout)
+    assert not same.comparable(replace(made, case=replace(case, action=act)), checkout)
 
 
 @pytest.mark.usefixtures("libraries")
