@@ -97,6 +97,7 @@ def cases() -> Iterator[Case]:
     for grid, changes in ((SHIPPED, {}), ("972x162", between)):
         single = changes | {"fluid.precision": "single"}
         yield Case(f"single/fsi3, {grid}", COUPLED, scene_of("fsi3"), single, quick=False)
+    yield Case("threads/fsi3, 972x162", COUPLED, scene_of("fsi3"), between | {"fluid.threads": 2}, quick=False)
     yield Case("long/fsi2", COUPLED, scene_of("fsi2"), {"time.end": 30.0}, quick=False)
     for flow, wide, trimmed, step in (
         ("2D-1", "cylinder-2d1-450x90", "cylinder-2d1-400x72", 2e-3),

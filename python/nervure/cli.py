@@ -4,6 +4,8 @@ What a command does is elsewhere in the package, and loaded when it is run: help
 Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot be used, 130 interrupted.
 """
 
+import gc
+import os
 import subprocess
 import sys
 from functools import partial
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
     from nervure.evaluate.summary import Summary
 
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
+
+GARBAGE = 50_000
+"""New objects after which Python looks for cycles of what is not needed any more: with its own 700 it would look through
+what is being imported for a tenth of the start of a run."""
 
 
 def _folder(text: str) -> Path:
@@ -316,6 +322,8 @@ def merge(
 
 def main() -> None:
     """The command `nervure`."""
+    gc.set_threshold(GARBAGE)
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy solves small systems only, and its threads wait busily
     try:
         app()
     except Refusal as error:

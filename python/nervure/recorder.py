@@ -38,7 +38,10 @@ class Recorder:
         self.columns = [*self.units, "iterations"]
         self.table = np.empty((steps // self.stride + 1, len(self.columns)))
         self.rows = 0
-        self._scalars = [values for unit in units.values() for values in (unit.reals, unit.integers)]
+        scalars = [values for unit in units.values() for values in (unit.reals, unit.integers)]
+        ends = np.cumsum([1, *(values.size for values in scalars)]).tolist()
+        places = [slice(begin, end) for begin, end in zip(ends, ends[1:], strict=False)]
+        self._scalars = [(place, values) for place, values in zip(places, scalars, strict=True) if values.size]
 
     def record(self, step: int, time: float, iterations: int) -> None:
         """Add a row if step number `step` is one that is recorded."""
@@ -46,7 +49,10 @@ class Recorder:
             return
         for unit in self.sampled:
             unit.get()
-        self.table[self.rows] = [time, *(value for scalars in self._scalars for value in scalars.tolist()), iterations]
+        row = self.table[self.rows]
+        row[0], row[-1] = time, iterations
+        for place, values in self._scalars:
+            row[place] = values
         self.rows += 1
 
     def resume(self, table: np.ndarray) -> None:

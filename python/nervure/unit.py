@@ -206,7 +206,7 @@ class Unit:
         self.seconds += perf_counter() - start
         if status > FMI_WARNING:
             raise self._error(f"failed in the step from t = {t:g} s to {t + h:g} s", status)
-        if any(wish.value for wish in self._wishes):
+        if self._wishes and any(wish.value for wish in self._wishes):
             raise self._error(f"wants an event, an early return or the end in the step from t = {t:g} s")
         if self.all_in_step:
             self.get()

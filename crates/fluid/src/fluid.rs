@@ -184,10 +184,7 @@ impl<R: Real> FluidIn<R> {
             return Err(error);
         }
         self.motion.pressures_are_current = false;
-        for (ahead, stations) in self.motion.now.iter_mut().zip(&self.present.beams.stations) {
-            ahead.go_on(stations, h);
-        }
-        self.scheme.predict_loads(&self.motion.now, &mut self.present, &mut self.domain);
+        self.scheme.predict_loads(&mut self.present, &mut self.domain);
         self.domain.clock.mark(crate::clock::Phase::Loads);
         if !self.loads().iter().all(Loads::are_finite) {
             // The flow before is gone. With no rate there is no way on but a state put back.
@@ -236,14 +233,15 @@ impl<R: Real> FluidIn<R> {
             substep += 1.0;
             done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
             let Motion { from, now, target, .. } = &mut self.motion;
-            let stations = if done == 1.0 {
-                target
+            let (stations, ahead) = if done == 1.0 {
+                now.iter_mut().zip(&*target).for_each(|(now, target)| now.go_on(target, h));
+                (&*target, (!self.present.beams.loads.is_empty()).then_some(&**now))
             } else {
                 now.iter_mut().zip(from.iter().zip(&*target)).for_each(|(now, (a, b))| now.interpolate(a, b, done, h));
-                now
+                (&*now, None)
             };
-            let shortest = self.shortest_step;
-            let step = Step { dt, end: t + done * h, stations, max_cfl: self.max_cfl, shortest, team };
+            let (end, max_cfl, shortest) = (t + done * h, self.max_cfl, self.shortest_step);
+            let step = Step { dt, end, stations, ahead, max_cfl, shortest, team };
             self.scheme.step(step, &mut self.present, &mut self.domain)?;
         }
         Ok(())

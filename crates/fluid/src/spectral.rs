@@ -7,7 +7,7 @@ use crate::grid::Grid;
 use crate::projection::Projection;
 use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::Flow;
-use crate::threads::Team;
+use crate::threads::{Team, nothing};
 use crate::transform::{Fft2, Pack, Scratch};
 
 /// Bytes of a field that are worth a thread of their own. Where threads were started four times in a step, two of them made
@@ -63,7 +63,8 @@ impl<R: Real> Spectral<R> {
     ///
     /// `solve(projection, row, own, [u, v, omega])` makes the spectra of the flow from those of w in `u` and `v`, row by
     /// row. `own` is what the caller has for each row. Between the two passes along y, each row
-    /// goes through both transforms along x and through `solve` while it is in the cache.
+    /// goes through both transforms along x and through `solve` while it is in the cache. Helpers, if there are any, begin
+    /// with that while one thread does what is to be done `meanwhile`.
     pub fn solve<T: Send>(
         &mut self,
         team: &Team,
@@ -72,16 +73,25 @@ impl<R: Real> Spectral<R> {
         solve: impl Fn(&Projection<R>, usize, T, [&mut [Pack<R>]; 3]) + Sync,
         flow: &mut Flow<R>,
         clock: &mut Clock,
+        meanwhile: impl FnOnce() + Send,
     ) -> f64 {
         let [u_hat, v_hat, omega_hat] = &mut self.spectra;
         let (fft, projection, nx, ny) = (&self.fft, &self.projection, self.grid.nx, self.grid.ny);
         fft.forward_along_y(team, [&w[0], &w[1]], [&mut *u_hat, &mut *v_hat], &mut self.scratch);
         clock.mark(Phase::Forward);
+        let meanwhile = if team.is_alone() {
+            meanwhile();
+            clock.mark(Phase::Loads);
+            None
+        } else {
+            Some(meanwhile)
+        };
 
         let rows = [&mut *u_hat, v_hat, omega_hat].map(|spectrum| spectrum.chunks_exact_mut(nx));
         let [u_rows, v_rows, omega_rows] = rows;
         let rows = u_rows.zip(v_rows).zip(omega_rows).zip(own).enumerate();
-        team.share_with(&mut self.scratch, rows, |(row, (((u_hat, v_hat), omega_hat), own)), scratch| {
+        let first = || meanwhile.into_iter().for_each(|meanwhile| meanwhile());
+        team.share_with(&mut self.scratch, first, rows, |(row, (((u_hat, v_hat), omega_hat), own)), scratch| {
             let Scratch { rows: [u, v, omega], line, .. } = scratch;
             fft.forward_along_x(u_hat, u, line);
             fft.forward_along_x(v_hat, v, line);
@@ -106,7 +116,7 @@ impl<R: Real> Spectral<R> {
             let (u, v) = (u_rest.split_off_mut(points)?, v_rest.split_off_mut(points)?);
             Some((share, u, v, omega_rest.split_off_mut(points)?))
         });
-        team.share_with(&mut self.scratch, shares, |(share, u, v, omega), scratch| {
+        team.share_with(&mut self.scratch, nothing, shares, |(share, u, v, omega), scratch| {
             for columns in fft.blocks(share.clone()) {
                 let points = (columns.start - share.start) * ny..(columns.end - share.start) * ny;
                 let [u, v, omega] = [&mut *u, &mut *v, &mut *omega].map(|field| &mut field[points.clone()]);

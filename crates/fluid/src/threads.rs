@@ -73,29 +73,43 @@ impl Team {
         }
     }
 
-    /// In how many parts a phase is best divided.
-    pub fn parts(&self) -> usize {
-        if self.threads == 1 { 1 } else { PARTS_PER_THREAD * self.threads }
+    /// Whether there is no helper.
+    pub fn is_alone(&self) -> bool {
+        self.threads == 1
     }
 
-    /// Do `work` with each of the parts. Who takes which is left to chance.
-    pub fn share<T: Send>(&self, parts: impl Iterator<Item = T> + Send, work: impl Fn(T) + Sync) {
-        self.share_with(&mut vec![(); self.threads], parts, |part, ()| work(part));
+    /// In how many parts a phase is best divided.
+    pub fn parts(&self) -> usize {
+        if self.is_alone() { 1 } else { PARTS_PER_THREAD * self.threads }
+    }
+
+    /// Do `work` with each of the parts, and something else before, while helpers begin. Who takes which is left to chance.
+    pub fn share<T: Send>(
+        &self,
+        first: impl FnOnce() + Send,
+        parts: impl Iterator<Item = T> + Send,
+        work: impl Fn(T) + Sync,
+    ) {
+        self.share_with(&mut vec![(); self.threads], first, parts, |part, ()| work(part));
     }
 
     /// The same with something that each thread has for itself: at least as many as the threads.
     pub fn share_with<T: Send, S: Send>(
         &self,
         own: &mut [S],
+        first: impl FnOnce() + Send,
         mut parts: impl Iterator<Item = T> + Send,
         work: impl Fn(T, &mut S) + Sync,
     ) {
-        if self.threads == 1 {
+        if self.is_alone() {
+            first();
             return parts.for_each(|part| work(part, &mut own[0]));
         }
-        let (own, parts) = (Mutex::new(own.iter_mut()), Mutex::new(parts.by_ref()));
+        let (own, first, parts) = (Mutex::new(own.iter_mut()), Mutex::new(Some(first)), Mutex::new(parts.by_ref()));
         self.call(&|| {
             let Some(own) = lock(&own).next() else { return };
+            let first = lock(&first).take();
+            first.into_iter().for_each(|first| first());
             loop {
                 let Some(part) = lock(&parts).next() else { return };
                 work(part, own);
@@ -178,6 +192,9 @@ impl Drop for End<'_, '_> {
     }
 }
 
+/// What a phase has to do before its parts, where that is nothing.
+pub fn nothing() {}
+
 fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().expect("nothing panics under the lock")
 }
@@ -204,10 +221,14 @@ mod tests {
     /// Let a team of so many each have one part at once.
     fn all_at_once(team: &Team, threads: usize, work: impl Fn() + Sync) {
         let barrier = Barrier::new(threads);
-        team.share(0..threads, |_| {
-            barrier.wait();
-            work();
-        });
+        team.share(
+            || {},
+            0..threads,
+            |_| {
+                barrier.wait();
+                work();
+            },
+        );
     }
 
     #[test]
@@ -226,19 +247,20 @@ mod tests {
     fn every_part_is_done_once_by_threads_that_run_or_sleep() {
         for threads in [1, 2, 5] {
             let mut parts = [0; 37];
-            let mut own = vec![0; threads];
+            let (mut own, mut firsts) = (vec![0; threads], 0);
             Team::with(threads, |team| {
                 for call in 0..200 {
                     if call % 20 == 0 {
                         thread::sleep(4 * PATIENCE);
                     }
-                    team.share_with(&mut own, parts.iter_mut(), |part, own| {
+                    let first = || firsts += 1;
+                    team.share_with(&mut own, first, parts.iter_mut(), |part, own| {
                         *part += 1;
                         *own += 1;
                     });
                 }
             });
-            assert_eq!((parts, own.iter().sum()), ([200; 37], 200 * 37), "{threads} threads");
+            assert_eq!((parts, own.iter().sum(), firsts), ([200; 37], 200 * 37, 200), "{threads} threads");
         }
     }
 

@@ -197,7 +197,7 @@ impl<M: Model> Instance<M> {
     /// is an error, so that no NaN passes silently.
     pub fn get<T: Value>(&mut self, references: &[u32], mut sink: impl FnMut(usize, &[T])) -> Result<(), String> {
         let clock = [self.clock.time];
-        if self.table.runs(references).flatten().any(|run| self.is_calculated(&run)) {
+        if !self.initialised() && self.table.runs(references).flatten().any(|run| self.is_calculated(&run)) {
             self.refresh()?;
         }
         for run in self.table.runs(references) {

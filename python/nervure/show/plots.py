@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
@@ -302,5 +303,7 @@ def _view(fluid: Fluid) -> tuple[float, float, float, float]:
 
 
 def _save(figure: Figure, path: Path) -> Path:
-    write_whole(path, lambda unfinished: figure.savefig(unfinished, dpi=150, pil_kwargs=PNG))
+    figure.set_dpi(150)
+    canvas = FigureCanvasAgg(figure)  # `savefig` would draw it twice
+    write_whole(path, lambda unfinished: canvas.print_png(unfinished, pil_kwargs=PNG))
     return path

@@ -16,6 +16,8 @@
 //! Loads go back through the transpose of this map, so that the power of the station loads is that of the drag on the
 //! section.
 
+use std::mem::swap;
+
 use scene::Mask;
 
 use super::cells::{Cell, Cells, Near};
@@ -53,8 +55,18 @@ struct Place {
     behind: bool,
 }
 
-/// The beam and the cells in which it drags the fluid.
+/// The beam, where it is and where it goes next.
 pub struct Beam {
+    band: Band,
+    /// The present position.
+    pub here: Placed,
+    /// Another, found before the beam goes there.
+    ahead: Placed,
+    search: Search,
+}
+
+/// What of a beam does not move.
+struct Band {
     /// Thickness at the middle of each segment, m, and by how much the end of the segment is thicker than its beginning.
     thickness: Vec<[f64; 2]>,
     /// Drag of each segment.
@@ -62,14 +74,22 @@ pub struct Beam {
     /// How far the mask goes on behind the root, into the cylinder that the beam is clamped to, m.
     anchor: f64,
     /// The cylinder that it is clamped to.
-    pub holder: Option<usize>,
-    /// Cells of the present position.
+    holder: Option<usize>,
+}
+
+/// A beam at some stations.
+pub struct Placed {
+    /// The cells in which it drags the fluid.
     pub cells: Cells,
     places: Vec<Place>,
     segments: Vec<Segment>,
     /// `[n + 1]`.
     sections: Vec<Section>,
-    /// For each grid point, 1 + its number among the candidates of the present painting; 0 where it is none.
+}
+
+/// What a search for the cells of a beam needs.
+struct Search {
+    /// For each grid point, 1 + its number among the candidates of the present search; 0 where it is none.
     slot: Vec<u32>,
     candidates: Vec<Candidate>,
 }
@@ -145,100 +165,32 @@ impl Place {
     }
 }
 
-impl Beam {
-    /// The beam of a scene, not yet anywhere.
-    pub fn new(beam: &scene::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
-        let at: Vec<_> = beam.places().map(|s| beam.thickness.at(s)).collect();
-        let (anchor, holder) = match beam.root {
-            scene::Root::OnCylinder { cylinder, .. } => (0.5 * at[0], Some(cylinder)),
-            scene::Root::At { .. } => (0.0, None),
-        };
-        // Between the stations the thickness is linear, whatever its law.
-        let ends = at.iter().step_by(2).zip(at.iter().step_by(2).skip(1));
-        let thickness: Vec<_> = ends.map(|(start, end)| [0.5 * (start + end), end - start]).collect();
-        let (mut profiles, dx) = (Vec::<DragProfile>::with_capacity(beam.segments), grid.cell_size());
-        for k in 0..beam.segments {
-            // Calibrating a wall takes its time: segments of equal thickness share it.
-            let known = if k > 0 && thickness[k][0] == thickness[k - 1][0] { profiles.last().copied() } else { None };
-            profiles.push(known.unwrap_or_else(|| DragProfile::of_body(thickness[k][0], true, mask, nu, dx)));
-        }
-        let ahead = Segment { along: [1.0, 0.0], length: 1.0, slope: 0.0, stretch: 1.0 };
-        let section = |k: usize| {
-            let half = (0.5 * at[2 * k] * beam.segments as f64 / beam.length).ceil() as usize;
-            let span = (2 * half).clamp(2, beam.segments);
-            let from = k.saturating_sub(span / 2).min(beam.segments - span);
-            let still = Section {
-                tangent: [1.0, 0.0],
-                ends: [0, 1],
-                across: [0.0, 1.0],
-                span: 1.0,
-                omega: 0.0,
-                omega_before: 0.0,
-            };
-            Section { ends: [from, from + span], ..still }
-        };
-        Self {
-            thickness,
-            profiles,
-            anchor,
-            holder,
-            cells: Cells::default(),
-            places: Vec::new(),
-            segments: vec![ahead; beam.segments],
-            sections: (0..=beam.segments).map(section).collect(),
-            slot: vec![0; grid.len()],
-            candidates: Vec::new(),
-        }
-    }
-
-    /// The fluid of a density (kg/m³) that it displaces at `stations`, where it was placed; moments are about the root.
-    pub fn displaced(&self, stations: &Stations, density: f64) -> Displaced {
-        let Stations { position: [x, y], velocity: [vx, vy] } = stations;
-        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
-        let (mut momentum, mut angular) = ([0.0; 2], 0.0);
-        for (k, (segment, &[thickness, growth])) in self.segments.iter().zip(&self.thickness).enumerate() {
-            let mass = density * thickness * segment.length;
-            // The first moment of the mass over its distance from the middle, both in segments.
-            let lean = density * growth * segment.length / 12.0;
-            let [start, end] = [k, k + 1].map(|k| ([x[k] - x[0], y[k] - y[0]], [vx[k], vy[k]]));
-            let middle = |a: [f64; 2], b: [f64; 2]| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
-            let (arm, velocity) = (middle(start.0, end.0), middle(start.1, end.1));
-            momentum[0] += mass * velocity[0] + lean * (end.1[0] - start.1[0]);
-            momentum[1] += mass * velocity[1] + lean * (end.1[1] - start.1[1]);
-            // Simpson's rule is exact: position and velocity are linear along the segment.
-            angular += mass / 6.0 * (cross(start.0, start.1) + 4.0 * cross(arm, velocity) + cross(end.0, end.1));
-            angular += lean * (cross(end.0, end.1) - cross(start.0, start.1));
-            let omega = 0.5 * (self.sections[k].omega + self.sections[k + 1].omega);
-            angular += mass / 12.0 * (thickness.powi(2) + 0.25 * growth.powi(2)) * omega;
-        }
-        Displaced { momentum, angular, transport: cross([vx[0], vy[0]], momentum) }
-    }
-
-    /// Move to `stations` and list the cells there; they were at `before`.
-    pub fn place(&mut self, stations: &Stations, before: &Stations, grid: &Grid) {
-        self.orient(stations, before);
-        self.find_candidates(stations, grid);
+impl Placed {
+    /// List the cells at `stations`; they were at `before`.
+    fn put(&mut self, band: &Band, search: &mut Search, stations: &Stations, before: &Stations, grid: &Grid) {
+        self.orient(&band.thickness, stations, before);
+        self.find_candidates(band, search, stations, grid);
         let last = self.segments.len() - 1;
         self.cells.clear();
         self.places.clear();
-        for Candidate { index, segment: k, fraction, height, arm, .. } in self.candidates.drain(..) {
-            self.slot[index] = 0;
+        for Candidate { index, segment: k, fraction, height, arm, .. } in search.candidates.drain(..) {
+            search.slot[index] = 0;
             let Segment { length, slope, stretch, .. } = self.segments[k];
             let beyond = if k == 0 {
-                -fraction * length - self.anchor
+                -fraction * length - band.anchor
             } else if k == last {
                 (fraction - 1.0) * length
             } else {
                 f64::NEG_INFINITY
             };
-            let behind = self.holder.is_some() && fraction < 0.0;
+            let behind = band.holder.is_some() && fraction < 0.0;
             let fraction = fraction.clamp(0.0, 1.0);
             // The lines of equal drag have corners: with the Euclidean distance outside they would round them.
-            let [thickness, growth] = self.thickness[k];
+            let [thickness, growth] = band.thickness[k];
             let half = 0.5 * (thickness + (fraction - 0.5) * growth);
             let [above, below] = [height, -height].map(|height| (height - half) / stretch);
             let distance = above.max(below).max(beyond);
-            let profile = &self.profiles[k];
+            let profile = &band.profiles[k];
             let rate = profile.rate(distance);
             if rate > 0.0 {
                 let tangent = unit(between(self.sections[k].tangent, self.sections[k + 1].tangent, fraction));
@@ -267,8 +219,8 @@ impl Beam {
 
     /// Directions of segments and sections at `stations`, and how these turn with the velocities there and with those
     /// `before`.
-    fn orient(&mut self, stations: &Stations, before: &Stations) {
-        for (k, (segment, [_, growth])) in self.segments.iter_mut().zip(&self.thickness).enumerate() {
+    fn orient(&mut self, thickness: &[[f64; 2]], stations: &Stations, before: &Stations) {
+        for (k, (segment, [_, growth])) in self.segments.iter_mut().zip(thickness).enumerate() {
             let (along, length) = direction(difference(&stations.position, [k, k + 1]));
             let slope = 0.5 * growth / length;
             *segment = Segment { along, length, slope, stretch: (1.0 + slope * slope).sqrt() };
@@ -283,15 +235,15 @@ impl Beam {
     }
 
     /// List the grid points that the mask may reach, each with the nearest of its places.
-    fn find_candidates(&mut self, stations: &Stations, grid: &Grid) {
+    fn find_candidates(&self, band: &Band, search: &mut Search, stations: &Stations, grid: &Grid) {
         /// Share of a segment by which its end may seem to lie beyond that of its neighbour.
         const ROUNDING: f64 = 1e-9;
         let last = self.segments.len() - 1;
         let root = [stations.position[0][0], stations.position[1][0]];
-        let (slot, candidates) = (&mut self.slot, &mut self.candidates);
+        let Search { slot, candidates } = search;
         for (k, &Segment { along: [ex, ey], length, .. }) in self.segments.iter().enumerate() {
-            let [thickness, growth] = self.thickness[k];
-            let reach = 0.5 * (thickness + 0.5 * growth.abs()) + self.profiles[k].reach();
+            let [thickness, growth] = band.thickness[k];
+            let reach = 0.5 * (thickness + 0.5 * growth.abs()) + band.profiles[k].reach();
             let [x0, y0] = [stations.position[0][k], stations.position[1][k]];
             // The tangents at both ends, along the segment and to the left.
             let [(c0, s0), (c1, s1)] = [k, k + 1].map(|k| {
@@ -300,7 +252,7 @@ impl Beam {
             });
             // How far the rectangle of the segment goes beyond its stations, with the leaning sections at both ends.
             let wedge = |c: f64, s: f64| if c > s.abs() { reach * s.abs() / c } else { reach };
-            let before = if k == 0 { reach + self.anchor } else { wedge(c0, s0) };
+            let before = if k == 0 { reach + band.anchor } else { wedge(c0, s0) };
             let beyond = if k == last { reach } else { wedge(c1, s1) };
             // The smallest upright rectangle around it.
             let end = length + beyond;
@@ -350,14 +302,108 @@ impl Beam {
             });
         }
     }
+}
+
+impl Beam {
+    /// The beam of a scene, not yet anywhere.
+    pub fn new(beam: &scene::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
+        let at: Vec<_> = beam.places().map(|s| beam.thickness.at(s)).collect();
+        let (anchor, holder) = match beam.root {
+            scene::Root::OnCylinder { cylinder, .. } => (0.5 * at[0], Some(cylinder)),
+            scene::Root::At { .. } => (0.0, None),
+        };
+        // Between the stations the thickness is linear, whatever its law.
+        let ends = at.iter().step_by(2).zip(at.iter().step_by(2).skip(1));
+        let thickness: Vec<_> = ends.map(|(start, end)| [0.5 * (start + end), end - start]).collect();
+        let (mut profiles, dx) = (Vec::<DragProfile>::with_capacity(beam.segments), grid.cell_size());
+        for k in 0..beam.segments {
+            // Calibrating a wall takes its time: segments of equal thickness share it.
+            let known = if k > 0 && thickness[k][0] == thickness[k - 1][0] { profiles.last().copied() } else { None };
+            profiles.push(known.unwrap_or_else(|| DragProfile::of_body(thickness[k][0], true, mask, nu, dx)));
+        }
+        let ahead = Segment { along: [1.0, 0.0], length: 1.0, slope: 0.0, stretch: 1.0 };
+        let section = |k: usize| {
+            let half = (0.5 * at[2 * k] * beam.segments as f64 / beam.length).ceil() as usize;
+            let span = (2 * half).clamp(2, beam.segments);
+            let from = k.saturating_sub(span / 2).min(beam.segments - span);
+            let still = Section {
+                tangent: [1.0, 0.0],
+                ends: [0, 1],
+                across: [0.0, 1.0],
+                span: 1.0,
+                omega: 0.0,
+                omega_before: 0.0,
+            };
+            Section { ends: [from, from + span], ..still }
+        };
+        let nowhere = || Placed {
+            cells: Cells::default(),
+            places: Vec::new(),
+            segments: vec![ahead; beam.segments],
+            sections: (0..=beam.segments).map(section).collect(),
+        };
+        Self {
+            band: Band { thickness, profiles, anchor, holder },
+            here: nowhere(),
+            ahead: nowhere(),
+            search: Search { slot: vec![0; grid.len()], candidates: Vec::new() },
+        }
+    }
+
+    /// The cylinder that it is clamped to.
+    pub fn holder(&self) -> Option<usize> {
+        self.band.holder
+    }
+
+    /// The fluid of a density (kg/m³) that it displaces at `stations`, where it was placed; moments are about the root.
+    pub fn displaced(&self, stations: &Stations, density: f64) -> Displaced {
+        let Stations { position: [x, y], velocity: [vx, vy] } = stations;
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let (mut momentum, mut angular) = ([0.0; 2], 0.0);
+        for (k, (segment, &[thickness, growth])) in self.here.segments.iter().zip(&self.band.thickness).enumerate() {
+            let mass = density * thickness * segment.length;
+            // The first moment of the mass over its distance from the middle, both in segments.
+            let lean = density * growth * segment.length / 12.0;
+            let [start, end] = [k, k + 1].map(|k| ([x[k] - x[0], y[k] - y[0]], [vx[k], vy[k]]));
+            let middle = |a: [f64; 2], b: [f64; 2]| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+            let (arm, velocity) = (middle(start.0, end.0), middle(start.1, end.1));
+            momentum[0] += mass * velocity[0] + lean * (end.1[0] - start.1[0]);
+            momentum[1] += mass * velocity[1] + lean * (end.1[1] - start.1[1]);
+            // Simpson's rule is exact: position and velocity are linear along the segment.
+            angular += mass / 6.0 * (cross(start.0, start.1) + 4.0 * cross(arm, velocity) + cross(end.0, end.1));
+            angular += lean * (cross(end.0, end.1) - cross(start.0, start.1));
+            let omega = 0.5 * (self.here.sections[k].omega + self.here.sections[k + 1].omega);
+            angular += mass / 12.0 * (thickness.powi(2) + 0.25 * growth.powi(2)) * omega;
+        }
+        Displaced { momentum, angular, transport: cross([vx[0], vy[0]], momentum) }
+    }
+
+    /// Move to `stations`; they were at `before`.
+    pub fn place(&mut self, stations: &Stations, before: &Stations, grid: &Grid) {
+        self.here.put(&self.band, &mut self.search, stations, before, grid);
+    }
+
+    /// Find where it gets to at `ahead`, to which it goes on from `stations`.
+    pub fn look_ahead(&mut self, ahead: &Stations, stations: &Stations, grid: &Grid) {
+        self.ahead.put(&self.band, &mut self.search, ahead, stations, grid);
+    }
+
+    /// Go there.
+    pub fn go_ahead(&mut self) {
+        swap(&mut self.here, &mut self.ahead);
+    }
 
     /// The cells, each with the velocity of its section, m/s, unless the cylinder bears what acts on it.
     pub fn cells_and_velocities<'a>(
         &'a self,
         stations: &'a Stations,
     ) -> impl Iterator<Item = (&'a Cell, Option<[f64; 2]>)> {
-        let velocity = |place: &Place| place.velocity(&self.sections, |section| section.omega, stations);
-        self.cells.iter().zip(&self.places).map(move |(cell, place)| (cell, (!place.behind).then(|| velocity(place))))
+        let velocity = |place: &Place| place.velocity(&self.here.sections, |section| section.omega, stations);
+        self.here
+            .cells
+            .iter()
+            .zip(&self.here.places)
+            .map(move |(cell, place)| (cell, (!place.behind).then(|| velocity(place))))
     }
 
     /// Bring the drag on each cell to the stations.
@@ -367,14 +413,15 @@ impl Beam {
     pub fn collect(&self, mut drag: impl FnMut(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut Loads) {
         loads.force.iter_mut().for_each(|f| f.fill(0.0));
         loads.impedance.fill(0.0);
-        for (cell, place) in self.cells.iter().zip(&self.places).filter(|(_, place)| !place.behind) {
+        let Placed { cells, places, sections, .. } = &self.here;
+        for (cell, place) in cells.iter().zip(places).filter(|(_, place)| !place.behind) {
             let ([fx, fy], [along_x, along_y]) = drag(cell);
             let Place { segment: k, fraction: t, tangent, .. } = *place;
             let moment = -place.height * dot([fx, fy], tangent);
             let [nx, ny] = normal(tangent);
             let impedance = along_x * nx * nx + along_y * ny * ny;
             for (station, share) in [(k, 1.0 - t), (k + 1, t)] {
-                let Section { ends: [from, to], across, span, .. } = self.sections[station];
+                let Section { ends: [from, to], across, span, .. } = sections[station];
                 for (axis, f) in [fx, fy].into_iter().enumerate() {
                     let couple = share * moment / span * across[axis];
                     loads.force[axis][station] += share * f;
@@ -389,10 +436,10 @@ impl Beam {
 
     /// Points on the upper (`side` = 1) or lower (−1) surface at the stations, m.
     pub fn surface_point(&self, stations: &Stations, k: usize, side: f64) -> [f64; 2] {
-        let last = self.segments.len() - 1;
+        let last = self.here.segments.len() - 1;
         let [nx, ny] = normal(bisector(k, last, |k| unit(difference(&stations.position, [k, k + 1]))));
-        let [thickness, growth] = self.thickness[k.min(last)];
-        let here = if k < self.segments.len() { thickness - 0.5 * growth } else { thickness + 0.5 * growth };
+        let [thickness, growth] = self.band.thickness[k.min(last)];
+        let here = if k < self.here.segments.len() { thickness - 0.5 * growth } else { thickness + 0.5 * growth };
         let height = side * 0.5 * here;
         [stations.position[0][k] + height * nx, stations.position[1][k] + height * ny]
     }
@@ -435,7 +482,7 @@ mod tests {
     #[test]
     fn mask_has_the_area_of_the_tapered_beam() {
         let (beam, _, grid) = turning();
-        let sum = |weight: &dyn Fn(&Cell) -> f64| beam.cells.iter().map(weight).sum::<f64>() * grid.cell_area();
+        let sum = |weight: &dyn Fn(&Cell) -> f64| beam.here.cells.iter().map(weight).sum::<f64>() * grid.cell_area();
         let area = sum(&|_| 1.0);
         let centre = sum(&|cell| cell.arm[0] * DIRECTION[0] + cell.arm[1] * DIRECTION[1]) / area;
         // (h0 + h1) / 2 and (h0 + 2 h1) / (3 (h0 + h1)) of a trapezium.
@@ -447,16 +494,20 @@ mod tests {
     fn drag_of_the_cosine_mask_falls_across_the_sloped_surface() {
         let (mut beam, stations, grid) = turning();
         let mask = Mask::Cosine { c_eta: 1.0, half_width: 6.0, displacement_corrected: false };
-        beam.profiles =
-            beam.thickness.iter().map(|h| DragProfile::of_body(h[0], true, &mask, 1e-3, grid.cell_size())).collect();
+        beam.band.profiles = beam
+            .band
+            .thickness
+            .iter()
+            .map(|h| DragProfile::of_body(h[0], true, &mask, 1e-3, grid.cell_size()))
+            .collect();
         beam.place(&stations, &stations, &grid);
         let slope = 0.5 * (ENDS[1] - ENDS[0]);
-        for cell in beam.cells.iter() {
+        for cell in beam.here.cells.iter() {
             let along = cell.arm[0] * DIRECTION[0] + cell.arm[1] * DIRECTION[1];
             let height = (cell.arm[1] * DIRECTION[0] - cell.arm[0] * DIRECTION[1]).abs();
             if (0.2..0.8).contains(&along) {
                 let distance = (height - 0.5 * ENDS[0] - slope * along) / slope.hypot(1.0);
-                let expected = beam.profiles[0].rate(distance);
+                let expected = beam.band.profiles[0].rate(distance);
                 assert!((cell.rate - expected).abs() < 1e-9, "at {along}, {height}: {} against {expected}", cell.rate);
             }
         }
@@ -486,8 +537,13 @@ mod tests {
                 let along = |axis: usize| (0..=6).map(|k| root[axis] + [0.05, 0.0][axis] * f64::from(k)).collect();
                 let stations = Stations { position: [along(0), along(1)], velocity: [vec![0.0; 7], vec![0.0; 7]] };
                 beam.place(&stations, &stations, &grid);
-                beam.cells.sample(|point| flow[point]);
-                beam.cells.iter().find(|cell| cell.index == 60 * grid.ny + 50).expect("the mask reaches it").velocity
+                beam.here.cells.sample(|point| flow[point]);
+                beam.here
+                    .cells
+                    .iter()
+                    .find(|cell| cell.index == 60 * grid.ny + 50)
+                    .expect("the mask reaches it")
+                    .velocity
             });
             let apart = (drawn[0][0] - drawn[1][0]).hypot(drawn[0][1] - drawn[1][1]);
             assert!(apart < 1e-6, "{right} m, {up} m: {drawn:?}");

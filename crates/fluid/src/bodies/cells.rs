@@ -182,6 +182,11 @@ impl Painted {
         }
     }
 
+    /// Where something was added.
+    pub fn points(&self) -> impl Iterator<Item = usize> {
+        self.before.iter().map(|(index, _)| *index)
+    }
+
     /// Add the cells of a body to `rate`.
     pub fn add(&mut self, cells: &Cells, rate: &mut [f64]) {
         for cell in cells.iter() {

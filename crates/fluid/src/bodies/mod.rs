@@ -37,6 +37,30 @@ pub struct Bodies {
     pub cell_mass: f64,
 }
 
+/// The bodies without the field of their drag.
+pub struct Changing<'a> {
+    rigid: &'a mut [Rigid],
+    beams: &'a mut [Beam],
+}
+
+impl Changing<'_> {
+    /// Put those that move where they are at a time (s), the beams at their stations; they were at `before`.
+    pub fn place(&mut self, time: f64, stations: &[Stations], before: &[Stations], grid: &Grid) {
+        for rigid in self.rigid.iter_mut().filter(|rigid| rigid.moves()) {
+            rigid.place(time, grid);
+        }
+        for (beam, (stations, before)) in self.beams.iter_mut().zip(stations.iter().zip(before)) {
+            beam.place(stations, before, grid);
+        }
+    }
+
+    /// Let those with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
+    pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
+        self.rigid.iter_mut().for_each(|rigid| rigid.cells.sample(&velocity));
+        self.beams.iter_mut().for_each(|beam| beam.here.cells.sample(&velocity));
+    }
+}
+
 impl Bodies {
     /// The bodies of a scene with a fluid at t = 0, the still ones painted.
     pub fn new(scene: &Scene, fluid: &scene::Fluid, zones: &[Zone], grid: &Grid) -> Self {
@@ -56,6 +80,13 @@ impl Bodies {
         };
         bodies.paint_still(fluid, zones, &DragProfile::new(mask, mask.c_eta(), nu, grid.cell_size()), grid);
         bodies
+    }
+
+    /// Grid points in which the bodies are painted that change, one that two of them share twice; and the total drag rate
+    /// there, 1/s.
+    pub fn painted(&self) -> impl Iterator<Item = (usize, f64)> {
+        let rate = self.rate.as_deref().unwrap_or_default();
+        self.painted.points().map(|point| (point, rate[point]))
     }
 
     fn paint_still(&mut self, fluid: &scene::Fluid, zones: &[Zone], profile: &DragProfile, grid: &Grid) {
@@ -103,35 +134,48 @@ impl Bodies {
 
     /// Put the moving bodies where they are at a time (s), the beams at their stations; they were at `before`.
     pub fn place(&mut self, time: f64, stations: &[Stations], before: &[Stations], grid: &Grid) {
-        for rigid in self.rigid.iter_mut().filter(|rigid| rigid.moves()) {
-            rigid.place(time, grid);
-        }
-        for (beam, (stations, before)) in self.beams.iter_mut().zip(stations.iter().zip(before)) {
-            beam.place(stations, before, grid);
-        }
-        self.paint_changing();
-    }
-
-    /// Put the beams alone at `ahead`, to which they go on from `stations`; [`Self::sample`] paints them there.
-    pub fn send_beams(&mut self, ahead: &[Stations], stations: &[Stations], grid: &Grid) {
-        for (beam, (ahead, stations)) in self.beams.iter_mut().zip(ahead.iter().zip(stations)) {
-            beam.place(ahead, stations, grid);
-        }
+        self.changing().place(time, stations, before, grid);
+        self.paint();
     }
 
     /// Let the bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
     pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
-        self.rigid.iter_mut().for_each(|rigid| rigid.cells.sample(&velocity));
-        self.beams.iter_mut().for_each(|beam| beam.cells.sample(&velocity));
-        self.paint_changing();
+        self.changing().sample(velocity);
+        self.paint();
+    }
+
+    /// The bodies, to be placed and to sample before they are painted.
+    pub fn changing(&mut self) -> Changing<'_> {
+        Changing { rigid: &mut self.rigid, beams: &mut self.beams }
+    }
+
+    /// The drag rate of what does not change (1/s), and the bodies, to be placed while that is read. [`Self::paint`] paints
+    /// them again.
+    pub fn apart(&mut self) -> (Option<&[f64]>, Changing<'_>) {
+        if let Some(rate) = &mut self.rate {
+            self.painted.erase(rate);
+        }
+        (self.rate.as_deref(), Changing { rigid: &mut self.rigid, beams: &mut self.beams })
+    }
+
+    /// Find where the beams get to at `ahead`, to which they go on from `stations`.
+    pub fn look_ahead(&mut self, ahead: &[Stations], stations: &[Stations], grid: &Grid) {
+        for (beam, (ahead, stations)) in self.beams.iter_mut().zip(ahead.iter().zip(stations)) {
+            beam.look_ahead(ahead, stations, grid);
+        }
+    }
+
+    /// Put the beams there; [`Self::sample`] paints them.
+    pub fn go_ahead(&mut self) {
+        self.beams.iter_mut().for_each(Beam::go_ahead);
     }
 
     /// Paint the bodies whose drag changes: they move, or have a wall target.
-    fn paint_changing(&mut self) {
+    pub fn paint(&mut self) {
         let Some(rate) = &mut self.rate else { return };
         self.painted.erase(rate);
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
-        for cells in rigid.chain(self.beams.iter().map(|beam| &beam.cells)) {
+        for cells in rigid.chain(self.beams.iter().map(|beam| &beam.here.cells)) {
             self.painted.add(cells, rate);
         }
     }
@@ -140,7 +184,7 @@ impl Bodies {
     pub fn add_velocities<R: Real>(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<R>; 2]) {
         let Some(rate) = &self.rate else { return };
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
-        let beams = self.beams.iter().map(|beam| &beam.cells);
+        let beams = self.beams.iter().map(|beam| &beam.here.cells);
         for cell in rigid.chain(beams).flat_map(Cells::iter) {
             let weight = weight(rate[cell.index]) * cell.rate;
             for (w, velocity) in w.iter_mut().zip(cell.velocity) {
@@ -182,7 +226,7 @@ impl Bodies {
                 if let Some([u, v]) = velocity {
                     sum.add(force, cell.arm);
                     power += force[0] * u + force[1] * v;
-                } else if let Some(holder) = beam.holder {
+                } else if let Some(holder) = beam.holder() {
                     let center = self.rigid[holder].pose.position;
                     let arm = [0, 1].map(|axis| stations.position[axis][0] + cell.arm[axis] - center[axis]);
                     on_rigid[holder].force.add(force, arm);

@@ -34,6 +34,8 @@ pub struct Step<'a> {
     pub end: f64,
     /// Stations of the beams at its end.
     pub stations: &'a [Stations],
+    /// Where they go on to, if loads are predicted after it.
+    pub ahead: Option<&'a [Stations]>,
     /// Largest CFL number.
     pub max_cfl: f64,
     /// The shortest step that the flow at its end may ask for, s.
@@ -131,18 +133,18 @@ impl<R: Real> Scheme<R> {
     }
 
     /// Loads on the stations in the coming step of the same size, were they to keep their velocities, with which they
-    /// get to `ahead`.
+    /// get to the `ahead` of the last step.
     ///
     /// The mask is put there for it. With the mask where it is, the loads would be late by the way of a step, and the
     /// exchange would feed the rod.
-    pub fn predict_loads(&self, ahead: &[Stations], present: &mut Present<R>, domain: &mut Domain<R>) {
+    pub fn predict_loads(&self, present: &mut Present<R>, domain: &mut Domain<R>) {
         if present.beams.loads.is_empty() {
             return;
         }
         let mut loads = take(&mut present.beams.loads);
         match self {
             Self::Sbdf2(scheme) => {
-                domain.bodies.send_beams(ahead, &present.beams.stations, &domain.grid);
+                domain.bodies.go_ahead();
                 scheme.predict_loads(present, &mut domain.bodies, &mut loads);
             }
             // Its explicit drag is that of the mask where it is at the beginning of the step.

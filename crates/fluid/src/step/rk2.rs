@@ -22,7 +22,7 @@ use crate::grid::Grid;
 use crate::projection::Projection;
 use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::{Flow, Present};
-use crate::threads::Team;
+use crate::threads::{Team, nothing};
 use crate::transform::Pack;
 
 /// The scheme with its memory.
@@ -122,7 +122,7 @@ impl<R: Real> Rk2<R> {
                 v_after.copy_from_slice(v);
             }
         };
-        domain.spectral.solve(team, &domain.w, rows, solve, &mut self.next, &mut domain.clock)
+        domain.spectral.solve(team, &domain.w, rows, solve, &mut self.next, &mut domain.clock, nothing)
     }
 }
 

@@ -26,13 +26,18 @@ use crate::bodies::{Bodies, Cell, Loads};
 use crate::clock::Phase;
 use crate::domain::Domain;
 use crate::error::Error;
+use crate::grid::Grid;
 use crate::projection::Projection;
 use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::{Flow, Present, TwoStep};
-use crate::threads::Team;
+use crate::threads::{Team, nothing};
 
-/// Points that the local solve takes at a time, so that what both components read stays in the first cache.
-const BLOCK: usize = 256;
+/// Points that the local solve takes at a time, so that what both components read stays in the second cache. In the first
+/// it would take a tenth longer on grids that fit no cache: so many short runs through so many arrays cannot be foreseen.
+const BLOCK: usize = 4096;
+
+/// Where there is no body.
+static NO_RATE: [f64; BLOCK] = [0.0; BLOCK];
 
 /// The scheme with its memory.
 pub struct Sbdf2<R: Real> {
@@ -50,25 +55,21 @@ impl<R: Real> Sbdf2<R> {
     /// In no time viscosity does nothing: what is left of the solve wave by wave is the projection.
     pub fn start(&mut self, present: &mut Present<R>, domain: &mut Domain<R>) {
         domain.hold_mean_flow(present.time);
-        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), f64::MIN_POSITIVE, 0.0, domain);
+        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), f64::MIN_POSITIVE, 0.0, domain, |_, _| {});
         self.take_over(&mut present.flow, domain);
         self.memory.per_tau = 0.0;
     }
 
     pub fn step(&mut self, step: Step, present: &mut Present<R>, domain: &mut Domain<R>) -> Result<(), Error> {
         let scheme = Differences::new(step.dt, present.step);
-        domain.bodies.place(step.end, step.stations, &present.beams.stations, &domain.grid);
-        domain.clock.mark(Phase::Paint);
-        self.sample(&scheme, &present.flow, &mut domain.bodies);
-        domain.clock.mark(Phase::Sample);
-        let components = self.components(&present.flow);
-        solve_locally(step.team, &components, &scheme, domain);
-        domain.clock.mark(Phase::Solve);
+        self.place_and_solve(&step, &scheme, present, domain);
         domain.add_velocities(step.end, |rate| 1.0 / (scheme.c[0] + rate));
         domain.clock.mark(Phase::Velocities);
         domain.hold_mean_flow(step.end);
         let cfl = present.advection_rate * step.dt;
-        let advection_rate = self.solve_wave_by_wave(step.team, scheme.tau, cfl, domain);
+        let advection_rate = self.solve_wave_by_wave(step.team, scheme.tau, cfl, domain, |bodies, grid| {
+            step.ahead.inspect(|ahead| bodies.look_ahead(ahead, step.stations, grid));
+        });
         step.check(advection_rate)?;
 
         let memory = &self.memory;
@@ -90,14 +91,49 @@ impl<R: Real> Sbdf2<R> {
         Ok(())
     }
 
+    /// Put the bodies where they are at the end of the step, and solve for u* + tau G without their velocities, into
+    /// `domain.w`. What has helpers solves around the bodies meanwhile, and again in them.
+    fn place_and_solve(&self, step: &Step, scheme: &Differences, present: &Present<R>, domain: &mut Domain<R>) {
+        let components = self.components(&present.flow);
+        let Domain { bodies, grid, w, clock, .. } = domain;
+        if step.team.is_alone() {
+            bodies.changing().place(step.end, step.stations, &present.beams.stations, grid);
+            clock.mark(Phase::Paint);
+            bodies.sample(self.extrapolated(scheme, &present.flow));
+            clock.mark(Phase::Sample);
+            solve_locally(step.team, &components, scheme, bodies.rate(), w, nothing);
+        } else {
+            let (rate, mut changing) = bodies.apart();
+            solve_locally(step.team, &components, scheme, rate, w, || {
+                changing.place(step.end, step.stations, &present.beams.stations, grid);
+                changing.sample(self.extrapolated(scheme, &present.flow));
+            });
+            bodies.paint();
+            for (point, rate) in bodies.painted() {
+                for (component, w) in components.iter().zip(&mut *w) {
+                    w[point] = component.solve(scheme, rate, point);
+                }
+            }
+        }
+        clock.mark(Phase::Solve);
+    }
+
     /// From `domain.w` to a new flow in the place of the one before, which is not needed any more; and its advection
-    /// rate, 1/s.
-    fn solve_wave_by_wave(&mut self, team: &Team, tau: f64, cfl: f64, domain: &mut Domain<R>) -> f64 {
+    /// rate, 1/s. Meanwhile the bodies may look where they go next.
+    fn solve_wave_by_wave(
+        &mut self,
+        team: &Team,
+        tau: f64,
+        cfl: f64,
+        domain: &mut Domain<R>,
+        look_ahead: impl FnOnce(&mut Bodies, &Grid) + Send,
+    ) -> f64 {
         domain.spectral.projection.set_step(tau * domain.nu, cfl);
         let solve = |projection: &Projection<R>, row, (), [u, v, omega]: [&mut [_]; 3]| {
             projection.project(row, u, v, omega);
         };
-        domain.spectral.solve(team, &domain.w, repeat(()), solve, &mut self.memory.before, &mut domain.clock)
+        let Domain { spectral, bodies, grid, w, clock, .. } = domain;
+        spectral.solve(team, w, repeat(()), solve, &mut self.memory.before, clock, || look_ahead(bodies, grid))
     }
 
     /// Make the new flow the present one, that the one before, and keep w.
@@ -109,7 +145,7 @@ impl<R: Real> Sbdf2<R> {
     /// The drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
     pub fn predict_loads(&self, present: &Present<R>, bodies: &mut Bodies, loads: &mut [Loads]) {
         let scheme = Differences::new(present.step, present.step);
-        self.sample(&scheme, &present.flow, bodies);
+        bodies.sample(self.extrapolated(&scheme, &present.flow));
         let Some(rate) = bodies.rate() else { return };
         let components = self.components(&present.flow);
         let weight = bodies.cell_mass;
@@ -125,12 +161,10 @@ impl<R: Real> Sbdf2<R> {
         bodies.collect_loads(drag, loads);
     }
 
-    /// Let the bodies sample the flow as it is at the end of the step, by extrapolation.
-    fn sample(&self, Differences { e, .. }: &Differences, flow: &Flow<R>, bodies: &mut Bodies) {
+    /// Velocity (m/s) at a grid point as it is at the end of the step, by extrapolation.
+    fn extrapolated(&self, &Differences { e, .. }: &Differences, flow: &Flow<R>) -> impl Fn(usize) -> [f64; 2] {
         let (now, before) = (&flow.velocity, &self.memory.before.velocity);
-        let extrapolated =
-            |axis: usize, point: usize| e[0] * now[axis][point].wide() + e[1] * before[axis][point].wide();
-        bodies.sample(|point| [extrapolated(0, point), extrapolated(1, point)]);
+        move |point| [0, 1].map(|axis| e[0] * now[axis][point].wide() + e[1] * before[axis][point].wide())
     }
 
     /// What the local solve reads, by component.
@@ -151,17 +185,23 @@ impl<R: Real> Sbdf2<R> {
     }
 }
 
-/// u* + tau G without the velocities of the bodies, into `domain.w`.
-fn solve_locally<R: Real>(team: &Team, components: &[Component<R>; 2], scheme: &Differences, domain: &mut Domain<R>) {
-    let no_rate = [0.0; BLOCK];
-    let rate = domain.bodies.rate();
-    let share = domain.grid.len().div_ceil(team.parts());
-    let [wx, wy] = domain.w.each_mut().map(|w| w.chunks_mut(share));
-    team.share((0..).step_by(share).zip(wx.zip(wy)), |(first, (wx, wy))| {
+/// u* + tau G without the velocities of the bodies, into `w`, where the drag rate is `rate` (1/s); `meanwhile` something
+/// else is done.
+fn solve_locally<R: Real>(
+    team: &Team,
+    components: &[Component<R>; 2],
+    scheme: &Differences,
+    rate: Option<&[f64]>,
+    w: &mut [Vec<R>; 2],
+    meanwhile: impl FnOnce() + Send,
+) {
+    let share = w[0].len().div_ceil(team.parts());
+    let [wx, wy] = w.each_mut().map(|w| w.chunks_mut(share));
+    team.share(meanwhile, (0..).step_by(share).zip(wx.zip(wy)), |(first, (wx, wy))| {
         for start in (0..wx.len()).step_by(BLOCK) {
             let part = start..(start + BLOCK).min(wx.len());
             let points = first + part.start..first + part.end;
-            let rate = rate.map_or(&no_rate[..part.len()], |rate| &rate[points.clone()]);
+            let rate = rate.map_or(&NO_RATE[..part.len()], |rate| &rate[points.clone()]);
             for (component, w) in components.iter().zip([&mut *wx, &mut *wy]) {
                 run(LocalSolve { component: component.points(points.clone()), scheme, rate, w: &mut w[part.clone()] });
             }
@@ -243,6 +283,13 @@ impl<'a, R: Real> Component<'a, R> {
         let g = self.per_tau * (self.w[i].wide() - u);
         (c[1] * u + c[2] * u_before - e[0] * n - e[1] * n_before - g, g)
     }
+
+    /// u* + tau G at point `i` without the velocities of the bodies, whose drag rate there is `rate` (1/s).
+    #[inline(always)]
+    fn solve(&self, scheme: &Differences, rate: f64, i: usize) -> R {
+        let (r, g) = self.right_side(scheme, i);
+        R::narrow(r / (scheme.c[0] + rate) + scheme.tau * g)
+    }
 }
 
 /// u* + tau G without the velocities of the bodies, at points with the total drag rate `rate`.
@@ -261,8 +308,7 @@ impl<R: Real> Kernel for LocalSolve<'_, R> {
         let Self { component, scheme, rate, w } = self;
         let component = component.points(0..w.len());
         for (i, (w, rate)) in w.iter_mut().zip(rate).enumerate() {
-            let (r, g) = component.right_side(scheme, i);
-            *w = R::narrow(r / (scheme.c[0] + rate) + scheme.tau * g);
+            *w = component.solve(scheme, *rate, i);
         }
     }
 }

@@ -17,7 +17,7 @@ use rustfft::num_complex::Complex;
 use super::lines::Lines;
 use super::pack::{Complexes, Pack};
 use crate::simd::{Arithmetic, Kernel, Real, run};
-use crate::threads::Team;
+use crate::threads::{Team, nothing};
 
 /// Columns that are transformed together.
 const fn block<R: Real>() -> usize {
@@ -141,7 +141,7 @@ impl<R: Real> Fft2<R> {
             })
         };
         let shares: Vec<_> = self.shares(team.parts()).map(|columns| (take(columns.len()), columns)).collect();
-        team.share_with(scratch, shares.into_iter(), |(spectra, share), scratch| {
+        team.share_with(scratch, nothing, shares.into_iter(), |(spectra, share), scratch| {
             for (field, mut rows) in fields.into_iter().zip(spectra) {
                 for columns in self.blocks(share.clone()) {
                     let field = &field[columns.start * ny..columns.end * ny];

@@ -250,6 +250,10 @@ const HARDEST: f64 = 1e6;
 const POINTS_PER_CELL: usize = 100;
 const REACH: usize = 6;
 
+/// When its iteration ends: u is of the order of [`REACH`], and the target contracts.
+const CONVERGED: f64 = 1e-14;
+const MOST_ITERATIONS: usize = 60;
+
 /// Solve `u″ = a (u − u_t) + g`, lengths in cells and nu = 1, with u = 0 deep inside and a slope given half a spacing
 /// before the end, by finite differences: u from `d = −REACH` on, the spacing, and the last d. The target u_t is weak:
 /// it is iterated.
@@ -261,19 +265,29 @@ fn flow_along_wall(growth: Growth, target: &WallTarget, g: f64, slope: f64) -> (
     let rate = |d: f64| growth.drag(-d).min(HARDEST);
     let rates: Vec<_> = (0..n).map(|i| rate(distance(i))).collect();
     let weights: Vec<_> = (0..n).map(|i| target.weights(-distance(i))).collect();
-    let (mut u, mut c, mut r) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    for _ in 0..60 {
+    // The pivots are the same in each iteration.
+    let mut per_pivot = vec![0.0; n];
+    for i in 1..n - 1 {
+        per_pivot[i] = 1.0 / (-2.0 - h * h * rates[i] - per_pivot[i - 1]);
+    }
+    let (mut u, mut r) = (vec![0.0; n], vec![0.0; n]);
+    for _ in 0..MOST_ITERATIONS {
         let second_difference = u[wall + 2 * POINTS_PER_CELL] - 2.0 * u[wall + POINTS_PER_CELL];
         for i in 1..n - 1 {
             let (mirror, curvature) = weights[i];
             let wanted = curvature * second_difference - mirror * u[n - 1 - i];
-            let source = h * h * (g - rates[i] * wanted);
-            let pivot = -2.0 - h * h * rates[i] - c[i - 1];
-            (c[i], r[i]) = (1.0 / pivot, (source - r[i - 1]) / pivot);
+            r[i] = (h * h * (g - rates[i] * wanted) - r[i - 1]) * per_pivot[i];
         }
-        u[n - 1] = (h * slope + r[n - 2]) / (1.0 + c[n - 2]);
+        let (mut next, mut change) = ((h * slope + r[n - 2]) / (1.0 + per_pivot[n - 2]), 0.0_f64);
+        change = change.max((next - u[n - 1]).abs());
+        u[n - 1] = next;
         for i in (1..n - 1).rev() {
-            u[i] = r[i] - c[i] * u[i + 1];
+            next = r[i] - per_pivot[i] * next;
+            change = change.max((next - u[i]).abs());
+            u[i] = next;
+        }
+        if change < CONVERGED {
+            break;
         }
     }
     (u, h, distance(n - 1))
