@@ -169,7 +169,7 @@ def cases() -> Iterator[Case]:
         yield case(f"stream/{grid}", STREAM | changes)
     for name, wall in WALLS.items():
         yield case(f"stream/648x108, {name}", STREAM | grids["648x108"] | wall)
-    for grid, changes in list(grids.items())[:2]:
+    for grid, changes in list(grids.items())[:3]:
         for group, amplitude in (("still", AMPLITUDE), ("small", AMPLITUDE / 10)):
             yield case(f"{group}/{grid}", STILL | changes, amplitude=amplitude, **SOON)
 

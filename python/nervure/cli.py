@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
 
 GARBAGE = 50_000
-"""New objects after which Python looks for cycles of what is not needed any more: with its own 700 it would look through
-what is being imported for a tenth of the start of a run."""
+"""New objects after which Python looks for cycles of what is not needed any more. With its own 700 it would spend a
+tenth of the start of a run on looking through what is imported."""
 
 
 def _folder(text: str) -> Path:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping
+from itertools import pairwise
 
 import numpy as np
 
@@ -40,7 +41,7 @@ class Recorder:
         self.rows = 0
         scalars = [values for unit in units.values() for values in (unit.reals, unit.integers)]
         ends = np.cumsum([1, *(values.size for values in scalars)]).tolist()
-        places = [slice(begin, end) for begin, end in zip(ends, ends[1:], strict=False)]
+        places = [slice(begin, end) for begin, end in pairwise(ends)]
         self._scalars = [(place, values) for place, values in zip(places, scalars, strict=True) if values.size]
 
     def record(self, step: int, time: float, iterations: int) -> None:

@@ -58,8 +58,15 @@ impl<R: Real> Spectral<R> {
         self.fft.gains()
     }
 
-    /// From `w` to `flow`, and the largest `|u|/dx + |v|/dy` in it (1/s); where that would not be finite it is not a
-    /// number, and `flow` stays as it was.
+    /// The modes along y of `w`, from which [`Self::solve`] goes on.
+    pub fn transform_along_y(&mut self, team: &Team, w: &[Vec<R>; 2], clock: &mut Clock) {
+        let [u_hat, v_hat, _] = &mut self.spectra;
+        self.fft.forward_along_y(team, [&w[0], &w[1]], [u_hat, v_hat], &mut self.scratch);
+        clock.mark(Phase::Forward);
+    }
+
+    /// On to `flow`, and the largest `|u|/dx + |v|/dy` in it (1/s); where that would not be finite it is not a number, and
+    /// `flow` stays as it was.
     ///
     /// `solve(projection, row, own, [u, v, omega])` makes the spectra of the flow from those of w in `u` and `v`, row by
     /// row. `own` is what the caller has for each row. Between the two passes along y, each row
@@ -68,7 +75,6 @@ impl<R: Real> Spectral<R> {
     pub fn solve<T: Send>(
         &mut self,
         team: &Team,
-        w: &[Vec<R>; 2],
         own: impl Iterator<Item = T> + Send,
         solve: impl Fn(&Projection<R>, usize, T, [&mut [Pack<R>]; 3]) + Sync,
         flow: &mut Flow<R>,
@@ -77,8 +83,6 @@ impl<R: Real> Spectral<R> {
     ) -> f64 {
         let [u_hat, v_hat, omega_hat] = &mut self.spectra;
         let (fft, projection, nx, ny) = (&self.fft, &self.projection, self.grid.nx, self.grid.ny);
-        fft.forward_along_y(team, [&w[0], &w[1]], [&mut *u_hat, &mut *v_hat], &mut self.scratch);
-        clock.mark(Phase::Forward);
         let meanwhile = if team.is_alone() {
             meanwhile();
             clock.mark(Phase::Loads);

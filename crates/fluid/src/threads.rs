@@ -221,14 +221,10 @@ mod tests {
     /// Let a team of so many each have one part at once.
     fn all_at_once(team: &Team, threads: usize, work: impl Fn() + Sync) {
         let barrier = Barrier::new(threads);
-        team.share(
-            || {},
-            0..threads,
-            |_| {
-                barrier.wait();
-                work();
-            },
-        );
+        team.share(nothing, 0..threads, |_| {
+            barrier.wait();
+            work();
+        });
     }
 
     #[test]

@@ -122,7 +122,8 @@ impl<R: Real> Rk2<R> {
                 v_after.copy_from_slice(v);
             }
         };
-        domain.spectral.solve(team, &domain.w, rows, solve, &mut self.next, &mut domain.clock, nothing)
+        domain.spectral.transform_along_y(team, &domain.w, &mut domain.clock);
+        domain.spectral.solve(team, rows, solve, &mut self.next, &mut domain.clock, nothing)
     }
 }
 

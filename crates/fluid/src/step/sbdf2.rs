@@ -133,7 +133,8 @@ impl<R: Real> Sbdf2<R> {
             projection.project(row, u, v, omega);
         };
         let Domain { spectral, bodies, grid, w, clock, .. } = domain;
-        spectral.solve(team, w, repeat(()), solve, &mut self.memory.before, clock, || look_ahead(bodies, grid))
+        spectral.transform_along_y(team, w, clock);
+        spectral.solve(team, repeat(()), solve, &mut self.memory.before, clock, || look_ahead(bodies, grid))
     }
 
     /// Make the new flow the present one, that the one before, and keep w.
