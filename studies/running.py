@@ -1,4 +1,4 @@
-"""What it costs to keep frames and checkpoints of a run, and to start and end one: a minute."""
+"""What it costs to keep frames and checkpoints of a run, to start and end one, and to exchange: a minute."""
 
 import subprocess
 import sys
@@ -10,7 +10,7 @@ from statistics import median
 from time import perf_counter
 from typing import Any
 
-from nervure import checkpoint
+from nervure import checkpoint, master
 from nervure.scene import typed
 from nervure.show import fields
 from studies import simulate
@@ -18,7 +18,8 @@ from studies.engine import COUPLED, Case, Study
 
 SCENES = ("fsi3-325x72", "fsi3-650x144", "fsi3-1300x288")
 REPEATS, STEPS = 10, 10  # Frames and checkpoints that are written, and steps before a frame
-STARTS = 7  # Runs of one step
+STARTS = 7  # Runs of one step, and of some
+SOME = 500  # Steps
 
 
 def measure(case: Case, folder: Path) -> dict[str, Any]:
@@ -68,10 +69,24 @@ def start(case: Case, folder: Path) -> dict[str, Any]:
     return {"start_s": median(spent)}
 
 
+def exchange(case: Case, folder: Path) -> dict[str, Any]:
+    """Median share of a run's wall time that is neither the rod's nor the fluid's: setting, getting, recording, and
+    Python."""
+    scene, shares = case.built(), []
+    scene["time"]["end"] = SOME * scene["time"]["communication_step"]
+    for _ in range(STARTS):
+        with ExitStack() as stack:
+            units, scheme, clock, recorder = simulate.assemble(scene, folder, stack)
+            wall = master.run(scheme, clock, recorder).wall
+            shares.append(1 - sum(unit.seconds for unit in units.values()) / wall)
+    return {"exchange_share": median(shares)}
+
+
 def cases() -> Iterator[Case]:
     for scene in SCENES:
         yield Case(f"keeping/{scene}", (*COUPLED, "keeping"), scene, action=measure)
     yield Case(f"start/{SCENES[0]}", (*COUPLED, "command"), SCENES[0], action=start)
+    yield Case(f"exchange/{SCENES[1]}", (*COUPLED, "command"), SCENES[1], action=exchange)
 
 
 STUDY = Study("running", cases, lambda case, run: {"times": run.found})
