@@ -11,7 +11,7 @@ by Simpson's rule, and w_k is the same of the test function: the power of the lo
 the displaced fluid is left out, as the momentum load asks. A root on a cylinder has its arc.
 
 What this bar does differently from the rod is what beam theory leaves out. It needs scikit-fem and SciPy (both BSD).
-Run it with OPENBLAS_NUM_THREADS=1: its matrices are too small for threads.
+In other masters than `nervure`, run it with OPENBLAS_NUM_THREADS=1: its matrices are too small for threads.
 """
 
 import math
