@@ -4,6 +4,7 @@ use scene::{MeanFlow, Scene};
 
 use crate::bodies::Bodies;
 use crate::clock::Clock;
+use crate::field::Field;
 use crate::grid::Grid;
 use crate::simd::Real;
 use crate::spectral::Spectral;
@@ -24,7 +25,7 @@ pub struct Domain<R: Real> {
     /// Transforms and projection.
     pub spectral: Spectral<R>,
     /// What a step hands to the spectral solve, m/s. Between steps the first holds Pi (m²/s²), if that was asked for.
-    pub w: [Vec<R>; 2],
+    pub w: [Field<R>; 2],
     /// Times the phases of a step.
     pub clock: Clock,
 }
@@ -34,7 +35,7 @@ impl<R: Real> Domain<R> {
     pub fn new(scene: &Scene, fluid: &scene::Fluid) -> Self {
         let grid = Grid::new(&fluid.domain);
         let zones = Zone::of(fluid, &grid);
-        let field = || vec![R::zero(); grid.len()];
+        let field = || Field::uniform(R::zero(), grid.len());
         Self {
             nu: fluid.kinematic_viscosity,
             mean_flow: fluid.mean_flow.clone(),

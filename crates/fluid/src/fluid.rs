@@ -370,7 +370,7 @@ impl<R: Real> FluidIn<R> {
         let divergence = &mut self.domain.w[1];
         self.domain.spectral.divergence(velocity, divergence);
         let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.wide().abs()));
-        let fastest = u.iter().zip(v).fold(0.0_f64, |most, (u, v)| most.max(u.wide().hypot(v.wide())));
+        let fastest = u.iter().zip(&**v).fold(0.0_f64, |most, (u, v)| most.max(u.wide().hypot(v.wide())));
         largest * self.domain.grid.cell_size() / fastest.max(f64::MIN_POSITIVE)
     }
 
@@ -389,7 +389,7 @@ impl<R: Real> FluidIn<R> {
     /// Kinetic energy of the whole box, J/m.
     pub fn kinetic_energy(&self) -> f64 {
         let [u, v] = &self.present.flow.velocity;
-        let squares: f64 = u.iter().zip(v).map(|(u, v)| u.wide().powi(2) + v.wide().powi(2)).sum();
+        let squares: f64 = u.iter().zip(&**v).map(|(u, v)| u.wide().powi(2) + v.wide().powi(2)).sum();
         0.5 * self.density * squares * self.domain.grid.cell_area()
     }
 

@@ -16,6 +16,7 @@ mod bodies;
 mod clock;
 mod domain;
 mod error;
+mod field;
 mod fluid;
 mod force;
 mod grid;

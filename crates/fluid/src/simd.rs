@@ -83,6 +83,18 @@ mod sealed {
 /// Numbers in a vector of `f64`.
 pub const WIDE: usize = 4;
 
+/// The same numbers as a vector of `f64`.
+#[inline(always)]
+pub fn wide<R: Real>(&[a, b, c, d]: &[R; WIDE]) -> Four {
+    Four(a.wide(), b.wide(), c.wide(), d.wide())
+}
+
+/// Round a vector of `f64`.
+#[inline(always)]
+pub fn narrow<R: Real>(Four(a, b, c, d): Four) -> [R; WIDE] {
+    [R::narrow(a), R::narrow(b), R::narrow(c), R::narrow(d)]
+}
+
 /// Arithmetic on vectors, as the processor at hand does it best.
 pub trait Arithmetic<R: Real>: Copy {
     /// a + b
@@ -371,14 +383,12 @@ impl Real for f32 {
 
     #[inline(always)]
     fn part(lanes: &[f32; 8], part: usize) -> Four {
-        let part = &lanes.as_chunks::<WIDE>().0[part];
-        Four(part[0].wide(), part[1].wide(), part[2].wide(), part[3].wide())
+        wide(&lanes.as_chunks().0[part])
     }
 
     #[inline(always)]
     fn set_part(lanes: &mut [f32; 8], part: usize, value: Four) {
-        let part = &mut lanes.as_chunks_mut::<WIDE>().0[part];
-        *part = [value.0, value.1, value.2, value.3].map(f32::narrow);
+        lanes.as_chunks_mut().0[part] = narrow(value);
     }
 
     #[inline(always)]

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::clock::{Clock, Phase};
+use crate::field::Field;
 use crate::grid::Grid;
 use crate::projection::Projection;
 use crate::simd::{Arithmetic, Kernel, Real, run};
@@ -59,7 +60,7 @@ impl<R: Real> Spectral<R> {
     }
 
     /// The modes along y of `w`, from which [`Self::solve`] goes on.
-    pub fn transform_along_y(&mut self, team: &Team, w: &[Vec<R>; 2], clock: &mut Clock) {
+    pub fn transform_along_y(&mut self, team: &Team, w: &[Field<R>; 2], clock: &mut Clock) {
         let [u_hat, v_hat, _] = &mut self.spectra;
         self.fft.forward_along_y(team, [&w[0], &w[1]], [u_hat, v_hat], &mut self.scratch);
         clock.mark(Phase::Forward);
@@ -114,7 +115,7 @@ impl<R: Real> Spectral<R> {
         let (per_dx, per_dy) = (R::narrow(1.0 / self.grid.dx), R::narrow(1.0 / self.grid.dy));
         // Numbers not below 0 are ordered like their bits.
         let largest = AtomicU64::new(0);
-        let [mut u_rest, mut v_rest, mut omega_rest] = [&mut *u, &mut *v, vorticity].map(Vec::as_mut_slice);
+        let [mut u_rest, mut v_rest, mut omega_rest] = [&mut *u, &mut *v, vorticity].map(|field| &mut **field);
         let shares = fft.shares(team.parts()).filter_map(|share| {
             let points = ..share.len() * ny;
             let (u, v) = (u_rest.split_off_mut(points)?, v_rest.split_off_mut(points)?);
@@ -147,7 +148,7 @@ impl<R: Real> Spectral<R> {
     }
 
     /// Find Pi that belongs to `w` (m/s) of a step with `per_tau` (1/s) and a CFL number, for [`Self::pressure`].
-    pub fn solve_for_pressure(&mut self, w: &[Vec<R>; 2], per_tau: f64, cfl: f64) {
+    pub fn solve_for_pressure(&mut self, w: &[Field<R>; 2], per_tau: f64, cfl: f64) {
         let [wx_hat, wy_hat, pi_hat] = &mut self.spectra;
         let scratch = &mut self.scratch[0];
         self.fft.forward(&w[0], wx_hat, scratch);
@@ -161,7 +162,7 @@ impl<R: Real> Spectral<R> {
     }
 
     /// Divergence (1/s) of a velocity (m/s).
-    pub fn divergence(&mut self, velocity: &[Vec<R>; 2], divergence: &mut [R]) {
+    pub fn divergence(&mut self, velocity: &[Field<R>; 2], divergence: &mut [R]) {
         let [u_hat, v_hat, divergence_hat] = &mut self.spectra;
         let scratch = &mut self.scratch[0];
         self.fft.forward(&velocity[0], u_hat, scratch);

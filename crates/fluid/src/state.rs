@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::bodies::{Loads, Stations};
+use crate::field::Field;
 use crate::force::{BodyForce, Exchange};
 use crate::precision::ByPrecision;
 use crate::simd::Real;
@@ -55,7 +56,7 @@ pub struct TwoStep<R: Real> {
     /// The flow one step earlier.
     pub before: Flow<R>,
     /// `w = u* + tau G` of the last step, m/s, `[nx, ny]` per component.
-    pub w: [Vec<R>; 2],
+    pub w: [Field<R>; 2],
     /// `1/tau` of the last step, 1/s, so that `G = (w − u)/tau`; 0 before the first, where G is 0.
     pub per_tau: f64,
 }
@@ -65,9 +66,9 @@ pub struct TwoStep<R: Real> {
 #[serde(bound = "")]
 pub struct Flow<R: Real> {
     /// Velocity, m/s, per component.
-    pub velocity: [Vec<R>; 2],
+    pub velocity: [Field<R>; 2],
     /// Vorticity, 1/s.
-    pub vorticity: Vec<R>,
+    pub vorticity: Field<R>,
 }
 
 /// The beams as the fluid last saw them; every list is empty without one.
@@ -120,7 +121,7 @@ impl<R: Real> TwoStep<R> {
 
     /// Whether it is as large as `other`.
     pub fn has_shape_of(&self, other: &Self) -> bool {
-        let lengths = |w: &[Vec<R>; 2]| w.each_ref().map(Vec::len);
+        let lengths = |w: &[Field<R>; 2]| w.each_ref().map(|w| w.len());
         self.before.lengths() == other.before.lengths() && lengths(&self.w) == lengths(&other.w)
     }
 }
@@ -128,7 +129,7 @@ impl<R: Real> TwoStep<R> {
 impl<R: Real> Flow<R> {
     /// A uniform flow (m/s) at `n` points.
     pub fn uniform(velocity: [f64; 2], n: usize) -> Self {
-        Self { velocity: velocity.map(|u| vec![R::narrow(u); n]), vorticity: vec![R::zero(); n] }
+        Self { velocity: velocity.map(|u| Field::uniform(R::narrow(u), n)), vorticity: Field::uniform(R::zero(), n) }
     }
 
     /// Become `other`, which is as large; unlike `clone_from` this allocates nothing.
@@ -138,7 +139,7 @@ impl<R: Real> Flow<R> {
     }
 
     fn lengths(&self) -> [usize; 3] {
-        [&self.velocity[0], &self.velocity[1], &self.vorticity].map(Vec::len)
+        [&self.velocity[0], &self.velocity[1], &self.vorticity].map(|field| field.len())
     }
 }
 

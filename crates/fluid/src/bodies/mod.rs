@@ -8,6 +8,7 @@ mod stations;
 
 use scene::Scene;
 
+use crate::field::Field;
 use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
 use crate::simd::Real;
@@ -29,7 +30,7 @@ pub struct Bodies {
     cylinders: usize,
     beams: Vec<Beam>,
     /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
-    rate: Option<Vec<f64>>,
+    rate: Option<Field<f64>>,
     painted: Painted,
     /// Density of the fluid, kg/m³.
     density: f64,
@@ -73,7 +74,7 @@ impl Bodies {
             rigid,
             cylinders: fluid.cylinders.len(),
             beams,
-            rate: any.then(|| vec![0.0; grid.len()]),
+            rate: any.then(|| Field::uniform(0.0, grid.len())),
             painted: Painted::default(),
             density: fluid.density,
             cell_mass: fluid.density * grid.cell_area(),
@@ -181,7 +182,7 @@ impl Bodies {
     }
 
     /// Add `weight(Σ a) a_b u_b` of all bodies to `w`.
-    pub fn add_velocities<R: Real>(&self, weight: impl Fn(f64) -> f64, w: &mut [Vec<R>; 2]) {
+    pub fn add_velocities<R: Real>(&self, weight: impl Fn(f64) -> f64, w: &mut [Field<R>; 2]) {
         let Some(rate) = &self.rate else { return };
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
         let beams = self.beams.iter().map(|beam| &beam.here.cells);

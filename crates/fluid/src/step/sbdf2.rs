@@ -26,18 +26,15 @@ use crate::bodies::{Bodies, Cell, Loads};
 use crate::clock::Phase;
 use crate::domain::Domain;
 use crate::error::Error;
+use crate::field::Field;
 use crate::grid::Grid;
 use crate::projection::Projection;
-use crate::simd::{Arithmetic, Kernel, Real, run};
+use crate::simd::{Arithmetic, Kernel, Real, WIDE, narrow, run, wide};
 use crate::state::{Flow, Present, TwoStep};
 use crate::threads::{Team, nothing};
 
-/// Points that the local solve takes at a time, so that what both components read stays in the second cache. In the first
-/// it would take a tenth longer on grids that fit no cache: so many short runs through so many arrays cannot be foreseen.
-const BLOCK: usize = 4096;
-
-/// Where there is no body.
-static NO_RATE: [f64; BLOCK] = [0.0; BLOCK];
+/// Of `omega × u = (−omega v, omega u)`.
+const SIGNS: [f64; 2] = [-1.0, 1.0];
 
 /// The scheme with its memory.
 pub struct Sbdf2<R: Real> {
@@ -49,7 +46,8 @@ impl<R: Real> Sbdf2<R> {
     pub fn new(domain: &Domain<R>) -> Self {
         let n = domain.grid.len();
         let before = Flow::uniform([0.0; 2], n);
-        Self { memory: TwoStep { before, w: [vec![R::zero(); n], vec![R::zero(); n]], per_tau: 0.0 } }
+        let field = || Field::uniform(R::zero(), n);
+        Self { memory: TwoStep { before, w: [field(), field()], per_tau: 0.0 } }
     }
 
     /// In no time viscosity does nothing: what is left of the solve wave by wave is the projection.
@@ -94,25 +92,23 @@ impl<R: Real> Sbdf2<R> {
     /// Put the bodies where they are at the end of the step, and solve for u* + tau G without their velocities, into
     /// `domain.w`. What has helpers solves around the bodies meanwhile, and again in them.
     fn place_and_solve(&self, step: &Step, scheme: &Differences, present: &Present<R>, domain: &mut Domain<R>) {
-        let components = self.components(&present.flow);
+        let known = self.known(&present.flow);
         let Domain { bodies, grid, w, clock, .. } = domain;
         if step.team.is_alone() {
             bodies.changing().place(step.end, step.stations, &present.beams.stations, grid);
             clock.mark(Phase::Paint);
             bodies.sample(self.extrapolated(scheme, &present.flow));
             clock.mark(Phase::Sample);
-            solve_locally(step.team, &components, scheme, bodies.rate(), w, nothing);
+            solve_locally(step.team, &known, scheme, bodies.rate(), w, nothing);
         } else {
             let (rate, mut changing) = bodies.apart();
-            solve_locally(step.team, &components, scheme, rate, w, || {
+            solve_locally(step.team, &known, scheme, rate, w, || {
                 changing.place(step.end, step.stations, &present.beams.stations, grid);
                 changing.sample(self.extrapolated(scheme, &present.flow));
             });
             bodies.paint();
             for (point, rate) in bodies.painted() {
-                for (component, w) in components.iter().zip(&mut *w) {
-                    w[point] = component.solve(scheme, rate, point);
-                }
+                [w[0][point], w[1][point]] = known.solve(scheme, rate, point);
             }
         }
         clock.mark(Phase::Solve);
@@ -148,12 +144,12 @@ impl<R: Real> Sbdf2<R> {
         let scheme = Differences::new(present.step, present.step);
         bodies.sample(self.extrapolated(&scheme, &present.flow));
         let Some(rate) = bodies.rate() else { return };
-        let components = self.components(&present.flow);
+        let known = self.known(&present.flow);
         let weight = bodies.cell_mass;
         let drag = |cell: &Cell| {
             let share = cell.rate / (scheme.c[0] + rate[cell.index]);
             let force = [0, 1].map(|axis| {
-                let (r, _) = components[axis].right_side(&scheme, cell.index);
+                let (r, _) = known.right_side(&scheme, axis, cell.index);
                 let momentum = cell.rate * cell.velocity[axis];
                 weight * (share * (r + momentum) - momentum)
             });
@@ -168,21 +164,17 @@ impl<R: Real> Sbdf2<R> {
         move |point| [0, 1].map(|axis| e[0] * now[axis][point].wide() + e[1] * before[axis][point].wide())
     }
 
-    /// What the local solve reads, by component.
-    fn components<'a>(&'a self, flow: &'a Flow<R>) -> [Component<'a, R>; 2] {
+    /// What the local solve reads.
+    fn known<'a>(&'a self, flow: &'a Flow<R>) -> Known<'a, R> {
         let TwoStep { before, w, per_tau } = &self.memory;
-        // omega × u = (−omega v, omega u)
-        [(0, 1, -1.0), (1, 0, 1.0)].map(|(axis, other, sign)| Component {
-            u: &flow.velocity[axis],
-            u_before: &before.velocity[axis],
-            w: &w[axis],
+        Known {
+            velocity: flow.velocity.each_ref().map(|u| &**u),
+            vorticity: &flow.vorticity,
+            velocity_before: before.velocity.each_ref().map(|u| &**u),
+            vorticity_before: &before.vorticity,
+            w: w.each_ref().map(|w| &**w),
             per_tau: *per_tau,
-            omega: &flow.vorticity,
-            omega_before: &before.vorticity,
-            other: &flow.velocity[other],
-            other_before: &before.velocity[other],
-            sign,
-        })
+        }
     }
 }
 
@@ -190,23 +182,18 @@ impl<R: Real> Sbdf2<R> {
 /// else is done.
 fn solve_locally<R: Real>(
     team: &Team,
-    components: &[Component<R>; 2],
+    known: &Known<R>,
     scheme: &Differences,
     rate: Option<&[f64]>,
-    w: &mut [Vec<R>; 2],
+    w: &mut [Field<R>; 2],
     meanwhile: impl FnOnce() + Send,
 ) {
     let share = w[0].len().div_ceil(team.parts());
     let [wx, wy] = w.each_mut().map(|w| w.chunks_mut(share));
     team.share(meanwhile, (0..).step_by(share).zip(wx.zip(wy)), |(first, (wx, wy))| {
-        for start in (0..wx.len()).step_by(BLOCK) {
-            let part = start..(start + BLOCK).min(wx.len());
-            let points = first + part.start..first + part.end;
-            let rate = rate.map_or(&NO_RATE[..part.len()], |rate| &rate[points.clone()]);
-            for (component, w) in components.iter().zip([&mut *wx, &mut *wy]) {
-                run(LocalSolve { component: component.points(points.clone()), scheme, rate, w: &mut w[part.clone()] });
-            }
-        }
+        let points = first..first + wx.len();
+        let rate = rate.map(|rate| &rate[points.clone()]);
+        run(LocalSolve { known: known.points(points), scheme, rate, w: [wx, wy] });
     });
 }
 
@@ -234,82 +221,99 @@ impl Differences {
     }
 }
 
-/// What one component of the local solve reads at each point.
+/// What the local solve reads at each point.
 #[derive(Clone)]
-struct Component<'a, R> {
-    /// This component of the velocity.
-    u: &'a [R],
+struct Known<'a, R> {
+    velocity: [&'a [R]; 2],
+    vorticity: &'a [R],
     /// The same one step earlier.
-    u_before: &'a [R],
+    velocity_before: [&'a [R]; 2],
+    vorticity_before: &'a [R],
     /// `w = u + tau G` of the last step.
-    w: &'a [R],
+    w: [&'a [R]; 2],
     /// `1/tau` of the last step.
     per_tau: f64,
-    /// Vorticity.
-    omega: &'a [R],
-    /// The same one step earlier.
-    omega_before: &'a [R],
-    /// The other component of the velocity: this one of `omega × u` is `sign · omega · other`.
-    other: &'a [R],
-    /// The same one step earlier.
-    other_before: &'a [R],
-    /// −1 for x, 1 for y.
-    sign: f64,
 }
 
-impl<'a, R: Real> Component<'a, R> {
+impl<'a, R: Real> Known<'a, R> {
     /// The same for some of the points.
-    #[inline(always)]
     fn points(&self, points: Range<usize>) -> Self {
         let part = |field: &'a [R]| &field[points.clone()];
         Self {
-            u: part(self.u),
-            u_before: part(self.u_before),
-            w: part(self.w),
-            omega: part(self.omega),
-            omega_before: part(self.omega_before),
-            other: part(self.other),
-            other_before: part(self.other_before),
+            velocity: self.velocity.map(part),
+            vorticity: part(self.vorticity),
+            velocity_before: self.velocity_before.map(part),
+            vorticity_before: part(self.vorticity_before),
+            w: self.w.map(part),
             ..*self
         }
     }
 
     /// At point `i`: the right-hand side without the bodies, `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, and
-    /// G^n.
-    #[inline(always)]
-    fn right_side(&self, &Differences { c, e, .. }: &Differences, i: usize) -> (f64, f64) {
-        let (u, u_before) = (self.u[i].wide(), self.u_before[i].wide());
-        let n = self.sign * self.omega[i].wide() * self.other[i].wide();
-        let n_before = self.sign * self.omega_before[i].wide() * self.other_before[i].wide();
-        let g = self.per_tau * (self.w[i].wide() - u);
+    /// G^n, of a component.
+    fn right_side(&self, &Differences { c, e, .. }: &Differences, axis: usize, i: usize) -> (f64, f64) {
+        let [u, u_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[axis][i].wide());
+        let [v, v_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[1 - axis][i].wide());
+        let n = SIGNS[axis] * self.vorticity[i].wide() * v;
+        let n_before = SIGNS[axis] * self.vorticity_before[i].wide() * v_before;
+        let g = self.per_tau * (self.w[axis][i].wide() - u);
         (c[1] * u + c[2] * u_before - e[0] * n - e[1] * n_before - g, g)
     }
 
     /// u* + tau G at point `i` without the velocities of the bodies, whose drag rate there is `rate` (1/s).
-    #[inline(always)]
-    fn solve(&self, scheme: &Differences, rate: f64, i: usize) -> R {
-        let (r, g) = self.right_side(scheme, i);
-        R::narrow(r / (scheme.c[0] + rate) + scheme.tau * g)
+    fn solve(&self, scheme: &Differences, rate: f64, i: usize) -> [R; 2] {
+        [0, 1].map(|axis| {
+            let (r, g) = self.right_side(scheme, axis, i);
+            R::narrow(r / (scheme.c[0] + rate) + scheme.tau * g)
+        })
     }
 }
 
-/// u* + tau G without the velocities of the bodies, at points with the total drag rate `rate`.
+/// [`Known::solve`] at points with the total drag rate `rate`, with the same bits.
+///
+/// Eleven arrays are read and written at once: most of the time is spent on that, not on the arithmetic.
 struct LocalSolve<'a, R> {
-    component: Component<'a, R>,
+    known: Known<'a, R>,
     scheme: &'a Differences,
-    rate: &'a [f64],
-    w: &'a mut [R],
+    rate: Option<&'a [f64]>,
+    w: [&'a mut [R]; 2],
 }
 
-impl<R: Real> Kernel for LocalSolve<'_, R> {
-    type Real = R;
+impl<'a, R: Real> Kernel for LocalSolve<'a, R> {
+    type Real = f64;
 
     #[inline(always)]
-    fn run(self, _: impl Arithmetic<R>) {
-        let Self { component, scheme, rate, w } = self;
-        let component = component.points(0..w.len());
-        for (i, (w, rate)) in w.iter_mut().zip(rate).enumerate() {
-            *w = component.solve(scheme, *rate, i);
+    fn run(self, on: impl Arithmetic<f64>) {
+        let Self { known, scheme, rate, w: [wx, wy] } = self;
+        let ([c_0, c_1, c_2], [e_1, e_2]) = (scheme.c, scheme.e);
+        let (c_0, c_1, c_2, tau, per_tau) =
+            (c_0.splat(), c_1.splat(), c_2.splat(), scheme.tau.splat(), known.per_tau.splat());
+        let (e_1, e_2) = (e_1.splat(), e_2.splat());
+        let vectors = wx.len() / WIDE;
+        let whole = |field: &'a [R]| &field.as_chunks::<WIDE>().0[..vectors];
+        let ([u, v], omega) = (known.velocity.map(whole), whole(known.vorticity));
+        let ([u_before, v_before], omega_before) = (known.velocity_before.map(whole), whole(known.vorticity_before));
+        let ([wx_last, wy_last], rates) = (known.w.map(whole), rate.map(|rate| &rate.as_chunks::<WIDE>().0[..vectors]));
+        let (wx_new, wy_new) = (&mut wx.as_chunks_mut().0[..vectors], &mut wy.as_chunks_mut().0[..vectors]);
+        for i in 0..vectors {
+            let (u, v, omega) = (wide(&u[i]), wide(&v[i]), wide(&omega[i]));
+            let (u_before, v_before, omega_before) = (wide(&u_before[i]), wide(&v_before[i]), wide(&omega_before[i]));
+            let total = rates.map_or(c_0, |rates| on.add(c_0, wide(&rates[i])));
+
+            let r = on.add(on.mul(c_1, u), on.mul(c_2, u_before));
+            let r = on.add(r, on.mul(e_1, on.mul(omega, v)));
+            let r = on.add(r, on.mul(e_2, on.mul(omega_before, v_before)));
+            let g = on.mul(per_tau, on.sub(wide(&wx_last[i]), u));
+            wx_new[i] = narrow(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
+
+            let r = on.add(on.mul(c_1, v), on.mul(c_2, v_before));
+            let r = on.sub(r, on.mul(e_1, on.mul(omega, u)));
+            let r = on.sub(r, on.mul(e_2, on.mul(omega_before, u_before)));
+            let g = on.mul(per_tau, on.sub(wide(&wy_last[i]), v));
+            wy_new[i] = narrow(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
+        }
+        for i in vectors * WIDE..wx.len() {
+            [wx[i], wy[i]] = known.solve(scheme, rate.map_or(0.0, |rate| rate[i]), i);
         }
     }
 }
