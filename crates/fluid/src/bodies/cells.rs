@@ -135,11 +135,15 @@ impl Cells {
             let mut along = -weight[0] * body_along - targeted.turned;
             let (mut across, mut through) = (-weight[1] * body_across, -weight[2] * targeted.across_before);
             for (around, weight) in &self.samples[begin..targeted.samples_end] {
+                // One point of three has weights across.
+                let crosses = weight[1] != 0.0 || weight[2] != 0.0;
                 for &(point, share) in around {
                     let [u, v] = velocity(point);
                     along += share * weight[0] * (nx * v - ny * u);
-                    across += share * weight[1] * (nx * u + ny * v);
-                    through += share * weight[2] * (nx * u + ny * v);
+                    if crosses {
+                        across += share * weight[1] * (nx * u + ny * v);
+                        through += share * weight[2] * (nx * u + ny * v);
+                    }
                 }
             }
             let cell = &mut self.cells[targeted.cell];

@@ -285,10 +285,8 @@ impl<'a, R: Real> Kernel for LocalSolve<'a, R> {
     #[inline(always)]
     fn run(self, on: impl Arithmetic<f64>) {
         let Self { known, scheme, rate, w: [wx, wy] } = self;
-        let ([c_0, c_1, c_2], [e_1, e_2]) = (scheme.c, scheme.e);
-        let (c_0, c_1, c_2, tau, per_tau) =
-            (c_0.splat(), c_1.splat(), c_2.splat(), scheme.tau.splat(), known.per_tau.splat());
-        let (e_1, e_2) = (e_1.splat(), e_2.splat());
+        let ([c_0, c_1, c_2], [e_1, e_2]) = (scheme.c.map(f64::splat), scheme.e.map(f64::splat));
+        let [tau, per_tau] = [scheme.tau, known.per_tau].map(f64::splat);
         let vectors = wx.len() / WIDE;
         let whole = |field: &'a [R]| &field.as_chunks::<WIDE>().0[..vectors];
         let ([u, v], omega) = (known.velocity.map(whole), whole(known.vorticity));
