@@ -14,10 +14,11 @@ from studies.store import Data
 
 SCENES = {"2D-1": "cylinder-2d1-450x90", "2D-2": "cylinder-2d2-900x180"}
 
-STEP = {"2D-1": 2e-3 * 450, "2D-2": 2.5e-4 * 900}
+STEP = {"2D-1": 2e-3 * 450, "2D-2": 3.5e-4 * 900}
 """Step times number of points along x: the same CFL number on each grid."""
 GRIDS = {"2D-1": (300, 450, 600, 900), "2D-2": (300, 450, 600, 800, 900, 1100, 1600)}
 """Points along x; a fifth of them along y."""
+BETWEEN = (600, 650, 660, 700, 720, 750, 780, 800)  # That tell how errors jump from grid to grid
 COARSE = 600  # Points along x up to which every mask is tried; the default and the cosine mask go on
 LARGEST_CFL = {"sbdf2": 0.4, "rk2": 0.6}  # That a scene may have
 
@@ -76,13 +77,15 @@ def cases() -> Iterator[Case]:
                 if nx <= COARSE or (mask != "sharp" and nx == 900 and flow == "2D-2"):
                     yield cylinder(flow, nx, f"grid/{flow}-{mask}-{nx}", mask=mask, c_eta=c_eta)
     at = partial(cylinder, "2D-2")
+    for nx in BETWEEN[1:-1]:
+        yield at(nx, f"between/2D-2-{nx}")
     for nx in (300, 450, 600, 900):
         yield at(nx, f"grid/2D-2-shallow-{nx}", mask="curvature, shallow")
     for nx in (300, 450, 600):
         for mask in ("cosine, uncorrected", "sharp, uncorrected"):
             yield at(nx, f"grid/2D-2-{mask.replace(', ', '-')}-{nx}", mask=mask, c_eta=1e-4)
         yield at(nx, f"grid/2D-2-cosine-rk2-{nx}", mask="cosine", c_eta=1e-3, scheme="rk2")
-    for dt in (6.25e-4, 5e-4, 2.5e-4, 1.25e-4):  # from the largest that the unit does not divide
+    for dt in (8e-4, 7e-4, 5e-4, 2.5e-4, 1.25e-4):  # from the largest that the unit does not divide
         yield at(450, f"dt/sbdf2-{dt:g}", dt, free=True)
         yield at(450, f"dt/sbdf2-cosine-{dt:g}", dt, mask="cosine", c_eta=1e-3, free=True)
     for dt in (1e-3, 7.5e-4, 5e-4, 2.5e-4, 1.25e-4):
@@ -176,6 +179,12 @@ def masks(data: Data) -> list[str]:
     return show.matrix("mask", MASKS, {on(nx): nx for nx in (450, 600, 800, 900, 1100, 1600)}, cell)
 
 
+def between(data: Data) -> list[str]:
+    """Errors of 2D-2 on grids that are little finer than one another."""
+    names = {nx: f"grid/2D-2-curvature-{nx}" if nx in GRIDS["2D-2"] else f"between/2D-2-{nx}" for nx in BETWEEN}
+    return markdown([on(nx) for nx in names], [[errors(data, name) for name in names.values()]])
+
+
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     grids, repeated = data.of("fluid/grid/*", flow="2D-2"), data.of("fluid/thesis/*")
     for name, records, along in (
@@ -188,6 +197,7 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
 
 TABLES: dict[str, Callable[[Data], Any]] = {
     "cylinder-2d2-masks": masks,
+    "cylinder-2d2-between": between,
     "cylinder-2d2-c_eta": hardness,
     "thesis-3-3": partial(thesis, "3_3"),
     "thesis-3-4": partial(thesis, "3_4"),
