@@ -36,7 +36,7 @@ cylinder: build $(READY) ## run the cylinder 2D-2, GRID=900x180 (default) or ano
 
 cylinder-2d1: GRID := 450x90
 cylinder-2d1: build $(READY) ## run the cylinder 2D-1, the same for the steady flow at Re 20
-	$(NERVURE) run cylinder-2d1-450x90 $(call on_grid,cylinder-2d1,0.9) $(ARGS)
+	$(NERVURE) run cylinder-2d1-450x90 $(call on_grid,cylinder-2d1,1.44) $(ARGS)
 
 animation: $(READY) ## vorticity.gif and phases.png of RESULTS=results/NAME, whose run had --fields-every
 	$(NERVURE) animate $(RESULTS)

@@ -14,7 +14,7 @@ from studies.store import Data
 
 SCENES = {"2D-1": "cylinder-2d1-450x90", "2D-2": "cylinder-2d2-900x180"}
 
-STEP = {"2D-1": 2e-3 * 450, "2D-2": 3.5e-4 * 900}
+STEP = {"2D-1": 3.2e-3 * 450, "2D-2": 3.5e-4 * 900}
 """Step times number of points along x: the same CFL number on each grid."""
 GRIDS = {"2D-1": (300, 450, 600, 900), "2D-2": (300, 450, 600, 800, 900, 1100, 1600)}
 """Points along x; a fifth of them along y."""
