@@ -25,18 +25,19 @@ told:
 	@sed -n 's/^ *"description": "\(.*\)",$$/$(SCENE): \1/p' scenes/$(SCENE).json 2>/dev/null || true
 
 comma := ,
-# The same CFL number on each grid, as in the studies: so many seconds over the number of points along x.
-step = $(shell $(PYTHON) -c 'print("%g" % ($(1) / $(firstword $(subst x, ,$(GRID)))))' 2>/dev/null)
-on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(1)-$(GRID) \
-	$(foreach key,time.communication_step fluid.time_stepping.max_step,$(addprefix --set $(key)=,$(call step,$(2))))
+# The step of a scene in proportion to the cell: the same CFL number on each grid.
+step = $(shell $(PYTHON) -c 'import json; scene = json.load(open("scenes/$(1).json")); \
+	print("%g" % (scene["time"]["communication_step"] * scene["fluid"]["box"]["cells"][0] / $(firstword $(subst x, ,$(GRID)))))' 2>/dev/null)
+on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(2)-$(GRID) \
+	$(foreach key,time.communication_step fluid.time_stepping.max_step,$(addprefix --set $(key)=,$(call step,$(1))))
 
 cylinder: GRID := 900x180
 cylinder: build $(READY) ## run the cylinder 2D-2, GRID=900x180 (default) or another with a step that goes with it; results in results/cylinder-2d2-GRID
-	$(NERVURE) run cylinder-2d2-900x180 $(call on_grid,cylinder-2d2,0.315) $(ARGS)
+	$(NERVURE) run cylinder-2d2-900x180 $(call on_grid,cylinder-2d2-900x180,cylinder-2d2) $(ARGS)
 
 cylinder-2d1: GRID := 450x90
 cylinder-2d1: build $(READY) ## run the cylinder 2D-1, the same for the steady flow at Re 20
-	$(NERVURE) run cylinder-2d1-450x90 $(call on_grid,cylinder-2d1,1.44) $(ARGS)
+	$(NERVURE) run cylinder-2d1-450x90 $(call on_grid,cylinder-2d1-450x90,cylinder-2d1) $(ARGS)
 
 animation: $(READY) ## vorticity.gif and phases.png of RESULTS=results/NAME, whose run had --fields-every
 	$(NERVURE) animate $(RESULTS)
