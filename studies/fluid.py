@@ -183,7 +183,7 @@ def between(data: Data) -> list[str]:
     """Errors of 2D-2 on grids that are little finer than one another."""
     here = {nx: f"between/2D-2-{nx}" for nx in BETWEEN}
     names = {600: "grid/2D-2-curvature-600", **here, 800: "grid/2D-2-curvature-800"}
-    return markdown(map(on, names), [[errors(data, name) for name in names.values()]])
+    return markdown([on(nx) for nx in names], [[errors(data, name) for name in names.values()]])
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
