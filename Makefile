@@ -286,11 +286,10 @@ report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run
 	$(WITH_FFTW) $(STUDY) $(STUDIES) --full $(ARGS)
 	$(MAKE) ARGS= flapping filaments report-pictures
 
-report-pictures: build $(READY_DEV) ## the vorticity of FSI3 at four phases and over a period, for docs/report
+report-pictures: build $(READY_DEV) ## the vorticity of FSI3 at four phases, for docs/report, and over a period, in results/report-pictures
 	$(NERVURE) run fsi3-325x72 --output results/report-pictures --fields-every 0.005 --quiet
 	$(NERVURE) animate results/report-pictures --begin 7.7875 --end 7.9602
 	cp results/report-pictures/phases.png docs/report/fsi3_phases.png
-	cp results/report-pictures/vorticity.gif docs/report/fsi3_vorticity.gif
 
 $(PEERS_VENV)/.ready: requirements/peers.lock
 	$(PYTHON) -m venv --clear $(PEERS_VENV)
