@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.resources import ROOT
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ def tables(case: Case, folder: Path) -> dict[str, Any]:
     command = [part.format(folder=folder) for part in case.options["command"]]
     done = subprocess.run(command, cwd=ROOT, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode:
-        raise Refusal(done.stderr.strip().splitlines()[-1])
+        raise InputError(done.stderr.strip().splitlines()[-1])
     return {"tables": {path.stem: read(path) for path in sorted(folder.glob("*.csv"))}}
 
 

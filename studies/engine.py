@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.files import write_whole
 from nervure.resources import ROOT
 from studies import machine, simulate
@@ -169,7 +169,7 @@ def execute(case: Case, folder: Path) -> None:
     about, digest = machine.here(), case.digest  # before the run: the sources may change on the way
     try:
         found = case.action(case, folder)
-    except Refusal as error:
+    except InputError as error:
         found = {"error": str(error)}
     text = json.dumps({"found": found, "digest": digest, "machine": about})
     write_whole(folder / "run.json", lambda path: path.write_text(text, encoding="utf-8"))

@@ -18,7 +18,7 @@ from nervure.evaluate.statistics import Window
 from nervure.files import write_csv
 from nervure.recorder import Series
 from nervure.resources import ROOT
-from nervure.scene import typed
+from nervure.scene import validate
 from nervure.show import fields
 from studies import show
 from studies.simulate import assignments, on_grid
@@ -290,7 +290,7 @@ def measured(group: str, done: nervure.Run) -> dict[str, Any]:
     if group == "shedding":
         return shedding(done.series)
     if group == "passive":
-        rigid = nervure.run(typed(twin(done)), twin_folder(done), force=True, quiet=True)
+        rigid = nervure.run(validate(twin(done)), twin_folder(done), force=True, quiet=True)
         return passive(done, rigid.series)
     if group == "oscillating":
         return oscillating(done.series)

@@ -11,7 +11,7 @@ from time import perf_counter
 from typing import Any
 
 from nervure import checkpoint, master
-from nervure.scene import typed
+from nervure.scene import validate
 from nervure.show import fields
 from studies import simulate
 from studies.engine import COUPLED, Case, Study
@@ -35,9 +35,9 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
 
     with ExitStack() as stack:
         units, scheme, clock, recorder = simulate.assemble(scene, folder, stack)
-        frames = fields.Fields(folder, typed(scene), units, clock, STEPS * clock.communication_step, 0)
+        frames = fields.Fields(folder, validate(scene), units, clock, STEPS * clock.communication_step, 0)
         stack.callback(frames.close)
-        write, saved = frames.watch(print), checkpoint.Checkpoint(folder, typed(scene), {}, units, scheme, recorder)
+        write, saved = frames.watch(print), checkpoint.Checkpoint(folder, validate(scene), {}, units, scheme, recorder)
         scheme.start()
         recorder.table[:] = 0.0
         recorder.record(0, 0.0, 0)

@@ -17,7 +17,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from nervure import master
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.recorder import Recorder
 from nervure.resources import ROOT
 from studies import simulate
@@ -37,7 +37,7 @@ def first_steps(case: Case, checkout: Path) -> bytes:
     with TemporaryDirectory() as folder, ExitStack() as stack:
         try:
             units, scheme, _, _ = simulate.assemble(scene, Path(folder), stack, case.options.get("rigid", False))
-        except Refusal as error:
+        except InputError as error:
             return str(error).encode()
         recorder = Recorder(units, STEPS)
         outcome = master.run(scheme, master.Clock(STEPS * step, step), recorder)

@@ -20,7 +20,7 @@ from nervure.evaluate.summary import summarize
 from nervure.files import json_numbers
 from nervure.pack import package
 from nervure.recorder import Recorder
-from nervure.scene import kinds, typed
+from nervure.scene import kinds, validate
 from nervure.show import plots
 from nervure.show.forecast import resident
 from nervure.unit import Unit
@@ -151,7 +151,7 @@ def assemble(
         units[kind] = Unit(path, kind, clock.end)
         stack.callback(units[kind].close)
         path.unlink()
-    scheme = Rigid(units["fluid"], scene) if rigid else coupling.couple(units, typed(scene).coupling, drive)
+    scheme = Rigid(units["fluid"], scene) if rigid else coupling.couple(units, validate(scene).coupling, drive)
     return units, scheme, clock, Recorder(units, clock.steps)
 
 
@@ -180,8 +180,8 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         setattr(recorder, "record", timed(recorder.record, seconds, "recording"))  # noqa: B010
         outcome = master.run(scheme, clock, recorder)
         memory = resident() - before
-        evaluated = summarize(typed(scene), units, scheme, recorder, outcome)
-        made = results.Results(typed(scene), folder, evaluated, recorder.series, recorder.units)
+        evaluated = summarize(validate(scene), units, scheme, recorder, outcome)
+        made = results.Results(validate(scene), folder, evaluated, recorder.series, recorder.units)
         results.write(made, scheme)
         if pictures:
             plots.write(folder, [made])

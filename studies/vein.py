@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from nervure.evaluate import flapping, statistics
-from nervure.scene import typed
+from nervure.scene import validate
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
 from studies.simulate import on_grid
@@ -103,7 +103,7 @@ def settled(case: Case, run: Run) -> dict[str, float]:
     """Means over whole periods at the end, and the energy that is missing, by the loads and by the fluid's forces."""
     whole = statistics.Window(0.0, float(run.series["time"][-1]), 1)
     window = whole if case.name.startswith(("grid/", "dt/")) else simulate.window(run.found)
-    found = flapping.evaluate(typed(case.built()), run.series, window)
+    found = flapping.evaluate(validate(case.built()), run.series, window)
     assert found, f"{case.name} has no driven root"
     there = {name: getattr(found, name) for name in MEANS}
     balance: dict[str, Any] = found.energy_balance

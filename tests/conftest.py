@@ -18,7 +18,7 @@ from nervure import coupling
 from nervure.cli import main
 from nervure.pack import package
 from nervure.resources import ROOT
-from nervure.scene import kinds, read, text, typed
+from nervure.scene import kinds, read, text, validate
 from nervure.unit import Unit
 
 FSI1, FSI3 = (ROOT / "scenes" / f"{name}.json" for name in ("fsi1-648x108", "fsi3-325x72"))
@@ -165,7 +165,7 @@ def start(instantiate):
     """Function that makes the coupling of a scene, with both units ready for their first step."""
 
     def make(scene: dict):
-        scheme = coupling.couple(instantiate(scene), typed(scene).coupling)
+        scheme = coupling.couple(instantiate(scene), validate(scene).coupling)
         scheme.start()
         return scheme
 

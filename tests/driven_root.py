@@ -15,7 +15,7 @@ from nervure import coupling, master
 from nervure.evaluate import flapping, statistics
 from nervure.evaluate.statistics import Window
 from nervure.recorder import Series
-from nervure.scene import typed
+from nervure.scene import validate
 from studies import simulate
 
 Scene = dict[str, Any]
@@ -101,7 +101,7 @@ def energy(run: Run) -> list[Found]:
     load they differ by the step."""
     scene = small_pitching()
     scene["time"]["communication_step"] = 4e-4
-    balance = flapping.evaluate(typed(scene), run(scene), Window(2.0, 3.0, 1)).energy_balance
+    balance = flapping.evaluate(validate(scene), run(scene), Window(2.0, 3.0, 1)).energy_balance
     by_fluid = (balance["root"] + balance["fluid"] - balance["gained"]) / balance["root"]
     return [Found("by the loads", balance["missing"], 0.0, 0.01), Found("by the fluid", by_fluid, 0.0, 0.01)]
 

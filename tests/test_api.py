@@ -9,7 +9,7 @@ from rich.console import Console
 
 import nervure
 from nervure import checkpoint, simulation
-from nervure.scene import typed
+from nervure.scene import validate
 from nervure.unit import Unit
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.usefixtures("libraries")
 
 @pytest.fixture
 def falling(rod_only):
-    return typed(rod_only)
+    return validate(rod_only)
 
 
 def test_ten_lines_from_a_scene_to_a_figure(tmp_path):
@@ -65,25 +65,25 @@ def test_a_scene_is_inspected_as_by_the_command(falling, capsys):
 
 def test_what_cannot_be_used_is_refused(falling, tmp_path):
     falling.beam.thickness = -1.0
-    with pytest.raises(nervure.Refusal, match="beam.thickness"):
+    with pytest.raises(nervure.InputError, match="beam.thickness"):
         nervure.run(falling, tmp_path, quiet=True)
-    with pytest.raises(nervure.Refusal, match="did you mean csm3"):
+    with pytest.raises(nervure.InputError, match="did you mean csm3"):
         nervure.load("csm4")
-    with pytest.raises(nervure.Refusal, match="holds no results"):
+    with pytest.raises(nervure.InputError, match="holds no results"):
         nervure.read(tmp_path)
-    with pytest.raises(nervure.Refusal, match="changed by its attributes"):
+    with pytest.raises(nervure.InputError, match="changed by its attributes"):
         nervure.run(falling, tmp_path, overrides=["time.end=1"])
     with pytest.raises(AttributeError, match="`walk`"):
         nervure.walk  # noqa: B018
 
 
 def test_a_quantity_that_was_not_recorded_is_said(falling, tmp_path):
-    with pytest.raises(nervure.Refusal, match="lift was not recorded: there are time, .*tip_uy"):
+    with pytest.raises(nervure.InputError, match="lift was not recorded: there are time, .*tip_uy"):
         nervure.run(falling, tmp_path, quiet=True).plot("lift")
 
 
 def test_a_run_that_failed_gives_what_there_was_before(small_fsi3, tmp_path):
-    scene = typed(small_fsi3)
+    scene = validate(small_fsi3)
     scene.coupling = {"load": "pressure_jump", "scheme": {"iterated": {"tolerance": 1e-15, "max_iterations": 2}}}
     with pytest.raises(nervure.RunError, match="did not converge in 2 iterations") as failed:
         nervure.run(scene, tmp_path, quiet=True)
@@ -108,7 +108,7 @@ def test_an_interruption_writes_what_there_is_and_leaves_the_handlers(falling, t
     assert nervure.read(tmp_path).summary.simulated_s == pytest.approx(0.0102)
     monkeypatch.undo()
     falling.time.end = 0.02
-    with pytest.raises(nervure.Refusal, match="holds the checkpoint of a run that was stopped"):
+    with pytest.raises(nervure.InputError, match="holds the checkpoint of a run that was stopped"):
         nervure.run(falling, tmp_path, quiet=True)
     kept = checkpoint.read(tmp_path)
     assert kept.about["done"] == 102 and kept.about["scene"]["time"]["end"] == 1e4

@@ -6,7 +6,7 @@ from test_runs import run
 
 from nervure.evaluate import bodies, dimensionless, statistics
 from nervure.evaluate.summary import main_signal, settling_signal
-from nervure.scene import override, read, typed
+from nervure.scene import override, read, validate
 from nervure.show import plots
 from studies import flapping
 
@@ -43,7 +43,7 @@ def known_series():
 
 
 def test_coefficients_of_a_known_oscillation(swinging):
-    scene, columns = typed(swinging), known_series()
+    scene, columns = validate(swinging), known_series()
     numbers = dimensionless.evaluate(scene)
     speed = 0.1 * np.sqrt(2) * 4 * np.pi
     assert numbers.reynolds == pytest.approx(speed * 0.2 / 1e-2)
@@ -88,7 +88,7 @@ def test_no_morison_split_in_a_stream_or_of_another_motion(swinging, change):
         motion["x"] = motion["y"] = {"sine": motion["x"]["sine"] | change}
     else:
         motion |= change
-    scene, columns = typed(swinging), known_series()
+    scene, columns = validate(swinging), known_series()
     window = statistics.find_window(columns["time"], columns["body_1_x"])
     found = bodies.evaluate(scene, dimensionless.evaluate(scene), columns, window, 0.0)["body_1"]
     assert found.morison is None, found
@@ -102,14 +102,14 @@ def test_the_larger_force_says_whether_a_driven_body_has_settled():
 
 
 def test_outlines_are_where_the_bodies_are(swinging):
-    square = typed(swinging).fluid.bodies[1]
+    square = validate(swinging).fluid.bodies[1]
     turned = plots.body_outline(square, 0.5, 0.2, np.pi / 2)
     assert turned == pytest.approx(np.array([[0.5, 0.2], [0.5, 0.4], [0.3, 0.4], [0.3, 0.2]]))
     swinging["fluid"]["bodies"] = [
         {"shape": {"rectangle": {"length": 0.4, "thickness": 0.1, "ends": ends}}, "position": [0, 0], "pivot": [0.1, 0]}
         for ends in ("square", "round")
     ]
-    for body in typed(swinging).fluid.bodies:
+    for body in validate(swinging).fluid.bodies:
         corners = plots.body_outline(body, 0.0, 0.0, 0.0)
         assert [*corners.min(0), *corners.max(0)] == pytest.approx([-0.3, -0.05, 0.1, 0.05], abs=1e-3), body
 

@@ -13,7 +13,7 @@ from conftest import TOOL, nervure, run_scene
 
 from nervure import checkpoint
 from nervure.recorder import Recorder
-from nervure.scene import typed
+from nervure.scene import validate
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -72,7 +72,7 @@ def saved(fluid_only, start, tmp_path):
     for i in range(3):
         scheme.step(i * 1e-3, 1e-3)
         recorder.record(i, i * 1e-3, 1)
-    kept = checkpoint.Checkpoint(tmp_path, typed(fluid_only), {}, {"fluid": scheme.unit}, scheme, recorder)
+    kept = checkpoint.Checkpoint(tmp_path, validate(fluid_only), {}, {"fluid": scheme.unit}, scheme, recorder)
     kept.save(3, 0.5)
     return kept
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nervure.evaluate import coefficients, statistics
-from nervure.scene import load, override, read, typed
+from nervure.scene import load, override, read, validate
 
 
 @pytest.fixture
@@ -13,7 +13,7 @@ def scene():
 
 
 def test_the_scale_is_that_of_the_benchmark(scene):
-    scale = coefficients.scale(typed(scene))
+    scale = coefficients.scale(validate(scene))
     assert 1 / scale.force == pytest.approx(20.0)
     assert scale.frequency == pytest.approx(10.0)
 
@@ -30,7 +30,7 @@ def test_the_scale_is_that_of_the_benchmark(scene):
 )
 def test_what_is_no_cylinder_alone_in_an_inflow_has_no_coefficients(scene, assignment):
     override(scene, assignment)
-    assert coefficients.scale(typed(scene)) is None
+    assert coefficients.scale(validate(scene)) is None
 
 
 def test_a_known_oscillation_gives_its_own_coefficients(scene):
@@ -41,7 +41,7 @@ def test_a_known_oscillation_gives_its_own_coefficients(scene):
         "lift": 0.05 * np.sin(2 * np.pi * 3 * time),
     }
     found = coefficients.evaluate(
-        coefficients.scale(typed(scene)), columns, statistics.find_window(time, columns["lift"]), 0.0
+        coefficients.scale(validate(scene)), columns, statistics.find_window(time, columns["lift"]), 0.0
     )
     expected = {"cd_max": 3.232, "cd_min": 3.168, "cd_mean": 3.2, "cl_max": 1.0, "cl_min": -1.0, "cl_peak_to_peak": 2.0}
     assert {name: found[name] for name in expected} == pytest.approx(expected, rel=1e-4)
@@ -54,7 +54,7 @@ def test_the_extremes_are_those_of_the_last_five_periods(scene):
     drag = np.where(time < 5, 0.15, 0.16)  # the drag still grows where the lift has settled
     columns = {"time": time, "drag": drag, "lift": 0.05 * np.sin(2 * np.pi * 3 * time)}
     found = coefficients.evaluate(
-        coefficients.scale(typed(scene)), columns, statistics.find_window(time, columns["lift"]), 0.0
+        coefficients.scale(validate(scene)), columns, statistics.find_window(time, columns["lift"]), 0.0
     )
     assert found["cd_min"] == pytest.approx(3.2)
 
@@ -62,7 +62,7 @@ def test_the_extremes_are_those_of_the_last_five_periods(scene):
 def test_a_lift_without_a_frequency_has_no_strouhal_number(scene):
     time = np.linspace(0, 1, 101)
     still = {"time": time, "drag": 0.16 + 0 * time, "lift": 0 * time}
-    found = coefficients.evaluate(coefficients.scale(typed(scene)), still, statistics.Window(0.0, 1.0, 2), 0.0)
+    found = coefficients.evaluate(coefficients.scale(validate(scene)), still, statistics.Window(0.0, 1.0, 2), 0.0)
     assert found["cd_max"] == pytest.approx(3.2) and "st" not in found
 
 
@@ -70,7 +70,7 @@ def test_the_pressure_difference_is_between_the_probes_on_the_cylinder(scene):
     override(scene, 'fluid.probes=[{"name":"b","position":[0.25,0.2]},{"name":"a","position":[0.15,0.2]}]')
     time = np.linspace(0, 1, 101)
     steady = {"drag": 0.28 + 0 * time, "lift": 0 * time, "probe_a_p": 0.11 + 0 * time, "probe_b_p": -0.01 + 0 * time}
-    scale = coefficients.scale(typed(scene))
+    scale = coefficients.scale(validate(scene))
     found = coefficients.evaluate(scale, {"time": time} | steady, statistics.Window(0.5, 1.0, 0), 0.0)
     assert found == pytest.approx({"cd_mean": 5.6, "cl_mean": 0.0, "dp_mean": 0.12})
 

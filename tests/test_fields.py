@@ -13,7 +13,7 @@ from PIL import Image
 
 from nervure import master
 from nervure.errors import SceneError
-from nervure.scene import typed
+from nervure.scene import validate
 from nervure.show import fields
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -26,7 +26,7 @@ def write(scene, start, folder, interval):
         {"rod": scheme.rods[0], "fluid": scheme.fluid} if hasattr(scheme, "rods") else {scheme.unit.name: scheme.unit}
     )
     clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-    kept = fields.Fields(folder, typed(scene), units, clock, interval, 0)
+    kept = fields.Fields(folder, validate(scene), units, clock, interval, 0)
     watch = kept.watch(pytest.fail)
     watch(0, 0.0, 0.0)
     for i in range(clock.steps):
@@ -92,7 +92,7 @@ def test_a_scene_without_anything_to_show_is_refused(fluid_only, instantiate, tm
     unit = instantiate(fluid_only)["fluid"]
     unit.shown_field = lambda _name: None
     with pytest.raises(SceneError, match="--fields-every needs a beam or a fluid that shows its fields"):
-        fields.Fields(tmp_path, typed(fluid_only), {"fluid": unit}, master.Clock(1.0, 0.1), 0.1, 0)
+        fields.Fields(tmp_path, validate(fluid_only), {"fluid": unit}, master.Clock(1.0, 0.1), 0.1, 0)
 
 
 def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(small_fsi3, tmp_path):

@@ -7,7 +7,7 @@ import pytest
 import nervure
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
-from nervure.scene import typed
+from nervure.scene import validate
 from studies import flapping as cases, simulate
 
 
@@ -78,7 +78,7 @@ def test_averages_of_a_known_signal(fluid_only):
     """In a stream along y."""
     known, window = known_signal()
     fluid_only["fluid"]["mean_flow"] = {"y": {"steady": 1.2}}
-    found = flapping.evaluate(typed(fluid_only), known, window)
+    found = flapping.evaluate(validate(fluid_only), known, window)
     assert found.axis == "x"
     expected = {"power_in": 3.0, "thrust": 0.5, "lift": -0.5, "efficiency": 0.2, "tip_by_rigid_tip": 1.5}
     assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
@@ -90,7 +90,7 @@ def test_thrust_in_still_fluid_is_the_force_against_x(fluid_only):
     """The fluid pushes the beam with 0.25 N/m against x and 0.5 N/m against y."""
     known, window = known_signal()
     del fluid_only["fluid"]["inflow"]
-    found = flapping.evaluate(typed(fluid_only), known, window)
+    found = flapping.evaluate(validate(fluid_only), known, window)
     expected = {"thrust": 0.25, "lift": -0.5, "thrust_by_power": 0.25 / 3.0}
     assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
     assert found.efficiency is None
@@ -130,7 +130,7 @@ def test_a_passive_vein_asks_for_the_moment_that_a_rigid_plate_gets_in_the_same_
     """Two ways to one moment: inertia and spring of a stiff rod, and the fluid around a rigid body. They are 5 % apart
     on this grid, 2 % on that of the scene; a spring 10 % stiffer makes it 8 %."""
     done = ran(cases.PASSIVE, simulate.on_grid(120, 120, 1.2e-3) | {"beam.thickness": 0.12, "time.end": 6.0})
-    rigid = nervure.run(typed(cases.twin(done)), done.folder / "twin", quiet=True)
+    rigid = nervure.run(validate(cases.twin(done)), done.folder / "twin", quiet=True)
     found = cases.passive(done, rigid.series)
     assert found["moment_rms"] < 0.06 and abs(found["missing"]) < 1e-3, found
     assert found["amplitude_deg"] == pytest.approx(54.4, rel=0.05), found

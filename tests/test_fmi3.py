@@ -12,9 +12,9 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from nervure import coupling, run
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.pack import delivery, package
-from nervure.scene import typed
+from nervure.scene import validate
 from nervure.unit import Unit, UnitError, read_description, variables_of
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -78,7 +78,7 @@ def test_terminals_fit_each_other(fsi3, packed):
 def coupled(scene, instantiate, version):
     """Every output of both units after five steps; an iterated scheme puts both back into stored states meanwhile."""
     units = instantiate(scene, version)
-    scheme = coupling.couple(units, typed(scene).coupling)
+    scheme = coupling.couple(units, validate(scene).coupling)
     scheme.start()
     h = scene["time"]["communication_step"]
     for i in range(5):
@@ -112,7 +112,7 @@ def test_units_of_different_versions_go_together(small_fsi3, instantiate):
     pure, other = instantiate(small_fsi3, 2), instantiate(small_fsi3, 3)
     found = []
     for units in ({"rod": pure["rod"], "fluid": other["fluid"]}, {"rod": other["rod"], "fluid": pure["fluid"]}):
-        scheme = coupling.couple(units, typed(small_fsi3).coupling)
+        scheme = coupling.couple(units, validate(small_fsi3).coupling)
         scheme.start()
         for i in range(3):
             scheme.step(i * 4e-4, 4e-4)
@@ -123,7 +123,7 @@ def test_units_of_different_versions_go_together(small_fsi3, instantiate):
 @both
 def test_serialized_bytes_lead_another_instance_on(kind, small_fsi3, instantiate):
     units, others = (instantiate(small_fsi3, 3) for _ in range(2))
-    scheme = coupling.couple(units, typed(small_fsi3).coupling)
+    scheme = coupling.couple(units, validate(small_fsi3).coupling)
     scheme.start()
     scheme.step(0.0, 4e-4)
     unit, other = units[kind], others[kind]
@@ -149,7 +149,7 @@ def test_the_command_gives_the_same_series_in_both_versions(rod_only, tmp_path):
 def test_another_version_is_refused_with_those_that_are_there(tmp_path):
     done = nervure("run", "csm1", "--fmi", 4, "--output", tmp_path / "run")
     assert done.returncode == 2 and "'--fmi'" in done.stderr, done.stderr
-    with pytest.raises(Refusal, match="fmi is 1, but must be 2 or 3"):
+    with pytest.raises(InputError, match="fmi is 1, but must be 2 or 3"):
         run("csm1", tmp_path / "run", fmi=1)
     assert not (tmp_path / "run").exists()
 
@@ -205,7 +205,7 @@ def test_fmpy_alone_simulates_a_unit(rod_only, packed):
 
 def test_a_delivery_of_fmi_3_has_no_ssp(rod_only, tmp_path, monkeypatch):
     monkeypatch.setattr(delivery, "OLDEST_GLIBC", (9, 9))
-    delivery.write(typed(rod_only), tmp_path / "dist", 3)
+    delivery.write(validate(rod_only), tmp_path / "dist", 3)
     names = {path.name for path in (tmp_path / "dist").iterdir()}
     assert names == {"falling-rod-rod.fmu", "README.md", "manifest.json", "SHA256SUMS"}
     assert "FMI 3.0" in (tmp_path / "dist" / "README.md").read_text(encoding="utf-8")

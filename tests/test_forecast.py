@@ -9,12 +9,12 @@ from conftest import FSI3, run_scene
 from test_flapping import known_signal
 
 from nervure.evaluate import bodies, dimensionless, flapping
-from nervure.scene import override, read, typed
+from nervure.scene import override, read, validate
 from nervure.show import forecast
 
 
 def numbers(name, *overrides):
-    return dimensionless.evaluate(typed(read(name, overrides)))
+    return dimensionless.evaluate(validate(read(name, overrides)))
 
 
 @pytest.mark.parametrize(
@@ -56,11 +56,11 @@ def test_cells_in_diameter_thickness_and_layer():
 
 
 def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
-    assert dimensionless.evaluate(typed(read("csm1"))) is None
+    assert dimensionless.evaluate(validate(read("csm1"))) is None
     fluid_only["fluid"] |= {"initial_velocity": [0.0, 0.0], "inflow": None}
-    found = dimensionless.evaluate(typed(fluid_only))
+    found = dimensionless.evaluate(validate(fluid_only))
     assert (found.velocity, found.reynolds, found.cfl) == (None, None, None)
-    assert list(forecast.warnings(typed(fluid_only))) == []
+    assert list(forecast.warnings(validate(fluid_only))) == []
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
     ],
 )
 def test_what_is_outside_of_the_tried_ranges_is_warned_of(assignments, said):
-    warnings = list(forecast.warnings(typed(read("fsi3-1300x288", assignments))))
+    warnings = list(forecast.warnings(validate(read("fsi3-1300x288", assignments))))
     assert len(warnings) == len(said) and all(part in text for part, text in zip(said, warnings, strict=True)), warnings
 
 
@@ -100,7 +100,7 @@ def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     if kind == "stream":
         override(scene, "fluid.initial_velocity=[0, 1.2]")
         override(scene, 'fluid.mean_flow={"y": {"steady": 1.2}}')
-    scene = typed(scene)
+    scene = validate(scene)
     of_scene = dimensionless.evaluate(scene)
     velocity = 1.2 if kind == "stream" else 0.1 * 4 * np.pi
     assert of_scene.velocity == pytest.approx(velocity)
@@ -121,7 +121,7 @@ def test_pace_counts_steps_after_the_first_and_those_of_the_fluid_to_come():
     scene = read("vein-pitching-320x240")
     override(scene, "time.end=0.04")
     fluid = SimpleNamespace(seconds=0.0)
-    pace = forecast.Pace(typed(scene), {"fluid": fluid})
+    pace = forecast.Pace(validate(scene), {"fluid": fluid})
     assert pace.factor == 2 and pace.steps == 100
     wall, found = 0.0, []
     for done in range(12):

@@ -12,7 +12,7 @@ from conftest import SCENES
 from nervure import library
 from nervure.errors import SceneError
 from nervure.resources import ROOT
-from nervure.scene import load, read, text, typed
+from nervure.scene import load, read, text, validate
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -112,4 +112,4 @@ def test_a_number_that_json_lacks_is_refused_under_its_key(value):
 def test_a_file_with_a_byte_order_mark_is_read(tmp_path):
     path = tmp_path / "scene.json"
     path.write_text(text(read("csm1")), encoding="utf-8-sig")
-    assert load(path) == typed(read("csm1"))
+    assert load(path) == validate(read("csm1"))

@@ -11,7 +11,7 @@ from PIL import Image
 import nervure
 from nervure import simulation
 from nervure.evaluate import statistics
-from nervure.scene import typed
+from nervure.scene import validate
 from nervure.show import animation, plots
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -30,7 +30,7 @@ def drawn(monkeypatch, tmp_path):
             return path
 
         monkeypatch.setattr(plots, "_save", save)
-        simulation.run(typed(scene), tmp_path / "run", {}, quiet=True)
+        simulation.run(validate(scene), tmp_path / "run", {}, quiet=True)
         return figures
 
     return draw
@@ -70,7 +70,7 @@ def test_nothing_lies_on_anything_else_and_lengths_are_in_chords(drawn, pitching
 
 
 def test_a_peak_at_the_start_does_not_set_the_scale(rod_only, tmp_path):
-    run = nervure.run(typed(rod_only), tmp_path, quiet=True)
+    run = nervure.run(validate(rod_only), tmp_path, quiet=True)
     time = np.linspace(0, 10, 5001)
     values = np.sin(2 * np.pi * time)
     window = statistics.find_window(time, values)
@@ -102,7 +102,7 @@ def test_a_film_is_written_as_mp4(tmp_path):
 
 
 def test_a_rod_alone_moves_in_its_frame(rod_only, tmp_path):
-    run = nervure.run(typed(rod_only), tmp_path, fields_every=1e-3, quiet=True)
+    run = nervure.run(validate(rod_only), tmp_path, fields_every=1e-3, quiet=True)
     written = {path.name for path in run.animate()}
     assert {"motion.png", "motion.gif"} <= written
     with Image.open(tmp_path / "motion.gif") as film:

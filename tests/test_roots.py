@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import nervure
-from nervure.scene import typed
+from nervure.scene import validate
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -59,7 +59,7 @@ def in_a_stream(root, density_ratio, thickness=0.1, **changed):
 def test_light_rod_runs_to_its_end_with_every_root(root, density_ratio, thickness, tmp_path):
     """At the density of the fluid and above under the momentum load, at half of it by iteration; a free rod as heavy as
     the fluid is iterated too."""
-    run = nervure.run(typed(in_a_stream(ROOTS[root], density_ratio, thickness)), tmp_path, quiet=True)
+    run = nervure.run(validate(in_a_stream(ROOTS[root], density_ratio, thickness)), tmp_path, quiet=True)
     assert run.summary.completed, run.summary.error
     heavy = density_ratio > 1.0 or (density_ratio == 1.0 and root != "free")
     expected = "momentum" if heavy else "pressure_jump"
@@ -73,7 +73,7 @@ def test_stiff_spring_is_a_clamp_and_a_weak_one_a_pin(tmp_path):
     """And only the springs have an angle of their own, only the free root a force that tows it."""
 
     def end(name, root):
-        run = nervure.run(typed(in_a_stream(root, 1.0)), tmp_path / name, quiet=True)
+        run = nervure.run(validate(in_a_stream(root, 1.0)), tmp_path / name, quiet=True)
         assert ("hinge_angle" in run.series) == (name in ("stiff", "weak"))
         assert "root_work" not in run.series
         return np.array([run.series[quantity][-1] for quantity in ("tip_ux", "tip_uy", "load_x")])
@@ -86,7 +86,7 @@ def test_stiff_spring_is_a_clamp_and_a_weak_one_a_pin(tmp_path):
 
 def test_free_rod_as_heavy_as_the_fluid_goes_with_the_stream(tmp_path):
     """The stream itself goes 0.35 m in this time."""
-    run = nervure.run(typed(in_a_stream({"free": {}}, 1.1)), tmp_path, quiet=True)
+    run = nervure.run(validate(in_a_stream({"free": {}}, 1.1)), tmp_path, quiet=True)
     assert run.series["tip_ux"][-1] == pytest.approx(0.35, rel=0.15)
     assert np.all(run.series["root_work"] == 0)
 
@@ -98,7 +98,7 @@ def test_driven_root_carries_a_spring(tmp_path):
     scene = in_a_stream(spring, 2.0, root_motion=heave)
     scene["fluid"].pop("mean_flow")
     scene["time"]["end"] = 2.0
-    run = nervure.run(typed(scene), tmp_path, quiet=True)
+    run = nervure.run(validate(scene), tmp_path, quiet=True)
     assert run.summary.completed
     angle, balance = run.series["hinge_angle"], run.summary.flapping.energy_balance
     print(f"pitches by {np.ptp(angle):.3f} rad, missing {balance['missing']}")
@@ -141,7 +141,7 @@ def test_hanging_chain_swings_as_it_does_in_theory(tmp_path):
             "root": "pinned",
         },
     }
-    series = nervure.run(typed(scene), tmp_path, quiet=True).series
+    series = nervure.run(validate(scene), tmp_path, quiet=True).series
     end = np.sin(angle) + series["tip_uy"]
     expected = hanging_chain(series["time"], gravity, angle)
     off = np.sqrt(np.mean((end - expected) ** 2)) / angle

@@ -13,7 +13,7 @@ from conftest import FSI3, TOOL, run_scene
 import nervure
 from nervure import simulation
 from nervure.pack import package
-from nervure.scene import typed
+from nervure.scene import validate
 from nervure.unit import Unit
 
 TABLES = ("scene.json", "series.csv", "summary.json")
@@ -116,7 +116,7 @@ def test_guards_watch_every_step_of_a_sampled_run(small_fsi3, tmp_path):
 def test_outputs_are_read_only_for_rows_that_are_recorded(fluid_only, tmp_path, monkeypatch):
     read = []
     monkeypatch.setattr(Unit, "get", lambda self, get=Unit.get: read.append(self.name) or get(self))
-    scene = typed(fluid_only)
+    scene = validate(fluid_only)
     simulation.run(scene, tmp_path / "a", {}, quiet=True)
     every = len(read)
     simulation.run(scene, tmp_path / "b", {}, quiet=True, series_every=0.01)
@@ -125,7 +125,7 @@ def test_outputs_are_read_only_for_rows_that_are_recorded(fluid_only, tmp_path, 
 
 def test_a_long_series_is_written_with_all_its_digits(rod_only, tmp_path, monkeypatch):
     monkeypatch.setattr("nervure.results.LONG", 100)
-    scene = typed(rod_only)
+    scene = validate(rod_only)
     done = simulation.run(scene, tmp_path, {}, quiet=True)
     with h5py.File(tmp_path / "series.h5") as file:
         assert list(file) == list(done.series) and file["tip_uy"].attrs["unit"] == "m"

@@ -13,9 +13,9 @@ from test_master import ADDED_MASS, PUSH, STIFFNESS, Fake, Spring
 
 import nervure as api
 from nervure import coupling
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.pack import ssp
-from nervure.scene import kinds, typed
+from nervure.scene import kinds, validate
 from nervure.scene.types import Iterated
 from studies import filaments
 
@@ -180,7 +180,7 @@ def test_each_rod_can_be_replaced_by_its_name(scene_file, two_rods, packed, tmp_
         assert done.returncode == 0, done.stderr
     assert (own / "series.csv").read_bytes() == (whole / "series.csv").read_bytes()
     assert (own / "series.csv").read_bytes() != (plain / "series.csv").read_bytes()
-    run = api.run(typed(two_rods), tmp_path / "api", rod_fmu={"lower": packed("lower", stiff)}, quiet=True)
+    run = api.run(validate(two_rods), tmp_path / "api", rod_fmu={"lower": packed("lower", stiff)}, quiet=True)
     assert run.series["lower_tip_uy"].tolist() == pytest.approx(api.read(own).series["lower_tip_uy"].tolist(), rel=1e-9)
 
 
@@ -194,8 +194,8 @@ def test_fmu_without_the_name_of_its_rod_is_refused(scene_file, two_rods, packed
     ):
         done = run_scene(scene_file, "--output", tmp_path / "out", *(w for each in given for w in ("--rod-fmu", each)))
         assert done.returncode == 2 and said in done.stderr, done.stderr
-    with pytest.raises(Refusal, match="must be a dict by their names"):
-        api.run(typed(two_rods), tmp_path / "out", rod_fmu=fmu)
+    with pytest.raises(InputError, match="must be a dict by their names"):
+        api.run(validate(two_rods), tmp_path / "out", rod_fmu=fmu)
     assert not (tmp_path / "out").exists()
 
 

@@ -14,12 +14,12 @@ import pytest
 from conftest import FSI3, TOOL, nervure, run_scene
 
 from nervure import results, simulation
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.library import library
 from nervure.pack import delivery
 from nervure.provenance import git_revision
 from nervure.resources import ROOT
-from nervure.scene import typed
+from nervure.scene import validate
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -242,8 +242,11 @@ def test_results_that_cannot_be_written_leave_the_former_ones(result, rod_only, 
         write(*arguments)
 
     monkeypatch.setattr(results, "write", when_full)
-    with ExitStack() as disk, pytest.raises(Refusal, match=f"results cannot be written into {folder}: File too large"):
-        simulation.run(typed(rod_only), folder, {}, quiet=True)
+    with (
+        ExitStack() as disk,
+        pytest.raises(InputError, match=f"results cannot be written into {folder}: File too large"),
+    ):
+        simulation.run(validate(rod_only), folder, {}, quiet=True)
     assert contents(folder) == before
 
 
@@ -283,7 +286,7 @@ def test_a_delivery_has_the_libraries_of_all_systems(version, names, tmp_path, m
     for path in ("x86_64-pc-windows-gnu/release/fmu_rod.dll", "universal2-apple-darwin/release/libfmu_rod.dylib"):
         (tmp_path / path).write_bytes(path.encode())
     monkeypatch.setenv("NERVURE_LIBRARIES", str(tmp_path / "x86_64-unknown-linux-gnu" / "release"))
-    delivery.write(typed(rod_only), tmp_path / "dist", version)
+    delivery.write(validate(rod_only), tmp_path / "dist", version)
     with zipfile.ZipFile(tmp_path / "dist" / "falling-rod-rod.fmu") as archive:
         binaries = {name for name in archive.namelist() if name.startswith("binaries/")}
         notices = archive.read("documentation/licenses/third-party.txt").decode("utf-8")
@@ -296,7 +299,7 @@ def test_a_delivery_has_the_libraries_of_all_systems(version, names, tmp_path, m
 def test_a_delivery_is_what_its_checksums_and_manifest_say(fsi3, tmp_path, monkeypatch):
     monkeypatch.setattr(delivery, "OLDEST_GLIBC", (99, 0))  # the libraries of this machine will do
     folder = tmp_path / "dist"
-    delivery.write(typed(fsi3), folder)
+    delivery.write(validate(fsi3), folder)
     sums = dict(line.split("  ")[::-1] for line in (folder / "SHA256SUMS").read_text().splitlines())
     assert sums == {
         p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in folder.iterdir() if p.name != "SHA256SUMS"

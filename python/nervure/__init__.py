@@ -22,10 +22,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from nervure.api import Run, RunError, compare, inspect, load, read, resume, run
-    from nervure.errors import Refusal
+    from nervure.errors import InputError
     from nervure.scene import Scene
 
-__all__ = ["Refusal", "Run", "RunError", "Scene", "compare", "inspect", "load", "read", "resume", "run"]
+__all__ = ["InputError", "Run", "RunError", "Scene", "compare", "inspect", "load", "read", "resume", "run"]
 
 
 def __getattr__(name: str) -> Any:
@@ -33,5 +33,5 @@ def __getattr__(name: str) -> Any:
     if name in __all__:
         from nervure import api, errors
 
-        return getattr(errors if name == "Refusal" else api, name)
+        return getattr(errors if name == "InputError" else api, name)
     raise AttributeError(f"module `nervure` has no attribute `{name}`")

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from nervure import results, simulation
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.scene import Scene, load
 
 if TYPE_CHECKING:
@@ -29,10 +29,10 @@ class Run(results.Results):
         return plots.over_time({self.scene.name: self}, names, self.scene.reference)
 
     def _require(self, names: Iterable[str]) -> None:
-        """Raise `Refusal` where one of `names` was not recorded."""
+        """Raise `InputError` where one of `names` was not recorded."""
         for name in names:
             if name not in self.series:
-                raise Refusal(f"{name} was not recorded: there are {', '.join(self.series)}")
+                raise InputError(f"{name} was not recorded: there are {', '.join(self.series)}")
 
     def animate(self, begin: float | None = None, end: float | None = None) -> list[Path]:
         """Write vorticity.gif, vorticity.mp4 and phases.png of the times from `begin` to `end` (s), or of the last two
@@ -61,7 +61,7 @@ class RunError(Exception):
 
 def inspect(scene: Scene | str | Path) -> None:
     """Print what a run of a scene, an object or the name of one, will do and take, as `nervure inspect` does; it makes
-    steps for half a second. Raises `Refusal` where the scene cannot be used."""
+    steps for half a second. Raises `InputError` where the scene cannot be used."""
     from rich.console import Console
 
     from nervure.show import inspection
@@ -88,23 +88,23 @@ def run(
     `overrides` (key=value), the FMUs in the place of ours, of several rods by their names, the minutes between
     checkpoints, the seconds between fields and between rows of the series, `force`, which replaces results of another
     scene, and `fmi`, the version of our units, are those of `nervure run`.
-    Raises `Refusal` where something that was given cannot be used, `RunError` where the run failed and
+    Raises `InputError` where something that was given cannot be used, `RunError` where the run failed and
     `KeyboardInterrupt` where it was interrupted; in the last two cases the results so far are written.
     """
     if not isinstance(scene, Scene):
         scene = load(scene, overrides)
     elif overrides := list(overrides):
-        raise Refusal(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
+        raise InputError(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
     if fmi not in (2, 3):
-        raise Refusal(f"fmi is {fmi!r}, but must be 2 or 3")
+        raise InputError(f"fmi is {fmi!r}, but must be 2 or 3")
     if rod_fmu is not None and not isinstance(rod_fmu, Mapping):
         if scene.rods:
-            raise Refusal(f"rod_fmu is {rod_fmu}, but the scene has several rods: it must be a dict by their names")
+            raise InputError(f"rod_fmu is {rod_fmu}, but the scene has several rods: it must be a dict by their names")
         rod_fmu = {"rod": rod_fmu}
     rods = {name: Path(path) for name, path in (rod_fmu or {}).items()}
     foreign = simulation.replaced(scene, rods, fluid_fmu)
     if output == "":
-        raise Refusal("the output is empty, but it must be the path of a folder")
+        raise InputError("the output is empty, but it must be the path of a folder")
     folder = None if output is None else Path(output)
     every = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
     return _ended(simulation.run(scene, folder, foreign, **every, quiet=quiet, force=force, fmi=fmi))

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from nervure.coupling import Single
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.files import write_whole
 from nervure.recorder import Recorder
-from nervure.scene import Scene, called
+from nervure.scene import Scene, unit_label
 from nervure.unit import Unit, UnitError
 
 FILE = "checkpoint.npz"
@@ -27,7 +27,7 @@ About = dict[str, Any]  # What a checkpoint says in JSON, as a whole or of one t
 EXCHANGED = ("inputs", "outputs", "integers")  # The arrays of a unit that the next step or the next row may need
 
 
-class CheckpointError(Refusal):
+class CheckpointError(InputError):
     """A checkpoint cannot be made or cannot be used."""
 
 
@@ -107,14 +107,14 @@ class Checkpoint:
             here, there = unit.description.guid, about["guids"][kind]
             if here != there:
                 raise CheckpointError(
-                    f"the checkpoint {kept.path} is of another {called(kind)}: its GUID is {here} here, but {there} "
-                    "there"
+                    f"the checkpoint {kept.path} is of another {unit_label(kind)}: its GUID is {here} here, but "
+                    f"{there} there"
                 )
             try:
                 unit.deserialize(arrays[f"{kind}_state"].tobytes())
             except UnitError as error:
                 raise CheckpointError(
-                    f"the checkpoint {kept.path} is of another build of the {called(kind)}: {error}"
+                    f"the checkpoint {kept.path} is of another build of the {unit_label(kind)}: {error}"
                 ) from error
             for name in EXCHANGED:
                 getattr(unit, name)[:] = arrays[f"{kind}_{name}"]

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.resources import SOURCE
 
 if TYPE_CHECKING:
@@ -79,9 +79,9 @@ def build(
         try:
             built = subprocess.run(["cargo", "build", "--release", "--locked"], cwd=SOURCE)
         except FileNotFoundError:
-            raise Refusal("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
+            raise InputError("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
         if built.returncode != 0:
-            raise Refusal("the libraries cannot be built: cargo says above why")
+            raise InputError("the libraries cannot be built: cargo says above why")
     scene = load(scene_file)
     for kind in kinds(scene):
         if descriptions:
@@ -130,12 +130,14 @@ def _rod_fmus(given: list[str], several: bool) -> dict[str, Path]:
     for text in given:
         name, equals, path = text.partition("=") if several else ("rod", "=", text)
         if not (name and equals and path):
-            raise Refusal(f"--rod-fmu is {text}, but the scene has several rods: it must be of the form NAME=FMU")
+            raise InputError(f"--rod-fmu is {text}, but the scene has several rods: it must be of the form NAME=FMU")
         if name in fmus:
-            raise Refusal(f"--rod-fmu gives two FMUs for the rod{f' {name}' if several else ''}: {fmus[name]}, {path}")
+            raise InputError(
+                f"--rod-fmu gives two FMUs for the rod{f' {name}' if several else ''}: {fmus[name]}, {path}"
+            )
         fmus[name] = Path(path)
         if not fmus[name].is_file():
-            raise Refusal(f"--rod-fmu: the file {path} does not exist")
+            raise InputError(f"--rod-fmu: the file {path} does not exist")
     return fmus
 
 
@@ -170,7 +172,7 @@ def inspect(
 
     console = Console(highlight=False)
     if (overrides or end_time is not None) and (path.is_dir() or path.suffix == ".fmu"):
-        raise Refusal(f"{path} is no scene, but --set and --end-time change one")
+        raise InputError(f"{path} is no scene, but --set and --end-time change one")
     if (path / "sweep.json").is_file():
         sweeps.print_table(console, sweeps.read(path))
     elif path.is_dir():
@@ -193,20 +195,20 @@ def plot(
 ) -> None:
     """Draw tip.png, drag.png and lift.png anew, several runs over each other, or sweep.png of a sweep."""
     if len(folders) > 1 and output is None:
-        raise Refusal("where several runs are drawn over each other, --output has to say where the pictures go")
+        raise InputError("where several runs are drawn over each other, --output has to say where the pictures go")
     from nervure import results
     from nervure.show import plots, sweeps
 
     if len(folders) == 1 and (folders[0] / "sweep.json").is_file():
         if (picture := sweeps.plot(output or folders[0], sweeps.read(folders[0]))) is None:
-            raise Refusal(f"{folders[0]}: fewer than two runs of the sweep are finished")
+            raise InputError(f"{folders[0]}: fewer than two runs of the sweep are finished")
         typer.echo(picture)
         return
     runs = [results.read(folder) for folder in folders]
     target = output or folders[0]
     target.mkdir(parents=True, exist_ok=True)
     if not (written := plots.write(target, runs)):
-        raise Refusal(f"{', '.join(map(str, folders))}: no tip, drag or lift was recorded")
+        raise InputError(f"{', '.join(map(str, folders))}: no tip, drag or lift was recorded")
     for path in written:
         typer.echo(path)
 
@@ -326,7 +328,7 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy solves small systems only, and its threads wait busily
     try:
         app()
-    except Refusal as error:
+    except InputError as error:
         _say_error(error)
         sys.exit(REFUSED)
 

@@ -3,11 +3,11 @@
 import re
 
 
-class Refusal(Exception):
-    """Something that was given cannot be used: the message says what, and where it can what to do. Exit code 2."""
+class InputError(Exception):
+    """Input that nervure cannot use; the message says why and, if possible, what to do. Exit code 2."""
 
 
-class SceneError(Refusal):
+class SceneError(InputError):
     """A scene or an override that cannot be used; the message names file or key."""
 
     @property

@@ -12,7 +12,7 @@ from time import perf_counter, process_time
 
 from nervure.coupling import CouplingError, Drive, Single, couple
 from nervure.recorder import Recorder
-from nervure.scene import Scene, called
+from nervure.scene import Scene, unit_label
 from nervure.unit import Unit, UnitError
 
 Watcher = Callable[[int, float, float], None]
@@ -70,7 +70,7 @@ def assemble(
     clock = Clock(scene.time.end, scene.time.communication_step)
     units = {}
     for kind, path in fmus.items():
-        units[kind] = Unit(path, called(kind), clock.end)
+        units[kind] = Unit(path, unit_label(kind), clock.end)
         stack.callback(units[kind].close)
     scheme = couple(units, scene.coupling, drive, foreign)
     stride = max(1, round(series_every / clock.communication_step)) if series_every else 1

@@ -11,12 +11,12 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from nervure.coupling import Single
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.evaluate.summary import Summary
 from nervure.files import write_together
 from nervure.recorder import Series
 from nervure.resources import KINDS
-from nervure.scene import Document, Scene, called, document, text, typed
+from nervure.scene import Document, Scene, document, text, unit_label, validate
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
 """The files that a coupled run leaves in its folder, besides the FMUs."""
@@ -49,19 +49,21 @@ class Results:
 def read(folder: Path) -> Results:
     """The results in `folder`; series.csv has ten digits, series.h5 of a long run has all."""
     try:
-        scene = typed(json.loads((folder / "scene.json").read_text(encoding="utf-8")))
+        scene = validate(json.loads((folder / "scene.json").read_text(encoding="utf-8")))
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
         columns, table = _read_series(folder)
         known = TypeAdapter(Summary).validate_python(summary)
     except OSError as error:
         missing = Path(error.filename).name
-        raise Refusal(f"{folder} holds no results: {missing}: {error.strerror}; `nervure run` makes them") from error
+        raise InputError(f"{folder} holds no results: {missing}: {error.strerror}; `nervure run` makes them") from error
     except ValidationError as error:
-        raise Refusal(f"the results in {folder} are damaged, or of another version: summary.json: {error}") from error
+        raise InputError(
+            f"the results in {folder} are damaged, or of another version: summary.json: {error}"
+        ) from error
     except ValueError as error:
-        raise Refusal(f"the results in {folder} are damaged: {error}") from error
+        raise InputError(f"the results in {folder} are damaged: {error}") from error
     if table.shape[1] != len(columns):
-        raise Refusal(f"the results in {folder} are damaged: series.csv has rows of another length than its header")
+        raise InputError(f"the results in {folder} are damaged: series.csv has rows of another length than its header")
     return Results(scene, folder, known, dict(zip(columns, table.T, strict=True)), known.series)
 
 
@@ -113,7 +115,7 @@ def other(folder: Path, scene: Scene | Document, models: Mapping[str, str]) -> s
         return "the results of another scene: {} is {} there, but {} here".format(*found)
     for kind, model in models.items():
         if ran.get(kind) != model:
-            return f"the results of another {called(kind)}: it is {ran.get(kind)} there, but {model} here"
+            return f"the results of another {unit_label(kind)}: it is {ran.get(kind)} there, but {model} here"
     return None
 
 

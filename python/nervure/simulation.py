@@ -8,10 +8,10 @@ from pathlib import Path
 from rich.console import Console
 
 from nervure import checkpoint, master, results
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.evaluate.summary import summarize
 from nervure.pack import package
-from nervure.scene import Scene, called, kinds, typed
+from nervure.scene import Scene, kinds, unit_label, validate
 from nervure.show import fields, forecast
 from nervure.show.progress import display, interruptible
 from nervure.show.table import print_table
@@ -42,7 +42,7 @@ def run(
     try:
         fmus = {kind: foreign.get(kind) or package.pack(kind, scene, folder, version=fmi) for kind in kinds(scene)}
     except OSError as error:
-        raise Refusal(f"cannot write into the result folder {folder}: {error.strerror}") from error
+        raise InputError(f"cannot write into the result folder {folder}: {error.strerror}") from error
     strays -= {path.parent.resolve() / path.name for path in fmus.values()}
     options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
     return _execute(scene, fmus, any(foreign.values()), options, folder, quiet, strays=strays)
@@ -50,21 +50,21 @@ def run(
 
 def replaced(scene: Scene, rods: Mapping[str, Path], fluid: Path | None) -> dict[str, Path | None]:
     """The FMUs in the place of ours, by the unit that each is: `rods` by the name of a rod, that of the only one being
-    `rod`. Raises `Refusal` for a name that the scene does not have."""
+    `rod`. Raises `InputError` for a name that the scene does not have."""
     names = [kind for kind in kinds(scene) if kind != "fluid"] if scene.rods else ["rod"]
     for name in rods:
         if name not in names:
             known = f"the rods {', '.join(names)}" if scene.rods else "one rod, which needs no name"
-            raise Refusal(f"an FMU is given for the rod `{name}`, but the scene has {known}")
+            raise InputError(f"an FMU is given for the rod `{name}`, but the scene has {known}")
     return {**rods, "fluid": fluid}
 
 
 def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], force: bool) -> set[Path]:
     """The units of an earlier scene in `folder` and its row of a sweep, which the results of this one will replace;
-    raises `Refusal` where that would lose something, unless `force` allows it."""
+    raises `InputError` where that would lose something, unless `force` allows it."""
     if (folder / checkpoint.FILE).exists():
         if not force:
-            raise Refusal(
+            raise InputError(
                 f"{folder} holds the checkpoint of a run that was stopped: `nervure resume {folder}` goes on; to begin "
                 "anew, give another --output, or --force to replace it"
             )
@@ -75,7 +75,7 @@ def _make_room(scene: Scene, folder: Path, foreign: Mapping[str, Path | None], f
     }
     if held := results.other(folder, scene, models):
         if not force:
-            raise Refusal(f"{folder} holds {held}; give another --output, or --force to replace what is there")
+            raise InputError(f"{folder} holds {held}; give another --output, or --force to replace what is there")
         units = {f"{results.scene_name(folder)}-{kind}.fmu" for kind in results.unit_names(folder)}
         return {folder.resolve() / name for name in (*units, "row.json")}
     return set()
@@ -95,8 +95,8 @@ def resume(folder: Path, quiet: bool) -> results.Results:
     fmus = {kind: folder / path for kind, path in setup["fmus"].items()}
     for kind, path in fmus.items():
         if not path.is_file():
-            raise Refusal(f"the {called(kind)} of the run in {folder} is not there any more: {path}")
-    return _execute(typed(kept.about["scene"]), fmus, setup["foreign"], setup["options"], folder, quiet, kept)
+            raise InputError(f"the {unit_label(kind)} of the run in {folder} is not there any more: {path}")
+    return _execute(validate(kept.about["scene"]), fmus, setup["foreign"], setup["options"], folder, quiet, kept)
 
 
 def _execute(
@@ -161,7 +161,7 @@ def _execute(
             if not many:
                 _draw(made, units, status)
         except OSError as error:
-            raise Refusal(f"the results cannot be written into {folder}: {error.strerror}") from error
+            raise InputError(f"the results cannot be written into {folder}: {error.strerror}") from error
     print_table(console, summary, scene.display)
     console.print(f"results in {folder}", soft_wrap=True)
     if status.stopped:

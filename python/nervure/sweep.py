@@ -24,11 +24,11 @@ from time import perf_counter, process_time
 from typing import Any
 
 from nervure import master, results, simulation
-from nervure.errors import Refusal, SceneError
+from nervure.errors import InputError, SceneError
 from nervure.files import json_numbers, write_csv, write_whole
 from nervure.library import kind_of, library
 from nervure.master import Clock
-from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, typed
+from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, validate
 from nervure.show.sweeps import FINISHED, Row, short_keys, short_value
 
 ROW = "row.json"
@@ -152,7 +152,7 @@ def one(scene: Document, folder: Path) -> Row:
     row: Row = {"status": FINISHED, "reason": None}
     found: Row = {}
     try:
-        summary = simulation.sample(typed(scene), folder, [_reporting(folder.name)]).summary
+        summary = simulation.sample(validate(scene), folder, [_reporting(folder.name)]).summary
         if not summary.completed:
             row = {"status": FAILED, "reason": summary.error}
         found = {name: getattr(summary, name) for name in REPORTED}
@@ -161,7 +161,7 @@ def one(scene: Document, folder: Path) -> Row:
         found |= summary.coefficients.values if summary.coefficients else {}
         flapping = vars(summary.flapping).items() if summary.flapping else ()
         found |= {name: value for name, value in flapping if isinstance(value, float)}
-    except (Refusal, OSError) as error:
+    except (InputError, OSError) as error:
         row = {"status": FAILED, "reason": str(error)}
     times = {"wall_s": perf_counter() - wall, "cpu_s": process_time() - cpu}
     return {name: json_numbers(value) for name, value in (row | times | found).items()}
@@ -177,7 +177,7 @@ def run(
     progress: Progress = lambda _runs, _steps: None,
 ) -> list[Row]:
     """Run `todo`, those of `cases` that are not known, write sweep.csv and sweep.json into `folder`, return the rows.
-    Raises `Refusal` where that would replace results of another scene, unless `force` allows it.
+    Raises `InputError` where that would replace results of another scene, unless `force` allows it.
 
     `say` is given a line for each run that ends; `progress` runs and steps done of those that are to do, at any time.
     """
@@ -185,7 +185,7 @@ def run(
     todo = unknown(cases, folder, False) if todo is None else todo
     for case in [] if force else todo:
         if held := results.other(folder / case.folder, case.scene, {}):
-            raise Refusal(
+            raise InputError(
                 f"{folder / case.folder} holds {held}; give another --output, or --force to replace what is there"
             )
     done = dict.fromkeys((case.folder for case in todo), 0)  # Steps
@@ -212,7 +212,7 @@ def run(
         if todo:
             _distribute(todo, folder, scheduler, reached, keep)
     except OSError as error:
-        raise Refusal(f"cannot write into {folder}: {error.strerror or error}") from error
+        raise InputError(f"cannot write into {folder}: {error.strerror or error}") from error
     return [row for row in rows.values() if row]
 
 
@@ -283,17 +283,17 @@ def _distribute(
         try:
             client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
         except (OSError, ValueError) as error:
-            raise Refusal(
+            raise InputError(
                 f"no scheduler answers at {scheduler}: `dask scheduler` starts one; without --scheduler the runs are "
                 "on this machine"
             ) from error
         threads = client.nthreads()
         if not threads:
-            raise Refusal(
+            raise InputError(
                 f"the scheduler at {scheduler} has no workers: `dask worker {scheduler} --nthreads 1` starts one"
             )
         if several := [f"{worker} has {count}" for worker, count in threads.items() if count != 1]:
-            raise Refusal(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
+            raise InputError(f"a run needs a worker of one thread, but {several[0]}: start it with --nthreads 1")
 
         def hear(event: tuple[float, Any]) -> None:
             told = event[1]
@@ -321,7 +321,7 @@ def _distribute(
                     raise CancelledError
                 failure = future.exception()
             except (OSError, CancelledError) as lost:
-                raise Refusal(
+                raise InputError(
                     f"the scheduler at {scheduler} was lost; the same command goes on with what is missing"
                 ) from lost
             if isinstance(failure, KilledWorker):

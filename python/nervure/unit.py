@@ -20,7 +20,7 @@ from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2Ca
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
-from nervure.errors import Refusal
+from nervure.errors import InputError
 
 FMI_WARNING, FMI_FATAL = 1, 4
 ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of the standard: some units say only in these why they failed
@@ -28,7 +28,7 @@ KINDS = {"Float64": "Real", "Int32": "Integer"}  # Types of FMI 3.0 by the name 
 ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 
 
-class UnitError(Refusal):
+class UnitError(InputError):
     """A unit refused or failed; the message is the unit's own where it gave one."""
 
 

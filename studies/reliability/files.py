@@ -20,7 +20,7 @@ import numpy as np
 from nervure import checkpoint, results
 from nervure.master import assemble
 from nervure.pack import package
-from nervure.scene import typed
+from nervure.scene import validate
 
 from .unit import SCENE, STEP, FMU2Unit
 
@@ -41,7 +41,7 @@ class Run:
     """
 
     def __init__(self, kind: str, folder: Path, stack: ExitStack):
-        scene, self.folder = typed(SCENE), folder
+        scene, self.folder = validate(SCENE), folder
         units, self.scheme, _, self.recorder = assemble(scene, {kind: package.pack(kind, SCENE, folder)}, stack)
         self.unit, self.kept = units[kind], checkpoint.Checkpoint(folder, scene, {}, units, self.scheme, self.recorder)
         self.scheme.start()
@@ -62,7 +62,7 @@ class Run:
 
     def write(self, done: int, _: float = 0.0) -> None:
         summary = SimpleNamespace(document=lambda: {"steps": done})
-        made = results.Results(typed(SCENE), self.folder, summary, self.recorder.series, self.recorder.units)
+        made = results.Results(validate(SCENE), self.folder, summary, self.recorder.series, self.recorder.units)
         results.write(made, self.scheme)
 
     def begin(self, folder: Path) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.resources import ROOT
 from studies import simulate
 from studies.engine import COUPLED, ROD, THREADS, Case, Run
@@ -48,9 +48,9 @@ def run_peer(case: Case, folder: Path) -> dict[str, Any]:
             command, env=os.environ | THREADS, capture_output=True, text=True, timeout=LONGEST, cwd=ROOT, check=False
         )
     except subprocess.TimeoutExpired as error:
-        raise Refusal(f"no end after {LONGEST:g} s") from error
+        raise InputError(f"no end after {LONGEST:g} s") from error
     if done.returncode:
-        raise Refusal(done.stderr.strip().splitlines()[-1])
+        raise InputError(done.stderr.strip().splitlines()[-1])
     found: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
     return found
 

@@ -25,7 +25,7 @@ from lxml import etree
 from nervure import coupling
 from nervure.pack import package, ssp
 from nervure.resources import ROOT
-from nervure.scene import typed
+from nervure.scene import validate
 from nervure.unit import ELEMENT, Unit
 
 H, STEPS = 2.0**-9, 20
@@ -169,7 +169,7 @@ def test_ecos_agrees(scene, units_in, tmp_path, ecospy):
 
 
 def test_ssp_follows_its_schema(fsi3, tmp_path):
-    with zipfile.ZipFile(ssp.pack(typed(fsi3), tmp_path)) as archive:
+    with zipfile.ZipFile(ssp.pack(validate(fsi3), tmp_path)) as archive:
         description = etree.fromstring(archive.read("SystemStructure.ssd"))
         assert {"resources/fsi3-325x72-rod.fmu", "resources/fsi3-325x72-fluid.fmu"} <= set(archive.namelist())
     folder = Path(fmpy.__file__).parent / "ssp" / "schema"
@@ -177,14 +177,14 @@ def test_ssp_follows_its_schema(fsi3, tmp_path):
 
 
 def test_ssp_runs_in_ecos(fsi3, units_in, tmp_path, ecospy):
-    path, units = ssp.pack(typed(fsi3), tmp_path), units_in(fsi3)
+    path, units = ssp.pack(validate(fsi3), tmp_path), units_in(fsi3)
     expected = ours(units)
     assert_agreement(ecos_values(ecospy.EcosSimulation(H, ssp_path=str(path)), units), expected)
 
 
 def test_ssp_as_shipped_is_refused_by_name_in_fmpy(fsi3, tmp_path):
     """Its reader has 0 at every connector in the first step, whatever an SSP says. Messages go to C's output."""
-    path = ssp.pack(typed(fsi3), tmp_path)
+    path = ssp.pack(validate(fsi3), tmp_path)
     program = f"from fmpy.ssp.simulation import simulate_ssp; simulate_ssp({str(path)!r}, stop_time={H}, step_size={H})"
     answer = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     assert answer.returncode == 1 and "fmi2DoStep failed with status 3" in answer.stderr, answer.stderr
@@ -201,7 +201,7 @@ def test_ssp_runs_in_fmpy(fsi3, units_in, tmp_path, monkeypatch):
 
     instantiate_fmu = fmpy.ssp.simulation.instantiate_fmu
     monkeypatch.setattr(fmpy.ssp.simulation, "instantiate_fmu", with_start_values)
-    path, units = ssp.pack(typed(fsi3), tmp_path), units_in(fsi3)
+    path, units = ssp.pack(validate(fsi3), tmp_path), units_in(fsi3)
     result = fmpy.ssp.simulation.simulate_ssp(str(path), stop_time=(STEPS - 0.5) * H, step_size=H)
     assert len(result) == STEPS
     expected = ours(units)

@@ -1,11 +1,11 @@
 """Guards of an explicit run: what is unstable may stay finite, but shows in the powers across the interface."""
 
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.scene.types import Guards
 from nervure.unit import Unit
 
 
-class CouplingError(Refusal):
+class CouplingError(InputError):
     """The units do not fit each other, or the iteration between them did not converge."""
 
 

@@ -13,7 +13,7 @@ from nervure.files import write_whole
 from nervure.library import SUFFIX, kind_of, library
 from nervure.pack import documentation
 from nervure.resources import KINDS, ROOT
-from nervure.scene import Document, Scene, carried, document, kinds
+from nervure.scene import Document, Scene, document, kinds, scene_of_unit
 
 __all__ = ["KINDS", "describe", "kind_of", "kinds", "library", "merge", "pack", "unpacked", "write_archive"]
 
@@ -28,7 +28,7 @@ PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}
 def describe(kind: str, scene: Scene | Document, version: int = 2) -> str:
     """modelDescription.xml of unit `kind` for `scene` in that version of FMI, 2 or 3; raises `SceneError` with the
     unit's words if it refuses it. `kind` is `rod`, `fluid`, or the name of one of several rods."""
-    return libraries.describe(kind_of(kind), carried(scene, kind), version)
+    return libraries.describe(kind_of(kind), scene_of_unit(scene, kind), version)
 
 
 def pack(
@@ -52,7 +52,7 @@ def pack(
     contents = {
         "modelDescription.xml": description.encode("utf-8"),
         **{f"binaries/{name}/fmu_{built}{path.suffix}": path.read_bytes() for name, path in libraries.items()},
-        "resources/scene.json": carried(scene, kind).encode("utf-8"),
+        "resources/scene.json": scene_of_unit(scene, kind).encode("utf-8"),
         **({"model.png": picture} if version == 2 else {}),
         "documentation/index.html": documentation.page(built, description).encode("utf-8"),
         "terminalsAndIcons/terminalsAndIcons.xml": documentation.terminals(description).encode("utf-8"),
@@ -73,7 +73,7 @@ def unpacked(kind: str, scene: Scene | Document, folder: Path) -> Path:
     (place / "binaries" / PLATFORM[2]).mkdir(parents=True)
     (place / "resources").mkdir()
     (place / "modelDescription.xml").write_text(description, encoding="utf-8")
-    (place / "resources" / "scene.json").write_text(carried(scene, kind), encoding="utf-8")
+    (place / "resources" / "scene.json").write_text(scene_of_unit(scene, kind), encoding="utf-8")
     linked = place / "binaries" / PLATFORM[2] / f"fmu_{kind_of(kind)}{SUFFIX}"
     try:
         linked.symlink_to(built.resolve())

@@ -22,8 +22,20 @@ from nervure.scene.part import Part
 from nervure.scene.source import Source, parse
 from nervure.scene.types import Beam, Rod, Scene
 
-__all__ = ["Document", "Own", "Scene", "assign", "beams", "called", "carried", "document", "kinds", "load", "override"]
-__all__ += ["read", "text", "typed"]
+__all__ = [
+    "Document",
+    "Own",
+    "Scene",
+    "assign",
+    "beams",
+    "document",
+    "kinds",
+    "load",
+    "override",
+    "scene_of_unit",
+    "unit_label",
+]
+__all__ += ["read", "text", "validate"]
 
 Document = dict[str, Any]  # A scene as JSON has it, which no unit need have seen
 
@@ -42,7 +54,7 @@ def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     try:
         if is_built("rod"):
             check(text(scene))
-        return typed(scene)
+        return validate(scene)
     except SceneError as error:
         changed = [assignment.partition("=")[0] for assignment in assignments] + ["time.end"] * (end_time is not None)
         place = source.place_of(error.key, changed) if error.key else None
@@ -76,7 +88,7 @@ def _changed(scene: Document, overrides: Iterable[str], end_time: float | None) 
     return scene
 
 
-def typed(scene: Document) -> Scene:
+def validate(scene: Document) -> Scene:
     """A scene as an object with types; raises `SceneError` in the units' words where they do not fit."""
     try:
         return Scene.model_validate(scene)
@@ -111,7 +123,7 @@ def kinds(scene: Scene | Document) -> list[str]:
     return [*_names(parts), *(kind for kind in KINDS if parts.get(kind) is not None)] or ["fluid"]
 
 
-def called(kind: str) -> str:
+def unit_label(kind: str) -> str:
     """What messages call a unit: `rod`, `fluid`, or `rod NAME`."""
     return kind if kind in KINDS else f"rod {kind}"
 
@@ -123,7 +135,7 @@ def _names(parts: dict[str, Any]) -> list[str]:
     return [own["name"] for own in each if isinstance(own, dict) and isinstance(own.get("name"), str)]
 
 
-def carried(scene: Scene | Document, kind: str) -> str:
+def scene_of_unit(scene: Scene | Document, kind: str) -> str:
     """The text of the scene that a unit carries: that of one of several rods says which it is."""
     return text(scene if kind in KINDS else {**document(scene), "this_rod": kind})
 

@@ -19,11 +19,11 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from nervure import results
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.evaluate import statistics
 from nervure.files import write_whole
 from nervure.recorder import Series
-from nervure.scene import beams, typed
+from nervure.scene import beams, validate
 from nervure.show import fields, plots, with_unit
 
 PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
@@ -42,7 +42,7 @@ class Frames:
         alone = not (folder / fields.FLUID).exists() and (folder / fields.BEAM).exists()
         self.fluid: Any = None if alone else h5py.File(folder / fields.FLUID)
         first: Any = h5py.File(folder / fields.BEAM) if alone else self.fluid
-        self.scene = scene = typed(json.loads(first[fields.SCENE][()]))
+        self.scene = scene = validate(json.loads(first[fields.SCENE][()]))
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
         self.beams: list[Any] = [h5py.File(folder / fields.beam_file(own))["VTKHDF"] for own in beams(scene)]
         self.moves = self._moves(results.read(folder).series) if scene.fluid and scene.fluid.bodies else []
@@ -84,10 +84,10 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
-        raise Refusal(f"{folder} holds no fields, which a run writes with --fields-every: {error}") from error
+        raise InputError(f"{folder} holds no fields, which a run writes with --fields-every: {error}") from error
     try:
         window = results.read(folder).summary.window
-    except Refusal:
+    except InputError:
         window = None
     if window and window.periods:
         looped, last = window.last(PERIODS), window.last(1)
@@ -96,7 +96,7 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     first, stop = looped.begin if begin is None else begin, looped.end if end is None else end
     chosen = frames.between(first, stop)
     if not chosen:
-        raise Refusal(
+        raise InputError(
             f"no frames from {first:g} s to {stop:g} s: the run has {frames.times[0]:g} to {frames.times[-1]:g} s"
         )
     if frames.fluid is None:

@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from nervure import checkpoint, master, results
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.pack import package
 from nervure.scene import Scene, beams, kinds
 from nervure.scene.along import thickness
@@ -133,7 +133,7 @@ def show_results(console: Console, folder: Path) -> None:
     try:
         found = results.read(folder)
         summary = found.summary
-    except Refusal:
+    except InputError:
         if not stopped:
             raise
     else:

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
-from nervure.errors import Refusal
+from nervure.errors import InputError
 from nervure.files import write_whole
 
 Row = dict[str, Any]  # What the table of a sweep has of a run, by column
@@ -55,7 +55,7 @@ def read(folder: Path) -> list[Row]:
     try:
         rows: list[Row] = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
-        raise Refusal(f"{folder} holds no sweep: sweep.json: {error}; `nervure sweep` makes it") from error
+        raise InputError(f"{folder} holds no sweep: sweep.json: {error}; `nervure sweep` makes it") from error
     return rows
 
 
