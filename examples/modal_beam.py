@@ -56,7 +56,7 @@ class ModalBeam(ContractUnit):
         self.normal = np.array([-tangent[1], tangent[0]])
         self.s = np.linspace(0.0, length, beam["segments"] + 1)
         self.rest = root[:, None] + tangent[:, None] * self.s
-        setback = rod.get("clamp_setback", 0.0) / length
+        setback = rod.get("clamp_compliance_length", 0.0) / length
         b = np.array([_wavenumber(j, setback) for j in range(1, MODES + 1)])
         sigma = (np.cosh(b) + np.cos(b) + 2 * b * setback * np.sinh(b)) / (np.sinh(b) + np.sin(b))
 

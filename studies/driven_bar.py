@@ -46,7 +46,7 @@ WALLS = {  # What is tried of the wall on the second of them
 }
 STREAM = {"time.end": 5.0}
 """In the flow of CFD3, whose ramp ends at 2 s."""
-STILL = {"fluid.inflow.mean_velocity": {"steady": 0.0}, "time.end": 1.5}
+STILL = {"fluid.inflow.mean_velocity": {"constant": 0.0}, "time.end": 1.5}
 """In fluid at rest."""
 SOON: dict[str, float] = {"begin": 0.0, "ramp": 0.3}
 """Of the motion there, which need not wait for the flow."""

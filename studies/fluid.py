@@ -47,7 +47,7 @@ def cylinder(
     if kind == "cosine":
         shape["half_width"] = 1.0
     core = {"core_depth": 2.0} if mask == "curvature" else {}
-    target = {"log_linear": {"c_eta": c_eta, "target": kind} | core}
+    target = {"log_linear": {"c_eta": c_eta, "wall_correction": kind} | core}
     changes: dict[str, Any] = simulate.aside(SCENES[flow], nx, ny, offset) | {
         "name": f"cylinder-{flow.lower().replace('-', '')}-{name.replace('/', '-')}",
         "time.communication_step": dt,
@@ -61,7 +61,7 @@ def cylinder(
         changes |= {"fluid.time_stepping.scheme": scheme, "fluid.inflow.c_eta": c_eta}
     options: dict[str, Any] = {"repeats": 3 if name.startswith("grid/") else 0}
     if thesis:
-        changes |= {"fluid.inflow.mean_velocity": {"steady": 1.0}, "fluid.initial_velocity": [THESIS_U_INF, 0.0]}
+        changes |= {"fluid.inflow.mean_velocity": {"constant": 1.0}, "fluid.initial_velocity": [THESIS_U_INF, 0.0]}
         changes["time.end"] = THESIS_END
     about = {"published": SCENES[flow], "flow": flow, "nx": nx, "ny": ny, "dt": dt, "mask": mask, "c_eta": c_eta,
              "filter": filter, "scheme": scheme, "aside": "{:g}, {:g}".format(*offset)}  # fmt: skip

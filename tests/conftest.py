@@ -48,7 +48,7 @@ FLUID_ONLY = {
         "kinematic_viscosity": 1e-2,
         "box": {"x": [-1.0, 1.0], "y": [-0.5, 0.5], "cells": [64, 32]},
         "initial_velocity": [1.0, 0.0],
-        "inflow": {"x": [-1.0, -0.8], "profile": "uniform", "mean_velocity": {"steady": 1.0}, "c_eta": 1e-2},
+        "inflow": {"x": [-1.0, -0.8], "profile": "uniform", "mean_velocity": {"constant": 1.0}, "c_eta": 1e-2},
         "cylinders": [{"center": [0.0, 0.0], "radius": 0.15}],
         "mask": {"cosine": {"c_eta": 1e-2, "half_width": 1.0}},
         "time_stepping": {"max_step": 1e-3, "max_cfl": 0.4},
@@ -65,7 +65,7 @@ TWO_RODS = {
         "density": 1.0,
         "kinematic_viscosity": 5e-3,
         "initial_velocity": [1.0, 0.0],
-        "mean_flow": {"x": {"steady": 1.0}},
+        "mean_flow": {"x": {"constant": 1.0}},
         "mask": {"log_linear": {"c_eta": 1e-3}},
         "time_stepping": {"max_step": 2e-3, "max_cfl": 0.3},
     },
@@ -105,7 +105,7 @@ def small_fsi3(fsi3):
     """FSI3 on a grid that is good enough for questions about the interface; the channel runs from the start."""
     fsi3["name"] = "small-fsi3"
     fsi3["fluid"]["box"]["cells"] = [160, 36]
-    fsi3["fluid"]["inflow"]["mean_velocity"] = {"steady": 1.0}
+    fsi3["fluid"]["inflow"]["mean_velocity"] = {"constant": 1.0}
     fsi3["beam"]["segments"] = 20
     return fsi3
 

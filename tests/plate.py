@@ -6,7 +6,7 @@ elasticity on nine-node quadrilaterals. Away from the ends its sections turn and
 
     theta = M (x + d)/EI,    theta = P (l (x + d) - x²/2)/EI,    w' = theta + P/(k G h),
 
-with the mean turning theta and the mean displacement w of a section. `clamp_setback` is d, `shear_factor` is k.
+with the mean turning theta and the mean displacement w of a section; d is `clamp_compliance_length`, k `shear_factor`.
 """
 
 from collections.abc import Callable

@@ -74,7 +74,7 @@ def test_scatter_is_that_over_the_cycles():
 @pytest.mark.parametrize(
     "change",
     [
-        {"mean_flow": {"x": {"steady": 1.0}}},
+        {"mean_flow": {"x": {"constant": 1.0}}},
         {"ramp": 10.0},
         {"angle": {"sine": {"amplitude": 0.1, "frequency": 2.0}}},
         {"y": {"sine": {"amplitude": 0.1, "frequency": 2.0, "phase": 1.0}}},

@@ -21,7 +21,7 @@ def test_the_scale_is_that_of_the_benchmark(scene):
 @pytest.mark.parametrize(
     "assignment",
     [
-        'fluid.cylinders.0.motion={"x":{"steady":0.0}}',
+        'fluid.cylinders.0.motion={"x":{"constant":0.0}}',
         'beam={"root":{"at":{"position":[0,0],"direction":[1,0]}},"length":1,"thickness":0.1,"segments":9}',
         "fluid.cylinders=[]",
         "fluid.inflow=null",

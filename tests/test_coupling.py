@@ -263,7 +263,7 @@ def test_level_of_the_pressure_shortens_the_bar_of_fsi1(start, libraries):
     scene["fluid"]["inflow"]["mean_velocity"]["cosine_ramp"]["duration"] = 1.0
     tips = {}
     for wanted in (True, False):
-        scene["coupling"]["pressure_level"] = wanted
+        scene["coupling"]["axial_pressure_strain"] = wanted
         scheme = start(scene)
         for i in range(2000):
             scheme.step(3e-3 * i, 3e-3)

@@ -99,7 +99,7 @@ def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     override(scene, 'rod.root_motion.laws.y={"sine": {"amplitude": 0.1, "frequency": 2.0}}')
     if kind == "stream":
         override(scene, "fluid.initial_velocity=[0, 1.2]")
-        override(scene, 'fluid.mean_flow={"y": {"steady": 1.2}}')
+        override(scene, 'fluid.mean_flow={"y": {"constant": 1.2}}')
     scene = validate(scene)
     of_scene = dimensionless.evaluate(scene)
     velocity = 1.2 if kind == "stream" else 0.1 * 4 * np.pi

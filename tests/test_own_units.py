@@ -230,7 +230,7 @@ def test_bar_of_finite_elements_falls_as_our_rod_does(bar, rod_only, start):
     rod_only["time"]["end"] = 1.0
     rod_only["beam"]["segments"] = 64
     rod_only["rod"]["material"]["plane_strain"]["shear_factor"] = 0.862
-    rod_only["rod"]["clamp_setback"] = 2.4e-4
+    rod_only["rod"]["clamp_compliance_length"] = 2.4e-4
     ours, falling = start(rod_only), bar()
     for i in range(100):
         ours.step(3e-3 * i, 3e-3)

@@ -68,7 +68,7 @@ def test_classes_of_a_scene_are_those_of_the_schema():
 def test_defaults_are_those_of_the_schema():
     fluid = load("fsi3-325x72").fluid
     assert (fluid.threads, fluid.initial_velocity, fluid.probes, fluid.sponge) == (1, (0.0, 0.0), [], None)
-    assert types.RootLaws().x == types.TimeLawSteady(steady=0.0)
+    assert types.RootLaws().x == types.TimeLawConstant(constant=0.0)
     assert types.Guards().window_steps == 500
 
 
@@ -76,10 +76,10 @@ def test_a_default_that_is_changed_is_written():
     """Also where a list or a part is changed in its place, which pydantic itself does not notice."""
     scene = load("vein-pitching-320x240")
     scene.fluid.probes.append(types.Probe(name="wake", position=(1.0, 0.0)))
-    scene.rod.root_motion.laws.y.steady = 0.5
+    scene.rod.root_motion.laws.y.constant = 0.5
     written = document(scene)
     assert written["fluid"]["probes"] == [{"name": "wake", "position": [1.0, 0.0]}]
-    assert written["rod"]["root_motion"]["laws"]["y"] == {"steady": 0.5}
+    assert written["rod"]["root_motion"]["laws"]["y"] == {"constant": 0.5}
 
 
 @pytest.mark.parametrize("value", [8, np.int64(8), np.float64(8), np.float32(8)])

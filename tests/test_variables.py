@@ -18,7 +18,7 @@ def bar(rod_only):
     rod_only["rod"] |= {
         "material": {"section": dict(SECTION)},
         "damping": 3.0,
-        "clamp_setback": 2e-3,
+        "clamp_compliance_length": 2e-3,
         "root_motion": "master",
     }
     rod_only["time"]["end"] = 1.0
@@ -67,7 +67,7 @@ ROD_KEYS = {
     "axial_stiffness": "rod.material.section.axial_stiffness",
     "shear_stiffness": "rod.material.section.shear_stiffness",
     "damping": "rod.damping",
-    "clamp_setback": "rod.clamp_setback",
+    "clamp_compliance_length": "rod.clamp_compliance_length",
     "gravity.x": "rod.gravity.0",
     "gravity.y": "rod.gravity.1",
 }

@@ -46,7 +46,7 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
     }
     for (k, stations) in unit.fluid.stations().iter().enumerate() {
         let prefix = if beams == 1 { String::new() } else { format!("{}.", numbered(k)[0]) };
-        let loads = [!unit.fluid.loads().is_empty(), unit.scene.pressure_level()];
+        let loads = [!unit.fluid.loads().is_empty(), unit.scene.axial_pressure_strain()];
         list.extend(station_variables(&prefix, k, stations.len(), loads));
     }
     list

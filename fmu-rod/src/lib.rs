@@ -71,7 +71,7 @@ struct Parameters {
     section: Section,
     displaced_line_density: f64,
     damping: f64,
-    clamp_setback: f64,
+    clamp_compliance_length: f64,
     gravity: [f64; 3],
 }
 
@@ -131,7 +131,7 @@ impl Parameters {
             section: own.section,
             displaced_line_density: own.displaced,
             damping: own.damping,
-            clamp_setback: own.clamp_setback,
+            clamp_compliance_length: own.clamp_compliance_length,
             gravity: std::array::from_fn(|axis| own.gravity.get(axis).copied().unwrap_or(0.0)),
         }
     }
@@ -145,7 +145,7 @@ impl Parameters {
             section: self.section,
             displaced: self.displaced_line_density,
             damping: self.damping,
-            clamp_setback: self.clamp_setback,
+            clamp_compliance_length: self.clamp_compliance_length,
             gravity: std::array::from_fn(|axis| self.gravity[axis]),
             ..rod.parameters().clone()
         })?;
@@ -221,8 +221,8 @@ impl RodUnit {
                 |m| from_mut(&mut m.parameters.damping),
             )
             .at_least(0.0),
-            Real::parameter("clamp_setback", "m", "Length by which the clamp lies behind the root", |m| {
-                from_mut(&mut m.parameters.clamp_setback)
+            Real::parameter("clamp_compliance_length", "m", "Length by which the clamp lies behind the root", |m| {
+                from_mut(&mut m.parameters.clamp_compliance_length)
             })
             .at_least(0.0),
         ];

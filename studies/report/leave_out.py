@@ -37,7 +37,7 @@ def parts(scene: Scene) -> Iterator[tuple[str, Scene]]:
     if fluid:
         end, (low, high) = fluid["box"]["x"][1], fluid["box"]["y"]
         if "sponge" not in fluid:
-            sponge = {"x": [end - 0.2, end], "mean_velocity": {"steady": 0.0}, "c_eta": WEAK}
+            sponge = {"x": [end - 0.2, end], "mean_velocity": {"constant": 0.0}, "c_eta": WEAK}
             yield f"sponge of C_eta = {WEAK:g} s", {"fluid.sponge": sponge}
         # A beam stands on a still one.
         if fluid.get("cylinders") and not scene.get("beam") and "motion" not in fluid["cylinders"][0]:

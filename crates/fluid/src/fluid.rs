@@ -103,7 +103,7 @@ impl<R: Real> FluidIn<R> {
                 exchange: vec![Exchange::default(); stations.len()],
             },
         };
-        let outlet = if scene.pressure_level() { Outlet::of(fluid, &domain.grid) } else { None };
+        let outlet = if scene.axial_pressure_strain() { Outlet::of(fluid, &domain.grid) } else { None };
         let zeros = |stations: &Stations| vec![0.0; stations.len()];
         let motion = Motion {
             pressure_jump: stations.iter().map(zeros).collect(),

@@ -4,11 +4,16 @@ mod common;
 
 use common::{run, scene};
 use nervure_fluid::{Fluid, Loads, State, Stations};
-use scene::{Mask, Scene, TimeScheme, WallTarget};
+use scene::{Mask, Scene, TimeScheme, WallCorrection};
 
 const MASKS: [Mask; 2] = [
     Mask::Cosine { c_eta: 1e-4, half_width: 1.0, displacement_corrected: true },
-    Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target: WallTarget::Curvature },
+    Mask::LogLinear {
+        c_eta: 1e-5,
+        decay_length_cells: 0.25,
+        core_depth: None,
+        wall_correction: WallCorrection::Curvature,
+    },
 ];
 
 /// A beam across a stream, along x, or with `transposed` the same with x and y exchanged.
@@ -195,7 +200,12 @@ fn the_impedance_of_rk2_is_that_of_its_drag() {
 /// velocity where the normal of a station passes over it would make an iteration between fluid and rod stall.
 #[test]
 fn loads_are_continuous_in_the_stations() {
-    let mask = Mask::LogLinear { c_eta: 4e-3, e_fold: 0.3, core_depth: None, target: scene::WallTarget::None };
+    let mask = Mask::LogLinear {
+        c_eta: 4e-3,
+        decay_length_cells: 0.3,
+        core_depth: None,
+        wall_correction: scene::WallCorrection::None,
+    };
     let mut fluid = fluid_of(&beam_in_a_stream(mask, false));
     run(&mut fluid, 10, 2e-3);
     let (state, rest) = (fluid.state(), stations(&mut fluid).clone());
@@ -232,7 +242,7 @@ fn pressure_around_the_beam_is_measured_from_the_outlet() {
     let rest = r#", "beam": { "root": { "at": { "position": [-0.1, 0.02], "direction": [1, 0] } },
         "length": 0.3, "thickness": 0.04, "segments": 6 },
         "rod": { "material": { "plane_strain": { "density": 2000.0, "youngs_modulus": 1e6, "poisson_ratio": 0.3 } } },
-        "coupling": { "load": "momentum", "pressure_level": true }"#;
+        "coupling": { "load": "momentum", "axial_pressure_strain": true }"#;
     for mask in MASKS {
         let mut scene = scene(fluid, rest);
         scene.fluid.as_mut().expect("it has one").mask = mask;

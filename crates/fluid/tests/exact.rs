@@ -13,7 +13,7 @@ use measures::{
 };
 use nervure_fluid::{Fluid, Loads, Stations};
 use rustfft::num_complex::Complex64;
-use scene::{Filter, Mask, TimeScheme, WallTarget};
+use scene::{Filter, Mask, TimeScheme, WallCorrection};
 
 const FREE_BEAM: &str = r#", "beam": { "root": { "at": { "position": [0.4, 0.2], "direction": [1, 0] } },
     "length": 0.35, "thickness": 0.05, "segments": 12 }"#;
@@ -112,7 +112,7 @@ fn the_inflow_zone_sets_the_flow_rate() {
 fn poiseuille_flow_has_its_pressure_drop() {
     let text = r#""kinematic_viscosity": 0.02, "box": { "x": [-0.4, 1.6], "y": [-0.1, 0.5], "cells": [64, 96] },
         "channel": { "y": [0.0, 0.41] },
-        "inflow": { "x": [-0.4, 0.0], "profile": "parabolic", "mean_velocity": { "steady": 1.0 }, "c_eta": 1e-3 }"#;
+        "inflow": { "x": [-0.4, 0.0], "profile": "parabolic", "mean_velocity": { "constant": 1.0 }, "c_eta": 1e-3 }"#;
     let mut fluid = Fluid::new(&scene(text, "")).unwrap_or_else(|e| panic!("{e}"));
     run(&mut fluid, 1500, 1e-3);
     let (grid, pressure) = (*fluid.grid(), fluid.pressure());
@@ -176,7 +176,12 @@ fn announced_loads_are_exerted() {
     let masks = [
         Mask::Sharp { c_eta: 1e-4, displacement_corrected: true },
         Mask::Cosine { c_eta: 1e-4, half_width: 1.0, displacement_corrected: true },
-        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target: WallTarget::Curvature },
+        Mask::LogLinear {
+            c_eta: 1e-5,
+            decay_length_cells: 0.25,
+            core_depth: None,
+            wall_correction: WallCorrection::Curvature,
+        },
     ];
     for mask in masks {
         let mut scene = scene(CYLINDER_IN_CHANNEL, FREE_BEAM);
@@ -216,7 +221,12 @@ fn announced_loads_are_exerted() {
 fn announced_station_loads_have_the_force_and_the_power_of_the_drag() {
     for mask in [
         Mask::Cosine { c_eta: 1e-4, half_width: 1.0, displacement_corrected: true },
-        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target: WallTarget::Curvature },
+        Mask::LogLinear {
+            c_eta: 1e-5,
+            decay_length_cells: 0.25,
+            core_depth: None,
+            wall_correction: WallCorrection::Curvature,
+        },
     ] {
         let mut scene = scene(CYLINDER_IN_CHANNEL, FREE_BEAM);
         let parts = (scene.fluid.as_mut(), scene.beam.as_mut());
@@ -357,9 +367,9 @@ fn the_two_thirds_rule_leaves_products_unaliased() {
 /// With an e-fold of a quarter of a cell or more the wall keeps its place; below, the grid no longer resolves the profile.
 #[test]
 fn the_wall_is_where_it_should_be_at_any_offset_of_the_grid() {
-    for (e_fold, limit) in [(0.2, 0.06), (0.25, 0.03), (0.3, 0.02)] {
-        let [least, most] = walls(e_fold);
-        assert!(least > -limit && most < limit, "e-fold {e_fold}: walls {least} to {most} cells off");
+    for (decay_length_cells, limit) in [(0.2, 0.06), (0.25, 0.03), (0.3, 0.02)] {
+        let [least, most] = walls(decay_length_cells);
+        assert!(least > -limit && most < limit, "e-fold {decay_length_cells}: walls {least} to {most} cells off");
     }
 }
 

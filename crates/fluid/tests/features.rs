@@ -163,7 +163,7 @@ fn the_mean_flow_is_held() {
 fn a_sponge_damps_what_passes_through_it() {
     let text = r#""kinematic_viscosity": 1e-9, "box": { "x": [0, 2], "y": [0, 0.5], "cells": [128, 8] },
         "initial_velocity": [1.0, 0.0],
-        "sponge": { "x": [1.2, 1.8], "mean_velocity": { "steady": 1.0 }, "c_eta": 0.2 }"#;
+        "sponge": { "x": [1.2, 1.8], "mean_velocity": { "constant": 1.0 }, "c_eta": 0.2 }"#;
     for scheme in SCHEMES {
         let mut fluid = fluid_of(&with(scene(text, ""), scheme));
         let wave = |x: f64| 0.1 * (TAU * x).sin();
@@ -227,7 +227,7 @@ fn bodies_may_touch() {
     for scheme in SCHEMES {
         let text = r#""kinematic_viscosity": 1e-3, "box": { "x": [-0.4, 1.2], "y": [-0.1, 0.5], "cells": [96, 36] },
             "channel": { "y": [0.0, 0.4] },
-            "inflow": { "x": [-0.4, -0.1], "profile": "parabolic", "c_eta": 2e-3, "mean_velocity": { "steady": 1.0 } },
+            "inflow": { "x": [-0.4, -0.1], "profile": "parabolic", "c_eta": 2e-3, "mean_velocity": { "constant": 1.0 } },
             "initial_velocity": [0.8, 0.0],
             "cylinders": [
                 { "center": [0.1, 0.03], "radius": 0.05 }, { "center": [0.21, 0.05], "radius": 0.06 },
@@ -295,7 +295,12 @@ fn with_bodies(bodies: &str, rest: &str, cells: usize) -> Scene {
         "",
     );
     let fluid = scene.fluid.as_mut().expect("it has one");
-    fluid.mask = Mask::LogLinear { c_eta: 1e-4, e_fold: 0.25, core_depth: None, target: scene::WallTarget::Curvature };
+    fluid.mask = Mask::LogLinear {
+        c_eta: 1e-4,
+        decay_length_cells: 0.25,
+        core_depth: None,
+        wall_correction: scene::WallCorrection::Curvature,
+    };
     fluid.density = 1.0;
     scene
 }

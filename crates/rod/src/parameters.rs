@@ -48,7 +48,7 @@ pub struct Parameters<const D: usize> {
     /// How the root is held.
     pub hold: Hold,
     /// Length by which the clamp lies behind the root, m: the clamp's spring is that of so much more of the rod.
-    pub clamp_setback: f64,
+    pub clamp_compliance_length: f64,
     /// Time scheme.
     pub scheme: RodScheme,
     /// Largest step taken inside [`Rod::step`](crate::Rod::step), s; `None`: the whole step.
@@ -149,7 +149,7 @@ impl<const D: usize> Parameters<D> {
         for (name, value) in [
             ("displaced", self.displaced),
             ("damping", self.damping),
-            ("clamp_setback", self.clamp_setback),
+            ("clamp_compliance_length", self.clamp_compliance_length),
             ("strain_per_pressure", self.strain_per_pressure),
         ] {
             if !(value.is_finite() && value >= 0.0) {
@@ -301,7 +301,7 @@ impl<const D: usize> Parameters<D> {
         let bending = self.section.bending_stiffness / l0;
         let mut bending: Vec<_> = (0..self.segments).map(|v| bending * at(&taper.bending_stiffness, 2 * v)).collect();
         // A spring at the root is in series with half a segment.
-        let beside = self.section.bending_stiffness / (clamp_length + self.clamp_setback);
+        let beside = self.section.bending_stiffness / (clamp_length + self.clamp_compliance_length);
         let (clamp, joint) = match self.hold {
             Hold::Clamped => (beside, Joint::Clamped),
             Hold::Pinned | Hold::Free => (0.0, Joint::Loose),
@@ -328,7 +328,7 @@ impl<const D: usize> Parameters<D> {
     /// The hinge of a torsion spring at the root; in the plane only.
     pub(crate) fn hinge(&self) -> Option<Hinge> {
         let Hold::TorsionSpring { stiffness, damping, rest_angle } = self.hold else { return None };
-        let beside = self.section.bending_stiffness / (0.5 * self.segment_length() + self.clamp_setback);
+        let beside = self.section.bending_stiffness / (0.5 * self.segment_length() + self.clamp_compliance_length);
         (D == 2).then_some(Hinge { stiffness, damping, rest_angle, beside })
     }
 

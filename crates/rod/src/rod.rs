@@ -146,7 +146,7 @@ impl<const D: usize> Rod<D> {
                 }
                 scene::Hold::Free { .. } => Hold::Free,
             },
-            clamp_setback: rod.clamp_setback,
+            clamp_compliance_length: rod.clamp_compliance_length,
             scheme: rod.scheme,
             max_step: rod.max_step,
         })?;

@@ -32,7 +32,10 @@ fn bad_parameters_are_named() {
         (Parameters { strain_per_pressure: -1e-7, ..bar() }, ["strain_per_pressure is -1.000e-7", "at least 0"]),
         (Parameters { displaced: 21.0, ..bar() }, ["weighs 20 kg/m and displaces 21 kg/m", "-1 kg/m"]),
         (Parameters { segments: 0, ..bar() }, ["segments is 0", "at least 2"]),
-        (Parameters { clamp_setback: -1e-3, ..bar() }, ["clamp_setback is -1.000e-3", "at least 0"]),
+        (
+            Parameters { clamp_compliance_length: -1e-3, ..bar() },
+            ["clamp_compliance_length is -1.000e-3", "at least 0"],
+        ),
         (Parameters { calibration: Calibration::Thesis { k_e: 0.0 }, ..bar() }, ["k_e is 0", "above 0"]),
         (Parameters { rest_angles: vec![0.1; 3], ..bar() }, ["rest_angles has 3 entries", "4 are needed"]),
         (

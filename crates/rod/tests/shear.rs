@@ -21,7 +21,7 @@ fn tip_deflection_is_timoshenkos() {
     let (force, setback) = (1e-4, 0.01);
     let exact = force * (1.0 / 3.0 + 1.0 / SHEAR + setback);
     let errors = [20, 40].map(|segments| {
-        let mut rod = Rod::new(Parameters { clamp_setback: setback, ..sheared(segments) }).unwrap();
+        let mut rod = Rod::new(Parameters { clamp_compliance_length: setback, ..sheared(segments) }).unwrap();
         rod.loads.force = vec![0.0; 2 * (segments + 1)];
         *rod.loads.force.last_mut().unwrap() = force;
         rod.solve_static().unwrap();

@@ -89,8 +89,8 @@ fn inextensible_elastica_is_met_with_second_order() {
 #[test]
 fn csm1_is_met_within_a_percent_and_with_the_clamp_set_back_within_0_15() {
     let published = [-7.1877e-3_f64, -66.1023e-3];
-    let tip = |clamp_setback| {
-        let mut rod = Rod::new(Parameters { clamp_setback, ..csm1(128) }).unwrap();
+    let tip = |clamp_compliance_length| {
+        let mut rod = Rod::new(Parameters { clamp_compliance_length, ..csm1(128) }).unwrap();
         rod.solve_static().unwrap();
         rod.tip_displacement()
     };
@@ -312,7 +312,7 @@ fn pressure_all_round_shrinks_the_bar_by_hookes_law() {
 fn pressure_of_the_wrong_number_and_a_state_without_it_are_refused() {
     let text = include_str!("../../../scenes/fsi1-648x108.json");
     let mut rod = Rod::<2>::from_scene(&Scene::from_json(text).unwrap()).unwrap();
-    let plain = text.replace(", \"pressure_level\": true", "");
+    let plain = text.replace(", \"axial_pressure_strain\": true", "");
     assert_ne!(plain, text);
     let other = Rod::<2>::from_scene(&Scene::from_json(&plain).unwrap()).unwrap();
     assert!(other.loads.pressure.is_empty() && other.state().pressure.is_empty());

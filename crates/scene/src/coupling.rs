@@ -22,7 +22,7 @@ pub struct Coupling {
     /// of the pressure. Its zero is the mean over the outlet, the upstream end of the inflow zone. Needs that load, an inflow and a
     /// material in plane strain; costs the fluid three transforms in each step.
     #[serde(default)]
-    pub pressure_level: bool,
+    pub axial_pressure_strain: bool,
     /// When an explicit run is stopped as unstable; absent: as with `{}` where both units are those of this project, not at all
     /// where one is another's.
     #[serde(default)]
@@ -48,12 +48,12 @@ pub struct Guards {
     pub largest_noise: Option<f64>,
     /// Mean power below which noise stops nothing, W per metre of depth: a rod at rest takes nothing but rounding.
     #[schemars(range(min = 0.0))]
-    pub quiet_power: f64,
+    pub min_power: f64,
 }
 
 impl Default for Guards {
     fn default() -> Self {
-        Self { window_steps: 500, largest_imbalance: Some(0.5), largest_noise: Some(1.5), quiet_power: 1e-9 }
+        Self { window_steps: 500, largest_imbalance: Some(0.5), largest_noise: Some(1.5), min_power: 1e-9 }
     }
 }
 
@@ -166,8 +166,8 @@ impl Scene {
     }
 
     /// Whether the scene wants its rods to follow the level of the pressure.
-    pub fn pressure_level(&self) -> bool {
-        self.coupling.as_ref().is_some_and(|coupling| coupling.pressure_level)
+    pub fn axial_pressure_strain(&self) -> bool {
+        self.coupling.as_ref().is_some_and(|coupling| coupling.axial_pressure_strain)
     }
 
     /// Strain by which the rod shrinks under pressure from all sides, 1/Pa, where the scene wants it to follow the level of
@@ -176,7 +176,7 @@ impl Scene {
         let Material::PlaneStrain { youngs_modulus, poisson_ratio, .. } = self.rod.as_ref()?.material else {
             return None;
         };
-        self.pressure_level().then_some((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio) / youngs_modulus)
+        self.axial_pressure_strain().then_some((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio) / youngs_modulus)
     }
 
     /// Whether the level of the pressure can strain the rods, if the scene wants that.
@@ -189,8 +189,8 @@ impl Scene {
             (plane_strain, "a material in plane_strain, whose Poisson's ratio is known"),
             (inflow, "an inflow, at whose outlet the level is 0"),
         ] {
-            let key = "coupling.pressure_level";
-            require(there || !self.pressure_level(), key, true, || format!("it needs {needed}"))?;
+            let key = "coupling.axial_pressure_strain";
+            require(there || !self.axial_pressure_strain(), key, true, || format!("it needs {needed}"))?;
         }
         Ok(())
     }
@@ -305,7 +305,7 @@ mod tests {
 
     #[test]
     fn level_of_the_pressure_needs_what_it_is_made_of() {
-        let (given, wanted) = (GIVEN, r#""coupling": { "pressure_level": true }"#);
+        let (given, wanted) = (GIVEN, r#""coupling": { "axial_pressure_strain": true }"#);
         assert_eq!(fsi3(&[]).unwrap().strain_per_pressure(), None);
         let strain = fsi3(&[(given, wanted)]).unwrap().strain_per_pressure().unwrap();
         assert!((strain / (1.4 * 0.2 / 5.6e6) - 1.0).abs() < 1e-14, "{strain}");
@@ -317,7 +317,7 @@ mod tests {
             (vec![(given, wanted), (r#""inflow": {"#, r#""sponge": {"#)], "it needs an inflow"),
         ] {
             let error = fsi3(&replaced).unwrap_err().to_string();
-            assert!(error.contains("`coupling.pressure_level` is true") && error.contains(reason), "{error}");
+            assert!(error.contains("`coupling.axial_pressure_strain` is true") && error.contains(reason), "{error}");
         }
     }
 
@@ -328,7 +328,7 @@ mod tests {
             fsi3(&[(GIVEN, &coupling)]).map(|scene| scene.coupling.unwrap().guards.unwrap())
         };
         let whole =
-            Guards { window_steps: 500, largest_imbalance: Some(0.5), largest_noise: Some(1.5), quiet_power: 1e-9 };
+            Guards { window_steps: 500, largest_imbalance: Some(0.5), largest_noise: Some(1.5), min_power: 1e-9 };
         assert_eq!(guards("{}").unwrap(), whole);
         let off = guards(r#"{ "largest_imbalance": null }"#).unwrap();
         assert_eq!(off, Guards { largest_imbalance: None, ..whole });
@@ -343,8 +343,8 @@ mod tests {
                 "`coupling.guards.largest_noise` is -1.5, but it must be a number above 0, or null",
             ),
             (
-                r#"{ "quiet_power": -1e-9 }"#,
-                "`coupling.guards.quiet_power` is -1e-9, but it must be a number of at least 0",
+                r#"{ "min_power": -1e-9 }"#,
+                "`coupling.guards.min_power` is -1e-9, but it must be a number of at least 0",
             ),
         ] {
             let refused = guards(wrong).unwrap_err().to_string();

@@ -186,7 +186,7 @@ fn a_quarter() -> f64 {
 }
 
 fn at_rest() -> TimeLaw {
-    TimeLaw::Steady(0.0)
+    TimeLaw::Constant(0.0)
 }
 
 fn yes() -> bool {
@@ -228,7 +228,7 @@ pub enum Mask {
         /// 0.03 cells wherever the grid lies.
         #[serde(default = "a_quarter")]
         #[schemars(extend("exclusiveMinimum" = 0.0))]
-        e_fold: f64,
+        decay_length_cells: f64,
         /// Depth at which the core of a cylinder or another still body begins, in grid cells: from there on the drag grows
         /// three times as fast, up to 1/C_eta. Above a deep core it stays where the grid resolves it. Absent: one and a half
         /// e-folds, three without a wall target. With 2 the forces depend much less on C_eta, but a body of less than 25 cells
@@ -239,14 +239,14 @@ pub enum Mask {
         core_depth: Option<f64>,
         /// What the cylinders and the beam draw the fluid at their surface to.
         #[serde(default)]
-        target: WallTarget,
+        wall_correction: WallCorrection,
     },
 }
 
 /// What a body draws the fluid at its surface to, and thereby which flows along a wall are right to the order of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum WallTarget {
+pub enum WallCorrection {
     /// The body's own velocity: no-slip is where it should be in linear shear, but the smooth profile lets a flux through.
     None,
     /// Inside, weakly, the mirror image of the flow outside: no flux beyond that of linear shear either.

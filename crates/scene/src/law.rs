@@ -13,7 +13,7 @@ use crate::check::{Check, require};
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TimeLaw {
     /// The same value at all times.
-    Steady(f64),
+    Constant(f64),
     /// `value · (1 − cos(π t / duration)) / 2` up to `duration`, then `value`.
     CosineRamp {
         /// Value after the ramp.
@@ -54,7 +54,7 @@ pub enum TimeLaw {
 impl Default for TimeLaw {
     /// 0 at all times.
     fn default() -> Self {
-        Self::Steady(0.0)
+        Self::Constant(0.0)
     }
 }
 
@@ -67,7 +67,7 @@ impl TimeLaw {
     /// Value and its rate (per second) at time `t` (s).
     pub fn value_and_rate(&self, t: f64) -> (f64, f64) {
         match self {
-            Self::Steady(value) => (*value, 0.0),
+            Self::Constant(value) => (*value, 0.0),
             Self::CosineRamp { value, duration } => {
                 let (share, rate) = cosine_ramp(t, *duration);
                 (value * share, value * rate)
@@ -114,7 +114,7 @@ impl TimeLaw {
     /// Largest magnitude that it reaches, or would reach with all parts of a sine in phase.
     pub(crate) fn largest(&self) -> f64 {
         match self {
-            Self::Steady(value) | Self::CosineRamp { value, .. } => value.abs(),
+            Self::Constant(value) | Self::CosineRamp { value, .. } => value.abs(),
             Self::Sine { mean, amplitude, .. } => mean.abs() + amplitude.abs(),
             Self::Table { values, .. } => values.iter().fold(0.0, |largest, value| f64::max(largest, value.abs())),
         }

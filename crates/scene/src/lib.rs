@@ -31,7 +31,7 @@ pub use body::{Body, BodyMotion, Ends, Shape};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use fluid::{
     Channel, Cylinder, Filter, Fluid, FluidBox, Inflow, InflowProfile, Mask, MeanFlow, Motion, Precision, Probe,
-    Sponge, TimeScheme, TimeStepping, WallTarget,
+    Sponge, TimeScheme, TimeStepping, WallCorrection,
 };
 pub use law::TimeLaw;
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
@@ -388,9 +388,12 @@ fn check_hold(rod: &Rod, beam: &Beam, dimension: usize, of: &str) -> Result<(), 
         format!("with a root that is {name} it must be second_order")
     })?;
     let clamped = matches!(rod.root, Hold::TorsionSpring { .. });
-    require(clamped || rod.clamp_setback == 0.0, &format!("{of}.clamp_setback"), rod.clamp_setback, || {
-        format!("it must be 0 with a root that is {name}: there is no clamp")
-    })
+    require(
+        clamped || rod.clamp_compliance_length == 0.0,
+        &format!("{of}.clamp_compliance_length"),
+        rod.clamp_compliance_length,
+        || format!("it must be 0 with a root that is {name}: there is no clamp"),
+    )
 }
 
 /// The example of the README, as a test.

@@ -31,7 +31,7 @@ pub struct Rod {
     /// Length by which the clamp lies behind the root, m: the elastic part of the foundation. It only softens the clamp.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
-    pub clamp_setback: f64,
+    pub clamp_compliance_length: f64,
     /// How the root is held.
     #[serde(default)]
     pub root: Hold,

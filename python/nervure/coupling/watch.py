@@ -70,7 +70,7 @@ class Watch:
             return (
                 f"the power that the {self.rod.name} took and that the fluid gave differ by {share} of what went across"
             )
-        if not self.momentum and noise is not None and watched > noise * crossed and power > self.guards.quiet_power:
+        if not self.momentum and noise is not None and watched > noise * crossed and power > self.guards.min_power:
             noisy = f"{watched / crossed:.2g} of it from step to step"
             return f"the power that the {self.rod.name} took is noise, {noisy}"
         return None

@@ -25,7 +25,7 @@ from nervure.evaluate.rods import seen
 from nervure.evaluate.statistics import Window
 from nervure.recorder import Series
 from nervure.scene import Scene, beams
-from nervure.scene.types import BodyMotion, Motion, TimeLaw, TimeLawSine, TimeLawSteady
+from nervure.scene.types import BodyMotion, Motion, TimeLaw, TimeLawConstant, TimeLawSine
 
 
 @dataclass(frozen=True)
@@ -183,7 +183,7 @@ def _oscillation(motion: Motion | BodyMotion) -> _Oscillation | None:
 
 
 def _rests(law: TimeLaw) -> bool:
-    return isinstance(law, TimeLawSteady)
+    return isinstance(law, TimeLawConstant)
 
 
 def _tip(series: Series, window: Window, velocity: float) -> float | None:

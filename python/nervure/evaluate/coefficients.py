@@ -13,7 +13,7 @@ import numpy as np
 from nervure.evaluate import statistics
 from nervure.recorder import Series
 from nervure.scene import Scene
-from nervure.scene.types import Reference, TimeLaw, TimeLawCosineRamp, TimeLawSteady
+from nervure.scene.types import Reference, TimeLaw, TimeLawConstant, TimeLawCosineRamp
 
 NAMES = ("cd_max", "cd_min", "cd_mean", "cl_max", "cl_min", "cl_mean", "cl_peak_to_peak", "st", "dp_mean")
 """What is evaluated; means are (max + min) / 2 as everywhere. A steady flow has the means alone, a flow without probes
@@ -53,8 +53,8 @@ def scale(scene: Scene) -> Scale | None:
 
 def final_value(law: TimeLaw, by: float = inf) -> float | None:
     """The value that a law keeps from the time `by` (s) on; None where it does not become steady until then."""
-    if isinstance(law, TimeLawSteady):
-        return law.steady
+    if isinstance(law, TimeLawConstant):
+        return law.constant
     ramp = law.cosine_ramp if isinstance(law, TimeLawCosineRamp) else None
     return ramp.value if ramp and ramp.duration <= by else None
 

@@ -30,9 +30,9 @@ from nervure.scene.types import (
     ShapePolygon,
     ShapeRectangle,
     TimeLaw,
+    TimeLawConstant,
     TimeLawCosineRamp,
     TimeLawSine,
-    TimeLawSteady,
     TimeLawTable,
 )
 
@@ -197,8 +197,8 @@ def reach(body: BodyOfScene) -> float:
 def largest(law: TimeLaw) -> float:
     """Largest magnitude of a law; of a sine with a mean, both together."""
     match law:
-        case TimeLawSteady():
-            return abs(law.steady)
+        case TimeLawConstant():
+            return abs(law.constant)
         case TimeLawCosineRamp():
             return abs(law.cosine_ramp.value)
         case TimeLawSine():
@@ -210,7 +210,7 @@ def largest(law: TimeLaw) -> float:
 def largest_rate(law: TimeLaw) -> float:
     """Largest magnitude of a law's rate, per second; of a sine without its ramp, of a table by its secants."""
     match law:
-        case TimeLawSteady():
+        case TimeLawConstant():
             return 0.0
         case TimeLawCosineRamp():
             return abs(law.cosine_ramp.value) * pi / 2 / law.cosine_ramp.duration

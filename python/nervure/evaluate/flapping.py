@@ -14,7 +14,7 @@ from nervure.evaluate.coefficients import final_value
 from nervure.evaluate.statistics import Window
 from nervure.recorder import Series
 from nervure.scene import Scene
-from nervure.scene.types import TimeLawSteady
+from nervure.scene.types import TimeLawConstant
 
 AXES = "xyz"
 
@@ -52,7 +52,7 @@ def stream(scene: Scene, window: Window) -> np.ndarray | None:
     if scene.fluid and (flow := scene.fluid.mean_flow):
         laws = [flow.x, flow.y]
     elif scene.fluid and (inflow := scene.fluid.inflow):
-        laws = [inflow.mean_velocity, TimeLawSteady(steady=0.0)]
+        laws = [inflow.mean_velocity, TimeLawConstant(constant=0.0)]
     else:
         return None
     velocity = [final_value(law, window.begin) for law in laws]

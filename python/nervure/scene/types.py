@@ -53,10 +53,10 @@ InflowProfile = Literal["uniform", "parabolic"]
 the walls of the channel."""
 
 
-class TimeLawSteady(Part):
+class TimeLawConstant(Part):
     """The same value at all times."""
 
-    steady: Real
+    constant: Real
     """The same value at all times."""
 
 
@@ -120,7 +120,7 @@ class TimeLawTable(Part):
     """Cubic Hermite interpolation (slopes by central differences) between points; constant before and after."""
 
 
-TimeLaw = TimeLawSteady | TimeLawCosineRamp | TimeLawSine | TimeLawTable
+TimeLaw = TimeLawConstant | TimeLawCosineRamp | TimeLawSine | TimeLawTable
 """A quantity as a function of time; its unit is that of the key it stands at."""
 
 
@@ -160,20 +160,20 @@ class Sponge(Part):
 class MeanFlow(Part):
     """Mean velocity over the whole box, solids included (thesis' U_inf), m/s."""
 
-    x: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    x: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Along x, m/s."""
 
-    y: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    y: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Along y, m/s."""
 
 
 class Motion(Part):
     """Prescribed displacement of a cylinder, m."""
 
-    x: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    x: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Displacement along x, m."""
 
-    y: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    y: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Displacement along y, m."""
 
 
@@ -266,13 +266,13 @@ Shape = ShapeCircle | ShapeEllipse | ShapeRectangle | ShapePolygon
 class BodyMotion(Part):
     """Prescribed motion of a body."""
 
-    x: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    x: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Displacement of its pivot along x, m."""
 
-    y: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    y: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Displacement of its pivot along y, m."""
 
-    angle: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    angle: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Angle about its pivot, rad, positive to the left."""
 
 
@@ -338,7 +338,7 @@ class MaskCosine(Part):
     Burns 2021)."""
 
 
-WallTarget = Literal["none", "shear", "curvature"]
+WallCorrection = Literal["none", "shear", "curvature"]
 """What a body draws the fluid at its surface to, and thereby which flows along a wall are right to the order of a cell.
 `none`: The body's own velocity: no-slip is where it should be in linear shear, but the smooth profile lets a flux
 through. `shear`: Inside, weakly, the mirror image of the flow outside: no flux beyond that of linear shear either.
@@ -353,7 +353,7 @@ class LogLinear(Part):
     c_eta: Real
     """Smallest relaxation time, s, reached inside the solid."""
 
-    e_fold: Real = 0.25
+    decay_length_cells: Real = 0.25
     """Length of e-fold growth in grid cells. A quarter is the shortest that the grid resolves: the wall keeps its place
     to 0.03 cells wherever the grid lies."""
 
@@ -364,7 +364,7 @@ class LogLinear(Part):
     across is porous. A depth beyond a fifth of a body's thickness counts as that; in a thinner body the core begins
     earlier still. A beam or a body that moves has no core but where it is thinner than some four cells."""
 
-    target: WallTarget = "curvature"
+    wall_correction: WallCorrection = "curvature"
     """What the cylinders and the beam draw the fluid at their surface to."""
 
 
@@ -689,13 +689,13 @@ class HoldTorsionSpring(Part):
 class Free(Part):
     """It moves and turns as the loads, gravity and a force that tows it will."""
 
-    force_x: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    force_x: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Towing force along x, N."""
 
-    force_y: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    force_y: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Towing force along y, N."""
 
-    force_z: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    force_z: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Towing force along z, N; in three dimensions only."""
 
 
@@ -724,13 +724,13 @@ class Rotation(Part):
 class RootLaws(Part):
     """Motion of the root from its place at rest."""
 
-    x: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    x: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Displacement along x, m."""
 
-    y: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    y: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Displacement along y, m."""
 
-    z: TimeLaw = Field(default_factory=lambda: TimeLawSteady(steady=0.0))
+    z: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Displacement along z, m; in three dimensions only."""
 
     rotations: list[Rotation] = Field(default_factory=list)
@@ -789,7 +789,7 @@ class Rod(Part):
     calibration: Calibration = "second_order"
     """How the section's numbers become springs and masses."""
 
-    clamp_setback: Real = 0.0
+    clamp_compliance_length: Real = 0.0
     """Length by which the clamp lies behind the root, m: the elastic part of the foundation. It only softens the
     clamp."""
 
@@ -874,7 +874,7 @@ class Guards(Part):
     relative to the power, means of the magnitudes: 4 for a sawtooth, 2.4 for noise, below 0.8 in runs that hold.
     `null`: off."""
 
-    quiet_power: Real = 1e-09
+    min_power: Real = 1e-09
     """Mean power below which noise stops nothing, W per metre of depth: a rod at rest takes nothing but rounding."""
 
 
@@ -889,7 +889,7 @@ class Coupling(Part):
     """How often the two sides are asked within one communication step; absent: `explicit` under the load `momentum`,
     `iterated` under `pressure_jump`."""
 
-    pressure_level: Flag = False
+    axial_pressure_strain: Flag = False
     """Whether the pressure around the rod strains it along itself, too, beside the load `momentum`, which knows only
     differences of the pressure. Its zero is the mean over the outlet, the upstream end of the inflow zone. Needs that
     load, an inflow and a material in plane strain; costs the fluid three transforms in each step."""

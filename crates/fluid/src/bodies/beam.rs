@@ -525,8 +525,8 @@ mod tests {
             segments: 6,
             rest_angles: Vec::new(),
         };
-        let target = scene::WallTarget::Curvature;
-        let mask = Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target };
+        let target = scene::WallCorrection::Curvature;
+        let mask = Mask::LogLinear { c_eta: 1e-5, decay_length_cells: 0.25, core_depth: None, wall_correction: target };
         let mut beam = Beam::new(&scene, &grid, &mask, 1e-3);
         let flow: Vec<_> = (0..grid.len()).map(|i| grid.point(i)).map(|[x, y]| [y + x * y, x - 2.0 * y * y]).collect();
         // A cell, and where the tip's upper corner is from it: on the bisector outside and inside, and far away.

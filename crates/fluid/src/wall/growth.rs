@@ -31,7 +31,7 @@ const SOFT_SHARE: f64 = 0.2;
 #[derive(Clone, Copy, Debug)]
 pub struct Growth {
     /// Length of e-fold growth, cells.
-    pub e_fold: f64,
+    pub decay_length_cells: f64,
     /// e-folds below the surface at which the core begins.
     core: f64,
     /// e-folds below the surface from which the drag stays as it is up to the core.
@@ -40,16 +40,16 @@ pub struct Growth {
 
 impl Growth {
     /// Below a wall of the channel or in a zone, without a wall target.
-    pub fn wall(e_fold: f64) -> Self {
-        Self::still(e_fold, f64::INFINITY, None, false)
+    pub fn wall(decay_length_cells: f64) -> Self {
+        Self::still(decay_length_cells, f64::INFINITY, None, false)
     }
 
     /// In a body of some thickness that stands still, with or without a wall target, whose core begins at a depth or where
     /// it does by default; all in cells.
-    pub fn still(e_fold: f64, thickness: f64, core_depth: Option<f64>, with_target: bool) -> Self {
+    pub fn still(decay_length_cells: f64, thickness: f64, core_depth: Option<f64>, with_target: bool) -> Self {
         let (usual, plateau) = if with_target { (CORE_WITH_TARGET, PLATEAU) } else { (CORE, f64::INFINITY) };
-        let deepest = core_depth.map_or(usual, |depth| depth.min(SOFT_SHARE * thickness) / e_fold);
-        Self::new(e_fold, thickness, deepest, plateau)
+        let deepest = core_depth.map_or(usual, |depth| depth.min(SOFT_SHARE * thickness) / decay_length_cells);
+        Self::new(decay_length_cells, thickness, deepest, plateau)
     }
 
     /// In a body of some thickness (cells) that moves, which has no core that it can do without.
@@ -58,24 +58,24 @@ impl Growth {
     /// exponential a of the decay length λ that is a logistic function, whose sum over the cells ripples with the place of
     /// the grid by `2 π λ/sinh(2 π² λ)` of a cell: 0.02 for a quarter of a cell, 0.2 in a core that is three times as steep.
     /// Forces flicker with a core, wherever it begins (docs/driven-bar.md).
-    pub fn moving(e_fold: f64, thickness: f64) -> Self {
-        Self::new(e_fold, thickness, f64::INFINITY, f64::INFINITY)
+    pub fn moving(decay_length_cells: f64, thickness: f64) -> Self {
+        Self::new(decay_length_cells, thickness, f64::INFINITY, f64::INFINITY)
     }
 
     /// With a core that begins at `deepest` (e-folds), or earlier in a thin body.
-    fn new(e_fold: f64, thickness: f64, deepest: f64, plateau: f64) -> Self {
-        let everywhere = 0.5 * (thickness - 1.0) / e_fold;
+    fn new(decay_length_cells: f64, thickness: f64, deepest: f64, plateau: f64) -> Self {
+        let everywhere = 0.5 * (thickness - 1.0) / decay_length_cells;
         let above_plateau = everywhere - (TIGHT - everywhere) / (STEEPNESS - 1.0);
         let below_plateau = everywhere - (TIGHT - plateau) / STEEPNESS;
-        Self { e_fold, core: above_plateau.min(below_plateau).clamp(0.0, deepest), plateau }
+        Self { decay_length_cells, core: above_plateau.min(below_plateau).clamp(0.0, deepest), plateau }
     }
 
     /// Drag in ν/dx² at a depth (cells). At the surface it is what makes the flow vanish there in linear shear.
     pub fn drag(&self, depth: f64) -> f64 {
-        let folds = depth / self.e_fold;
+        let folds = depth / self.decay_length_cells;
         let held_back = (folds.min(self.core) - self.plateau).max(0.0);
         let growth = folds - held_back + (STEEPNESS - 1.0) * (folds - self.core).max(0.0);
-        (growth - 2.0 * EULER_GAMMA).exp() / (self.e_fold * self.e_fold)
+        (growth - 2.0 * EULER_GAMMA).exp() / (self.decay_length_cells * self.decay_length_cells)
     }
 }
 

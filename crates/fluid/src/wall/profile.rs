@@ -66,8 +66,8 @@ impl DragProfile {
                     if displacement_corrected { eps * cosine_wall_displacement(half_width / eps) } else { 0.0 };
                 Self::Cosine { rate, half_width, shift: displacement }
             }
-            Mask::LogLinear { e_fold, .. } => {
-                let growth = Growth::wall(e_fold);
+            Mask::LogLinear { decay_length_cells, .. } => {
+                let growth = Growth::wall(decay_length_cells);
                 Self::LogLinear { rate, unit: nu / (dx * dx), growth, cell: dx, shrink: 0.0, target: None }
             }
         }
@@ -78,14 +78,18 @@ impl DragProfile {
         let mut profile = Self::new(mask, mask.c_eta(), nu, dx);
         let (
             Self::LogLinear { rate, growth, shrink, target, .. },
-            &Mask::LogLinear { e_fold, core_depth, target: wanted, .. },
+            &Mask::LogLinear { decay_length_cells, core_depth, wall_correction: wanted, .. },
         ) = (&mut profile, mask)
         else {
             return profile;
         };
         let cells = thickness / dx;
         let growth_of = |with_target| {
-            if moves { Growth::moving(e_fold, cells) } else { Growth::still(e_fold, cells, core_depth, with_target) }
+            if moves {
+                Growth::moving(decay_length_cells, cells)
+            } else {
+                Growth::still(decay_length_cells, cells, core_depth, with_target)
+            }
         };
         *growth = growth_of(false);
         let with_target = growth_of(true);
@@ -130,7 +134,7 @@ impl DragProfile {
         match *self {
             Self::Sharp { offset, .. } => offset,
             Self::Cosine { half_width, shift, .. } => (half_width - shift).max(0.0),
-            Self::LogLinear { growth, cell, .. } => TAIL * growth.e_fold * cell,
+            Self::LogLinear { growth, cell, .. } => TAIL * growth.decay_length_cells * cell,
         }
     }
 }
@@ -194,7 +198,12 @@ mod tests {
     fn the_log_linear_profile_holds_the_wall_at_zero() {
         let (nu, dx) = (1e-3, 4e-3);
         let profile = DragProfile::new(
-            &Mask::LogLinear { c_eta: 1e-7, e_fold: 0.3, core_depth: None, target: scene::WallTarget::None },
+            &Mask::LogLinear {
+                c_eta: 1e-7,
+                decay_length_cells: 0.3,
+                core_depth: None,
+                wall_correction: scene::WallCorrection::None,
+            },
             1e-7,
             nu,
             dx,

@@ -116,9 +116,9 @@ fn mirrored_flux(depth: f64) -> f64 {
 /// A flow `u = t d + g d²/2` along a wall sees a profile by four numbers: where its shear t seems to vanish, the flux
 /// that it has beyond that of this shear, and the same of g: a slip and a flux. For the bare profile the first is 0,
 /// flux and slip are (π²/6) λ² t and −(π²/6) λ² g, equal by the reciprocity of the operator `u″ − a u`. The weights and
-/// the depth are those for which the flux, and with [`scene::WallTarget::Curvature`] slip and flux of g, vanish; the
+/// the depth are those for which the flux, and with [`scene::WallCorrection::Curvature`] slip and flux of g, vanish; the
 /// shift makes up for what they do to the first, and for where the grid sees the wall, as a mean over its places.
-pub fn calibrate(growth: Growth, wanted: scene::WallTarget) -> Option<(WallTarget, f64)> {
+pub fn calibrate(growth: Growth, wanted: scene::WallCorrection) -> Option<(WallTarget, f64)> {
     let target = |[mirror, curvature, depth]: [f64; 3]| WallTarget {
         mirror,
         curvature,
@@ -128,9 +128,9 @@ pub fn calibrate(growth: Growth, wanted: scene::WallTarget) -> Option<(WallTarge
         largest: f64::INFINITY,
     };
     let count = match wanted {
-        scene::WallTarget::None => return None,
-        scene::WallTarget::Shear => 1,
-        scene::WallTarget::Curvature => 3,
+        scene::WallCorrection::None => return None,
+        scene::WallCorrection::Shear => 1,
+        scene::WallCorrection::Curvature => 3,
     };
     let errors = |unknowns: [f64; 3]| {
         let target = target(unknowns);
@@ -305,32 +305,47 @@ mod tests {
     /// both out.
     #[test]
     fn the_wall_target_takes_out_displacement_fluxes_and_slip() {
-        for e_fold in [0.15, 0.2, 0.25, 0.3] {
-            let growth = Growth::wall(e_fold);
+        for decay_length_cells in [0.15, 0.2, 0.25, 0.3] {
+            let growth = Growth::wall(decay_length_cells);
             let bare = WallTarget { mirror: 0.0, curvature: 0.0, depth: 1.0, cell: 1.0, inertia: 0.0, largest: 1e6 };
             let (wall, flux) = shear_flow(growth, &bare);
-            let expected = PI * PI / 6.0 * e_fold * e_fold;
-            assert!(wall.abs() < 2e-3, "e-fold {e_fold}: wall at {wall} cells");
-            assert!((flux / expected - 1.0).abs() < 0.02, "e-fold {e_fold}: excess flux {flux} against {expected}");
+            let expected = PI * PI / 6.0 * decay_length_cells * decay_length_cells;
+            assert!(wall.abs() < 2e-3, "e-fold {decay_length_cells}: wall at {wall} cells");
+            assert!(
+                (flux / expected - 1.0).abs() < 0.02,
+                "e-fold {decay_length_cells}: excess flux {flux} against {expected}"
+            );
             let (slip, _) = bent_flow(growth, &bare);
-            assert!((slip / expected + 1.0).abs() < 0.02, "e-fold {e_fold}: slip {slip} against {}", -expected);
-            let still = |core_depth| Growth::still(e_fold, f64::INFINITY, core_depth, true);
-            let growths = [still(None), still(Some(2.0)), Growth::moving(e_fold, 5.0), Growth::moving(e_fold, 3.0)];
-            let targets = [scene::WallTarget::Shear, scene::WallTarget::Curvature];
+            assert!(
+                (slip / expected + 1.0).abs() < 0.02,
+                "e-fold {decay_length_cells}: slip {slip} against {}",
+                -expected
+            );
+            let still = |core_depth| Growth::still(decay_length_cells, f64::INFINITY, core_depth, true);
+            let growths = [
+                still(None),
+                still(Some(2.0)),
+                Growth::moving(decay_length_cells, 5.0),
+                Growth::moving(decay_length_cells, 3.0),
+            ];
+            let targets = [scene::WallCorrection::Shear, scene::WallCorrection::Curvature];
             for (growth, wanted) in growths.into_iter().flat_map(|growth| targets.map(|wanted| (growth, wanted))) {
                 let (target, shift) = calibrate(growth, wanted).expect("there is one");
                 let (wall, flux) = shear_flow(growth, &target);
                 let (slip, bent_flux) = bent_flow(growth, &target);
-                assert!((wall - shift).abs() < 0.02 && flux.abs() < 1e-7, "e-fold {e_fold}: {wall}, {flux}");
-                if wanted == scene::WallTarget::Curvature {
+                assert!(
+                    (wall - shift).abs() < 0.02 && flux.abs() < 1e-7,
+                    "e-fold {decay_length_cells}: {wall}, {flux}"
+                );
+                if wanted == scene::WallCorrection::Curvature {
                     assert!(
                         slip.abs() < 1e-7 && bent_flux.abs() < 1e-7,
-                        "e-fold {e_fold}: slip {slip}, flux {bent_flux}"
+                        "e-fold {decay_length_cells}: slip {slip}, flux {bent_flux}"
                     );
                 }
                 assert!(target.mirror > 0.0 && target.mirror + target.curvature < 1.0, "{target:?} does not contract");
                 let on_grid = wall_on_grid(growth, &target, shift).expect("there is one");
-                assert!(on_grid.abs() < 1e-4, "e-fold {e_fold}: the grid sees the wall at {on_grid} cells");
+                assert!(on_grid.abs() < 1e-4, "e-fold {decay_length_cells}: the grid sees the wall at {on_grid} cells");
             }
         }
     }

@@ -40,7 +40,7 @@ pub const LOG_LINEAR: (&str, &str) = ("log_linear", "");
 /// The Schäfer–Turek channel on 200 x 40 points, started by a jump of the inflow from 0 to 1 m/s.
 pub fn channel(case: Case) -> Result<Scene, String> {
     let cylinders = r#"[{ "center": [0.2, 0.2], "radius": 0.05 }]"#;
-    channel_with(case, cylinders, r#"{ "steady": 1.0 }"#)
+    channel_with(case, cylinders, r#"{ "constant": 1.0 }"#)
 }
 
 /// The same with other cylinders and another inflow.
@@ -63,7 +63,7 @@ pub fn channel_with(case: Case, cylinders: &str, inflow: &str) -> Result<Scene, 
 
 /// Bodies and inflows that are hard on a solver, each with its name.
 pub fn hard_scenes(case: Case) -> Result<Vec<(&'static str, Scene)>, String> {
-    let steady = r#"{ "steady": 1.0 }"#;
+    let steady = r#"{ "constant": 1.0 }"#;
     let with = |cylinders: &str| channel_with(case, cylinders, steady);
     Ok(vec![
         (

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use nervure_fluid::Fluid;
 use rustfft::num_complex::Complex64;
-use scene::{Filter, Mask, TimeScheme, WallTarget};
+use scene::{Filter, Mask, TimeScheme, WallCorrection};
 
 use crate::common::{run, scene, spectrum};
 
@@ -67,8 +67,12 @@ pub fn added_mass(half_box: f64, cells: usize) -> [f64; 2] {
             {{ "x": {{ "sine": {{ "amplitude": {amplitude}, "frequency": {frequency} }} }} }} }}]"#
     );
     let mut scene = scene(&text, "");
-    scene.fluid.as_mut().expect("it has one").mask =
-        Mask::LogLinear { c_eta: 1e-5, e_fold: 0.25, core_depth: None, target: WallTarget::Curvature };
+    scene.fluid.as_mut().expect("it has one").mask = Mask::LogLinear {
+        c_eta: 1e-5,
+        decay_length_cells: 0.25,
+        core_depth: None,
+        wall_correction: WallCorrection::Curvature,
+    };
     let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
     let (h, per_period) = (1e-3, 200);
     run(&mut fluid, 2 * per_period, h);
@@ -176,7 +180,7 @@ fn poiseuille(cells: usize, offset: f64, mask: Mask) -> ([f64; 2], f64) {
     let (length, low, high) = (8.0 * dx, offset * dx, 1.0 + offset * dx);
     let text = format!(
         r#""kinematic_viscosity": 1.0, "box": {{ "x": [0, {length}], "y": [-0.25, 1.25], "cells": [8, {cells}] }},
-        "channel": {{ "y": [{low}, {high}] }}, "initial_velocity": [1, 0], "mean_flow": {{ "x": {{ "steady": 1 }} }}"#
+        "channel": {{ "y": [{low}, {high}] }}, "initial_velocity": [1, 0], "mean_flow": {{ "x": {{ "constant": 1 }} }}"#
     );
     let mut scene = scene(&text, "");
     let part = scene.fluid.as_mut().expect("it has one");
@@ -213,8 +217,9 @@ fn poiseuille(cells: usize, offset: f64, mask: Mask) -> ([f64; 2], f64) {
 }
 
 /// Where the walls of the penalized channel are at several offsets of the grid: least and most, cells, outwards positive.
-pub fn walls(e_fold: f64) -> [f64; 2] {
-    let mask = Mask::LogLinear { c_eta: 1e-7, e_fold, core_depth: None, target: WallTarget::None };
+pub fn walls(decay_length_cells: f64) -> [f64; 2] {
+    let mask =
+        Mask::LogLinear { c_eta: 1e-7, decay_length_cells, core_depth: None, wall_correction: WallCorrection::None };
     let offsets = [0.0, 0.13, 0.25, 0.37, 0.5, 0.71, 0.9];
     let walls = offsets.map(|offset| poiseuille(96, offset, mask).0).map(|[low, high]| [-low, high]);
     let (least, most) = walls.iter().flatten().fold((f64::MAX, f64::MIN), |(a, b), w| (w.min(a), w.max(b)));
@@ -223,7 +228,12 @@ pub fn walls(e_fold: f64) -> [f64; 2] {
 
 /// Largest relative error of the flux through the penalized channel over several offsets of the grid.
 pub fn flux_error(cells: usize) -> f64 {
-    let mask = Mask::LogLinear { c_eta: 1e-7, e_fold: 0.4, core_depth: None, target: WallTarget::None };
+    let mask = Mask::LogLinear {
+        c_eta: 1e-7,
+        decay_length_cells: 0.4,
+        core_depth: None,
+        wall_correction: WallCorrection::None,
+    };
     let errors = [0.0, 0.25, 0.5, 0.75].map(|offset| poiseuille(cells, offset, mask).1);
     errors.iter().fold(0.0_f64, |worst, error| worst.max(error.abs()))
 }

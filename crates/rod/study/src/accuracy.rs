@@ -127,7 +127,7 @@ pub fn csm() -> Table {
             let mut scene = Scene::from_file(&path).expect("a shipped scene");
             let rod = scene.rod.as_mut().expect("a scene with a rod");
             if stiff && let Material::PlaneStrain { shear_factor, .. } = &mut rod.material {
-                (*shear_factor, rod.clamp_setback) = (None, 0.0);
+                (*shear_factor, rod.clamp_compliance_length) = (None, 0.0);
             }
             Rod::<2>::from_scene(&scene).expect("a shipped scene")
         };

@@ -25,7 +25,7 @@ pub fn turek_hron_bar(youngs_modulus: f64, gravity: f64, segments: usize) -> Par
         bending: Bending::Invariant,
         calibration: Calibration::SecondOrder,
         hold: Hold::Clamped,
-        clamp_setback: 0.0,
+        clamp_compliance_length: 0.0,
         scheme: RodScheme::Bdf2,
         max_step: None,
     }
@@ -48,7 +48,7 @@ pub fn unit_rod<const D: usize>(segments: usize, axial_stiffness: f64, scheme: R
         bending: Bending::Invariant,
         calibration: Calibration::SecondOrder,
         hold: Hold::Clamped,
-        clamp_setback: 0.0,
+        clamp_compliance_length: 0.0,
         scheme,
         max_step: None,
     }

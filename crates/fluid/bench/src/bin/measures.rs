@@ -7,7 +7,7 @@ mod measures;
 
 use measures::{made_by_advection, noise};
 use nervure_fluid::internals::DragProfile;
-use scene::{Filter, Mask, TimeScheme, WallTarget};
+use scene::{Filter, Mask, TimeScheme, WallCorrection};
 
 fn main() -> Result<(), csv::Error> {
     let mut file = csv::Writer::from_path(std::env::args().nth(1).expect("the file to write"))?;
@@ -41,26 +41,27 @@ fn main() -> Result<(), csv::Error> {
             }
         }
     }
-    for e_fold in [0.2, 0.25, 0.3] {
-        let [least, most] = measures::walls(e_fold);
-        row("wall", &format!("e-fold {e_fold}"), "least", least, "cells", None)?;
-        row("wall", &format!("e-fold {e_fold}"), "most", most, "cells", None)?;
+    for decay_length_cells in [0.2, 0.25, 0.3] {
+        let [least, most] = measures::walls(decay_length_cells);
+        row("wall", &format!("e-fold {decay_length_cells}"), "least", least, "cells", None)?;
+        row("wall", &format!("e-fold {decay_length_cells}"), "most", most, "cells", None)?;
     }
     for cells in [64, 128] {
         row("flux", &format!("{cells} cells"), "error", measures::flux_error(cells), "1", None)?;
     }
-    let targets = [0.2, 0.25, 0.3].map(|e_fold| (e_fold, "curvature", WallTarget::Curvature, None));
+    let targets =
+        [0.2, 0.25, 0.3].map(|decay_length_cells| (decay_length_cells, "curvature", WallCorrection::Curvature, None));
     let others = [
-        ("core 2 cells deep", WallTarget::Curvature, Some(2.0)),
-        ("no core", WallTarget::Curvature, None),
-        ("shear", WallTarget::Shear, None),
+        ("core 2 cells deep", WallCorrection::Curvature, Some(2.0)),
+        ("no core", WallCorrection::Curvature, None),
+        ("shear", WallCorrection::Shear, None),
     ];
     let others = others.map(|(name, target, core_depth)| (0.25, name, target, core_depth));
-    for (e_fold, name, target, core_depth) in targets.into_iter().chain(others) {
-        let mask = Mask::LogLinear { c_eta: 1e-5, e_fold, core_depth, target };
+    for (decay_length_cells, name, target, core_depth) in targets.into_iter().chain(others) {
+        let mask = Mask::LogLinear { c_eta: 1e-5, decay_length_cells, core_depth, wall_correction: target };
         let profile = DragProfile::of_body(20.0, name == "no core", &mask, 1e-3, 1.0);
         let DragProfile::LogLinear { shrink, target: Some(target), .. } = profile else { unreachable!() };
-        let setting = format!("e-fold {e_fold}, {name}");
+        let setting = format!("e-fold {decay_length_cells}, {name}");
         row("wall target", &setting, "m", target.mirror, "1", None)?;
         if name != "shear" {
             row("wall target", &setting, "c", target.curvature, "1", None)?;
