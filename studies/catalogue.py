@@ -1,6 +1,7 @@
 """All studies, and the documents that show what they have found."""
 
 import re
+from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +45,10 @@ def filled(text: str, data: Data) -> str:
     """`text` with its tables as they are now."""
 
     def table(match: re.Match[str]) -> str:
-        return f"<!--table:{match[1]}-->\n" + "\n".join(lines_of(match[1], data)) + "\n<!--end-->"
+        lines = lines_of(match[1], data)
+        if only := show.SPECS.get(match[1], {}).get("only"):
+            lines[2:] = [line for line in lines[2:] if any(fnmatch(line, pattern) for pattern in only)]
+        return "\n".join([f"<!--table:{match[1]}-->", *lines, "<!--end-->"])
 
     return show.TABLE.sub(table, text)
 

@@ -32,9 +32,9 @@ LABELS = {"cd_mean": "$c_D$", "cl_mean": "$c_L$", "dp_mean": "$\\Delta p$", "cd_
           "frequency_hz": "frequency", "bar": "lift", "in_phase": "in phase", "with_velocity": "with velocity",
           "second": "at 2f"}  # fmt: skip
 
-SPECS: dict[str, dict[str, str]] = tomllib.loads(Path(__file__).with_name("tables.toml").read_text(encoding="utf-8"))
+SPECS: dict[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_name("tables.toml").read_text(encoding="utf-8"))
 """Columns of the tables, by key."""
-SOURCES = ("of", "table", "csv", "like")  # Keys of a table that say where its rows and columns come from
+SOURCES = ("of", "table", "csv", "like", "only")  # Keys of a table that say where its rows and columns come from
 
 TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.DOTALL)
 
