@@ -214,7 +214,7 @@ $(SITE_VENV)/.ready: requirements/site.lock
 MOVING := vein-forward-384x192 vein-hover-288x256 vein-hover-tapered-288x256 vein-pitching-320x240 vein-3d csm1 csm3 \
 	vein-pair-hover-256x288 vein-pair-forward-288x192
 
-gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some minutes)
+gallery: build $(READY_DEV) ## make the GIFs of the gallery in docs/pictures (some minutes)
 	for name in $(MOVING); do $(NERVURE) run $$name --fields-every 0.04 --output results/gallery/$$name --force --quiet || exit; done
 	$(NERVURE) run cylinder-oscillating-460x100 --fields-every 0.1 --force --quiet \
 	--output results/gallery/cylinder-oscillating-460x100
@@ -224,7 +224,7 @@ gallery: build $(READY_DEV) ## the moving pictures of docs/gallery anew (some mi
 	--output results/gallery/cylinder-2d2-450x90
 	$(NERVURE) run cfd3-650x144 --set fluid.box.cells=[325,72] --fields-every 0.01 --force --quiet \
 	--output results/gallery/cfd3-325x72
-	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/gallery || exit; done
+	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/pictures || exit; done
 
 .PHONY: dist dist-libraries wheel foreign-test
 

@@ -141,9 +141,10 @@ def variables_page(kind: str) -> str:
         about = typed.get("unit") or "", typed.get("start") or "", scalar.get("description") or ""
         rows.append((shown, scalar.get("causality") or "local", typed.tag, *about))
     head = (
-        f"# Variables of the {kind}\n\n{root.get('description')}. The variables of FSI3 on 325 x 72; another scene has "
+        f"# Variables of the {kind}\n\n{root.get('description')}. The table lists the variables of FSI3 on 325 x 72; "
+        "another scene has the variables of its own parts. [The contract](../modelDescription/README.md) lists the "
+        "variables of any unit in this place.\n\n"
     )
-    head += "those of its parts. [The contract](../modelDescription/README.md) says what a unit in its place needs.\n\n"
     return head + table(("variable", "causality", "type", "unit", "start", "meaning"), rows)
 
 
@@ -222,7 +223,7 @@ def make(folder: Path) -> None:
         else:
             shutil.copy(ROOT / source, folder / target)
     reference = folder / "reference"
-    reference.mkdir()
+    reference.mkdir(exist_ok=True)
     for name, page in (("scene", scene_page()), ("command", command_page()), ("python", python_page())):
         (reference / f"{name}.md").write_text(page, encoding="utf-8")
     for kind in ("rod", "fluid"):

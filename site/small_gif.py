@@ -2,7 +2,7 @@
 
 Of the two periods in it one stays where both would be too large.
 
-python site/small_gif.py results/NAME docs/gallery
+    python site/small_gif.py results/NAME docs/pictures
 """
 
 import re

@@ -44,7 +44,7 @@ MEANS = ("thrust", "lift", "power_in", "efficiency", "tip_amplitude", "tip_by_ri
 
 def tutorial() -> dict[str, Any]:
     """The scene that the tutorial writes."""
-    text = (show.DOCS / "tutorial.md").read_text(encoding="utf-8")
+    text = (show.DOCS / "guide" / "tutorial.md").read_text(encoding="utf-8")
     (scene,) = re.findall(r"```json\n(.*?)```", text, re.DOTALL)
     found: dict[str, Any] = json.loads(scene)
     return found

@@ -1,4 +1,4 @@
-"""The crate of docs/own-fmu.md, packed by `cargo fmu package` for both versions of FMI, in fmpy."""
+"""The crate of docs/reference/own-fmu.md, packed by `cargo fmu package` for both versions of FMI, in fmpy."""
 
 import re
 import subprocess
@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 
 from nervure.resources import ROOT
 
-PAGE = (ROOT / "docs" / "own-fmu.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "reference" / "own-fmu.md").read_text(encoding="utf-8")
 LINES = 60
 """The page promises to be short."""
 

@@ -1,4 +1,4 @@
-"""The tutorial does what it says: its scene and its commands, as they stand in it."""
+"""Every command of the tutorial works as written, with the scene of the tutorial."""
 
 import os
 import re
@@ -12,18 +12,18 @@ import pytest
 import nervure
 from nervure.resources import ROOT
 
-TUTORIAL = ROOT / "docs" / "tutorial.md"
+TUTORIAL = ROOT / "docs" / "guide" / "tutorial.md"
 
 
 def test_every_command_runs_as_written(tmp_path, libraries):
-    """In an empty folder, with the command of the environment that runs the tests in place of an installed one."""
+    """In an empty folder, with the `nervure` of the environment that runs the tests."""
     environment = os.environ | {"PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])}
     text = TUTORIAL.read_text(encoding="utf-8")
     (scene,) = re.findall(r"```json\n(.*?)```", text, re.DOTALL)
     (tmp_path / "my-vein.json").write_text(scene, encoding="utf-8")
-    install, *commands = "".join(re.findall(r"```sh\n(.*?)```", text, re.DOTALL)).splitlines()
-    assert install == "pip install '.[run,sweep]'"
-    for command in commands:
+    install, *blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+    assert install == "make fsi3\nsource .venv/bin/activate\n"
+    for command in "".join(blocks).splitlines():
         done = subprocess.run(["bash", "-c", command], cwd=tmp_path, env=environment, capture_output=True, text=True)
         assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
     for path in re.findall(r"`(my-[a-z-]+/\S+?)`", text):
@@ -34,21 +34,24 @@ def test_every_command_runs_as_written(tmp_path, libraries):
     assert len(rows) == 3 and {"thrust", "efficiency"} <= set(header.split(","))
 
 
-PAGES = ["README.md", "CONTRIBUTING.md", "docs/fsi3/thesis.md"]
-PAGES += [f"docs/{name}.md" for name in ("tutorial", "running", "cluster", "vein", "gallery", "own-solver", "masters")]
+PAGES = [
+    Path("README.md"),
+    Path("CONTRIBUTING.md"),
+    *sorted(path.relative_to(ROOT) for path in (ROOT / "docs").rglob("*.md")),
+]
 
 
 def typed_lines():
-    """Lines to be typed: document, line."""
+    """Yield document and line of every command that a reader may type."""
     for name in PAGES:
         text = (ROOT / name).read_text(encoding="utf-8")
         for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL):
-            yield from ((name, line) for line in block.replace("\\\n", " ").splitlines())
+            yield from ((str(name), line) for line in block.replace("\\\n", " ").splitlines())
 
 
 @pytest.mark.parametrize(("document", "line"), list(typed_lines()))
 def test_a_line_means_the_same_to_bash_and_zsh(document, line, tmp_path):
-    """A comment behind a command does not: zsh takes it for arguments where it is typed."""
+    """A comment behind a command does not: an interactive zsh passes it on as arguments."""
     assert "#" not in line, f"{document}: {line}"
     shells = [shell for shell in ("bash", "zsh") if shutil.which(shell)]
     asked = [subprocess.run([shell, "-c", f"printf '<%s>\\n' {line}"], cwd=tmp_path, capture_output=True, text=True)

@@ -1,7 +1,7 @@
 """What a scene will do and take, said before it runs: dimensionless numbers, resolution, steps, time and memory.
 
 The speed of the machine is measured by the run's own steps: nothing else has their mix of transforms, solves and
-Python. `docs/running.md` has where the ranges come from.
+Python. `docs/guide/scenes.md` has where the ranges come from.
 """
 
 import os
