@@ -271,7 +271,7 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
             if (n, dt) == (32.0, 0.02)
         ]
         labels = ("time, s", "gain of energy / largest energy in gravity")
-        show.curves("rod/csm3_energy", labels, lines, log=False, limits={"ylim": (-0.15, 0.5)}, loc="upper left")
+        show.curves("pictures/rod-energy", labels, lines, log=False, limits={"ylim": (-0.15, 0.5)}, loc="upper left")
 
 
 STUDY = Study("rod", cases, keep, TABLES, draw)
