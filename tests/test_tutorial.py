@@ -34,6 +34,12 @@ def test_every_command_runs_as_written(tmp_path, libraries):
     assert len(rows) == 3 and {"thrust", "efficiency"} <= set(header.split(","))
 
 
+def test_the_environment_of_make_has_the_extras_of_the_tutorial():
+    """Fields need h5py, sweeps distributed."""
+    locked = (ROOT / "requirements" / "run.lock").read_text(encoding="utf-8")
+    assert re.search("^h5py==", locked, re.MULTILINE) and re.search("^distributed==", locked, re.MULTILINE)
+
+
 PAGES = [
     Path("README.md"),
     Path("CONTRIBUTING.md"),
