@@ -573,7 +573,7 @@ impl Model for RodUnit {
         let at_the_end = |output: Variable| output.depends_on(&[]);
         list.extend(self.station_outputs().into_iter().map(at_the_end));
         list.extend(self.hinge_outputs().into_iter().map(at_the_end));
-        if rod.root_motion.is_some() || matches!(rod.root, scene::Hold::Free { .. }) {
+        if rod.root_motion.is_some() || matches!(rod.root, scene::RootSupport::Free { .. }) {
             list.extend(self.drive_outputs().into_iter().map(at_the_end));
         }
         if self.scene.load().is_some() {

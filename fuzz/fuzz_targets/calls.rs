@@ -187,7 +187,7 @@ pub fn scene(data: &[u8]) {
     let Ok(text) = str::from_utf8(data) else { return };
     let Ok(scene) = Scene::from_json(text) else { return };
     // What is allowed and takes long is left out.
-    let cells = scene.fluid.as_ref().map_or(0, |fluid| fluid.domain.cells.iter().product());
+    let cells = scene.fluid.as_ref().map_or(0, |fluid| fluid.r#box.cells.iter().product());
     let threads = scene.fluid.as_ref().map_or(1, |fluid| fluid.threads);
     if cells > 2048 || threads > 2 || scene.beams().any(|beam| beam.segments > 64) {
         return;

@@ -33,7 +33,7 @@ pub struct Domain<R: Real> {
 impl<R: Real> Domain<R> {
     /// The box of a scene with a fluid, at t = 0.
     pub fn new(scene: &Scene, fluid: &scene::Fluid) -> Self {
-        let grid = Grid::new(&fluid.domain);
+        let grid = Grid::new(&fluid.r#box);
         let zones = Zone::of(fluid, &grid);
         let field = || Field::uniform(R::zero(), grid.len());
         Self {

@@ -134,7 +134,7 @@ impl<R: Real> FluidIn<R> {
 
     /// Memory that the `fluid` of a scene takes, about, bytes.
     pub fn bytes(scene: &Scene, fluid: &scene::Fluid) -> usize {
-        let cells = fluid.domain.cells.iter().product::<usize>();
+        let cells = fluid.r#box.cells.iter().product::<usize>();
         let beams = scene.beams().map(|beam| BYTES_PER_STATION * (beam.segments + 1) + BYTES_PER_BEAM_AND_CELL * cells);
         (NUMBERS_PER_CELL * size_of::<R>() + BYTES_PER_CELL) * cells + beams.sum::<usize>()
     }

@@ -301,7 +301,7 @@ fn threads_change_no_bit() {
         let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
         let fluid = scene.fluid.as_mut().expect("it has one");
         // Large enough for five threads; blocks of columns that overlap, rows that do not come out even.
-        (fluid.domain.cells, fluid.threads) = ([999, 201], threads);
+        (fluid.r#box.cells, fluid.threads) = ([999, 201], threads);
         let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         run(&mut fluid, 8, 2e-4);
         fluid

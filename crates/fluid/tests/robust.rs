@@ -78,7 +78,7 @@ fn steps_are_divided_anew_where_the_flow_becomes_too_fast_within_a_communication
 fn a_state_of_another_grid_or_scheme_is_refused_and_changes_nothing() {
     let make = |case: Case, cells: usize| {
         let mut scene = channel(case).unwrap_or_else(|e| panic!("{e}"));
-        scene.fluid.as_mut().expect("it has one").domain.cells[0] = cells;
+        scene.fluid.as_mut().expect("it has one").r#box.cells[0] = cells;
         Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"))
     };
     let mut fluid = make(CASE, 32);
@@ -92,7 +92,7 @@ fn a_state_of_another_grid_or_scheme_is_refused_and_changes_nothing() {
 
 #[test]
 fn far_beyond_all_integers_the_periodic_grid_still_has_indices() {
-    let grid = Grid::new(&channel(CASE).unwrap_or_else(|e| panic!("{e}")).fluid.expect("it has one").domain);
+    let grid = Grid::new(&channel(CASE).unwrap_or_else(|e| panic!("{e}")).fluid.expect("it has one").r#box);
     for p in [1e300, -1e300] {
         let mut around: Vec<usize> = grid.interpolation([p, p]).into_iter().map(|(index, _)| index).collect();
         around.extend(grid.cubic_interpolation([p, p]).into_iter().map(|(index, _)| index));

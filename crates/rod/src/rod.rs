@@ -139,12 +139,12 @@ impl<const D: usize> Rod<D> {
             bending: rod.bending,
             calibration: rod.calibration,
             hold: match rod.root {
-                scene::Hold::Clamped => Hold::Clamped,
-                scene::Hold::Pinned => Hold::Pinned,
-                scene::Hold::TorsionSpring { stiffness, damping, rest_angle } => {
+                scene::RootSupport::Clamped => Hold::Clamped,
+                scene::RootSupport::Pinned => Hold::Pinned,
+                scene::RootSupport::TorsionSpring { stiffness, damping, rest_angle } => {
                     Hold::TorsionSpring { stiffness, damping, rest_angle }
                 }
-                scene::Hold::Free { .. } => Hold::Free,
+                scene::RootSupport::Free { .. } => Hold::Free,
             },
             clamp_compliance_length: rod.clamp_compliance_length,
             scheme: rod.scheme,

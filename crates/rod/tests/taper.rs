@@ -7,7 +7,7 @@ mod modes;
 use common::unit_rod;
 use modes::{RitzBeam, frequencies, gauss};
 use nervure_rod::{Parameters, Rod, Taper};
-use scene::{Along, PlaceLaw, RodScheme, Scene, Section};
+use scene::{RodScheme, Scene, Section, Spanwise, SpanwiseProfile};
 
 /// Thickness at the tip by that at the root, of a vein.
 const TIP: f64 = 0.2;
@@ -160,6 +160,6 @@ fn scene_gives_the_taper() {
         assert_eq!(found.displaced.is_empty(), thickness == "0.1");
     }
     assert_eq!(scene("0.1", strain).parameters().taper, Taper::default());
-    let constant = Along::Varying(PlaceLaw::Taper { root: 0.1, tip: 0.1, power: 1.0 });
+    let constant = Spanwise::Varying(SpanwiseProfile::Taper { root: 0.1, tip: 0.1, power: 1.0 });
     assert!((constant.at(0.3) - 0.1).abs() < 1e-16);
 }

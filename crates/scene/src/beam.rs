@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::{Check, require};
-use crate::{Along, SceneError};
+use crate::{SceneError, Spanwise};
 
 /// A beam with a flat tip; its stations are the rod's nodes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -18,7 +18,7 @@ pub struct Beam {
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub length: f64,
     /// Thickness, m: a number, or a law of the place along the beam.
-    pub thickness: Along,
+    pub thickness: Spanwise,
     /// Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root.
     #[schemars(range(min = 2, max = 65536))]
     pub segments: usize,

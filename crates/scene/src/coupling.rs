@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::require;
-use crate::{Hold, Material, Scene, SceneError, TimeScheme};
+use crate::{Material, RootSupport, Scene, SceneError, TimeScheme};
 
 /// How fluid and rod exchange; what is left out is chosen by the rules of `docs/coupling.md`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -204,7 +204,7 @@ impl Scene {
                 name: name.map_or(String::new(), |name| format!(" `{name}`")),
                 own: material.section(thickness, s).line_density,
                 displaced: fluid.density * thickness.at(s),
-                free: matches!(rod.root, Hold::Free { .. }),
+                free: matches!(rod.root, RootSupport::Free { .. }),
             })
         });
         weights.min_by(|a, b| (a.own / a.displaced).total_cmp(&(b.own / b.displaced)).then(b.free.cmp(&a.free)))

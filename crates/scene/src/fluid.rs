@@ -17,8 +17,7 @@ pub struct Fluid {
     #[schemars(extend("exclusiveMinimum" = 0.0))]
     pub kinematic_viscosity: f64,
     /// The periodic box and its grid.
-    #[serde(rename = "box")]
-    pub domain: FluidBox,
+    pub r#box: FluidBox,
     /// Velocity of the fluid at rest everywhere at t = 0, m/s.
     #[serde(default)]
     pub initial_velocity: [f64; 2],
@@ -358,8 +357,8 @@ impl Fluid {
     /// and beam make the flow faster than that.
     pub(crate) fn advection_rate(&self) -> f64 {
         let rate = |axis: usize, velocity: f64| {
-            let [low, high] = [self.domain.x, self.domain.y][axis];
-            velocity.abs() * self.domain.cells[axis] as f64 / (high - low)
+            let [low, high] = [self.r#box.x, self.r#box.y][axis];
+            velocity.abs() * self.r#box.cells[axis] as f64 / (high - low)
         };
         let [u, v] = self.initial_velocity;
         let mean = self.mean_flow.as_ref().map_or(0.0, |flow| rate(0, flow.x.largest()) + rate(1, flow.y.largest()));
@@ -374,9 +373,9 @@ const PROBE_NAME: &str = "^[A-Za-z][A-Za-z0-9_]*$";
 
 impl Check for Fluid {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
-        interval(&format!("{key}.box.x"), self.domain.x)?;
-        interval(&format!("{key}.box.y"), self.domain.y)?;
-        let [nx, ny] = self.domain.cells;
+        interval(&format!("{key}.box.x"), self.r#box.x)?;
+        interval(&format!("{key}.box.y"), self.r#box.y)?;
+        let [nx, ny] = self.r#box.cells;
         require(nx * ny <= MOST_CELLS, &format!("{key}.box.cells"), format!("[{nx}, {ny}]"), || {
             format!("it must be at most {MOST_CELLS} cells together")
         })?;
@@ -395,15 +394,15 @@ impl Check for Fluid {
             require(possible, key, "parabolic", || "a parabola needs a channel".into())
         };
         if let Some(channel) = &self.channel {
-            within(&format!("{key}.channel.y"), channel.y, self.domain.y)?;
+            within(&format!("{key}.channel.y"), channel.y, self.r#box.y)?;
         }
         if let Some(inflow) = &self.inflow {
-            within(&format!("{key}.inflow.x"), inflow.x, self.domain.x)?;
+            within(&format!("{key}.inflow.x"), inflow.x, self.r#box.x)?;
             inflow.mean_velocity.check_at(&format!("{key}.inflow.mean_velocity"))?;
             possible(&format!("{key}.inflow.profile"), inflow.profile)?;
         }
         if let Some(sponge) = &self.sponge {
-            within(&format!("{key}.sponge.x"), sponge.x, self.domain.x)?;
+            within(&format!("{key}.sponge.x"), sponge.x, self.r#box.x)?;
             sponge.mean_velocity.check_at(&format!("{key}.sponge.mean_velocity"))?;
             possible(&format!("{key}.sponge.profile"), sponge.profile)?;
         }
@@ -429,7 +428,7 @@ impl Check for Fluid {
             })?;
             let twice = self.probes[..i].iter().any(|other| other.name == probe.name);
             require(!twice, &format!("{key}.name"), &probe.name, || "another probe has that name".into())?;
-            for (axis, [low, high]) in [self.domain.x, self.domain.y].into_iter().enumerate() {
+            for (axis, [low, high]) in [self.r#box.x, self.r#box.y].into_iter().enumerate() {
                 let at = probe.position[axis];
                 require((low..=high).contains(&at), &format!("{key}.position[{axis}]"), at, || {
                     format!("it must lie inside the box, [{low}, {high}]")
@@ -439,7 +438,7 @@ impl Check for Fluid {
         self.cylinders.check_at(&format!("{key}.cylinders"))?;
         self.bodies.check_at(&format!("{key}.bodies"))?;
         for (i, body) in self.bodies.iter().enumerate() {
-            for (axis, [low, high]) in [self.domain.x, self.domain.y].into_iter().enumerate() {
+            for (axis, [low, high]) in [self.r#box.x, self.r#box.y].into_iter().enumerate() {
                 let at = body.position[axis];
                 require((low..=high).contains(&at), &format!("{key}.bodies[{i}].position[{axis}]"), at, || {
                     format!("it must lie inside the box, [{low}, {high}]")

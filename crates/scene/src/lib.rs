@@ -7,7 +7,6 @@
 //!
 //! Everything is in SI units; a two-dimensional scene is one metre deep.
 
-mod along;
 mod beam;
 mod body;
 mod check;
@@ -18,6 +17,7 @@ mod reference;
 mod rod;
 mod rods;
 mod schema;
+mod spanwise;
 mod text;
 
 use std::path::Path;
@@ -25,7 +25,6 @@ use std::path::Path;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use along::{Along, PlaceLaw};
 pub use beam::{Beam, Root};
 pub use body::{Body, BodyMotion, Ends, Shape};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
@@ -36,9 +35,11 @@ pub use fluid::{
 pub use law::TimeLaw;
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
 pub use rod::{
-    Bending, Calibration, Hold, Material, Rod, RodScheme, RootLaws, RootMotion, Rotation, Section, SectionAlong,
+    Bending, Calibration, Material, Rod, RodScheme, RootLaws, RootMotion, RootSupport, Rotation, Section,
+    SectionProfile,
 };
 pub use rods::NamedRod;
+pub use spanwise::{Spanwise, SpanwiseProfile};
 
 use check::{Check, require};
 use rod::Z_AXIS;
@@ -50,6 +51,10 @@ pub struct Scene {
     /// Where the JSON Schema of this file is; read by editors only.
     #[serde(rename = "$schema", default)]
     pub schema: Option<String>,
+    /// Number of the format that the file follows; absent, it is the present one, 2.
+    #[serde(default = "present_format")]
+    #[schemars(range(min = 2, max = 2))]
+    pub format: u32,
     /// Short name of at most 100 characters: letters, digits, `.`, `_` and `-`, the first one a letter, a digit or `_`;
     /// names the units and the result folder.
     #[schemars(regex(pattern = NAME))]
@@ -83,6 +88,13 @@ pub struct Scene {
     /// Published values that a run is compared with; absent where there are none.
     #[serde(default)]
     pub reference: Option<Reference>,
+}
+
+/// Format of the scene files that this version reads: 1 was that of nervure 0.2.
+const FORMAT: u32 = 2;
+
+fn present_format() -> u32 {
+    FORMAT
 }
 
 /// What a name of a scene looks like.
@@ -261,10 +273,10 @@ impl Scene {
             for [x, y, _] in self.beam_stations(beam) {
                 let inside = |p: f64, [low, high]: [f64; 2]| (low..=high).contains(&p);
                 require(
-                    inside(x, fluid.domain.x) && inside(y, fluid.domain.y),
+                    inside(x, fluid.r#box.x) && inside(y, fluid.r#box.y),
                     &key("beam.root"),
                     format!("a station at ({x}, {y})"),
-                    || format!("the beam must lie inside the box x {:?}, y {:?}", fluid.domain.x, fluid.domain.y),
+                    || format!("the beam must lie inside the box x {:?}, y {:?}", fluid.r#box.x, fluid.r#box.y),
                 )?;
             }
         }
@@ -351,9 +363,9 @@ impl Scene {
 fn check_hold(rod: &Rod, beam: &Beam, dimension: usize, of: &str) -> Result<(), SceneError> {
     let (key, absent) = (&format!("{of}.root"), TimeLaw::default());
     let name = match &rod.root {
-        Hold::Clamped => return Ok(()),
-        Hold::Pinned => "pinned",
-        Hold::TorsionSpring { damping, rest_angle, .. } => {
+        RootSupport::Clamped => return Ok(()),
+        RootSupport::Pinned => "pinned",
+        RootSupport::TorsionSpring { damping, rest_angle, .. } => {
             for (name, value) in [("damping", damping), ("rest_angle", rest_angle)] {
                 require(dimension == 2 || *value == 0.0, &format!("{key}.torsion_spring.{name}"), value, || {
                     "it must be 0 in three dimensions, where the spring is the same in all directions and the rod has no \
@@ -363,14 +375,14 @@ fn check_hold(rod: &Rod, beam: &Beam, dimension: usize, of: &str) -> Result<(), 
             }
             "torsion_spring"
         }
-        Hold::Free { force_z, .. } => {
+        RootSupport::Free { force_z, .. } => {
             require(dimension == 3 || *force_z == absent, &format!("{key}.free.force_z"), "present", || {
                 "a beam in two dimensions has no z".into()
             })?;
             "free"
         }
     };
-    let free = matches!(rod.root, Hold::Free { .. });
+    let free = matches!(rod.root, RootSupport::Free { .. });
     require(!free || matches!(beam.root, Root::At { .. }), key, name, || {
         "a beam on a cylinder has a root that it holds".into()
     })?;
@@ -378,7 +390,7 @@ fn check_hold(rod: &Rod, beam: &Beam, dimension: usize, of: &str) -> Result<(), 
         "a free root has no prescribed motion; rod.root.free has the forces that tow it".into()
     })?;
     let turns = matches!(&rod.root_motion, Some(RootMotion::Laws(laws)) if !laws.rotations.is_empty());
-    require(rod.root != Hold::Pinned || !turns, &format!("{of}.root_motion.laws.rotations"), "present", || {
+    require(rod.root != RootSupport::Pinned || !turns, &format!("{of}.root_motion.laws.rotations"), "present", || {
         "a pinned root has no direction that could be turned".into()
     })?;
     require(rod.bending == Bending::Invariant, &format!("{of}.bending"), "projected", || {
@@ -387,7 +399,7 @@ fn check_hold(rod: &Rod, beam: &Beam, dimension: usize, of: &str) -> Result<(), 
     require(rod.calibration == Calibration::SecondOrder, &format!("{of}.calibration"), "thesis", || {
         format!("with a root that is {name} it must be second_order")
     })?;
-    let clamped = matches!(rod.root, Hold::TorsionSpring { .. });
+    let clamped = matches!(rod.root, RootSupport::TorsionSpring { .. });
     require(
         clamped || rod.clamp_compliance_length == 0.0,
         &format!("{of}.clamp_compliance_length"),

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::check::{Check, require};
-use crate::{Along, SceneError, TimeLaw};
+use crate::{SceneError, Spanwise, TimeLaw};
 
 /// Elastic model of the beam.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -34,7 +34,7 @@ pub struct Rod {
     pub clamp_compliance_length: f64,
     /// How the root is held.
     #[serde(default)]
-    pub root: Hold,
+    pub root: RootSupport,
     /// Prescribed motion of the root; absent where it is still, and where the root is free.
     #[serde(default)]
     pub root_motion: Option<RootMotion>,
@@ -69,7 +69,7 @@ pub enum Material {
         shear_factor: Option<f64>,
     },
     /// The section's own numbers (per metre of depth in a two-dimensional scene).
-    Section(SectionAlong),
+    Section(SectionProfile),
 }
 
 /// Mass and stiffness of the section (per metre of depth in a two-dimensional scene), each a number or a law of the place along
@@ -77,16 +77,16 @@ pub enum Material {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Section")]
-pub struct SectionAlong {
+pub struct SectionProfile {
     /// Mass per length, kg/m.
-    pub line_density: Along,
+    pub line_density: Spanwise,
     /// Bending stiffness EI, N m².
-    pub bending_stiffness: Along,
+    pub bending_stiffness: Spanwise,
     /// Axial stiffness EA, N.
-    pub axial_stiffness: Along,
+    pub axial_stiffness: Spanwise,
     /// Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles to the rod.
     #[serde(default)]
-    pub shear_stiffness: Option<Along>,
+    pub shear_stiffness: Option<Spanwise>,
 }
 
 /// Mass and stiffness of a section at one place (per metre of depth in a two-dimensional scene).
@@ -134,7 +134,7 @@ pub enum Calibration {
 /// How the root of a rod is held.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Hold {
+pub enum RootSupport {
     /// It neither moves nor turns by itself.
     #[default]
     Clamped,
@@ -216,7 +216,7 @@ fn z_axis() -> [f64; 3] {
     Z_AXIS
 }
 
-impl Hold {
+impl RootSupport {
     /// Force that tows a free root at time `t` (s), N.
     pub fn towing_force(&self, t: f64) -> Option<[f64; 3]> {
         let Self::Free { force_x, force_y, force_z } = self else { return None };
@@ -280,12 +280,12 @@ impl Material {
     /// Whether a law gives one of the section's numbers.
     pub fn varies(&self) -> bool {
         let Self::Section(section) = self else { return false };
-        let SectionAlong { line_density, bending_stiffness, axial_stiffness, shear_stiffness } = section;
-        [line_density, bending_stiffness, axial_stiffness].into_iter().chain(shear_stiffness).any(Along::varies)
+        let SectionProfile { line_density, bending_stiffness, axial_stiffness, shear_stiffness } = section;
+        [line_density, bending_stiffness, axial_stiffness].into_iter().chain(shear_stiffness).any(Spanwise::varies)
     }
 
     /// Mass and stiffness of the section at the place `s` (0 at the root, 1 at the tip) of a beam of this thickness (m).
-    pub fn section(&self, thickness: &Along, s: f64) -> Section {
+    pub fn section(&self, thickness: &Spanwise, s: f64) -> Section {
         match *self {
             Self::Section(ref section) => Section {
                 line_density: section.line_density.at(s),
@@ -313,7 +313,7 @@ impl Check for Rod {
         if let Material::Section(section) = &self.material {
             section.check_at(&format!("{key}.material.section"))?;
         }
-        if let Hold::Free { force_x, force_y, force_z } = &self.root {
+        if let RootSupport::Free { force_x, force_y, force_z } = &self.root {
             for (name, law) in [("force_x", force_x), ("force_y", force_y), ("force_z", force_z)] {
                 law.check_at(&format!("{key}.root.free.{name}"))?;
             }
@@ -325,7 +325,7 @@ impl Check for Rod {
     }
 }
 
-impl Check for SectionAlong {
+impl Check for SectionProfile {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
         for (name, law) in [
             ("line_density", &self.line_density),

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from nervure.scene.types import Beam, PlaceLaw, PlaceLawTaper
+from nervure.scene.types import Beam, SpanwiseProfile, SpanwiseProfileTaper
 
 
-def along(quantity: float | PlaceLaw, s: np.ndarray) -> np.ndarray:
+def along(quantity: float | SpanwiseProfile, s: np.ndarray) -> np.ndarray:
     """Values at the places `s`, 0 at the root and 1 at the tip."""
-    if isinstance(quantity, PlaceLawTaper):
+    if isinstance(quantity, SpanwiseProfileTaper):
         law = quantity.taper
         root, tip = law.root ** (1 / law.power), law.tip ** (1 / law.power)
         return np.asarray(((1 - s) * root + s * tip) ** law.power)

@@ -527,7 +527,7 @@ class Taper(Part):
     """The power."""
 
 
-class PlaceLawTaper(Part):
+class SpanwiseProfileTaper(Part):
     """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
     stiffness of a plate of linear thickness with 3."""
 
@@ -546,14 +546,14 @@ class Points(Part):
     """Values there, above 0."""
 
 
-class PlaceLawPoints(Part):
+class SpanwiseProfilePoints(Part):
     """Straight lines between points."""
 
     points: Points
     """Straight lines between points."""
 
 
-PlaceLaw = PlaceLawTaper | PlaceLawPoints
+SpanwiseProfile = SpanwiseProfileTaper | SpanwiseProfilePoints
 """A quantity as a function of the place s along the beam, 0 at the root and 1 at the tip; its unit is that of the key
 it stands at."""
 
@@ -567,7 +567,7 @@ class Beam(Part):
     length: Real
     """Length from root to tip, m."""
 
-    thickness: Real | PlaceLaw
+    thickness: Real | SpanwiseProfile
     """Thickness, m: a number, or a law of the place along the beam."""
 
     segments: Integer
@@ -609,16 +609,16 @@ class Section(Part):
     """Mass and stiffness of the section (per metre of depth in a two-dimensional scene), each a number or a law of the
     place along the beam."""
 
-    line_density: Real | PlaceLaw
+    line_density: Real | SpanwiseProfile
     """Mass per length, kg/m."""
 
-    bending_stiffness: Real | PlaceLaw
+    bending_stiffness: Real | SpanwiseProfile
     """Bending stiffness EI, N m²."""
 
-    axial_stiffness: Real | PlaceLaw
+    axial_stiffness: Real | SpanwiseProfile
     """Axial stiffness EA, N."""
 
-    shear_stiffness: Real | PlaceLaw | None = None
+    shear_stiffness: Real | SpanwiseProfile | None = None
     """Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles
     to the rod."""
 
@@ -677,7 +677,7 @@ class TorsionSpring(Part):
     beam's direction all the same."""
 
 
-class HoldTorsionSpring(Part):
+class RootSupportTorsionSpring(Part):
     """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
     damping rate`, the angle being that from the direction of the beam, between −π and π."""
 
@@ -699,14 +699,14 @@ class Free(Part):
     """Towing force along z, N; in three dimensions only."""
 
 
-class HoldFree(Part):
+class RootSupportFree(Part):
     """It moves and turns as the loads, gravity and a force that tows it will."""
 
     free: Free
     """It moves and turns as the loads, gravity and a force that tows it will."""
 
 
-Hold = Literal["clamped", "pinned"] | HoldTorsionSpring | HoldFree
+RootSupport = Literal["clamped", "pinned"] | RootSupportTorsionSpring | RootSupportFree
 """How the root of a rod is held. `clamped`: It neither moves nor turns by itself. `pinned`: It does not move by itself,
 and turns without resistance."""
 
@@ -793,7 +793,7 @@ class Rod(Part):
     """Length by which the clamp lies behind the root, m: the elastic part of the foundation. It only softens the
     clamp."""
 
-    root: Hold = "clamped"
+    root: RootSupport = "clamped"
     """How the root is held."""
 
     root_motion: RootMotion | None = None
@@ -994,6 +994,9 @@ class Scene(Part):
 
     json_schema: str | None = Field(None, alias="$schema")
     """Where the JSON Schema of this file is; read by editors only."""
+
+    format: Integer = 2
+    """Number of the format that the file follows; absent, it is the present one, 2."""
 
     name: str
     """Short name of at most 100 characters: letters, digits, `.`, `_` and `-`, the first one a letter, a digit or `_`;

@@ -167,7 +167,7 @@ impl Flow {
         let path = format!("{}/../../../scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let mut scene = Scene::from_file(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
         let fluid = scene.fluid.as_mut().expect("the scene has a fluid");
-        (fluid.domain.cells, fluid.threads, fluid.precision) = (cells, threads, precision);
+        (fluid.r#box.cells, fluid.threads, fluid.precision) = (cells, threads, precision);
         let (filter, amplitude) = (fluid.filter, scene.beam.as_ref().map_or(0.0, |beam| 0.086 * beam.length));
         let fluid = Fluid::new(&scene).unwrap_or_else(|error| panic!("{error}"));
         let mut flow = Self { fluid, filter, amplitude, step };

@@ -447,7 +447,7 @@ impl Beam {
 
 #[cfg(test)]
 mod tests {
-    use scene::{Along, FluidBox, PlaceLaw, Root};
+    use scene::{FluidBox, Root, Spanwise, SpanwiseProfile};
 
     use super::*;
 
@@ -463,7 +463,7 @@ mod tests {
         let scene = scene::Beam {
             root: Root::At { position: ROOT.to_vec(), direction: DIRECTION.to_vec() },
             length: 1.0,
-            thickness: Along::Varying(PlaceLaw::Taper { root: ENDS[0], tip: ENDS[1], power: 1.0 }),
+            thickness: Spanwise::Varying(SpanwiseProfile::Taper { root: ENDS[0], tip: ENDS[1], power: 1.0 }),
             segments: 8,
             rest_angles: Vec::new(),
         };
@@ -521,7 +521,7 @@ mod tests {
         let scene = scene::Beam {
             root: Root::At { position: vec![0.3, 0.5], direction: vec![1.0, 0.0] },
             length: 0.3,
-            thickness: Along::Constant(0.025),
+            thickness: Spanwise::Constant(0.025),
             segments: 6,
             rest_angles: Vec::new(),
         };

@@ -91,7 +91,7 @@ pub fn added_mass(half_box: f64, cells: usize) -> [f64; 2] {
 /// Memory that a fluid with a beam takes at most, in arrays of the grid's size, on 320 x 120 points.
 pub fn arrays() -> f64 {
     let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
-    scene.fluid.as_mut().expect("it has one").domain.cells = [320, 120];
+    scene.fluid.as_mut().expect("it has one").r#box.cells = [320, 120];
     let counted = allocation_counter::measure(|| {
         let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
         run(&mut fluid, 2, 1e-3);

@@ -11,18 +11,18 @@ use crate::check::{Check, require};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]
-pub enum Along {
+pub enum Spanwise {
     /// The same all along.
     Constant(#[schemars(extend("exclusiveMinimum" = 0.0))] f64),
     /// A law of the place.
-    Varying(PlaceLaw),
+    Varying(SpanwiseProfile),
 }
 
 /// A quantity as a function of the place s along the beam, 0 at the root and 1 at the tip; its unit is that of the key it stands
 /// at.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum PlaceLaw {
+pub enum SpanwiseProfile {
     /// `((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending stiffness of a
     /// plate of linear thickness with 3.
     Taper {
@@ -52,13 +52,13 @@ fn linear() -> f64 {
     1.0
 }
 
-impl From<f64> for Along {
+impl From<f64> for Spanwise {
     fn from(value: f64) -> Self {
         Self::Constant(value)
     }
 }
 
-impl Along {
+impl Spanwise {
     /// Whether it is given by a law.
     pub fn varies(&self) -> bool {
         matches!(self, Self::Varying(_))
@@ -68,11 +68,11 @@ impl Along {
     pub fn at(&self, s: f64) -> f64 {
         match self {
             Self::Constant(value) => *value,
-            Self::Varying(PlaceLaw::Taper { root, tip, power }) => {
+            Self::Varying(SpanwiseProfile::Taper { root, tip, power }) => {
                 let [root, tip] = [root, tip].map(|end| end.powf(1.0 / power));
                 ((1.0 - s) * root + s * tip).powf(*power)
             }
-            Self::Varying(PlaceLaw::Points { s: places, values }) => {
+            Self::Varying(SpanwiseProfile::Points { s: places, values }) => {
                 let i = places.partition_point(|&place| place <= s).clamp(1, places.len() - 1);
                 let part = ((s - places[i - 1]) / (places[i] - places[i - 1])).clamp(0.0, 1.0);
                 (1.0 - part) * values[i - 1] + part * values[i]
@@ -81,9 +81,9 @@ impl Along {
     }
 }
 
-impl Check for Along {
+impl Check for Spanwise {
     fn check_at(&self, key: &str) -> Result<(), SceneError> {
-        let Self::Varying(PlaceLaw::Points { s, values }) = self else { return Ok(()) };
+        let Self::Varying(SpanwiseProfile::Points { s, values }) = self else { return Ok(()) };
         let covers = s.first() == Some(&0.0) && s.last() == Some(&1.0) && s.windows(2).all(|pair| pair[0] < pair[1]);
         require(covers, &format!("{key}.points.s"), format!("{s:?}"), || {
             "it must be increasing numbers, the first 0 at the root and the last 1 at the tip".into()
@@ -101,10 +101,10 @@ mod tests {
 
     #[test]
     fn laws_have_their_values() {
-        let taper = |power| Along::Varying(PlaceLaw::Taper { root: 1.0, tip: 0.008, power });
-        let table = Along::Varying(PlaceLaw::Points { s: vec![0.0, 0.4, 1.0], values: vec![5.0, 3.0, 6.0] });
+        let taper = |power| Spanwise::Varying(SpanwiseProfile::Taper { root: 1.0, tip: 0.008, power });
+        let table = Spanwise::Varying(SpanwiseProfile::Points { s: vec![0.0, 0.4, 1.0], values: vec![5.0, 3.0, 6.0] });
         for (law, s, expected) in [
-            (&Along::from(2.0), 0.3, 2.0),
+            (&Spanwise::from(2.0), 0.3, 2.0),
             (&taper(1.0), 0.25, 0.752),
             (&taper(3.0), 0.5, 0.216),
             (&taper(3.0), 1.0, 0.008),
