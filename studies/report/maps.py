@@ -95,4 +95,4 @@ def draw(data: Data) -> None:
         axis.set_title(title, fontsize=9)
     handles = [Line2D([], [], marker="s", linewidth=0, color=colour, label=said) for colour, said in OUTCOMES.values()]
     figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=8)
-    show.save(figure, "report/maps")
+    show.save(figure, "pictures/maps")
