@@ -186,16 +186,14 @@ def draw_cost(data: Data) -> None:
         axis.set_title(name, fontsize=9)
         show.few_labels(axis.xaxis)
         axis.legend(fontsize=8)
-    show.save(figure, "report/cost")
+    show.save(figure, "pictures/cost")
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    for case, kind in (("rod-static", "discretisation"), *((case, "error") for case in QUANTITIES)):
+    for case in ("cylinder-2d2", "fsi3"):
         groups = show.grouped(points(data, case), "method")
         times = {"wall": "wall time [s]", "cpu": "CPU time [s]"}
-        if len(groups) == 1:
-            del times["wall"]  # Nobody else's is beside it
-        show.errors(f"report/{case.replace('-', '_')}_{kind}", groups, QUANTITIES[case], times, kind)
+        show.errors(f"pictures/{case}-error", groups, QUANTITIES[case], times)
     maps.draw(data)
     draw_cost(data)
 
