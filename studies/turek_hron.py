@@ -167,25 +167,19 @@ def largest_and_rms(found: list[float]) -> str:
 
 
 def every(data: Data) -> list[str]:
-    """Each quantity beside FeatFlow's, with its spread, and others'."""
+    """Return each quantity of the flows by FeatFlow, and the differences from it (%)."""
     rows = []
-    for name, compared in QUANTITIES.items():
+    for name in FLOWS:
         published = simulate.published(scene_of(name))
-        for what in compared:
+        for what in QUANTITIES[name]:
             said, factor = quantity(what)
             number, cells = published[what][0], []
-            for grid in GRIDS if name in FLOWS else ("rod",):
+            for grid in GRIDS:
                 record = data.get(f"turek-hron/{name}/{grid}")
                 found = record.get(what) if record else None
-                off = "" if found is None else f" ({100 * (found / number - 1):+.1f} %)"
-                cells.append("" if found is None else f"{factor * found:.5g}{off}")
-            cells += [""] * (len(GRIDS) - len(cells))
-            low_high = LISTED["spread"].get(name, {}).get(what)
-            spread = " to ".join(f"{edge:g}" for edge in low_high) if low_high else ""
-            other = LISTED["others"].get(name, {}).get(what, "")
-            rows.append([name.upper(), said, f"{factor * number:.6g}", spread, str(other), *cells])
-    header = ["", "quantity", "FeatFlow", "its levels and steps", "others"]
-    return show.markdown([*header, *(f"{grid.replace('x', ' x ')}" for grid in GRIDS)], rows)
+                cells.append("" if found is None else f"{100 * (found / number - 1):+.1f}")
+            rows.append([name.upper(), said, f"{factor * number:.6g}", *cells])
+    return show.markdown(["", "quantity", "FeatFlow", *(f"{grid.replace('x', ' x ')}, %" for grid in GRIDS)], rows)
 
 
 def overall(data: Data) -> list[str]:
@@ -246,18 +240,18 @@ def over_places(data: Data, name: str, grid: str, what: str) -> list[float]:
 
 
 def placed(data: Data) -> list[str]:
-    """Smallest and largest value of a benchmark over the places of the grid, by the reference, and how far they are
-    apart."""
+    """Return the smallest and largest difference from FeatFlow (%) over the positions of the grid."""
     rows = []
-    for name in ("cfd1", "cfd2", "cfd3", "fsi3"):
+    for name in ("cfd2", "fsi3"):
         for grid in PLACED:
             for what in SETTLED.get(name, QUANTITIES[name]):
                 found = over_places(data, name, grid, what)
                 if len(found) > 1:
-                    ends = (f"{100 * end:+.1f} %" for end in (min(found), max(found)))
-                    apart = f"{100 * (max(found) - min(found)):.1f} %"
-                    rows.append([name.upper(), grid.replace("x", " x "), f"`{what}`", len(found), *ends, apart])
-    return show.markdown(["", "grid", "quantity", "places", "lowest", "highest", "apart"], rows)
+                    ends = (f"{100 * end:+.1f}" for end in (min(found), max(found)))
+                    rows.append(
+                        [name.upper(), quantity(what)[0].split(",")[0], grid.replace("x", " x "), len(found), *ends]
+                    )
+    return show.markdown(["", "quantity", "grid", "positions", "lowest, %", "highest, %"], rows)
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
@@ -281,7 +275,7 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
         axis.set_xlabel("periods of $u_y$")
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=8)
-    show.save(figure, "fsi3/featflow")
+    show.save(figure, "pictures/fsi3-featflow")
 
 
 TABLES: dict[str, Callable[[Data], Any]] = {
