@@ -76,10 +76,10 @@ python-test: build $(READY_DEV) ## the tests in Python, in two processes
 package-check: ## package every crate as a registry would take it and build it from there (two minutes)
 	cargo package --workspace --allow-dirty --locked --target-dir target/package-check
 
-bindings-check: $(READY_DEV) ## compare crates/fmi2/src/sys.rs with what the official headers give
+bindings-check: $(READY_DEV) ## compare crates/fmi-export/src/sys.rs with what the official headers give
 	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \
-	cargo run --quiet --locked --target-dir target/bindgen --manifest-path crates/fmi2/bindgen/Cargo.toml -- --check \
-	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi2/src/sys.rs
+	cargo run --quiet --locked --target-dir target/bindgen --manifest-path crates/fmi-export/bindgen/Cargo.toml -- --check \
+	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi-export/src/sys.rs
 
 schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the classes of scenes in Python anew
 	cargo run --quiet --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new

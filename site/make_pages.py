@@ -36,7 +36,7 @@ ELEMENT = re.compile(r"(.+)\[(\d+)\]$")
 def documents() -> dict[Path, Path]:
     """Pages and pictures of the site by their files, both relative: to the repository and to the site."""
     found: dict[Path, Path] = {Path("README.md"): Path("index.md"), Path("docs/README.md"): Path("documents.md")}
-    crates = [f"crates/{name}/README.md" for name in ("fmi2", "cargo-fmu")]
+    crates = [f"crates/{name}/README.md" for name in ("fmi-export", "cargo-fmu")]
     for given in ("CONTRIBUTING.md", "CHANGELOG.md", "modelDescription/README.md", *crates):
         found[Path(given)] = Path(given)
     for path in sorted((ROOT / "docs").rglob("*")):

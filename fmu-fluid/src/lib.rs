@@ -6,7 +6,7 @@ mod variables;
 use std::slice::from_ref;
 
 use fluid::{Fluid, Stations};
-use fmi2::{Description, Log, Model, Resources, Variable, require_memory};
+use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -141,4 +141,4 @@ impl Model for FluidUnit {
     }
 }
 
-fmi2::export_fmu!(FluidUnit);
+fmi_export::export_fmu!(FluidUnit);

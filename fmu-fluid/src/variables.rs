@@ -6,8 +6,8 @@ use fluid::{Fluid, Force};
 
 use super::FluidUnit;
 
-type Real = fmi2::Real<FluidUnit>;
-type Variable = fmi2::Variable<FluidUnit>;
+type Real = fmi_export::Real<FluidUnit>;
+type Variable = fmi_export::Variable<FluidUnit>;
 
 /// The variables of a unit; the parts that its scene has not are left out.
 pub fn of(unit: &FluidUnit) -> Vec<Variable> {

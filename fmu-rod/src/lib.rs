@@ -2,15 +2,15 @@
 
 use std::slice::{from_mut, from_ref};
 
-use fmi2::{Description, Log, Model, Resources, require_memory};
+use fmi_export::{Description, Log, Model, Resources, require_memory};
 use rod::{Energy, Error, Hold, Loads, Rod, Root, Statistics, Taper};
 use scene::{RootMotion, Scene, Section};
 use serde::{Deserialize, Serialize};
 
-type Real = fmi2::Real<RodUnit>;
-type Integer = fmi2::Integer<RodUnit>;
-type Text = fmi2::Text<RodUnit>;
-type Variable = fmi2::Variable<RodUnit>;
+type Real = fmi_export::Real<RodUnit>;
+type Integer = fmi_export::Integer<RodUnit>;
+type Text = fmi_export::Text<RodUnit>;
+type Variable = fmi_export::Variable<RodUnit>;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -655,4 +655,4 @@ impl Model for RodUnit {
     }
 }
 
-fmi2::export_fmu!(RodUnit);
+fmi_export::export_fmu!(RodUnit);

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::ptr::null_mut;
 use std::sync::LazyLock;
 
-use fmi2::sys::*;
+use fmi_export::sys::*;
 use scene::Scene;
 
 unsafe extern "C" {
@@ -85,7 +85,7 @@ fn assert_no_panics() {
 /// An initialised instance at t = 0 with the references of its Real outputs.
 struct Unit {
     c: fmi2Component,
-    /// The header of its states up to the length of the payload (crates/fmi2/src/snapshot.rs).
+    /// The header of its states up to the length of the payload (crates/fmi-export/src/snapshot.rs).
     header: Vec<u8>,
     outputs: Vec<u32>,
 }
@@ -117,7 +117,7 @@ impl Unit {
         type Variadic =
             unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
         let callbacks = fmi2CallbackFunctions {
-            // SAFETY: as in `crates/fmi2/tests/c_interface.rs`: no variadic argument is ever passed.
+            // SAFETY: as in `crates/fmi-export/tests/c_interface.rs`: no variadic argument is ever passed.
             logger: Some(unsafe { std::mem::transmute::<Fixed, Variadic>(log) }),
             allocateMemory: None,
             freeMemory: None,

@@ -1,4 +1,4 @@
-//! `cargo fmu package`: builds a crate that uses `nervure-fmi2` and packs it as an FMU.
+//! `cargo fmu package`: builds a crate that uses `nervure-fmi-export` and packs it as an FMU.
 //!
 //! The library that is built for this system describes itself; nothing of the model is run.
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 /// What `--help` shows.
 pub const USAGE: &str = "\
-Builds a crate that uses nervure-fmi2 and packs it as an FMU.
+Builds a crate that uses nervure-fmi-export and packs it as an FMU.
 
 Usage: cargo fmu package [--fmi 2|3] [--resources FOLDER] [--output FILE] [--target TRIPLE]... [OPTIONS OF CARGO BUILD]
 

@@ -105,7 +105,7 @@ fn describe(library: &Path, options: &Options) -> Result<String, String> {
     };
     let resources = options.resources.as_ref().map(text).transpose()?;
     let pointer = resources.as_ref().map_or(std::ptr::null(), |path| path.as_ptr());
-    let unusable = |error| format!("{} is no library of nervure-fmi2: {error}", library.display());
+    let unusable = |error| format!("{} is no library of nervure-fmi-export: {error}", library.display());
     // SAFETY: what the library runs when it is loaded is the user's own; `export_fmu!` gives the symbol this type.
     unsafe {
         let loaded = libloading::Library::new(library).map_err(unusable)?;

@@ -11,7 +11,7 @@ use std::sync::{Condvar, Mutex, MutexGuard};
 use std::thread::{self, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
-use float::Modes;
+use fpenv::Modes;
 
 /// How long a thread looks for what it waits for before it sleeps. On busy cores 5 to 50 µs made no difference
 /// that could be measured.
@@ -211,7 +211,7 @@ fn wait_shortly(is_there: impl Fn() -> bool) {
 mod tests {
     use std::sync::Barrier;
 
-    use float::Fast;
+    use fpenv::Fast;
 
     use super::*;
 

@@ -10,7 +10,7 @@ use std::fs::{read_dir, read_to_string};
 use std::path::Path;
 use std::ptr::null_mut;
 
-use fmi2::sys::*;
+use fmi_export::sys::*;
 use libloading::Library;
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
@@ -66,7 +66,7 @@ impl Unit {
         let location = CString::new(format!("file://{}{path}", if path.starts_with('/') { "" } else { "/" }))?;
         let guid = CString::new(attribute(&text, "guid").ok_or("no GUID")?)?;
         let callbacks = fmi2CallbackFunctions {
-            // SAFETY: as in `crates/fmi2/tests/c_interface.rs`: no variadic argument is ever passed.
+            // SAFETY: as in `crates/fmi-export/tests/c_interface.rs`: no variadic argument is ever passed.
             logger: Some(unsafe { std::mem::transmute::<Log, VariadicLog>(log) }),
             allocateMemory: None,
             freeMemory: None,

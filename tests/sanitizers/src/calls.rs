@@ -4,7 +4,7 @@ use std::ffi::{CStr, CString, c_void};
 use std::path::Path;
 use std::ptr::{null, null_mut};
 
-use fmi2::sys::*;
+use fmi_export::sys::*;
 
 macro_rules! import {
     ($($name:ident($($type:ty),*) -> $result:ty;)*) => {
@@ -127,7 +127,7 @@ fn callbacks() -> fmi2CallbackFunctions {
     type Fixed = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String);
     type Variadic = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
     fmi2CallbackFunctions {
-        // SAFETY: as in `crates/fmi2/tests/c_interface.rs`: no variadic argument is ever passed.
+        // SAFETY: as in `crates/fmi-export/tests/c_interface.rs`: no variadic argument is ever passed.
         logger: Some(unsafe { std::mem::transmute::<Fixed, Variadic>(log) }),
         allocateMemory: None,
         freeMemory: None,

@@ -1,4 +1,4 @@
-//! The C types of FMI 2.0 and 3.0, generated from the official headers by `crates/fmi2/bindgen`: do not edit.
+//! The C types of FMI 2.0 and 3.0, generated from the official headers by `crates/fmi-export/bindgen`: do not edit.
 #![allow(missing_docs, non_camel_case_types, non_snake_case, non_upper_case_globals)]
 
 pub type fmi3Boolean = u8;

@@ -1,4 +1,4 @@
-//! Writes or checks `crates/fmi2/src/sys.rs`, the C types of FMI 2.0 and 3.0 as Rust types.
+//! Writes or checks `crates/fmi-export/src/sys.rs`, the C types of FMI 2.0 and 3.0 as Rust types.
 //!
 //! `fmi2-bindgen HEADER_DIR SYS_RS` writes the file, `fmi2-bindgen --check HEADER_DIR SYS_RS` compares it and
 //! fails if it differs. libclang is found through the environment variable `LIBCLANG_PATH`.
@@ -22,7 +22,7 @@ const C_HEADERS: [(&str, &str); 4] = [
 ];
 
 const PREAMBLE: &str =
-    "The C types of FMI 2.0 and 3.0, generated from the official headers by `crates/fmi2/bindgen`: do not edit.";
+    "The C types of FMI 2.0 and 3.0, generated from the official headers by `crates/fmi-export/bindgen`: do not edit.";
 
 /// C's `bool` as a byte: a master's invalid value must not become an invalid Rust `bool`.
 const BOOLEANS: [&str; 2] = ["fmi3Boolean", "fmi3Clock"];

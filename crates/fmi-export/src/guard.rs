@@ -7,7 +7,7 @@ use std::mem::ManuallyDrop;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
-use float::Fast;
+use fpenv::Fast;
 
 // Neither has a destructor: a thread-local with one would keep the shared library from being unloaded.
 thread_local! {

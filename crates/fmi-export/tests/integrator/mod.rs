@@ -3,7 +3,7 @@
 
 use std::slice::{from_mut, from_ref};
 
-use nervure_fmi2::{Description, Log, Model, Resources, Span, Variable};
+use nervure_fmi_export::{Description, Log, Model, Resources, Span, Variable};
 use serde::{Deserialize, Serialize};
 
 /// Inputs of this value make a step fail or panic.
@@ -65,10 +65,10 @@ impl Model for Integrator {
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
-        type Real = nervure_fmi2::Real<Integrator>;
-        type Integer = nervure_fmi2::Integer<Integrator>;
-        type Boolean = nervure_fmi2::Boolean<Integrator>;
-        type Text = nervure_fmi2::Text<Integrator>;
+        type Real = nervure_fmi_export::Real<Integrator>;
+        type Integer = nervure_fmi_export::Integer<Integrator>;
+        type Boolean = nervure_fmi_export::Boolean<Integrator>;
+        type Text = nervure_fmi_export::Text<Integrator>;
         vec![
             Real::time(),
             Real::parameter("gain", "1", "Gain", |m| from_mut(&mut m.gain)).above(0.0),
@@ -149,7 +149,7 @@ impl Model for Integrator {
     }
 }
 
-nervure_fmi2::export_fmu!(Integrator);
+nervure_fmi_export::export_fmu!(Integrator);
 
 pub const TIME: u32 = 0;
 pub const GAIN: u32 = 1;

@@ -8,7 +8,7 @@ use std::ffi::{CStr, CString, c_void};
 use std::ptr::{null, null_mut};
 
 use integrator::*;
-use nervure_fmi2::sys::*;
+use nervure_fmi_export::sys::*;
 
 // ---------------------------------------------------------------- the master
 

@@ -8,7 +8,7 @@
 //! ```
 //! use std::slice::{from_mut, from_ref};
 //!
-//! use nervure_fmi2::{Description, Log, Model, Resources, Variable};
+//! use nervure_fmi_export::{Description, Log, Model, Resources, Variable};
 //!
 //! struct Tank {
 //!     inflow: f64,
@@ -30,7 +30,7 @@
 //!     }
 //!
 //!     fn variables(&self) -> Vec<Variable<Self>> {
-//!         type Real = nervure_fmi2::Real<Tank>;
+//!         type Real = nervure_fmi_export::Real<Tank>;
 //!         vec![
 //!             Real::input("inflow", "m3/s", "Flow into the tank", |tank| from_mut(&mut tank.inflow)).at_least(0.0),
 //!             Real::output("volume", "m3", "What is in it", |tank| from_ref(&tank.volume)).depends_on(&[]),
@@ -56,7 +56,7 @@
 //!     }
 //! }
 //!
-//! nervure_fmi2::export_fmu!(Tank);
+//! nervure_fmi_export::export_fmu!(Tank);
 //! ```
 
 mod description;

@@ -7,7 +7,7 @@ use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
 use integrator::*;
-use nervure_fmi2::sys::*;
+use nervure_fmi_export::sys::*;
 
 macro_rules! import {
     ($($name:ident($($type:ty),*) -> $result:ty;)*) => {

@@ -2,11 +2,11 @@
 
 use std::slice::{from_mut, from_ref};
 
-use nervure_fmi2::{Description, Log, Model, Resources};
+use nervure_fmi_export::{Description, Log, Model, Resources};
 use serde::{Deserialize, Serialize};
 
-type Real = nervure_fmi2::Real<Oscillator>;
-type Variable = nervure_fmi2::Variable<Oscillator>;
+type Real = nervure_fmi_export::Real<Oscillator>;
+type Variable = nervure_fmi_export::Variable<Oscillator>;
 
 /// A mass on a spring and a damper. All of it is state, so it saves itself.
 #[derive(Clone, Serialize, Deserialize)]
@@ -92,4 +92,4 @@ impl Model for Oscillator {
     }
 }
 
-nervure_fmi2::export_fmu!(Oscillator);
+nervure_fmi_export::export_fmu!(Oscillator);
