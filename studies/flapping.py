@@ -303,7 +303,7 @@ def draw_oscillating() -> None:
     time, force = done["time"], done["body_1_drag"]
     share = (time - (time[-1] - PERIOD)) / PERIOD
     published = curve("oscillating_cylinder_re100_kc5")
-    show.curves("flapping/oscillating", ("t/T", "F / (rho U² D)"), [
+    show.curves("pictures/oscillating-cylinder", ("t/T", "F / (rho U² D)"), [
         {"x": share[share >= 0], "y": force[share >= 0], "label": "600 x 360"},
         {"x": published[0], "y": published[1], "marker": "o", "linestyle": "", "markersize": 3,
          "label": "Dütsch et al. 1998, digitised"},
@@ -321,7 +321,7 @@ def draw_hover() -> None:
         axis.set(ylabel={"lift": "$c_L$ / 1.2", "drag": "$c_D$ / 1.4"}[name], ylim=(-1.0, 2.0), xlim=(0, 4))
     axes[1, 0].set_xlabel("t/T")
     axes[0, 0].legend(fontsize=8, ncols=3)
-    show.save(figure, "flapping/hover", 110)
+    show.save(figure, "pictures/hovering-ellipse", 110)
 
 
 def draw_passive() -> None:
@@ -347,7 +347,7 @@ def draw_pair() -> None:
         axis.set_xticks(PAIR_MODULI, [f"{e / 1e3:g}" for e in PAIR_MODULI])
         axis.minorticks_off()
     axes[0, 0].legend(fontsize=8)
-    show.save(figure, "vein/pair", 110)
+    show.save(figure, "pictures/vein-pair", 110)
 
 
 DRAWN = {"oscillating": draw_oscillating, "hover": draw_hover, "passive": draw_passive, "pair-forward": draw_pair}
