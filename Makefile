@@ -12,6 +12,7 @@ RUN := $(VENV)/bin/python
 READY := $(VENV)/.ready
 READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
+RUST_STUDIES := --locked --manifest-path studies/rust/Cargo.toml
 
 .PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check bindings-check schema messages descriptions record lock clean
 
@@ -56,11 +57,10 @@ test: lint rust-test bindings-check python-test ## everything that has to pass
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy --manifest-path crates/rod/study/Cargo.toml --target-dir target --bins --examples --locked -- -D warnings
-	cargo clippy --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --all-targets --locked -- -D warnings
+	cargo clippy $(RUST_STUDIES) -p rod-study -p fluid-bench --target-dir target --all-targets -- -D warnings
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
-	cargo test --manifest-path crates/fluid/bench/Cargo.toml --target-dir target --bin fluid-bench --locked
+	cargo test $(RUST_STUDIES) -p fluid-bench --target-dir target --bin fluid-bench
 
 LINTED := python examples scripts site studies tests modelDescription hatch_build.py
 
@@ -78,7 +78,7 @@ package-check: ## package every crate as a registry would take it and build it f
 
 bindings-check: $(READY_DEV) ## compare crates/fmi-export/src/sys.rs with what the official headers give
 	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \
-	cargo run --quiet --locked --target-dir target/bindgen --manifest-path crates/fmi-export/bindgen/Cargo.toml -- --check \
+	cargo run --quiet $(RUST_STUDIES) -p fmi-bindgen --target-dir target/bindgen -- --check \
 	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi-export/src/sys.rs
 
 schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the classes of scenes in Python anew
@@ -135,7 +135,7 @@ rod-study: $(READY_DEV) ## run what is missing of the rod's study (ten minutes),
 	$(STUDY) rod $(ARGS)
 
 bench-rod: $(READY_DEV) ## time a Newton iteration of the rod beside its floors, and its solver beside faer's
-	$(STUDY) rod --again --times --only 'study/r*' $(ARGS)
+	$(STUDY) rod --force --update-timings --only 'study/r*' $(ARGS)
 
 fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours), write docs/fluid
 	$(STUDY) fluid $(ARGS)
@@ -173,7 +173,7 @@ BENCH_VENV := target/fluid-bench/venv
 WITH_FFTW = FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)"
 
 bench-fluid: $(BENCH_VENV)/.ready $(READY_DEV) ## compare the fluid's speed with FFTW's and with what the machine can do, by phase and by threads
-	$(WITH_FFTW) $(STUDY) fluid-speed --again --times $(ARGS)
+	$(WITH_FFTW) $(STUDY) fluid-speed --force --update-timings $(ARGS)
 
 $(BENCH_VENV)/.ready: requirements/bench.lock
 	$(PYTHON) -m venv --clear $(BENCH_VENV)
@@ -183,14 +183,14 @@ $(BENCH_VENV)/.ready: requirements/bench.lock
 .PHONY: reliability masters-test
 
 reliability: build $(READY_DEV) ## mistreat the units at full count and write docs/reliability.csv anew, an hour; ARGS="--list", "--only forks"
-	$(RUN) -m studies.reliability $(ARGS)
+	$(RUN) -m tests.reliability $(ARGS)
 
 MASTERS_VENV := target/masters/venv
 
 masters-test: dist-libraries $(MASTERS_VENV)/.ready ## run the units of `make dist` in libcosim, Ecos, fmpy, a container FMU and the crate fmi
 	LIBCLANG_PATH=$$($(MASTERS_VENV)/bin/python -c "import clang.native; print(*clang.native.__path__)") \
 	BINDGEN_EXTRA_CLANG_ARGS="-I$$(cc -print-file-name=include)" \
-	cargo build --quiet --locked --manifest-path tests/masters/fmi/Cargo.toml --target-dir target/masters/fmi
+	cargo build --quiet $(RUST_STUDIES) -p fmi-master --target-dir target/masters/fmi
 	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(MASTERS_VENV)/bin/python -m pytest tests/masters
 
 $(MASTERS_VENV)/.ready: requirements/dev.lock requirements/masters.lock
@@ -251,7 +251,7 @@ wheel: dist-libraries $(READY) ## one wheel for all these systems, into target/w
 
 foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, look at the libraries for macOS; needs wine and qemu-user
 	for target in $(wordlist 1,3,$(DIST_TARGETS)); do \
-	$(ZIGBUILD) --manifest-path tests/foreign/Cargo.toml --target-dir target/foreign --target $$target || exit; done
+	$(ZIGBUILD) --manifest-path studies/rust/Cargo.toml -p foreign-master --target-dir target/foreign --target $$target || exit; done
 	cd target/foreign/$(word 3,$(DIST_TARGETS))/release && $(abspath $(DIST_VENV))/bin/python -m ziglang cc \
 	-target x86_64-windows-gnu -shared -O2 -o bcryptprimitives.dll $(CURDIR)/tests/foreign/bcryptprimitives.c -ladvapi32
 	$(RUN) -m pytest tests/foreign
@@ -264,11 +264,11 @@ $(DIST_VENV)/.ready: requirements/dist.lock
 .PHONY: fuzz
 
 fuzz: build $(READY_DEV) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each, write docs/fuzz.csv; needs nightly and cargo-fuzz
-	$(RUN) -m fuzz $(ARGS)
+	$(RUN) -m tests.fuzz $(ARGS)
 
 .PHONY: sanitizers
 
-SANITIZERS := --locked --manifest-path tests/sanitizers/Cargo.toml --bins --target-dir target/sanitizers
+SANITIZERS := $(RUST_STUDIES) -p sanitizers --profile sanitizers --bins --target-dir target/sanitizers
 
 sanitizers: $(READY_DEV) ## call both units under AddressSanitizer and valgrind; needs nightly and valgrind
 	RUSTFLAGS=-Zsanitizer=address cargo +nightly build $(SANITIZERS)/asan --target x86_64-unknown-linux-gnu
@@ -279,7 +279,7 @@ sanitizers: $(READY_DEV) ## call both units under AddressSanitizer and valgrind;
 
 PEERS_VENV := target/report/venv
 report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine, ten on a busy one), write docs/report
-	$(STUDY) report leave-out --again $(ARGS)
+	$(STUDY) report leave-out --force $(ARGS)
 
 STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein running report leave-out
 report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run what is stale or missing of every study, with the long cases, and draw all pages; goes on where it was stopped; half a day of one core

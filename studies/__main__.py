@@ -36,8 +36,8 @@ def main(
     jobs: Annotated[int, typer.Option(min=1, help="Runs at a time.")] = 1,
     scheduler: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to run on.")] = None,
     full: Annotated[bool, typer.Option("--full", help="The long cases of the report, too.")] = False,
-    again: Annotated[bool, typer.Option("--again", help="Run what is known as well.")] = False,
-    times: Annotated[bool, typer.Option("--times", help="Take new times where the results agree, too.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Run what is known as well.")] = False,
+    update_timings: Annotated[bool, typer.Option(help="Record new times of results that did not change.")] = False,
     shown: Annotated[Path | None, typer.Option(metavar="FILE", help="Only the cases that this document shows.")] = None,
     check: Annotated[bool, typer.Option("--check", help="Write nothing; fail if a page would change.")] = False,
     same_as: Annotated[
@@ -75,14 +75,14 @@ def main(
         found = state(study, case, data)
         if listing:
             typer.echo(f"{found:8} {study.name}/{case.name}")
-        elif again or found in ("stale", "missing"):
+        elif force or found in ("stale", "missing"):
             todo.append((study, case))
         elif found == "run" and (run := study.run_of(case)):
-            data.take(study, case, run, times)
+            data.take(study, case, run, update_timings)
     if listing:
         return
     for study, case, run in engine.run(todo, jobs, scheduler):
-        changed = data.take(study, case, run, times)
+        changed = data.take(study, case, run, update_timings)
         data.save()
         typer.echo(f"{study.name}/{case.name}: {run.found.get('error') or ('new' if changed else 'as before')}")
     data.save()

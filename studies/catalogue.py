@@ -7,12 +7,12 @@ from typing import Any
 
 from studies import commands, coupling, driven_bar, fluid, fsi3, rod, running, show, speed, turek_hron, vein
 from studies.report import leave_out, pages
-from studies.store import REPORT, Data
+from studies.store import FOLDER, Data
 
 STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
            turek_hron.STUDY, vein.STUDY, running.STUDY, leave_out.STUDY, pages.STUDY)  # fmt: skip
 
-STALE = REPORT / "stale.md"  # Depends on the sources besides the results: it is not compared by the test of the pages
+STALE = FOLDER / "stale.md"  # Depends on the sources besides the results: it is not compared by the test of the pages
 
 
 def load() -> Data:

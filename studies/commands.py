@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from studies.engine import Case
 
 
-def cargo(manifest: str, target: str, *arguments: str, binary: str = "", example: str = "") -> list[str]:
-    """Command of a Rust program outside of the workspace."""
-    run = ["cargo", "run", "--release", "--locked", "--manifest-path", manifest, "--target-dir", target]
+def cargo(package: str, *arguments: str, binary: str = "", example: str = "") -> list[str]:
+    """Return the command of a program of studies/rust."""
+    run = ["cargo", "run", "--release", "--locked", "--manifest-path", "studies/rust/Cargo.toml", "-p", package]
+    run += ["--target-dir", "target/studies"]
     which = ("--bin", binary) if binary else ("--example", example) if example else ()
     return [*run, *which, "--", *arguments]
 

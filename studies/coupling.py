@@ -162,7 +162,7 @@ def cases() -> Iterator[Case]:
         yield rounding(f"pressure jump, {tolerance:g}", 500.0, tolerance)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     """Reached time (s), iterations a step, noise of the last third of the lift: its second difference by its spread. Of
     other parts that of the tips: two veins that are mirror images have no lift."""
     if "apart" in run.found:
@@ -225,4 +225,4 @@ def nudged(data: Data) -> list[dict[str, Any]]:
     ]
 
 
-STUDY = Study("coupling", cases, keep, {"coupling-map": held, "coupling-parts": parts, "coupling-rounding": nudged})
+STUDY = Study("coupling", cases, extract, {"coupling-map": held, "coupling-parts": parts, "coupling-rounding": nudged})

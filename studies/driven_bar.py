@@ -174,7 +174,7 @@ def cases() -> Iterator[Case]:
             yield case(f"{group}/{grid}", STILL | changes, amplitude=amplitude, **SOON)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     return {part: run.found[part] for part in ("values", "times")}
 
 
@@ -194,4 +194,4 @@ def beside(group: str, data: Data) -> list[dict[str, Any]]:
 
 
 TABLES: dict[str, Callable[[Data], Any]] = {f"driven-bar-{group}": partial(beside, group) for group in LISTED}
-STUDY = Study("driven-bar", cases, keep, TABLES)
+STUDY = Study("driven-bar", cases, extract, TABLES)

@@ -30,21 +30,21 @@ from studies import machine, simulate
 
 RESULTS = ROOT / "results" / "studies"
 
-ROOMS: dict[str, tuple[str, ...]] = {
+SOURCES: dict[str, tuple[str, ...]] = {
     "scene": ("crates/scene/src/**/*.rs",),
     "fluid": ("crates/fluid/src/**/*.rs", "crates/fluid/Cargo.toml", "fmu-fluid/src/**/*.rs"),
     "rod": ("crates/rod/src/**/*.rs", "crates/rod/Cargo.toml", "fmu-rod/src/**/*.rs"),
     "coupling": ("python/nervure/coupling/*.py", "python/nervure/master.py"),
     "evaluation": ("python/nervure/evaluate/**/*.py",),
-    "rod study": ("crates/rod/study/src/**/*.rs", "crates/rod/study/Cargo.toml", "crates/rod/tests/common/*.rs"),
-    "rod roofline": ("crates/rod/study/examples/*.rs", "crates/fluid/bench/src/machine.rs"),
-    "fluid bench": ("crates/fluid/bench/src/*.rs", "crates/fluid/bench/Cargo.toml"),
-    "fluid measures": ("crates/fluid/bench/src/bin/*.rs", "crates/fluid/tests/common/*.rs"),
+    "rod study": ("studies/rust/rod/src/**/*.rs", "studies/rust/rod/Cargo.toml", "crates/rod/tests/common/*.rs"),
+    "rod roofline": ("studies/rust/rod/examples/*.rs", "studies/rust/fluid/src/machine.rs"),
+    "fluid bench": ("studies/rust/fluid/src/*.rs", "studies/rust/fluid/Cargo.toml"),
+    "fluid measures": ("studies/rust/fluid/src/bin/*.rs", "crates/fluid/tests/common/*.rs"),
     "keeping": ("python/nervure/checkpoint.py", "python/nervure/show/fields.py"),
     "command": ("python/nervure/**/*.py",),
     "peers": ("studies/peers/*.py",),
-    "limits": ("tests/driven_root.py",),
-    "plate": ("tests/plate.py",),
+    "limits": ("studies/limits.py",),
+    "plate": ("studies/plate.py",),
     "driven bar": ("studies/driven_bar.py",),
 }
 """Sources by the name under which a case says that it depends on them."""
@@ -65,7 +65,7 @@ class Case:
     """One run: of a scene with some keys changed, or of any function."""
 
     name: str  # `group/label`, unique in its study
-    rooms: tuple[str, ...]  # Keys of `ROOMS`
+    sources: tuple[str, ...]  # Keys of `SOURCES`
     scene: str = ""
     changes: dict[str, Any] = field(default_factory=dict)
     """Values by dotted key; "absent" takes the key away."""
@@ -90,7 +90,7 @@ class Case:
         built = self.built() if self.scene else {}
         scene = json.dumps({key: part for key, part in built.items() if key not in UNREAD}, sort_keys=True)
         options = json.dumps(self.options, sort_keys=True)
-        parts = [scene, options, *(sources(room, checkout) for room in self.rooms)]
+        parts = [scene, options, *(source_digest(room, checkout) for room in self.sources)]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 
@@ -115,7 +115,7 @@ class Study:
 
     name: str
     cases: Callable[[], Iterable[Case]]
-    keep: Callable[[Case, Run], dict[str, Any]]
+    extract: Callable[[Case, Run], dict[str, Any]]
     """`values` by quantity, `tables` (lists of rows) and `times`, of a case that did not fail."""
     tables: dict[str, Callable[[Any], Any]] = field(default_factory=dict)
     """Lines of a block of a document by its key, or the rows of it where tables.toml has its columns."""
@@ -134,20 +134,20 @@ class Study:
 
     def command(self, case: Case) -> str:
         """That repeats a case."""
-        return f"python -m studies {self.name} --again --only {shlex.quote(case.name)}"
+        return f"python -m studies {self.name} --force --only {shlex.quote(case.name)}"
 
 
 # Sources
 
 
 @lru_cache
-def sources(room: str, root: Path) -> str:
+def source_digest(room: str, root: Path) -> str:
     """Digest of the code of a room in a checkout: comment lines, empty lines and the tests at the end of a file do not
     count."""
     digest = hashlib.sha256()
-    paths = sorted({path for pattern in ROOMS[room] for path in root.glob(pattern)})
+    paths = sorted({path for pattern in SOURCES[room] for path in root.glob(pattern)})
     if not paths:
-        raise FileNotFoundError(f"no file of {room!r} is where studies/engine.py looks for it: {ROOMS[room]}")
+        raise FileNotFoundError(f"no file of {room!r} is where studies/engine.py looks for it: {SOURCES[room]}")
     for path in paths:
         digest.update(path.relative_to(root).as_posix().encode())
         for line in path.read_text(encoding="utf-8").splitlines():

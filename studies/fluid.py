@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from typing import Any
 
-from studies import commands, show, simulate, speed
+from studies import commands, show, simulate
 from studies.engine import FLUID, Case, Run, Study
 from studies.show import markdown
 from studies.store import Data
@@ -48,7 +48,7 @@ def cylinder(
         shape["half_width"] = 1.0
     core = {"core_depth": 2.0} if mask == "curvature" else {}
     target = {"log_linear": {"c_eta": c_eta, "wall_correction": kind} | core}
-    changes: dict[str, Any] = simulate.aside(SCENES[flow], nx, ny, offset) | {
+    changes: dict[str, Any] = simulate.shifted_grid(SCENES[flow], nx, ny, offset) | {
         "name": f"cylinder-{flow.lower().replace('-', '')}-{name.replace('/', '-')}",
         "time.communication_step": dt,
         "fluid.time_stepping.max_step": dt,
@@ -109,7 +109,7 @@ def cases() -> Iterator[Case]:
         yield at(nx, f"thesis/{nx}", THESIS_STEP / nx, "sharp, uncorrected", 1e-3, "two_thirds", "rk2", thesis=True)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     """Coefficients, mean flow rate (m²/s) and largest CFL number."""
     summary, series = run.found, run.series
     if summary["coefficients"] is None:
@@ -203,7 +203,7 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "thesis-3-3": partial(thesis, "3_3"),
     "thesis-3-4": partial(thesis, "3_4"),
 }
-STUDY = Study("fluid", cases, keep, TABLES, draw)
+STUDY = Study("fluid", cases, extract, TABLES, draw)
 
 
 # Exact solutions, invariants and the map of stability, by the crate's own examples
@@ -211,9 +211,9 @@ STUDY = Study("fluid", cases, keep, TABLES, draw)
 
 def measure_cases() -> Iterator[Case]:
     for name in ("measures", "stability"):
-        command = commands.cargo(speed.MANIFEST, speed.TARGET, f"{{folder}}/{name}.csv", binary=name)
-        rooms = ("scene", "fluid", "fluid measures")
-        yield Case(f"crate/{name}", rooms, options={"command": command}, action=commands.tables)
+        command = commands.cargo("fluid-bench", f"{{folder}}/{name}.csv", binary=name)
+        sources = ("scene", "fluid", "fluid measures")
+        yield Case(f"crate/{name}", sources, options={"command": command}, action=commands.tables)
 
 
 def stability(data: Data) -> list[str]:

@@ -81,7 +81,7 @@ def cases() -> Iterator[Case]:
         yield case(f"waves/{name}", THESIS, changes, "a ramp of 2 s" if name == "ramp" else said)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     summary, series, group = run.found, run.series, case.name.split("/")[0]
     values = simulate.quantities(summary) | {"periods": summary["periods"], "reached": summary["simulated_s"]}
     values |= {"iterations": summary["iterations_mean"], "cfl": series["cfl"].max()}
@@ -319,4 +319,4 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "coupling-iterations": iterations,
     "coupling-exchange": exchanged,
 }
-STUDY = Study("fsi3", cases, keep, TABLES, draw)
+STUDY = Study("fsi3", cases, extract, TABLES, draw)

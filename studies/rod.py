@@ -1,17 +1,14 @@
-"""The rod alone: the tables and figures of the thesis' chapter 2 and what lies beyond them, by crates/rod/study."""
+"""The rod alone: the tables and figures of the thesis' chapter 2 and what lies beyond them, by studies/rust/rod."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
-from studies import commands, roofline, show, simulate
+from studies import commands, plate, roofline, show, simulate
 from studies.engine import ROD, Case, Run, Study
 from studies.show import COLOURS, exponent, grouped
 from studies.store import Data
-from tests import plate
-
-MANIFEST, TARGET = "crates/rod/study/Cargo.toml", "target/rod-study"
 
 Rows = list[dict[str, Any]]
 
@@ -32,14 +29,14 @@ EXTREME = ("n", "k_e", "EI", "dt")  # What the stiff cases vary
 
 def cases() -> Iterator[Case]:
     for name in FILES:
-        command = commands.cargo(MANIFEST, TARGET, "{folder}", name)
+        command = commands.cargo("rod-study", "{folder}", name)
         yield Case(f"study/{name}", (*ROD, "rod study"), options={"command": command}, action=commands.tables)
-    command = commands.cargo(MANIFEST, TARGET, "{folder}/roofline.csv", example="roofline")
+    command = commands.cargo("rod-study", "{folder}/roofline.csv", example="roofline")
     yield Case("study/roofline", ("scene", "rod", "rod roofline"), options={"command": command}, action=commands.tables)
     yield Case("study/clamp", ("plate",), action=plate.run)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     """The table, with what depends on the machine apart from it; of the long ones what is shown."""
     name = case.name.split("/")[1]
     rows = run.found["tables"][name]
@@ -274,4 +271,4 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
         show.curves("pictures/rod-energy", labels, lines, log=False, limits={"ylim": (-0.15, 0.5)}, loc="upper left")
 
 
-STUDY = Study("rod", cases, keep, TABLES, draw)
+STUDY = Study("rod", cases, extract, TABLES, draw)

@@ -21,7 +21,7 @@ from nervure.errors import InputError
 from nervure.recorder import Recorder
 from nervure.resources import ROOT
 from studies import simulate
-from studies.engine import UNITS, Case, sources
+from studies.engine import UNITS, Case, source_digest
 from studies.store import Data, Record
 
 STEPS = 20
@@ -49,8 +49,8 @@ def comparable(record: Record, checkout: Path) -> bool:
     case = record.case
     if case.action is not simulate.run:
         return False
-    others = set(case.rooms) - set(UNITS)
-    unchanged = all(sources(room, ROOT) == sources(room, checkout) for room in others)
+    others = set(case.sources) - set(UNITS)
+    unchanged = all(source_digest(room, ROOT) == source_digest(room, checkout) for room in others)
     return unchanged and record.digest == case.digest_on(checkout)
 
 

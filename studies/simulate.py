@@ -59,7 +59,7 @@ SHALLOW: dict[str, Any] = {"fluid.mask.log_linear.core_depth": "absent"}
 """The change to the wall of coarse grids."""
 
 
-def aside(name: str, nx: int, ny: int, offset: tuple[float, float]) -> dict[str, Any]:
+def shifted_grid(name: str, nx: int, ny: int, offset: tuple[float, float]) -> dict[str, Any]:
     """The changes to another grid that lies aside by parts of a cell against what is in the flow; the inflow begins
     with it."""
     base, box = changed(name, {})["fluid"]["box"], {}

@@ -1,5 +1,5 @@
 """Speed of the fluid beside other transforms and beside what the machine can do, by phase, motion and threads, by
-crates/fluid/bench."""
+studies/rust/fluid."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -9,8 +9,6 @@ from studies import commands, roofline, show, simulate
 from studies.engine import Case, Run, Study
 from studies.store import Data
 
-MANIFEST, TARGET = "crates/fluid/bench/Cargo.toml", "target/fluid-bench"
-
 ROOFLINES = (("roofline", "325 x 72", ""), ("roofline", "650 x 144", ""), ("roofline", "1300 x 288", ""),
              ("roofline-single", "650 x 144", ", single"))  # fmt: skip
 """Of the grids that are shown: table of the program, grid, and what is written behind it."""
@@ -19,11 +17,11 @@ GROUPS: dict[str, list[str]] = simulate.LISTED["fluid-speed"]["groups"]  # What 
 
 
 def cases() -> Iterator[Case]:
-    command = commands.cargo(MANIFEST, TARGET, "{folder}/speed.csv")
+    command = commands.cargo("fluid-bench", "{folder}/speed.csv")
     yield Case("bench/speed", ("scene", "fluid", "fluid bench"), options={"command": command}, action=commands.tables)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     """All of it is times."""
     return {"times": {"rows": [list(row.values()) for row in run.found["tables"]["speed"]]}}
 
@@ -113,4 +111,4 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "speed-machine": lambda data: show.markdown(["one core", "measured"], machine(data)),
     "speed-roofline": rooflines,
 }
-STUDY = Study("fluid-speed", cases, keep, TABLES)
+STUDY = Study("fluid-speed", cases, extract, TABLES)

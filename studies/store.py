@@ -1,4 +1,4 @@
-"""What studies have found, as it is committed: docs/report/results.json, and docs/report/times.json beside it.
+"""What studies have found, as it is committed: studies/results/results.json, and times.json beside it.
 
 results.json has a line for each case: its command, the digest of what it depends on, rows of values with unit,
 published value and error, and tables. times.json has what it took, where. A run that agrees changes neither.
@@ -19,7 +19,7 @@ from nervure.resources import ROOT
 from studies import machine, simulate
 from studies.engine import Case, Run, Study
 
-REPORT = ROOT / "docs" / "report"
+FOLDER = ROOT / "studies" / "results"
 
 
 @dataclass
@@ -127,7 +127,7 @@ class Data:
     def take(self, study: Study, case: Case, run: Run, new_times: bool = False) -> bool:
         """Take in a run; whether that has changed anything."""
         error = run.found.get("error")
-        kept = json_numbers({} if error and not run.found.get("quantities") else study.keep(case, run))
+        kept = json_numbers({} if error and not run.found.get("quantities") else study.extract(case, run))
         values, tables, times = (rounded(kept.get(part, {})) for part in ("values", "tables", "times"))
         values = {quantity: value for quantity, value in values.items() if value is not None}
         name, on = f"{study.name}/{case.name}", machine.key(run.machine)
@@ -138,7 +138,7 @@ class Data:
         self.records[name], self.machines[on] = record, run.machine
         return True
 
-    def load(self, folder: Path = REPORT) -> Data:
+    def load(self, folder: Path = FOLDER) -> Data:
         files = [folder / name for name in ("results.json", "times.json")]
         if not files[0].is_file():
             return self
@@ -155,7 +155,7 @@ class Data:
             self.records[name] = Record(name, self.cases[name][1], **parts, **entry)
         return self
 
-    def save(self, folder: Path = REPORT) -> None:
+    def save(self, folder: Path = FOLDER) -> None:
         """Write both files."""
         ordered = [self.records[name] for name in self.cases if name in self.records]
         times = {record.name: {"machine": record.machine} | record.times for record in ordered}

@@ -14,7 +14,7 @@ from studies import fsi3, show, simulate
 from studies.driven_bar import harmonics
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
 from studies.show import COLOURS
-from studies.simulate import SHALLOW, on_grid
+from studies.simulate import SHALLOW, on_grid, shifted_grid
 from studies.store import Data
 
 Series = Mapping[str, np.ndarray]
@@ -75,18 +75,18 @@ def cases() -> Iterator[Case]:
     for grid in GRIDS:
         nx, ny = map(int, grid.split("x"))
         for name, step in FLOWS.items():
-            rooms = FLUID if name.startswith("cfd") else COUPLED
+            sources = FLUID if name.startswith("cfd") else COUPLED
             changes = {} if grid == SHIPPED else on_grid(nx, ny, step * 648 / nx) | WALLS.get(grid, {})
             about = {"published": scene_of(name)}
-            yield Case(f"{name}/{grid}", rooms, scene_of(name), changes, about=about, quick=grid == GRIDS[0])
+            yield Case(f"{name}/{grid}", sources, scene_of(name), changes, about=about, quick=grid == GRIDS[0])
     for grid, places in PLACED.items():
         nx, ny = map(int, grid.split("x"))
         for name in ("cfd1", "cfd2", "cfd3", "fsi3"):
-            rooms, step = COUPLED if name == "fsi3" else FLUID, FLOWS[name] * 648 / nx
+            sources, step = COUPLED if name == "fsi3" else FLUID, FLOWS[name] * 648 / nx
             for x, y in places:
                 if (x, y) != (0.0, 0.0):
-                    moved = on_grid(nx, ny, step) | simulate.aside(scene_of(name), nx, ny, (x, y)) | WALLS.get(grid, {})
-                    yield Case(f"place/{name}, {grid}, {x:g} {y:g}", rooms, scene_of(name), moved, quick=False)
+                    moved = on_grid(nx, ny, step) | shifted_grid(scene_of(name), nx, ny, (x, y)) | WALLS.get(grid, {})
+                    yield Case(f"place/{name}, {grid}, {x:g} {y:g}", sources, scene_of(name), moved, quick=False)
     between = on_grid(972, 162, FLOWS["fsi3"] * 648 / 972)
     for grid, changes in (
         ("360x72", WIDE | on_grid(360, 72, 4e-4) | SHALLOW),
@@ -107,7 +107,7 @@ def cases() -> Iterator[Case]:
             yield Case(f"box/{flow}, {nx}x{ny}", FLUID, scene, on_grid(nx, ny, step), quick=False)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     swings = case.name.startswith("fsi3/")
     tables = {"periods": fsi3.last_periods(run.series), "phases": settled_phases(run.series)} if swings else {}
     return {"values": simulate.quantities(run.found), "tables": tables, "times": simulate.times(run.found)}
@@ -287,4 +287,4 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "turek-hron-long": lambda data: beside(data, LONG, "as shipped", "to 30 s"),
     "turek-hron-places": placed,
 }
-STUDY = Study("turek-hron", cases, keep, TABLES, draw)
+STUDY = Study("turek-hron", cases, extract, TABLES, draw)

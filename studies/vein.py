@@ -14,12 +14,11 @@ import numpy as np
 
 from nervure.evaluate import flapping, statistics
 from nervure.scene import validate
-from studies import show, simulate
+from studies import limits, show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
+from studies.limits import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
 from studies.simulate import on_grid
 from studies.store import Data
-from tests import driven_root
-from tests.driven_root import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
 
 FORWARD, HOVER, SPACE = "vein-forward-384x192", "vein-hover-288x256", "vein-3d"
 CYLINDER, SWINGING = "cylinder-oscillating-460x100", "fsi3-648x108"
@@ -86,12 +85,12 @@ def cases() -> Iterator[Case]:
 
 
 def limit(case: Case, folder: Path) -> dict[str, Any]:
-    """What `driven_root` finds."""
-    all_found = LIMITS[case.options["limit"]](partial(driven_root.record, folder=folder))
+    """What `limits` finds."""
+    all_found = LIMITS[case.options["limit"]](partial(limits.record, folder=folder))
     return {"tables": {"found": [asdict(found) | {"error": found.error} for found in all_found]}}
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     if not run.found.get("quantities") and "tables" in run.found:
         return {"tables": run.found["tables"]}
     summary, group = run.found, case.name.split("/")[0]
@@ -164,12 +163,12 @@ def part(case: Case, run: Run) -> dict[str, float]:
 
 def stiff_limit(case: Case, folder: Path) -> dict[str, Any]:
     """How far the forces of a stiff rod are from those of the prescribed motion."""
-    coupled, prescribed = (driven_root.record(case.built(), folder, rigid=rigid) for rigid in (False, True))
+    coupled, prescribed = (limits.record(case.built(), folder, rigid=rigid) for rigid in (False, True))
     time, rows = coupled["time"], []
     later = time > 1.0
     for name in FORCES:
         forces = [run[name] for run in (coupled, prescribed)]
-        stiff, rigid = (driven_root.filtered(time, force) for force in forces)
+        stiff, rigid = (limits.filtered(time, force) for force in forces)
         row = {
             "rms": np.sqrt(np.mean((stiff - rigid) ** 2) / np.mean(rigid**2)),
             "largest": np.abs(stiff - rigid).max() / np.abs(rigid).max(),
@@ -211,4 +210,4 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
         show.curves("vein/cylinder", ("time [s]", "drag [N/m]"), lines, log=False)
 
 
-STUDY = Study("vein", cases, keep, {"vein-parts": parts}, draw)
+STUDY = Study("vein", cases, extract, {"vein-parts": parts}, draw)

@@ -1,6 +1,5 @@
 """A driven root: limits with exact solutions, the balance of energy, and the averages of the report."""
 
-import driven_root
 import numpy as np
 import pytest
 
@@ -8,24 +7,24 @@ import nervure
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
 from nervure.scene import validate
-from studies import flapping as cases, simulate
+from studies import flapping as cases, limits, simulate
 
 
 @pytest.fixture
 def record(tmp_path, libraries):
     """Function that runs a scene and returns what was recorded."""
-    return lambda scene, *arguments, **keywords: driven_root.record(scene, tmp_path, *arguments, **keywords)
+    return lambda scene, *arguments, **keywords: limits.record(scene, tmp_path, *arguments, **keywords)
 
 
 @pytest.fixture
 def pitching():
-    return driven_root.small_pitching()
+    return limits.small_pitching()
 
 
-@pytest.mark.parametrize("name", driven_root.LIMITS)
+@pytest.mark.parametrize("name", limits.LIMITS)
 def test_driven_root_has_the_known_answer(name, record):
     """Stiff limit, transfer function in vacuum, free vibration in still fluid, energy over a period."""
-    for found in driven_root.LIMITS[name](record):
+    for found in limits.LIMITS[name](record):
         print(f"{name}, {found.quantity}: {found.value:.6g} against {found.expected:.6g}, {found.error:+.2e}")
         assert abs(found.error) <= found.asked, found
 

@@ -2,7 +2,6 @@
 
 from itertools import pairwise
 
-import driven_root
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -13,6 +12,7 @@ from nervure import simulation
 from nervure.evaluate import statistics
 from nervure.scene import validate
 from nervure.show import animation, plots
+from studies import limits
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -39,7 +39,7 @@ def drawn(monkeypatch, tmp_path):
 @pytest.fixture
 def pitching():
     """Three periods of a driven root."""
-    scene = driven_root.small_pitching()
+    scene = limits.small_pitching()
     scene["time"]["end"] = 3.1
     scene["display"] = {"length": "chords", "time": "periods"}
     return scene

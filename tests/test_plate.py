@@ -1,10 +1,10 @@
 """The shear factor and the set-back of the clamp in the shipped scenes are those of a plate in plane strain."""
 
 import numpy as np
-import plate
 import pytest
 
 from nervure.scene import read
+from studies import plate
 
 MESH = (24, 6)
 

@@ -12,9 +12,9 @@ import pytest
 from nervure.library import KINDS
 from nervure.pack import package
 from nervure.scene import Scene, load
-from studies.reliability.__main__ import CHECKS, unpack
-from studies.reliability.trials import inherited
-from studies.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
+from tests.reliability.__main__ import CHECKS, unpack
+from tests.reliability.trials import inherited
+from tests.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", KINDS)

@@ -60,7 +60,7 @@ def test_a_committed_value_comes_out_again(libraries, data, name, tmp_path):
     study, case = data.cases[name]
     engine.execute(case, tmp_path)
     run = engine.Run(tmp_path, **json.loads((tmp_path / "run.json").read_text()))
-    found = study.keep(case, run)["values"]
+    found = study.extract(case, run)["values"]
     for quantity in record.published:
         if record.get(quantity) is not None:
             assert found[quantity] == pytest.approx(record[quantity], rel=1e-4), quantity

@@ -28,16 +28,16 @@ STUDY = Study(
 
 @pytest.fixture
 def small(tmp_path, monkeypatch):
-    """Sources of two rooms, and a function that runs what is missing of the study; it returns the data."""
+    """Sources of two sources, and a function that runs what is missing of the study; it returns the data."""
     monkeypatch.setattr(engine, "ROOT", tmp_path)
     monkeypatch.setattr(engine, "RESULTS", tmp_path / "results")
-    monkeypatch.setattr(engine, "ROOMS", {room: (f"{room}/*.rs",) for room in ("fluid", "rod")})
+    monkeypatch.setattr(engine, "SOURCES", {room: (f"{room}/*.rs",) for room in ("fluid", "rod")})
     for room in ("fluid", "rod"):
         (tmp_path / room).mkdir()
         (tmp_path / room / "lib.rs").write_text("// A comment.\nlet x = 1;\n")
 
     def run(again: bool = False) -> Data:
-        engine.sources.cache_clear()
+        engine.source_digest.cache_clear()
         data = Data([STUDY]).load(tmp_path)
         for case in STUDY.cases():
             record = data.get(f"small/{case.name}")
@@ -50,13 +50,13 @@ def small(tmp_path, monkeypatch):
     run.folder = tmp_path
     run.ran = lambda: (tmp_path / "results" / "small" / "ran").read_text().split()
     yield run
-    engine.sources.cache_clear()
+    engine.source_digest.cache_clear()
 
 
 def test_a_changed_line_makes_exactly_the_rows_stale_that_depend_on_it(small):
     small()
     (small.folder / "fluid" / "lib.rs").write_text("// A comment.\nlet x = 2;\n")
-    engine.sources.cache_clear()
+    engine.source_digest.cache_clear()
     data = Data([STUDY]).load(small.folder)
     assert [record.name for record in data.stale()] == ["small/group/1"]
 
@@ -64,7 +64,7 @@ def test_a_changed_line_makes_exactly_the_rows_stale_that_depend_on_it(small):
 def test_a_changed_comment_makes_nothing_stale(small):
     small()
     (small.folder / "fluid" / "lib.rs").write_text("// Another comment.\n\nlet x = 1;\n")
-    engine.sources.cache_clear()
+    engine.source_digest.cache_clear()
     assert Data([STUDY]).load(small.folder).stale() == []
 
 
@@ -86,9 +86,9 @@ def test_a_run_that_agrees_changes_no_file(small):
 
 def test_a_room_that_has_moved_is_noticed(small):
     (small.folder / "rod" / "lib.rs").unlink()
-    engine.sources.cache_clear()
+    engine.source_digest.cache_clear()
     with pytest.raises(FileNotFoundError, match="'rod'"):
-        engine.sources("rod", small.folder)
+        engine.source_digest("rod", small.folder)
 
 
 def test_a_result_can_be_carried_over_only_where_nothing_but_the_units_has_changed(small, monkeypatch):
@@ -99,11 +99,11 @@ def test_a_result_can_be_carried_over_only_where_nothing_but_the_units_has_chang
     made = Record("small/group/3", case, "", case.digest_on(checkout))
     for room, expected in (("fluid", True), ("rod", False)):
         (small.folder / room / "lib.rs").write_text("let x = 2;\n")
-        engine.sources.cache_clear()
+        engine.source_digest.cache_clear()
         case.__dict__.pop("digest", None)
         assert made.stale and same.comparable(made, checkout) is expected, room
     (small.folder / "rod" / "lib.rs").write_text((checkout / "rod" / "lib.rs").read_text())
-    engine.sources.cache_clear()
+    engine.source_digest.cache_clear()
     assert same.comparable(made, checkout)
     assert not same.comparable(replace(made, digest="of other sources"), checkout)
     assert not same.comparable(replace(made, case=replace(case, action=act)), checkout)
@@ -120,8 +120,8 @@ def test_units_that_give_other_bits_are_told_apart(monkeypatch):
 
 
 def test_every_room_has_sources():
-    for room in engine.ROOMS:
-        assert engine.sources(room, engine.ROOT), room
+    for room in engine.SOURCES:
+        assert engine.source_digest(room, engine.ROOT), room
 
 
 def test_cases_have_names_of_their_own():
@@ -144,7 +144,7 @@ def test_a_scene_is_run_and_one_that_is_refused_keeps_its_reason(tmp_path, monke
     good = fluid.cylinder("2D-2", 100, "grid/good", 2e-3)
     good.changes["time.end"] = 0.1
     bad = fluid.cylinder("2D-2", 100, "grid/bad", 2e-3, c_eta=-1.0)
-    study = Study("fluid", lambda: [good, bad], fluid.keep)
+    study = Study("fluid", lambda: [good, bad], fluid.extract)
     monkeypatch.setattr(engine, "RESULTS", tmp_path)
     data = Data([study])
     for case in study.cases():

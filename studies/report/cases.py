@@ -29,12 +29,12 @@ COST_STEPS = 200  # Communication steps of the runs that only tell what a step c
 
 
 def case(kind: str, method: str, setting: str, changes: dict[str, Any], size: float = 0, **options: Any) -> Case:
-    rooms = ("peers",) if "command" in options else COUPLED if kind == "cost" else ROD
+    sources = ("peers",) if "command" in options else COUPLED if kind == "cost" else ROD
     scene, action, quick = SCENES[kind], simulate.run, options.pop("quick", True)
     about = {"published": scene, "kind": kind, "method": method, "setting": setting, "size": size}
     if "command" in options:
         scene, action = "", run_peer
-    return Case(f"{kind}/{method}/{setting}", rooms, scene, changes, options, action, about, quick)
+    return Case(f"{kind}/{method}/{setting}", sources, scene, changes, options, action, about, quick)
 
 
 def run_peer(case: Case, folder: Path) -> dict[str, Any]:
@@ -91,7 +91,7 @@ def cases() -> Iterator[Case]:
     yield case("cost", "grid", "{} x {}".format(*LARGEST), changes, LARGEST[0] * LARGEST[1], repeats=1, quick=False)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     found = run.found
     if "command" in case.options:
         walls, cpus = (np.percentile(spent, [25, 50, 75]).tolist() for spent in zip(*found["runs"]))

@@ -57,12 +57,12 @@ def cases() -> Iterator[Case]:
                 variants["without shear"] = NO_SHEAR
             variants[part] = changes
         for variant, changes in variants.items():
-            rooms = COUPLED if fluid and rod else FLUID if fluid else ROD
+            sources = COUPLED if fluid and rod else FLUID if fluid else ROD
             options, about = {"repeats": REPEATS}, {"scene": name}
-            yield Case(f"{name}/{variant}", rooms, name, short | changes, options, about=about, quick=name in SHORT)
+            yield Case(f"{name}/{variant}", sources, name, short | changes, options, about=about, quick=name in SHORT)
 
 
-def keep(case: Case, run: Run) -> dict[str, Any]:
+def extract(case: Case, run: Run) -> dict[str, Any]:
     xml, variables = simulate.sizes(case.built())
     last = {f"last {name}": run.found["last"][name] for name in COLUMNS if name in run.found["last"]}
     times = simulate.times(run.found) | {"steps": run.found["steps"]}
@@ -107,4 +107,4 @@ def added(data: Data) -> list[dict[str, Any]]:
     return rows
 
 
-STUDY = Study("leave-out", cases, keep)
+STUDY = Study("leave-out", cases, extract)

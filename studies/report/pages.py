@@ -206,4 +206,4 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "report-left-out": leave_out.added, "report-exponents": exponents, "report-steps": steps,
     "report-verdicts": verdicts, "report-orders": orders,
 }  # fmt: skip
-STUDY = Study("report", cases.cases, cases.keep, TABLES, draw)
+STUDY = Study("report", cases.cases, cases.extract, TABLES, draw)

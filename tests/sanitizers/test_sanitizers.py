@@ -12,7 +12,7 @@ from nervure.resources import ROOT
 
 BUILDS = ROOT / "target" / "sanitizers"
 TOOLS = {
-    "asan": ([], BUILDS / "asan" / "x86_64-unknown-linux-gnu" / "debug"),
+    "asan": ([], BUILDS / "asan" / "x86_64-unknown-linux-gnu" / "sanitizers"),
     "valgrind": (
         [
             "valgrind",
@@ -21,7 +21,7 @@ TOOLS = {
             "--leak-check=full",
             "--errors-for-leak-kinds=definite,possible",
         ],
-        BUILDS / "plain" / "debug",
+        BUILDS / "plain" / "sanitizers",
     ),
 }
 """What a program is run with, and where it was built for that."""

@@ -4,9 +4,9 @@
 //! Bytes and operations are counted by hand, as for the fluid's step: what is read, what is written, and that once more
 //! where it was not read before. A multiply-add is two operations, a division or a root one.
 
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../../../crates/rod/tests/common/mod.rs"]
 mod common;
-#[path = "../../../fluid/bench/src/machine.rs"]
+#[path = "../../fluid/src/machine.rs"]
 mod machine;
 #[allow(dead_code, reason = "the studies use the rest")]
 #[path = "../src/rods.rs"]

@@ -3,7 +3,7 @@
 //! `rod-study FOLDER [NAME …]` writes NAME.csv into FOLDER; without names all of them. Times are those of one core.
 
 mod accuracy;
-#[path = "../../tests/common/mod.rs"]
+#[path = "../../../../crates/rod/tests/common/mod.rs"]
 mod common;
 mod condition;
 mod extreme;

@@ -1,7 +1,7 @@
 #![no_main]
 
 mod calls;
-#[path = "../../fmu-fluid/src/lib.rs"]
+#[path = "../../../fmu-rod/src/lib.rs"]
 mod unit;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| calls::scene(data));

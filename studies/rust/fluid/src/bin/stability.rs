@@ -1,6 +1,6 @@
 //! Writes the stability table, of runs over 200 communication steps of 0.01 s: `stability FILE.csv`.
 
-#[path = "../../../tests/common/cases.rs"]
+#[path = "../../../../../crates/fluid/tests/common/cases.rs"]
 mod cases;
 
 use cases::{Case, LOG_LINEAR, Outcome, channel, hard_scenes, outcome};

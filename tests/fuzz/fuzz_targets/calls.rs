@@ -51,7 +51,7 @@ unsafe extern "C" {
 
 const OK: fmi2Status = fmi2Status::fmi2OK;
 
-/// Communication step of the flag, s: that of `studies/reliability/scene.json`.
+/// Communication step of the flag, s: that of `tests/reliability/scene.json`.
 const STEP: f64 = 2e-4;
 
 /// A panic inside the unit becomes an error there, and a finding here.
@@ -172,9 +172,9 @@ fn state_header(c: fmi2Component) -> Vec<u8> {
     bytes
 }
 
-/// `fuzz/target`, for files.
+/// `target/fuzz`, for files.
 fn scratch() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("target")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/fuzz")
 }
 
 /// Any bytes as a scene file: refused, or a unit that makes two steps or says why not.

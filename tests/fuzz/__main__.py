@@ -14,11 +14,11 @@ from nervure.files import write_csv
 from nervure.library import KINDS
 from nervure.resources import ROOT
 from nervure.scene import kinds, read, text
-from studies.reliability.__main__ import unpack
-from studies.reliability.trials import header
-from studies.reliability.unit import SCENE, FMU2Unit
+from tests.reliability.__main__ import unpack
+from tests.reliability.trials import header
+from tests.reliability.unit import SCENE, FMU2Unit
 
-FUZZ = ROOT / "fuzz"
+FUZZ = ROOT / "tests" / "fuzz"
 TARGETS = ("rod_state", "fluid_state", "rod_scene", "fluid_scene")
 COMMAND = ("cargo", "+nightly", "fuzz")
 OPTIONS = ("-timeout=30", "-max_len=65536", f"-dict={FUZZ / 'target' / 'scene.dict'}", "-print_final_stats=1")

@@ -1,8 +1,8 @@
 //! Writes what is measured of exact solutions and invariants: `measures FILE.csv`.
 
-#[path = "../../../tests/common/mod.rs"]
+#[path = "../../../../../crates/fluid/tests/common/mod.rs"]
 mod common;
-#[path = "../../../tests/common/measures.rs"]
+#[path = "../../../../../crates/fluid/tests/common/measures.rs"]
 mod measures;
 
 use measures::{made_by_advection, noise};
