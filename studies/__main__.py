@@ -1,10 +1,13 @@
-"""`python -m studies NAME …` runs what is missing of studies and writes the pages; without names it only writes them.
+"""`python -m studies NAME …` runs the missing cases of studies and updates the tables of the documents.
 
-python -m studies fluid --list                  the cases, and what is known of them
-python -m studies fluid --only 'dt/*' --jobs 2  run some of those that are missing, two at a time
-python -m studies --shown README.md             run the stale ones among those that a document shows
-python -m studies --check                       fail if a page or a table would be written otherwise
-python -m studies fluid --same-as CHECKOUT      carry over what the units built there give the same bits for
+python -m studies                               update the tables of the documents
+python -m studies fluid --list                  list the cases and whether their results are known
+python -m studies fluid --only 'dt/*' --jobs 2  run the missing cases of a group, two at a time
+python -m studies --shown README.md             run the stale cases that a document shows
+python -m studies --stale                       list the results that are older than the sources
+python -m studies --tables FOLDER               write a page with all tables of each study
+python -m studies --check                       fail if the table of a document is out of date
+python -m studies fluid --same-as CHECKOUT      keep stale results that the units of a checkout reproduce to the bit
 """
 
 import sys
@@ -39,7 +42,11 @@ def main(
     force: Annotated[bool, typer.Option("--force", help="Run what is known as well.")] = False,
     update_timings: Annotated[bool, typer.Option(help="Record new times of results that did not change.")] = False,
     shown: Annotated[Path | None, typer.Option(metavar="FILE", help="Only the cases that this document shows.")] = None,
-    check: Annotated[bool, typer.Option("--check", help="Write nothing; fail if a page would change.")] = False,
+    check: Annotated[bool, typer.Option("--check", help="Write nothing; fail if a document would change.")] = False,
+    stale: Annotated[
+        bool, typer.Option("--stale", help="List stale results with the commands that repeat them.")
+    ] = False,
+    tables: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Write pages with all tables there.")] = None,
     same_as: Annotated[
         Path | None,
         typer.Option(
@@ -54,6 +61,17 @@ def main(
         for path in changed_pages:
             typer.echo(f"{path} would change")
         raise typer.Exit(bool(changed_pages))
+    if stale:
+        for record in data.stale():
+            typer.echo(f"{record.name} ({record.machine}): {record.command}")
+        carried = sum(record.carried for record in data.records.values())
+        typer.echo(f"{len(data.stale())} of {len(data.records)} results are stale; {carried} others were carried over")
+        return
+    if tables:
+        tables.mkdir(parents=True, exist_ok=True)
+        for name, text in catalogue.pages(data).items():
+            (tables / f"{name}.md").write_text(text, encoding="utf-8")
+        return
     known = {study.name: study for study in catalogue.STUDIES}
     if unknown := [name for name in names or () if name not in known]:
         raise typer.BadParameter(f"there is no study {unknown[0]!r}; there are {', '.join(known)}")

@@ -1,4 +1,4 @@
-"""All studies, and the documents that show what they have found."""
+"""All studies, and the documents that show their results."""
 
 import re
 from fnmatch import fnmatch
@@ -7,12 +7,10 @@ from typing import Any
 
 from studies import commands, coupling, driven_bar, fluid, fsi3, rod, running, show, speed, turek_hron, vein
 from studies.report import leave_out, pages
-from studies.store import FOLDER, Data
+from studies.store import Data
 
 STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
            turek_hron.STUDY, vein.STUDY, running.STUDY, leave_out.STUDY, pages.STUDY)  # fmt: skip
-
-STALE = FOLDER / "stale.md"  # Depends on the sources besides the results: it is not compared by the test of the pages
 
 
 def load() -> Data:
@@ -54,7 +52,7 @@ def filled(text: str, data: Data) -> str:
 
 
 def render(data: Data, check: bool = False) -> list[Path]:
-    """Write the tables of documents anew; returns those that have changed. With `check` only tell."""
+    """Write the tables between their markers into the documents, unless `check`; return the documents that change."""
     changed = []
     for path in show.documents():
         before = path.read_text(encoding="utf-8")
@@ -63,9 +61,24 @@ def render(data: Data, check: bool = False) -> list[Path]:
             changed.append(path)
             if not check:
                 path.write_text(text, encoding="utf-8")
-    if not check:
-        STALE.write_text(stale_page(data), encoding="utf-8")
     return changed
+
+
+def pages(data: Data) -> dict[str, str]:
+    """Return a page of Markdown for each study, with all of its tables and all of their rows."""
+    keys: dict[str, list[str]] = {study.name: list(study.tables) for study in STUDIES}
+    made = {key for tables in keys.values() for key in tables}
+    for key, spec in show.SPECS.items():
+        if key not in made:
+            keys.setdefault(re.split("[/.]", spec.get("of") or spec["csv"])[0], []).append(key)
+    return {
+        name: "\n".join(
+            [f"# {name}", *(line for key in tables for line in ("", f"## {key}", "", *lines_of(key, data)))]
+        )
+        + "\n"
+        for name, tables in keys.items()
+        if tables
+    }
 
 
 def shown(document: Path) -> set[str]:
@@ -73,17 +86,3 @@ def shown(document: Path) -> set[str]:
     data = load()
     filled(document.read_text(encoding="utf-8"), data)
     return data.asked
-
-
-def stale_page(data: Data) -> str:
-    """Cases whose sources or scenes have changed since they were run."""
-    stale, carried = data.stale(), sum(record.carried for record in data.records.values())
-    text = [
-        "# Stale results", "",
-        f"{len(stale)} of {len(data.records)} cases were run before the sources or the scene that they depend on",
-        "were changed. Each is repeated by the command beside it.", "",
-        f"{carried} others were not run on the sources of today, but over the first steps of their scenes",
-        "the units give the same bits as those that they were run with.", "",
-    ]  # fmt: skip
-    rows = [[f"`{record.name}`", record.machine, f"`{record.command}`"] for record in stale]
-    return "\n".join([*text, *show.markdown(["case", "run on, at", "command"], rows)]) + "\n"

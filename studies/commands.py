@@ -5,13 +5,11 @@ from __future__ import annotations
 import csv
 import subprocess
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from nervure.errors import InputError
 from nervure.resources import ROOT
-
-if TYPE_CHECKING:
-    from studies.engine import Case
+from studies.engine import Case
 
 
 def cargo(package: str, *arguments: str, binary: str = "", example: str = "") -> list[str]:

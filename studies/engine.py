@@ -60,6 +60,11 @@ UNREAD = ("$schema", "description", "reference")  # Keys of a scene that change 
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
 
+def simulated(case: Case, folder: Path) -> dict[str, Any]:
+    """Run the scene of a case with its options."""
+    return simulate.run(case.built(), folder, **case.options)
+
+
 @dataclass(frozen=True)
 class Case:
     """One run: of a scene with some keys changed, or of any function."""
@@ -70,7 +75,7 @@ class Case:
     changes: dict[str, Any] = field(default_factory=dict)
     """Values by dotted key; "absent" takes the key away."""
     options: dict[str, Any] = field(default_factory=dict)  # Further arguments of `action`; part of the digest as well
-    action: Callable[..., dict[str, Any]] = simulate.run
+    action: Callable[..., dict[str, Any]] = simulated
     """Called with the case and its folder; what it returns is kept in run.json."""
     about: dict[str, Any] = field(default_factory=dict)
     """What tables need to know of the case: method, size, published case and the like."""

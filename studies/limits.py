@@ -101,7 +101,9 @@ def energy(run: Run) -> list[Found]:
     load they differ by the step."""
     scene = small_pitching()
     scene["time"]["communication_step"] = 4e-4
-    balance = flapping.evaluate(validate(scene), run(scene), Window(2.0, 3.0, 1)).energy_balance
+    averages = flapping.evaluate(validate(scene), run(scene), Window(2.0, 3.0, 1))
+    assert averages, "the root is driven"
+    balance: dict[str, Any] = averages.energy_balance
     by_fluid = (balance["root"] + balance["fluid"] - balance["gained"]) / balance["root"]
     return [Found("by the loads", balance["missing"], 0.0, 0.01), Found("by the fluid", by_fluid, 0.0, 0.01)]
 

@@ -21,7 +21,7 @@ from nervure.errors import InputError
 from nervure.recorder import Recorder
 from nervure.resources import ROOT
 from studies import simulate
-from studies.engine import UNITS, Case, source_digest
+from studies.engine import UNITS, Case, simulated, source_digest
 from studies.store import Data, Record
 
 STEPS = 20
@@ -47,7 +47,7 @@ def first_steps(case: Case, checkout: Path) -> bytes:
 def comparable(record: Record, checkout: Path) -> bool:
     """Whether a stale result is of a plain run on the sources in the checkout, of which only the units have changed."""
     case = record.case
-    if case.action is not simulate.run:
+    if case.action is not simulated:
         return False
     others = set(case.sources) - set(UNITS)
     unchanged = all(source_digest(room, ROOT) == source_digest(room, checkout) for room in others)

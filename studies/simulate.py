@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,9 +24,6 @@ from nervure.scene import kinds, validate
 from nervure.show import plots
 from nervure.show.forecast import resident
 from nervure.unit import Unit
-
-if TYPE_CHECKING:
-    from studies.engine import Case
 
 LISTED: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
 """Changes of scenes by study, and what others have printed."""
@@ -196,11 +193,9 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
         return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "last": last, "memory": 1e-6 * memory}
 
 
-def run(case: Case, folder: Path) -> dict[str, Any]:
-    """Run the scene of a case, as often as its option `repeats` says; the summary of the first run, with quartiles of
-    the times (lower, median, upper, s) and the shortest phases of those that are timed."""
-    options = dict(case.options)
-    repeats, scene = options.pop("repeats", 0), case.built()
+def run(scene: dict[str, Any], folder: Path, repeats: int = 0, **options: Any) -> dict[str, Any]:
+    """Run a scene once and `repeats` times more; return the summary of the first run, with the quartiles of the times
+    (lower, median, upper, s) and the shortest phases of the other runs."""
     first = once(scene, folder, **options)
     again = []
     if first["error"] is None and first["cpu_s"] <= REPEATED_BELOW:

@@ -13,7 +13,7 @@ import numpy as np
 from nervure.errors import InputError
 from nervure.resources import ROOT
 from studies import simulate
-from studies.engine import COUPLED, ROD, THREADS, Case, Run
+from studies.engine import COUPLED, ROD, THREADS, Case, Run, simulated
 from studies.report import elastica
 from studies.simulate import on_grid
 
@@ -30,7 +30,7 @@ COST_STEPS = 200  # Communication steps of the runs that only tell what a step c
 
 def case(kind: str, method: str, setting: str, changes: dict[str, Any], size: float = 0, **options: Any) -> Case:
     sources = ("peers",) if "command" in options else COUPLED if kind == "cost" else ROD
-    scene, action, quick = SCENES[kind], simulate.run, options.pop("quick", True)
+    scene, action, quick = SCENES[kind], simulated, options.pop("quick", True)
     about = {"published": scene, "kind": kind, "method": method, "setting": setting, "size": size}
     if "command" in options:
         scene, action = "", run_peer

@@ -10,7 +10,7 @@ import numpy as np
 
 from studies import fluid, fsi3, rod, show, simulate, speed, turek_hron
 from studies.engine import Run, Study
-from studies.report import cases, goals, leave_out, maps
+from studies.report import cases, leave_out, maps
 from studies.report.points import CITED, FLOWS, PEERS, QUANTITIES, Point, kind_of, points
 from studies.show import COLOURS, label, markdown, percent
 from studies.store import Data
@@ -199,7 +199,7 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
 
 
 TABLES: dict[str, Callable[[Data], Any]] = {
-    "report-missed": goals.missed, "report-peers": beaten, "report-machine": machine, "report-errors": errors,
+    "report-peers": beaten, "report-machine": machine, "report-errors": errors,
     "report-bands": lambda data: [fsi3.LEVEL_4, *fsi3.costs(data)],
     "report-maps": maps.counts, "report-failed": maps.failed,
     "report-cited": cited, "report-lacking": leave_out.lacking,
