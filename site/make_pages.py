@@ -14,6 +14,7 @@ import json
 import os
 import re
 import shutil
+import subprocess
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -228,6 +229,8 @@ def make(folder: Path) -> None:
         (reference / f"{name}.md").write_text(page, encoding="utf-8")
     for kind in ("rod", "fluid"):
         (reference / f"{kind}.md").write_text(variables_page(kind), encoding="utf-8")
+    command = [sys.executable, "-m", "studies", "--tables", str(folder.resolve() / "tables")]
+    subprocess.run(command, cwd=ROOT, check=True)
     shutil.copy(Path(__file__).with_name("site.css"), folder)
 
 

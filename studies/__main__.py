@@ -69,7 +69,7 @@ def main(
         return
     if tables:
         tables.mkdir(parents=True, exist_ok=True)
-        for name, text in catalogue.pages(data).items():
+        for name, text in catalogue.table_pages(data).items():
             (tables / f"{name}.md").write_text(text, encoding="utf-8")
         return
     known = {study.name: study for study in catalogue.STUDIES}

@@ -64,7 +64,7 @@ def render(data: Data, check: bool = False) -> list[Path]:
     return changed
 
 
-def pages(data: Data) -> dict[str, str]:
+def table_pages(data: Data) -> dict[str, str]:
     """Return a page of Markdown for each study, with all of its tables and all of their rows."""
     keys: dict[str, list[str]] = {study.name: list(study.tables) for study in STUDIES}
     made = {key for tables in keys.values() for key in tables}

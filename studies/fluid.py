@@ -236,9 +236,9 @@ def stability(data: Data) -> list[str]:
         lines = show.grouped(part, "reynolds", "cfl").items()
         cells = [[f"{reynolds:g}", f"{cfl:g}", *map(cell, line)] for (reynolds, cfl), line in lines]
         c_etas = dict.fromkeys(f"C_eta {row['c_eta']:.0e}" for row in part)
-        text += [f"## {name}", "", *markdown(["Re", "CFL", *c_etas], cells), ""]
+        text += [f"### {name}", "", *markdown(["Re", "CFL", *c_etas], cells), ""]
     hard = show.grouped((row for row in rows if row["scene"] is not None), "scene")
-    text += ["## Hard scenes", "", "The same channel, log-linear mask, C_eta = 1e-5 s, CFL 0.4.", ""]
+    text += ["### Hard scenes", "", "The same channel, log-linear mask, C_eta = 1e-5 s, CFL 0.4.", ""]
     text += [*markdown(["scene", "Re 20", "Re 1e4"], [[name, *map(cell, part)] for name, part in hard.items()]), ""]
     ok, error, bad = (sum(row["outcome"] == what for row in rows) for what in ("ok", "error", "bad"))
     text += [f"{ok} runs went through, {error} ended in an error, {bad} were bad.", ""]

@@ -21,7 +21,7 @@ BEFORE, AFTER = 5, 3  # Steps up to the state that is damaged, and steps that ar
 
 
 def header(state: bytes) -> int:
-    """Bytes before the payload of a state, the last twelve its length and checksum (crates/fmi-export/src/snapshot.rs)."""
+    """Return the size of a state's header; its last 12 bytes are length and checksum (fmi-export/src/snapshot.rs)."""
     (name,) = struct.unpack_from("<H", state, 12)
     return 64 + int(name)
 

@@ -1,6 +1,6 @@
 //! Writes or checks `crates/fmi-export/src/sys.rs`, the C types of FMI 2.0 and 3.0 as Rust types.
 //!
-//! `fmi2-bindgen HEADER_DIR SYS_RS` writes the file, `fmi2-bindgen --check HEADER_DIR SYS_RS` compares it and
+//! `fmi-bindgen HEADER_DIR SYS_RS` writes the file, `fmi-bindgen --check HEADER_DIR SYS_RS` compares it and
 //! fails if it differs. libclang is found through the environment variable `LIBCLANG_PATH`.
 
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ const PREAMBLE: &str =
 const BOOLEANS: [&str; 2] = ["fmi3Boolean", "fmi3Clock"];
 
 fn generate(header_dir: &Path) -> Result<String, Box<dyn std::error::Error>> {
-    let shims = std::env::temp_dir().join(format!("fmi2-bindgen-{}", std::process::id()));
+    let shims = std::env::temp_dir().join(format!("fmi-bindgen-{}", std::process::id()));
     std::fs::create_dir_all(&shims)?;
     for (name, text) in C_HEADERS {
         std::fs::write(shims.join(name), text)?;
@@ -58,7 +58,7 @@ fn generate(header_dir: &Path) -> Result<String, Box<dyn std::error::Error>> {
 fn run() -> Result<(), Box<dyn std::error::Error>> {
     let (flags, paths): (Vec<_>, Vec<_>) = std::env::args().skip(1).partition(|argument| argument == "--check");
     let [header_dir, sys_rs] = &paths[..] else {
-        return Err("usage: fmi2-bindgen [--check] HEADER_DIR SYS_RS".into());
+        return Err("usage: fmi-bindgen [--check] HEADER_DIR SYS_RS".into());
     };
     let (header_dir, sys_rs) = (PathBuf::from(header_dir), PathBuf::from(sys_rs));
     let generated = generate(&header_dir)?;
@@ -74,7 +74,7 @@ fn main() -> ExitCode {
     match run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("fmi2-bindgen: {error}");
+            eprintln!("fmi-bindgen: {error}");
             ExitCode::FAILURE
         }
     }
