@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import textwrap
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -248,11 +247,6 @@ def thesis_waves(data: Data) -> list[View]:
     return rows
 
 
-def thesis_error(data: Data) -> list[str]:
-    said = data["fsi3/waves/none"].error or ""
-    return ["", *textwrap.wrap(said, 96, initial_indent="    ", subsequent_indent="    "), ""]
-
-
 def iterations(data: Data) -> list[str]:
     """Mean iterations a step, by density ratio and acceleration."""
 
@@ -315,7 +309,6 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "thesis-extremes": thesis_extremes,
     "thesis-changes": thesis_changes,
     "thesis-waves": thesis_waves,
-    "thesis-error": thesis_error,
     "coupling-iterations": iterations,
     "coupling-exchange": exchanged,
 }
