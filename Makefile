@@ -125,42 +125,42 @@ STUDY := $(RUN) -m studies
 
 .PHONY: flapping filaments studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study turek-hron driven-bar vein-study shown-rows
 
-studies: $(READY_DEV) ## write all pages and tables of results.json anew; docs/report/stale.md lists what the code has since changed
+studies: $(READY_DEV) ## write the tables of results.json into the documents; ARGS="--stale" lists results older than the code
 	$(STUDY) $(ARGS)
 
 shown-rows: build $(READY_DEV) ## run the stale ones among the cases that README shows; goes on where it was stopped
 	$(STUDY) --shown README.md $(ARGS)
 
-rod-study: $(READY_DEV) ## run what is missing of the rod's study (ten minutes), write docs/rod; ARGS="--list", "--only 'study/csm*'"
+rod-study: $(READY_DEV) ## run what is missing of the rod's study (ten minutes); ARGS="--list", "--only 'study/csm*'"
 	$(STUDY) rod $(ARGS)
 
 bench-rod: $(READY_DEV) ## time a Newton iteration of the rod beside its floors, and its solver beside faer's
 	$(STUDY) rod --force --update-timings --only 'study/r*' $(ARGS)
 
-fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours), write docs/fluid
+fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours)
 	$(STUDY) fluid $(ARGS)
 
-fluid-measures: $(READY_DEV) ## measure the fluid's exact solutions, invariants and stability, write docs/fluid/stability.md
+fluid-measures: $(READY_DEV) ## measure the fluid's exact solutions, invariants and stability
 	$(STUDY) fluid-measures $(ARGS)
 
-fsi3-study: build $(READY_DEV) ## run what is missing of FSI3 (an hour of one core), write docs/fsi3
+fsi3-study: build $(READY_DEV) ## run what is missing of FSI3 (an hour of one core)
 	$(STUDY) fsi3 $(ARGS)
 
-coupling-study: build $(READY_DEV) ## run what is missing of the map of the coupling's stability, write docs/fsi3/stability.md
+coupling-study: build $(READY_DEV) ## run what is missing of the map of the coupling's stability
 	$(STUDY) coupling $(ARGS)
 
 turek-hron: GRID := 324x54
-turek-hron: build $(READY_DEV) ## run CSM1-3, CFD1-3 and FSI1-3 on GRID=324x54 (default, a minute), 648x108 or 1296x216, as far as they are missing; write docs/turek-hron.md
+turek-hron: build $(READY_DEV) ## run CSM1-3, CFD1-3 and FSI1-3 on GRID=324x54 (default, a minute), 648x108 or 1296x216, as far as they are missing
 	$(STUDY) turek-hron --only 'csm?/*'
 	$(STUDY) turek-hron --only '*/$(GRID)' $(ARGS)
 
-driven-bar: build $(READY_DEV) ## run what is missing of the bar in prescribed motion (some minutes), write docs/driven-bar.md
+driven-bar: build $(READY_DEV) ## run what is missing of the bar in prescribed motion (some minutes)
 	$(STUDY) driven-bar $(ARGS)
 
-vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a quarter of an hour of one core), write docs/vein
+vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a quarter of an hour of one core)
 	$(STUDY) vein $(ARGS)
 
-flapping: build $(READY_DEV) ## run the cases of docs/flapping.md and the tapered veins (twenty minutes), write their tables' rows and figures; ARGS="hover"
+flapping: build $(READY_DEV) ## run the cases of docs/validation/flapping.md (twenty minutes), write their tables' rows and figures; ARGS="hover"
 	$(RUN) -m studies.flapping $(ARGS)
 
 filaments: build $(READY_DEV) ## run two filaments side by side at several distances (two minutes), write docs/flapping/filaments.*
@@ -278,7 +278,7 @@ sanitizers: $(READY_DEV) ## call both units under AddressSanitizer and valgrind;
 .PHONY: report report-full report-pictures
 
 PEERS_VENV := target/report/venv
-report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine, ten on a busy one), write docs/report
+report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine, ten on a busy one)
 	$(STUDY) report leave-out --force $(ARGS)
 
 STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein running report leave-out
@@ -286,10 +286,9 @@ report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run
 	$(WITH_FFTW) $(STUDY) $(STUDIES) --full $(ARGS)
 	$(MAKE) ARGS= flapping filaments report-pictures
 
-report-pictures: build $(READY_DEV) ## the vorticity of FSI3 at four phases, for docs/report, and over a period, in results/report-pictures
+report-pictures: build $(READY_DEV) ## the vorticity of FSI3 over a period, in results/report-pictures
 	$(NERVURE) run fsi3-325x72 --output results/report-pictures --fields-every 0.005 --quiet
 	$(NERVURE) animate results/report-pictures --begin 7.7875 --end 7.9602
-	cp results/report-pictures/phases.png docs/report/fsi3_phases.png
 
 $(PEERS_VENV)/.ready: requirements/peers.lock
 	$(PYTHON) -m venv --clear $(PEERS_VENV)

@@ -1,4 +1,4 @@
-"""The checks of docs/reliability.md with few cases, and how the units use what their host gives them."""
+"""The checks of docs/reference/reliability.md with few cases, and how the units use what their host gives them."""
 
 import os
 import shutil

@@ -108,10 +108,10 @@ pub struct Loads {
     /// f − D (v − v_ref), v_ref being its velocity at the beginning of the step, where f was found. With D = 0 a load
     /// from a fluid as heavy as the rod makes the coupling unstable.
     pub impedance: Vec<f64>,
-    /// Pressure around the rod, the mean over the section, Pa: `[n + 1]`. It is no force: nodal forces whose sum from any
-    /// section to the tip is that of the differences of the pressure have its level left out (docs/coupling.md), and the
-    /// strain of that is `strain_per_pressure`. The rod follows it with a lag of the period of its first axial mode, below
-    /// which it has no other inertia than the fluid's.
+    /// Pressure around the rod, mean over the section, Pa: `[n + 1]`. It exerts no force: the nodal forces contain the
+    /// differences of the pressure, and its level strains the rod by `strain_per_pressure` (docs/theory/coupling.md).
+    /// The strain follows with a lag of the period of the first axial mode: faster changes meet no inertia but the
+    /// fluid's.
     pub pressure: Vec<f64>,
 }
 

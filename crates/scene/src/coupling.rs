@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::check::require;
 use crate::{Material, RootSupport, Scene, SceneError, TimeScheme};
 
-/// How fluid and rod exchange; what is left out is chosen by the rules of `docs/coupling.md`.
+/// How fluid and rod exchange; what is left out is chosen by the rules of `docs/theory/coupling.md`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Coupling {

@@ -1,4 +1,4 @@
-"""How units are coupled: schemes, what accelerates those that iterate, and guards (`docs/coupling.md`)."""
+"""How units are coupled: schemes, what accelerates those that iterate, and guards (`docs/theory/coupling.md`)."""
 
 from nervure.coupling.acceleration import Aitken, IqnIls
 from nervure.coupling.schemes import (

@@ -1,4 +1,4 @@
-"""How units exchange within one communication step, from t to t + H (`docs/coupling.md`).
+"""How units exchange within one communication step, from t to t + H (`docs/theory/coupling.md`).
 
 There are one or several rods; x and the loads are those of all of them. Explicit (serial), each unit once:
 

@@ -879,7 +879,7 @@ class Guards(Part):
 
 
 class Coupling(Part):
-    """How fluid and rod exchange; what is left out is chosen by the rules of `docs/coupling.md`."""
+    """How fluid and rod exchange; what is left out is chosen by the rules of `docs/theory/coupling.md`."""
 
     load: Load | None = None
     """What the fluid does to the rod; absent: `momentum` where the rod is heavy enough for it and the fluid makes one

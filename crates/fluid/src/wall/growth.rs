@@ -24,7 +24,7 @@ const TIGHT: f64 = 7.0;
 
 /// Where a deep core begins at the latest, as a share of the body's thickness. The jump of the pressure across a body drives
 /// fluid through it at the speed of the jump over the density and the integral of the drag, and the soft part counts for
-/// little in that (docs/driven-bar.md).
+/// little in that (docs/dev/wall-model.md).
 const SOFT_SHARE: f64 = 0.2;
 
 /// Growth of the log-linear drag with the depth: exponential, and steeper in the core of a body.
@@ -57,7 +57,7 @@ impl Growth {
     /// Cells enter the body and leave it. Of what follows the body at the rate s, each holds the share a/(a + s). Over an
     /// exponential a of the decay length λ that is a logistic function, whose sum over the cells ripples with the place of
     /// the grid by `2 π λ/sinh(2 π² λ)` of a cell: 0.02 for a quarter of a cell, 0.2 in a core that is three times as steep.
-    /// Forces flicker with a core, wherever it begins (docs/driven-bar.md).
+    /// Forces flicker with a core, wherever it begins (docs/dev/wall-model.md).
     pub fn moving(decay_length_cells: f64, thickness: f64) -> Self {
         Self::new(decay_length_cells, thickness, f64::INFINITY, f64::INFINITY)
     }

@@ -23,7 +23,7 @@ const BETWEEN: f64 = 1.0;
 /// by half a cell in plane stagnation flow (Hiemenz 1911) at a cell Reynolds number of 16, and as much at a moving bar's
 /// tip. With this share the bare profile keeps the wall of that flow within 0.15 cells for cell Reynolds numbers from 1 to
 /// 32. The wall target alone makes up for some of it where it sees a plane wall, so that 0.25 would do there; at corners
-/// it does not, and a bar in prescribed motion, beside a moving mesh, speaks for the larger one (docs/fluid.md).
+/// it does not: a bar in prescribed motion, beside a moving mesh, supports the larger one (docs/dev/wall-model.md).
 const INERTIA: f64 = 0.7;
 
 /// The velocity that a solid with the log-linear profile draws the fluid at its surface to, in place of its own, u_b:
