@@ -47,7 +47,7 @@ def _built(root: Path) -> dict[Path, str]:
 def _delivered(folder: Path) -> dict[Path, str]:
     """The libraries of all systems and the licences of what is linked into them, which are written into `folder`."""
     from nervure.library import KINDS
-    from nervure.pack import delivery, notices
+    from nervure.units import delivery, notices
 
     folder.mkdir(parents=True, exist_ok=True)
     files: dict[Path, str] = {}

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib import colormaps
 from PIL import Image, ImageSequence
 
-from nervure.show.plots import COLOUR_MAP
+from nervure.output.plots import COLOUR_MAP
 
 WIDTH, HEIGHT, COLOURS, GREYS, FRAME_MS = 480, 430, 48, 16, 80
 LARGEST = 600_000  # Bytes of a picture of two periods

@@ -23,9 +23,9 @@ import numpy as np
 
 from nervure import coupling, master
 from nervure.evaluate import statistics
-from nervure.pack import package
 from nervure.recorder import Recorder, Series
-from nervure.unit import Unit
+from nervure.units import package
+from nervure.units.fmu import Unit
 from studies import simulate
 from studies.engine import FLUID, Case, Run, Study
 from studies.simulate import SHALLOW, on_grid

@@ -40,7 +40,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
     "rod roofline": ("studies/rust/rod/examples/*.rs", "studies/rust/fluid/src/machine.rs"),
     "fluid bench": ("studies/rust/fluid/src/*.rs", "studies/rust/fluid/Cargo.toml"),
     "fluid measures": ("studies/rust/fluid/src/bin/*.rs", "crates/fluid/tests/common/*.rs"),
-    "keeping": ("python/nervure/checkpoint.py", "python/nervure/show/fields.py"),
+    "keeping": ("python/nervure/checkpoint.py", "python/nervure/output/fields.py"),
     "command": ("python/nervure/**/*.py",),
     "peers": ("studies/peers/*.py",),
     "limits": ("studies/limits.py",),

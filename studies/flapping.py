@@ -16,10 +16,10 @@ import nervure
 from nervure.evaluate import flapping, statistics
 from nervure.evaluate.statistics import Window
 from nervure.files import write_csv
+from nervure.output import fields
 from nervure.recorder import Series
 from nervure.resources import ROOT
 from nervure.scene import validate
-from nervure.show import fields
 from studies import show
 from studies.simulate import assignments, on_grid
 

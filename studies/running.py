@@ -11,8 +11,8 @@ from time import perf_counter
 from typing import Any
 
 from nervure import checkpoint, master
+from nervure.output import fields
 from nervure.scene import validate
-from nervure.show import fields
 from studies import simulate
 from studies.engine import COUPLED, Case, Study
 

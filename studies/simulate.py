@@ -18,12 +18,12 @@ from nervure import coupling, master, results, scene as scenes
 from nervure.evaluate import coefficients, statistics
 from nervure.evaluate.summary import summarize
 from nervure.files import json_numbers
-from nervure.pack import package
+from nervure.output import plots
+from nervure.output.forecast import resident
 from nervure.recorder import Recorder
 from nervure.scene import kinds, validate
-from nervure.show import plots
-from nervure.show.forecast import resident
-from nervure.unit import Unit
+from nervure.units import package
+from nervure.units.fmu import Unit
 
 LISTED: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
 """Changes of scenes by study, and what others have printed."""

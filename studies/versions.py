@@ -10,10 +10,10 @@ import fmpy
 
 from nervure import coupling
 from nervure.files import write_csv
-from nervure.pack import package
 from nervure.resources import ROOT
 from nervure.scene import load
-from nervure.unit import Unit
+from nervure.units import package
+from nervure.units.fmu import Unit
 
 RESULTS = ROOT / "docs" / "versions.csv"
 ROUNDS, EXCHANGES = 30, 1000

@@ -16,10 +16,10 @@ import pytest
 
 from nervure import coupling
 from nervure.cli import main
-from nervure.pack import package
 from nervure.resources import ROOT
 from nervure.scene import kinds, read, text, validate
-from nervure.unit import Unit
+from nervure.units import package
+from nervure.units.fmu import Unit
 
 FSI1, FSI3 = (ROOT / "scenes" / f"{name}.json" for name in ("fsi1-648x108", "fsi3-325x72"))
 SCENES = sorted((ROOT / "scenes").glob("*.json"))

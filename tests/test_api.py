@@ -10,7 +10,7 @@ from rich.console import Console
 import nervure
 from nervure import checkpoint, simulation
 from nervure.scene import validate
-from nervure.unit import Unit
+from nervure.units.fmu import Unit
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -132,7 +132,7 @@ def test_an_interrupted_run_goes_on(falling, tmp_path, monkeypatch):
 
 
 def test_a_notebook_sees_one_line_that_moves(falling, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("nervure.show.progress.TERMINAL_INTERVAL", 0.0)
+    monkeypatch.setattr("nervure.output.progress.TERMINAL_INTERVAL", 0.0)
     monkeypatch.setattr(simulation, "Console", lambda **_: Console(force_jupyter=True))
     nervure.run(falling, tmp_path)
     shown = capsys.readouterr().out

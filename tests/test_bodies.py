@@ -6,8 +6,8 @@ from test_runs import run
 
 from nervure.evaluate import bodies, dimensionless, statistics
 from nervure.evaluate.summary import main_signal, settling_signal
+from nervure.output import plots
 from nervure.scene import override, read, validate
-from nervure.show import plots
 from studies import flapping
 
 pytestmark = pytest.mark.usefixtures("libraries")

@@ -8,9 +8,9 @@ import pytest
 from conftest import FSI3, run_scene
 
 from nervure.errors import SceneError
-from nervure.pack import package
 from nervure.scene import load, override
-from nervure.unit import Unit, UnitError
+from nervure.units import package
+from nervure.units.fmu import Unit, UnitError
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)

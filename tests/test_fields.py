@@ -13,8 +13,8 @@ from PIL import Image
 
 from nervure import master
 from nervure.errors import SceneError
+from nervure.output import fields
 from nervure.scene import validate
-from nervure.show import fields
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

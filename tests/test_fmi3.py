@@ -13,9 +13,9 @@ from lxml import etree
 
 from nervure import coupling, run
 from nervure.errors import InputError
-from nervure.pack import delivery, package
 from nervure.scene import validate
-from nervure.unit import Unit, UnitError, read_description, variables_of
+from nervure.units import delivery, package
+from nervure.units.fmu import Unit, UnitError, read_description, variables_of
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)

@@ -9,8 +9,8 @@ from conftest import FSI3, run_scene
 from test_flapping import known_signal
 
 from nervure.evaluate import bodies, dimensionless, flapping
+from nervure.output import forecast
 from nervure.scene import override, read, validate
-from nervure.show import forecast
 
 
 def numbers(name, *overrides):

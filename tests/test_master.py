@@ -8,11 +8,11 @@ import pytest
 from nervure import coupling, master
 from nervure.recorder import Recorder
 from nervure.scene.types import Iterated
-from nervure.unit import UnitError, Variable
+from nervure.units.fmu import UnitError, Variable
 
 
 class Fake:
-    """A unit with the interface of `nervure.unit.Unit`; `advance` makes its step."""
+    """A unit with the interface of `nervure.units.fmu.Unit`; `advance` makes its step."""
 
     can_roll_back = True
 

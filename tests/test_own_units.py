@@ -13,9 +13,9 @@ from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
 from nervure import coupling, master
-from nervure.pack import package
 from nervure.resources import ROOT
-from nervure.unit import Unit
+from nervure.units import package
+from nervure.units.fmu import Unit
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),

@@ -8,7 +8,7 @@ import pytest
 from lxml import etree
 
 from nervure.library import KINDS
-from nervure.pack import package
+from nervure.units import package
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", KINDS)

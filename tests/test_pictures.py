@@ -10,8 +10,8 @@ from PIL import Image
 import nervure
 from nervure import simulation
 from nervure.evaluate import statistics
+from nervure.output import animation, plots
 from nervure.scene import validate
-from nervure.show import animation, plots
 from studies import limits
 
 pytestmark = pytest.mark.usefixtures("libraries")

@@ -10,8 +10,8 @@ import fmpy
 import pytest
 
 from nervure.library import KINDS
-from nervure.pack import package
 from nervure.scene import Scene, load
+from nervure.units import package
 from tests.reliability.__main__ import CHECKS, unpack
 from tests.reliability.trials import inherited
 from tests.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried

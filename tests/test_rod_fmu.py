@@ -8,8 +8,8 @@ from conftest import output
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
-from nervure.pack import package
-from nervure.unit import UnitError
+from nervure.units import package
+from nervure.units.fmu import UnitError
 
 H = 1e-3
 STATIONS = 17

@@ -12,9 +12,9 @@ from conftest import FSI3, TOOL, run_scene
 
 import nervure
 from nervure import simulation
-from nervure.pack import package
 from nervure.scene import validate
-from nervure.unit import Unit
+from nervure.units import package
+from nervure.units.fmu import Unit
 
 TABLES = ("scene.json", "series.csv", "summary.json")
 

@@ -11,9 +11,9 @@ from conftest import SCENES
 from nervure.errors import SceneError
 from nervure.evaluate import coefficients
 from nervure.evaluate.summary import quantities
-from nervure.pack import package
 from nervure.resources import ROOT
 from nervure.scene import document, kinds, load, read, text, types
+from nervure.units import package
 
 every_scene = pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 

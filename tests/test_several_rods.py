@@ -14,9 +14,9 @@ from test_master import ADDED_MASS, PUSH, STIFFNESS, Fake, Spring
 import nervure as api
 from nervure import coupling
 from nervure.errors import InputError
-from nervure.pack import ssp
 from nervure.scene import kinds, validate
 from nervure.scene.types import Iterated
+from nervure.units import ssp
 from studies import filaments
 
 pytestmark = pytest.mark.usefixtures("libraries")

@@ -16,10 +16,10 @@ from conftest import FSI3, TOOL, nervure, run_scene
 from nervure import results, simulation
 from nervure.errors import InputError
 from nervure.library import library
-from nervure.pack import delivery
 from nervure.provenance import git_revision
 from nervure.resources import ROOT
 from nervure.scene import validate
+from nervure.units import delivery
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

@@ -15,9 +15,9 @@ from lxml import etree
 
 from nervure import coupling
 from nervure.errors import SceneError
-from nervure.pack import package
 from nervure.resources import ROOT
-from nervure.unit import ELEMENT
+from nervure.units import package
+from nervure.units.fmu import ELEMENT
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)

@@ -12,14 +12,14 @@ import pytest
 from nervure import library as libraries
 from nervure.errors import SceneError
 from nervure.library import KINDS, library
-from nervure.pack import delivery
 from nervure.resources import ROOT
+from nervure.units import delivery
 
 NAMES = {"win64": "fmu_{}.dll", "darwin64": "libfmu_{}.dylib"}  # Of a library; on all others `libfmu_{}.so`
 
 HAND_OUT = """
 from pathlib import Path
-from nervure.pack import delivery
+from nervure.units import delivery
 from nervure.scene import load
 delivery.OLDEST_GLIBC = (99, 0)  # The libraries of this machine will do
 delivery.write(load("csm1"), Path("handed-out"))

@@ -24,7 +24,7 @@ class Run(results.Results):
         if "ipykernel" in sys.modules:
             import matplotlib.pyplot  # noqa: F401  lets the notebook draw a figure that a cell gives
 
-        from nervure.show import plots
+        from nervure.output import plots
 
         return plots.over_time({self.scene.name: self}, names, self.scene.reference)
 
@@ -37,7 +37,7 @@ class Run(results.Results):
     def animate(self, begin: float | None = None, end: float | None = None) -> list[Path]:
         """Write vorticity.gif, vorticity.mp4 and phases.png of the times from `begin` to `end` (s), or of the last two
         whole periods, into the folder; returns them. The run needs `fields_every`."""
-        from nervure.show import animation
+        from nervure.output import animation
 
         return animation.write(self.folder, begin, end)
 
@@ -46,7 +46,7 @@ def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure"
     """The columns `names` of several runs over each other, labelled by their folders."""
     for run in runs:
         run._require(names)
-    from nervure.show import plots
+    from nervure.output import plots
 
     return plots.over_time({run.folder.name: run for run in runs}, names, runs[0].scene.reference)
 
@@ -64,7 +64,7 @@ def inspect(scene: Scene | str | Path) -> None:
     steps for half a second. Raises `InputError` where the scene cannot be used."""
     from rich.console import Console
 
-    from nervure.show import inspection
+    from nervure.output import inspection
 
     inspection.show_scene(Console(highlight=False), scene if isinstance(scene, Scene) else load(scene))
 

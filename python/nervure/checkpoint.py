@@ -19,7 +19,7 @@ from nervure.errors import InputError
 from nervure.files import write_whole
 from nervure.recorder import Recorder
 from nervure.scene import Scene, unit_label
-from nervure.unit import Unit, UnitError
+from nervure.units.fmu import Unit, UnitError
 
 FILE = "checkpoint.npz"
 FORMAT = 6

@@ -71,8 +71,8 @@ def build(
     fmi: Fmi = 2,
 ) -> None:
     """Pack the units of a scene without running it; in the source tree, build both libraries before."""
-    from nervure.pack import package
     from nervure.scene import kinds, load, read
+    from nervure.units import package
 
     read(scene_file)  # what is no scene need not wait for the libraries
     if SOURCE is not None:
@@ -167,8 +167,8 @@ def inspect(
     """Show what an FMU offers, what a scene will do and take, or what a run or a sweep has given."""
     from rich.console import Console
 
+    from nervure.output import inspection, sweeps
     from nervure.scene import load
-    from nervure.show import inspection, sweeps
 
     console = Console(highlight=False)
     if (overrides or end_time is not None) and (path.is_dir() or path.suffix == ".fmu"):
@@ -197,7 +197,7 @@ def plot(
     if len(folders) > 1 and output is None:
         raise InputError("where several runs are drawn over each other, --output has to say where the pictures go")
     from nervure import results
-    from nervure.show import plots, sweeps
+    from nervure.output import plots, sweeps
 
     if len(folders) == 1 and (folders[0] / "sweep.json").is_file():
         if (picture := sweeps.plot(output or folders[0], sweeps.read(folders[0]))) is None:
@@ -222,7 +222,7 @@ def animate(
     end: Annotated[float | None, typer.Option(help="Last time, s.")] = None,
 ) -> None:
     """Write vorticity.gif and phases.png into a result folder."""
-    from nervure.show import animation
+    from nervure.output import animation
 
     for path in animation.write(folder, begin, end):
         typer.echo(f"{path} ({path.stat().st_size / 1e6:.1f} MB)")
@@ -263,9 +263,9 @@ def sweep(
     from rich.console import Console
 
     from nervure import sweep as sweeps
+    from nervure.output import sweeps as shown
+    from nervure.output.progress import counting
     from nervure.scene import read
-    from nervure.show import sweeps as shown
-    from nervure.show.progress import counting
 
     scenes = [read(name, overrides or (), end_time) for name in scene_files]
     cases = sweeps.grid(scenes, [sweeps.values(text) for text in vary or []])
@@ -304,8 +304,8 @@ def dist(
 
     `make dist` builds the libraries for it.
     """
-    from nervure.pack import delivery
     from nervure.scene import load
+    from nervure.units import delivery
 
     delivery.write(load(scene_file), folder, fmi)
     typer.echo(folder)
@@ -317,7 +317,7 @@ def merge(
     output: Annotated[Path, typer.Option(metavar="MERGED.fmu", help="FMU to write.")],
 ) -> None:
     """Put the binaries of several systems into one FMU."""
-    from nervure.pack import package
+    from nervure.units import package
 
     typer.echo(package.merge(sources, output))
 

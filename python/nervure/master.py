@@ -13,7 +13,7 @@ from time import perf_counter, process_time
 from nervure.coupling import CouplingError, Drive, Single, couple
 from nervure.recorder import Recorder
 from nervure.scene import Scene, unit_label
-from nervure.unit import Unit, UnitError
+from nervure.units.fmu import Unit, UnitError
 
 Watcher = Callable[[int, float, float], None]
 """Called at the start and after every step with the number of steps done, the simulated time and the wall time (s)."""

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from nervure.unit import Unit
+from nervure.units.fmu import Unit
 
 MAX_ROWS = 200_000  # A run of more steps is recorded at every second, third, … step, so that the table stays below this
 KINDS = ("Real", "Integer")  # FMI types of the outputs that are recorded, in the order of the columns of a unit

@@ -10,12 +10,12 @@ from rich.console import Console
 from nervure import checkpoint, master, results
 from nervure.errors import InputError
 from nervure.evaluate.summary import summarize
-from nervure.pack import package
+from nervure.output import fields, forecast
+from nervure.output.progress import display, interruptible
+from nervure.output.tables import print_table
 from nervure.scene import Scene, kinds, unit_label, validate
-from nervure.show import fields, forecast
-from nervure.show.progress import display, interruptible
-from nervure.show.table import print_table
-from nervure.unit import Unit, read_description
+from nervure.units import package
+from nervure.units.fmu import Unit, read_description
 
 
 def run(
@@ -174,7 +174,7 @@ def _execute(
 
 def _draw(made: results.Results, units: dict[str, Unit], status: master.RunStatus) -> None:
     """Write the pictures of a run."""
-    from nervure.show import plots
+    from nervure.output import plots
 
     plots.write(made.folder, [made])
     if status.error is None:

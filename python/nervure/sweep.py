@@ -28,8 +28,8 @@ from nervure.errors import InputError, SceneError
 from nervure.files import json_numbers, write_csv, write_whole
 from nervure.library import kind_of, library
 from nervure.master import Clock
+from nervure.output.sweeps import FINISHED, Row, short_keys, short_value
 from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, validate
-from nervure.show.sweeps import FINISHED, Row, short_keys, short_value
 
 ROW = "row.json"
 FAILED, KILLED = "failed", "killed"  # Killed: with its worker, as often as it was tried

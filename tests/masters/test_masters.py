@@ -23,10 +23,10 @@ from fmpy.fmi3 import FMU3Slave
 from lxml import etree
 
 from nervure import coupling
-from nervure.pack import package, ssp
 from nervure.resources import ROOT
 from nervure.scene import validate
-from nervure.unit import ELEMENT, Unit
+from nervure.units import package, ssp
+from nervure.units.fmu import ELEMENT, Unit
 
 H, STEPS = 2.0**-9, 20
 """Communication step, s, and number of steps. The step is a whole number of libcosim's nanoseconds and has an exact

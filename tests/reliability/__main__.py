@@ -16,9 +16,9 @@ import typer
 
 from nervure.files import write_csv
 from nervure.library import KINDS
-from nervure.pack import package
 from nervure.resources import ROOT
 from nervure.scene import load
+from nervure.units import package
 
 from . import calls, calls3, files, limits, trials
 from .unit import SCENE, FMU2Unit, child, tried

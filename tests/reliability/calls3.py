@@ -12,7 +12,7 @@ from typing import Any
 import fmpy
 from fmpy.fmi3 import FMU3Slave
 
-from nervure.pack import package
+from nervure.units import package
 
 from .calls import CALLS, COMPLETE, INITIALIZATION, INSTANTIATED, NOWHERE, STATES, TERMINATED, WILD
 from .unit import ERROR, OK, STEP, FMU2Unit

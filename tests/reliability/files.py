@@ -19,8 +19,8 @@ import numpy as np
 
 from nervure import checkpoint, results
 from nervure.master import assemble
-from nervure.pack import package
 from nervure.scene import validate
+from nervure.units import package
 
 from .unit import SCENE, STEP, FMU2Unit
 

@@ -19,7 +19,7 @@ from typing import Any
 from fmpy.fmi1 import FMICallException
 
 from nervure.errors import SceneError
-from nervure.pack import package
+from nervure.units import package
 
 from .trials import header
 from .unit import FMU2Unit

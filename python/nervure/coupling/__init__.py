@@ -8,16 +8,15 @@ from nervure.coupling.schemes import (
     Iterated,
     ParallelExplicit,
     Single,
-    beam_prefixes,
     connections,
     reason_of,
 )
 from nervure.coupling.watch import CouplingError, Watch, takes_momentum
 from nervure.scene.types import Coupling, CouplingSchemeIterated, Guards, Iterated as Iteration
-from nervure.unit import Unit
+from nervure.units.fmu import Unit
 
 __all__ = ["Aitken", "Choice", "CouplingError", "Drive", "Explicit", "IqnIls", "Iterated", "ParallelExplicit", "Single"]
-__all__ += ["Watch", "beam_prefixes", "connections", "couple"]
+__all__ += ["Watch", "connections", "couple"]
 
 
 def couple(

@@ -23,7 +23,7 @@ import numpy as np
 from nervure.coupling.acceleration import Aitken, IqnIls
 from nervure.coupling.watch import CouplingError, Watch, takes_momentum, watched
 from nervure.scene.types import Guards, Iterated as Iteration
-from nervure.unit import Unit
+from nervure.units.fmu import Unit, beam_prefixes
 
 STATION_ROUNDING = 1e-12
 """Residual relative to the stations' positions that counts as converged: a rod's own solver leaves about as much."""
@@ -41,12 +41,6 @@ Drive = Callable[[float], Sequence[float]]
 def root_inputs(unit: Unit) -> list[str]:
     """Names of the inputs with which a master drives the root of `unit`."""
     return [v.name for v in unit.variables.values() if v.causality == "input" and v.name.startswith("root.")]
-
-
-def beam_prefixes(rods: int) -> list[str]:
-    """What the names of a fluid's exchanged variables begin with, for each of so many rods: with nothing where there is
-    one, else `beam[1].`, `beam[2].` and so on."""
-    return [""] if rods == 1 else [f"beam[{i}]." for i in range(1, rods + 1)]
 
 
 def connections(source: Unit, target: Unit, given_as: str = "", taken_as: str = "") -> list[str]:

@@ -2,7 +2,7 @@
 
 from nervure.errors import InputError
 from nervure.scene.types import Guards
-from nervure.unit import Unit
+from nervure.units.fmu import Unit
 
 
 class CouplingError(InputError):

@@ -22,7 +22,7 @@ from nervure.master import RunStatus
 from nervure.provenance import Machine, Revision, git_revision, machine
 from nervure.recorder import Recorder, Series
 from nervure.scene import Scene, beams
-from nervure.unit import Unit
+from nervure.units.fmu import Unit
 
 TIP = ("tip_ux", "tip_uy", "tip_uz")
 """The outputs of a rod that are evaluated; those of the fluid are `FORCES`."""

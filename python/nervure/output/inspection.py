@@ -13,12 +13,12 @@ from rich.table import Table
 
 from nervure import checkpoint, master, results
 from nervure.errors import InputError
-from nervure.pack import package
+from nervure.output import fields, forecast
+from nervure.output.tables import print_table
 from nervure.scene import Scene, beams, kinds
 from nervure.scene.along import thickness
-from nervure.show import fields, forecast
-from nervure.show.table import print_table
-from nervure.unit import UnitError, read_description, variables_of, version_of
+from nervure.units import package
+from nervure.units.fmu import UnitError, read_description, variables_of, version_of
 
 FLAGS = {
     2: (

@@ -288,6 +288,11 @@ class Unit:
         return UnitError(f"{self.name}: {said or what}")
 
 
+def beam_prefixes(rods: int) -> list[str]:
+    """Return the prefix of each rod's variables at the fluid: none for a single rod, else `beam[1].`, `beam[2].`, …"""
+    return [""] if rods == 1 else [f"beam[{i}]." for i in range(1, rods + 1)]
+
+
 def read_description(path: Path) -> Any:
     """The model description of an FMU as fmpy has it."""
     try:

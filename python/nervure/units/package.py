@@ -11,9 +11,9 @@ from nervure import library as libraries
 from nervure.errors import SceneError
 from nervure.files import write_whole
 from nervure.library import SUFFIX, kind_of, library
-from nervure.pack import documentation
 from nervure.resources import KINDS, ROOT
 from nervure.scene import Document, Scene, document, kinds, scene_of_unit
+from nervure.units import documentation
 
 __all__ = ["KINDS", "describe", "kind_of", "kinds", "library", "merge", "pack", "unpacked", "write_archive"]
 

@@ -18,14 +18,14 @@ from nervure.evaluate import coefficients, dimensionless, flapping, statistics
 from nervure.evaluate.rods import seen
 from nervure.evaluate.summary import TIP
 from nervure.files import write_whole
+from nervure.output import shown_in, with_unit
+from nervure.output.fields import outline, stations
 from nervure.recorder import Series
 from nervure.results import Results
 from nervure.scene import Scene, beams
 from nervure.scene.along import thickness
 from nervure.scene.types import Body, Fluid, Reference, ShapePolygon, ShapeRectangle
-from nervure.show import shown_in, with_unit
-from nervure.show.fields import outline, stations
-from nervure.unit import Unit
+from nervure.units.fmu import Unit
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-blind readers tell apart (Okabe & Ito 2008)
 VORTICITY_PERCENTILE = 99.0  # Part of the picture's points, in percent, whose vorticity lies inside the colour scale

@@ -22,9 +22,9 @@ from nervure import results
 from nervure.errors import InputError
 from nervure.evaluate import statistics
 from nervure.files import write_whole
+from nervure.output import fields, plots, with_unit
 from nervure.recorder import Series
 from nervure.scene import beams, validate
-from nervure.show import fields, plots, with_unit
 
 PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
 PHASES = 4

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from nervure.errors import SceneError
 from nervure.library import library
-from nervure.pack import package, ssp
-from nervure.pack.notices import notices
 from nervure.provenance import git_revision
 from nervure.resources import BINARIES
 from nervure.scene import Scene
+from nervure.units import package, ssp
+from nervure.units.notices import notices
 
 OLDEST_GLIBC = (2, 17)  # The version that the libraries must run on: that of 2012
 TARGETS = {

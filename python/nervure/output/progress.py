@@ -11,8 +11,8 @@ from time import perf_counter
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
+from nervure.output import shown_in
 from nervure.recorder import Recorder
-from nervure.show import shown_in
 
 TERMINAL_INTERVAL = 0.2  # Wall time between two updates in a terminal or a notebook, s
 FILE_INTERVAL = 10.0  # Wall time between two lines where the output is no terminal, s

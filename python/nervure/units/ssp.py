@@ -7,10 +7,10 @@ import fmpy
 from lxml import etree
 from lxml.builder import ElementMaker
 
-from nervure.coupling import beam_prefixes
 from nervure.errors import SceneError
-from nervure.pack import package
 from nervure.scene import Scene
+from nervure.units import package
+from nervure.units.fmu import beam_prefixes
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"

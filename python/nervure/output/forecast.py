@@ -18,7 +18,7 @@ from nervure.evaluate.dimensionless import Body, Dimensionless
 from nervure.master import Clock, Watcher
 from nervure.scene import Scene, beams
 from nervure.scene.along import thickness
-from nervure.unit import Unit
+from nervure.units.fmu import Unit
 
 WARM_UP = 2  # Steps that are not timed: the first has no history, the second no cached code
 TIMED = 0.5  # Wall time after which the speed of the machine is known, s

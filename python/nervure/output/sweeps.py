@@ -105,7 +105,7 @@ def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
         return None
     from matplotlib.figure import Figure
 
-    from nervure.show.plots import COLOURS
+    from nervure.output.plots import COLOURS
 
     keys = varied(rows)
     short = short_keys(keys)

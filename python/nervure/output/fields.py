@@ -15,7 +15,7 @@ from nervure.master import Clock, Watcher
 from nervure.scene import Own, Scene, beams, text
 from nervure.scene.along import thickness
 from nervure.scene.types import Fluid
-from nervure.unit import Unit
+from nervure.units.fmu import Unit
 
 FILES = FLUID, BEAM = "fields.vtkhdf", "beam.vtkhdf"
 SCENE = "scene"  # Dataset with the text of the scene, outside of what VTK reads
