@@ -10,7 +10,7 @@ from nervure.scene import load
 pytestmark = pytest.mark.usefixtures("libraries")
 
 TOLERANCE = 0.003
-"""Of both components at rest; shear and clamp are those of linear elasticity (docs/theory/rod.md), nothing is fitted."""
+"""Of both components at rest. Shear and clamp are those of linear elasticity (docs/theory/rod.md); nothing is fitted."""
 
 
 def quantities(folder, name, *arguments):
