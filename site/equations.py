@@ -1,4 +1,4 @@
-"""Hook of mkdocs: equations between `$$` or `$` become MathML, which browsers show without a script."""
+"""Turn equations between `$$` or `$` into MathML, a hook of mkdocs; browsers show MathML without a script."""
 
 import re
 from typing import Any
@@ -11,7 +11,7 @@ INLINE = re.compile(r"\$(?=\S)([^$\n]+?)(?<=\S)\$")
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """The page with its equations converted, but not what is code."""
+    """Return the page with its equations converted; code stays."""
     parts = CODE.split(markdown)
     return "".join(part if part.startswith("`") else _converted(part) for part in parts)
 

@@ -2,9 +2,9 @@
 
     python site/make_pages.py target/site/pages
 
-The documents are those of the repository; only links change, to where their targets are on the site. What is no page or
-picture there stays as text. Scene keys come from the JSON Schema, variables from the model descriptions, the command
-from the command itself, and Python from docstrings and the comments beside fields.
+A document keeps its text; a link points to the place of its target on the site, or becomes plain text where the site
+has no such page. Scene keys come from the JSON Schema, variables from the model descriptions, options from the
+command, and Python from docstrings and the comments of fields.
 """
 
 import ast
@@ -35,7 +35,7 @@ ELEMENT = re.compile(r"(.+)\[(\d+)\]$")
 
 
 def documents() -> dict[Path, Path]:
-    """Pages and pictures of the site by their files, both relative: to the repository and to the site."""
+    """Return the place on the site of each page and picture, by its place in the repository."""
     found: dict[Path, Path] = {Path("README.md"): Path("index.md"), Path("docs/README.md"): Path("documents.md")}
     crates = [f"crates/{name}/README.md" for name in ("fmi-export", "cargo-fmu")]
     for given in ("CONTRIBUTING.md", "CHANGELOG.md", "modelDescription/README.md", *crates):
@@ -48,7 +48,7 @@ def documents() -> dict[Path, Path]:
 
 
 def with_links(text: str, source: Path, pages: dict[Path, Path]) -> str:
-    """The Markdown `text` of the file `source` with its links as they are on the site."""
+    """Return the Markdown `text` of the file `source` with the links of the site."""
 
     def link(found: re.Match[str]) -> str:
         mark, label, target = found.groups()
@@ -66,19 +66,19 @@ def with_links(text: str, source: Path, pages: dict[Path, Path]) -> str:
 
 
 def table(headings: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
-    """A table in Markdown."""
+    """Return a table in Markdown."""
     lines = [list(headings), *([cell.replace("|", "\\|").replace("\n", " ") for cell in row] for row in rows)]
     lines.insert(1, ["---"] * len(lines[0]))
     return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
 def scene_page() -> str:
-    """Every key of a scene, a section for each part."""
+    """Return the page of all scene keys, with a section for each part."""
     schema = json.loads((ROOT / "modelDescription" / "scene.schema.json").read_text(encoding="utf-8"))
     parts: dict[str, Any] = schema["$defs"]
     sections = [
-        "# Scene keys\n\nA scene is one JSON file. Its parts are the sections of this page. What is *required* has to "
-        "be there where the part is; all else has a default. A part that is absent does not exist in the units.\n"
+        "# Scene keys\n\nA scene is one JSON file, and each section of this page is one of its parts. A part needs its "
+        "*required* keys; every other key has a default. A part that is absent is not simulated.\n"
     ]
     for name, part in {"Scene": schema, **parts}.items():
         sections.append(f"## {name}\n\n{part.get('description', '')}\n")
@@ -108,7 +108,7 @@ LIMITS = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiv
 
 
 def _type(about: dict[str, Any]) -> str:
-    """The type of a key in words, with links to parts."""
+    """Return the type of a key in words, with links to parts."""
     if reference := about.get("$ref"):
         name = reference.rsplit("/", 1)[-1]
         return f"[{name}](#{name.lower()})"
@@ -127,7 +127,7 @@ def _type(about: dict[str, Any]) -> str:
 
 
 def variables_page(kind: str) -> str:
-    """The variables of a unit, arrays put together, from its model description for FSI3."""
+    """Return the page of the variables of a unit, from its model description for FSI3; an array is one row."""
     root = etree.parse(ROOT / "modelDescription" / f"fmu_{kind}.xml").getroot()
     found: dict[str, tuple[int, Any]] = {}
     for scalar in root.iter("ScalarVariable"):
@@ -150,7 +150,7 @@ def variables_page(kind: str) -> str:
 
 
 def command_page() -> str:
-    """Every command with its arguments and options."""
+    """Return the page of all commands with their arguments and options."""
     group: Any = typer.main.get_command(cli.app)
     sections = [f"# The command\n\n{group.help}\n"]
     for name, command in group.commands.items():
@@ -164,13 +164,13 @@ def command_page() -> str:
 
 
 def python_page() -> str:
-    """What `nervure` offers, and what a run holds."""
+    """Return the page of the functions of `nervure` and of the fields of a run."""
     lead, _, example = inspect.cleandoc(nervure.__doc__ or "").partition("\n\n")
     code, _, rest = example.partition("\n\n")
     sections = [f"# Python\n\n{lead}\n\n```python\n{inspect.cleandoc(code)}\n```\n\n{rest}\n"]
     for name in nervure.__all__:
         sections.extend(_describe(f"nervure.{name}", getattr(nervure, name)))
-    sections.append("## What a run holds\n\n`run.summary` is a `Summary`, as `summary.json` has it.\n")
+    sections.append("## Fields of a run\n\n`run.summary` is a `Summary`, the content of `summary.json`.\n")
     for part in (results.Results, summary.Summary, summary.Quantity, statistics.Statistics, summary.Coefficients,
                  flapping.Flapping, summary.Interface, summary.Method, summary.UnitInfo):  # fmt: skip
         fields = table(("field", "type", "meaning"), _fields(part))
@@ -197,7 +197,7 @@ def _signature(function: Any) -> str:
 
 
 def _fields(part: Any) -> Iterator[tuple[str, str, str]]:
-    """Name, type and comment of the fields of a dataclass, those that it inherits included."""
+    """Yield name, type and comment of the fields of a dataclass, inherited fields included."""
     told: dict[str, tuple[str, str]] = {}
     for one in reversed([base for base in part.__mro__ if dataclasses.is_dataclass(base)]):
         source = inspect.getsource(one)  # type: ignore[arg-type]
@@ -213,7 +213,7 @@ def _fields(part: Any) -> Iterator[tuple[str, str, str]]:
 
 
 def make(folder: Path) -> None:
-    """Write the pages into `folder`, which is replaced."""
+    """Write the pages into `folder`, and delete what the folder held before."""
     shutil.rmtree(folder, ignore_errors=True)
     pages = documents()
     for source, target in pages.items():

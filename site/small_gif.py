@@ -1,6 +1,6 @@
-"""Make the moving picture of a run small enough for the gallery, and name it by the run's folder without its grid.
+"""Shrink the moving picture of a run for the gallery, and name it after the run without its grid.
 
-Of the two periods in it one stays where both would be too large.
+Two periods stay, or one where two would be too large.
 
     python site/small_gif.py results/NAME docs/pictures
 """
