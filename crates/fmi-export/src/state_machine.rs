@@ -139,19 +139,4 @@ mod tests {
         let message = check(Function::fmi2DoStep, Mode::Initialization).unwrap_err();
         assert!(message.contains("initialization mode"), "{message}");
     }
-
-    #[test]
-    fn the_readme_shows_this_table() {
-        let readme = include_str!("../README.md");
-        for (functions, row) in TABLE {
-            let of_version = |prefix: &str| {
-                let names = functions.iter().map(|function| format!("{function:?}"));
-                let names: Vec<_> = names.filter_map(|name| Some(name.strip_prefix(prefix)?.to_string())).collect();
-                names.join(", ")
-            };
-            let marks = row.replace(' ', " | ").replace('-', " ");
-            let line = format!("| {} | {} | {marks} |", of_version("fmi2"), of_version("fmi3"));
-            assert!(readme.contains(&line), "README.md lacks\n{line}");
-        }
-    }
 }
