@@ -5,12 +5,12 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
-from studies import commands, coupling, driven_bar, fluid, fsi3, rod, running, show, speed, turek_hron, vein
+from studies import commands, coupling, driven_bar, flapping, fluid, fsi3, rod, running, show, speed, turek_hron, vein
 from studies.report import leave_out, pages
 from studies.store import Data
 
 STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
-           turek_hron.STUDY, vein.STUDY, running.STUDY, leave_out.STUDY, pages.STUDY)  # fmt: skip
+           turek_hron.STUDY, vein.STUDY, flapping.STUDY, running.STUDY, leave_out.STUDY, pages.STUDY)  # fmt: skip
 
 
 def load() -> Data:

@@ -1,15 +1,19 @@
-"""Cases that are a program of their own: one that writes tables as CSV."""
+"""Cases that are programs: they write tables as CSV into the folder of the case."""
 
 from __future__ import annotations
 
 import csv
+import os
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 from nervure.errors import InputError
 from nervure.resources import ROOT
-from studies.engine import Case
+from studies.engine import THREADS, Case
+
+LONGEST = 4 * 3600.0  # Wall time after which a program is stopped, s
 
 
 def cargo(package: str, *arguments: str, binary: str = "", example: str = "") -> list[str]:
@@ -20,17 +24,30 @@ def cargo(package: str, *arguments: str, binary: str = "", example: str = "") ->
     return [*run, *which, "--", *arguments]
 
 
-def tables(case: Case, folder: Path) -> dict[str, Any]:
-    """Run the option `command`, with the case's folder for `{folder}`; the tables that it has written there."""
-    command = [part.format(folder=folder) for part in case.options["command"]]
-    done = subprocess.run(command, cwd=ROOT, stderr=subprocess.PIPE, text=True, check=False)
+def output(command: list[str], timeout: float = LONGEST) -> str:
+    """Run a program on one thread and return its output. Raises `InputError` with its last line where it fails."""
+    environment = os.environ | THREADS
+    try:
+        done = subprocess.run(
+            command, env=environment, cwd=ROOT, capture_output=True, text=True, timeout=timeout, check=False
+        )
+    except subprocess.TimeoutExpired as error:
+        raise InputError(f"no end after {timeout:g} s") from error
     if done.returncode:
-        raise InputError(done.stderr.strip().splitlines()[-1])
+        raise InputError((done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"])[-1])
+    return done.stdout
+
+
+def tables(case: Case, folder: Path) -> dict[str, Any]:
+    """Run the option `command`, where `{folder}` and `{python}` are filled in; return the tables that it wrote."""
+    for path in folder.glob("*.csv"):
+        path.unlink()
+    output([part.format(folder=folder, python=sys.executable) for part in case.options["command"]])
     return {"tables": {path.stem: read(path) for path in sorted(folder.glob("*.csv"))}}
 
 
 def read(path: Path) -> list[dict[str, Any]]:
-    """Rows of a CSV with numbers as floats and empty cells as None."""
+    """Return the rows of a CSV, with numbers as floats and empty cells as None."""
 
     def value(text: str) -> float | str | None:
         try:

@@ -1,11 +1,13 @@
-"""Bodies and rods beside published values: python -m studies.flapping [NAME …] runs the cases and writes docs/flapping.
+"""Bodies, flags, filaments and veins beside published values, on several grids and in several boxes.
 
-The cases are shipped scenes on several grids and in several boxes; results/flapping/CASE keeps what is done. Digitised
-curves are in studies/published, with their sources.
+Digitised curves are in studies/published, with their sources.
 """
 
-import sys
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
 from itertools import pairwise
+from math import cos, pi, sin
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +17,15 @@ import numpy as np
 import nervure
 from nervure.evaluate import flapping, statistics
 from nervure.evaluate.statistics import Window
-from nervure.files import write_csv
 from nervure.output import fields
 from nervure.recorder import Series
-from nervure.resources import ROOT
 from nervure.scene import validate
 from studies import show
-from studies.simulate import assignments, on_grid
+from studies.engine import COUPLED, FLUID, Case, Run, Study
+from studies.simulate import on_grid
+from studies.store import Data
 
-RESULTS, PUBLISHED = ROOT / "results" / "flapping", Path(__file__).with_name("published")
+PUBLISHED = Path(__file__).with_name("published")
 
 KC5, HOVER, STREAM = "cylinder-kc5-600x360", "ellipse-hover-640x640", "cylinder-stream-384x512"
 FLAG, FILAMENT, PASSIVE = "flag-stream-480x240", "filament-hanging-384x384", "vein-passive-240x240"
@@ -31,7 +33,6 @@ TAPERED, MODULUS = "vein-hover-tapered-288x256", "rod.material.plane_strain.youn
 PERIOD = 5.0  # Of the oscillating cylinder, s
 HOVER_PERIOD, HOVER_SPEED = 4.0, 1.4 * 2 * np.pi * 0.25  # Of the ellipse, s and m/s
 LIFT, DRAG = 1.2, 1.4  # By which Wang et al. (2004) divide the coefficients of the ellipse besides
-SHOWN, PASSIVE_SHOWN = "hover/640x640", "passive/240x240"  # The runs of ellipse and passive vein that are drawn
 SETTLED = {"flag": 10.0, "filament": 12.0, "shedding": 70.0, "passive": 4.0}  # From when on is evaluated, s
 FILTER = 0.02  # Width of the box filter over the forces of the passive vein, s: a fiftieth of its period
 TWIN_STEP = 20  # Steps of the passive vein between two points of the motion that its rigid twin is given
@@ -39,6 +40,9 @@ REVERSAL = 0.02  # Periods around a reversal of the stroke in which the digitise
 
 MODULI = (5e4, 1e5, 2e5)  # Of the tapered vein, Pa
 PAIRS = {"pair-hover": "vein-pair-hover-256x288", "pair-forward": "vein-pair-forward-288x192"}
+FILAMENTS, NAMES = "filament-pair-192x128", ("upper", "lower")
+START, PARALLEL = (0.1, 0.05), (0.1, 0.1)  # First directions of two filaments, as multiples of pi from the stream
+WINDOWS = ((20.0, 30.0), (30.0, 40.0), (40.0, 50.0))  # Over which the motions of both tips are correlated, s
 PAIR_MODULI = (2.5e4, 5e4, 1e5, 2e5, 4e5)  # Of both veins of a pair, Pa
 
 Changes = dict[str, Any]
@@ -54,6 +58,17 @@ SHEDDING = {"fluid.kinematic_viscosity": 0.01, "fluid.mean_flow.y": GUST, "time.
 THICKNESS = "beam.thickness"
 LONG = {"fluid.sponge.x": [5.0, 6.0], "time.end": 20.0}  # The flag in a longer box
 
+
+def two_filaments(apart: float, start: tuple[float, float] = START) -> Changes:
+    """Return the changes to two filaments at a distance, with these first directions."""
+    changes: Changes = {"time.end": 50.0}
+    for i, (side, angle) in enumerate(zip((1, -1), start)):
+        at = f"rods.{i}.beam.root.at"
+        changes[f"{at}.position"] = [0.0, side * apart / 2]
+        changes[f"{at}.direction"] = [cos(angle * pi), sin(angle * pi)]
+    return changes
+
+
 CASES: dict[str, tuple[str, Changes]] = {
     "oscillating/300x180": (KC5, on_grid(300, 180, 0.01)),
     "oscillating/450x270": (KC5, on_grid(450, 270, 0.0075)),
@@ -63,7 +78,7 @@ CASES: dict[str, tuple[str, Changes]] = {
     "oscillating/300x180, mean flow held": (KC5, on_grid(300, 180, 0.01) | {"fluid.mean_flow": {}}),
     "hover/480x480": (HOVER, on_grid(480, 480, 0.01)),
     "hover/640x640": (HOVER, {}),
-    "hover/640x640, mean flow free": (HOVER, {"fluid.mean_flow": None}),
+    "hover/640x640, mean flow free": (HOVER, {"fluid.mean_flow": "absent"}),
     "stream/384x256": (STREAM, NARROW),
     "stream/384x512": (STREAM, {}),
     "stream/576x384": (STREAM, box([-8.4, 15.6], [-8.0, 8.0]) | on_grid(576, 384, 0.013333333)),
@@ -84,6 +99,8 @@ CASES: dict[str, tuple[str, Changes]] = {
     **{f"tapered/{e:g}": (TAPERED, on_grid(216, 192, 5e-4) | {"time.end": 6.0, MODULUS: e}) for e in MODULI},
     **{f"{group}/{e:g}": (scene, {f"rods.{i}.{MODULUS}": e for i in (0, 1)})
        for group, scene in PAIRS.items() for e in PAIR_MODULI},
+    **{f"filaments/{apart}": (FILAMENTS, two_filaments(apart)) for apart in (0.2, 0.3, 0.5, 1.0)},
+    "filaments/1.0, both begin at 0.1π": (FILAMENTS, two_filaments(1.0, PARALLEL)),
 }  # fmt: skip
 
 
@@ -244,42 +261,29 @@ def passive(done: nervure.Run, rigid: Series) -> dict[str, float]:
     }
 
 
-def twin_folder(done: nervure.Run) -> Path:
-    return done.folder.with_name(f"{done.folder.name}-twin")
+def correlation(series: Series, begin: float, end: float) -> float:
+    """Return the correlation of both tips' motion across the stream: 1 in phase, −1 in opposite phase."""
+    part = (series["time"] > begin) & (series["time"] <= end)
+    return float(np.corrcoef([series[f"{name}_tip_uy"][part] for name in NAMES])[0, 1])
 
 
-def folder_of(name: str) -> Path:
-    return RESULTS / name.replace("/", "-").replace(", ", "-").replace(" ", "-")
+def filaments(done: nervure.Run) -> dict[str, float | None]:
+    """Return correlations of both tips over the windows, their amplitudes, and the frequency."""
+    tips = [done.summary.quantities[f"{name}_tip_uy"] for name in NAMES]
+    found = {f"from_{begin:g}": correlation(done.series, begin, end) for begin, end in WINDOWS}
+    return found | dict(zip(NAMES, (tip.amplitude for tip in tips))) | {"frequency": tips[0].frequency_hz}
 
 
-def run(name: str) -> nervure.Run:
-    """The run of a case; made, where it is not there yet."""
-    scene, changes = CASES[name]
-    folder = folder_of(name)
-    asked = nervure.load(scene, assignments(changes))
-    if (folder / "summary.json").exists():
-        there = nervure.read(folder)
-        if there.summary.completed and there.scene == asked:
-            return there
-    every = asked.time.end if scene == STREAM else None
-    return nervure.run(asked, folder, fields_every=every, force=True, quiet=True)
-
-
-def rows(group: str) -> list[dict[str, Any]]:
-    """A row for each case of a group."""
-    found = []
-    for name in CASES:
-        if not name.startswith(f"{group}/"):
-            continue
-        done = run(name)
-        found.append({"case": name.partition("/")[2]} | measured(group, done) | {"cpu_s": done.summary.cpu_s})
-    return found
+def twin_folder(folder: Path) -> Path:
+    return folder / "twin"
 
 
 def measured(group: str, done: nervure.Run) -> dict[str, Any]:
-    """What the page shows of a run."""
+    """Return the values that the tables show of a run."""
     if group in ("flag", "filament"):
         return swing(done.series, "tip_uy", SETTLED[group]) | {"drag": done.summary.quantities["drag"].mean}
+    if group == "filaments":
+        return filaments(done)
     if group == "tapered":
         averages = done.summary.flapping
         assert averages
@@ -290,17 +294,29 @@ def measured(group: str, done: nervure.Run) -> dict[str, Any]:
     if group == "shedding":
         return shedding(done.series)
     if group == "passive":
-        rigid = nervure.run(validate(twin(done)), twin_folder(done), force=True, quiet=True)
+        rigid = nervure.run(validate(twin(done)), twin_folder(done.folder), force=True, quiet=True)
         return passive(done, rigid.series)
     if group == "oscillating":
         return oscillating(done.series)
     return fourth_period(done.series) if group == "hover" else stream(done.series, done.folder)
 
 
-def draw_oscillating() -> None:
+def run(case: Case, folder: Path) -> dict[str, Any]:
+    """Run a scene, and a rigid twin of a passive vein; return their values. A steady stream needs its last field."""
+    scene = validate(case.built())
+    every = scene.time.end if case.scene == STREAM else None
+    done = nervure.run(scene, folder, fields_every=every, force=True, quiet=True)
+    return {"values": measured(case.name.split("/")[0], done), "times": {"cpu_s": done.summary.cpu_s}}
+
+
+def cases() -> Iterator[Case]:
+    for name, (scene, changes) in CASES.items():
+        yield Case(name, FLUID if scene in (KC5, HOVER, STREAM) else COUPLED, scene, changes, action=run)
+
+
+def draw_oscillating(done: nervure.Run) -> None:
     """Curve on curve: the force of the oscillating cylinder."""
-    done = run("oscillating/600x360").series
-    time, force = done["time"], done["body_1_drag"]
+    time, force = done.series["time"], done.series["body_1_drag"]
     share = (time - (time[-1] - PERIOD)) / PERIOD
     published = curve("oscillating_cylinder_re100_kc5")
     show.curves("pictures/oscillating-cylinder", ("t/T", "F / (rho U² D)"), [
@@ -310,12 +326,12 @@ def draw_oscillating() -> None:
     ], log=False)  # fmt: skip
 
 
-def draw_hover() -> None:
+def draw_hover(done: nervure.Run) -> None:
     """Curve on curve: lift and drag of the ellipse."""
     figure, axes = show.panel(2, 1, (9.0, 6.0), sharex=True)
-    found = hovering(run(SHOWN).series)
+    found = hovering(done.series)
     for axis, name in zip(axes[:, 0], ("lift", "drag"), strict=True):
-        axis.plot(found["time"], found[name], linewidth=1.0, label=SHOWN)
+        axis.plot(found["time"], found[name], linewidth=1.0, label="640x640")
         for source, label in (("eldredge", "Eldredge 2007"), ("wang_experiment", "experiment, Wang et al. 2004")):
             axis.plot(*curve(f"hovering_ellipse_re75_{source}_{name}"), "o", markersize=2, label=f"{label}, digitised")
         axis.set(ylabel={"lift": "$c_L$ / 1.2", "drag": "$c_D$ / 1.4"}[name], ylim=(-1.0, 2.0), xlim=(0, 4))
@@ -324,22 +340,11 @@ def draw_hover() -> None:
     show.save(figure, "pictures/hovering-ellipse", 110)
 
 
-def draw_passive() -> None:
-    """The moment that the passive vein asks for, and that on its rigid twin."""
-    done = run(PASSIVE_SHOWN)
-    time, asked, given = moments(done, nervure.read(twin_folder(done)).series)
-    part = (time >= SETTLED["passive"]) & (time <= time[-1] - FILTER)
-    show.curves("flapping/passive", ("t, strokes", "moment about the root, N m/m"), [
-        {"x": time[part], "y": asked[part], "label": "inertia and spring of the vein"},
-        {"x": time[part], "y": given[part], "linestyle": "--", "label": "on a rigid plate in the same motion"},
-    ], log=False)  # fmt: skip
-
-
-def draw_pair() -> None:
+def draw_pair(data: Data) -> None:
     """Thrust, and thrust by power, of both pairs over their modulus."""
     figure, axes = show.panel(1, 2, (9.0, 3.6))
     for group, label in (("pair-hover", "hover"), ("pair-forward", "forward flight")):
-        found = [pair(run(f"{group}/{e:g}")) for e in PAIR_MODULI]
+        found = [data[f"flapping/{group}/{e:g}"] for e in PAIR_MODULI]
         for axis, key in zip(axes[0], ("ct", "ct_by_cp"), strict=True):
             axis.plot(PAIR_MODULI, [values[key] for values in found], "o-", label=label)
     for axis, name in zip(axes[0], ("$C_T$ of a vein", "$C_T / C_P$"), strict=True):
@@ -350,26 +355,11 @@ def draw_pair() -> None:
     show.save(figure, "pictures/vein-pair", 110)
 
 
-DRAWN = {"oscillating": draw_oscillating, "hover": draw_hover, "passive": draw_passive, "pair-forward": draw_pair}
-"""Figures by the group of cases that they show."""
+def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
+    for name, drawn in (("oscillating/600x360", draw_oscillating), ("hover/640x640", draw_hover)):
+        if found := runs(f"flapping/{name}"):
+            drawn(nervure.read(found.folder))
+    draw_pair(data)
 
 
-def main() -> None:
-    for group in sys.argv[1:] or [
-        "oscillating",
-        "hover",
-        "stream",
-        "shedding",
-        "flag",
-        "filament",
-        "passive",
-        "tapered",
-        *PAIRS,
-    ]:
-        write_csv(show.DOCS / "flapping" / f"{group}.csv", rows(group))
-        if group in DRAWN:
-            DRAWN[group]()
-
-
-if __name__ == "__main__":
-    main()
+STUDY = Study("flapping", cases, lambda case, run: run.found, draw=draw)

@@ -1,4 +1,4 @@
-"""The checks of docs/reference/reliability.md with few cases, and how the units use what their host gives them."""
+"""The reliability checks with few cases, and how the units use what their host gives them."""
 
 import os
 import shutil
@@ -12,7 +12,7 @@ import pytest
 from nervure.library import KINDS
 from nervure.scene import Scene, load
 from nervure.units import package
-from tests.reliability.__main__ import CHECKS, unpack
+from tests.reliability.checks import CHECKS, unpack
 from tests.reliability.trials import inherited
 from tests.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
 
@@ -30,7 +30,7 @@ def folders(tmp_path_factory, libraries):
 @pytest.mark.parametrize("name", CHECKS)
 def test_check_finds_nothing(name, kind, tmp_path):
     check = CHECKS[name]
-    folder = unpack(kind, tmp_path, next(iter(check.counts())))
+    folder = unpack(kind, tmp_path, check.scene)
     child("spawn", 60.0, tried, check.function, kind, folder, check.few)
 
 

@@ -17,7 +17,8 @@ from nervure.errors import InputError
 from nervure.scene import kinds, validate
 from nervure.scene.types import Iterated
 from nervure.units import ssp
-from studies import filaments
+from studies import flapping
+from studies.simulate import assignments
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -248,9 +249,9 @@ def test_fluid_says_which_beam_has_a_wrong_station(two_rods, instantiate):
 @pytest.mark.parametrize(("apart", "together"), [(1.0, False), (0.2, True)])
 def test_two_filaments_flap_together_when_close_and_against_each_other_when_not(apart, together, tmp_path):
     """As in Huang, Shin & Sung (2007), from the same start: only the distance decides."""
-    scene = api.load(filaments.SCENE, [*filaments.changes(apart, filaments.START), "time.end=26.0"])
+    scene = api.load(flapping.FILAMENTS, assignments(flapping.two_filaments(apart) | {"time.end": 26.0}))
     run = api.run(scene, tmp_path, quiet=True)
     late = run.series["time"] > 19.0
-    assert min(np.ptp(run.series[f"{name}_tip_uy"][late]) for name in filaments.RODS) > 0.5, "both flap"
-    found = filaments.correlation(run.series, 19.0, 26.0)
+    assert min(np.ptp(run.series[f"{name}_tip_uy"][late]) for name in flapping.NAMES) > 0.5, "both flap"
+    found = flapping.correlation(run.series, 19.0, 26.0)
     assert found > 0.8 if together else found < -0.95, f"correlation {found:.3f}"

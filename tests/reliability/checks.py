@@ -1,0 +1,51 @@
+"""The checks by name, and the scenes on which they run. `cases.toml` of the studies has the full counts."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import fmpy
+
+from nervure.scene import load
+from nervure.units import package
+
+from . import calls, calls3, files, limits, trials
+from .unit import SCENE, FMU2Unit
+
+SHIPPED = "fsi3-325x72"
+
+
+class Check(NamedTuple):
+    """A check, the number of cases of it in a quick test, and the scene of that test."""
+
+    function: Callable[[FMU2Unit, int], str]
+    few: int
+    scene: str = "flag"
+
+
+CHECKS = {
+    "sequences": Check(calls.sequences, 200),
+    "sequences_3": Check(calls3.sequences, 200),
+    "hostile": Check(trials.hostile, 300),
+    "corrupted": Check(trials.corrupted, 3000),
+    "forged": Check(trials.forged, 1000),
+    "processes": Check(trials.processes, 2),
+    "rollbacks": Check(trials.rollbacks, 30),
+    "instances": Check(trials.instances, 300),
+    "loads": Check(trials.loads, 20),
+    "threads": Check(trials.threads, 16),
+    "forks": Check(trials.forks, 4),
+    "modes": Check(trials.modes, 16),
+    "kills": Check(files.kills, 20),
+    "full_disks": Check(files.full_disks, 20),
+    "inputs": Check(limits.inputs, 20, SHIPPED),
+    "edited": Check(limits.edited, 100, SHIPPED),
+    "foreign": Check(limits.foreign, 60, SHIPPED),
+    "memory": Check(limits.memory, 6, SHIPPED),
+}
+
+
+def unpack(kind: str, folder: Path, scene: str = "flag") -> Path:
+    """Unpack the FMU of the small scene `flag`, or of a shipped one."""
+    packed = package.pack(kind, SCENE if scene == "flag" else load(scene), folder)
+    return Path(fmpy.extract(str(packed), str(folder / f"{kind}-{scene}")))
