@@ -123,7 +123,7 @@ $(READY_DEV): requirements/dev.lock $(READY)
 
 STUDY := $(RUN) -m studies
 
-.PHONY: flapping filaments studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study turek-hron driven-bar vein-study shown-rows
+.PHONY: flapping studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study turek-hron driven-bar vein-study shown-rows
 
 studies: $(READY_DEV) ## write the tables of results.json into the documents; ARGS="--stale" lists results older than the code
 	$(STUDY) $(ARGS)
@@ -160,11 +160,8 @@ driven-bar: build $(READY_DEV) ## run what is missing of the bar in prescribed m
 vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a quarter of an hour of one core)
 	$(STUDY) vein $(ARGS)
 
-flapping: build $(READY_DEV) ## run the cases of docs/validation/flapping.md (twenty minutes), write their tables' rows and figures; ARGS="hover"
-	$(RUN) -m studies.flapping $(ARGS)
-
-filaments: build $(READY_DEV) ## run two filaments side by side at several distances (two minutes), write docs/flapping/filaments.*
-	$(RUN) -m studies.filaments
+flapping: build $(READY_DEV) ## run what is missing of flapping bodies, flags, filaments and veins (twenty minutes)
+	$(STUDY) flapping $(ARGS)
 
 BENCH_VENV := target/fluid-bench/venv
 
@@ -182,8 +179,8 @@ $(BENCH_VENV)/.ready: requirements/bench.lock
 
 .PHONY: reliability masters-test
 
-reliability: build $(READY_DEV) ## mistreat the units at full count and write docs/reliability.csv anew, an hour; ARGS="--list", "--only forks"
-	$(RUN) -m tests.reliability $(ARGS)
+reliability: build $(READY_DEV) ## mistreat the units at full count, an hour; ARGS="--list", "--only 'check/forks*'"
+	$(STUDY) reliability --force $(ARGS)
 
 MASTERS_VENV := target/masters/venv
 
@@ -263,8 +260,8 @@ $(DIST_VENV)/.ready: requirements/dist.lock
 
 .PHONY: fuzz
 
-fuzz: build $(READY_DEV) ## fuzz scene files and states of both units, ARGS="-max_total_time=300" seconds each, write docs/fuzz.csv; needs nightly and cargo-fuzz
-	$(RUN) -m tests.fuzz $(ARGS)
+fuzz: build $(READY_DEV) ## fuzz scene files and states of both units, five minutes each; needs nightly and cargo-fuzz
+	$(STUDY) reliability --force --only 'fuzz/*' $(ARGS)
 
 .PHONY: sanitizers
 
@@ -281,10 +278,10 @@ PEERS_VENV := target/report/venv
 report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine, ten on a busy one)
 	$(STUDY) report leave-out --force $(ARGS)
 
-STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein running report leave-out
+STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping running report leave-out
 report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run what is stale or missing of every study, with the long cases, and draw all pages; goes on where it was stopped; half a day of one core
 	$(WITH_FFTW) $(STUDY) $(STUDIES) --full $(ARGS)
-	$(MAKE) ARGS= flapping filaments report-pictures
+	$(MAKE) ARGS= report-pictures
 
 report-pictures: build $(READY_DEV) ## the vorticity of FSI3 over a period, in results/report-pictures
 	$(NERVURE) run fsi3-325x72 --output results/report-pictures --fields-every 0.005 --quiet

@@ -5,12 +5,26 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
-from studies import commands, coupling, driven_bar, flapping, fluid, fsi3, rod, running, show, speed, turek_hron, vein
+from studies import (
+    coupling,
+    driven_bar,
+    flapping,
+    fluid,
+    fsi3,
+    reliability,
+    rod,
+    running,
+    show,
+    speed,
+    turek_hron,
+    vein,
+)
 from studies.report import leave_out, pages
 from studies.store import Data
 
 STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
-           turek_hron.STUDY, vein.STUDY, flapping.STUDY, running.STUDY, leave_out.STUDY, pages.STUDY)  # fmt: skip
+           turek_hron.STUDY, vein.STUDY, flapping.STUDY, running.STUDY, leave_out.STUDY, pages.STUDY,
+           reliability.STUDY)  # fmt: skip
 
 
 def load() -> Data:
@@ -28,8 +42,6 @@ def lines_of(key: str, data: Data) -> list[str]:
         return found
     if made:
         return show.table(key, made(data))
-    if "csv" in spec:
-        return show.table(key, commands.read(show.DOCS / spec["csv"]))
     records = data.of(spec["of"])
     if "table" in spec:
         tables = [(record["label"], record.tables.get(spec["table"], [])) for record in records]
@@ -70,7 +82,7 @@ def table_pages(data: Data) -> dict[str, str]:
     made = {key for tables in keys.values() for key in tables}
     for key, spec in show.SPECS.items():
         if key not in made:
-            keys.setdefault(re.split("[/.]", spec.get("of") or spec["csv"])[0], []).append(key)
+            keys[spec["of"].split("/")[0]].append(key)
     return {
         name: "\n".join(
             [f"# {name}", *(line for key in tables for line in ("", f"## {key}", "", *lines_of(key, data)))]

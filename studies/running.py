@@ -1,25 +1,39 @@
-"""What it costs to keep frames and checkpoints of a run, to start and end one, and to exchange: a minute."""
+"""Costs of a run: frames and checkpoints, start and end, the exchange with the units, and FMI 2.0 beside 3.0."""
 
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from statistics import median
+from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
-from nervure import checkpoint, master
+import fmpy
+
+from nervure import checkpoint, coupling, master
 from nervure.output import fields
-from nervure.scene import validate
+from nervure.scene import Scene, validate
+from nervure.units import package
+from nervure.units.fmu import Unit
 from studies import simulate
 from studies.engine import COUPLED, Case, Study
+from studies.store import Data
 
 SCENES = ("fsi3-325x72", "fsi3-650x144", "fsi3-1300x288")
 REPEATS, STEPS = 10, 10  # Frames and checkpoints that are written, and steps before a frame
 STARTS = 7  # Runs of one step, and of some
 SOME = 500  # Steps
+ROUNDS, EXCHANGES = 30, 1000  # Measurements of each version, and exchanges in one of them
+
+
+def timed(call: Callable[..., Any], *arguments: Any) -> float:
+    """Return the wall time of a call, ms."""
+    begin = perf_counter()
+    call(*arguments)
+    return 1e3 * (perf_counter() - begin)
 
 
 def measure(case: Case, folder: Path) -> dict[str, Any]:
@@ -27,11 +41,6 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
     checkpoint at the end of the run, MB."""
     scene = case.built()
     spent: dict[str, list[float]] = {"step": [], "frame": [], "checkpoint": []}
-
-    def timed(what: str, action: Any, *arguments: Any) -> None:
-        begin = perf_counter()
-        action(*arguments)
-        spent[what].append(1e3 * (perf_counter() - begin))
 
     with ExitStack() as stack:
         units, scheme, clock, recorder = simulate.assemble(scene, folder, stack)
@@ -43,13 +52,13 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
         recorder.record(0, 0.0, 0)
         for i in range(REPEATS * STEPS):
             t, h = clock.step(i)
-            timed("step", scheme.step, t, h)
+            spent["step"].append(timed(scheme.step, t, h))
             recorder.record(i + 1, t + h, 1)
             if (i + 1) % STEPS == 0:
-                timed("frame", write, i + 1, t + h, 0.0)
+                spent["frame"].append(timed(write, i + 1, t + h, 0.0))
         recorder.rows = len(recorder.table)  # as many rows as at the end of a whole run
         for _ in range(REPEATS):
-            timed("checkpoint", saved.save, clock.steps, 0.0)
+            spent["checkpoint"].append(timed(saved.save, clock.steps, 0.0))
         size = (folder / checkpoint.FILE).stat().st_size
     fields.clear(folder)
     checkpoint.clear(folder)
@@ -82,11 +91,70 @@ def exchange(case: Case, folder: Path) -> dict[str, Any]:
     return {"exchange_share": median(shares)}
 
 
+class Pair:
+    """The unpacked units of a scene under a version of FMI."""
+
+    def __init__(self, scene: Scene, version: int, folder: Path):
+        self.scene = scene
+        self.places: dict[str, Path] = {}
+        for kind in package.kinds(self.scene):
+            packed = package.pack(kind, self.scene, folder / str(version), version=version)
+            self.places[kind] = Path(fmpy.extract(str(packed), str(folder / f"{version}-{kind}")))
+
+    def parse(self) -> dict[str, Any]:
+        """Parse the model descriptions and check them against their schema."""
+        return {kind: fmpy.read_model_description(str(place)) for kind, place in self.places.items()}
+
+    def instantiate(self) -> None:
+        end = self.scene.time.end
+        self.units = {kind: Unit(place, kind, end) for kind, place in self.places.items()}
+
+    def connect(self) -> None:
+        coupling.couple(self.units, self.scene.coupling).start()
+
+    def exchange(self) -> None:
+        for _ in range(EXCHANGES):
+            for unit in self.units.values():
+                unit.set()
+                unit.get_exchanged()
+
+    def measure(self) -> dict[str, Any]:
+        """Return times in ms, and one exchange in µs."""
+        times = {step.__name__: timed(step) for step in (self.parse, self.instantiate, self.connect, self.exchange)}
+        for unit in self.units.values():
+            unit.close()
+        return times | {"exchange": 1e3 * times["exchange"] / EXCHANGES}
+
+    def sizes(self) -> dict[str, Any]:
+        """Return the variables of each unit, and the size of both model descriptions, kB."""
+        texts = [(place / "modelDescription.xml").stat().st_size for place in self.places.values()]
+        counts = {kind: len(description.modelVariables) for kind, description in self.parse().items()}
+        return counts | {"size": 1e-3 * sum(texts)}
+
+
+def versions(case: Case, folder: Path) -> dict[str, Any]:
+    """Measure both versions of FMI in turn; return sizes and shortest times of each."""
+    with TemporaryDirectory() as place:
+        pairs = {version: Pair(validate(case.built()), version, Path(place)) for version in (2, 3)}
+        rounds = [{version: pair.measure() for version, pair in pairs.items()} for _ in range(ROUNDS)]
+    rows: list[dict[str, Any]] = []
+    for version, pair in pairs.items():
+        least = {name: min(times[version][name] for times in rounds) for name in rounds[0][version]}
+        rows.append({"version": f"{version}.0"} | pair.sizes() | least)
+    return {"versions": rows}
+
+
 def cases() -> Iterator[Case]:
     for scene in SCENES:
         yield Case(f"keeping/{scene}", (*COUPLED, "keeping"), scene, action=measure)
     yield Case(f"start/{SCENES[0]}", (*COUPLED, "command"), SCENES[0], action=start)
+    yield Case("versions/fmi", (*COUPLED, "export", "command"), SCENES[0], action=versions)
     yield Case(f"exchange/{SCENES[1]}", (*COUPLED, "command"), SCENES[1], action=exchange)
 
 
-STUDY = Study("running", cases, lambda case, run: {"times": run.found})
+def version_rows(data: Data) -> Any:
+    return data["running/versions/fmi"].times["versions"]
+
+
+TABLES: dict[str, Callable[[Data], Any]] = {"masters-versions": version_rows}
+STUDY = Study("running", cases, lambda case, run: {"times": run.found}, TABLES)

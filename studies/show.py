@@ -34,7 +34,7 @@ LABELS = {"cd_mean": "$c_D$", "cl_mean": "$c_L$", "dp_mean": "$\\Delta p$", "cd_
 
 SPECS: dict[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_name("tables.toml").read_text(encoding="utf-8"))
 """Columns of the tables, by key."""
-SOURCES = ("of", "table", "csv", "like", "only")  # Keys of a table that say where its rows and columns come from
+SOURCES = ("of", "table", "like", "only")  # Keys of a table that say where its rows and columns come from
 
 TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.DOTALL)
 

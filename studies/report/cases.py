@@ -1,8 +1,6 @@
 """What the report measures itself: the rod at rest, CSM3, short cylinders, FSI3, the cost of a step, and the peers."""
 
 import json
-import os
-import subprocess
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -10,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from nervure.errors import InputError
 from nervure.resources import ROOT
-from studies import simulate
-from studies.engine import COUPLED, ROD, THREADS, Case, Run, simulated
+from studies import commands, simulate
+from studies.engine import COUPLED, ROD, Case, Run, simulated
 from studies.report import elastica
 from studies.simulate import on_grid
 
@@ -43,15 +40,7 @@ def run_peer(case: Case, folder: Path) -> dict[str, Any]:
         raise FileNotFoundError("the peers are not installed: make target/report/venv/.ready")
     script, *arguments = case.options["command"]
     command = [str(PYTHON), str(PEERS / script), *arguments]
-    try:
-        done = subprocess.run(
-            command, env=os.environ | THREADS, capture_output=True, text=True, timeout=LONGEST, cwd=ROOT, check=False
-        )
-    except subprocess.TimeoutExpired as error:
-        raise InputError(f"no end after {LONGEST:g} s") from error
-    if done.returncode:
-        raise InputError(done.stderr.strip().splitlines()[-1])
-    found: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
+    found: dict[str, Any] = json.loads(commands.output(command, LONGEST).strip().splitlines()[-1])
     return found
 
 
