@@ -90,7 +90,7 @@ class Record:
         return found
 
     def agrees(self, other: Record) -> bool:
-        names = ("digest", "values", "tables", "error")
+        names = ("values", "tables", "error")
         return all(getattr(self, name) == getattr(other, name) for name in names)
 
 
@@ -125,7 +125,7 @@ class Data:
         return [record for record in self.records.values() if record.stale]
 
     def take(self, study: Study, case: Case, run: Run, new_times: bool = False) -> bool:
-        """Take in a run; whether that has changed anything."""
+        """Record a run and return whether that changes anything. Equal values keep the former times unless `new_times`."""
         error = run.found.get("error")
         kept = json_numbers({} if error and not run.found.get("quantities") else study.extract(case, run))
         values, tables, times = (rounded(kept.get(part, {})) for part in ("values", "tables", "times"))
@@ -133,9 +133,12 @@ class Data:
         name, on = f"{study.name}/{case.name}", machine.key(run.machine)
         record = Record(name, case, study.command(case), run.digest, values, tables, error, times, on)
         before = self.records.get(name)
-        if before and before.agrees(record) and not (new_times and before.times != times):
-            return False
-        self.records[name], self.machines[on] = record, run.machine
+        if before and before.agrees(record) and not new_times:
+            if before.digest == record.digest:
+                return False
+            record.times, record.machine = before.times, before.machine
+        self.records[name] = record
+        self.machines.setdefault(on, run.machine)
         return True
 
     def load(self, folder: Path = FOLDER) -> Data:
