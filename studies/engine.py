@@ -32,7 +32,12 @@ RESULTS = ROOT / "results" / "studies"
 
 SOURCES: dict[str, tuple[str, ...]] = {
     "scene": ("crates/scene/src/**/*.rs",),
-    "fluid": ("crates/fluid/src/**/*.rs", "crates/fluid/Cargo.toml", "fmu-fluid/src/**/*.rs"),
+    "fluid": (
+        "crates/fluid/src/**/*.rs",
+        "crates/fluid/Cargo.toml",
+        "crates/line-fft/src/**/*.rs",
+        "fmu-fluid/src/**/*.rs",
+    ),
     "rod": ("crates/rod/src/**/*.rs", "crates/rod/Cargo.toml", "fmu-rod/src/**/*.rs"),
     "coupling": ("python/nervure/coupling/*.py", "python/nervure/master.py"),
     "evaluation": ("python/nervure/evaluate/**/*.py",),

@@ -6,9 +6,9 @@ use crate::bodies::Bodies;
 use crate::clock::Clock;
 use crate::field::Field;
 use crate::grid::Grid;
-use crate::simd::Real;
 use crate::spectral::Spectral;
 use crate::zone::Zone;
+use line_fft::Real;
 
 /// The box of a scene.
 pub struct Domain<R: Real> {
@@ -64,7 +64,7 @@ impl<R: Real> Domain<R> {
                 let column = i * self.grid.ny..(i + 1) * self.grid.ny;
                 let (wx, rate) = (&mut self.w[0][column.clone()], &rate[column]);
                 for ((wx, rate), shape) in wx.iter_mut().zip(rate).zip(shape) {
-                    *wx = R::narrow(wx.wide() + weight(*rate) * zone * mean * shape);
+                    *wx = R::rounded(wx.to_f64() + weight(*rate) * zone * mean * shape);
                 }
             }
         }

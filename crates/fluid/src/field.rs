@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::simd::Real;
+use line_fft::Real;
 
 /// What one way of the first cache holds, bytes: addresses so far apart share a set. A page is as large, and large arrays
 /// begin a page. The local solve goes through eleven fields at once, more than a set has room for, and takes twice as long

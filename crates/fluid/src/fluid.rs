@@ -13,10 +13,10 @@ use crate::force::{Exchange, Force};
 use crate::grid::Grid;
 use crate::outlet::Outlet;
 use crate::probe::Probe;
-use crate::simd::Real;
 use crate::state::{Beams, Flow, Present, StateIn};
 use crate::step::{Scheme, Step};
-use crate::threads::Team;
+use line_fft::Real;
+use line_fft::Team;
 
 /// The usual step of the fluid's own is the smaller of `max_step` and the scene's communication step. Flow and beam may
 /// make steps so many times shorter, and no more.
@@ -151,8 +151,8 @@ impl<R: Real> FluidIn<R> {
         for i in 0..grid.nx {
             for j in 0..grid.ny {
                 let [u, v] = velocity(grid.x(i), grid.y(j));
-                self.domain.w[0][i * grid.ny + j] = R::narrow(u);
-                self.domain.w[1][i * grid.ny + j] = R::narrow(v);
+                self.domain.w[0][i * grid.ny + j] = R::rounded(u);
+                self.domain.w[1][i * grid.ny + j] = R::rounded(v);
             }
         }
         self.total_pressure_is_current = false;
@@ -326,12 +326,12 @@ impl<R: Real> FluidIn<R> {
 
     /// Velocity component (0: x, 1: y), m/s, `[nx, ny]`.
     pub fn velocity(&self, axis: usize) -> Cow<'_, [f64]> {
-        R::widened(&self.present.flow.velocity[axis])
+        R::field_to_f64(&self.present.flow.velocity[axis])
     }
 
     /// Vorticity, 1/s, `[nx, ny]`.
     pub fn vorticity(&self) -> Cow<'_, [f64]> {
-        R::widened(&self.present.flow.vorticity)
+        R::field_to_f64(&self.present.flow.vorticity)
     }
 
     /// Static pressure p = rho (Pi − u²/2), Pa, `[nx, ny]`; Pi has zero mean over the box.
@@ -342,8 +342,8 @@ impl<R: Real> FluidIn<R> {
 
     /// Static pressure over the density at a grid point, Pi − u²/2, m²/s²; Pi must be current.
     fn pressure_at(&self, point: usize) -> f64 {
-        let [u, v] = self.present.flow.velocity.each_ref().map(|velocity| velocity[point].wide());
-        self.domain.w[0][point].wide() - 0.5 * (u * u + v * v)
+        let [u, v] = self.present.flow.velocity.each_ref().map(|velocity| velocity[point].to_f64());
+        self.domain.w[0][point].to_f64() - 0.5 * (u * u + v * v)
     }
 
     fn make_total_pressure(&mut self) {
@@ -369,8 +369,8 @@ impl<R: Real> FluidIn<R> {
         let velocity @ [u, v] = &self.present.flow.velocity;
         let divergence = &mut self.domain.w[1];
         self.domain.spectral.divergence(velocity, divergence);
-        let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.wide().abs()));
-        let fastest = u.iter().zip(&**v).fold(0.0_f64, |most, (u, v)| most.max(u.wide().hypot(v.wide())));
+        let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.to_f64().abs()));
+        let fastest = u.iter().zip(&**v).fold(0.0_f64, |most, (u, v)| most.max(u.to_f64().hypot(v.to_f64())));
         largest * self.domain.grid.cell_size() / fastest.max(f64::MIN_POSITIVE)
     }
 
@@ -383,19 +383,19 @@ impl<R: Real> FluidIn<R> {
     pub fn flow_rate(&self) -> f64 {
         let Grid { nx, ny, dy, .. } = self.domain.grid;
         let column = &self.present.flow.velocity[0][nx / 2 * ny..(nx / 2 + 1) * ny];
-        column.iter().map(|u| u.wide()).sum::<f64>() * dy
+        column.iter().map(|u| u.to_f64()).sum::<f64>() * dy
     }
 
     /// Kinetic energy of the whole box, J/m.
     pub fn kinetic_energy(&self) -> f64 {
         let [u, v] = &self.present.flow.velocity;
-        let squares: f64 = u.iter().zip(&**v).map(|(u, v)| u.wide().powi(2) + v.wide().powi(2)).sum();
+        let squares: f64 = u.iter().zip(&**v).map(|(u, v)| u.to_f64().powi(2) + v.to_f64().powi(2)).sum();
         0.5 * self.density * squares * self.domain.grid.cell_area()
     }
 
     /// Half the integral of the squared vorticity over the whole box, m²/s².
     pub fn enstrophy(&self) -> f64 {
-        let squares: f64 = self.present.flow.vorticity.iter().map(|omega| omega.wide().powi(2)).sum();
+        let squares: f64 = self.present.flow.vorticity.iter().map(|omega| omega.to_f64().powi(2)).sum();
         0.5 * squares * self.domain.grid.cell_area()
     }
 

@@ -10,7 +10,7 @@
 //!
 //! [`Fluid`] is the whole of the interface: made of a scene, told where the beam's [`Stations`] go, advanced, and asked
 //! for forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`, `bodies` the beam
-//! and the rigid bodies, `transform` the Fourier transforms.
+//! and the rigid bodies.
 
 mod bodies;
 mod clock;
@@ -24,12 +24,9 @@ mod outlet;
 mod precision;
 mod probe;
 mod projection;
-mod simd;
 mod spectral;
 mod state;
 mod step;
-mod threads;
-mod transform;
 mod wall;
 mod zone;
 
@@ -45,7 +42,7 @@ pub use state::State;
 pub mod internals {
     pub use crate::clock::{Clock, Phase};
     pub use crate::projection::Projection;
-    pub use crate::simd::Real;
-    pub use crate::transform::{Fft2, Pack, Scratch};
     pub use crate::wall::{DragProfile, WallTarget};
+    pub use line_fft::Real;
+    pub use line_fft::{Fft2, Pack, Scratch};
 }

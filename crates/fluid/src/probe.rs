@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3xX, Vector3};
 
 use crate::grid::Grid;
-use crate::simd::Real;
+use line_fft::Real;
 
 /// Over how many radii the pressure is read, a cell apart, for a probe in a wall's smeared surface, and how many cells
 /// off the first point is. The pressure has a kink there, which rings from cell to cell, most at the first; the mean of
@@ -87,7 +87,7 @@ impl Probe {
 
     /// Velocity component there, given by its field.
     pub fn velocity<R: Real>(&self, field: &[R]) -> f64 {
-        self.around.iter().map(|&(point, share)| share * field[point].wide()).sum()
+        self.around.iter().map(|&(point, share)| share * field[point].to_f64()).sum()
     }
 
     /// Pressure there, given by its value at a grid point.

@@ -10,8 +10,8 @@ use std::marker::PhantomData;
 use scene::Filter;
 
 use crate::grid::Grid;
-use crate::simd::{Arithmetic, Kernel, Real, WIDE, run};
-use crate::transform::Pack;
+use line_fft::Pack;
+use line_fft::{Arithmetic, F64_LANES, Kernel, Real, run};
 
 /// Strength and order of the smooth filter `F_0 = exp(−α (k/k_max)^p)` (Hou & Li 2007).
 ///
@@ -29,21 +29,21 @@ pub fn smooth_damping(fraction: f64) -> f64 {
     ((FILTER_STRENGTH * fraction.powi(FILTER_ORDER)).exp() - 1.0) / FILTER_CFL
 }
 
-/// Wavenumbers and filter of one grid, for the rows of [`crate::transform`]: [`Real::PARTS`] times four modes in y at a
+/// Wavenumbers and filter of one grid, for the rows of a spectrum of [`line_fft::Fft2`]: [`Real::PARTS`] times four modes in y at a
 /// time.
 pub struct Projection<R> {
     kx: Vec<f64>,
     /// By row and part.
-    ky: Vec<[f64; WIDE]>,
+    ky: Vec<[f64; F64_LANES]>,
     /// What the filter takes in a step of the CFL number 1, `(1/F_0 − 1)/FILTER_CFL`, `[rows, nx]` by part.
-    damping: Vec<[f64; WIDE]>,
+    damping: Vec<[f64; F64_LANES]>,
     /// `1/k²`, 0 for the mean, `[rows, nx]` by part.
-    inverse_k2: Vec<[f64; WIDE]>,
+    inverse_k2: Vec<[f64; F64_LANES]>,
     /// 1 over the number of points: the transforms are unnormalised.
     per_points: f64,
     /// 1 over what rounding makes of a mode in the transforms: a factor for each kx, and for each ky by row and part.
     per_gain_x: Vec<f64>,
-    per_gain_y: Vec<[f64; WIDE]>,
+    per_gain_y: Vec<[f64; F64_LANES]>,
     /// `tau nu`, m², and the CFL number of the step.
     tau_nu: f64,
     cfl: f64,
@@ -75,8 +75,8 @@ impl<R: Real> Projection<R> {
         let modes = (0..=ny / 2).rev().find(|&j| (0..nx).any(|i| damping(i, j) < f64::INFINITY)).map_or(0, |j| j + 1);
         let rows = modes.div_ceil(R::LANES);
         // The first mode in y of a part of a row.
-        let first = |row: usize, part: usize| row * R::LANES + part * WIDE;
-        let by_mode = |value: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; WIDE]> {
+        let first = |row: usize, part: usize| row * R::LANES + part * F64_LANES;
+        let by_mode = |value: &dyn Fn(usize, usize) -> f64| -> Vec<[f64; F64_LANES]> {
             let place = |n: usize| (n / R::PARTS % nx, first(n / R::PARTS / nx, n % R::PARTS));
             let modes = (0..rows * nx * R::PARTS).map(place);
             modes.map(|(i, first)| from_fn(|lane| value(i, first + lane))).collect()
@@ -89,7 +89,7 @@ impl<R: Real> Projection<R> {
         let per_points = 1.0 / grid.len() as f64;
         Self {
             per_gain_x: vec![1.0; nx],
-            per_gain_y: vec![[1.0; WIDE]; rows * R::PARTS],
+            per_gain_y: vec![[1.0; F64_LANES]; rows * R::PARTS],
             kx,
             ky,
             damping,
@@ -108,7 +108,7 @@ impl<R: Real> Projection<R> {
         self.modes
     }
 
-    /// Take out what transforms with these [`Fft2::gains`](crate::transform::Fft2::gains) make of a mode in a step.
+    /// Take out what transforms with these [`Fft2::gains`](line_fft::Fft2::gains) make of a mode in a step.
     pub fn set_gains(&mut self, [x, y]: &[Vec<f64>; 2]) {
         self.per_gain_x = x.iter().map(|gain| 1.0 / gain).collect();
         self.per_gain_y = y.as_chunks().0.iter().map(|gains| gains.map(|gain| 1.0 / gain)).collect();
@@ -147,7 +147,7 @@ impl<R: Real> Projection<R> {
         });
         if let (0, Some(mean)) = (row, self.mean) {
             for (w, mean) in [wx, wy].into_iter().zip(mean) {
-                (w[0].re[0], w[0].im[0]) = (R::narrow(mean), R::narrow(0.0));
+                (w[0].re[0], w[0].im[0]) = (R::rounded(mean), R::rounded(0.0));
             }
         }
     }
@@ -159,9 +159,9 @@ impl<R: Real> Projection<R> {
         for (m, divergence) in divergence.iter_mut().enumerate() {
             let (kx, ux, uy) = (self.kx[m % nx], &ux[m], &uy[m]);
             for lane in 0..R::LANES {
-                let ky = self.ky[m / nx * R::PARTS + lane / WIDE][lane % WIDE];
-                divergence.re[lane] = R::narrow(-scale * (kx * ux.im[lane].wide() + ky * uy.im[lane].wide()));
-                divergence.im[lane] = R::narrow(scale * (kx * ux.re[lane].wide() + ky * uy.re[lane].wide()));
+                let ky = self.ky[m / nx * R::PARTS + lane / F64_LANES][lane % F64_LANES];
+                divergence.re[lane] = R::rounded(-scale * (kx * ux.im[lane].to_f64() + ky * uy.im[lane].to_f64()));
+                divergence.im[lane] = R::rounded(scale * (kx * ux.re[lane].to_f64() + ky * uy.re[lane].to_f64()));
             }
         }
     }
@@ -174,12 +174,12 @@ impl<R: Real> Projection<R> {
         for (m, pressure) in pressure.iter_mut().enumerate() {
             let (kx, wx, wy) = (self.kx[m % nx], &wx[m], &wy[m]);
             for lane in 0..R::LANES {
-                let (part, in_part) = (m * R::PARTS + lane / WIDE, lane % WIDE);
-                let ky = self.ky[m / nx * R::PARTS + lane / WIDE][in_part];
+                let (part, in_part) = (m * R::PARTS + lane / F64_LANES, lane % F64_LANES);
+                let ky = self.ky[m / nx * R::PARTS + lane / F64_LANES][in_part];
                 let filtered = self.per_points / (1.0 + cfl * self.damping[part][in_part]);
                 let scale = per_tau * self.inverse_k2[part][in_part] * filtered;
-                pressure.re[lane] = R::narrow(scale * (kx * wx.im[lane].wide() + ky * wy.im[lane].wide()));
-                pressure.im[lane] = R::narrow(-scale * (kx * wx.re[lane].wide() + ky * wy.re[lane].wide()));
+                pressure.re[lane] = R::rounded(scale * (kx * wx.im[lane].to_f64() + ky * wy.im[lane].to_f64()));
+                pressure.im[lane] = R::rounded(-scale * (kx * wx.re[lane].to_f64() + ky * wy.re[lane].to_f64()));
             }
         }
     }
@@ -188,11 +188,11 @@ impl<R: Real> Projection<R> {
 /// [`Projection::project`] with the coefficients of the row.
 struct ProjectRow<'a, R: Real> {
     kx: &'a [f64],
-    ky: &'a [[f64; WIDE]],
-    inverse_k2: &'a [[f64; WIDE]],
-    damping: &'a [[f64; WIDE]],
+    ky: &'a [[f64; F64_LANES]],
+    inverse_k2: &'a [[f64; F64_LANES]],
+    damping: &'a [[f64; F64_LANES]],
     per_gain_x: &'a [f64],
-    per_gain_y: &'a [[f64; WIDE]],
+    per_gain_y: &'a [[f64; F64_LANES]],
     per_points: f64,
     tau_nu: f64,
     cfl: f64,
@@ -210,9 +210,9 @@ impl<R: Real> Kernel for ProjectRow<'_, R> {
         // What the parts of a row have of their own; in double precision there is one.
         let [mut ky, mut along_y, mut scale] = [[0.0.splat(); 2]; 3];
         for part in 0..R::PARTS {
-            ky[part] = pulp::cast(self.ky[part]);
+            ky[part] = f64::load(&self.ky[part]);
             along_y[part] = on.mul_add(tau_nu, on.mul(ky[part], ky[part]), 1.0.splat());
-            scale[part] = on.mul(self.per_points.splat(), pulp::cast(self.per_gain_y[part]));
+            scale[part] = on.mul(self.per_points.splat(), f64::load(&self.per_gain_y[part]));
         }
         let coefficients = self.inverse_k2.chunks_exact(R::PARTS).zip(self.damping.chunks_exact(R::PARTS));
         let modes = self.wx.iter_mut().zip(self.wy).zip(self.omega);
@@ -220,7 +220,7 @@ impl<R: Real> Kernel for ProjectRow<'_, R> {
         for (((kx, per_gain_x), (inverse_k2, damping)), ((wx, wy), omega)) in along_x.zip(coefficients).zip(modes) {
             let (kx, per_gain_x) = (kx.splat(), per_gain_x.splat());
             for part in 0..R::PARTS {
-                let (inverse_k2, damping) = (pulp::cast(inverse_k2[part]), pulp::cast(damping[part]));
+                let (inverse_k2, damping) = (f64::load(&inverse_k2[part]), f64::load(&damping[part]));
                 let (ky, viscous) = (ky[part], on.mul_add(tau_nu, on.mul(kx, kx), along_y[part]));
                 let gain = on.div(on.mul(scale[part], per_gain_x), on.mul_add(cfl, damping, viscous));
                 // w/(1 + tau nu k² + tau r), then what of it is along the wave.

@@ -6,10 +6,10 @@ use crate::clock::{Clock, Phase};
 use crate::field::Field;
 use crate::grid::Grid;
 use crate::projection::Projection;
-use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::Flow;
-use crate::threads::{Team, nothing};
-use crate::transform::{Fft2, Pack, Scratch};
+use line_fft::{Arithmetic, Kernel, Real, run};
+use line_fft::{Block, Fft2, Pack, Scratch};
+use line_fft::{Team, nothing};
 
 /// Bytes of a field that are worth a thread of their own. Where threads were started four times in a step, two of them made
 /// a step of FSI3 longer by 30 to 130 % with 94 kB each, and by -39 to +14 % with 374 kB; with a team, on a busy machine, by
@@ -24,8 +24,9 @@ pub struct Spectral<R: Real> {
     pub projection: Projection<R>,
     /// Spectra of both components and of the vorticity or pressure.
     spectra: [Vec<Pack<R>>; 3],
-    /// What each thread needs for itself.
+    /// Scratch space of each thread, along x and along y.
     scratch: Vec<Scratch<R>>,
+    blocks: Vec<Block<R>>,
 }
 
 impl<R: Real> Spectral<R> {
@@ -39,6 +40,7 @@ impl<R: Real> Spectral<R> {
             grid: *grid,
             spectra: [fft.spectrum(), fft.spectrum(), fft.spectrum()],
             scratch: (0..threads).map(|_| fft.scratch()).collect(),
+            blocks: (0..threads).map(|_| fft.y.block()).collect(),
             fft,
             projection,
         }
@@ -62,7 +64,7 @@ impl<R: Real> Spectral<R> {
     /// The modes along y of `w`, from which [`Self::solve`] goes on.
     pub fn transform_along_y(&mut self, team: &Team, w: &[Field<R>; 2], clock: &mut Clock) {
         let [u_hat, v_hat, _] = &mut self.spectra;
-        self.fft.forward_along_y(team, [&w[0], &w[1]], [u_hat, v_hat], &mut self.scratch);
+        self.fft.y.forward(team, [&w[0], &w[1]], [u_hat, v_hat], &mut self.blocks);
         clock.mark(Phase::Forward);
     }
 
@@ -97,13 +99,13 @@ impl<R: Real> Spectral<R> {
         let rows = u_rows.zip(v_rows).zip(omega_rows).zip(own).enumerate();
         let first = || meanwhile.into_iter().for_each(|meanwhile| meanwhile());
         team.share_with(&mut self.scratch, first, rows, |(row, (((u_hat, v_hat), omega_hat), own)), scratch| {
-            let Scratch { rows: [u, v, omega], line, .. } = scratch;
-            fft.forward_along_x(u_hat, u, line);
-            fft.forward_along_x(v_hat, v, line);
+            let Scratch { rows: [u, v, omega], line } = scratch;
+            fft.x.forward::<false>(u_hat, u, line);
+            fft.x.forward::<false>(v_hat, v, line);
             solve(projection, row, own, [&mut *u, &mut *v, &mut *omega]);
-            fft.inverse_along_x(u, u_hat, line);
-            fft.inverse_along_x(v, v_hat, line);
-            fft.inverse_along_x(omega, omega_hat, line);
+            fft.x.forward::<true>(u, u_hat, line);
+            fft.x.forward::<true>(v, v_hat, line);
+            fft.x.forward::<true>(omega, omega_hat, line);
         });
         clock.mark(Phase::Rows);
         if !self.is_finite() {
@@ -112,25 +114,25 @@ impl<R: Real> Spectral<R> {
 
         let Flow { velocity: [u, v], vorticity } = flow;
         let [u_hat, v_hat, omega_hat] = &self.spectra;
-        let (per_dx, per_dy) = (R::narrow(1.0 / self.grid.dx), R::narrow(1.0 / self.grid.dy));
+        let (per_dx, per_dy) = (R::rounded(1.0 / self.grid.dx), R::rounded(1.0 / self.grid.dy));
         // Numbers not below 0 are ordered like their bits.
         let largest = AtomicU64::new(0);
         let [mut u_rest, mut v_rest, mut omega_rest] = [&mut *u, &mut *v, vorticity].map(|field| &mut **field);
-        let shares = fft.shares(team.parts()).filter_map(|share| {
+        let shares = fft.y.shares(team.parts()).filter_map(|share| {
             let points = ..share.len() * ny;
             let (u, v) = (u_rest.split_off_mut(points)?, v_rest.split_off_mut(points)?);
             Some((share, u, v, omega_rest.split_off_mut(points)?))
         });
-        team.share_with(&mut self.scratch, nothing, shares, |(share, u, v, omega), scratch| {
-            for columns in fft.blocks(share.clone()) {
+        team.share_with(&mut self.blocks, nothing, shares, |(share, u, v, omega), block| {
+            for columns in fft.y.blocks(share.clone()) {
                 let points = (columns.start - share.start) * ny..(columns.end - share.start) * ny;
                 let [u, v, omega] = [&mut *u, &mut *v, &mut *omega].map(|field| &mut field[points.clone()]);
-                fft.inverse_along_y(u_hat, columns.clone(), u, scratch);
-                fft.inverse_along_y(v_hat, columns.clone(), v, scratch);
-                fft.inverse_along_y(omega_hat, columns, omega, scratch);
+                fft.y.inverse(u_hat, columns.clone(), u, block);
+                fft.y.inverse(v_hat, columns.clone(), v, block);
+                fft.y.inverse(omega_hat, columns, omega, block);
                 let mut here = R::zero();
                 run(AdvectionRate { per_dx, per_dy, u, v, largest: &mut here });
-                largest.fetch_max(here.wide().to_bits(), Ordering::Relaxed);
+                largest.fetch_max(here.to_f64().to_bits(), Ordering::Relaxed);
             }
         });
         clock.mark(Phase::Back);
@@ -138,37 +140,37 @@ impl<R: Real> Spectral<R> {
     }
 
     /// Whether the flow of the spectra is finite, seen before it is made, from the modes of the first column. A transform
-    /// along x spreads what is not a number over its row, and of what is larger than [`Real::LARGEST`] at least its rounding.
+    /// along x spreads what is not a number over its row, and of what is larger than [`Real::OVERFLOW_GUARD`] at least its rounding.
     fn is_finite(&self) -> bool {
         let [u_hat, v_hat, _] = &self.spectra;
         let mut modes = u_hat.iter().step_by(self.grid.nx).chain(v_hat.iter().step_by(self.grid.nx));
         modes.all(|mode| {
-            [mode.re, mode.im].iter().all(|lanes| lanes.as_ref().iter().all(|part| part.abs() < R::LARGEST))
+            [mode.re, mode.im].iter().all(|lanes| lanes.as_ref().iter().all(|part| part.abs() < R::OVERFLOW_GUARD))
         })
     }
 
     /// Find Pi that belongs to `w` (m/s) of a step with `per_tau` (1/s) and a CFL number, for [`Self::pressure`].
     pub fn solve_for_pressure(&mut self, w: &[Field<R>; 2], per_tau: f64, cfl: f64) {
         let [wx_hat, wy_hat, pi_hat] = &mut self.spectra;
-        let scratch = &mut self.scratch[0];
-        self.fft.forward(&w[0], wx_hat, scratch);
-        self.fft.forward(&w[1], wy_hat, scratch);
+        let (scratch, block) = (&mut self.scratch[0], &mut self.blocks[0]);
+        self.fft.forward(&w[0], wx_hat, scratch, block);
+        self.fft.forward(&w[1], wy_hat, scratch, block);
         self.projection.pressure(wx_hat, wy_hat, per_tau, cfl, pi_hat);
     }
 
     /// Pi, m²/s², as [`Self::solve_for_pressure`] found it.
     pub fn pressure(&mut self, pi: &mut [R]) {
-        self.fft.inverse(&mut self.spectra[2], pi, &mut self.scratch[0]);
+        self.fft.inverse(&mut self.spectra[2], pi, &mut self.scratch[0], &mut self.blocks[0]);
     }
 
     /// Divergence (1/s) of a velocity (m/s).
     pub fn divergence(&mut self, velocity: &[Field<R>; 2], divergence: &mut [R]) {
         let [u_hat, v_hat, divergence_hat] = &mut self.spectra;
-        let scratch = &mut self.scratch[0];
-        self.fft.forward(&velocity[0], u_hat, scratch);
-        self.fft.forward(&velocity[1], v_hat, scratch);
+        let (scratch, block) = (&mut self.scratch[0], &mut self.blocks[0]);
+        self.fft.forward(&velocity[0], u_hat, scratch, block);
+        self.fft.forward(&velocity[1], v_hat, scratch, block);
         self.projection.divergence(u_hat, v_hat, divergence_hat);
-        self.fft.inverse(divergence_hat, divergence, scratch);
+        self.fft.inverse(divergence_hat, divergence, scratch, block);
     }
 }
 

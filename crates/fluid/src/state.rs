@@ -6,8 +6,8 @@ use crate::bodies::{Loads, Stations};
 use crate::field::Field;
 use crate::force::{BodyForce, Exchange};
 use crate::precision::ByPrecision;
-use crate::simd::Real;
-use crate::transform::Pack;
+use line_fft::Pack;
+use line_fft::Real;
 
 /// A state of a fluid, to go back to. It fits every fluid of the same scene. It is of the precision of its fluid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -129,7 +129,7 @@ impl<R: Real> TwoStep<R> {
 impl<R: Real> Flow<R> {
     /// A uniform flow (m/s) at `n` points.
     pub fn uniform(velocity: [f64; 2], n: usize) -> Self {
-        Self { velocity: velocity.map(|u| Field::uniform(R::narrow(u), n)), vorticity: Field::uniform(R::zero(), n) }
+        Self { velocity: velocity.map(|u| Field::uniform(R::rounded(u), n)), vorticity: Field::uniform(R::zero(), n) }
     }
 
     /// Become `other`, which is as large; unlike `clone_from` this allocates nothing.

@@ -11,9 +11,9 @@ use scene::Scene;
 use crate::field::Field;
 use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
-use crate::simd::Real;
 use crate::wall::DragProfile;
 use crate::zone::Zone;
+use line_fft::Real;
 
 use beam::Beam;
 pub use cells::Cell;
@@ -189,7 +189,7 @@ impl Bodies {
         for cell in rigid.chain(beams).flat_map(Cells::iter) {
             let weight = weight(rate[cell.index]) * cell.rate;
             for (w, velocity) in w.iter_mut().zip(cell.velocity) {
-                w[cell.index] = R::narrow(w[cell.index].wide() + weight * velocity);
+                w[cell.index] = R::rounded(w[cell.index].to_f64() + weight * velocity);
             }
         }
     }

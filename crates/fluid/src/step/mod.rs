@@ -10,9 +10,9 @@ use scene::TimeScheme;
 use crate::bodies::Stations;
 use crate::domain::Domain;
 use crate::error::Error;
-use crate::simd::Real;
 use crate::state::{Memory, Present};
-use crate::threads::Team;
+use line_fft::Real;
+use line_fft::Team;
 
 use rk2::Rk2;
 use sbdf2::Sbdf2;

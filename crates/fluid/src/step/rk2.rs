@@ -20,10 +20,10 @@ use crate::domain::Domain;
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::projection::Projection;
-use crate::simd::{Arithmetic, Kernel, Real, run};
 use crate::state::{Flow, Present};
-use crate::threads::{Team, nothing};
-use crate::transform::Pack;
+use line_fft::Pack;
+use line_fft::{Arithmetic, Kernel, Real, run};
+use line_fft::{Team, nothing};
 
 /// The scheme with its memory.
 pub struct Rk2<R: Real> {
@@ -64,7 +64,7 @@ impl<R: Real> Rk2<R> {
         let spectrum = domain.spectral.spectrum();
         let uniform = |velocity: f64| {
             let mut spectrum = spectrum.clone();
-            spectrum[0].re[0] = R::narrow(velocity);
+            spectrum[0].re[0] = R::rounded(velocity);
             spectrum
         };
         let decay = Decay::new(&domain.grid, domain.spectral.gains());
@@ -163,17 +163,17 @@ impl Decay {
         for ((w, before), (decay_x, gain_x)) in w.iter_mut().zip(before).zip(self.x.iter().zip(&self.gains[0])) {
             for (lane, (decay_y, gain_y)) in decay_y.iter().zip(gain_y).enumerate() {
                 let decay = decay_x * decay_y;
-                let (re, im) = (w.re[lane].wide(), w.im[lane].wide());
+                let (re, im) = (w.re[lane].to_f64(), w.im[lane].to_f64());
                 let (re, im) = match stage {
                     Stage::Start => (re, im),
                     Stage::First => (decay * re, decay * im),
                     Stage::Second => {
                         let points = points * gain_x * gain_y;
-                        let (re_before, im_before) = (before.re[lane].wide(), before.im[lane].wide());
+                        let (re_before, im_before) = (before.re[lane].to_f64(), before.im[lane].to_f64());
                         (0.5 * (re + points * decay * re_before), 0.5 * (im + points * decay * im_before))
                     }
                 };
-                (w.re[lane], w.im[lane]) = (R::narrow(re), R::narrow(im));
+                (w.re[lane], w.im[lane]) = (R::rounded(re), R::rounded(im));
             }
         }
     }
@@ -188,7 +188,7 @@ pub fn longest_step(bodies: &Bodies) -> f64 {
 /// Let the bodies sample a flow.
 fn sample<R: Real>(flow: &Flow<R>, bodies: &mut Bodies) {
     let [u, v] = &flow.velocity;
-    bodies.sample(|point| [u[point].wide(), v[point].wide()]);
+    bodies.sample(|point| [u[point].to_f64(), v[point].to_f64()]);
 }
 
 /// `u + dt f` for a flow at a time (s), into `domain.w`.
@@ -215,7 +215,7 @@ pub fn predict_loads<R: Real>(present: &Present<R>, bodies: &mut Bodies, loads: 
 
 /// Drag of a flow on a cell over the density, `a_b (u − u_b)`, m/s².
 fn present_drag<R: Real>(flow: &Flow<R>, cell: &Cell) -> [f64; 2] {
-    [0, 1].map(|axis| cell.rate * (flow.velocity[axis][cell.index].wide() - cell.velocity[axis]))
+    [0, 1].map(|axis| cell.rate * (flow.velocity[axis][cell.index].to_f64() - cell.velocity[axis]))
 }
 
 /// `u + dt (−sign omega other − a u)`, with `sign omega other` this component of `omega × u`.
@@ -240,13 +240,13 @@ impl<R: Real> Kernel for Explicit<'_, R> {
         match self.rate.map(|rate| &rate[..n]) {
             Some(rate) => {
                 for i in 0..n {
-                    let u = u[i].wide();
-                    w[i] = R::narrow(u - dt * (sign * omega[i].wide() * other[i].wide() + rate[i] * u));
+                    let u = u[i].to_f64();
+                    w[i] = R::rounded(u - dt * (sign * omega[i].to_f64() * other[i].to_f64() + rate[i] * u));
                 }
             }
             None => {
                 for i in 0..n {
-                    w[i] = R::narrow(u[i].wide() - dt * (sign * omega[i].wide() * other[i].wide()));
+                    w[i] = R::rounded(u[i].to_f64() - dt * (sign * omega[i].to_f64() * other[i].to_f64()));
                 }
             }
         }

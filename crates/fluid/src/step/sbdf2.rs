@@ -29,9 +29,9 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::grid::Grid;
 use crate::projection::Projection;
-use crate::simd::{Arithmetic, Kernel, Real, WIDE, narrow, run, wide};
 use crate::state::{Flow, Present, TwoStep};
-use crate::threads::{Team, nothing};
+use line_fft::{Arithmetic, F64_LANES, Kernel, Real, from_f64s, run, to_f64s};
+use line_fft::{Team, nothing};
 
 /// Of `omega × u = (−omega v, omega u)`.
 const SIGNS: [f64; 2] = [-1.0, 1.0];
@@ -74,7 +74,7 @@ impl<R: Real> Sbdf2<R> {
         let drag = |cell: &Cell| {
             [0, 1].map(|axis| {
                 let [u, w, w_next] =
-                    [&present.flow.velocity, &memory.w, &domain.w].map(|field| field[axis][cell.index].wide());
+                    [&present.flow.velocity, &memory.w, &domain.w].map(|field| field[axis][cell.index].to_f64());
                 let g = memory.per_tau * (w - u);
                 let u_star = w_next - scheme.tau * g;
                 cell.rate * (u_star - cell.velocity[axis])
@@ -161,7 +161,7 @@ impl<R: Real> Sbdf2<R> {
     /// Velocity (m/s) at a grid point as it is at the end of the step, by extrapolation.
     fn extrapolated(&self, &Differences { e, .. }: &Differences, flow: &Flow<R>) -> impl Fn(usize) -> [f64; 2] {
         let (now, before) = (&flow.velocity, &self.memory.before.velocity);
-        move |point| [0, 1].map(|axis| e[0] * now[axis][point].wide() + e[1] * before[axis][point].wide())
+        move |point| [0, 1].map(|axis| e[0] * now[axis][point].to_f64() + e[1] * before[axis][point].to_f64())
     }
 
     /// What the local solve reads.
@@ -252,11 +252,11 @@ impl<'a, R: Real> Known<'a, R> {
     /// At point `i`: the right-hand side without the bodies, `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, and
     /// G^n, of a component.
     fn right_side(&self, &Differences { c, e, .. }: &Differences, axis: usize, i: usize) -> (f64, f64) {
-        let [u, u_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[axis][i].wide());
-        let [v, v_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[1 - axis][i].wide());
-        let n = SIGNS[axis] * self.vorticity[i].wide() * v;
-        let n_before = SIGNS[axis] * self.vorticity_before[i].wide() * v_before;
-        let g = self.per_tau * (self.w[axis][i].wide() - u);
+        let [u, u_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[axis][i].to_f64());
+        let [v, v_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[1 - axis][i].to_f64());
+        let n = SIGNS[axis] * self.vorticity[i].to_f64() * v;
+        let n_before = SIGNS[axis] * self.vorticity_before[i].to_f64() * v_before;
+        let g = self.per_tau * (self.w[axis][i].to_f64() - u);
         (c[1] * u + c[2] * u_before - e[0] * n - e[1] * n_before - g, g)
     }
 
@@ -264,7 +264,7 @@ impl<'a, R: Real> Known<'a, R> {
     fn solve(&self, scheme: &Differences, rate: f64, i: usize) -> [R; 2] {
         [0, 1].map(|axis| {
             let (r, g) = self.right_side(scheme, axis, i);
-            R::narrow(r / (scheme.c[0] + rate) + scheme.tau * g)
+            R::rounded(r / (scheme.c[0] + rate) + scheme.tau * g)
         })
     }
 }
@@ -287,30 +287,32 @@ impl<'a, R: Real> Kernel for LocalSolve<'a, R> {
         let Self { known, scheme, rate, w: [wx, wy] } = self;
         let ([c_0, c_1, c_2], [e_1, e_2]) = (scheme.c.map(f64::splat), scheme.e.map(f64::splat));
         let [tau, per_tau] = [scheme.tau, known.per_tau].map(f64::splat);
-        let vectors = wx.len() / WIDE;
-        let whole = |field: &'a [R]| &field.as_chunks::<WIDE>().0[..vectors];
+        let vectors = wx.len() / F64_LANES;
+        let whole = |field: &'a [R]| &field.as_chunks::<F64_LANES>().0[..vectors];
         let ([u, v], omega) = (known.velocity.map(whole), whole(known.vorticity));
         let ([u_before, v_before], omega_before) = (known.velocity_before.map(whole), whole(known.vorticity_before));
-        let ([wx_last, wy_last], rates) = (known.w.map(whole), rate.map(|rate| &rate.as_chunks::<WIDE>().0[..vectors]));
+        let ([wx_last, wy_last], rates) =
+            (known.w.map(whole), rate.map(|rate| &rate.as_chunks::<F64_LANES>().0[..vectors]));
         let (wx_new, wy_new) = (&mut wx.as_chunks_mut().0[..vectors], &mut wy.as_chunks_mut().0[..vectors]);
         for i in 0..vectors {
-            let (u, v, omega) = (wide(&u[i]), wide(&v[i]), wide(&omega[i]));
-            let (u_before, v_before, omega_before) = (wide(&u_before[i]), wide(&v_before[i]), wide(&omega_before[i]));
-            let total = rates.map_or(c_0, |rates| on.add(c_0, wide(&rates[i])));
+            let (u, v, omega) = (to_f64s(&u[i]), to_f64s(&v[i]), to_f64s(&omega[i]));
+            let (u_before, v_before, omega_before) =
+                (to_f64s(&u_before[i]), to_f64s(&v_before[i]), to_f64s(&omega_before[i]));
+            let total = rates.map_or(c_0, |rates| on.add(c_0, to_f64s(&rates[i])));
 
             let r = on.add(on.mul(c_1, u), on.mul(c_2, u_before));
             let r = on.add(r, on.mul(e_1, on.mul(omega, v)));
             let r = on.add(r, on.mul(e_2, on.mul(omega_before, v_before)));
-            let g = on.mul(per_tau, on.sub(wide(&wx_last[i]), u));
-            wx_new[i] = narrow(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
+            let g = on.mul(per_tau, on.sub(to_f64s(&wx_last[i]), u));
+            wx_new[i] = from_f64s(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
 
             let r = on.add(on.mul(c_1, v), on.mul(c_2, v_before));
             let r = on.sub(r, on.mul(e_1, on.mul(omega, u)));
             let r = on.sub(r, on.mul(e_2, on.mul(omega_before, u_before)));
-            let g = on.mul(per_tau, on.sub(wide(&wy_last[i]), v));
-            wy_new[i] = narrow(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
+            let g = on.mul(per_tau, on.sub(to_f64s(&wy_last[i]), v));
+            wy_new[i] = from_f64s(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
         }
-        for i in vectors * WIDE..wx.len() {
+        for i in vectors * F64_LANES..wx.len() {
             [wx[i], wy[i]] = known.solve(scheme, rate.map_or(0.0, |rate| rate[i]), i);
         }
     }

@@ -18,7 +18,8 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use libloading::Library;
 use nervure_fluid::Fluid;
-use nervure_fluid::internals::{Fft2, Phase, Projection, Real, Scratch};
+use nervure_fluid::internals::{Phase, Projection};
+use nervure_line_fft::{Fft2, Real, Scratch};
 use scene::{Filter, Precision, Scene};
 
 use machine::{Clock, Fused};
@@ -135,11 +136,11 @@ fn pairs(library: &Library, table: &mut Table) {
         table.begin("pair", "", [nx, ny]);
         let ours = |modes: usize| {
             let fft = Fft2::<f64>::new(nx, ny, modes);
-            let (mut spectrum, mut scratch) = (fft.spectrum(), fft.scratch());
+            let (mut spectrum, mut scratch, mut block) = (fft.spectrum(), fft.scratch(), fft.y.block());
             let (field, mut back) = (noise(nx * ny), vec![0.0; nx * ny]);
             move || {
-                fft.forward(&field, &mut spectrum, &mut scratch);
-                fft.inverse(&mut spectrum, &mut back, &mut scratch);
+                fft.forward(&field, &mut spectrum, &mut scratch, &mut block);
+                fft.inverse(&mut spectrum, &mut back, &mut scratch, &mut block);
             }
         };
         let (mut whole, mut pruned, mut rustfft) = (ours(ny / 2 + 1), ours(ny / 3 + 1), rows::pair(nx, ny));
@@ -311,33 +312,34 @@ fn in_cache<R: Real>(
     let (columns, modes) = (2 * R::LANES, projection.modes());
     let (block, blocks) = (Fft2::<R>::new(columns, ny, modes), nx.div_ceil(columns));
     let (field, mut back) =
-        (noise(columns * ny).into_iter().map(R::narrow).collect::<Vec<_>>(), vec![R::zero(); columns * ny]);
+        (noise(columns * ny).into_iter().map(R::rounded).collect::<Vec<_>>(), vec![R::zero(); columns * ny]);
     let [mut spectrum, mut zeros, empty] = [(); 3].map(|()| block.spectrum());
-    let [mut whole, mut rows, mut lines] = [(); 3].map(|()| block.scratch());
+    let ([mut whole, mut rows], [mut lines, mut columns_back]) =
+        ([(); 2].map(|()| block.scratch()), [(); 2].map(|()| block.y.block()));
     let fft = Fft2::<R>::new(nx, ny, modes);
     let mut scratch = fft.scratch();
     let things: [Thing; 4] = [
         ("two whole, a block of columns", &mut || {
-            (0..2 * blocks).for_each(|_| block.forward(&field, &mut spectrum, &mut whole));
+            (0..2 * blocks).for_each(|_| block.forward(&field, &mut spectrum, &mut whole, &mut lines));
         }),
         ("their part along x", &mut || {
             for _ in 0..2 * blocks {
                 for row in zeros.chunks_exact_mut(columns) {
                     rows.rows[0].copy_from_slice(row);
-                    block.forward_along_x(&rows.rows[0], row, &mut rows.line);
+                    block.x.forward::<false>(&rows.rows[0], row, &mut rows.line);
                 }
             }
         }),
         ("five along x, a row of modes", &mut || {
-            let Scratch { rows: [u, v, omega], line, .. } = &mut scratch;
+            let Scratch { rows: [u, v, omega], line } = &mut scratch;
             for row in 0..modes.div_ceil(R::LANES) {
-                (0..2).for_each(|_| fft.forward_along_x(u, v, line));
+                (0..2).for_each(|_| fft.x.forward::<false>(u, v, line));
                 projection.project(row, u, v, omega);
-                (0..3).for_each(|_| fft.inverse_along_x(u, omega, line));
+                (0..3).for_each(|_| fft.x.forward::<true>(u, omega, line));
             }
         }),
         ("three back, a block of columns", &mut || {
-            (0..3 * blocks).for_each(|_| block.inverse_along_y(&empty, 0..columns, &mut back, &mut lines));
+            (0..3 * blocks).for_each(|_| block.y.inverse(&empty, 0..columns, &mut back, &mut columns_back));
         }),
     ];
     let [both, along_x, rows, back] = table.compare(&processor_time, things, &[]);

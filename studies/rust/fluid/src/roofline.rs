@@ -7,7 +7,8 @@
 //! The phases that walk along lists of cells (painting, wall target, velocities of bodies and zones, forces, loads) have no
 //! count: how long the lists are is not known here.
 
-use nervure_fluid::internals::{Fft2, Phase, Projection, Real};
+use nervure_fluid::internals::{Phase, Projection};
+use nervure_line_fft::{Fft2, Real};
 
 /// What a phase does in a step.
 pub struct Work {

@@ -1,8 +1,8 @@
-//! The two precisions, and loops compiled for the processor at hand: AVX-512, or AVX2 with FMA, where it has them, chosen
-//! at run time by pulp. With AVX-512 a vector is as wide, so the bits are the same, but there are twice as many.
+//! The two precisions, and loops compiled for the processor at hand: AVX-512, or AVX2 with FMA, chosen at run time by
+//! pulp. With AVX-512 a vector is as wide, so the bits are the same, but there are twice as many registers.
 //!
-//! A kernel either uses [`Arithmetic`] on a vector of numbers at a time, where a fused multiply-add is meant, or is a plain
-//! loop that the compiler vectorizes. A plain loop has the same bits on every processor: Rust does not contract `a b + c`.
+//! A kernel either uses [`Arithmetic`] on vectors, where a fused multiply-add is meant, or is a plain loop that the
+//! compiler vectorizes. A plain loop has the same bits on every processor: Rust does not contract `a b + c`.
 
 use std::borrow::Cow;
 use std::fmt::Debug;
@@ -16,18 +16,20 @@ use rustfft::num_complex::Complex;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-/// What fields and spectra are made of: `f64` or `f32`, and nothing else.
+#[cfg(target_arch = "x86_64")]
+use crate::transpose;
+
+/// The numbers of fields and spectra: `f64` or `f32`.
 ///
-/// Transforms calculate in it. All other arithmetic is on `f64`, so that no coefficient has a rounding error that is the
-/// same in every step: [`Self::wide`] as a number is read and [`Self::narrow`] as it is stored do nothing to an `f64`.
+/// Transforms calculate in it. All other arithmetic should be on `f64`, so that no coefficient has a rounding error that
+/// is the same in every step: [`Self::to_f64`] on reading and [`Self::rounded`] on storing leave an `f64` as it is.
 pub trait Real: sealed::Sealed + FftNum + Default + PartialOrd + AddAssign + Serialize + DeserializeOwned {
     /// Numbers in a vector.
     const LANES: usize;
-    /// Vectors of `f64` that as many numbers fill.
-    const PARTS: usize = Self::LANES / WIDE;
-    /// A spectrum is finite where its numbers are smaller: a sum over a column and the conversion to rates stay finite, and
-    /// the rounding of what is near the end of the range is above it.
-    const LARGEST: Self;
+    /// Vectors of `f64` that hold the numbers of a vector.
+    const PARTS: usize = Self::LANES / F64_LANES;
+    /// Numbers below this can be summed over a line and scaled without overflow.
+    const OVERFLOW_GUARD: Self;
     /// A vector in memory.
     type Lanes: Copy
         + Default
@@ -42,35 +44,35 @@ pub trait Real: sealed::Sealed + FftNum + Default + PartialOrd + AddAssign + Ser
         + DeserializeOwned;
     /// A vector in registers.
     type Vector: Copy + Debug;
-    /// As many vectors as each has numbers.
+    /// A vector for each lane.
     type Square: Copy + Index<usize, Output = Self::Vector> + IndexMut<usize>;
 
-    /// Round to this precision.
-    fn narrow(value: f64) -> Self;
-    /// The same number.
-    fn wide(self) -> f64;
-    /// The same field, copied only where the precision is another.
-    fn widened(field: &[Self]) -> Cow<'_, [f64]>;
-    /// The numbers `part` [`WIDE`] … of a vector.
+    /// Round to this precision. (`from_f64` is a name of `num_traits`.)
+    fn rounded(value: f64) -> Self;
+    /// Return the number in double precision.
+    fn to_f64(self) -> f64;
+    /// Return a field in double precision, copied only if it has another.
+    fn field_to_f64(field: &[Self]) -> Cow<'_, [f64]>;
+    /// Return the numbers `F64_LANES part …` of a vector.
     fn part(lanes: &Self::Lanes, part: usize) -> Four;
-    /// Round to those.
+    /// Round `value` to the numbers `F64_LANES part …` of a vector.
     fn set_part(lanes: &mut Self::Lanes, part: usize, value: Four);
-    /// The same number in each lane.
+    /// Return a vector with the number in each lane.
     fn splat(self) -> Self::Vector;
-    /// From memory.
+    /// Load a vector from memory.
     fn load(lanes: &Self::Lanes) -> Self::Vector;
-    /// From the beginning of a slice that has enough.
+    /// Load a vector from the first numbers of a slice.
     fn gather(numbers: &[Self]) -> Self::Vector;
-    /// To memory.
+    /// Store a vector.
     fn store(vector: Self::Vector) -> Self::Lanes;
-    /// Vectors of zeros.
+    /// Return vectors of zeros.
     fn zeros() -> Self::Square;
     /// Run a kernel on the processor at hand.
     fn run(kernel: impl Kernel<Real = Self>);
 
-    /// The same complex number, rounded.
+    /// Round a complex number.
     fn complex(value: Complex<f64>) -> Complex<Self> {
-        Complex::new(Self::narrow(value.re), Self::narrow(value.im))
+        Complex::new(Self::rounded(value.re), Self::rounded(value.im))
     }
 }
 
@@ -81,21 +83,21 @@ mod sealed {
 }
 
 /// Numbers in a vector of `f64`.
-pub const WIDE: usize = 4;
+pub const F64_LANES: usize = 4;
 
-/// The same numbers as a vector of `f64`.
+/// Load numbers into a vector of `f64`.
 #[inline(always)]
-pub fn wide<R: Real>(&[a, b, c, d]: &[R; WIDE]) -> Four {
-    Four(a.wide(), b.wide(), c.wide(), d.wide())
+pub fn to_f64s<R: Real>(&[a, b, c, d]: &[R; F64_LANES]) -> Four {
+    Four(a.to_f64(), b.to_f64(), c.to_f64(), d.to_f64())
 }
 
 /// Round a vector of `f64`.
 #[inline(always)]
-pub fn narrow<R: Real>(Four(a, b, c, d): Four) -> [R; WIDE] {
-    [R::narrow(a), R::narrow(b), R::narrow(c), R::narrow(d)]
+pub fn from_f64s<R: Real>(Four(a, b, c, d): Four) -> [R; F64_LANES] {
+    [R::rounded(a), R::rounded(b), R::rounded(c), R::rounded(d)]
 }
 
-/// Arithmetic on vectors, as the processor at hand does it best.
+/// Arithmetic on vectors with the instructions of the processor at hand.
 pub trait Arithmetic<R: Real>: Copy {
     /// a + b
     fn add(self, a: R::Vector, b: R::Vector) -> R::Vector;
@@ -109,18 +111,18 @@ pub trait Arithmetic<R: Real>: Copy {
     fn mul_add(self, a: R::Vector, b: R::Vector, c: R::Vector) -> R::Vector;
     /// c − a b
     fn mul_sub(self, a: R::Vector, b: R::Vector, c: R::Vector) -> R::Vector;
-    /// Rows to columns.
+    /// Swap rows and columns.
     fn transposed(self, rows: R::Square) -> R::Square;
 }
 
-/// A loop to be compiled for each kind of processor.
+/// A loop compiled for each kind of processor.
 ///
-/// `run` has to be `#[inline(always)]`, like all that it calls with vectors. Closures in `array::from_fn` and the like
-/// are not: what is not inlined is slower by a factor of ten.
+/// `run` and every function that it calls with vectors must be `#[inline(always)]`: a call is slower by a factor of ten.
+/// Closures in `array::from_fn` and the like are not inlined.
 pub trait Kernel {
-    /// What its vectors are made of.
+    /// The numbers of its vectors.
     type Real: Real;
-    /// Do it.
+    /// Run the loop.
     fn run(self, arithmetic: impl Arithmetic<Self::Real>);
 }
 
@@ -149,11 +151,11 @@ where
     }
 }
 
-/// What is the same in both precisions but for the names: arithmetic, and what [`Real`] has of memory.
+/// [`Arithmetic`] of a precision: the names of the instructions differ.
 macro_rules! precision {
     ($real:ident, $vector:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $mul_add:ident, $mul_sub:ident,
      $transposed:ident) => {
-        /// Any processor: without an instruction for it, a product is rounded before it is added.
+        /// Any processor: there is no fused multiply-add, so a product is rounded before it is added.
         impl Arithmetic<$real> for Scalar256b {
             arithmetic!($vector, $add, $sub, $mul, $div);
 
@@ -197,7 +199,7 @@ macro_rules! precision {
 
             #[inline(always)]
             fn transposed(self, rows: <$real as Real>::Square) -> <$real as Real>::Square {
-                avx::$transposed(self, rows)
+                transpose::$transposed(self, rows)
             }
         }
     };
@@ -227,7 +229,7 @@ macro_rules! arithmetic {
     };
 }
 
-/// The parts of [`Real`] that read the same in both precisions.
+/// The parts of [`Real`] that are the same text in both precisions.
 macro_rules! memory {
     ($lanes:literal, $vector:ident) => {
         const LANES: usize = $lanes;
@@ -273,76 +275,22 @@ macro_rules! memory {
 precision!(f64, Four, add_f64s, sub_f64s, mul_f64s, div_f64s, mul_add_f64s, negate_mul_add_f64s, transposed_f64);
 precision!(f32, Eight, add_f32s, sub_f32s, mul_f32s, div_f32s, mul_add_f32s, negate_mul_add_f32s, transposed_f32);
 
-/// Transposes by the instructions that are made for them: of single numbers the compiler makes many more.
-#[cfg(target_arch = "x86_64")]
-mod avx {
-    use std::arch::x86_64::{__m256, __m256d};
-
-    use pulp::cast;
-
-    use super::{Eight, Four, V3};
-
-    /// Pairs of rows, then halves.
-    #[inline(always)]
-    pub fn transposed_f64(V3 { avx, .. }: V3, [a, b, c, d]: [Four; 4]) -> [Four; 4] {
-        let (a, b, c, d): (__m256d, __m256d, __m256d, __m256d) = (cast(a), cast(b), cast(c), cast(d));
-        let (even_ab, odd_ab) = (avx._mm256_unpacklo_pd(a, b), avx._mm256_unpackhi_pd(a, b));
-        let (even_cd, odd_cd) = (avx._mm256_unpacklo_pd(c, d), avx._mm256_unpackhi_pd(c, d));
-        [
-            cast(avx._mm256_permute2f128_pd::<0x20>(even_ab, even_cd)),
-            cast(avx._mm256_permute2f128_pd::<0x20>(odd_ab, odd_cd)),
-            cast(avx._mm256_permute2f128_pd::<0x31>(even_ab, even_cd)),
-            cast(avx._mm256_permute2f128_pd::<0x31>(odd_ab, odd_cd)),
-        ]
-    }
-
-    /// Columns 0 and 4, 1 and 5, … of four rows.
-    #[inline(always)]
-    fn four_rows(V3 { avx, .. }: V3, a: Eight, b: Eight, c: Eight, d: Eight) -> [__m256; 4] {
-        let (a, b, c, d): (__m256, __m256, __m256, __m256) = (cast(a), cast(b), cast(c), cast(d));
-        let (low_ab, high_ab) = (avx._mm256_unpacklo_ps(a, b), avx._mm256_unpackhi_ps(a, b));
-        let (low_cd, high_cd) = (avx._mm256_unpacklo_ps(c, d), avx._mm256_unpackhi_ps(c, d));
-        [
-            avx._mm256_shuffle_ps::<0x44>(low_ab, low_cd),
-            avx._mm256_shuffle_ps::<0xee>(low_ab, low_cd),
-            avx._mm256_shuffle_ps::<0x44>(high_ab, high_cd),
-            avx._mm256_shuffle_ps::<0xee>(high_ab, high_cd),
-        ]
-    }
-
-    /// Pairs of rows, pairs of pairs, then halves.
-    #[inline(always)]
-    pub fn transposed_f32(v3: V3, [a, b, c, d, e, f, g, h]: [Eight; 8]) -> [Eight; 8] {
-        let (upper, lower, avx) = (four_rows(v3, a, b, c, d), four_rows(v3, e, f, g, h), v3.avx);
-        [
-            cast(avx._mm256_permute2f128_ps::<0x20>(upper[0], lower[0])),
-            cast(avx._mm256_permute2f128_ps::<0x20>(upper[1], lower[1])),
-            cast(avx._mm256_permute2f128_ps::<0x20>(upper[2], lower[2])),
-            cast(avx._mm256_permute2f128_ps::<0x20>(upper[3], lower[3])),
-            cast(avx._mm256_permute2f128_ps::<0x31>(upper[0], lower[0])),
-            cast(avx._mm256_permute2f128_ps::<0x31>(upper[1], lower[1])),
-            cast(avx._mm256_permute2f128_ps::<0x31>(upper[2], lower[2])),
-            cast(avx._mm256_permute2f128_ps::<0x31>(upper[3], lower[3])),
-        ]
-    }
-}
-
 impl Real for f64 {
     memory!(4, Four);
 
-    const LARGEST: f64 = 1e250;
+    const OVERFLOW_GUARD: f64 = 1e250;
 
     #[inline(always)]
-    fn narrow(value: f64) -> f64 {
+    fn rounded(value: f64) -> f64 {
         value
     }
 
     #[inline(always)]
-    fn wide(self) -> f64 {
+    fn to_f64(self) -> f64 {
         self
     }
 
-    fn widened(field: &[f64]) -> Cow<'_, [f64]> {
+    fn field_to_f64(field: &[f64]) -> Cow<'_, [f64]> {
         field.into()
     }
 
@@ -365,30 +313,30 @@ impl Real for f64 {
 impl Real for f32 {
     memory!(8, Eight);
 
-    const LARGEST: f32 = 1e25;
+    const OVERFLOW_GUARD: f32 = 1e25;
 
     #[inline(always)]
-    fn narrow(value: f64) -> f32 {
+    fn rounded(value: f64) -> f32 {
         value as f32
     }
 
     #[inline(always)]
-    fn wide(self) -> f64 {
+    fn to_f64(self) -> f64 {
         self.into()
     }
 
-    fn widened(field: &[f32]) -> Cow<'_, [f64]> {
-        field.iter().map(|value| value.wide()).collect()
+    fn field_to_f64(field: &[f32]) -> Cow<'_, [f64]> {
+        field.iter().map(|value| value.to_f64()).collect()
     }
 
     #[inline(always)]
     fn part(lanes: &[f32; 8], part: usize) -> Four {
-        wide(&lanes.as_chunks().0[part])
+        to_f64s(&lanes.as_chunks().0[part])
     }
 
     #[inline(always)]
     fn set_part(lanes: &mut [f32; 8], part: usize, value: Four) {
-        lanes.as_chunks_mut().0[part] = narrow(value);
+        lanes.as_chunks_mut().0[part] = from_f64s(value);
     }
 
     #[inline(always)]
@@ -411,7 +359,7 @@ mod tests {
         fn run(self, on: impl Arithmetic<R>) {
             let columns = on.transposed(self.0);
             for (i, j) in (0..R::LANES).flat_map(|i| (0..R::LANES).map(move |j| (i, j))) {
-                assert_eq!(R::store(columns[i])[j].wide(), (10 * j + i) as f64, "row {i}, column {j}");
+                assert_eq!(R::store(columns[i])[j].to_f64(), (10 * j + i) as f64, "row {i}, column {j}");
             }
         }
     }
@@ -422,7 +370,7 @@ mod tests {
     {
         let mut rows = R::zeros();
         for i in 0..R::LANES {
-            let numbers: Vec<_> = (0..R::LANES).map(|j| R::narrow((10 * i + j) as f64)).collect();
+            let numbers: Vec<_> = (0..R::LANES).map(|j| R::rounded((10 * i + j) as f64)).collect();
             rows[i] = R::gather(&numbers);
         }
         run(Transpose::<R>(rows));

@@ -1,6 +1,6 @@
-//! Discrete Fourier transforms of as many lines at once as a vector has lanes, one in each.
+//! Discrete Fourier transforms of several lines at once, one in each lane of a vector.
 //!
-//! All lanes do the same, so no factor of a length needs shuffles, and 13 gets on as well as 4. Decimation in time
+//! All lanes do the same, so no factor of a length needs shuffles, and 13 is as good as 4. Decimation in time
 //! (Cooley & Tukey 1965): transforms of the last factor from strided input, then a pass for each other factor in place.
 
 #![allow(clippy::needless_range_loop, reason = "what runs over lanes or a butterfly is unrolled, by index")]
@@ -14,30 +14,30 @@ use rustfft::{
     num_complex::{Complex, Complex64},
 };
 
-use super::pack::{Complexes, Pack};
+use crate::pack::{Complexes, Pack};
 use crate::simd::{Arithmetic, Kernel, Real, run};
 
-/// A line longer than this is transformed in parts, so that a part with its input stays in the first cache.
-const LONG: usize = 384;
+/// Lines longer than this are transformed in parts: a part and its input stay in the first cache.
+const FIRST_CACHE_LENGTH: usize = 384;
 
 /// Transforms of one length.
 pub enum Lines<R: Real> {
-    /// Of a length with no prime factor above 13.
+    /// A length without prime factors above 13.
     Smooth(Smooth<R>),
-    /// Of any length, one line after the other.
+    /// Any length, one line after the other.
     Any(Arc<dyn Fft<R>>),
 }
 
 /// Plan for a length with small factors.
 pub struct Smooth<R> {
-    /// The factor transformed first, and its [`roots`].
+    /// First factor, and its [`roots`].
     leaf: (usize, Vec<Complex<R>>),
-    /// Where in the input each of those transforms begins.
+    /// Place in the input where each transform of the first factor begins.
     starts: Vec<usize>,
     passes: Vec<Pass<R>>,
 }
 
-/// From transforms of length `m` to those of length `factor m`.
+/// Combine transforms of length `m` to transforms of length `factor m`.
 struct Pass<R> {
     factor: usize,
     m: usize,
@@ -72,7 +72,7 @@ impl<R: Real> Lines<R> {
         let mut m = factors[0];
         let mut starts = vec![0];
         for (level, factor) in factors.iter().enumerate().skip(1).rev() {
-            // Of the outermost factor, its remainders are the slowest in the output and one apart in the input.
+            // The remainders of the outermost factor are the slowest in the output and one apart in the input.
             let apart: usize = factors[level + 1..].iter().product();
             starts = starts.iter().flat_map(|start| (0..*factor).map(move |r| start + r * apart)).collect();
         }
@@ -86,8 +86,9 @@ impl<R: Real> Lines<R> {
         Self::Smooth(Smooth { leaf: (factors[0], roots(factors[0])), starts, passes })
     }
 
-    /// By how much each mode grows in an inverse transform and a forward one after it, both unnormalised, over the length: 1,
-    /// but for the rounded roots of unity, whose absolute values are not 1. In every step the same, that adds up.
+    /// Return the gain of each mode in a round trip (inverse, then forward) over the length.
+    ///
+    /// Rounded roots of unity do not have the absolute value 1. The excess is the same in every round trip, so it adds up.
     pub fn gains(&self) -> Vec<f64> {
         match self {
             Self::Smooth(smooth) => smooth.gains(),
@@ -95,7 +96,7 @@ impl<R: Real> Lines<R> {
         }
     }
 
-    /// Number of complex values that [`Self::forward`] needs for itself.
+    /// Return the number of complex values in the scratch space of [`Self::forward`].
     pub fn scratch_len(&self) -> usize {
         match self {
             Self::Smooth(_) => 0,
@@ -103,10 +104,10 @@ impl<R: Real> Lines<R> {
         }
     }
 
-    /// `to[k] = Σ_j from[j] exp(−2πi j k/n)`.
+    /// Write `to[k] = Σ_j from[j] exp(−2πi j k/n)`.
     ///
-    /// With `EXCHANGE` the input is taken with real and imaginary parts exchanged. The output is then that of the
-    /// inverse transform, with the parts exchanged.
+    /// With `EXCHANGE` real and imaginary parts of the input are swapped: the output is the inverse transform, also with
+    /// its parts swapped.
     pub fn forward<const EXCHANGE: bool>(&self, from: &[Pack<R>], to: &mut [Pack<R>], scratch: &mut [Complex<R>]) {
         match self {
             Self::Smooth(smooth) => smooth.forward::<EXCHANGE>(from, to),
@@ -130,7 +131,7 @@ impl<R: Real> Lines<R> {
 impl<R: Real> Smooth<R> {
     fn forward<const EXCHANGE: bool>(&self, from: &[Pack<R>], to: &mut [Pack<R>]) {
         let (inner, outer) = match self.passes.split_last() {
-            Some((last, inner)) if to.len() > LONG => (inner, Some(last)),
+            Some((last, inner)) if to.len() > FIRST_CACHE_LENGTH => (inner, Some(last)),
             _ => (&self.passes[..], None),
         };
         let part = outer.map_or(to.len(), |pass| pass.m);
@@ -152,14 +153,14 @@ impl<R: Real> Smooth<R> {
 }
 
 impl<R: Real> Smooth<R> {
-    /// See [`Lines::gains`], to first order of the rounding.
+    /// Return [`Lines::gains`], to first order in the rounding.
     ///
-    /// The weight of an input in an output is a product with one factor for each pass. So the mean of its square over the
-    /// inputs, less 1, is a sum over the passes, and so is that over the outputs. Half of both is what a mode, which is an
-    /// output forward and an input back, has gained.
+    /// The weight of an input in an output is a product with one factor for each pass. So the mean over the inputs of the
+    /// squared weight, less 1, is a sum over the passes; so is the mean over the outputs. A mode is an output of the
+    /// forward transform and an input of the inverse one: its gain is half of both sums.
     fn gains(&self) -> Vec<f64> {
-        /// A gain nearer to 1 counts for nothing in any number of steps; in double precision none is farther.
-        const NOTHING: f64 = 1e-12;
+        /// Gains nearer to 1 have no effect in any number of steps. In double precision all are nearer.
+        const NO_EFFECT: f64 = 1e-12;
         let (leaf, roots) = &self.leaf;
         let first = Pass {
             factor: *leaf,
@@ -177,24 +178,24 @@ impl<R: Real> Smooth<R> {
                 of_input[q] += 0.5 * excess / (factor * m) as f64;
                 of_output[r * m + k] += 0.5 * excess / factor as f64;
             }
-            // What is between two inputs of one transform of this pass: the product of the factors of the passes after it.
+            // Distance of two inputs of one transform of this pass: the product of the factors of the later passes.
             let apart = gains.len() / n;
             for (mode, gain) in gains.iter_mut().enumerate() {
                 *gain += of_input[mode / apart % factor] + of_output[mode % (factor * m)];
             }
             n = m;
         }
-        gains.into_iter().map(|gain: f64| if (gain - 1.0).abs() < NOTHING { 1.0 } else { gain }).collect()
+        gains.into_iter().map(|gain: f64| if (gain - 1.0).abs() < NO_EFFECT { 1.0 } else { gain }).collect()
     }
 }
 
 impl<R: Real> Pass<R> {
-    /// The square of the weight that part q has in the output `r m + k`.
+    /// Return the squared weight of part q in the output `r m + k`.
     fn square(&self, q: usize, r: usize, k: usize) -> f64 {
-        let square = |of: Complex<R>| of.re.wide().powi(2) + of.im.wide().powi(2);
+        let square = |of: Complex<R>| of.re.to_f64().powi(2) + of.im.to_f64().powi(2);
         let p = self.factor;
         let twiddle = if q == 0 { 1.0 } else { square(self.twiddles[k * (p - 1) + q - 1]) };
-        // Of 2 and 4 all weights are exact.
+        // The weights of 2 and 4 are exact.
         let root = match (q.min(p - q), r.min(p - r)) {
             (0, _) | (_, 0) => 1.0,
             _ if p == 2 || p == 4 => 1.0,
@@ -217,7 +218,7 @@ impl<R: Real> Pass<R> {
     }
 }
 
-/// Transforms of length `P` from strided input.
+/// Transform lines of length `P` from strided input.
 struct Leaves<'a, R: Real, const P: usize, const EXCHANGE: bool> {
     from: &'a [Pack<R>],
     to: &'a mut [Pack<R>],
@@ -274,7 +275,7 @@ impl<R: Real, const P: usize> Kernel for Combine<'_, R, P> {
     }
 }
 
-/// The transform of length `P`, which is 2, 4 or odd; `store(k, value)` puts the values away.
+/// Transform `P` values, P = 2, 4 or odd, and call `store(k, value)` with each result.
 #[inline(always)]
 fn butterfly<R: Real, const P: usize>(
     on: impl Arithmetic<R>,
@@ -321,7 +322,7 @@ mod tests {
     use super::*;
 
     fn noise<R: Real>(n: usize) -> Vec<Pack<R>> {
-        let number = |c: usize| R::narrow((c as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
+        let number = |c: usize| R::rounded((c as f64 * 0.618_033_988_749_894_9).fract() - 0.5);
         let pack = |k: usize| {
             let mut pack = Pack::<R>::default();
             for lane in 0..R::LANES {
@@ -334,11 +335,11 @@ mod tests {
     }
 
     fn value<R: Real>(pack: &Pack<R>, lane: usize) -> Complex64 {
-        Complex::new(pack.re[lane].wide(), pack.im[lane].wide())
+        Complex::new(pack.re[lane].to_f64(), pack.im[lane].to_f64())
     }
 
     fn is_the_sum<R: Real>(rounding: f64) {
-        // Each factor as the first and in a pass, parts of a long line, and a prime that is none of the factors.
+        // Each factor as the first one and in a pass, a long line in parts, and a large prime.
         for n in [2, 3, 4, 5, 7, 11, 13, 8, 9, 25, 49, 121, 169, 60, 450, 650, 17, 74] {
             let (lines, from) = (Lines::<R>::new(n), noise(n));
             let mut to = [vec![Pack::default(); n], vec![Pack::default(); n]];

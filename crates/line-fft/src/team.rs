@@ -1,8 +1,8 @@
-//! Work shared by threads.
+//! A team of threads that shares the parts of a phase.
 //!
-//! A team is there for one advance of the fluid. Its threads start once, take parts of the work of every phase as they
-//! come, and have ended with the advance: nothing is left when the library is unloaded or the process forks. Nobody
-//! waits for a thread that has taken nothing: one that starts or wakes late does not hold the others up.
+//! A team lives as long as the call of [`Team::with`]: no thread is left when a library is unloaded or the process forks.
+//! Threads take parts as they come. No thread waits for one that has not taken a part: a thread that starts or wakes late
+//! does not delay the others.
 
 use std::hint::spin_loop;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -13,14 +13,13 @@ use std::time::{Duration, Instant};
 
 use fpenv::Modes;
 
-/// How long a thread looks for what it waits for before it sleeps. On busy cores 5 to 50 µs made no difference
-/// that could be measured.
-const PATIENCE: Duration = Duration::from_micros(50);
+/// Time for which a thread spins before it sleeps. Times from 5 to 50 µs made no measurable difference on busy cores.
+const SPIN_TIME: Duration = Duration::from_micros(50);
 
-/// Parts of a phase for each thread: enough that none waits long for the last part of another.
+/// Parts of a phase for each thread: enough that no thread waits long for the last part of another.
 const PARTS_PER_THREAD: usize = 4;
 
-/// The calling thread and those that help it.
+/// The calling thread and its helpers.
 pub struct Team {
     threads: usize,
     call: Mutex<Call>,
@@ -32,17 +31,17 @@ pub struct Team {
     left: Condvar,
 }
 
-/// What helpers are called to.
+/// What the helpers are called for.
 struct Call {
-    /// Takes parts until there are none.
+    /// Takes parts until none is left.
     work: Option<&'static (dyn Fn() + Sync)>,
     is_over: bool,
     has_panicked: bool,
 }
 
 impl Team {
-    /// Do `work` with a team of so many threads, all in the floating-point modes of this one. Where the system gives
-    /// fewer, there are fewer. One thread allocates nothing.
+    /// Run `work` with a team of `threads` threads, all in the floating-point modes of the calling one. The team is
+    /// smaller if the system gives fewer threads. A team of one allocates nothing.
     pub fn with<T>(threads: usize, work: impl FnOnce(&Self) -> T) -> T {
         let team = Self::alone();
         if threads < 2 {
@@ -61,7 +60,7 @@ impl Team {
         })
     }
 
-    /// The calling thread.
+    /// Return a team of the calling thread.
     pub fn alone() -> Self {
         Self {
             threads: 1,
@@ -73,17 +72,17 @@ impl Team {
         }
     }
 
-    /// Whether there is no helper.
+    /// Return whether there is no helper.
     pub fn is_alone(&self) -> bool {
         self.threads == 1
     }
 
-    /// In how many parts a phase is best divided.
+    /// Return the number of parts into which a phase is best divided.
     pub fn parts(&self) -> usize {
         if self.is_alone() { 1 } else { PARTS_PER_THREAD * self.threads }
     }
 
-    /// Do `work` with each of the parts, and something else before, while helpers begin. Who takes which is left to chance.
+    /// Run `first` on one thread while the helpers begin, and `work` with each of the parts on any thread.
     pub fn share<T: Send>(
         &self,
         first: impl FnOnce() + Send,
@@ -93,7 +92,7 @@ impl Team {
         self.share_with(&mut vec![(); self.threads], first, parts, |part, ()| work(part));
     }
 
-    /// The same with something that each thread has for itself: at least as many as the threads.
+    /// [`Self::share`] with an element of `own` for each thread; there must be as many as threads.
     pub fn share_with<T: Send, S: Send>(
         &self,
         own: &mut [S],
@@ -117,7 +116,7 @@ impl Team {
         });
     }
 
-    /// Call the helpers to what this thread does as well, and return when all have done.
+    /// Run `work` on this thread and on the helpers, and return when all have ended.
     fn call(&self, work: &(dyn Fn() + Sync)) {
         // SAFETY: helpers run `work` only while they are counted as busy, which they become while it is in `call`.
         // `Return` takes it out and waits until none is busy, before the borrow ends, also where this thread panics.
@@ -129,7 +128,7 @@ impl Team {
         assert!(!lock(&self.call).has_panicked, "a thread that shared the work panicked");
     }
 
-    /// Wake the helpers with something new.
+    /// Change the call and wake the helpers.
     fn tell(&self, news: impl FnOnce(&mut Call)) {
         let mut call = lock(&self.call);
         news(&mut call);
@@ -138,7 +137,7 @@ impl Team {
         self.called.notify_all();
     }
 
-    /// Come whenever called, until it is over.
+    /// Work at every call until the team is over.
     fn help(&self) {
         let mut seen = 0;
         loop {
@@ -163,7 +162,7 @@ impl Team {
     }
 }
 
-/// Where a call ends, also by a panic.
+/// Ends a call, also by a panic.
 struct Return<'a>(&'a Team);
 
 impl Drop for Return<'_> {
@@ -176,7 +175,7 @@ impl Drop for Return<'_> {
     }
 }
 
-/// Where a team ends, also by a panic. A scope alone would not wait until the system's threads have ended.
+/// Ends a team, also by a panic. A scope alone would not wait until the threads of the system have ended.
 struct End<'scope, 'a> {
     team: &'a Team,
     helpers: Vec<ScopedJoinHandle<'scope, ()>>,
@@ -186,23 +185,23 @@ impl Drop for End<'_, '_> {
     fn drop(&mut self) {
         self.team.tell(|call| call.is_over = true);
         for helper in self.helpers.drain(..) {
-            // It catches every panic.
+            // A helper catches every panic.
             let _ = helper.join();
         }
     }
 }
 
-/// What a phase has to do before its parts, where that is nothing.
+/// A `first` of [`Team::share`] that does nothing.
 pub fn nothing() {}
 
 fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().expect("nothing panics under the lock")
 }
 
-/// Wait for something as long as it is not worth to sleep.
+/// Spin until `is_there` or until [`SPIN_TIME`] has passed.
 fn wait_shortly(is_there: impl Fn() -> bool) {
     let begin = Instant::now();
-    while !is_there() && begin.elapsed() < PATIENCE {
+    while !is_there() && begin.elapsed() < SPIN_TIME {
         (0..16).for_each(|_| spin_loop());
     }
 }
@@ -218,7 +217,7 @@ mod tests {
     const CALLER: &str = "on the calling thread";
     const HELPER: &str = "on a helper";
 
-    /// Let a team of so many each have one part at once.
+    /// Give each thread of a team one part at the same time.
     fn all_at_once(team: &Team, threads: usize, work: impl Fn() + Sync) {
         let barrier = Barrier::new(threads);
         team.share(nothing, 0..threads, |_| {
@@ -247,7 +246,7 @@ mod tests {
             Team::with(threads, |team| {
                 for call in 0..200 {
                     if call % 20 == 0 {
-                        thread::sleep(4 * PATIENCE);
+                        thread::sleep(4 * SPIN_TIME);
                     }
                     let first = || firsts += 1;
                     team.share_with(&mut own, first, parts.iter_mut(), |part, own| {
@@ -260,7 +259,7 @@ mod tests {
         }
     }
 
-    /// What comes out of a team where the caller or its helpers panic in the first call; it must come out at all.
+    /// Return the message of a panic of the caller or the helpers, and the number of threads that ended their work.
     fn panicked(who: &'static str) -> (String, usize) {
         let (caller, ended) = (thread::current().id(), AtomicUsize::new(0));
         let result = catch_unwind(AssertUnwindSafe(|| {
@@ -283,7 +282,7 @@ mod tests {
 
     #[test]
     fn a_panic_comes_out_once_all_have_ended() {
-        // While a helper is at work, what it has borrowed stays.
+        // A helper at work borrows from the caller, so the caller must wait.
         assert_eq!(panicked(CALLER), (CALLER.into(), 2));
         assert_eq!(panicked(HELPER), ("a thread that shared the work panicked".into(), 1));
     }
