@@ -5,25 +5,13 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
-from studies import (
-    coupling,
-    driven_bar,
-    flapping,
-    fluid,
-    fsi3,
-    reliability,
-    rod,
-    running,
-    show,
-    speed,
-    turek_hron,
-    vein,
-)
-from studies.report import leave_out, pages
+from studies import coupling, driven_bar, flapping, fluid, fsi3, leave_out, reliability, report, rod, running, show
+
+from studies import speed, turek_hron, vein  # isort: skip
 from studies.store import Data
 
 STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
-           turek_hron.STUDY, vein.STUDY, flapping.STUDY, running.STUDY, leave_out.STUDY, pages.STUDY,
+           turek_hron.STUDY, vein.STUDY, flapping.STUDY, running.STUDY, leave_out.STUDY, report.STUDY,
            reliability.STUDY)  # fmt: skip
 
 
@@ -77,20 +65,17 @@ def render(data: Data, check: bool = False) -> list[Path]:
 
 
 def table_pages(data: Data) -> dict[str, str]:
-    """Return a page of Markdown for each study, with all of its tables and all of their rows."""
-    keys: dict[str, list[str]] = {study.name: list(study.tables) for study in STUDIES}
-    made = {key for tables in keys.values() for key in tables}
-    for key, spec in show.SPECS.items():
-        if key not in made:
-            keys[spec["of"].split("/")[0]].append(key)
-    return {
-        name: "\n".join(
-            [f"# {name}", *(line for key in tables for line in ("", f"## {key}", "", *lines_of(key, data)))]
-        )
-        + "\n"
-        for name, tables in keys.items()
-        if tables
-    }
+    """Return a page of Markdown for each study: its tables, and every recorded value of every case."""
+    pages = {}
+    for study in STUDIES:
+        text = [f"# {study.name}"]
+        for key in study.tables:
+            text += ["", f"## {key}", "", *lines_of(key, data)]
+        groups = show.grouped(({"group": r.name.split("/")[1], "r": r} for r in data.of(f"{study.name}/*")), "group")
+        for group, rows in groups.items():
+            text += ["", f"## {group}", "", *show.listing([row["r"] for row in rows])]
+        pages[study.name] = "\n".join(text) + "\n"
+    return pages
 
 
 def shown(document: Path) -> set[str]:

@@ -1,6 +1,5 @@
 """Which coupling holds where: FSI3 with rods of other densities, over C_eta, H and scheme."""
 
-from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from nervure.coupling import Explicit
-from studies import show, simulate
+from studies import simulate
 from studies.engine import COUPLED, Case, Run, Study
 from studies.fsi3 import COARSE, RAMP
 from studies.store import Data, Record
@@ -184,45 +183,9 @@ def outcome(record: Record) -> str:
     return "error" if record.error else "ok" if record["noise"] < MOST_NOISE else "bad"
 
 
-def shown(record: Record | None) -> str:
-    """One cell of the tables."""
-    if record is None:
-        return ""
-    if record.error:
-        return f"error, t = {record['reached']:.3g} s" if "reached" in record.values else "refused"
-    return outcome(record) + (f", {record['iterations']:.1f}" if record["iterations"] > 1 else "")
-
-
 def mapped(data: Data) -> list[Record]:
     """Cells of the map, those of other parts with them."""
     return [record for record in data.of("coupling/*") if "scheme" in record.view]
 
 
-def held(data: Data) -> list[str]:
-    """A table for each scheme and step: outcome by density ratio and C_eta."""
-    records, text = [record for record in mapped(data) if "part" not in record.view], []
-    for (scheme, step, end), members in show.grouped(records, "scheme", "step", "end").items():
-        at = {(record["ratio"], record["c_eta"]): record for record in members}
-        c_etas = {f"C_eta = {c_eta:g} s": c_eta for c_eta in sorted({c_eta for _, c_eta in at}, reverse=True)}
-        ratios = {f"{ratio:g}": ratio for ratio in sorted({ratio for ratio, _ in at})}
-        text += [f"**{scheme}**, H = {step:g} s, to t = {end:g} s", ""]
-        text += [*show.matrix("density ratio", ratios, c_etas, lambda *place, at=at: shown(at.get(place))), ""]
-    counts = Counter(map(outcome, records))
-    said = ", ".join(f"{counts[what]} {what}" for what in ("ok", "error", "bad"))
-    return [*text, f"{len(records)} cells were run: {said}."]
-
-
-def parts(data: Data) -> list[str]:
-    """Outcome of the scenes with other parts by the mass of their rods."""
-    masses = {f"mass x {factor:g}": factor for factor in FACTORS}
-    at = {(record["part"], record["ratio"]): record for record in data.of("coupling/parts/*")}
-    return show.matrix("scene", {name: name for name in PARTS}, masses, lambda *place: shown(at.get(place)))
-
-
-def nudged(data: Data) -> list[dict[str, Any]]:
-    return [
-        record.view | {"load": record.name.split("/")[-1].split(",")[0]} for record in data.of("coupling/rounding/*")
-    ]
-
-
-STUDY = Study("coupling", cases, extract, {"coupling-map": held, "coupling-parts": parts, "coupling-rounding": nudged})
+STUDY = Study("coupling", cases, extract)

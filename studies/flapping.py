@@ -323,7 +323,7 @@ def draw_oscillating(done: nervure.Run) -> None:
         {"x": share[share >= 0], "y": force[share >= 0], "label": "600 x 360"},
         {"x": published[0], "y": published[1], "marker": "o", "linestyle": "", "markersize": 3,
          "label": "Dütsch et al. 1998, digitised"},
-    ], log=False)  # fmt: skip
+    ])  # fmt: skip
 
 
 def draw_hover(done: nervure.Run) -> None:

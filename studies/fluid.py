@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -119,21 +119,14 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
     return {"values": summary["coefficients"]["values"] | values, "times": simulate.times(summary)}
 
 
-def thesis(table: str, data: Data) -> list[str]:
-    """Tables 3.3 and 3.4 of the thesis, its settings run again, and ours."""
-    printed = {int(nx): row for nx, row in simulate.LISTED["thesis"][f"table_{table}"].items()}
+def thesis(data: Data) -> list[str]:
+    """Mean drag coefficient of the thesis (table 3.4), of its settings run again, and of ours."""
+    printed = {int(nx): row for nx, row in simulate.LISTED["thesis"]["table_3_4"].items()}
     again, ours = ({r["nx"]: r.view for r in data.of(f"fluid/{of}")} for of in ("thesis/*", "grid/2D-2-curvature-*"))
     who = {"thesis": printed, "repeated": again, "ours": ours}
-    expected = simulate.published(SCENES["2D-2"])
-
-    def cells(quantity: str, grids: Iterable[int]) -> list[str]:
-        found = [show.form(f"{{{quantity}:.4f}}", of.get(nx, {})) for nx in grids for of in who.values()]
-        return [*found, f"{expected[quantity][0]:.6g}" if quantity in expected else ""]
-
-    if table == "3_4":
-        return markdown(["grid", *who, "reference"], [[on(nx), *cells("cd_mean", [nx])] for nx in printed])
-    header = [f"{on(nx)}: {whose}" for nx in printed for whose in who]
-    return markdown(["quantity", *header, "reference"], [[q, *cells(q, printed)] for q in printed[900]])
+    expected = f"{simulate.published(SCENES['2D-2'])['cd_mean'][0]:.6g}"
+    rows = [[on(nx), *(show.form("{cd_mean:.4f}", of.get(nx, {})) for of in who.values()), expected] for nx in printed]
+    return markdown(["grid", *who, "reference"], rows)
 
 
 def on(nx: int) -> str:
@@ -166,19 +159,6 @@ def hardness(data: Data) -> list[str]:
     return show.matrix("core, C_eta (s)", rows, {on(nx): nx for nx in (450, 600, 900)}, cell)
 
 
-MASKS: dict[str, str] = simulate.LISTED["fluid"]["masks"]  # Cases by mask, with the number of points in `{}`
-ASIDE = {600: "offset/2D-2-curvature-0.25-0.25", 900: "offset/2D-2-curvature-900"}
-
-
-def masks(data: Data) -> list[str]:
-    """Errors of 2D-2 by mask and grid."""
-
-    def cell(name: str, nx: int) -> str:
-        return errors(data, name.format(nx) if name else ASIDE.get(nx, ""))
-
-    return show.matrix("mask", MASKS, {on(nx): nx for nx in (450, 600, 800, 900, 1100, 1600)}, cell)
-
-
 def between(data: Data) -> list[str]:
     """Errors of 2D-2 on grids that are little finer than one another."""
     here = {nx: f"between/2D-2-{nx}" for nx in BETWEEN}
@@ -186,24 +166,12 @@ def between(data: Data) -> list[str]:
     return markdown([on(nx) for nx in names], [[errors(data, name) for name in names.values()]])
 
 
-def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    grids, repeated = data.of("fluid/grid/*", flow="2D-2"), data.of("fluid/thesis/*")
-    for name, records, along in (
-        ("grid_2d2", grids, {"nx": "points along x"}),
-        ("work_2d2", grids + repeated, {"cpu_s": "CPU time [s]"}),
-    ):
-        groups = show.grouped((r.view | {"line": f"{r['mask']}, {r['scheme']}"} for r in records), "line")
-        show.errors(f"fluid/{name}", groups, QUANTITIES, along)
-
-
 TABLES: dict[str, Callable[[Data], Any]] = {
-    "cylinder-2d2-masks": masks,
     "cylinder-2d2-between": between,
     "cylinder-2d2-c_eta": hardness,
-    "thesis-3-3": partial(thesis, "3_3"),
-    "thesis-3-4": partial(thesis, "3_4"),
+    "thesis-3-4": thesis,
 }
-STUDY = Study("fluid", cases, extract, TABLES, draw)
+STUDY = Study("fluid", cases, extract, TABLES)
 
 
 # Exact solutions, invariants and the map of stability, by the crate's own examples
@@ -214,35 +182,6 @@ def measure_cases() -> Iterator[Case]:
         command = commands.cargo("fluid-bench", f"{{folder}}/{name}.csv", binary=name)
         sources = ("scene", "fluid", "fluid measures")
         yield Case(f"crate/{name}", sources, options={"command": command}, action=commands.tables)
-
-
-def stability(data: Data) -> list[str]:
-    """The map of stability."""
-    rows = data["fluid-measures/crate/stability"].tables["stability"]
-    letters: dict[str, tuple[str, str]] = {}
-
-    def cell(row: dict[str, Any]) -> str:
-        if row["outcome"] == "ok":
-            return f"{row['speed']:.1f}"
-        if row["outcome"] == "bad":
-            return f"**bad** {row['message']}" + (f", {row['speed']:.0f}" if row["speed"] else "")
-        # One letter for each kind of message, with the numbers of its first case.
-        kind = re.sub(r"[-+\d.e]+", "", row["message"])
-        letter, _ = letters.setdefault(kind, (chr(ord("A") + len(letters)), row["message"]))
-        return letter if row["time"] is None else f"{letter} at {row['time']:.2f} s"
-
-    text: list[str] = []
-    for name, part in show.grouped((row for row in rows if row["scene"] is None), "group").items():
-        lines = show.grouped(part, "reynolds", "cfl").items()
-        cells = [[f"{reynolds:g}", f"{cfl:g}", *map(cell, line)] for (reynolds, cfl), line in lines]
-        c_etas = dict.fromkeys(f"C_eta {row['c_eta']:.0e}" for row in part)
-        text += [f"### {name}", "", *markdown(["Re", "CFL", *c_etas], cells), ""]
-    hard = show.grouped((row for row in rows if row["scene"] is not None), "scene")
-    text += ["### Hard scenes", "", "The same channel, log-linear mask, C_eta = 1e-5 s, CFL 0.4.", ""]
-    text += [*markdown(["scene", "Re 20", "Re 1e4"], [[name, *map(cell, part)] for name, part in hard.items()]), ""]
-    ok, error, bad = (sum(row["outcome"] == what for row in rows) for what in ("ok", "error", "bad"))
-    text += [f"{ok} runs went through, {error} ended in an error, {bad} were bad.", ""]
-    return text + markdown(["letter", "the message of its first case"], letters.values())
 
 
 def measures(data: Data, walls: bool) -> list[dict[str, Any]]:
@@ -260,6 +199,5 @@ def measures(data: Data, walls: bool) -> list[dict[str, Any]]:
 MEASURE_TABLES: dict[str, Callable[[Data], Any]] = {
     "wall-target": partial(measures, walls=True),
     "fluid-measures": partial(measures, walls=False),
-    "fluid-stability": stability,
 }
 MEASURES = Study("fluid-measures", measure_cases, lambda case, run: {"tables": run.found["tables"]}, MEASURE_TABLES)

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
 import numpy as np
-from matplotlib.lines import Line2D
 
 from nervure.evaluate import statistics
 from studies import show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
-from studies.show import COLOURS
 from studies.simulate import assignments, on_grid
 from studies.store import Data
 
@@ -176,20 +173,6 @@ def readme(data: Data) -> list[View]:
     return [LEVEL_4 | {"name": "reference (FeatFlow, level 4)"}, *reversed(rows)]
 
 
-def grids(data: Data) -> list[View]:
-    """With the published spread: the amplitude's, of the drag the mean's too."""
-    spread = simulate.reference(COARSE)["spread"]["quantities"]
-
-    def between(name: str, what: str) -> str:
-        scale = 1e3 if name.startswith("tip") and what == "amplitude" else 1.0
-        return " to ".join(f"{scale * edge:g}" for edge in spread[name][what])
-
-    last = {f"{name} spread": between(name, "amplitude") for name in SIGNALS}
-    last |= {"name": "published spread", "f spread": between("tip_uy", "frequency_hz")}
-    last["drag spread"] = f"{between('drag', 'mean')}, {last['drag spread']}"
-    return [*of(data, "grid/*"), LEVEL_4, last]
-
-
 def costs(data: Data) -> list[View]:
     """Processor time and its shares by grid."""
     rows = []
@@ -225,28 +208,6 @@ def thesis_extremes(data: Data) -> list[View]:
     return [*rows, extremes_of(here, "here, level 2, from 3.5 s on", 3.5), extremes_of(LEVEL_4, "reference")]
 
 
-def thesis_changes(data: Data) -> list[View]:
-    """One change of the thesis' settings at a time: extremes, and the settled motion."""
-    rows = [extremes_of(r.view, r["name"], 1.1) for r in data.of("fsi3/thesis/*") if not r.name.endswith("level 2")]
-    shipped = extremes_of(data["fsi3/grid/325x72"].view, "the shipped `scenes/fsi3-325x72.json`", 1.1)
-    return [*rows, shipped, extremes_of(LEVEL_4, "reference")]
-
-
-KINDS = {"singular": "a projected angle is singular", "converge": "no convergence", "unstable": "the load is unstable"}
-
-
-def thesis_waves(data: Data) -> list[View]:
-    """Growth of short waves, and how the runs end."""
-    rows = []
-    for record in data.of("fsi3/waves/*"):
-        reason = next((said for word, said in KINDS.items() if word in record["said"]), record["said"][:60])
-        end = f"{record['reached']:.3f} s: {reason}" if record.error else f"holds (to {record['reached']:g} s)"
-        size = {"size": 1e3 * record["growth.size"]} if record.get("growth") else {}
-        if not record.name.endswith("bdf2, iterated"):
-            rows.append(record.view | size | {"end": end})
-    return rows
-
-
 def iterations(data: Data) -> list[str]:
     """Mean iterations a step, by density ratio and acceleration."""
 
@@ -271,45 +232,12 @@ def exchanged(data: Data) -> list[View]:
     return rows
 
 
-def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    """Two periods of FSI3 on each grid, in the band of the published amplitudes around the published mean."""
-    figure, axes = show.panel(2, 2, (9.5, 6), sharex=True)
-    for axis, (name, title) in zip(axes.flat, SIGNALS.items()):
-        factor = 1e3 if name.startswith("tip") else 1.0
-        mean, amplitude = LEVEL_4[f"{name}.mean"], LEVEL_4[f"{name}.amplitude"]
-        band = np.array(simulate.reference(COARSE)["spread"]["quantities"][name]["amplitude"])
-        for sign in (-1, 1):
-            low, high = sorted(factor * (mean + sign * band))
-            axis.axhspan(low, high, color="#999999", alpha=0.35, linewidth=0)
-            axis.axhline((mean + sign * amplitude) * factor, color="#000000", linewidth=0.8, linestyle=":")
-        for grid, colour, style in zip(SHIPPED, COLOURS, ("-", "--", "-.")):
-            rows = data[f"fsi3/grid/{grid}"].tables.get("periods", [])
-            x, y = [row["phase"] for row in rows], [factor * row[name] for row in rows]
-            axis.plot(x, y, style, color=colour, linewidth=1.3, label=grid.replace("x", " x "))
-        axis.set_ylabel(title)
-    for axis in axes[1]:
-        axis.set_xlabel("periods of $u_y$")
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    handles += [Line2D([], [], color="#999999", alpha=0.5, linewidth=6), Line2D([], [], color="#000000", linestyle=":")]
-    labels += ["published spread of the extremes", "FeatFlow, level 4"]
-    figure.legend(handles, labels, loc="outside lower center", ncols=6, fontsize=8)
-    show.save(figure, "report/fsi3_bands")
-    if run := runs("fsi3/grid/650x144"):
-        for name in ("tip", "drag", "lift"):
-            shutil.copy(run.folder / f"{name}.png", show.DOCS / "fsi3")
-
-
 TABLES: dict[str, Callable[[Data], Any]] = {
     "fsi3": readme,
-    "fsi3-grids": grids,
     "fsi3-costs": costs,
-    "cfd3": lambda data: [*of(data, "still/*"), published(STILL, "Turek & Hron")],
-    "fsi3-coarse": partial(varied, "coarse"),
     "fsi3-fine": partial(varied, "fine"),
     "thesis-extremes": thesis_extremes,
-    "thesis-changes": thesis_changes,
-    "thesis-waves": thesis_waves,
     "coupling-iterations": iterations,
     "coupling-exchange": exchanged,
 }
-STUDY = Study("fsi3", cases, extract, TABLES, draw)
+STUDY = Study("fsi3", cases, extract, TABLES)

@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, StrMethodFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from nervure.files import write_whole
 from nervure.resources import ROOT
@@ -86,14 +86,33 @@ def table(key: str, rows: Iterable[Mapping[str, Any]]) -> list[str]:
     return markdown(list(forms), [[form(text, row) for text in forms.values()] for row in rows])
 
 
+def cell(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else "" if value is None else str(value).replace("|", "\\|")
+
+
+def listing(records: Sequence[Any]) -> list[str]:
+    """Lines of a table with every value of `store.Record`s, and of their own tables and timed rows below it."""
+    names = dict.fromkeys(name for record in records for name in record.values)
+    rows = [
+        [r["label"], *(cell(r.values.get(name)) for name in names), cell(r.get("cpu_s")), r.error or ""]
+        for r in records
+    ]
+    text = markdown(["case", *names, "CPU, s", "error"], rows)
+    for record in records:
+        timed = {
+            key: part for key, part in record.times.items() if isinstance(part, list) and isinstance(part[0], dict)
+        }
+        for name, part in (record.tables | timed).items():
+            columns = dict.fromkeys(column for row in part for column in row)
+            text += ["", f"**{record['label']}**, {name}", ""]
+            text += markdown(list(columns), [[cell(row.get(column)) for column in columns] for row in part])
+    return text
+
+
 def matrix(corner: str, rows: Mapping[str, Any], columns: Mapping[str, Any], cell: Callable[..., str]) -> list[str]:
     """Lines of a table of `cell(row, column)`, both by what is written beside them."""
     body = [[name, *(cell(row, column) for column in columns.values())] for name, row in rows.items()]
     return markdown([corner, *columns], body)
-
-
-def percent(value: float | None, form: str = "+.2f") -> str:
-    return "" if value is None else f"{100 * value:{form}} %"
 
 
 def documents() -> list[Path]:
@@ -120,34 +139,25 @@ def save(figure: Figure, name: str, dpi: int = 110) -> None:
     plt.close(figure)
 
 
-def curves(
-    name: str, labels: tuple[str, str], lines: Iterable[dict[str, Any]], log: bool = True, ticks: Sequence[float] = (),
-    **legend: Any,
-) -> None:  # fmt: skip
-    """Figure docs/NAME.png of lines, each `x`, `y` and what else `plot` takes; `ticks` are those of a logarithmic x."""
+def curves(name: str, labels: tuple[str, str], lines: Iterable[dict[str, Any]], **legend: Any) -> None:
+    """Draw docs/NAME.png of lines: each has `x`, `y`, and options of `plot`."""
     figure, axes = panel()
     axis = axes[0, 0]
-    limits = legend.pop("limits", {})
     for line in lines:
         axis.plot(line.pop("x"), line.pop("y"), **({"linewidth": 1.2, "markersize": 5, "fillstyle": "none"} | line))
-    axis.set(xlabel=labels[0], ylabel=labels[1], **({"xscale": "log", "yscale": "log"} if log else {}), **limits)
-    if ticks:
-        axis.xaxis.set_major_locator(FixedLocator(list(ticks)))
-        axis.xaxis.set_major_formatter(StrMethodFormatter("{x:.0f}"))
-        axis.xaxis.set_minor_formatter(NullFormatter())
+    axis.set(xlabel=labels[0], ylabel=labels[1], ylim=legend.pop("ylim", None))
     axis.legend(fontsize=8, **legend)
     save(figure, name, 130)
 
 
 def errors(
-    name: str, groups: Mapping[Any, Iterable[Mapping[str, Any]]], quantities: Sequence[str], along: Mapping[str, str],
-    kind: str = "error",
+    name: str, groups: Mapping[Any, Iterable[Mapping[str, Any]]], quantities: Sequence[str], along: Mapping[str, str]
 ) -> None:  # fmt: skip
-    """Figure docs/NAME.png of the errors of runs: a row for each of `along`, a value or quartiles; a column for each
-    quantity; a line for each group, and in grey what no run beats. Failed runs are crosses at the top."""
+    """Draw docs/NAME.png of the errors of runs: a row for each of `along`, a value or quartiles; a column for each
+    quantity; a line for each group, and the Pareto front in grey. Failed runs are crosses at the top."""
     figure, axes = panel(len(along), len(quantities), (3.7 * len(quantities), 1.2 + 2.8 * len(along)), sharey="col")
     for (line, column), axis in np.ndenumerate(axes):
-        key, quantity = list(along)[line], f"{quantities[column]}.{kind}"
+        key, quantity = list(along)[line], f"{quantities[column]}.error"
         seen: list[tuple[float, float]] = []
         for runs, colour, marker in zip(groups.values(), cycle(COLOURS), cycle(MARKERS)):
             there = [(*np.broadcast_to(run[key], 3)[[1, 0, 2]], run.get(quantity)) for run in runs if run.get(key)]
@@ -165,7 +175,7 @@ def errors(
         few_labels(axis.xaxis)
         few_labels(axis.yaxis)
         axes[0, column].set_title(label(quantities[column]), fontsize=10)
-        axes[line, 0].set_ylabel("relative error" if kind == "error" else "discretisation error, relative")
+        axes[line, 0].set_ylabel("relative error")
     handles = [Line2D([], [], color=c, marker=m, label=k) for k, c, m in zip(groups, cycle(COLOURS), cycle(MARKERS))]
     handles.append(Line2D([], [], color="#000000", linewidth=3, alpha=0.15, label="Pareto front"))
     figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)), fontsize=8)

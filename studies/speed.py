@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
-from studies import commands, roofline, show, simulate
+from studies import commands, roofline, simulate
 from studies.engine import Case, Run, Study
 from studies.store import Data
 
@@ -55,18 +55,6 @@ def phases(data: Data) -> list[dict[str, Any]]:
     return rows
 
 
-def all_phases(data: Data) -> list[str]:
-    names = {name: name for group in (*GROUPS.values(), ("step",)) for name in group}
-    scenes = {row["scene"]: row for row in found(data, "phases")}
-    return show.matrix("phase", names, scenes, lambda name, row: f"{row[name]:g}")
-
-
-def motion(data: Data) -> list[str]:
-    rows = [(row["grid"], what, jumps(row, what)) for row in found(data, "motion") for what in ("bar", "step")]
-    table = [[grid, what, *(f"{value:g}" for value in times.values())] for grid, what, times in rows]
-    return show.markdown(["grid", "", *(f"{jump:g}" for jump in rows[0][2])], table)
-
-
 def rooflines(data: Data) -> list[dict[str, Any]]:
     """The phases that go through whole arrays, and their sums, beside both roofs; waits are what they take beyond their
     time with the data in the cache. The other phases have only a time."""
@@ -87,28 +75,11 @@ def rooflines(data: Data) -> list[dict[str, Any]]:
     return rows
 
 
-def machine(data: Data) -> list[list[str]]:
-    """What the machine does: streams through so many bytes, among them those of a step on each grid, and arithmetic."""
-    about: dict[Any, Any] = found(data, "machine")[0]
-    streams = {size: ("", value) for size, value in about.items() if isinstance(size, float)}  # Names that are numbers
-    for table, grid, behind in ROOFLINES:
-        line = of_grid(data, table, grid)
-        streams[1e6 * line["set"]] = (f", all arrays of {grid}{behind}", line["bandwidth"])
-    rows = [
-        [f"stream through {size / 1e6:.3g} MB{of}", f"{value:.3g} GB/s"]
-        for size, (of, value) in sorted(streams.items())
-    ]
-    return rows + [[f"multiply-adds, {name} precision", f"{about[name]:.3g} Gflop/s"] for name in ("double", "single")]
-
-
 TABLES: dict[str, Callable[[Data], Any]] = {
     "speed-pairs": partial(found, table="pair"),
     "speed-steps": partial(found, table="step"),
     "speed-threads": partial(found, table="threads"),
     "speed-phases": phases,
-    "speed-phases-fine": all_phases,
-    "speed-motion": motion,
-    "speed-machine": lambda data: show.markdown(["one core", "measured"], machine(data)),
     "speed-roofline": rooflines,
 }
 STUDY = Study("fluid-speed", cases, extract, TABLES)

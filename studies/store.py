@@ -125,7 +125,7 @@ class Data:
         return [record for record in self.records.values() if record.stale]
 
     def take(self, study: Study, case: Case, run: Run, new_times: bool = False) -> bool:
-        """Record a run and return whether that changes anything. Equal values keep the former times unless `new_times`."""
+        """Record a run and return whether its values are new. Equal ones keep their times unless `new_times`."""
         error = run.found.get("error")
         kept = json_numbers({} if error and not run.found.get("quantities") else study.extract(case, run))
         values, tables, times = (rounded(kept.get(part, {})) for part in ("values", "tables", "times"))
@@ -133,13 +133,14 @@ class Data:
         name, on = f"{study.name}/{case.name}", machine.key(run.machine)
         record = Record(name, case, study.command(case), run.digest, values, tables, error, times, on)
         before = self.records.get(name)
-        if before and before.agrees(record) and not new_times:
+        same = before is not None and before.agrees(record)
+        if before and same and not new_times:
             if before.digest == record.digest:
                 return False
             record.times, record.machine = before.times, before.machine
         self.records[name] = record
         self.machines.setdefault(on, run.machine)
-        return True
+        return not same
 
     def load(self, folder: Path = FOLDER) -> Data:
         files = [folder / name for name in ("results.json", "times.json")]

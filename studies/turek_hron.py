@@ -43,20 +43,6 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
 
 WIDE = {"fluid.box.x": [-0.452, 2.5], "fluid.box.y": [-0.0902, 0.5002], "fluid.inflow.x.0": -0.452}
 """The box of the thesis in y, and of the length of the cylinder's in front of the channel, on the same grid points."""
-TRIMMED = {  # Wide and trimmed cases by what is compared of them
-    "fsi3, 324 x 54": ("box/fsi3, 360x72", "fsi3/324x54", SWINGING),
-    "fsi3, 648 x 108": ("box/fsi3, 720x144", "fsi3/648x108", SWINGING),
-    "2D-1, 400 x 72": ("box/2D-1, 450x90", "box/2D-1, 400x72", ("cd_mean", "dp_mean")),
-    "2D-2, 400 x 72": ("box/2D-2, 450x90", "box/2D-2, 400x72", ("cd_max", "cl_peak_to_peak", "st")),
-}
-LONG = {"fsi2, 648 x 108": ("fsi2/648x108", "long/fsi2", SWINGING)}
-"""Cases as shipped and going on to 30 s."""
-PRECISIONS = {
-    "fsi3, 648 x 108": ("fsi3/648x108", "single/fsi3, 648x108", SWINGING),
-    "fsi3, 972 x 162": ("box/fsi3, 972x162", "single/fsi3, 972x162", SWINGING),
-}
-"""Cases in double and in single precision."""
-
 PLACES = ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5), (0.25, 0.25), (0.37, 0.5))
 """Of the grid, in parts of a cell aside."""
 PLACED = {"324x54": PLACES, "648x108": PLACES[:5:2]}  # By grid
@@ -148,24 +134,6 @@ def quantity(name: str) -> tuple[str, float]:
     return f"{signal.removeprefix('tip_')} {what}, mm", 1e3
 
 
-def errors(data: Data, name: str, grid: str, fitted: bool = False) -> list[float]:
-    """Relative differences from FeatFlow of what is compared of a benchmark, of amplitudes of the harmonic fit where
-    that is asked for and there is one; empty where it was not run."""
-    record = data.get(f"turek-hron/{name}/{grid}")
-    if record is None:
-        return []
-    published = simulate.published(scene_of(name))
-    found = {what: record.get(what) for what in QUANTITIES[name]}
-    if fitted:
-        found |= {what: record.get(what.replace("amplitude", "fit"), value) for what, value in found.items()}
-    return [value / published[what][0] - 1 for what, value in found.items() if value is not None]
-
-
-def largest_and_rms(found: list[float]) -> str:
-    """Of relative differences, in per cent."""
-    return f"{100 * max(map(abs, found)):.1f}, {100 * float(np.sqrt(np.mean(np.square(found)))):.1f} %"
-
-
 def every(data: Data) -> list[str]:
     """Return each quantity of the flows by FeatFlow, and the differences from it (%)."""
     rows = []
@@ -180,56 +148,6 @@ def every(data: Data) -> list[str]:
                 cells.append("" if found is None else f"{100 * (found / number - 1):+.1f}")
             rows.append([name.upper(), said, f"{factor * number:.6g}", *cells])
     return show.markdown(["", "quantity", "FeatFlow", *(f"{grid.replace('x', ' x ')}, %" for grid in GRIDS)], rows)
-
-
-def overall(data: Data) -> list[str]:
-    """Largest and rms difference over the quantities of a benchmark, the same by the harmonic fit of what swings, and
-    the processor time."""
-
-    def cell(name: str, grid: str) -> str:
-        found, fit = (errors(data, name, "rod" if name in SOLIDS else grid, fitted) for fitted in (False, True))
-        if not found or (name in SOLIDS and grid != GRIDS[0]):
-            return ""
-        record = data[f"turek-hron/{name}/{'rod' if name in SOLIDS else grid}"]
-        cpu = float(f"{record['cpu_s']:.2g}")
-        by_fit = f"; fit {largest_and_rms(fit)}" if name in FLOWS and fit != found else ""
-        return f"{largest_and_rms(found)}{by_fit} ({cpu:g} s)"
-
-    rows = [
-        [name.upper(), *(cell(name, grid) for grid in GRIDS), LISTED["overall"].get(name, "")] for name in QUANTITIES
-    ]
-    return show.markdown(["", *(grid.replace("x", " x ") for grid in GRIDS), "others"], rows)
-
-
-def harmonic_phases(data: Data) -> list[str]:
-    """Strongest harmonics of FSI3's signals beside those of FeatFlow's history."""
-    names = {"tip_uy": "uy, mm", "lift": "lift, N/m", "tip_ux": "ux, mm", "drag": "drag, N/m"}
-    runs = {"FeatFlow": phases(featflow(), simulate.published(scene_of("fsi3"))["tip_uy.frequency_hz"][0])}
-    for grid in GRIDS:
-        record = data.get(f"turek-hron/fsi3/{grid}")
-        if record and "phases" in record.tables:
-            runs[grid.replace("x", " x ")] = record.tables["phases"]
-    rows = []
-    for i, (signal, said) in enumerate(names.items()):
-        factor = 1e3 if signal.startswith("tip") else 1.0
-        found = [rows[i] for rows in runs.values()]
-        rows.append([said, found[0]["order"], *(f"{factor * f['amplitude']:.4g} at {f['phase']:.1f}°" for f in found)])
-    return show.markdown(["", "multiple of f", *runs], rows)
-
-
-def beside(data: Data, pairs: Mapping[str, tuple[str, str, tuple[str, ...]]], before: str, after: str) -> list[str]:
-    """Two runs of a case beside each other, by what is compared of them, with the processor time of both."""
-    rows = []
-    for name, (first, second, compared) in pairs.items():
-        found = [data.get(f"turek-hron/{case}") for case in (first, second)]
-        if all(found):
-            for what in compared:
-                values = [record[what] for record in found if record]
-                change = f"{100 * (values[1] / values[0] - 1):+.2f} %"
-                rows.append([name, f"`{what}`", *(f"{value:.6g}" for value in values), change])
-            times = [record["cpu_s"] for record in found if record]
-            rows.append([name, "CPU, s", *(f"{t:.3g}" for t in times), f"{100 * (times[1] / times[0] - 1):+.0f} %"])
-    return show.markdown(["", "quantity", before, after, "difference"], rows)
 
 
 def over_places(data: Data, name: str, grid: str, what: str) -> list[float]:
@@ -280,11 +198,6 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
 
 TABLES: dict[str, Callable[[Data], Any]] = {
     "turek-hron": every,
-    "turek-hron-overall": overall,
-    "turek-hron-phases": harmonic_phases,
-    "trimmed": lambda data: beside(data, TRIMMED, "wide", "trimmed"),
-    "turek-hron-precision": lambda data: beside(data, PRECISIONS, "double", "single"),
-    "turek-hron-long": lambda data: beside(data, LONG, "as shipped", "to 30 s"),
     "turek-hron-places": placed,
 }
 STUDY = Study("turek-hron", cases, extract, TABLES, draw)

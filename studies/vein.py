@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -18,7 +18,6 @@ from studies import limits, show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
 from studies.limits import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
 from studies.simulate import on_grid
-from studies.store import Data
 
 FORWARD, HOVER, SPACE = "vein-forward-384x192", "vein-hover-288x256", "vein-3d"
 CYLINDER, SWINGING = "cylinder-oscillating-460x100", "fsi3-648x108"
@@ -180,34 +179,4 @@ def stiff_limit(case: Case, folder: Path) -> dict[str, Any]:
     return {"tables": {"stiff": rows}}
 
 
-def parts(data: Data) -> list[dict[str, Any]]:
-    """Time of a step of the fluid (ms) with each part, and its variables, against the first."""
-    records = data.of("vein/parts/*")
-    steps = [1e3 * record.times["phases_s"]["fluid"] / PART_STEPS for record in records]
-    return [
-        r.view | {"step": step, "time": step / steps[0] - 1, "more": r["variables"] - records[0]["variables"]}
-        for r, step in zip(records, steps)
-    ]
-
-
-def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    records = data.of("vein/flexibility/*")
-    figure, axes = show.panel(1, 3, (12, 3.6))
-    shown = {"thrust": "thrust [N/m]", "efficiency": "efficiency", "phase_lag_deg": "phase lag of the tip [degrees]"}
-    for axis, (name, label) in zip(axes[0], shown.items()):
-        axis.plot(
-            [float(record["label"]) for record in records], [record[name] for record in records], "o-", markersize=4
-        )
-        axis.set(xscale="log", xlabel="EI [N m]", ylabel=label)
-    show.save(figure, "vein/flexibility", 130)
-    lines = []
-    for record in data.of("vein/cylinder/*"):
-        if run := runs(record.name):
-            second = run.series["time"] >= 4.0
-            x, y = (run.series[name][second] for name in ("time", "drag"))
-            lines.append({"x": x, "y": y, "linewidth": 0.8, "label": record["label"]})
-    if lines:
-        show.curves("vein/cylinder", ("time [s]", "drag [N/m]"), lines, log=False)
-
-
-STUDY = Study("vein", cases, extract, {"vein-parts": parts}, draw)
+STUDY = Study("vein", cases, extract)

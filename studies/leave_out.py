@@ -6,7 +6,6 @@ from typing import Any
 from nervure.resources import SCENES as FOLDER
 from studies import simulate
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
-from studies.store import Data
 
 SCENES = sorted(path.stem for path in FOLDER.glob("*.json"))
 
@@ -67,44 +66,6 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
     last = {f"last {name}": run.found["last"][name] for name in COLUMNS if name in run.found["last"]}
     times = simulate.times(run.found) | {"steps": run.found["steps"]}
     return {"values": {"xml": xml, "variables": variables} | last, "times": times}
-
-
-def lacking(data: Data) -> list[dict[str, str]]:
-    """Parts that a scene can have and does not have."""
-    rows = []
-    for name in SCENES:
-        scene = simulate.changed(name, {})
-        fluid, rod, beam = (scene.get(key) or {} for key in ("fluid", "rod", "beam"))
-        material = next(iter(rod.get("material", {"": {}}).values()))
-        there = {"fluid": fluid}
-        there |= {key: fluid.get(key) for key in ("channel", "inflow", "mean_flow", "sponge", "cylinders", "probes")}
-        there |= {"beam": beam, "rod": rod, "root_motion": rod.get("root_motion")}
-        there |= {"third dimension": len(beam.get("root", {}).get("at", {}).get("direction", ())) == 3}
-        there |= {key: rod.get(key) for key in ("gravity", "damping")}
-        there |= {"shear": material.get("shear_factor") or material.get("shear_stiffness")}
-        there |= {"rest shape": beam.get("rest_angles"), "coupling": fluid and rod}
-        rows.append({"scene": name, "not": ", ".join(key.replace("_", " ") for key, part in there.items() if not part)})
-    return rows
-
-
-def added(data: Data) -> list[dict[str, Any]]:
-    """What a part adds to the scene without it: XML (kB), variables, CPU time a step (µs), change of the result."""
-    rows = []
-    for record in data.of("leave-out/*"):
-        size = {"xml": record["xml"] / 1e3, "cpu": 1e6 * record["cpu_s"] / record["steps"]}
-        own = {name: value for name, value in record.values.items() if name != "xml"} | size
-        row = {"scene": record["scene"], "part": record["label"]}
-        if record["label"] in ("as shipped", "without shear"):
-            base = own
-            if record["label"] == "as shipped":
-                shipped = base
-                rows.append(row | {f"own {name}": value for name, value in own.items()})
-            continue
-        added = {key: own[key] - base[key] for key in ("xml", "variables")} | {"cpu": own["cpu"] / base["cpu"] - 1}
-        change = max(abs(own[q] - base[q]) / (abs(base[q]) or 1.0) for q in base if q.startswith("last"))
-        rows.append(row | added | {"change": change})
-        base = shipped
-    return rows
 
 
 STUDY = Study("leave-out", cases, extract)

@@ -1,0 +1,255 @@
+"""Error against run time beside other solvers, and what a step costs: peers, the rod at rest, CSM3, short cylinders."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nervure.resources import ROOT
+from studies import commands, elastica, fsi3, maps, show, simulate, speed, turek_hron
+from studies.engine import COUPLED, ROD, Case, Run, Study, simulated
+from studies.show import COLOURS
+from studies.simulate import on_grid
+from studies.store import Data, Record
+
+LISTED: dict[str, Any] = simulate.LISTED["report"]
+SCENES: dict[str, str] = LISTED["scenes"]
+
+PEERS = ROOT / "studies" / "peers"
+PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
+LONGEST = 3600.0  # Wall time that a peer may take, s
+
+LARGEST = (8192, 2048)  # Grid whose step and memory are measured
+COST_STEPS = 200  # Communication steps of the runs that only tell what a step costs
+
+
+def case(kind: str, method: str, setting: str, changes: dict[str, Any], size: float = 0, **options: Any) -> Case:
+    sources = ("peers",) if "command" in options else COUPLED if kind == "cost" else ROD
+    scene, action, quick = SCENES[kind], simulated, options.pop("quick", True)
+    about = {"published": scene, "kind": kind, "method": method, "setting": setting, "size": size}
+    if "command" in options:
+        scene, action = "", run_peer
+    return Case(f"{kind}/{method}/{setting}", sources, scene, changes, options, action, about, quick)
+
+
+def run_peer(case: Case, folder: Path) -> dict[str, Any]:
+    """Run a peer's script in its own environment: what it prints last."""
+    if not PYTHON.is_file():
+        raise FileNotFoundError("the peers are not installed: make target/report/venv/.ready")
+    script, *arguments = case.options["command"]
+    command = [str(PYTHON), str(PEERS / script), *arguments]
+    found: dict[str, Any] = json.loads(commands.output(command, LONGEST).strip().splitlines()[-1])
+    return found
+
+
+def cases() -> Iterator[Case]:
+    for method, calibration in LISTED["calibrations"].items():
+        for n in (8, 16, 32, 64, 128):
+            changes: dict[str, Any] = {
+                "beam.segments": n,
+                "rod.clamp_compliance_length": 0.0,
+                "time.end": 8.0,
+            } | calibration
+            yield case("rod-static", method, f"n = {n}", changes, repeats=5)
+    for scheme, value in LISTED["schemes"].items():
+        for step in (8e-3, 4e-3, 2e-3, 1e-3):
+            changes = {"rod.scheme": value, "time.communication_step": step, "beam.segments": 32}
+            yield case("csm3", scheme, f"n = 32, H = {step:g} s", changes, repeats=3)
+    for n in (8, 16, 32, 64, 128):
+        yield case("csm3", "TR-BDF2, H = 1 ms", f"n = {n}", {"beam.segments": n}, repeats=3)
+    for n in (8, 16, 32):
+        for kind in ("rod-static", "csm3"):
+            command = ["pyelastica_beam.py", SCENES[kind], str(n), "3"]
+            yield case(kind, "PyElastica", f"n = {n}", {}, command=command)
+    for flow, sizes in (("2d1", (0.1, 0.05, 0.03)), ("2d2", (0.1, 0.07, 0.05))):
+        for size in sizes:
+            command, quick = ["ngsolve_cylinder.py", flow, f"{size:g}", "1"], flow == "2d1" or size > 0.07
+            name = f"cylinder-{flow}"
+            yield case(name, "NGSolve, Taylor–Hood", f"mesh {size:g} m", {}, command=command, quick=quick)
+    short = {"time.end": COST_STEPS * 4e-4}
+    for n in (21, 42, 84, 168):
+        yield case("cost", "stations", f"{n} segments", short | {"beam.segments": n}, n, repeats=9)
+    still = {"rod": "absent", "coupling": "absent"}
+    yield case("cost", "bar still", "42 segments", short | still, 42, repeats=9)
+    for nx, ny in ((160, 36), (325, 72), (640, 144), (1280, 288)):
+        changes = on_grid(nx, ny, 1e-4) | {"time.end": COST_STEPS * 1e-4}
+        yield case("cost", "grid", f"{nx} x {ny}", changes, nx * ny, repeats=5)
+    changes = on_grid(*LARGEST, 1e-4) | {"time.end": 20 * 1e-4}
+    yield case("cost", "grid", "{} x {}".format(*LARGEST), changes, LARGEST[0] * LARGEST[1], repeats=1, quick=False)
+
+
+def extract(case: Case, run: Run) -> dict[str, Any]:
+    found = run.found
+    if "command" in case.options:
+        walls, cpus = (np.percentile(spent, [25, 50, 75]).tolist() for spent in zip(*found["runs"]))
+        times = {"wall_s": walls, "cpu_s": cpus, "runs": len(found["runs"])}
+        return {"values": found["values"], "times": times}
+    cost = case.about["kind"] == "cost"
+    values = {name: found[name] for name in ("steps", "memory")} if cost else simulate.quantities(found)
+    return {"values": values, "times": simulate.times(found)}
+
+
+@lru_cache
+def exact(shear: bool) -> dict[str, float]:
+    """The tip of CSM1's bar as an exact beam, m."""
+    material, thickness = simulate.changed("csm1", {})["rod"]["material"]["plane_strain"], 0.02
+    e, nu = material["youngs_modulus"], material["poisson_ratio"]
+    plate, stiff = e / (1 - nu**2), material["shear_factor"] * e / (2 * (1 + nu)) * thickness
+    weight = 2.0 * material["density"] * thickness
+    x, y = elastica.tip(0.35, weight, plate * thickness**3 / 12, plate * thickness, stiff if shear else np.inf)
+    return {"tip_ux.mean": x, "tip_uy.mean": y}
+
+
+PEER_METHODS = ("PyElastica", "NGSolve, Taylor–Hood")
+
+QUANTITIES: dict[str, list[str]] = LISTED["quantities"]
+FLOWS = {"cylinder-2d1": "2D-1", "cylinder-2d2": "2D-2"}
+MASKS = {"none": "bare profile", "cosine": "cosine mask", "curvature": "wall target"}
+
+CITED: list[dict[str, Any]] = simulate.LISTED["solvers"]
+SIMULATED = 8.0  # End of the FSI3 scenes, s
+
+FSI3_METHODS: dict[str, str] = LISTED["fsi3"]
+"""Changes of FSI3 that have a line of their own beside the shipped scenes."""
+
+Point = dict[str, Any]
+"""A run for error against run time: its record's view, `method`, `setting`, quartiles of `cpu` and `wall`, s, and
+`QUANTITY.discretisation`, of the rod at rest the error against the exact beam."""
+
+
+def kind_of(case: str) -> str:
+    return "discretisation" if case == "rod-static" else "error"
+
+
+def point(record: Record, **about: Any) -> Point:
+    times = {name: record.times[f"{name}_s"] for name in ("cpu", "wall") if f"{name}_s" in record.times}
+    quartiles = {name: spent if isinstance(spent, list) else [spent] * 3 for name, spent in times.items()}
+    found = record.view | quartiles | about
+    if record.name.startswith("report/rod-static"):
+        beam = exact("shear" in found["method"] or found["method"] in PEER_METHODS)
+        found |= {f"{q}.discretisation": (found[q] - exact) / abs(exact) for q, exact in beam.items() if q in found}
+    return found
+
+
+def points(data: Data, case: str) -> list[Point]:
+    """What is compared of a case, method by method."""
+    found = []
+    if case == "fsi3":
+        for record in data.of("fsi3/grid/*"):
+            found.append(point(record, method="momentum load", setting=record["name"]))
+        changed = [(method, group) for method in FSI3_METHODS for group in fsi3.VARIED]
+        for method, group in changed:
+            found += [point(r, method=method, setting=group) for r in data.of(f"fsi3/{group}/{FSI3_METHODS[method]}")]
+        expected = simulate.published(fsi3.COARSE)
+        for row in CITED[:2]:
+            errors = {f"{q}.error": (value - expected[q][0]) / expected[q][1] for q, value in row["values"].items()}
+            found.append(row | errors | {"wall": [SIMULATED * row["wall"]] * 3, "failed": False})
+        return found
+    flow = FLOWS.get(case)
+    found = [point(r) for r in data.of(f"report/{case}/*") if not flow or r["method"] in PEER_METHODS]
+    for record in data.of("fluid/*", flow=flow) if flow else ():
+        group, nx = record.name.split("/")[1], record["nx"]
+        name = "thesis: sharp, uncorrected, Heun" if group == "thesis" else MASKS.get(record["mask"])
+        if name and (group == "thesis" or (group == "grid" and record["scheme"] == "sbdf2")):
+            found.append(point(record, method=name, setting=f"{nx} x {nx // 5}"))
+    return found
+
+
+def beaten(data: Data) -> list[Point]:
+    """CPU time of ours and of the peers for a case's largest error: a single one may pass through zero. The most exact
+    run of a peer comes last."""
+    rows = []
+    for case, quantities in QUANTITIES.items():
+        worst = []
+        for p in points(data, case):
+            there = [abs(p[name]) for q in quantities if (name := f"{q}.{kind_of(case)}") in p]
+            if there and p.get("cpu") and "thesis" not in p["method"]:
+                cpu = float(f"{p['cpu'][1]:.2g}")
+                said = f"{p['method']} ({p['setting']}): {100 * max(there):.2g} % in {cpu:g} s"
+                worst.append((max(there), p["cpu"][1], said, p["method"] in PEER_METHODS))
+        ours = [run for run in worst if not run[3]]
+        for theirs in sorted((run for run in worst if run[3]), reverse=True):
+            # The cheapest of ours that is at least as exact, or else the most exact one.
+            enough = [run for run in ours if run[0] <= theirs[0]]
+            mine = min(enough, key=lambda run: run[1]) if enough else min(ours)
+            verdict = f"{mine[1] / theirs[1]:.2g} of its CPU time" if enough else "**does not reach its error**"
+            rows.append({"case": case, "theirs": theirs[2], "mine": mine[2], "verdict": verdict})
+    return rows
+
+
+def cited(data: Data) -> list[Point]:
+    """Swinging benchmarks by ours and as cited of others."""
+    rows = []
+    for name, grid in (("fsi2", "648x108"), ("fsi3", "648x108"), ("fsi3", "1296x216")):
+        record = data[f"turek-hron/{name}/{grid}"]
+        about = {"case": name.upper(), "method": "ours", "setting": grid.replace("x", " x "), "on": "1"}
+        end = simulate.changed(turek_hron.scene_of(name), {})["time"]["end"]
+        rows.append(record.view | about | {"wall": float(f"{record['wall_s'] / end:.2g}")})
+    return rows + [row | row["values"] for row in CITED]
+
+
+def steps(data: Data, **about: Any) -> list[Point]:
+    """A step of FSI3, the median CPU time, and its parts, the shortest wall times, µs; and the memory of a run, MB."""
+    rows = []
+    for record in data.of("report/cost/*", **about):
+        seconds = record.times["phases_s"] | {"step": record["cpu_s"]}
+        phases = {phase: 1e6 * spent / record["steps"] for phase, spent in seconds.items()}
+        rows.append(record.case.about | phases | {"memory": record.get("memory")})
+    return rows
+
+
+def costs(data: Data) -> list[tuple[str, str, list[float], list[float]]]:
+    """What is measured, over what, and the sizes and µs."""
+    times = [row for row in data["rod/study/runtime"].times["rows"] if row["n"] >= 64]
+    bench, grid, stations = speed.found(data, "step"), steps(data, method="grid"), steps(data, method="stations")
+    bar = next(speed.jumps(row, "bar") for row in speed.found(data, "motion") if row["grid"] == "650 x 144")
+
+    def column(rows: list[Point], name: str, scale: float = 1.0) -> list[float]:
+        return [scale * row[name] for row in rows]
+
+    points = "points of the grid"
+    return [
+        ("a step of the fluid", points, column(bench, "points"), column(bench, "step")),
+        ("a Newton iteration of the rod in the plane", "segments n", column(times, "n"),
+         column(times, "iteration_2d", 1e6)),
+        ("a step of FSI3, all of it", points, column(grid, "size"), column(grid, "step")),
+        ("a step of FSI3, the rod's part", "segments", column(stations, "size"), column(stations, "rod")),
+        ("the bar in a step of the fluid, 650 x 144", "cells that its stations move in it",
+         [jump for jump in bar if jump > 0], [bar[jump] for jump in bar if jump > 0]),
+    ]  # fmt: skip
+
+
+def draw_cost(data: Data) -> None:
+    figure, axes = show.panel(2, 3, (12, 7.2))
+    axes[1, 2].set_visible(False)
+    for axis, (name, over, x, y) in zip(axes.flat, costs(data)):
+        slope, offset = np.polyfit(np.log(x), np.log(y), 1)
+        axis.plot(x, y, "o", color=COLOURS[0])
+        axis.plot(
+            sorted(x), np.exp(offset) * np.sort(x) ** slope, "--", color=COLOURS[1], label=f"exponent {slope:.2f}"
+        )
+        axis.set(xscale="log", yscale="log", xlabel=over, ylabel="µs")
+        if max(y) < 2 * min(y):
+            axis.set_ylim(min(y) / 3, max(y) * 3)  # what does not depend on x shall look like it
+        axis.set_title(name, fontsize=9)
+        show.few_labels(axis.xaxis)
+        axis.legend(fontsize=8)
+    show.save(figure, "pictures/cost")
+
+
+def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
+    for case in ("cylinder-2d2", "fsi3"):
+        groups = show.grouped(points(data, case), "method")
+        times = {"wall": "wall time [s]", "cpu": "CPU time [s]"}
+        show.errors(f"pictures/{case}-error", groups, QUANTITIES[case], times)
+    maps.draw(data)
+    draw_cost(data)
+
+
+TABLES: dict[str, Callable[[Data], Any]] = {"report-peers": beaten, "report-cited": cited}
+STUDY = Study("report", cases, extract, TABLES, draw)
