@@ -20,7 +20,7 @@ help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
 
 fsi3: SCENE := fsi3-$(GRID)
-fsi3: told run ## run the FSI3 benchmark, GRID=325x72 (default), 650x144, 1300x288, or a quarter cheaper 324x54, 648x108, 1296x216; results in results/fsi3-GRID
+fsi3: told run ## run the benchmark FSI3 into results/fsi3-GRID; GRID=325x72 (default), 650x144, 1300x288, or trimmed 324x54, 648x108, 1296x216
 
 told:
 	@sed -n 's/^ *"description": "\(.*\)",$$/$(SCENE): \1/p' scenes/$(SCENE).json 2>/dev/null || true
@@ -33,26 +33,26 @@ on_grid = --set fluid.box.cells=[$(subst x,$(comma),$(GRID))] --set name=$(2)-$(
 	$(foreach key,time.communication_step fluid.time_stepping.max_step,$(addprefix --set $(key)=,$(call step,$(1))))
 
 cylinder: GRID := 900x180
-cylinder: build $(READY) ## run the cylinder 2D-2, GRID=900x180 (default) or another with a step that goes with it; results in results/cylinder-2d2-GRID
+cylinder: build $(READY) ## run the cylinder 2D-2 into results/cylinder-2d2-GRID; GRID=900x180 (default) or another, with a step in proportion
 	$(NERVURE) run cylinder-2d2-900x180 $(call on_grid,cylinder-2d2-900x180,cylinder-2d2) $(ARGS)
 
 cylinder-2d1: GRID := 450x90
-cylinder-2d1: build $(READY) ## run the cylinder 2D-1, the same for the steady flow at Re 20
+cylinder-2d1: build $(READY) ## run the cylinder 2D-1, the steady flow at Re 20, in the same way
 	$(NERVURE) run cylinder-2d1-450x90 $(call on_grid,cylinder-2d1-450x90,cylinder-2d1) $(ARGS)
 
-animation: $(READY) ## vorticity.gif and phases.png of RESULTS=results/NAME, whose run had --fields-every
+animation: $(READY) ## make vorticity.gif and phases.png of RESULTS=results/NAME, a run with --fields-every
 	$(NERVURE) animate $(RESULTS)
 
-run: build $(READY) ## run SCENE=scenes/NAME.json; more options by ARGS="--end-time 1 --set key=value"
+run: build $(READY) ## run SCENE=scenes/NAME.json; more options in ARGS="--end-time 1 --set key=value"
 	$(NERVURE) run $(SCENE) $(ARGS)
 
-units: $(READY) ## only pack the FMUs of SCENE=scenes/NAME.json, into results/NAME
+units: $(READY) ## pack the FMUs of SCENE=scenes/NAME.json into results/NAME
 	$(NERVURE) build $(SCENE)
 
 build: ## build the libraries of both units
 	cargo build --release --locked
 
-test: lint rust-test bindings-check python-test ## everything that has to pass
+test: lint rust-test bindings-check python-test ## run everything that has to pass
 
 rust-test:
 	cargo fmt --all --check
@@ -64,24 +64,24 @@ rust-test:
 
 LINTED := python examples scripts site studies tests modelDescription hatch_build.py
 
-lint: $(READY_DEV) ## check style, types and layers of the Python side
+lint: $(READY_DEV) ## check style, types and layers of the Python code
 	$(RUN) -m ruff check $(LINTED)
 	$(RUN) -m ruff format --check $(LINTED)
 	$(RUN) -m mypy
 	$(VENV)/bin/lint-imports
 
-python-test: build $(READY_DEV) ## the tests in Python, in two processes
+python-test: build $(READY_DEV) ## run the Python tests in two processes
 	$(RUN) -m pytest --numprocesses 2 --dist loadfile
 
-package-check: ## package every crate as a registry would take it and build it from there (two minutes)
+package-check: ## package every crate as for a registry and build the packages (two minutes)
 	cargo package --workspace --allow-dirty --locked --target-dir target/package-check
 
-bindings-check: $(READY_DEV) ## compare crates/fmi-export/src/sys.rs with what the official headers give
+bindings-check: $(READY_DEV) ## compare crates/fmi-export/src/sys.rs with the official headers
 	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \
 	cargo run --quiet $(RUST_STUDIES) -p fmi-bindgen --target-dir target/bindgen -- --check \
 	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi-export/src/sys.rs
 
-schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the classes of scenes in Python anew
+schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the Python classes of scenes
 	cargo run --quiet --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
 	$(RUN) modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
@@ -90,16 +90,16 @@ messages: build $(READY_DEV) ## write docs/messages.md anew: what the tool says 
 	$(RUN) tests/bad_input.py > docs/messages.md.new
 	mv docs/messages.md.new docs/messages.md
 
-descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair anew
+descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair
 	$(NERVURE) build fsi3-325x72 --descriptions modelDescription
 
-record: build $(READY_DEV) ## write tests/recorded.json anew: only after a change of the physics that is meant
+record: build $(READY_DEV) ## write tests/recorded.json, only after an intended change of the physics
 	$(RUN) tests/record.py
 
 COMPILE := pip-compile --quiet --generate-hashes --strip-extras --no-header --allow-unsafe --no-emit-index-url \
 	--no-emit-trusted-host --no-emit-find-links
 
-lock: ## pin the packages of pyproject.toml and requirements/*.in anew; needs pip-tools
+lock: ## pin the packages of pyproject.toml and requirements/*.in; needs pip-tools
 	$(COMPILE) --build-deps-for wheel --extra run --extra sweep --output-file requirements/run.lock pyproject.toml
 	$(COMPILE) --build-deps-for wheel --extra dev --output-file requirements/dev.lock pyproject.toml
 	for name in bench masters dist peers site; do $(COMPILE) --output-file requirements/$$name.lock requirements/$$name.in || exit; done
@@ -128,39 +128,39 @@ STUDY := $(RUN) -m studies
 studies: $(READY_DEV) ## write the tables of results.json into the documents; ARGS="--stale" lists results older than the code
 	$(STUDY) $(ARGS)
 
-shown-rows: build $(READY_DEV) ## run the stale ones among the cases that README shows; goes on where it was stopped
+shown-rows: build $(READY_DEV) ## run the stale cases that README shows
 	$(STUDY) --shown README.md $(ARGS)
 
-rod-study: $(READY_DEV) ## run what is missing of the rod's study (ten minutes); ARGS="--list", "--only 'study/csm*'"
+rod-study: $(READY_DEV) ## run the missing cases of the rod (ten minutes); ARGS="--list", "--only 'study/csm*'"
 	$(STUDY) rod $(ARGS)
 
-bench-rod: $(READY_DEV) ## time a Newton iteration of the rod beside its floors, and its solver beside faer's
+bench-rod: $(READY_DEV) ## time a Newton iteration of the rod and its linear solver, beside faer
 	$(STUDY) rod --force --update-timings --only 'study/r*' $(ARGS)
 
-fluid-study: build $(READY_DEV) ## run what is missing of the fluid's study (hours)
+fluid-study: build $(READY_DEV) ## run the missing cases of the fluid (hours)
 	$(STUDY) fluid $(ARGS)
 
-fluid-measures: $(READY_DEV) ## measure the fluid's exact solutions, invariants and stability
+fluid-measures: $(READY_DEV) ## measure exact solutions, invariants and stability of the fluid
 	$(STUDY) fluid-measures $(ARGS)
 
-fsi3-study: build $(READY_DEV) ## run what is missing of FSI3 (an hour of one core)
+fsi3-study: build $(READY_DEV) ## run the missing cases of FSI3 (an hour of one core)
 	$(STUDY) fsi3 $(ARGS)
 
-coupling-study: build $(READY_DEV) ## run what is missing of the map of the coupling's stability
+coupling-study: build $(READY_DEV) ## run the missing cases of the stability map of the coupling
 	$(STUDY) coupling $(ARGS)
 
 turek-hron: GRID := 324x54
-turek-hron: build $(READY_DEV) ## run CSM1-3, CFD1-3 and FSI1-3 on GRID=324x54 (default, a minute), 648x108 or 1296x216, as far as they are missing
+turek-hron: build $(READY_DEV) ## run the missing cases of CSM1-3, CFD1-3 and FSI1-3; GRID=324x54 (default, a minute), 648x108 or 1296x216
 	$(STUDY) turek-hron --only 'csm?/*'
 	$(STUDY) turek-hron --only '*/$(GRID)' $(ARGS)
 
-driven-bar: build $(READY_DEV) ## run what is missing of the bar in prescribed motion (some minutes)
+driven-bar: build $(READY_DEV) ## run the missing cases of the bar in prescribed motion (some minutes)
 	$(STUDY) driven-bar $(ARGS)
 
-vein-study: build $(READY_DEV) ## run what is missing of the vein's study (a quarter of an hour of one core)
+vein-study: build $(READY_DEV) ## run the missing cases of the vein (a quarter of an hour of one core)
 	$(STUDY) vein $(ARGS)
 
-flapping: build $(READY_DEV) ## run what is missing of flapping bodies, flags, filaments and veins (twenty minutes)
+flapping: build $(READY_DEV) ## run the missing cases of flapping bodies, flags, filaments and veins (twenty minutes)
 	$(STUDY) flapping $(ARGS)
 
 BENCH_VENV := target/fluid-bench/venv
@@ -169,7 +169,7 @@ BENCH_VENV := target/fluid-bench/venv
 
 WITH_FFTW = FFTW_LIBRARY="$$(echo $(BENCH_VENV)/lib/python*/site-packages/pyfftw.libs/libfftw3-*)"
 
-bench-fluid: $(BENCH_VENV)/.ready $(READY_DEV) ## compare the fluid's speed with FFTW's and with what the machine can do, by phase and by threads
+bench-fluid: $(BENCH_VENV)/.ready $(READY_DEV) ## compare the speed of the fluid with FFTW and with the machine, by phase and by threads
 	$(WITH_FFTW) $(STUDY) fluid-speed --force --update-timings $(ARGS)
 
 $(BENCH_VENV)/.ready: requirements/bench.lock
@@ -199,7 +199,7 @@ $(MASTERS_VENV)/.ready: requirements/dev.lock requirements/masters.lock
 
 SITE_VENV := target/site/venv
 
-site: $(READY_DEV) $(SITE_VENV)/.ready ## the documents as a site, with a reference of keys, variables, command and Python, in target/site/html
+site: $(READY_DEV) $(SITE_VENV)/.ready ## build the site with its generated reference into target/site/html
 	$(RUN) site/make_pages.py target/site/pages
 	$(SITE_VENV)/bin/mkdocs build --quiet --strict --config-file site/mkdocs.yml
 
@@ -234,19 +234,19 @@ ZIGBUILD = PATH="$(abspath $(DIST_VENV))/bin:$$PATH" RUSTFLAGS="--remap-path-pre
 	--remap-path-prefix=$(CARGO_FOLDER)=cargo" CARGO_PROFILE_RELEASE_DEBUG=false CARGO_PROFILE_RELEASE_STRIP=symbols \
 	cargo zigbuild --release --locked
 
-dist-libraries: $(DIST_VENV)/.ready ## the libraries for Linux (glibc 2.17), Windows and macOS; needs rustup
+dist-libraries: $(DIST_VENV)/.ready ## build the libraries for Linux (glibc 2.17), Windows and macOS; needs rustup
 	rustup target add $(DIST_TARGETS)
 	for target in $(DIST_BUILDS); do $(ZIGBUILD) --package nervure-fmu-rod --package nervure-fmu-fluid --target $$target \
 	--target-dir target/dist || exit; done
 
-dist: dist-libraries $(READY) ## FMUs and SSP of SCENE=scenes/NAME.json for all systems, checksums and manifest, into dist/; FMI=3
+dist: dist-libraries $(READY) ## pack FMUs and SSP of SCENE=scenes/NAME.json for all systems, with checksums and manifest, into dist/; FMI=3
 	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist --fmi $(FMI)
 
-wheel: dist-libraries $(READY) ## one wheel for all these systems, into target/wheel: `pip install` of it needs no compiler
+wheel: dist-libraries $(READY) ## build one wheel with the units of all these systems into target/wheel; installing it needs no compiler
 	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(RUN) -m pip --quiet --disable-pip-version-check wheel --no-deps \
 	--no-build-isolation --wheel-dir target/wheel .
 
-foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, look at the libraries for macOS; needs wine and qemu-user
+foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, and check the libraries for macOS; needs wine and qemu-user
 	for target in $(wordlist 1,3,$(DIST_TARGETS)); do \
 	$(ZIGBUILD) --manifest-path studies/rust/Cargo.toml -p foreign-master --target-dir target/foreign --target $$target || exit; done
 	cd target/foreign/$(word 3,$(DIST_TARGETS))/release && $(abspath $(DIST_VENV))/bin/python -m ziglang cc \
@@ -279,11 +279,11 @@ report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the
 	$(STUDY) report leave-out --force $(ARGS)
 
 STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping running report leave-out
-report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run what is stale or missing of every study, with the long cases, and draw all pages; goes on where it was stopped; half a day of one core
+report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run the stale or missing cases of every study, long cases included, and draw all figures; half a day of one core
 	$(WITH_FFTW) $(STUDY) $(STUDIES) --full $(ARGS)
 	$(MAKE) ARGS= report-pictures
 
-report-pictures: build $(READY_DEV) ## the vorticity of FSI3 over a period, in results/report-pictures
+report-pictures: build $(READY_DEV) ## animate the vorticity of FSI3 over a period in results/report-pictures
 	$(NERVURE) run fsi3-325x72 --output results/report-pictures --fields-every 0.005 --quiet
 	$(NERVURE) animate results/report-pictures --begin 7.7875 --end 7.9602
 
