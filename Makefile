@@ -94,7 +94,7 @@ descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair
 	$(NERVURE) build fsi3-325x72 --descriptions modelDescription
 
 record: build $(READY_DEV) ## write tests/recorded.json, only after an intended change of the physics
-	$(RUN) tests/record.py
+	$(RUN) -m tests.record
 
 COMPILE := pip-compile --quiet --generate-hashes --strip-extras --no-header --allow-unsafe --no-emit-index-url \
 	--no-emit-trusted-host --no-emit-find-links

@@ -8,7 +8,8 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from conftest import FSI3, run_scene
+
+from tests.conftest import FSI3, run_scene
 
 RECORDED = Path(__file__).with_name("recorded.json")
 EARLY_TIMES = (0.1, 0.2, 0.3)

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from test_runs import run
 
 from nervure.evaluate import bodies, dimensionless, statistics
 from nervure.evaluate.summary import main_signal, settling_signal
 from nervure.output import plots
 from nervure.scene import override, read, validate
 from studies import flapping
+from tests.test_runs import run
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

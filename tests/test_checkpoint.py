@@ -9,11 +9,11 @@ import zipfile
 
 import numpy as np
 import pytest
-from conftest import TOOL, nervure, run_scene
 
 from nervure import checkpoint
 from nervure.recorder import Recorder
 from nervure.scene import validate
+from tests.conftest import TOOL, nervure, run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from conftest import FSI1, FSI3, output
-from test_master import AddedMass, Fake, Spring
 
 from nervure import coupling, master
 from nervure.coupling.acceleration import WINDOWS_REUSED
@@ -11,6 +9,8 @@ from nervure.evaluate.summary import interface
 from nervure.recorder import Recorder
 from nervure.scene import read
 from nervure.scene.types import Coupling, Guards
+from tests.conftest import FSI1, FSI3, output
+from tests.test_master import AddedMass, Fake, Spring
 
 WINDOW = Guards().window_steps
 

@@ -3,14 +3,14 @@
 import json
 
 import pytest
-from conftest import run_scene
 
 from nervure.scene import load
+from tests.conftest import run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
 TOLERANCE = 0.003
-"""Of both components at rest. Shear and clamp are those of linear elasticity (docs/theory/rod.md); nothing is fitted."""
+"""Of both components at rest. Shear and clamp follow linear elasticity (docs/theory/rod.md); nothing is fitted."""
 
 
 def quantities(folder, name, *arguments):

@@ -5,12 +5,12 @@ import math
 import zipfile
 
 import pytest
-from conftest import FSI3, run_scene
 
 from nervure.errors import SceneError
 from nervure.scene import load, override
 from nervure.units import package
 from nervure.units.fmu import Unit, UnitError
+from tests.conftest import FSI3, run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)

@@ -8,13 +8,13 @@ import time
 import h5py
 import numpy as np
 import pytest
-from conftest import TOOL, nervure, run_scene
 from PIL import Image
 
 from nervure import master
 from nervure.errors import SceneError
 from nervure.output import fields
 from nervure.scene import validate
+from tests.conftest import TOOL, nervure, run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

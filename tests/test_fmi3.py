@@ -7,7 +7,6 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from conftest import nervure
 from fmpy.validation import validate_fmu
 from lxml import etree
 
@@ -16,6 +15,7 @@ from nervure.errors import InputError
 from nervure.scene import validate
 from nervure.units import delivery, package
 from nervure.units.fmu import Unit, UnitError, read_description, variables_of
+from tests.conftest import nervure
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)

@@ -5,12 +5,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import FSI3, run_scene
-from test_flapping import known_signal
 
 from nervure.evaluate import bodies, dimensionless, flapping
 from nervure.output import forecast
 from nervure.scene import override, read, validate
+from tests.conftest import FSI3, run_scene
+from tests.test_flapping import known_signal
 
 
 def numbers(name, *overrides):

@@ -3,11 +3,11 @@
 import json
 
 import pytest
-from conftest import FSI3
-from record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
 
 from nervure.results import FILES
 from nervure.scene import load
+from tests.conftest import FSI3
+from tests.record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
 
 EARLY_TOLERANCE = 1e-6
 """Relative to the largest recorded value: another machine's libm differs in the last bit, and before the wake sways

@@ -191,7 +191,7 @@ def test_serialized_bytes_continue_in_another_process(oscillator, unpacked, tmp_
     oscillator.doStep(0.3, 0.1)
     program = f"""
 from pathlib import Path
-from test_glue import FMU2Oscillator
+from tests.test_glue import FMU2Oscillator
 other = FMU2Oscillator({str(unpacked)!r})
 other.setFMUstate(other.deSerializeFMUstate(Path({str(tmp_path / "state")!r}).read_bytes()))
 other.doStep(0.3, 0.1)
@@ -252,7 +252,7 @@ def test_interleaved_instances_equal_serial_ones(unpacked):
 def test_the_library_can_be_unloaded(library, unpacked):
     """Nothing of it stays in the process: no thread, no thread-local destructor."""
     program = f"""
-from test_glue import FMU2Oscillator
+from tests.test_glue import FMU2Oscillator
 instance = FMU2Oscillator({str(unpacked)!r}).start()
 instance.doStep(0.0, 0.1)
 try:

@@ -4,15 +4,15 @@ import copy
 import json
 import re
 
-import bad_input
 import jsonschema
 import pytest
-from conftest import SCENES
 
 from nervure import library
 from nervure.errors import SceneError
 from nervure.resources import ROOT
 from nervure.scene import load, read, text, validate
+from tests import bad_input
+from tests.conftest import SCENES
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

@@ -8,7 +8,6 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import output, run_scene
 from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
@@ -16,6 +15,7 @@ from nervure import coupling, master
 from nervure.resources import ROOT
 from nervure.units import package
 from nervure.units.fmu import Unit
+from tests.conftest import output, run_scene
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),

@@ -4,12 +4,12 @@ import copy
 
 import numpy as np
 import pytest
-from conftest import output
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 from nervure.units import package
 from nervure.units.fmu import UnitError
+from tests.conftest import output
 
 H = 1e-3
 STATIONS = 17

@@ -8,13 +8,13 @@ import time
 import h5py
 import numpy as np
 import pytest
-from conftest import FSI3, TOOL, run_scene
 
 import nervure
 from nervure import simulation
 from nervure.scene import validate
 from nervure.units import package
 from nervure.units.fmu import Unit
+from tests.conftest import FSI3, TOOL, run_scene
 
 TABLES = ("scene.json", "series.csv", "summary.json")
 

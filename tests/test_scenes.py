@@ -6,7 +6,6 @@ import jsonschema
 import numpy as np
 import pytest
 import scene_types
-from conftest import SCENES
 
 from nervure.errors import SceneError
 from nervure.evaluate import coefficients
@@ -14,6 +13,7 @@ from nervure.evaluate.summary import quantities
 from nervure.resources import ROOT
 from nervure.scene import document, kinds, load, read, text, types
 from nervure.units import package
+from tests.conftest import SCENES
 
 every_scene = pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 

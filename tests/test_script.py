@@ -4,9 +4,8 @@ import csv
 import subprocess
 import sys
 
-from conftest import FSI3, run_scene
-
 from nervure.resources import ROOT
+from tests.conftest import FSI3, run_scene
 
 END = 0.05
 """Simulated time, s."""

@@ -7,9 +7,7 @@ import zipfile
 import h5py
 import numpy as np
 import pytest
-from conftest import nervure, output, run_scene
 from lxml import etree
-from test_master import ADDED_MASS, PUSH, STIFFNESS, Fake, Spring
 
 import nervure as api
 from nervure import coupling
@@ -19,6 +17,8 @@ from nervure.scene.types import Iterated
 from nervure.units import ssp
 from studies import flapping
 from studies.simulate import assignments
+from tests.conftest import nervure, output, run_scene
+from tests.test_master import ADDED_MASS, PUSH, STIFFNESS, Fake, Spring
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

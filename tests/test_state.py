@@ -4,7 +4,8 @@ import ctypes
 
 import numpy as np
 import pytest
-from conftest import output
+
+from tests.conftest import output
 
 STEPS = 20
 

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import psutil
 import pytest
-from conftest import TOOL
 from distributed import Client, LocalCluster
 
 from nervure import sweep
 from nervure.errors import SceneError
+from tests.conftest import TOOL
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),

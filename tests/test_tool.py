@@ -11,7 +11,6 @@ import zipfile
 from contextlib import ExitStack, contextmanager
 
 import pytest
-from conftest import FSI3, TOOL, nervure, run_scene
 
 from nervure import results, simulation
 from nervure.errors import InputError
@@ -20,6 +19,7 @@ from nervure.provenance import git_revision
 from nervure.resources import ROOT
 from nervure.scene import validate
 from nervure.units import delivery
+from tests.conftest import FSI3, TOOL, nervure, run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

@@ -9,7 +9,6 @@ from pathlib import Path
 import fmpy
 import numpy as np
 import pytest
-from conftest import output
 from fmpy.validation import validate_fmu
 from lxml import etree
 
@@ -18,6 +17,7 @@ from nervure.errors import SceneError
 from nervure.resources import ROOT
 from nervure.units import package
 from nervure.units.fmu import ELEMENT
+from tests.conftest import output
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", package.KINDS)
