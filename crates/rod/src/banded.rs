@@ -1,53 +1,53 @@
-//! Symmetric banded matrices and their LDLᵀ factors, L unit lower triangular and D diagonal, without pivoting.
+//! Symmetric banded matrices and their LDLᵀ factors without pivoting, L unit lower triangular and D diagonal.
 //!
-//! O(order · half-bandwidth²) work. By Sylvester's law of inertia the negative entries of D are as many as the
-//! matrix has negative eigenvalues.
+//! A factorisation is O(order · half-bandwidth²) work. By Sylvester's law of inertia the number of negative entries of D
+//! equals the number of negative eigenvalues.
 
 /// Lower triangle of a symmetric banded matrix, or its factors after [`Banded::factorise`].
 #[derive(Clone)]
 pub struct Banded {
     order: usize,
     half_bandwidth: usize,
-    /// Column after column, each from its diagonal down: `[order][half_bandwidth + 1]`, 0 below the last row. Factorised:
-    /// L with 1/D on its diagonal.
+    /// Columns from their diagonal down: `[order][half_bandwidth + 1]`, 0 below the last row. The factors are L with 1/D
+    /// on its diagonal.
     columns: Vec<f64>,
 }
 
-/// A pivot was zero or not a number.
+/// A pivot is zero or not finite.
 #[derive(Debug)]
 pub struct Singular;
 
 impl Banded {
-    /// The zero matrix.
+    /// Return the zero matrix.
     pub fn zeros(order: usize, half_bandwidth: usize) -> Self {
         Self { order, half_bandwidth, columns: vec![0.0; order * (half_bandwidth + 1)] }
     }
 
-    /// Number of rows.
+    /// Return the number of rows.
     pub fn order(&self) -> usize {
         self.order
     }
 
-    /// Number of diagonals below the main one.
+    /// Return the number of diagonals below the main diagonal.
     pub fn half_bandwidth(&self) -> usize {
         self.half_bandwidth
     }
 
-    /// A column from its diagonal down: `[half_bandwidth + 1]`, which goes on below the last row and must be 0 there.
+    /// Return a column from its diagonal down: `[half_bandwidth + 1]`; entries below the last row are 0.
     pub fn column(&self, column: usize) -> &[f64] {
         let stride = self.half_bandwidth + 1;
         &self.columns[column * stride..][..stride]
     }
 
-    /// The same to be written to.
+    /// Return a column from its diagonal down, for writing.
     pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
         let stride = self.half_bandwidth + 1;
         &mut self.columns[column * stride..][..stride]
     }
 
-    /// Replace the matrix by its factors; returns the number of negative pivots.
+    /// Replace the matrix by its factors and return the number of negative pivots.
     pub fn factorise(&mut self) -> Result<usize, Singular> {
-        // The widths of a rod in the plane, there with shear, and in space are known to the compiler.
+        // Constant widths for a rod in the plane, in the plane with shear, and in space.
         match self.half_bandwidth {
             5 => factorise::<6>(&mut self.columns),
             7 => factorise::<8>(&mut self.columns),
@@ -138,7 +138,7 @@ fn factorise<const S: usize>(columns: &mut [f64]) -> Result<usize, Singular> {
 /// [`Banded::solve`] for columns of `S` entries.
 fn solve<const S: usize>(columns: &[f64], b: &mut [f64]) {
     let (columns, _) = columns.as_chunks::<S>();
-    // What is known of the entries from j on, so that none goes through memory; 0 beyond the last.
+    // The entries from j on, in registers; 0 beyond the last.
     let mut window = [0.0; S];
     let known = window.len().min(b.len());
     window[..known].copy_from_slice(&b[..known]);
@@ -150,7 +150,7 @@ fn solve<const S: usize>(columns: &[f64], b: &mut [f64]) {
         }
         window[S - 1] = b.get(j + S).copied().unwrap_or(0.0);
     }
-    // The solution from j + 1 on; the entry found last comes last, in two sums: nothing else waits for it.
+    // The solution from j + 1 on. The sums leave the newest entry for last, because only it has to wait.
     let mut window = [0.0; S];
     for (j, column) in columns.iter().enumerate().rev() {
         let mut sums = [0.0; 2];
@@ -173,7 +173,7 @@ mod tests {
     use super::*;
 
     const ORDER: usize = 60;
-    /// Of the rod in the plane, there with shear, and in space, and another.
+    /// Widths of a rod in the plane, in the plane with shear and in space, and another width.
     const HALF_BANDWIDTHS: [usize; 4] = [5, 7, 8, 4];
 
     /// A banded matrix with off-diagonal entries in ±1, as `Banded` and dense.

@@ -1,43 +1,45 @@
-//! Newton's method for one step or for equilibrium.
+//! Newton's method for a stage or for equilibrium.
 //!
-//! With velocities eliminated both are the minimum of an incremental potential over the displacement u = x − x_0,
+//! With velocities eliminated both are minima of an incremental potential of the displacement u = x − x_0,
 //!
 //! ```text
 //! Π(u) = Σ_k (½ w_k |u_k|² − b_k · u_k) + s U(x_0 + u),      w u − b + s ∇U = 0,
 //! ```
 //!
-//! whose Hessian couples each node to two on either side. Plain Newton comes first; where it does not converge, the
-//! diagonal is shifted until all pivots are positive and Armijo's rule on Π decides how far to go (Nocedal & Wright
+//! whose Hessian couples each node to two nodes on either side. Plain Newton comes first. If it does not converge, a shift
+//! of the diagonal makes all pivots positive, and Armijo's rule on Π limits the length of the update (Nocedal & Wright
 //! 2006, *Numerical Optimization*, 2nd ed., sections 3.1 and 3.4).
 
 use crate::banded::{Banded, Singular};
-use crate::elastic::{BadShape, Elastic, Vector};
+use crate::elastic::{BadShape, Elastic};
+use crate::vector::Vector;
 
-/// Plain Newton takes 1 … 4 iterations, about ten for a very stiff rod after a long step; more is divergence.
+/// Maximum number of plain iterations: 1 … 4 are usual, about ten occur in a long step of a very stiff rod.
 const PLAIN_ITERATIONS: usize = 15;
-/// Each guarded iteration lowers Π; more than this many is not worth it, smaller steps are.
+/// Maximum number of guarded iterations, each of which lowers Π; beyond it smaller steps cost less.
 const GUARDED_ITERATIONS: usize = 100;
-/// Tolerance of the residual relative to the largest force in the rod.
+/// Tolerance of the residual, relative to the largest force in the rod.
 const RELATIVE_RESIDUAL: f64 = 1e-10;
-/// Tolerance of the last update relative to the rod's length.
+/// Tolerance of the last update, relative to the length of the rod.
 const RELATIVE_UPDATE: f64 = 1e-13;
-/// Rounding errors of a position that the residual may not fall below.
+/// Rounding error of a position, relative to the largest coordinate.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// A residual is taken for rounding after an update that changed no edge by more than this part of its length: the next one
-/// would be of the order of its square.
+/// Largest change of an edge, relative to its length, after which a residual counts as rounding.
+///
+/// The next update would be of the order of its square.
 const SETTLED_UPDATE: f64 = 1e-4;
-/// Part of the predicted decrease of Π that Armijo's rule asks for.
+/// Share of the predicted decrease of Π in Armijo's rule.
 const ARMIJO: f64 = 1e-4;
-/// Rounding of Π relative to its terms.
+/// Rounding of Π, relative to its terms.
 const POTENTIAL_ROUNDING: f64 = 1e-14;
-/// First shift that is tried, relative to the largest diagonal entry.
+/// First shift, relative to the largest diagonal entry.
 const SMALLEST_SHIFT: f64 = 1e-8;
-/// Largest shift that is tried, relative to the largest diagonal entry: more than Gershgorin's bound of a row.
+/// Largest shift, relative to the largest diagonal entry: above Gershgorin's bound of a row.
 const LARGEST_SHIFT: f64 = 1e2;
-/// Halvings of an update before the line search gives up.
+/// Maximum number of halvings in the line search.
 const BACKTRACKS: usize = 40;
 
-/// w, b and s of the incremental potential, for the nodes 0 … n; a node 0 that is held takes no part.
+/// w, b and s of the incremental potential, for the nodes 0 … n; the entries of a held node 0 are unused.
 pub(crate) struct Balance<const D: usize> {
     /// w_k, N/m: `[n + 1]`.
     pub(crate) weight: Vec<f64>,
@@ -47,7 +49,7 @@ pub(crate) struct Balance<const D: usize> {
     pub(crate) elastic_weight: f64,
 }
 
-/// Minimise Π over u = x − origin, node 0 held unless it is free.
+/// Problem: minimise Π over u = x − origin, with node 0 held unless it is free.
 #[derive(Clone, Copy)]
 pub(crate) struct Problem<'a, const D: usize> {
     pub(crate) elastic: &'a Elastic<D>,
@@ -56,53 +58,53 @@ pub(crate) struct Problem<'a, const D: usize> {
     pub(crate) origin: &'a [Vector<D>],
 }
 
-/// What the last step (or search for equilibrium) took.
+/// Effort of the last step or of the last search for equilibrium.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Statistics {
-    /// Newton iterations, failed attempts included.
+    /// Newton iterations, including failed attempts.
     pub iterations: usize,
     /// Sub-steps.
     pub substeps: usize,
-    /// Sub-steps that failed, or would have gained energy, and were made half as long.
+    /// Halvings of sub-steps that failed or gained energy.
     pub halvings: usize,
-    /// Solves that plain Newton did not finish, so that shift and line search had to.
+    /// Solves that needed shift and line search.
     pub rescues: usize,
-    /// Largest number of negative pivots in a Newton matrix: above 0 it warns that the step is too long.
+    /// Largest number of negative pivots in a Newton matrix; above 0 the step is too long.
     pub negative_pivots: usize,
 }
 
-/// How updates are taken.
+/// Kind of update.
 #[derive(Clone, Copy)]
 enum Update {
-    /// In full.
+    /// Full update.
     Plain,
-    /// With a shifted diagonal and a line search.
+    /// Update with a shifted diagonal and a line search.
     Guarded,
 }
 
-/// Why a solve failed.
+/// Reason of a failed solve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Failure {
     NotConverged(Imbalance),
     BadShape(BadShape),
-    /// A rise of energy less the work of constant loads, J.
+    /// Rise of the energy less the work of constant loads, J.
     Gain {
         reference: f64,
         energy: f64,
         largest: f64,
-        /// In a sub-step of this length, s.
+        /// Length of the sub-step, s.
         dt: f64,
     },
 }
 
-/// How far from balance a shape is.
+/// Residual of a shape.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Imbalance {
     /// Largest component of ∇Π, N.
     pub(crate) residual: f64,
-    /// What is small enough, N.
+    /// Tolerance, N.
     pub(crate) tolerance: f64,
-    /// What may be rounding, N.
+    /// Bound of the rounding error, N.
     pub(crate) rounding: f64,
 }
 
@@ -118,33 +120,34 @@ impl From<BadShape> for Failure {
     }
 }
 
-/// Scratch of the method and what it needs to know of the rod.
+/// Solver with its scratch.
 pub(crate) struct Newton<const D: usize> {
-    /// ∇∇Π by the positions node after node; with shear by the moment of the vertex before each node, then its position.
+    /// ∇∇Π by the positions, node after node; with shear the moment of the vertex before a node precedes its position.
     pub(crate) matrix: Banded,
-    /// Bending moments, N m, with shear: `[n]`, else empty.
+    /// Bending moments with shear, N m: `[n]`; empty without shear.
     pub(crate) moments: Vec<f64>,
-    /// Right-hand side with a 0 for each moment, then the solution: `[n (D + 1)]`, empty without shear.
+    /// Right-hand side with a 0 for each moment, then the solution: `[n (D + 1)]`; empty without shear.
     mixed: Vec<f64>,
-    /// Largest diagonal entry of the matrix assembled last, N/m.
+    /// Largest diagonal entry of the last matrix, N/m.
     stiffness: f64,
-    /// −∇Π node by node without the root, N: `[n D]`.
+    /// −∇Π of the free nodes, N: `[n D]`.
     descent: Vec<f64>,
-    /// Newton's update of the positions, m: `[n D]`.
+    /// Update of the free nodes, m: `[n D]`.
     update: Vec<f64>,
     /// First guess, then the positions before a line search, m: `[n + 1]`.
     before: Vec<Vector<D>>,
     /// Length of the rod, m.
     length: f64,
-    /// Largest coordinate to expect, m.
+    /// Largest expected coordinate, m.
     pub(crate) extent: f64,
-    /// First node that moves: 1, or 0 where the root is free.
+    /// First node that moves freely: 1, or 0 with a free root.
     first: usize,
 }
 
 impl<const D: usize> Newton<D> {
-    /// For a rod of `segments`, `length` (m) and coordinates up to `extent` (m), with `shear` or not, whose nodes from `first` on
-    /// move.
+    /// Return the solver of a rod of `segments` and `length` (m), with coordinates up to `extent` (m).
+    ///
+    /// The nodes from `first` on move freely; `shear` adds a moment per segment to the unknowns.
     pub(crate) fn new(segments: usize, length: f64, extent: f64, shear: bool, first: usize) -> Self {
         let (order, half_bandwidth) = if shear { (D + 1, 3 * D + 1) } else { (D, 3 * D - 1) };
         let (moments, nodes) = (if shear { segments } else { 0 }, segments + 1 - first);
@@ -162,7 +165,7 @@ impl<const D: usize> Newton<D> {
         }
     }
 
-    /// Move `x` from its first guess to the minimum of Π; on failure `x` is undefined.
+    /// Move `x` from its first guess to the minimum of Π; a failure leaves `x` undefined.
     pub(crate) fn solve(
         &mut self,
         problem: Problem<D>,
@@ -173,14 +176,14 @@ impl<const D: usize> Newton<D> {
         let Err(plain) = self.iterate(problem, x, statistics, Update::Plain) else { return Ok(()) };
         statistics.rescues += 1;
         x.copy_from_slice(&self.before);
-        // After a long step the guess is bent sharply beside the clamp, which it does not know of: then rest is nearer.
+        // After a long step the guess bends sharply beside the clamp; the origin may then be nearer.
         let potential = |x: &[Vector<D>]| problem.potential(x).map_or(f64::INFINITY, |(of_x, _)| of_x);
         let of_guess = potential(x);
         x[self.first..].copy_from_slice(&problem.origin[self.first..]);
         if of_guess <= potential(x) {
             x.copy_from_slice(&self.before);
         }
-        // A line search does not enter a bad shape: it stops in front of what the plain method met.
+        // The line search stops in front of the bad shape that the plain method met.
         self.iterate(problem, x, statistics, Update::Guarded).map_err(|guarded| match plain {
             Failure::BadShape(_) => plain,
             Failure::NotConverged(_) | Failure::Gain { .. } => guarded,
@@ -200,7 +203,7 @@ impl<const D: usize> Newton<D> {
         };
         let (mut shift, mut allowed) = (0.0, 0.0);
         for iteration in 0.. {
-            // The first guess always gets one update: a small load must not drown in the tolerance.
+            // The first guess always gets one update, or the tolerance would hide a small load.
             if iteration > 0 {
                 let imbalance = self.find_descent(problem, x)?;
                 let rounding = if allowed * SETTLED_UPDATE >= 1.0 { imbalance.rounding } else { 0.0 };
@@ -231,7 +234,7 @@ impl<const D: usize> Newton<D> {
             self.solve_factorised(&mut update);
             self.update = update;
 
-            // How much of the update may be taken before an edge changes by more than its own length.
+            // Share of the update that changes no edge by more than its own length.
             allowed = problem.elastic.segment_length / self.edge_change();
             let taken = match kind {
                 Update::Plain if allowed > 1.0 => {
@@ -244,7 +247,7 @@ impl<const D: usize> Newton<D> {
             if !taken {
                 return Err(self.failure(problem, x));
             }
-            // A shift shortens updates, so a short one says nothing there.
+            // A shift shortens updates, so a short update proves nothing.
             let update = self.update.iter().fold(0.0_f64, |largest, entry| entry.abs().max(largest));
             if shift == 0.0 && update <= RELATIVE_UPDATE * self.length {
                 break;
@@ -253,16 +256,15 @@ impl<const D: usize> Newton<D> {
         Ok(())
     }
 
-    /// What to tell where the method stops at `x`.
+    /// Return the failure at `x`.
     fn failure(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Failure {
         self.find_descent(problem, x).map_or_else(Failure::from, Failure::from)
     }
 
-    /// −∇Π at `x` into `descent`.
+    /// Write −∇Π at `x` to `descent` and return the residual.
     fn find_descent(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<Imbalance, BadShape> {
         let Self { descent, moments, first, .. } = self;
-        // Largest components of ∇Π and of what balances the elastic forces; `sum` is not a number where a component of ∇Π
-        // is none, which `larger` passes over.
+        // Largest components of ∇Π and of the forces against the elastic forces. `larger` skips NaN, `sum` does not.
         let (mut residual, mut outer, mut sum) = (0.0_f64, 0.0_f64, 0.0);
         problem.elastic.gradient(x, moments, |k, gradient| {
             let of_node = problem.outer(k, x);
@@ -277,13 +279,13 @@ impl<const D: usize> Newton<D> {
         Ok(Imbalance { residual, tolerance: RELATIVE_RESIDUAL * outer, rounding })
     }
 
-    /// ∇∇Π at `x` into `matrix` and −∇Π into `descent`.
+    /// Write ∇∇Π at `x` to `matrix` and −∇Π to `descent`.
     pub(crate) fn assemble(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<(), BadShape> {
         let Self { matrix, moments, descent, stiffness, first: first_node, .. } = self;
         let first_node = *first_node;
         let Problem { elastic, balance, .. } = problem;
         let s = balance.elastic_weight;
-        // Unknowns of a node, of which the first is a moment or not.
+        // Unknowns of a node; with shear the first is a moment.
         let first = usize::from(elastic.shear.is_some());
         let block = first + D;
         let sheared = elastic.shear.as_ref().map_or(0.0, |shear| s * shear.stiffest);
@@ -295,7 +297,7 @@ impl<const D: usize> Newton<D> {
             if let Some(shear) = &elastic.shear {
                 let column = matrix.column_mut(place * block);
                 column.fill(0.0);
-                // Before a free root there is no vertex: an unknown of 0 that couples to nothing.
+                // No vertex precedes a free root: its unknown is 0 and couples to nothing.
                 let [own, next] = if k > 0 { shear.column(k - 1) } else { [shear.column(0)[0], 0.0] };
                 column[0] = -own / s;
                 column[1..=D].copy_from_slice(by.turns[0].as_slice());
@@ -322,8 +324,9 @@ impl<const D: usize> Newton<D> {
         })
     }
 
-    /// Factorise `matrix`; returns the number of negative eigenvalues of ∇∇Π. Of the matrix with the moments as many more are
-    /// negative as there are unknown moments.
+    /// Factorise `matrix` and return the number of negative eigenvalues of ∇∇Π.
+    ///
+    /// Each unknown moment adds a negative eigenvalue to the mixed matrix.
     pub(crate) fn factorise(&mut self) -> Result<usize, Singular> {
         self.matrix.factorise().map(|negative| negative.saturating_sub(self.mixed.len() / (D + 1)))
     }
@@ -353,14 +356,14 @@ impl<const D: usize> Newton<D> {
         }
     }
 
-    /// Raise the diagonal until all pivots are positive, from `shift` on; returns the shift, N/m.
+    /// Raise the diagonal, beginning with `shift`, until all pivots are positive; return the shift, N/m.
     fn factorise_shifted(&mut self, problem: Problem<D>, x: &[Vector<D>], shift: f64) -> Option<f64> {
         let mut factor = 1.0;
         loop {
             self.assemble(problem, x).ok()?;
             let stiffness = self.stiffness;
             let tried = shift.max(SMALLEST_SHIFT * stiffness) * factor;
-            // Of a matrix that holds no number at all the stiffness is 0.
+            // A matrix of NaN has the stiffness 0.
             if tried > LARGEST_SHIFT * stiffness || !stiffness.is_finite() || stiffness == 0.0 {
                 return None;
             }
@@ -372,7 +375,7 @@ impl<const D: usize> Newton<D> {
         }
     }
 
-    /// Add the largest of `part`, `part`/2, `part`/4 … of the update that lowers Π enough; false if none does.
+    /// Add the largest of `part`, `part`/2, `part`/4 … of the update that lowers Π enough; return false if none does.
     fn search(&mut self, problem: Problem<D>, x: &mut [Vector<D>], mut part: f64) -> bool {
         let slope: f64 = -self.descent.iter().zip(&self.update).map(|(r, u)| r * u).sum::<f64>();
         let Some((start, rounding)) = problem.potential(x) else { return false };
@@ -390,14 +393,14 @@ impl<const D: usize> Newton<D> {
         false
     }
 
-    /// x + part · update.
+    /// Add `part` of the update to `x`.
     fn add_update(&self, x: &mut [Vector<D>], part: f64) {
         for (x, update) in x[self.first..].iter_mut().zip(self.update.chunks_exact(D)) {
             *x += Vector::from_column_slice(update) * part;
         }
     }
 
-    /// Length of the largest change of an edge in the update, m.
+    /// Return the largest change of an edge in the update, m.
     fn edge_change(&self) -> f64 {
         let (nodes, _) = self.update.as_chunks::<D>();
         let beside_root = if self.first == 1 { Vector::from(nodes[0]).norm_squared() } else { 0.0 };
@@ -408,20 +411,20 @@ impl<const D: usize> Newton<D> {
     }
 }
 
-/// The largest of a number and a vector's magnitudes, one instruction each; passes over what is no number.
+/// Return the largest of a number and the magnitudes of a vector; skip NaN. Each comparison is one instruction.
 #[inline(always)]
 fn larger<const D: usize>(largest: f64, vector: Vector<D>) -> f64 {
     vector.iter().fold(largest, |largest, component| if component.abs() > largest { component.abs() } else { largest })
 }
 
 impl<const D: usize> Problem<'_, D> {
-    /// What balances the elastic force on node `k` of the shape `x`, N.
+    /// Return the force against the elastic force on node `k` of the shape `x`, N.
     #[inline(always)]
     fn outer(&self, k: usize, x: &[Vector<D>]) -> Vector<D> {
         self.balance.load[k] - (x[k] - self.origin[k]) * self.balance.weight[k]
     }
 
-    /// Π and the rounding error to expect in it, J; `None` where the shape `x` has no energy.
+    /// Return Π and its expected rounding error, J; `None` if the shape `x` has no energy.
     fn potential(&self, x: &[Vector<D>]) -> Option<(f64, f64)> {
         let Balance { weight, load, elastic_weight } = self.balance;
         let energy = self.elastic.energy(x).ok()?;

@@ -1,47 +1,44 @@
 //! Time schemes as maps from the displacement of a step to velocity and acceleration.
 //!
-//! With u = x^{n+1} − x^n the unknown, every scheme has
+//! With the unknown u = x^{n+1} − x^n and the net force F, each scheme has
 //!
 //! ```text
 //! v^{n+1} = c_v u + v*,      a^{n+1} = c_a u + a*,
-//! m [(1 − α_m) a^{n+1} + α_m a^n] = (1 − α_f) F^{n+1} + α_f F^n,
+//! m [(1 − α_m) a^{n+1} + α_m a^n] = (1 − α_f) F^{n+1} + α_f F^n.
 //! ```
-//!
-//! F being the net force.
 //!
 //! | scheme | maps | α_m, α_f |
 //! |---|---|---|
 //! | trapezoid | Newmark, β = 1/4, γ = 1/2 | 0, 0 |
 //! | generalised-α | Newmark, γ = 1/2 − α_m + α_f, β = (1 − α_m + α_f)²/4 | (2ρ − 1)/(ρ + 1), ρ/(ρ + 1) |
-//! | BDF2 | v = 𝒟x, a = 𝒟v, 𝒟 the two-step difference for unequal steps | 0, 0 |
+//! | BDF2 | v = 𝒟x, a = 𝒟v, with 𝒟 the two-step difference for unequal steps | 0, 0 |
 //! | TR-BDF2 | trapezoid to γ = 2 − √2 of the step, BDF2 over the rest | 0, 0 |
 //!
-//! TR-BDF2 is that of Bank et al. (1985, IEEE Trans. Electron Devices 32, 1992); its γ gives both stages the same c_v
+//! TR-BDF2 follows Bank et al. (1985, IEEE Trans. Electron Devices 32, 1992). Its γ gives both stages the same c_v
 //! (Hosea & Shampine 1996, Appl. Numer. Math. 20, 21).
 //!
-//! Generalised-α is that of Chung & Hulbert (1993, J. Appl. Mech. 60, 371); ρ is the spectral radius at infinite
-//! frequency. It blends the forces of the two ends, not their positions, so that the shape which the elastic energy
-//! sees is that at the end of the step.
+//! Generalised-α follows Chung & Hulbert (1993, J. Appl. Mech. 60, 371), and ρ is the spectral radius at infinite
+//! frequency. The scheme blends the forces of both ends of the step, so the elastic energy is always the energy of a shape
+//! at the end of a step.
 //!
-//! The trapezoid does not damp axial waves that the step leaves unresolved: with the bar of CSM3 in 32 segments, each an
-//! axial spring k_e on a mass m, it held for 60 s at dt √(k_e/m) = 75 and gained energy from 370 on. Generalised-α with
-//! ρ = 0.5 and 0.8 and BDF2 lost energy up to 1.5e5, the stiffest tried. Where a rod folds, generalised-α may gain too. The
-//! energy of both is guarded ([`crate::Error::EnergyGain`]).
+//! The trapezoid does not damp axial waves that the step leaves unresolved. The bar of CSM3 in 32 segments, with axial
+//! springs k_e and masses m, ran for 60 s at dt √(k_e/m) = 75 and gained energy from 370 on. Generalised-α with ρ = 0.5 and
+//! 0.8 and BDF2 lost energy up to 1.5e5, the stiffest case tried. Generalised-α may gain energy where a rod folds. A guard
+//! watches the energy of the trapezoid and of generalised-α ([`crate::Error::EnergyGain`]).
 //!
-//! BDF2 takes its first step by backward Euler, whose local error is of second order, and does so again after a step
-//! that is more than [`LARGEST_RATIO`] times as long as the one before.
+//! The first step of BDF2 is backward Euler, with a local error of second order. So is each step more than
+//! [`LARGEST_RATIO`] times as long as the step before.
 
-use crate::elastic::Vector;
-use crate::hinge::HingeState;
-use crate::state::State;
+use crate::state::{HingeState, State};
+use crate::vector::Vector;
 
-/// Two-step differences with variable steps are zero-stable up to a ratio of 1 + √2 between neighbouring steps.
+/// Largest ratio of neighbouring BDF2 steps; the limit of zero-stability is 1 + √2.
 const LARGEST_RATIO: f64 = 2.4;
 
-/// Part of a step that the trapezoidal stage of TR-BDF2 takes.
+/// Share of a step in the trapezoidal stage of TR-BDF2.
 pub(crate) const TRAPEZOID_PART: f64 = 2.0 - std::f64::consts::SQRT_2;
 
-/// The maps of one step or stage.
+/// Maps of one step or stage.
 #[derive(Clone, Copy)]
 pub(crate) struct StepRule {
     /// dv/du, 1/s.
@@ -57,14 +54,7 @@ pub(crate) struct StepRule {
     history: History,
 }
 
-/// What the last stage of a step leaves to sensitivities.
-pub(crate) struct LastStage<const D: usize> {
-    pub(crate) rule: StepRule,
-    /// Unit tangent at the clamp where the stage began.
-    pub(crate) previous_direction: Vector<D>,
-}
-
-/// How the levels before the step enter: factors of v* and a*.
+/// Contribution of earlier time levels: the factors of v* and a*.
 #[derive(Clone, Copy)]
 enum History {
     /// v* = v_by_v v + v_by_a a, a* = a_by_v v + a_by_a a.
@@ -74,17 +64,17 @@ enum History {
 }
 
 impl StepRule {
-    /// The trapezoid over `dt`, s.
+    /// Return the trapezoid over `dt`, s.
     pub(crate) fn trapezoid(dt: f64) -> Self {
         Self::newmark(0.0, 0.0, dt)
     }
 
-    /// Generalised-α over `dt`, s.
+    /// Return generalised-α over `dt`, s.
     pub(crate) fn generalised_alpha(rho_inf: f64, dt: f64) -> Self {
         Self::newmark((2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0), dt)
     }
 
-    /// BDF2 over `dt` after a step of `last_step`, s; 0 for the first.
+    /// Return BDF2 over `dt` after a step of `last_step`, s; 0 for the first step.
     pub(crate) fn bdf2(dt: f64, last_step: f64) -> Self {
         let (b_0, b_2) = if dt <= LARGEST_RATIO * last_step {
             let ratio = dt / last_step;
@@ -97,7 +87,7 @@ impl StepRule {
         Self { c_v, c_a: c_v * c_v, new_mass: 1.0, old_mass: 0.0, new_force: 1.0, old_force: 0.0, history }
     }
 
-    /// Newmark's maps with the β and γ that make the blend by `alpha_m`, `alpha_f` second order and dissipative.
+    /// Return Newmark's maps with the β and γ that make the blend second order and dissipative.
     fn newmark(alpha_m: f64, alpha_f: f64, dt: f64) -> Self {
         let gamma = 0.5 - alpha_m + alpha_f;
         let beta = 0.25 * (1.0 - alpha_m + alpha_f).powi(2);
@@ -118,7 +108,7 @@ impl StepRule {
         }
     }
 
-    /// Velocity v* and acceleration a* that node `k` ends the step with if it does not move, u = 0.
+    /// Return the velocity v* and the acceleration a* of node `k` at the end of a step without displacement, u = 0.
     #[inline(always)]
     pub(crate) fn at_no_displacement<const D: usize>(&self, state: &State<D>, k: usize) -> (Vector<D>, Vector<D>) {
         let (v, a) = (state.velocities[k], state.accelerations[k]);
@@ -131,7 +121,7 @@ impl StepRule {
         }
     }
 
-    /// The same of the angle of a hinge.
+    /// Return v* and a* of the angle of a hinge.
     pub(crate) fn scalar_at_no_displacement(&self, state: &HingeState) -> (f64, f64) {
         let HingeState { angle, rate: v, acceleration: a, previous_angle, previous_rate } = *state;
         match self.history {

@@ -3,16 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::elastic::Vector;
-use crate::hinge::HingeState;
-use crate::root::Clamp;
+use crate::base_motion::BaseState;
+use crate::vector::Vector;
 
-/// Rounding that a unit vector may have.
+/// Tolerance of the length of a unit vector, for rounding.
 const UNIT_TOLERANCE: f64 = 1e-9;
 
-/// All that a rod remembers from one step to the next; each array has one entry per node, root to tip, `[n + 1]`.
+/// Memory of a rod from one step to the next; an array has one entry per node, from root to tip, `[n + 1]`.
 ///
-/// Loads are inputs and not part of it.
+/// Loads are inputs and not part of the state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State<const D: usize> {
     /// Positions, m.
@@ -21,7 +20,7 @@ pub struct State<const D: usize> {
     pub velocities: Vec<Vector<D>>,
     /// Accelerations, m/s².
     pub accelerations: Vec<Vector<D>>,
-    /// Net forces on the nodes at the end of the last step, N (generalised-α blends with them).
+    /// Net forces on the nodes at the end of the last step, N (generalised-α).
     pub net_forces: Vec<Vector<D>>,
     /// Nodal forces of gravity and loads at the end of the last step, N (TR-BDF2).
     pub loads: Vec<Vector<D>>,
@@ -29,68 +28,91 @@ pub struct State<const D: usize> {
     pub previous_positions: Vec<Vector<D>>,
     /// Velocities one step earlier, m/s (BDF2).
     pub previous_velocities: Vec<Vector<D>>,
-    /// Unit tangent at the clamp.
+    /// Unit tangent at the root.
     pub direction: Vector<D>,
-    /// Its rate, 1/s.
+    /// Rate of the unit tangent, 1/s.
     pub direction_rate: Vector<D>,
-    /// Length of the last step, s; 0 where there was none, so that the next step is a first step.
+    /// Length of the last step, s; 0 before the first step.
     pub last_step: f64,
-    /// Energy less the work of the loads that it must not rise above while these are constant, J: the lowest since they last
-    /// changed (generalised-α), or the first less what the damping has taken (trapezoid).
+    /// Upper limit of the energy less the work of constant loads, J.
+    ///
+    /// With generalised-α it is the lowest value since the loads changed. With the trapezoid it is the first value less the
+    /// energy lost by damping.
     pub reference_energy: f64,
-    /// Largest kinetic or elastic energy since then, J; 0 where there is no reference, as after a change of the shape.
+    /// Largest kinetic or elastic energy since the loads changed, J; 0 without a reference.
     pub largest_energy: f64,
-    /// What the loads did.
+    /// Exchange with the loads.
     pub exchange: Exchange<D>,
-    /// What a driven root did, or the force that tows a free one.
+    /// Exchange with a driven root, or with the force that tows a free root.
     pub drive: Drive<D>,
-    /// Pressure that strains the rod, Pa; empty where none does.
+    /// Pressure that strains the rod, Pa; empty without such a strain.
     pub pressure: Vec<f64>,
-    /// Angle of a torsion spring at the root; none where there is none, and in space.
+    /// Angle of a torsion spring at the root; `None` without a spring and in space.
     pub hinge: Option<HingeState>,
 }
 
-/// What the loads did to the rod: nodal forces with their impedance and pressure jump, without gravity.
+/// Angle θ of a torsion spring between two steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HingeState {
+    /// θ, rad.
+    pub angle: f64,
+    /// θ', rad/s.
+    pub rate: f64,
+    /// θ'', rad/s².
+    pub acceleration: f64,
+    /// θ one step earlier, rad (BDF2).
+    pub previous_angle: f64,
+    /// θ' one step earlier, rad/s (BDF2).
+    pub previous_rate: f64,
+}
+
+/// Force, power and work of the loads on the rod: nodal forces with impedance and pressure jump, without gravity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exchange<const D: usize> {
-    /// Their sum at the end of the last step, N.
+    /// Sum of the loads at the end of the last step, N.
     pub force: Vector<D>,
-    /// Their power there, W.
+    /// Power of the loads at the end of the last step, W.
     pub power: f64,
-    /// Their work since the start, J: the sum of power times step.
+    /// Work of the loads since the start, J: the sum of power times step.
     pub work: f64,
 }
 
+/// Force, moment, power and work of the drive on the rod; 0 for a root at rest.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Drive<const D: usize> {
+    /// Force at the end of the last step, N; it balances the loads on node 0 and accelerates the mass of node 0.
+    pub force: Vector<D>,
+    /// Moment about the root at the end of the last step, N m; in two dimensions only the last component.
+    pub moment: [f64; 3],
+    /// Power of force and moment at the end of the last step, W.
+    pub power: f64,
+    /// Work of force and moment since the start, J: the sum of power times step.
+    pub work: f64,
+}
+
+impl HingeState {
+    fn is_finite(&self) -> bool {
+        let Self { angle, rate, acceleration, previous_angle, previous_rate } = *self;
+        [angle, rate, acceleration, previous_angle, previous_rate].iter().all(|number| number.is_finite())
+    }
+}
+
 impl<const D: usize> Exchange<D> {
-    /// Nothing yet.
+    /// Return the exchange before the first step.
     pub fn none() -> Self {
         Self { force: Vector::zeros(), power: 0.0, work: 0.0 }
     }
 }
 
-/// What the clamp does to the rod while it is driven; 0 where the root is still.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Drive<const D: usize> {
-    /// Force at the end of the last step, N: it carries the loads on node 0 and moves its mass as well.
-    pub force: Vector<D>,
-    /// Moment about the root there, N m; in two dimensions only the last component.
-    pub moment: [f64; 3],
-    /// Power of both there, W.
-    pub power: f64,
-    /// Their work since the start, J: the sum of power times step.
-    pub work: f64,
-}
-
 impl<const D: usize> Drive<D> {
-    /// Nothing yet.
+    /// Return the drive before the first step.
     pub fn none() -> Self {
         Self { force: Vector::zeros(), moment: [0.0; 3], power: 0.0, work: 0.0 }
     }
 }
 
 impl<const D: usize> State<D> {
-    /// At rest in the shape `positions`, clamped along the unit vector `direction`, before the first step; with the angle of
-    /// a torsion spring at the root if there is one.
+    /// Return the state at rest in the shape `positions`, with the unit tangent `direction` at the root.
     pub fn at_rest(positions: Vec<Vector<D>>, direction: Vector<D>, hinge: Option<HingeState>) -> Self {
         let zeros = vec![Vector::zeros(); positions.len()];
         Self {
@@ -113,26 +135,27 @@ impl<const D: usize> State<D> {
         }
     }
 
-    /// The clamp: node 0 and its direction.
-    pub(crate) fn clamp(&self) -> Clamp<D> {
+    /// Return the state of node 0 and of the tangent there.
+    pub(crate) fn base(&self) -> BaseState<D> {
         let (position, velocity) = (self.positions[0], self.velocities[0]);
-        Clamp { position, velocity, direction: self.direction, direction_rate: self.direction_rate }
+        BaseState { position, velocity, direction: self.direction, direction_rate: self.direction_rate }
     }
 
-    pub(crate) fn set_clamp(&mut self, clamp: &Clamp<D>) {
-        (self.positions[0], self.velocities[0]) = (clamp.position, clamp.velocity);
-        (self.direction, self.direction_rate) = (clamp.direction, clamp.direction_rate);
+    /// Set the state of node 0 and of the tangent there.
+    pub(crate) fn set_base(&mut self, base: &BaseState<D>) {
+        (self.positions[0], self.velocities[0]) = (base.position, base.velocity);
+        (self.direction, self.direction_rate) = (base.direction, base.direction_rate);
     }
 
-    /// Take the clamp to where it is `dt` later, with the acceleration at the end of the cubic in between.
-    pub(crate) fn move_clamp(&mut self, clamp: &Clamp<D>, dt: f64) {
+    /// Move node 0 to its state `dt` later, with the acceleration at the end of the cubic in between.
+    pub(crate) fn move_base(&mut self, base: &BaseState<D>, dt: f64) {
         let (x, v) = (self.positions[0], self.velocities[0]);
         (self.previous_positions[0], self.previous_velocities[0]) = (x, v);
-        self.accelerations[0] = (x - clamp.position) * (6.0 / (dt * dt)) + (v * 2.0 + clamp.velocity * 4.0) / dt;
-        self.set_clamp(clamp);
+        self.accelerations[0] = (x - base.position) * (6.0 / (dt * dt)) + (v * 2.0 + base.velocity * 4.0) / dt;
+        self.set_base(base);
     }
 
-    /// Overwrite with `other` of the same number of nodes; unlike `clone_from` this allocates nothing.
+    /// Copy `other`, of the same number of nodes, without allocation.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.positions.copy_from_slice(&other.positions);
         self.velocities.copy_from_slice(&other.velocities);
@@ -151,7 +174,7 @@ impl<const D: usize> State<D> {
         self.hinge = other.hinge;
     }
 
-    /// Each array must have `nodes` entries, all numbers be finite, and last step and largest energy not be negative.
+    /// Refuse arrays of a wrong length, numbers that are not finite, and a negative last step or largest energy.
     pub(crate) fn check(&self, nodes: usize) -> Result<(), Error> {
         for (name, array) in [
             ("positions", &self.positions),

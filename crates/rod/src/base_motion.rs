@@ -1,33 +1,34 @@
-//! The clamp in prescribed motion.
+//! Prescribed motion of the root.
 
 use crate::Error;
-use crate::elastic::Vector;
+use crate::vector::Vector;
 
-/// Where the clamp is, at the end of the next step, and how it moves then.
+/// Pose and motion of a driven root at the end of the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Root<const D: usize> {
+pub struct BaseMotion<const D: usize> {
     /// Position of node 0, m.
     pub position: [f64; D],
-    /// Its velocity, m/s.
+    /// Velocity of node 0, m/s.
     pub velocity: [f64; D],
-    /// Direction of the rod at the clamp; any length but 0.
+    /// Direction of the rod at the root, of any length but 0.
     pub direction: [f64; D],
     /// Rate of the direction, 1/s, in units of the direction's length.
     pub direction_rate: [f64; D],
 }
 
-/// The same with a direction of length 1 and its rate across it.
+/// Position and unit tangent at the root with their rates.
 #[derive(Clone, Copy)]
-pub(crate) struct Clamp<const D: usize> {
+pub(crate) struct BaseState<const D: usize> {
     pub(crate) position: Vector<D>,
     pub(crate) velocity: Vector<D>,
     pub(crate) direction: Vector<D>,
+    /// Rate of the unit tangent, at right angles to it.
     pub(crate) direction_rate: Vector<D>,
 }
 
-impl<const D: usize> Root<D> {
-    /// Refuses numbers that are not finite and a direction without length.
-    pub(crate) fn clamp(&self) -> Result<Clamp<D>, Error> {
+impl<const D: usize> BaseMotion<D> {
+    /// Return the motion with a unit tangent; refuse numbers that are not finite and a direction of no length.
+    pub(crate) fn normalised(&self) -> Result<BaseState<D>, Error> {
         for (name, vector) in [
             ("position", self.position),
             ("velocity", self.velocity),
@@ -35,25 +36,21 @@ impl<const D: usize> Root<D> {
             ("direction_rate", self.direction_rate),
         ] {
             if vector.iter().any(|c| !c.is_finite()) {
-                return Err(Error::value(format!("root.{name}"), &vector[..], "finite"));
+                return Err(Error::value(format!("base_motion.{name}"), &vector[..], "finite"));
             }
         }
         let direction = Vector::from(self.direction);
         if !direction.norm().is_normal() {
-            return Err(Error::value(
-                "root.direction",
-                format!("{:?}", self.direction),
-                "a vector of any length but 0",
-            ));
+            let allowed = "a vector of any length but 0";
+            return Err(Error::value("base_motion.direction", &self.direction[..], allowed));
         }
         let (direction, direction_rate) = unit(direction, self.direction_rate.into());
-        Ok(Clamp { position: self.position.into(), velocity: self.velocity.into(), direction, direction_rate })
+        Ok(BaseState { position: self.position.into(), velocity: self.velocity.into(), direction, direction_rate })
     }
 }
 
-impl<const D: usize> Clamp<D> {
-    /// At the fraction `s` of the way to `end`, which is `duration` seconds later: the cubic that has the positions and
-    /// rates of both ends.
+impl<const D: usize> BaseState<D> {
+    /// Interpolate at the fraction `s` of the way to `end`, `duration` seconds later, by the cubic through both ends.
     pub(crate) fn towards(&self, end: &Self, s: f64, duration: f64) -> Self {
         if s == 1.0 {
             return *end;
@@ -66,20 +63,14 @@ impl<const D: usize> Clamp<D> {
     }
 }
 
-/// a × b, in two dimensions with only the last component.
-pub(crate) fn cross<const D: usize>(a: &Vector<D>, b: &Vector<D>) -> [f64; 3] {
-    let component = |i: usize, j: usize| if i < D && j < D { a[i] * b[j] - a[j] * b[i] } else { 0.0 };
-    [component(1, 2), component(2, 0), component(0, 1)]
-}
-
-/// `vector` with length 1 and the rate that this has.
+/// Return the unit vector along `vector`, and its rate.
 fn unit<const D: usize>(vector: Vector<D>, rate: Vector<D>) -> (Vector<D>, Vector<D>) {
     let norm = vector.norm();
     let direction = vector / norm;
     (direction, (rate - direction * direction.dot(&rate)) / norm)
 }
 
-/// Value and rate of the cubic between two values with their rates.
+/// Return value and rate of the cubic that has these values and rates at its ends.
 fn hermite<const D: usize>(
     (p0, v0): (Vector<D>, Vector<D>),
     (p1, v1): (Vector<D>, Vector<D>),

@@ -1,0 +1,105 @@
+//! Choices that define the model of a rod: section, bending energy, calibration, support and time scheme.
+
+use serde::{Deserialize, Serialize};
+
+/// Mass and stiffness of a cross-section, per metre of depth in two dimensions.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Section {
+    /// Mass per length μ, kg/m.
+    pub line_density: f64,
+    /// Bending stiffness EI, N m².
+    pub bending_stiffness: f64,
+    /// Axial stiffness EA, N.
+    pub axial_stiffness: f64,
+    /// Shear stiffness GA_s, N; `None` keeps the section at right angles to the rod.
+    pub shear_stiffness: Option<f64>,
+}
+
+/// Profiles of section and displaced fluid along the rod, relative to the root.
+///
+/// An array alternates between nodes and midpoints of segments, `[2 n + 1]`; an empty array is a uniform profile.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Taper {
+    /// Mass per length.
+    pub line_density: Vec<f64>,
+    /// Mass per length of the displaced fluid.
+    pub displaced: Vec<f64>,
+    /// Bending stiffness.
+    pub bending_stiffness: Vec<f64>,
+    /// Axial stiffness.
+    pub axial_stiffness: Vec<f64>,
+    /// Shear stiffness.
+    pub shear_stiffness: Vec<f64>,
+}
+
+impl Taper {
+    /// Return a ratio of a profile at one of its places.
+    pub(crate) fn at(profile: &[f64], i: usize) -> f64 {
+        profile.get(i).copied().unwrap_or(1.0)
+    }
+}
+
+/// Angle on which the bending energy depends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Bending {
+    /// The angle ψ between neighbouring segments, through 2 tan(ψ/2) (Bergou et al. 2008): independent of the frame.
+    #[default]
+    Invariant,
+    /// Angles between the projections of the segments into the planes xy and xz (thesis, eqs. 2.1 and 2.4).
+    ///
+    /// They depend on the frame. A projection that vanishes is an error.
+    Projected,
+}
+
+/// Rule that turns a section into springs and masses.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Calibration {
+    /// Axial springs EA/l0, a clamp spring EI/(l0/2) and half a segment's mass at the tip: second order in l0.
+    #[default]
+    SecondOrder,
+    /// Calibration of the thesis, section 2.4.1: a clamp spring EI/l0 and a whole segment's mass at each node.
+    ///
+    /// It is of first order in l0.
+    Thesis {
+        /// Axial stiffness of a segment of any length, N/m; it replaces EA/l0.
+        k_e: f64,
+    },
+}
+
+/// Support of the root. Each one but the clamp needs invariant bending and the second-order calibration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum RootSupport {
+    /// The root neither moves nor turns, except by prescribed motion.
+    #[default]
+    Clamped,
+    /// The root turns without resistance.
+    Pinned,
+    /// The root turns by an angle θ against the moment `stiffness (θ − rest_angle) + damping θ'`.
+    TorsionSpring {
+        /// Stiffness, N m/rad.
+        stiffness: f64,
+        /// Damping, N m s/rad; 0 in space, where θ has no axis.
+        damping: f64,
+        /// Angle of the relaxed spring, rad, positive to the left; 0 in space.
+        rest_angle: f64,
+    },
+    /// The root moves and turns; [`Rod::towing`](crate::Rod::towing) acts on it.
+    Free,
+}
+
+/// Implicit time scheme; each is of second order in the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Scheme {
+    /// Trapezoidal rule of the thesis (eq. 2.7), without numerical dissipation; unsafe for stiff axial modes.
+    Trapezoid,
+    /// Generalised-α (Chung & Hulbert 1993).
+    GeneralisedAlpha {
+        /// Spectral radius at infinite frequency, 0 … 1.
+        rho_inf: f64,
+    },
+    /// Trapezoid over 2 − √2 of the step, then BDF2 over the rest (Bank et al. 1985; Hosea & Shampine 1996).
+    #[default]
+    TrBdf2,
+    /// Two-step backward differences.
+    Bdf2,
+}

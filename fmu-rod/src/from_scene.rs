@@ -1,0 +1,95 @@
+//! Conversion of a scene to the parameters and loads of a rod.
+
+use rod::{Bending, Calibration, Error, Loads, Parameters, Rod, RootSupport, Scheme, Section, Taper};
+use scene::{Beam, Load, Material, Scene};
+
+/// Return the rod of a scene, at rest, with the loads of the scene.
+pub fn build<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Result<Rod<D>, Error> {
+    let parameters = parameters(scene, beam, rod);
+    let strained = parameters.strain_per_pressure > 0.0;
+    let mut built = Rod::new(parameters)?;
+    built.loads = loads::<D>(scene, beam.segments + 1, strained);
+    Ok(built)
+}
+
+/// Return the parameters of the rod of a scene.
+fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Parameters<D> {
+    let (attachment, direction) = scene.beam_root(beam);
+    Parameters {
+        attachment: std::array::from_fn(|d| attachment[d]),
+        direction: std::array::from_fn(|d| direction[d]),
+        length: beam.length,
+        segments: beam.segments,
+        rest_angles: beam.rest_angles.clone(),
+        section: section(beam, &rod.material, 0.0),
+        displaced: scene.displaced_line_density(),
+        taper: taper(beam, &rod.material),
+        strain_per_pressure: scene.strain_per_pressure().unwrap_or(0.0),
+        gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),
+        damping: rod.damping,
+        bending: match rod.bending {
+            scene::Bending::Invariant => Bending::Invariant,
+            scene::Bending::Projected => Bending::Projected,
+        },
+        calibration: match rod.calibration {
+            scene::Calibration::SecondOrder => Calibration::SecondOrder,
+            scene::Calibration::Thesis { k_e } => Calibration::Thesis { k_e },
+        },
+        support: match rod.root {
+            scene::RootSupport::Clamped => RootSupport::Clamped,
+            scene::RootSupport::Pinned => RootSupport::Pinned,
+            scene::RootSupport::TorsionSpring { stiffness, damping, rest_angle } => {
+                RootSupport::TorsionSpring { stiffness, damping, rest_angle }
+            }
+            scene::RootSupport::Free { .. } => RootSupport::Free,
+        },
+        clamp_compliance_length: rod.clamp_compliance_length,
+        scheme: match rod.scheme {
+            scene::RodScheme::Trapezoid => Scheme::Trapezoid,
+            scene::RodScheme::GeneralisedAlpha { rho_inf } => Scheme::GeneralisedAlpha { rho_inf },
+            scene::RodScheme::TrBdf2 => Scheme::TrBdf2,
+            scene::RodScheme::Bdf2 => Scheme::Bdf2,
+        },
+        max_step: rod.max_step,
+    }
+}
+
+/// Return the section at the place `s`, 0 at the root and 1 at the tip.
+fn section(beam: &Beam, material: &Material, s: f64) -> Section {
+    let scene::Section { line_density, bending_stiffness, axial_stiffness, shear_stiffness } =
+        material.section(&beam.thickness, s);
+    Section { line_density, bending_stiffness, axial_stiffness, shear_stiffness }
+}
+
+/// Return the profiles of section and thickness along the beam; the profile of a constant is empty.
+fn taper(beam: &Beam, material: &Material) -> Taper {
+    let relative = |value: &dyn Fn(f64) -> f64| {
+        let root = value(0.0);
+        let ratios: Vec<_> = beam.places().map(|s| value(s) / root).collect();
+        if ratios.iter().all(|&ratio| ratio == 1.0) { Vec::new() } else { ratios }
+    };
+    let section = |s: f64| section(beam, material, s);
+    Taper {
+        line_density: relative(&|s| section(s).line_density),
+        displaced: relative(&|s| beam.thickness.at(s)),
+        bending_stiffness: relative(&|s| section(s).bending_stiffness),
+        axial_stiffness: relative(&|s| section(s).axial_stiffness),
+        shear_stiffness: relative(&|s| section(s).shear_stiffness.unwrap_or(1.0)),
+    }
+}
+
+/// Return the loads of a scene, with the value 0 and the lengths of their arrays.
+fn loads<const D: usize>(scene: &Scene, nodes: usize, strained: bool) -> Loads {
+    let zeros = |count: usize| vec![0.0; count];
+    match scene.load() {
+        None => {
+            let pressure_jump = zeros(if D == 2 { nodes } else { 0 });
+            Loads { force: zeros(D * nodes), pressure_jump, ..Loads::default() }
+        }
+        Some(Load::Momentum) => {
+            let pressure = zeros(if strained { nodes } else { 0 });
+            Loads { force: zeros(D * nodes), impedance: zeros(nodes), pressure, ..Loads::default() }
+        }
+        Some(Load::PressureJump) => Loads { pressure_jump: zeros(nodes), ..Loads::default() },
+    }
+}
