@@ -93,3 +93,6 @@ fn loads<const D: usize>(scene: &Scene, nodes: usize, strained: bool) -> Loads {
         Some(Load::PressureJump) => Loads { pressure_jump: zeros(nodes), ..Loads::default() },
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -96,12 +96,7 @@ impl Model for RodUnit {
     }
 
     fn save(&self) -> State {
-        State {
-            parameters: self.parameters,
-            loads: self.body.loads().clone(),
-            base: self.base,
-            rod: self.body.save(),
-        }
+        State { parameters: self.parameters, loads: self.body.loads().clone(), base: self.base, rod: self.body.save() }
     }
 
     fn restore(&mut self, state: &State) -> Result<(), String> {

@@ -55,12 +55,7 @@ fn base_motion<const D: usize>(vectors: BaseVectors) -> BaseMotion<D> {
 
 impl RodUnit {
     /// Build the unit with its rod at the place of time 0.
-    pub fn new(
-        name: String,
-        scene: Scene,
-        (beam, rod): (Beam, scene::Rod),
-        load: [String; 2],
-    ) -> Result<Self, Error> {
+    pub fn new(name: String, scene: Scene, (beam, rod): (Beam, scene::Rod), load: [String; 2]) -> Result<Self, Error> {
         let body = Body::new(&scene, &beam, &rod)?;
         let (position, direction) = scene.beam_root(&beam);
         let angle = direction[1].atan2(direction[0]);

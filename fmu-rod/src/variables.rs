@@ -186,9 +186,12 @@ fn station_outputs(unit: &RodUnit) -> Vec<Variable> {
         Real::output(format!("v{axis}"), "m/s", text, move |m| m.body.velocities(d)).array(stations)
     }));
     list.extend(along_axes(unit, |d, axis| {
-        output(format!("tip.u{axis}"), "m", "Displacement of the tip", move |body| {
-            either!(body, rod => rod.tip_displacement()[d])
-        })
+        output(
+            format!("tip.u{axis}"),
+            "m",
+            "Displacement of the tip",
+            move |body| either!(body, rod => rod.tip_displacement()[d]),
+        )
     }));
     list.extend(along_axes(unit, |d, axis| {
         let text = "Velocity of the tip";
@@ -196,15 +199,21 @@ fn station_outputs(unit: &RodUnit) -> Vec<Variable> {
     }));
     list.extend(along_axes(unit, |d, axis| {
         let text = format!("Sum of the loads on the stations along {axis} at the end of the step");
-        output(format!("load.{axis}"), per(unit, "N", "N/m"), text, move |body| {
-            either!(body, rod => rod.state().exchange.force[d])
-        })
+        output(
+            format!("load.{axis}"),
+            per(unit, "N", "N/m"),
+            text,
+            move |body| either!(body, rod => rod.state().exchange.force[d]),
+        )
     }));
     let work = "Work of the loads since the start: the sum of power times step";
     list.extend([
-        output("load.power", per(unit, "W", "W/m"), "Power of the loads at the end of the step", |body| {
-            either!(body, rod => rod.state().exchange.power)
-        }),
+        output(
+            "load.power",
+            per(unit, "W", "W/m"),
+            "Power of the loads at the end of the step",
+            |body| either!(body, rod => rod.state().exchange.power),
+        ),
         output("load.work", per(unit, "J", "J/m"), work, |body| either!(body, rod => rod.state().exchange.work)),
     ]);
     list
@@ -232,16 +241,22 @@ fn drive_outputs(unit: &RodUnit) -> Vec<Variable> {
     let turns = matches!(unit.support(), RootSupport::Clamped | RootSupport::TorsionSpring { .. });
     if turns {
         list.extend(along_axes(unit, |d, axis| {
-            output(format!("rigid_tip.u{axis}"), "m", "Displacement of the tip of a rigid rod", move |body| {
-                either!(body, rod => rod.rigid_tip_displacement()[d])
-            })
+            output(
+                format!("rigid_tip.u{axis}"),
+                "m",
+                "Displacement of the tip of a rigid rod",
+                move |body| either!(body, rod => rod.rigid_tip_displacement()[d]),
+            )
         }));
     }
     list.extend(along_axes(unit, |d, axis| {
         let text = format!("{} force on the root along {axis}", if free { "Towing" } else { "Driving" });
-        output(format!("root.force_{axis}"), per(unit, "N", "N/m"), text, move |body| {
-            either!(body, rod => rod.state().drive.force[d])
-        })
+        output(
+            format!("root.force_{axis}"),
+            per(unit, "N", "N/m"),
+            text,
+            move |body| either!(body, rod => rod.state().drive.force[d]),
+        )
     }));
     let moment = |name: &str, unit: &str, d: usize| {
         let text = "Driving moment about the root";
@@ -260,12 +275,18 @@ fn drive_outputs(unit: &RodUnit) -> Vec<Variable> {
     let (power, work) = (format!("Power of {of} at the end of the step"), format!("Work of {of} since the start"));
     list.extend([
         output("root.power", per(unit, "W", "W/m"), power, |body| either!(body, rod => rod.state().drive.power)),
-        output("root.work", per(unit, "J", "J/m"), format!("{work}: the sum of power times step"), |body| {
-            either!(body, rod => rod.state().drive.work)
-        }),
-        output("damping.power", per(unit, "W", "W/m"), "Power lost by damping at the end of the step", |body| {
-            either!(body, rod => rod.damping_power())
-        }),
+        output(
+            "root.work",
+            per(unit, "J", "J/m"),
+            format!("{work}: the sum of power times step"),
+            |body| either!(body, rod => rod.state().drive.work),
+        ),
+        output(
+            "damping.power",
+            per(unit, "W", "W/m"),
+            "Power lost by damping at the end of the step",
+            |body| either!(body, rod => rod.damping_power()),
+        ),
     ]);
     list
 }

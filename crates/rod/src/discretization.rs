@@ -50,7 +50,8 @@ impl<const D: usize> Parameters<D> {
         let taper = &self.taper;
         // Bending uses the section at the vertex, stretching and shear the section at the middle of the segment.
         let bending = self.section.bending_stiffness / l0;
-        let mut bending: Vec<_> = (0..self.segments).map(|v| bending * Taper::at(&taper.bending_stiffness, 2 * v)).collect();
+        let mut bending: Vec<_> =
+            (0..self.segments).map(|v| bending * Taper::at(&taper.bending_stiffness, 2 * v)).collect();
         // A spring at the root is in series with half a segment.
         let half_segment = self.section.bending_stiffness / (clamp_length + self.clamp_compliance_length);
         let (clamp, joint) = match self.support {
@@ -79,7 +80,8 @@ impl<const D: usize> Parameters<D> {
     /// Return the torsion spring at the root, in the plane only.
     pub(crate) fn hinge(&self) -> Option<Hinge> {
         let RootSupport::TorsionSpring { stiffness, damping, rest_angle } = self.support else { return None };
-        let half_segment = self.section.bending_stiffness / (0.5 * self.segment_length() + self.clamp_compliance_length);
+        let half_segment =
+            self.section.bending_stiffness / (0.5 * self.segment_length() + self.clamp_compliance_length);
         (D == 2).then_some(Hinge { stiffness, damping, rest_angle, half_segment })
     }
 
@@ -95,8 +97,9 @@ impl<const D: usize> Parameters<D> {
             return tributary.into_iter().map(|length| own * length).collect();
         }
         // The difference of equal densities may round to a number below 0.
-        let own =
-            |i: usize| (self.section.line_density * Taper::at(line_density, i) - self.displaced * Taper::at(displaced, i)).max(0.0);
+        let own = |i: usize| {
+            (self.section.line_density * Taper::at(line_density, i) - self.displaced * Taper::at(displaced, i)).max(0.0)
+        };
         let part = self.segment_length() / 6.0;
         let mut masses = vec![0.0; self.segments + 1];
         for j in 0..self.segments {

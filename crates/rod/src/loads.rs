@@ -24,7 +24,7 @@ pub struct Loads {
     /// Mean pressure around the section, Pa: `[n + 1]`.
     ///
     /// It strains the rod by `strain_per_pressure` and exerts no force: nodal forces that follow from pressure differences
-    /// do not contain its level. The strain lags by the period of the first axial mode.
+    /// do not contain its level (docs/theory/coupling.md). The strain lags by the period of the first axial mode.
     pub pressure: Vec<f64>,
 }
 

@@ -86,7 +86,9 @@ impl<const D: usize> Parameters<D> {
     /// Refuse values outside their ranges and combinations that the model does not have.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let Section { line_density, bending_stiffness, axial_stiffness, shear_stiffness } = self.section;
-        for (name, vector) in [("attachment", self.attachment), ("direction", self.direction), ("gravity", self.gravity)] {
+        for (name, vector) in
+            [("attachment", self.attachment), ("direction", self.direction), ("gravity", self.gravity)]
+        {
             if vector.iter().any(|c| !c.is_finite()) {
                 return Err(Error::value(name, &vector[..], "finite"));
             }

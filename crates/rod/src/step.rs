@@ -47,7 +47,6 @@ impl<const D: usize> Span<'_, D> {
     }
 }
 
-
 impl<const D: usize> Rod<D> {
     /// Advance by `duration`, s, under the present loads.
     ///

@@ -180,7 +180,13 @@ impl<const D: usize> VertexDerivatives<D> {
     }
 
     /// Add the energy k_b g(ψ) of an angle in the plane of x and `axis`.
-    pub(crate) fn with_projected_angle(mut self, turn: &ProjectedAngle, axis: usize, k_b: f64, Jet(_, slope, curvature): Jet) -> Self {
+    pub(crate) fn with_projected_angle(
+        mut self,
+        turn: &ProjectedAngle,
+        axis: usize,
+        k_b: f64,
+        Jet(_, slope, curvature): Jet,
+    ) -> Self {
         let (slope, curvature) = (k_b * slope, k_b * curvature);
         let places = [0, axis];
         let before_hessian = -angle_hessian(-turn.by_before);

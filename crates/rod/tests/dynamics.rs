@@ -5,8 +5,7 @@ mod common;
 use std::f64::consts::TAU;
 
 use common::{GENERALISED_ALPHA, SCHEMES, total_energy, turek_hron_bar, unit_rod};
-use nervure_rod::{Error, Parameters, Rod, Root};
-use scene::{RodScheme, Section};
+use nervure_rod::{BaseMotion, Error, Parameters, Rod, Scheme, Section};
 
 /// Roots of 1 + cos b cosh b = 0: natural frequencies of a cantilever are b² sqrt(EI/µ)/L².
 const CANTILEVER: [f64; 3] = [1.875104068711961, 4.694091132974175, 7.854757438237613];
@@ -50,7 +49,7 @@ fn tip_history(rod: &mut Rod<2>, dt: f64, steps: usize) -> Vec<[f64; 2]> {
 fn first_three_frequencies_of_small_vibrations_are_those_of_the_cantilever_within_0_1_percent() {
     for b in CANTILEVER {
         let exact = b * b / TAU;
-        let mut rod = Rod::new(unit_rod::<2>(128, 1e4, RodScheme::Trapezoid)).unwrap();
+        let mut rod = Rod::new(unit_rod::<2>(128, 1e4, Scheme::Trapezoid)).unwrap();
         bend_into_mode(&mut rod, b, 1e-5);
         let dt = 1.0 / (exact * 400.0);
         let y: Vec<f64> = tip_history(&mut rod, dt, 4 * 400).iter().map(|tip| tip[1]).collect();
@@ -84,7 +83,7 @@ fn csm3_agrees_with_the_published_bar_within_a_percent() {
 }
 
 /// The bar of CSM3 in 32 segments.
-fn csm3(scheme: RodScheme) -> Rod<2> {
+fn csm3(scheme: Scheme) -> Rod<2> {
     Rod::new(Parameters { scheme, ..turek_hron_bar(1.4e6, 2.0, 32) }).unwrap()
 }
 
@@ -105,7 +104,7 @@ fn energy_drift(mut rod: Rod<2>, dt: f64) -> (f64, usize) {
 
 #[test]
 fn default_scheme_loses_less_than_a_percent_of_energy_in_a_minute_of_csm3() {
-    let (drift, _) = energy_drift(csm3(RodScheme::default()), 1e-2);
+    let (drift, _) = energy_drift(csm3(Scheme::default()), 1e-2);
     assert!(-1e-2 < drift && drift <= 0.0, "{drift}");
 }
 
@@ -113,25 +112,25 @@ fn default_scheme_loses_less_than_a_percent_of_energy_in_a_minute_of_csm3() {
 /// that is driven, but to where it is: what else may work on such a rod is not known, and its energy is not guarded.
 #[test]
 fn trapezoid_gains_a_third_of_energy_in_a_minute_of_csm3() {
-    let mut unguarded = csm3(RodScheme::Trapezoid);
-    let &Parameters { root: position, direction, .. } = unguarded.parameters();
-    unguarded.root = Some(Root { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
+    let mut unguarded = csm3(Scheme::Trapezoid);
+    let &Parameters { attachment: position, direction, .. } = unguarded.parameters();
+    unguarded.base_motion = Some(BaseMotion { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
     let (drift, halvings) = energy_drift(unguarded, 2e-2);
     assert!(drift >= 0.34 && halvings == 0, "{drift}, {halvings} halvings");
-    let (default, _) = energy_drift(csm3(RodScheme::default()), 2e-2);
+    let (default, _) = energy_drift(csm3(Scheme::default()), 2e-2);
     assert!(-1e-2 < default && default <= 0.0, "default scheme: {default}");
 }
 
 #[test]
 fn trapezoid_holds_its_energy_in_a_minute_of_csm3_with_the_energy_guard() {
-    let (resolved, halvings) = energy_drift(csm3(RodScheme::Trapezoid), 1e-2);
+    let (resolved, halvings) = energy_drift(csm3(Scheme::Trapezoid), 1e-2);
     assert!(resolved.abs() < 1e-5 && halvings == 0, "{resolved}, {halvings} halvings");
-    let (coarse, halvings) = energy_drift(csm3(RodScheme::Trapezoid), 2e-2);
+    let (coarse, halvings) = energy_drift(csm3(Scheme::Trapezoid), 2e-2);
     assert!(coarse.abs() < 1e-2 && halvings > 0, "{coarse}, {halvings} halvings");
 }
 
 /// A tip force A sin²(πt/2) on a rod with four soft segments, up to t = 1.
-fn tip_after_ramp(scheme: RodScheme, steps: usize, unequal: bool) -> [f64; 2] {
+fn tip_after_ramp(scheme: Scheme, steps: usize, unequal: bool) -> [f64; 2] {
     let mut rod = Rod::new(unit_rod::<2>(4, 100.0, scheme)).unwrap();
     rod.loads.force = vec![0.0; 2 * 5];
     let mut time = 0.0;
@@ -144,8 +143,8 @@ fn tip_after_ramp(scheme: RodScheme, steps: usize, unequal: bool) -> [f64; 2] {
     rod.tip_displacement()
 }
 
-fn assert_second_order(scheme: RodScheme, unequal: bool) {
-    let exact = tip_after_ramp(RodScheme::Trapezoid, 51200, false);
+fn assert_second_order(scheme: Scheme, unequal: bool) {
+    let exact = tip_after_ramp(Scheme::Trapezoid, 51200, false);
     let errors = [400, 800, 1600].map(|steps| {
         let tip = tip_after_ramp(scheme, steps, unequal);
         (tip[0] - exact[0]).hypot(tip[1] - exact[1])
@@ -158,7 +157,7 @@ fn assert_second_order(scheme: RodScheme, unequal: bool) {
 
 #[test]
 fn trapezoid_is_second_order() {
-    assert_second_order(RodScheme::Trapezoid, false);
+    assert_second_order(Scheme::Trapezoid, false);
 }
 
 #[test]
@@ -168,22 +167,22 @@ fn generalised_alpha_is_second_order() {
 
 #[test]
 fn tr_bdf2_is_second_order() {
-    assert_second_order(RodScheme::TrBdf2, false);
+    assert_second_order(Scheme::TrBdf2, false);
 }
 
 #[test]
 fn bdf2_is_second_order() {
-    assert_second_order(RodScheme::Bdf2, false);
+    assert_second_order(Scheme::Bdf2, false);
 }
 
 #[test]
 fn bdf2_is_second_order_with_unequal_steps() {
-    assert_second_order(RodScheme::Bdf2, true);
+    assert_second_order(Scheme::Bdf2, true);
 }
 
 #[test]
 fn trapezoid_conserves_the_energy_of_small_motion() {
-    let mut rod = Rod::new(unit_rod::<2>(32, 1e4, RodScheme::Trapezoid)).unwrap();
+    let mut rod = Rod::new(unit_rod::<2>(32, 1e4, Scheme::Trapezoid)).unwrap();
     bend_into_mode(&mut rod, CANTILEVER[0], 1e-4);
     let start = total_energy(&rod);
     for step in 0..2000 {
@@ -197,7 +196,7 @@ fn trapezoid_conserves_the_energy_of_small_motion() {
 #[test]
 fn dissipative_schemes_never_gain_energy_on_a_stiff_rod() {
     let segments = 32;
-    for scheme in [GENERALISED_ALPHA, RodScheme::TrBdf2, RodScheme::Bdf2] {
+    for scheme in [GENERALISED_ALPHA, Scheme::TrBdf2, Scheme::Bdf2] {
         let section = Section {
             line_density: 0.0571428571,
             bending_stiffness: 0.0259151,
@@ -244,7 +243,7 @@ fn largest_rise<const D: usize>(
         let total = total_energy(rod) - work;
         largest = largest.max(energy.kinetic).max(energy.stretching + energy.bending);
         if since > 2 {
-            let conserving = rod.parameters().scheme == RodScheme::Trapezoid;
+            let conserving = rod.parameters().scheme == Scheme::Trapezoid;
             lowest = if conserving && since > 3 { lowest } else { lowest.min(total) };
             rise = rise.max((total - lowest) / largest);
         }
@@ -253,7 +252,7 @@ fn largest_rise<const D: usize>(
 }
 
 /// The beam of the thesis, section 2.4.1, in units of its length, without weight.
-fn calm_rod(scheme: RodScheme) -> Rod<3> {
+fn calm_rod(scheme: Scheme) -> Rod<3> {
     let section =
         Section { line_density: 0.0571, bending_stiffness: 0.0259, axial_stiffness: 95.18, shear_stiffness: None };
     let mut rod = Rod::new(Parameters { section, ..unit_rod(64, 1.0, scheme) }).unwrap();
@@ -265,8 +264,8 @@ fn calm_rod(scheme: RodScheme) -> Rod<3> {
 /// gained 77 % here, and the trapezoid as much as there was.
 #[test]
 fn guarded_schemes_do_not_gain_energy_where_the_rod_folds_back() {
-    let generalised_alpha = [0.5, 0.8, 0.95, 1.0].map(|rho_inf| RodScheme::GeneralisedAlpha { rho_inf });
-    for scheme in generalised_alpha.into_iter().chain([RodScheme::Trapezoid]) {
+    let generalised_alpha = [0.5, 0.8, 0.95, 1.0].map(|rho_inf| Scheme::GeneralisedAlpha { rho_inf });
+    for scheme in generalised_alpha.into_iter().chain([Scheme::Trapezoid]) {
         let mut rod = calm_rod(scheme);
         let mut substeps = 0;
         let result = largest_rise(&mut rod, 2e-2, 400, |rod, step| {
@@ -288,16 +287,16 @@ fn guarded_schemes_do_not_gain_energy_where_the_rod_folds_back() {
 /// A blow that the smallest sub-step does not resolve.
 #[test]
 fn step_that_would_gain_energy_ends_with_an_error_and_the_state_as_it_was() {
-    let mut rod = calm_rod(RodScheme::GeneralisedAlpha { rho_inf: 0.9 });
+    let mut rod = calm_rod(Scheme::GeneralisedAlpha { rho_inf: 0.9 });
     (rod.loads.force[64], rod.loads.force[2 * 65 - 1]) = (-1e4, 100.0);
     let error = largest_rise(&mut rod, 0.1, 100, |_, _| false).unwrap_err();
-    assert!(matches!(error, Error::EnergyGain { scheme: RodScheme::GeneralisedAlpha { rho_inf: 0.9 }, .. }), "{error}");
+    assert!(matches!(error, Error::EnergyGain { scheme: Scheme::GeneralisedAlpha { rho_inf: 0.9 }, .. }), "{error}");
 }
 
 /// A state that says it began with less than it has.
 #[test]
 fn trapezoid_that_has_gained_energy_ends_with_an_error_that_gives_it() {
-    let mut rod = csm3(RodScheme::Trapezoid);
+    let mut rod = csm3(Scheme::Trapezoid);
     (0..30).for_each(|_| rod.step(6.4e-3).unwrap());
     let mut state = rod.state().clone();
     state.reference_energy -= 0.02 * state.largest_energy;
@@ -314,7 +313,7 @@ fn trapezoid_that_has_gained_energy_ends_with_an_error_that_gives_it() {
 #[test]
 fn reference_of_the_trapezoid_follows_the_damping() {
     let damping = 0.4;
-    let mut rod = Rod::new(Parameters { damping, ..unit_rod::<2>(32, 1e4, RodScheme::Trapezoid) }).unwrap();
+    let mut rod = Rod::new(Parameters { damping, ..unit_rod::<2>(32, 1e4, Scheme::Trapezoid) }).unwrap();
     bend_into_mode(&mut rod, CANTILEVER[0], 1e-3);
     let start = total_energy(&rod);
     for step in 0..1000 {
@@ -328,8 +327,8 @@ fn reference_of_the_trapezoid_follows_the_damping() {
 /// Thirty periods of CSM3 at a sixtieth of a period.
 #[test]
 fn free_swing_with_little_dissipation_is_not_stopped() {
-    let generalised_alpha = [0.0, 0.5, 0.8, 0.95].map(|rho_inf| RodScheme::GeneralisedAlpha { rho_inf });
-    for scheme in generalised_alpha.into_iter().chain([RodScheme::Trapezoid]) {
+    let generalised_alpha = [0.0, 0.5, 0.8, 0.95].map(|rho_inf| Scheme::GeneralisedAlpha { rho_inf });
+    for scheme in generalised_alpha.into_iter().chain([Scheme::Trapezoid]) {
         let mut rod = csm3(scheme);
         let mut substeps = 0;
         let rise = largest_rise(&mut rod, 1.5e-2, 1800, |rod, _| {
@@ -364,7 +363,7 @@ fn fall_in_long_steps(segments: usize, k_e: f64, bending_stiffness: f64) -> (usi
         shear_stiffness: None,
     };
     let gravity = [0.0, -0.7];
-    let rod = Parameters { section, gravity, ..unit_rod::<2>(segments, 1.0, RodScheme::TrBdf2) };
+    let rod = Parameters { section, gravity, ..unit_rod::<2>(segments, 1.0, Scheme::TrBdf2) };
     let mut rod = Rod::new(rod).unwrap();
     let (mut iterations, mut substeps, mut largest) = (0, 0, f64::MIN);
     for _ in 0..50 {
@@ -411,7 +410,7 @@ fn newton_takes_two_iterations_a_solve_at_the_step_of_fsi3() {
             }
             rod.step(dt).unwrap();
             let statistics = rod.statistics();
-            let solves = if scheme == RodScheme::TrBdf2 { 2 } else { 1 };
+            let solves = if scheme == Scheme::TrBdf2 { 2 } else { 1 };
             let within =
                 statistics.iterations <= 2 * solves && statistics.substeps == 1 && statistics.negative_pivots == 0;
             assert!(within, "{scheme:?}, step {step}: {statistics:?}");
@@ -430,7 +429,7 @@ fn added_mass_through_the_impedance_is_mass() {
         force[nodes..].fill(-1.0 / nodes as f64);
         force
     };
-    let heavy = unit_rod::<2>(16, 1e3, RodScheme::Bdf2);
+    let heavy = unit_rod::<2>(16, 1e3, Scheme::Bdf2);
     let mut light = Rod::new(Parameters { displaced: 1.0, ..heavy.clone() }).unwrap();
     let mut heavy = Rod::new(heavy).unwrap();
     heavy.loads.force = weight(17);
@@ -461,7 +460,7 @@ fn added_mass_through_the_impedance_is_mass() {
 #[test]
 fn energy_is_the_work_of_the_loads() {
     let imbalance = |dt: f64| {
-        let mut rod = Rod::new(unit_rod::<2>(16, 1e3, RodScheme::Trapezoid)).unwrap();
+        let mut rod = Rod::new(unit_rod::<2>(16, 1e3, Scheme::Trapezoid)).unwrap();
         rod.loads.force = vec![0.0; 2 * 17];
         rod.loads.impedance = vec![0.5; 17];
         let steps = (2.0 / dt).round() as usize;
@@ -543,7 +542,7 @@ fn largest_step_divides_the_step_evenly() {
 #[test]
 fn damping_takes_its_share() {
     let damping = 0.4;
-    let mut rod = Rod::new(Parameters { damping, ..unit_rod::<2>(32, 1e4, RodScheme::Trapezoid) }).unwrap();
+    let mut rod = Rod::new(Parameters { damping, ..unit_rod::<2>(32, 1e4, Scheme::Trapezoid) }).unwrap();
     bend_into_mode(&mut rod, CANTILEVER[0], 1e-4);
     let start = total_energy(&rod);
     // A whole number of half periods, where kinetic energy and damping power vanish.

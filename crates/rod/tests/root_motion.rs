@@ -5,15 +5,15 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use common::{SCHEMES, total_energy, turek_hron_bar, unit_rod};
-use nervure_rod::{Error, Parameters, Rod, Root};
-use scene::{RodScheme, RootLaws, Rotation, Section, TimeLaw};
+use nervure_rod::{BaseMotion, Error, Parameters, Rod, Scheme, Section};
+use scene::{RootLaws, Rotation, TimeLaw};
 
 /// The root of a rod along x at the origin, moved by `laws`.
-fn root_at<const D: usize>(laws: &RootLaws, t: f64) -> Root<D> {
+fn root_at<const D: usize>(laws: &RootLaws, t: f64) -> BaseMotion<D> {
     let ((position, velocity), (direction, rate)) = (laws.displacement(t), laws.direction(t, [1.0, 0.0, 0.0]));
     let [position, velocity, direction, direction_rate] =
         [position, velocity, direction, rate].map(|vector| std::array::from_fn(|d| vector[d]));
-    Root { position, velocity, direction, direction_rate }
+    BaseMotion { position, velocity, direction, direction_rate }
 }
 
 /// Amplitude of the response at `omega` over whole periods of samples `dt` apart, against sin(omega t) from `start` on.
@@ -35,11 +35,11 @@ fn transfer(b: f64, pitch: bool) -> f64 {
     } else {
         RootLaws { y: law, ..RootLaws::default() }
     };
-    let mut rod = Rod::new(unit_rod::<2>(64, 1e4, RodScheme::TrBdf2)).unwrap();
+    let mut rod = Rod::new(unit_rod::<2>(64, 1e4, Scheme::TrBdf2)).unwrap();
     let (ramp, measured) = (30 * steps_per_period, 20 * steps_per_period);
     let mut samples = Vec::new();
     for step in 1..=ramp + measured {
-        rod.root = Some(root_at(&laws, dt * f64::from(step)));
+        rod.base_motion = Some(root_at(&laws, dt * f64::from(step)));
         rod.step(dt).unwrap();
         if step > ramp {
             samples.push(rod.tip_displacement()[1]);
@@ -67,7 +67,7 @@ fn base_excitation_has_the_transfer_function_of_the_cantilever() {
 /// that heaves and pitches widely, in the plane and in space, over its second period.
 #[test]
 fn power_at_the_root_becomes_energy_or_goes_into_damping() {
-    fn missing<const D: usize>(scheme: RodScheme, steps: u32, shear_stiffness: Option<f64>) -> f64 {
+    fn missing<const D: usize>(scheme: Scheme, steps: u32, shear_stiffness: Option<f64>) -> f64 {
         let law = |amplitude, phase| TimeLaw::Sine { mean: 0.0, amplitude, frequency: 0.4, phase, ramp: 2.5 };
         let axis = if D == 2 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 1.0] };
         let rotations = vec![Rotation { angle: law(0.9, 0.5), axis }];
@@ -81,7 +81,7 @@ fn power_at_the_root_becomes_energy_or_goes_into_damping() {
         let dt = 2.5 / f64::from(steps);
         let (mut energy, mut work, mut damped, mut exchanged) = (0.0, 0.0, 0.0, 0.0);
         for step in 1..=2 * steps {
-            rod.root = Some(root_at(&laws, dt * f64::from(step)));
+            rod.base_motion = Some(root_at(&laws, dt * f64::from(step)));
             rod.step(dt).unwrap();
             if step == steps {
                 (energy, work, damped, exchanged) = (total_energy(&rod), rod.state().drive.work, 0.0, 0.0);
@@ -110,13 +110,13 @@ fn drive_of_a_stiff_rod_is_that_of_a_rigid_one() {
     let (frequency, amplitude) = (1.0, 0.8);
     let law = TimeLaw::Sine { mean: 0.0, amplitude, frequency, phase: 0.0, ramp: 1.0 };
     let laws = RootLaws { rotations: vec![Rotation { angle: law, axis: [0.0, 0.0, 1.0] }], ..RootLaws::default() };
-    let mut stiff = unit_rod::<2>(32, 1e7, RodScheme::Bdf2);
+    let mut stiff = unit_rod::<2>(32, 1e7, Scheme::Bdf2);
     stiff.section.bending_stiffness = 1e6;
     let mut rod = Rod::new(stiff).unwrap();
     let dt = 2e-4;
     for step in 1..=10_000 {
         let t = dt * f64::from(step);
-        rod.root = Some(root_at(&laws, t));
+        rod.base_motion = Some(root_at(&laws, t));
         rod.step(dt).unwrap();
         let (angle, _) = laws.rotations[0].angle.value_and_rate(t);
         let rate = |t: f64| laws.rotations[0].angle.value_and_rate(t).1;
@@ -142,12 +142,12 @@ fn drive_of_a_stiff_rod_is_that_of_a_rigid_one() {
 #[test]
 fn accelerated_root_is_gravity() {
     let (acceleration, dt) = (2.0, 1e-3);
-    let mut weighed = Rod::new(Parameters { scheme: RodScheme::Trapezoid, ..turek_hron_bar(1.4e6, 2.0, 32) }).unwrap();
+    let mut weighed = Rod::new(Parameters { scheme: Scheme::Trapezoid, ..turek_hron_bar(1.4e6, 2.0, 32) }).unwrap();
     let mut moved = Rod::new(Parameters { gravity: [0.0; 2], ..weighed.parameters().clone() }).unwrap();
     for step in 1..=500 {
         let t = dt * f64::from(step);
         let height = 0.5 * acceleration * t * t;
-        moved.root = Some(Root {
+        moved.base_motion = Some(BaseMotion {
             position: [0.25, 0.2 + height],
             velocity: [0.0, acceleration * t],
             direction: [1.0, 0.0],
@@ -179,8 +179,8 @@ fn flapping_is_the_same_in_the_plane_and_in_space() {
         let dt = 0.02;
         for step in 1..=150 {
             let t = dt * f64::from(step);
-            planar.root = Some(root_at(&plane, t));
-            spatial.root = Some(root_at(&space, t));
+            planar.base_motion = Some(root_at(&plane, t));
+            spatial.base_motion = Some(root_at(&space, t));
             planar.step(dt).unwrap();
             spatial.step(dt).unwrap();
             let ([x, y], found) = (planar.tip_displacement(), spatial.tip_displacement());
@@ -204,15 +204,15 @@ fn substeps_follow_the_root_within_the_step() {
         ..RootLaws::default()
     };
     let (dt, parts) = (0.02, 8);
-    let fine = unit_rod::<2>(16, 1e3, RodScheme::TrBdf2);
+    let fine = unit_rod::<2>(16, 1e3, Scheme::TrBdf2);
     let mut coarse = Rod::new(Parameters { max_step: Some(dt / f64::from(parts)), ..fine.clone() }).unwrap();
     let mut fine = Rod::new(fine).unwrap();
     for step in 1..=100 {
-        coarse.root = Some(root_at(&laws, dt * f64::from(step)));
+        coarse.base_motion = Some(root_at(&laws, dt * f64::from(step)));
         coarse.step(dt).unwrap();
         assert_eq!(coarse.statistics().substeps, parts as usize);
         for part in 1..=parts {
-            fine.root = Some(root_at(&laws, dt * (f64::from(step - 1) + f64::from(part) / f64::from(parts))));
+            fine.base_motion = Some(root_at(&laws, dt * (f64::from(step - 1) + f64::from(part) / f64::from(parts))));
             fine.step(dt / f64::from(parts)).unwrap();
         }
     }
@@ -225,9 +225,13 @@ fn substeps_follow_the_root_within_the_step() {
 /// A rod that is placed lies along its new direction and stays there.
 #[test]
 fn placed_rod_is_at_rest_where_it_was_put() {
-    let mut rod = Rod::new(unit_rod::<3>(8, 1e3, RodScheme::TrBdf2)).unwrap();
-    let root =
-        Root { position: [1.0, 2.0, 3.0], velocity: [0.0; 3], direction: [0.0, 3.0, 4.0], direction_rate: [0.0; 3] };
+    let mut rod = Rod::new(unit_rod::<3>(8, 1e3, Scheme::TrBdf2)).unwrap();
+    let root = BaseMotion {
+        position: [1.0, 2.0, 3.0],
+        velocity: [0.0; 3],
+        direction: [0.0, 3.0, 4.0],
+        direction_rate: [0.0; 3],
+    };
     rod.place(root).unwrap();
     for _ in 0..10 {
         rod.step(0.1).unwrap();
@@ -250,7 +254,7 @@ fn restored_state_of_a_moving_rod_continues_bit_by_bit() {
     for scheme in SCHEMES {
         let parameters = unit_rod::<2>(16, 1e3, scheme);
         let step = |rod: &mut Rod<2>, step: u32| {
-            rod.root = Some(root_at(&laws, 0.01 * f64::from(step)));
+            rod.base_motion = Some(root_at(&laws, 0.01 * f64::from(step)));
             rod.step(0.01).unwrap();
         };
         let mut rod = Rod::new(parameters.clone()).unwrap();
@@ -258,7 +262,7 @@ fn restored_state_of_a_moving_rod_continues_bit_by_bit() {
         let state = rod.state().clone();
         let mut other = Rod::new(parameters).unwrap();
         assert!(other.restore(&state).is_err(), "a still rod took a moved clamp");
-        other.root = rod.root;
+        other.base_motion = rod.base_motion;
         other.restore(&state).unwrap();
         (20..30).for_each(|k| [&mut rod, &mut other].into_iter().for_each(|rod| step(rod, k)));
         let (found, expected) = (other.tip_displacement(), rod.tip_displacement());
@@ -268,19 +272,22 @@ fn restored_state_of_a_moving_rod_continues_bit_by_bit() {
 
 #[test]
 fn bad_roots_are_named_and_change_nothing() {
-    let mut rod = Rod::new(unit_rod::<2>(8, 1e3, RodScheme::TrBdf2)).unwrap();
-    let good = Root { position: [0.0; 2], velocity: [0.0; 2], direction: [1.0, 0.0], direction_rate: [0.0; 2] };
+    let mut rod = Rod::new(unit_rod::<2>(8, 1e3, Scheme::TrBdf2)).unwrap();
+    let good = BaseMotion { position: [0.0; 2], velocity: [0.0; 2], direction: [1.0, 0.0], direction_rate: [0.0; 2] };
     let before = rod.state().clone();
     for (root, part) in [
-        (Root { position: [f64::NAN, 0.0], ..good }, "root.position is [NaN, 0.000e0]"),
-        (Root { velocity: [0.0, f64::INFINITY], ..good }, "root.velocity is [0.000e0, inf]"),
-        (Root { direction: [0.0; 2], ..good }, "root.direction is [0.0, 0.0], but it must be a vector of any length"),
+        (BaseMotion { position: [f64::NAN, 0.0], ..good }, "base_motion.position is [NaN, 0.000e0]"),
+        (BaseMotion { velocity: [0.0, f64::INFINITY], ..good }, "base_motion.velocity is [0.000e0, inf]"),
         (
-            Root { direction: [-0.1, 1.0], ..good },
-            "root.direction is [-1.000e-1, 1.000e0], but it must be less than a right",
+            BaseMotion { direction: [0.0; 2], ..good },
+            "base_motion.direction is [0.000e0, 0.000e0], but it must be a vector of any length",
+        ),
+        (
+            BaseMotion { direction: [-0.1, 1.0], ..good },
+            "base_motion.direction is [-1.000e-1, 1.000e0], but it must be less than a right",
         ),
     ] {
-        rod.root = Some(root);
+        rod.base_motion = Some(root);
         let message = rod.step(0.1).map_err(|error: Error| error.to_string()).unwrap_err();
         assert!(message.contains(part), "no {part:?} in {message:?}");
         assert_eq!(rod.state(), &before);

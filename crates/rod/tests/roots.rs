@@ -8,11 +8,10 @@ use std::f64::consts::{PI, TAU};
 
 use common::{SCHEMES, total_energy, unit_rod};
 use modes::{RitzBeam, frequencies};
-use nervure_rod::{Hold, Parameters, Rod, Root, Taper};
-use scene::{RodScheme, Section};
+use nervure_rod::{BaseMotion, Bending, Parameters, Rod, RootSupport, Scheme, Section, Taper};
 
-fn spring(stiffness: f64) -> Hold {
-    Hold::TorsionSpring { stiffness, damping: 0.0, rest_angle: 0.0 }
+fn spring(stiffness: f64) -> RootSupport {
+    RootSupport::TorsionSpring { stiffness, damping: 0.0, rest_angle: 0.0 }
 }
 
 /// b of the frequencies b² sqrt(EI/µ)/L², by bisection around `guess`.
@@ -35,23 +34,26 @@ fn hinged(kappa: f64) -> impl Fn(f64) -> f64 {
 fn frequencies_are_those_of_the_characteristic_equations() {
     let free = |b: f64| 1.0 / b.cosh() - b.cos();
     let modes = |equation: &dyn Fn(f64) -> f64, guesses: [f64; 3]| guesses.map(|guess| characteristic(equation, guess));
-    for (hold, rigid, exact) in [
-        (Hold::Pinned, 1, modes(&hinged(0.0), [3.93, 7.07, 10.21])),
+    for (support, rigid, exact) in [
+        (RootSupport::Pinned, 1, modes(&hinged(0.0), [3.93, 7.07, 10.21])),
         (spring(1.0), 0, modes(&hinged(1.0), [1.25, 4.03, 7.13])),
         (spring(50.0), 0, modes(&hinged(50.0), [1.84, 4.60, 7.70])),
-        (Hold::Free, 2, modes(&free, [4.73, 7.85, 11.0])),
+        (RootSupport::Free, 2, modes(&free, [4.73, 7.85, 11.0])),
     ] {
         let errors = [32, 64, 128].map(|segments| {
-            let mut rod = Rod::new(Parameters { hold, ..unit_rod(segments, 1e4, RodScheme::TrBdf2) }).unwrap();
+            let mut rod = Rod::new(Parameters { support, ..unit_rod(segments, 1e4, Scheme::TrBdf2) }).unwrap();
             let found = frequencies(&mut rod);
-            assert!(found[..rigid].iter().all(|&omega| omega < 1e-3 * found[rigid]), "{hold:?}: {:?}", &found[..4]);
+            assert!(found[..rigid].iter().all(|&omega| omega < 1e-3 * found[rigid]), "{support:?}: {:?}", &found[..4]);
             [0, 1, 2].map(|mode| found[rigid + mode] / exact[mode].powi(2) - 1.0)
         });
-        println!("{hold:?}: {errors:?}");
+        println!("{support:?}: {errors:?}");
         for mode in 0..3 {
             let orders = [0, 1].map(|grid| (errors[grid][mode] / errors[grid + 1][mode]).log2());
-            assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.1), "{hold:?}, mode {mode}: orders {orders:?}");
-            assert!(errors[2][mode].abs() < 1e-3, "{hold:?}, mode {mode}: {errors:?}");
+            assert!(
+                orders.iter().all(|order| (order - 2.0).abs() < 0.1),
+                "{support:?}, mode {mode}: orders {orders:?}"
+            );
+            assert!(errors[2][mode].abs() < 1e-3, "{support:?}, mode {mode}: {errors:?}");
         }
     }
 }
@@ -61,7 +63,7 @@ fn frequencies_are_those_of_the_characteristic_equations() {
 fn tapered_rod_on_a_spring_has_the_frequencies_of_the_ritz_method() {
     let thickness = |s: f64| 1.0 - 0.8 * s;
     let bending = |s: f64| thickness(s).powi(3);
-    for (hold, held, spring) in [(Hold::Free, 0, 0.0), (Hold::Pinned, 1, 0.0), (spring(3.0), 1, 3.0)] {
+    for (support, held, spring) in [(RootSupport::Free, 0, 0.0), (RootSupport::Pinned, 1, 0.0), (spring(3.0), 1, 3.0)] {
         let exact = RitzBeam { bending: &bending, mass: &thickness, held, spring }.frequencies();
         let rigid = if spring > 0.0 { 0 } else { 2 - held };
         let errors = [64, 128].map(|segments: usize| {
@@ -70,14 +72,14 @@ fn tapered_rod_on_a_spring_has_the_frequencies_of_the_ritz_method() {
             };
             let taper =
                 Taper { line_density: along(&thickness), bending_stiffness: along(&bending), ..Taper::default() };
-            let mut rod = Rod::new(Parameters { hold, taper, ..unit_rod(segments, 1e4, RodScheme::TrBdf2) }).unwrap();
+            let mut rod = Rod::new(Parameters { support, taper, ..unit_rod(segments, 1e4, Scheme::TrBdf2) }).unwrap();
             let found = frequencies(&mut rod);
             [0, 1, 2].map(|mode| found[rigid + mode] / exact[rigid + mode] - 1.0)
         });
-        println!("{hold:?}: {errors:?}");
+        println!("{support:?}: {errors:?}");
         for mode in 0..3 {
             let order = (errors[0][mode] / errors[1][mode]).log2();
-            assert!((order - 2.0).abs() < 0.1 && errors[1][mode].abs() < 1.2e-3, "{hold:?}, {mode}: {errors:?}");
+            assert!((order - 2.0).abs() < 0.1 && errors[1][mode].abs() < 1.2e-3, "{support:?}, {mode}: {errors:?}");
         }
     }
 }
@@ -104,8 +106,12 @@ fn pinned_stiff_rod_is_a_compound_pendulum() {
     fn period<const D: usize>(gravity: [f64; D], across: [f64; D], steps: usize) -> f64 {
         let dt = 1.0 / steps as f64;
         let stiff = Section { line_density: 1.0, bending_stiffness: 1e4, axial_stiffness: 1e7, shear_stiffness: None };
-        let parameters =
-            Parameters { section: stiff, hold: Hold::Pinned, gravity, ..unit_rod::<D>(32, 1.0, RodScheme::TrBdf2) };
+        let parameters = Parameters {
+            section: stiff,
+            support: RootSupport::Pinned,
+            gravity,
+            ..unit_rod::<D>(32, 1.0, Scheme::TrBdf2)
+        };
         let mut rod = Rod::new(parameters).unwrap();
         let swing: Vec<f64> = (0..4 * steps)
             .map(|_| {
@@ -141,10 +147,10 @@ fn stiff_rod_on_a_damped_spring_is_the_exact_oscillator() {
     let stiff = Section { line_density: 1.0, bending_stiffness: 1e5, axial_stiffness: 1e7, shear_stiffness: None };
     for shear in [None, Some(1e7)] {
         for damping in [0.0, 0.2, 3.0] {
-            let hold = Hold::TorsionSpring { stiffness, damping, rest_angle };
+            let support = RootSupport::TorsionSpring { stiffness, damping, rest_angle };
             for scheme in SCHEMES {
                 let section = Section { shear_stiffness: shear, ..stiff };
-                let mut rod = Rod::new(Parameters { section, hold, ..unit_rod::<2>(64, 1.0, scheme) }).unwrap();
+                let mut rod = Rod::new(Parameters { section, support, ..unit_rod::<2>(64, 1.0, scheme) }).unwrap();
                 let inertia = (1.0 + 0.5 / 64.0_f64.powi(2)) / 3.0;
                 let (decay, square) = (0.5 * damping / inertia, stiffness / inertia);
                 let mut worst: f64 = 0.0;
@@ -166,7 +172,7 @@ fn stiff_rod_on_a_damped_spring_is_the_exact_oscillator() {
                 }
                 println!("damping {damping}, shear {shear:?}, {scheme:?}: {worst:.2e}");
                 // BDF2 begins with backward Euler.
-                let most = if scheme == RodScheme::Bdf2 { 4e-3 } else { 2e-4 };
+                let most = if scheme == Scheme::Bdf2 { 4e-3 } else { 2e-4 };
                 assert!(worst < most, "damping {damping}, shear {shear:?}, {scheme:?}: {worst}");
             }
         }
@@ -176,9 +182,9 @@ fn stiff_rod_on_a_damped_spring_is_the_exact_oscillator() {
 /// What the spring's damping takes is what the energy loses.
 #[test]
 fn damping_of_the_spring_takes_the_energy() {
-    let hold = Hold::TorsionSpring { stiffness: 2.0, damping: 0.1, rest_angle: 0.9 };
+    let support = RootSupport::TorsionSpring { stiffness: 2.0, damping: 0.1, rest_angle: 0.9 };
     let lost = |steps: u32| {
-        let mut rod = Rod::new(Parameters { hold, ..unit_rod::<2>(16, 1e3, RodScheme::Trapezoid) }).unwrap();
+        let mut rod = Rod::new(Parameters { support, ..unit_rod::<2>(16, 1e3, Scheme::Trapezoid) }).unwrap();
         let (before, dt) = (total_energy(&rod), 2.0 / f64::from(steps));
         let mut taken = 0.0;
         for _ in 0..steps {
@@ -198,14 +204,14 @@ fn damping_of_the_spring_takes_the_energy() {
 fn spring_in_space_is_that_of_the_plane() {
     let gravity = 9.0;
     let mut planar = Rod::new(Parameters {
-        hold: spring(1.5),
+        support: spring(1.5),
         gravity: [0.0, -gravity],
-        ..unit_rod::<2>(12, 1e3, RodScheme::TrBdf2)
+        ..unit_rod::<2>(12, 1e3, Scheme::TrBdf2)
     })
     .unwrap();
     let oblique = [0.0, -gravity * 0.6, -gravity * 0.8];
     let mut spatial =
-        Rod::new(Parameters { hold: spring(1.5), gravity: oblique, ..unit_rod::<3>(12, 1e3, RodScheme::TrBdf2) })
+        Rod::new(Parameters { support: spring(1.5), gravity: oblique, ..unit_rod::<3>(12, 1e3, Scheme::TrBdf2) })
             .unwrap();
     for _ in 0..300 {
         planar.step(5e-3).unwrap();
@@ -236,9 +242,9 @@ fn invariants(rod: &Rod<2>) -> ([f64; 2], [f64; 2], f64) {
 #[test]
 fn free_rod_keeps_its_momenta_and_falls_as_a_point_does() {
     let drift = |steps: usize, gravity: [f64; 2], shear: Option<f64>| {
-        let rod = unit_rod::<2>(16, 1e3, RodScheme::TrBdf2);
+        let rod = unit_rod::<2>(16, 1e3, Scheme::TrBdf2);
         let section = Section { shear_stiffness: shear, ..rod.section };
-        let mut rod = Rod::new(Parameters { section, hold: Hold::Free, gravity, ..rod }).unwrap();
+        let mut rod = Rod::new(Parameters { section, support: RootSupport::Free, gravity, ..rod }).unwrap();
         let (dt, nodes) = (1.0 / steps as f64, 17);
         rod.loads.force = vec![0.0; 2 * nodes];
         for k in 0..nodes {
@@ -275,7 +281,7 @@ fn free_rod_keeps_its_momenta_and_falls_as_a_point_does() {
 /// Towed along its own direction by a constant force, the rod follows with F/m and the drive does the work F x.
 #[test]
 fn towed_rod_has_the_acceleration_of_the_force() {
-    let mut rod = Rod::new(Parameters { hold: Hold::Free, ..unit_rod::<3>(8, 1e5, RodScheme::TrBdf2) }).unwrap();
+    let mut rod = Rod::new(Parameters { support: RootSupport::Free, ..unit_rod::<3>(8, 1e5, Scheme::TrBdf2) }).unwrap();
     rod.towing = [-2.0, 0.0, 0.0];
     for _ in 0..1000 {
         rod.step(1e-3).unwrap();
@@ -295,37 +301,42 @@ fn towed_rod_has_the_acceleration_of_the_force() {
 /// A pinned rod whose root is moved along: the root is where it is taken, and the reaction moves the masses.
 #[test]
 fn moving_root_takes_a_pinned_rod_along() {
-    for hold in [Hold::Pinned, spring(0.5)] {
-        let mut rod = Rod::new(Parameters { hold, ..unit_rod::<2>(16, 1e3, RodScheme::TrBdf2) }).unwrap();
+    for support in [RootSupport::Pinned, spring(0.5)] {
+        let mut rod = Rod::new(Parameters { support, ..unit_rod::<2>(16, 1e3, Scheme::TrBdf2) }).unwrap();
         let at = |t: f64| {
             let y = 0.3 * (1.0 - t.cos());
-            Root { position: [0.0, y], velocity: [0.0, 0.3 * t.sin()], direction: [1.0, 0.0], direction_rate: [0.0; 2] }
+            BaseMotion {
+                position: [0.0, y],
+                velocity: [0.0, 0.3 * t.sin()],
+                direction: [1.0, 0.0],
+                direction_rate: [0.0; 2],
+            }
         };
         rod.place(at(0.0)).unwrap();
         let (dt, mut impulse) = (2e-3, 0.0);
         for step in 1..=1000 {
             let force = rod.state().drive.force[1];
-            rod.root = Some(at(dt * f64::from(step)));
+            rod.base_motion = Some(at(dt * f64::from(step)));
             rod.step(dt).unwrap();
             impulse += 0.5 * dt * (force + rod.state().drive.force[1]);
         }
         let momentum: f64 = rod.masses().iter().zip(&rod.state().velocities).map(|(m, v)| m * v[1]).sum();
         println!(
-            "{hold:?}: impulse {impulse}, momentum {momentum}, work {}, energy {}",
+            "{support:?}: impulse {impulse}, momentum {momentum}, work {}, energy {}",
             rod.state().drive.work,
             total_energy(&rod)
         );
         assert!((rod.positions(1)[0] - 0.3 * (1.0 - 2.0_f64.cos())).abs() < 1e-12);
-        assert!((impulse / momentum - 1.0).abs() < 2e-3, "{hold:?}: {impulse} against {momentum}");
+        assert!((impulse / momentum - 1.0).abs() < 2e-3, "{support:?}: {impulse} against {momentum}");
         let moment = rod.state().drive.moment[2];
-        assert_eq!(moment == 0.0, hold == Hold::Pinned, "moment {moment}");
+        assert_eq!(moment == 0.0, support == RootSupport::Pinned, "moment {moment}");
     }
 }
 
 #[test]
 fn state_of_a_damped_spring_is_put_back() {
-    let hold = Hold::TorsionSpring { stiffness: 2.0, damping: 0.3, rest_angle: 0.5 };
-    let mut rod = Rod::new(Parameters { hold, ..unit_rod::<2>(8, 1e3, RodScheme::Bdf2) }).unwrap();
+    let support = RootSupport::TorsionSpring { stiffness: 2.0, damping: 0.3, rest_angle: 0.5 };
+    let mut rod = Rod::new(Parameters { support, ..unit_rod::<2>(8, 1e3, Scheme::Bdf2) }).unwrap();
     (0..20).for_each(|_| rod.step(1e-2).unwrap());
     let state = rod.state().clone();
     (0..20).for_each(|_| rod.step(1e-2).unwrap());
@@ -333,23 +344,26 @@ fn state_of_a_damped_spring_is_put_back() {
     rod.restore(&state).unwrap();
     (0..20).for_each(|_| rod.step(1e-2).unwrap());
     assert_eq!(*rod.state(), expected);
-    let mut other = Rod::new(Parameters { hold: Hold::Pinned, ..unit_rod::<2>(8, 1e3, RodScheme::Bdf2) }).unwrap();
+    let mut other =
+        Rod::new(Parameters { support: RootSupport::Pinned, ..unit_rod::<2>(8, 1e3, Scheme::Bdf2) }).unwrap();
     let refused = other.restore(&state).unwrap_err().to_string();
     assert!(refused.contains("state.hinge"), "{refused}");
 }
 
 #[test]
 fn roots_that_cannot_be_are_refused_by_name() {
-    let rod = || unit_rod::<3>(8, 1e3, RodScheme::TrBdf2);
-    let damped = Hold::TorsionSpring { stiffness: 1.0, damping: 0.1, rest_angle: 0.0 };
-    let turned = Hold::TorsionSpring { stiffness: 1.0, damping: 0.0, rest_angle: 0.1 };
-    for (hold, name) in [(damped, "hold.damping"), (turned, "hold.rest_angle"), (spring(0.0), "hold.stiffness")] {
-        let refused = Rod::new(Parameters { hold, ..rod() }).map(|_| ()).unwrap_err().to_string();
+    let rod = || unit_rod::<3>(8, 1e3, Scheme::TrBdf2);
+    let damped = RootSupport::TorsionSpring { stiffness: 1.0, damping: 0.1, rest_angle: 0.0 };
+    let turned = RootSupport::TorsionSpring { stiffness: 1.0, damping: 0.0, rest_angle: 0.1 };
+    for (support, name) in
+        [(damped, "support.damping"), (turned, "support.rest_angle"), (spring(0.0), "support.stiffness")]
+    {
+        let refused = Rod::new(Parameters { support, ..rod() }).map(|_| ()).unwrap_err().to_string();
         assert!(refused.contains(name), "{refused}");
     }
-    let projected = Parameters { hold: Hold::Pinned, bending: scene::Bending::Projected, ..rod() };
+    let projected = Parameters { support: RootSupport::Pinned, bending: Bending::Projected, ..rod() };
     let refused = Rod::new(projected).map(|_| ()).unwrap_err().to_string();
-    assert!(refused.contains("hold is Pinned"), "{refused}");
-    let mut free = Rod::new(Parameters { hold: Hold::Free, ..rod() }).unwrap();
+    assert!(refused.contains("support is Pinned"), "{refused}");
+    let mut free = Rod::new(Parameters { support: RootSupport::Free, ..rod() }).unwrap();
     assert!(free.solve_static().unwrap_err().to_string().contains("Free"));
 }

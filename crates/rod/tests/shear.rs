@@ -4,14 +4,13 @@ mod common;
 
 use common::unit_rod;
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector4};
-use nervure_rod::{Parameters, Rod};
-use scene::{RodScheme, Section};
+use nervure_rod::{Parameters, Rod, Scheme, Section};
 
 /// GA_s of a rod with length and bending stiffness 1 whose shear counts: a twentieth of the tip's deflection.
 const SHEAR: f64 = 60.0;
 
 fn sheared(segments: usize) -> Parameters<2> {
-    let rod = unit_rod::<2>(segments, 1e6, RodScheme::Trapezoid);
+    let rod = unit_rod::<2>(segments, 1e6, Scheme::Trapezoid);
     Parameters { section: Section { shear_stiffness: Some(SHEAR), ..rod.section }, ..rod }
 }
 

@@ -5,8 +5,7 @@ mod common;
 use std::f64::consts::{FRAC_PI_4, PI};
 
 use common::{elastica_tip, turek_hron_bar, unit_rod};
-use nervure_rod::{Parameters, Rod};
-use scene::{Bending, Calibration, RodScheme, Scene, Section};
+use nervure_rod::{Bending, Calibration, Loads, Parameters, Rod, Scheme, Section};
 
 /// The bar of CSM1: 2 m/s² on 0.35 m.
 fn csm1(segments: usize) -> Parameters<2> {
@@ -49,7 +48,7 @@ fn diagonal_deflection_of_a_fine_rod_is_within_1e_4_of_the_elastica() {
         let exact = elastica_tip(length, weight, section.bending_stiffness, section.axial_stiffness);
         let errors = [64, 128].map(|segments| {
             let gravity = [0.0, -gravity * diagonal, -gravity * diagonal];
-            let parameters = unit_rod::<3>(segments, 1.0, RodScheme::Bdf2);
+            let parameters = unit_rod::<3>(segments, 1.0, Scheme::Bdf2);
             let mut rod = Rod::new(Parameters { length, section, gravity, ..parameters }).unwrap();
             rod.solve_static().unwrap();
             let [x, y, z] = rod.tip_displacement();
@@ -71,7 +70,7 @@ fn inextensible_elastica_is_met_with_second_order() {
     let exact = elastica_tip(1.0, 0.0571 * gravity, bending_stiffness, f64::INFINITY);
     let errors = [64, 128, 256, 512].map(|segments| {
         let section = Section { line_density: 0.0571, bending_stiffness, axial_stiffness: 1e7, shear_stiffness: None };
-        let rod = unit_rod::<2>(segments, 1.0, RodScheme::TrBdf2);
+        let rod = unit_rod::<2>(segments, 1.0, Scheme::TrBdf2);
         let mut rod = Rod::new(Parameters { section, gravity: [0.0, -gravity], ..rod }).unwrap();
         rod.solve_static().unwrap();
         let [x, y] = rod.tip_displacement();
@@ -115,7 +114,7 @@ fn calibration_of_the_thesis_is_of_first_order() {
             section,
             gravity: [0.0, -0.7],
             calibration: Calibration::Thesis { k_e: 1e6 },
-            ..unit_rod::<2>(segments, 1.0, RodScheme::Trapezoid)
+            ..unit_rod::<2>(segments, 1.0, Scheme::Trapezoid)
         })
         .unwrap();
         rod.solve_static().unwrap();
@@ -135,7 +134,7 @@ fn projected_bending_is_right_in_the_plane_and_wrong_in_the_diagonal() {
     let Parameters { length, section, .. } = csm1(2);
     let deflection = |bending, gravity: f64, angle: f64| {
         let gravity = [0.0, -gravity * angle.cos(), -gravity * angle.sin()];
-        let parameters = unit_rod::<3>(128, 1.0, RodScheme::Bdf2);
+        let parameters = unit_rod::<3>(128, 1.0, Scheme::Bdf2);
         let mut rod = Rod::new(Parameters { length, section, gravity, bending, ..parameters }).unwrap();
         rod.solve_static().unwrap();
         let [_, y, z] = rod.tip_displacement();
@@ -155,10 +154,8 @@ fn projected_bending_is_right_in_the_plane_and_wrong_in_the_diagonal() {
 fn curved_rest_shape_is_in_equilibrium() {
     let segments = 64;
     let angle = |k: usize| PI * (k as f64 + 0.5) / segments as f64;
-    let curved = Parameters {
-        rest_angles: (0..segments).map(angle).collect(),
-        ..unit_rod::<2>(segments, 1e4, RodScheme::TrBdf2)
-    };
+    let curved =
+        Parameters { rest_angles: (0..segments).map(angle).collect(), ..unit_rod::<2>(segments, 1e4, Scheme::TrBdf2) };
     let mut rod = Rod::new(curved).unwrap();
     let diameter = 2.0 / PI;
     let tip = [rod.positions(0)[segments], rod.positions(1)[segments]];
@@ -205,7 +202,7 @@ fn deflection_is_the_same_in_every_plane() {
             length,
             section,
             gravity: [0.0, -2.0 * cos, -2.0 * sin],
-            ..unit_rod::<3>(segments, 1.0, RodScheme::Bdf2)
+            ..unit_rod::<3>(segments, 1.0, Scheme::Bdf2)
         })
         .unwrap();
         rod.solve_static().unwrap();
@@ -234,7 +231,7 @@ fn heavy_load_reaches_the_elastica() {
 #[test]
 fn pressure_on_top_pushes_down() {
     let jump = 1e-3;
-    let mut rod = Rod::new(unit_rod::<2>(64, 1e4, RodScheme::Bdf2)).unwrap();
+    let mut rod = Rod::new(unit_rod::<2>(64, 1e4, Scheme::Bdf2)).unwrap();
     rod.loads.pressure_jump = vec![jump; 65];
     rod.solve_static().unwrap();
     let (found, exact) = (rod.tip_displacement()[1], -jump / 8.0);
@@ -246,7 +243,7 @@ fn pressure_on_top_pushes_down() {
 #[test]
 fn pressure_load_follows_the_shape() {
     let (jump, segments) = (5.0, 64);
-    let mut rod = Rod::new(unit_rod::<2>(segments, 1e5, RodScheme::Bdf2)).unwrap();
+    let mut rod = Rod::new(unit_rod::<2>(segments, 1e5, Scheme::Bdf2)).unwrap();
     rod.loads.pressure_jump = vec![jump; segments + 1];
     let mut tip = [f64::NAN; 2];
     for _ in 0..200 {
@@ -264,29 +261,38 @@ fn pressure_load_follows_the_shape() {
     assert!(tip[1] < -0.4, "hardly bent: {tip:?}");
 }
 
-/// FSI1's bar with the level of the pressure, by Hooke's law in plane strain with σ_x = σ_y = −p in every section. The
+/// Bar of FSI1, as dense as the fluid it displaces, with the loads of a fluid.
+fn strained_bar(youngs_modulus: f64, strain_per_pressure: f64) -> Rod<2> {
+    let bar = turek_hron_bar(youngs_modulus, 0.0, 42);
+    let mut rod = Rod::new(Parameters { displaced: 20.0, strain_per_pressure, ..bar }).unwrap();
+    let [force, impedance, pressure] = [86, 43, 43].map(|count| vec![0.0; count]);
+    rod.loads = Loads { force, impedance, pressure, ..Loads::default() };
+    rod
+}
+
+/// Bar of FSI1 under pressure from all sides, by Hooke's law in plane strain with σ_x = σ_y = −p in every section. The
 /// pressure falls along the bar; a bent bar shrinks along itself.
 #[test]
 fn pressure_all_round_shrinks_the_bar_by_hookes_law() {
-    let scene = Scene::from_json(&include_str!("../../../scenes/fsi1-648x108.json").replace("1.4e6", "2.1e3")).unwrap();
     let (young, nu) = (2.1e3, 0.4);
+    let bar = || strained_bar(young, (1.0 + nu) * (1.0 - 2.0 * nu) / young);
     let strain = |p: f64| ((1.0 - nu * nu) * -p - nu * (1.0 + nu) * -p) / young;
     let pressure: Vec<_> = (0..43).map(|k| 50.0 - 20.0 * f64::from(k) / 42.0).collect();
     let expected = 0.35 * strain(40.0);
     assert!(expected < -1e-3, "{expected} m is too little to be seen");
 
-    let mut rod = Rod::<2>::from_scene(&scene).unwrap();
+    let mut rod = bar();
     rod.loads.pressure.clone_from(&pressure);
     rod.solve_static().unwrap();
     let [x, y] = rod.tip_displacement();
     assert!((x / expected - 1.0).abs() < 1e-9 && y.abs() < 1e-12, "({x}, {y}) m against {expected} m");
 
     // In time it comes to the same, and a state takes it along.
-    let mut moving = Rod::<2>::from_scene(&scene).unwrap();
+    let mut moving = bar();
     moving.loads.pressure.clone_from(&pressure);
     moving.loads.impedance.fill(5.0);
     (0..100).for_each(|_| moving.step(0.5).unwrap());
-    let mut other = Rod::<2>::from_scene(&scene).unwrap();
+    let mut other = bar();
     other.loads = moving.loads.clone();
     other.restore(moving.state()).unwrap();
     for (name, rod) in [("moving", &mut moving), ("restored", &mut other)] {
@@ -310,12 +316,9 @@ fn pressure_all_round_shrinks_the_bar_by_hookes_law() {
 
 #[test]
 fn pressure_of_the_wrong_number_and_a_state_without_it_are_refused() {
-    let text = include_str!("../../../scenes/fsi1-648x108.json");
-    let mut rod = Rod::<2>::from_scene(&Scene::from_json(text).unwrap()).unwrap();
-    let plain = text.replace(", \"axial_pressure_strain\": true", "");
-    assert_ne!(plain, text);
-    let other = Rod::<2>::from_scene(&Scene::from_json(&plain).unwrap()).unwrap();
-    assert!(other.loads.pressure.is_empty() && other.state().pressure.is_empty());
+    let mut rod = strained_bar(1.4e6, 2e-7);
+    let other = strained_bar(1.4e6, 0.0);
+    assert!(other.state().pressure.is_empty());
     let error = rod.restore(other.state()).unwrap_err().to_string();
     assert!(error.contains("state.pressure has 0 entries") && error.contains("43 are needed"), "{error}");
     rod.loads.pressure.push(1.0);

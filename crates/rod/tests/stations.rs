@@ -3,8 +3,7 @@
 mod common;
 
 use common::unit_rod;
-use nervure_rod::{Parameters, Rod, Root};
-use scene::RodScheme;
+use nervure_rod::{BaseMotion, Parameters, Rod, Scheme};
 
 const SEGMENTS: usize = 8;
 const NODES: usize = SEGMENTS + 1;
@@ -15,13 +14,13 @@ fn numbers(seed: f64) -> Vec<f64> {
 }
 
 fn rod() -> Rod<2> {
-    Rod::new(unit_rod(SEGMENTS, 100.0, RodScheme::Bdf2)).unwrap()
+    Rod::new(unit_rod(SEGMENTS, 100.0, Scheme::Bdf2)).unwrap()
 }
 
 #[test]
 fn stations_lie_along_the_direction_of_the_root() {
-    let parameters = unit_rod::<2>(SEGMENTS, 100.0, RodScheme::Bdf2);
-    let rod = Rod::new(Parameters { root: [3.0, -2.0], direction: [6.0, 8.0], ..parameters }).unwrap();
+    let parameters = unit_rod::<2>(SEGMENTS, 100.0, Scheme::Bdf2);
+    let rod = Rod::new(Parameters { attachment: [3.0, -2.0], direction: [6.0, 8.0], ..parameters }).unwrap();
     for k in 0..NODES {
         let s = k as f64 / SEGMENTS as f64;
         let [x, y] = [0, 1].map(|d| rod.positions(d)[k]);
@@ -67,8 +66,8 @@ fn moment_at_the_root_is_that_of_each_stations_load() {
     for loaded in 1..NODES {
         for d in 0..2 {
             let mut rod = rod();
-            let &Parameters { root: position, direction, .. } = rod.parameters();
-            rod.root = Some(Root { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
+            let &Parameters { attachment: position, direction, .. } = rod.parameters();
+            rod.base_motion = Some(BaseMotion { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
             rod.loads.force = vec![0.0; 2 * NODES];
             rod.loads.force[d * NODES + loaded] = 0.5;
             rod.solve_static().unwrap();

@@ -6,8 +6,7 @@ mod modes;
 
 use common::unit_rod;
 use modes::{RitzBeam, frequencies, gauss};
-use nervure_rod::{Parameters, Rod, Taper};
-use scene::{RodScheme, Scene, Section, Spanwise, SpanwiseProfile};
+use nervure_rod::{Parameters, Rod, Scheme, Section, Taper};
 
 /// Thickness at the tip by that at the root, of a vein.
 const TIP: f64 = 0.2;
@@ -21,7 +20,7 @@ fn thickness(s: f64) -> f64 {
 fn plate(segments: usize, shear: bool) -> Parameters<2> {
     let along =
         |value: &dyn Fn(f64) -> f64| (0..=2 * segments).map(|i| value(i as f64 / (2 * segments) as f64)).collect();
-    let rod = unit_rod(segments, 1e4, RodScheme::TrBdf2);
+    let rod = unit_rod(segments, 1e4, Scheme::TrBdf2);
     Parameters {
         section: Section { shear_stiffness: shear.then_some(50.0), ..rod.section },
         taper: Taper {
@@ -121,45 +120,4 @@ fn hanging_rod_is_stretched_like_the_tapered_bar() {
         .fold((0.0, 0.0), |(mass, centre), (k, m)| (mass + m, centre + m * k as f64 / 7.0));
     assert!((mass - 0.6).abs() < 1e-14, "mass {mass}");
     assert!((centre - integral(|s| s * thickness(s))).abs() < 1e-14, "centre {centre}");
-}
-
-/// A scene's law of thickness is the taper of its plate, and a table of straight lines that law.
-#[test]
-fn scene_gives_the_taper() {
-    let scene = |thickness: &str, material: &str| {
-        let root = r#"{ "at": { "position": [0, 0], "direction": [1, 0] } }"#;
-        let text = format!(
-            r#"{{ "name": "tapered", "time": {{ "end": 1, "communication_step": 0.1 }},
-            "beam": {{ "root": {root}, "length": 1, "thickness": {thickness}, "segments": 8 }},
-            "rod": {{ "material": {material} }} }}"#
-        );
-        Rod::<2>::from_scene(&Scene::from_json(&text).unwrap()).unwrap()
-    };
-    let strain = r#"{ "plane_strain": { "density": 2, "youngs_modulus": 1e3, "poisson_ratio": 0.3 } }"#;
-    let law = r#"{ "taper": { "root": 0.1, "tip": 0.02 } }"#;
-    let table = r#"{ "points": { "s": [0, 0.5, 1], "values": [0.1, 0.06, 0.02] } }"#;
-    let section = format!(
-        r#"{{ "section": {{ "line_density": {{ "taper": {{ "root": 0.2, "tip": 0.04 }} }}, "axial_stiffness": {},
-        "bending_stiffness": {{ "taper": {{ "root": 1, "tip": 0.008, "power": 3 }} }} }} }}"#,
-        r#"{ "taper": { "root": 100, "tip": 20 } }"#
-    );
-    let expected = plate(8, false).taper;
-    for (thickness, material) in [(law, strain), (table, strain), ("0.1", &section)] {
-        let rod = scene(thickness, material);
-        let found = &rod.parameters().taper;
-        for (name, found, expected) in [
-            ("line density", &found.line_density, &expected.line_density),
-            ("bending", &found.bending_stiffness, &expected.bending_stiffness),
-            ("axial", &found.axial_stiffness, &expected.axial_stiffness),
-        ] {
-            assert_eq!(found.len(), expected.len(), "{thickness}, {name}");
-            for (found, expected) in found.iter().zip(expected) {
-                assert!((found - expected).abs() < 1e-14, "{thickness}, {name}: {found} against {expected}");
-            }
-        }
-        assert_eq!(found.displaced.is_empty(), thickness == "0.1");
-    }
-    assert_eq!(scene("0.1", strain).parameters().taper, Taper::default());
-    let constant = Spanwise::Varying(SpanwiseProfile::Taper { root: 0.1, tip: 0.1, power: 1.0 });
-    assert!((constant.at(0.3) - 0.1).abs() < 1e-16);
 }

@@ -129,8 +129,7 @@ fn hessian_is_that_of_the_gradient<const D: usize>() {
         if springs.shear.is_some() {
             springs
                 .derivatives(&shape, &mut moments(springs), |node, by| {
-                    for (i, turn) in
-                        by.turns.iter().enumerate().filter(|&(i, _)| (1..=SEGMENTS).contains(&(node + i)))
+                    for (i, turn) in by.turns.iter().enumerate().filter(|&(i, _)| (1..=SEGMENTS).contains(&(node + i)))
                     {
                         turns[node][node + i - 1] = *turn;
                     }

@@ -1,57 +1,29 @@
 //! Rods and exact solutions that several tests and the study share.
 #![allow(dead_code, reason = "each of them uses its own part")]
 
-use nervure_rod::{Hold, Parameters, Rod, Taper};
-use scene::{Bending, Calibration, Material, RodScheme, Section};
+use nervure_rod::{Parameters, Rod, Scheme, Section};
 
-pub const GENERALISED_ALPHA: RodScheme = RodScheme::GeneralisedAlpha { rho_inf: 0.5 };
-pub const SCHEMES: [RodScheme; 4] = [RodScheme::Trapezoid, GENERALISED_ALPHA, RodScheme::TrBdf2, RodScheme::Bdf2];
+pub const GENERALISED_ALPHA: Scheme = Scheme::GeneralisedAlpha { rho_inf: 0.5 };
+pub const SCHEMES: [Scheme; 4] = [Scheme::Trapezoid, GENERALISED_ALPHA, Scheme::TrBdf2, Scheme::Bdf2];
 
-/// The bar of Turek & Hron (2006): 0.35 m x 0.02 m, density 1000 kg/m³, Poisson's ratio 0.4.
+/// Return the bar of Turek & Hron (2006): 0.35 m x 0.02 m, density 1000 kg/m³, Poisson's ratio 0.4, in plane strain.
 pub fn turek_hron_bar(youngs_modulus: f64, gravity: f64, segments: usize) -> Parameters<2> {
-    Parameters {
-        root: [0.25, 0.2],
-        direction: [1.0, 0.0],
-        length: 0.35,
-        segments,
-        rest_angles: Vec::new(),
-        section: Material::PlaneStrain { density: 1000.0, youngs_modulus, poisson_ratio: 0.4, shear_factor: None }
-            .section(&0.02.into(), 0.0),
-        displaced: 0.0,
-        strain_per_pressure: 0.0,
-        taper: Taper::default(),
-        gravity: [0.0, -gravity],
-        damping: 0.0,
-        bending: Bending::Invariant,
-        calibration: Calibration::SecondOrder,
-        hold: Hold::Clamped,
-        clamp_compliance_length: 0.0,
-        scheme: RodScheme::Bdf2,
-        max_step: None,
-    }
+    let (thickness, poisson_ratio): (f64, f64) = (0.02, 0.4);
+    let modulus = youngs_modulus / (1.0 - poisson_ratio * poisson_ratio);
+    let section = Section {
+        line_density: 1000.0 * thickness,
+        bending_stiffness: modulus * thickness.powi(3) / 12.0,
+        axial_stiffness: modulus * thickness,
+        shear_stiffness: None,
+    };
+    let bar = Parameters::new(0.35, segments, section);
+    Parameters { attachment: [0.25, 0.2], gravity: [0.0, -gravity], scheme: Scheme::Bdf2, ..bar }
 }
 
-/// A soft rod of length, mass and bending stiffness 1 along x, whose axial waves are slow enough to be resolved.
-pub fn unit_rod<const D: usize>(segments: usize, axial_stiffness: f64, scheme: RodScheme) -> Parameters<D> {
-    Parameters {
-        root: [0.0; D],
-        direction: std::array::from_fn(|d| f64::from(d == 0)),
-        length: 1.0,
-        segments,
-        rest_angles: Vec::new(),
-        section: Section { line_density: 1.0, bending_stiffness: 1.0, axial_stiffness, shear_stiffness: None },
-        displaced: 0.0,
-        strain_per_pressure: 0.0,
-        taper: Taper::default(),
-        gravity: [0.0; D],
-        damping: 0.0,
-        bending: Bending::Invariant,
-        calibration: Calibration::SecondOrder,
-        hold: Hold::Clamped,
-        clamp_compliance_length: 0.0,
-        scheme,
-        max_step: None,
-    }
+/// Return a soft rod of length, mass and bending stiffness 1 along x, whose axial waves the step resolves.
+pub fn unit_rod<const D: usize>(segments: usize, axial_stiffness: f64, scheme: Scheme) -> Parameters<D> {
+    let section = Section { line_density: 1.0, bending_stiffness: 1.0, axial_stiffness, shear_stiffness: None };
+    Parameters { scheme, ..Parameters::new(1.0, segments, section) }
 }
 
 /// Kinetic, elastic and gravity energy together, J.

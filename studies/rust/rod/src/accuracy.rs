@@ -4,10 +4,11 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use std::path::Path;
 use std::time::Instant;
 
-use nervure_rod::{Parameters, Rod, Root};
-use scene::{Bending, Calibration, Material, RodScheme, Scene, Section};
+use nervure_rod::{BaseMotion, Bending, Calibration, Parameters, Rod, Scheme, Section};
+use scene::{Material, Scene};
 
 use crate::common::{elastica, total_energy, unit_rod};
+use crate::from_scene;
 use crate::rods::{SCHEMES, build, csm3, settled, thesis_beam, tip_angle};
 use crate::{Table, row};
 
@@ -67,8 +68,8 @@ fn tilted(gravity: f64, angle: f64) -> [f64; 3] {
 /// in 16 segments bending freely from rest until t = 1 s: error of the tip and run time for each scheme and step.
 pub fn order_in_dt() -> Table {
     let mut table = vec!["case,scheme,dt,error,seconds,iterations".to_string()];
-    let pushed = unit_rod(4, 100.0, RodScheme::default());
-    let run = |parameters: &Parameters<2>, scheme: RodScheme, steps: usize, force: f64| {
+    let pushed = unit_rod(4, 100.0, Scheme::default());
+    let run = |parameters: &Parameters<2>, scheme: Scheme, steps: usize, force: f64| {
         let mut rod = build(Parameters { scheme, ..parameters.clone() });
         let last = 2 * parameters.segments + 1;
         rod.loads.force = vec![0.0; last + 1];
@@ -83,9 +84,9 @@ pub fn order_in_dt() -> Table {
         Some((rod.tip_displacement(), start.elapsed().as_secs_f64(), iterations))
     };
     for (case, parameters, force) in
-        [("soft rod, pushed", pushed, 5.0), ("CSM3, free", csm3(16, RodScheme::default()), 0.0)]
+        [("soft rod, pushed", pushed, 5.0), ("CSM3, free", csm3(16, Scheme::default()), 0.0)]
     {
-        let (exact, ..) = run(&parameters, RodScheme::Trapezoid, 409_600, force).expect("small steps");
+        let (exact, ..) = run(&parameters, Scheme::Trapezoid, 409_600, force).expect("small steps");
         for (name, scheme) in SCHEMES {
             for steps in (0..9).map(|k| 50 << k) {
                 // The fastest of three: others use the machine as well.
@@ -129,7 +130,8 @@ pub fn csm() -> Table {
             if stiff && let Material::PlaneStrain { shear_factor, .. } = &mut rod.material {
                 (*shear_factor, rod.clamp_compliance_length) = (None, 0.0);
             }
-            Rod::<2>::from_scene(&scene).expect("a shipped scene")
+            let (beam, rod) = (scene.beam.as_ref(), scene.rod.as_ref());
+            from_scene::build::<2>(&scene, beam.expect("a beam"), rod.expect("a rod")).expect("a shipped scene")
         };
         let at_rest = settled(built("csm1.json")).tip_displacement();
         let (dt, periods, steps) = (1e-3, 10, 910);
@@ -164,14 +166,14 @@ pub fn csm() -> Table {
 /// then and the sub-steps that were halved; the trapezoid also unwatched.
 pub fn csm3_energy() -> Table {
     let mut table = vec!["scheme,n,dt,time,energy,highest,halvings".to_string()];
-    let unwatched = [("trapezoid, unwatched", RodScheme::Trapezoid)];
+    let unwatched = [("trapezoid, unwatched", Scheme::Trapezoid)];
     for (name, scheme) in unwatched.into_iter().chain(SCHEMES) {
         for (n, dt) in [(32, 0.02), (32, 0.01), (128, 0.01), (128, 0.005)] {
             let mut rod = build(csm3(n, scheme));
             if name == unwatched[0].0 {
                 // Its root is driven, but to where it is.
-                let &Parameters { root: position, direction, .. } = rod.parameters();
-                rod.root = Some(Root { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
+                let &Parameters { attachment: position, direction, .. } = rod.parameters();
+                rod.base_motion = Some(BaseMotion { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
             }
             let (mut scale, mut highest, mut halvings, mut energies) = (0.0_f64, 0.0_f64, 0, Vec::new());
             for step in 1..=(60.0 / dt) as usize {

@@ -5,8 +5,7 @@
 
 use faer::Mat;
 use faer::linalg::solvers::DenseSolveCore;
-use nervure_rod::Parameters;
-use scene::{Calibration, Section};
+use nervure_rod::{Calibration, Parameters, Section};
 
 use crate::rods::{build, entry, thesis_beam};
 use crate::{Table, row};

@@ -2,8 +2,7 @@
 
 use std::time::Instant;
 
-use nervure_rod::{Energy, Error, Parameters, Rod};
-use scene::Section;
+use nervure_rod::{Energy, Error, Parameters, Rod, Section};
 
 use crate::common::total_energy;
 use crate::rods::{SCHEMES, build, thesis_beam};

@@ -2,11 +2,16 @@
 //!
 //! `rod-study FOLDER [NAME …]` writes NAME.csv into FOLDER; without names all of them. Times are those of one core.
 
+// `from_scene` knows the crate by the name of the workspace.
+extern crate nervure_rod as rod;
+
 mod accuracy;
 #[path = "../../../../crates/rod/tests/common/mod.rs"]
 mod common;
 mod condition;
 mod extreme;
+#[path = "../../../../fmu-rod/src/from_scene.rs"]
+mod from_scene;
 mod rods;
 mod runtime;
 mod taper;

@@ -1,30 +1,29 @@
 //! Rods that several studies use.
 
-use nervure_rod::{Banded, Parameters, Rod};
-use scene::{RodScheme, Section};
+use nervure_rod::{Banded, Parameters, Rod, Scheme, Section};
 
 use crate::common::{turek_hron_bar, unit_rod};
 
 /// Schemes by name.
-pub const SCHEMES: [(&str, RodScheme); 5] = [
-    ("trapezoid", RodScheme::Trapezoid),
-    ("generalised-alpha 0.5", RodScheme::GeneralisedAlpha { rho_inf: 0.5 }),
-    ("generalised-alpha 0.8", RodScheme::GeneralisedAlpha { rho_inf: 0.8 }),
-    ("TR-BDF2", RodScheme::TrBdf2),
-    ("BDF2", RodScheme::Bdf2),
+pub const SCHEMES: [(&str, Scheme); 5] = [
+    ("trapezoid", Scheme::Trapezoid),
+    ("generalised-alpha 0.5", Scheme::GeneralisedAlpha { rho_inf: 0.5 }),
+    ("generalised-alpha 0.8", Scheme::GeneralisedAlpha { rho_inf: 0.8 }),
+    ("TR-BDF2", Scheme::TrBdf2),
+    ("BDF2", Scheme::Bdf2),
 ];
 
 /// The beam of the thesis, section 2.4.1, in units of its length: mu = 0.0571, EI = 0.0259, g = 0.7 along the last axis,
 /// with the EA of the bar of thickness 2/35.
 pub fn thesis_beam<const D: usize>(segments: usize) -> Parameters<D> {
-    let straight = unit_rod(segments, 12.0 * 0.0259 * 17.5 * 17.5, RodScheme::default());
+    let straight = unit_rod(segments, 12.0 * 0.0259 * 17.5 * 17.5, Scheme::default());
     let section = Section { line_density: 0.0571, bending_stiffness: 0.0259, ..straight.section };
     Parameters { section, gravity: std::array::from_fn(|d| if d == D - 1 { -0.7 } else { 0.0 }), ..straight }
 }
 
 /// The bar of CSM3 (Turek & Hron 2006).
-pub fn csm3(segments: usize, scheme: RodScheme) -> Parameters<2> {
-    Parameters { root: [0.0; 2], scheme, ..turek_hron_bar(1.4e6, 2.0, segments) }
+pub fn csm3(segments: usize, scheme: Scheme) -> Parameters<2> {
+    Parameters { attachment: [0.0; 2], scheme, ..turek_hron_bar(1.4e6, 2.0, segments) }
 }
 
 pub fn build<const D: usize>(parameters: Parameters<D>) -> Rod<D> {

@@ -4,8 +4,7 @@
 //! beside it that of the same rod without taper.
 
 use faer::{Mat, Side};
-use nervure_rod::{Parameters, Taper};
-use scene::RodScheme;
+use nervure_rod::{Parameters, Scheme, Taper};
 
 use crate::common::unit_rod;
 use crate::condition::norm_1;
@@ -31,7 +30,7 @@ pub fn table() -> Table {
         let deflection = rod.tip_displacement()[1] / exact - 1.0;
         let found = frequencies(n);
         let errors: [f64; 3] = std::array::from_fn(|mode| found[mode] / FREQUENCIES[mode] - 1.0);
-        let [tapered, even] = [plate(n), unit_rod(n, 1e4, RodScheme::TrBdf2)].map(condition);
+        let [tapered, even] = [plate(n), unit_rod(n, 1e4, Scheme::TrBdf2)].map(condition);
         table.push(row(&[&n, &deflection, &errors[0], &errors[1], &errors[2], &tapered, &even]));
     }
     table
@@ -44,7 +43,7 @@ fn plate(n: usize) -> Parameters<2> {
     };
     let taper =
         Taper { line_density: along(1), bending_stiffness: along(3), axial_stiffness: along(1), ..Taper::default() };
-    Parameters { taper, ..unit_rod(n, 1e4, RodScheme::TrBdf2) }
+    Parameters { taper, ..unit_rod(n, 1e4, Scheme::TrBdf2) }
 }
 
 /// Of vibrations across the rod, which is straight along x.
