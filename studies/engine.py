@@ -96,14 +96,10 @@ class Case:
     @cached_property
     def digest(self) -> str:
         """What decides whether a result still holds."""
-        return self.digest_on(ROOT)
-
-    def digest_on(self, checkout: Path) -> str:
-        """The digest of this case on the sources of a checkout."""
         built = self.built() if self.scene else {}
         scene = json.dumps({key: part for key, part in built.items() if key not in UNREAD}, sort_keys=True)
         options = json.dumps(self.options, sort_keys=True)
-        parts = [scene, options, *(source_digest(room, checkout) for room in self.sources)]
+        parts = [scene, options, *(source_digest(name, ROOT) for name in self.sources)]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 

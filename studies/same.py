@@ -1,17 +1,20 @@
-"""Which stale results hold all the same: of scenes that the units of today give the same bits for as those of the
-revision that the results were made on.
+"""Keep stale results that the sources of today reproduce: `python -m studies [NAME …] --same-as CHECKOUT`.
 
-A case is carried over where it is a plain run of a scene, was run on the sources in a checkout of that revision, where
-of these only the units have changed since, and where both give the same outputs over the first steps, to the last bit.
+A checkout of the revision of the results runs the first steps of a case by its own code and in its own format, and so
+does this one. A stale result of a plain run is kept if the outputs of both have the same bits, and if the cheapest run
+of its group, made to its end, gives the recorded values: that covers evaluation.
 """
 
 from __future__ import annotations
 
+import json
 import os
-from concurrent.futures import ProcessPoolExecutor
+import subprocess
+import sys
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import replace
-from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -20,16 +23,28 @@ from nervure import master
 from nervure.errors import InputError
 from nervure.recorder import Recorder
 from nervure.resources import ROOT
-from studies import simulate
-from studies.engine import UNITS, Case, simulated, source_digest
+from studies import catalogue, engine, simulate
+from studies.engine import Case, simulated
 from studies.store import Data, Record
 
 STEPS = 20
 """Communication steps that are compared: each of them runs all of the code that the scene needs."""
+CHEAP = 30.0  # Processor time up to which the cheapest run of a group is repeated to its end, s
+
+PROBE = """
+import hashlib, json, sys
+from nervure.resources import ROOT
+from studies import catalogue, same
+digests, fresh = json.load(sys.stdin)
+for record in catalogue.load().records.values():
+    if record.digest in digests and not (fresh and record.stale):
+        print(record.digest, hashlib.sha256(same.first_steps(record.case, ROOT)).hexdigest(), flush=True)
+"""
+"""Print the recorded digest of results and the hash of the first steps of their cases. Any checkout runs this."""
 
 
 def first_steps(case: Case, checkout: Path) -> bytes:
-    """What the units built in a checkout give for the scene of a case over the first steps, and how that ends."""
+    """Return outputs over the first steps, by the libraries in `checkout`, and the error that ended them."""
     os.environ["NERVURE_LIBRARIES"] = str(checkout / "target" / "release")
     scene = case.built()
     step = scene["time"]["communication_step"]
@@ -44,28 +59,66 @@ def first_steps(case: Case, checkout: Path) -> bytes:
         return b"".join(values.tobytes() for values in recorder.series.values()) + (outcome.error or "").encode()
 
 
-def comparable(record: Record, checkout: Path) -> bool:
-    """Whether a stale result is of a plain run on the sources in the checkout, of which only the units have changed."""
-    case = record.case
-    if case.action is not simulated:
-        return False
-    others = set(case.sources) - set(UNITS)
-    unchanged = all(source_digest(room, ROOT) == source_digest(room, checkout) for room in others)
-    return unchanged and record.digest == case.digest_on(checkout)
+def hashes(digests: Iterable[str], checkout: Path, fresh: bool, jobs: int) -> dict[str, str]:
+    """Return the hash of the first steps by recorded digest, from `checkout`; with `fresh` only if not stale there."""
+    environment = os.environ | engine.THREADS | {"PYTHONPATH": f"{checkout / 'python'}{os.pathsep}{checkout}"}
+    ordered = sorted(digests)
+
+    def probe(part: list[str]) -> str:
+        return subprocess.run(
+            [sys.executable, "-c", PROBE], input=json.dumps([part, fresh]), env=environment, cwd=checkout,
+            stdout=subprocess.PIPE, text=True, check=True,
+        ).stdout  # fmt: skip
+
+    with ThreadPoolExecutor(jobs) as pool:
+        lines = [
+            line for text in pool.map(probe, (ordered[i::jobs] for i in range(jobs))) for line in text.splitlines()
+        ]
+    return dict(line.split() for line in lines)
 
 
-def holds(case: Case, checkout: Path) -> bool:
-    """Whether the units of today give the same bits for a case as those in the checkout."""
-    return first_steps(case, ROOT) == first_steps(case, checkout)
+def group(name: str) -> str:
+    return "/".join(name.split("/")[:2])
+
+
+def witnesses(records: Iterable[Record], everything: Data) -> dict[str, Record]:
+    """Return the record that stands for each of `records`: the cheapest of its group, or else of its study."""
+    plain = [r for r in everything.records.values() if r.case.action is simulated and r.get("cpu_s") is not None]
+    plain.sort(key=lambda record: float(record["cpu_s"]), reverse=True)
+    by_group = {group(record.name): record for record in plain}
+    by_study = {record.name.split("/")[0]: record for record in plain}
+    found = {}
+    for record in records:
+        own = by_group.get(group(record.name))
+        found[record.name] = own if own and own["cpu_s"] <= CHEAP else by_study[record.name.split("/")[0]]
+    return found
+
+
+def comes_out(name: str, case: Case) -> dict[str, object]:
+    """Run a case to its end, once, and return the values of its record."""
+    data = catalogue.load()
+    study = data.cases[name][0]
+    with TemporaryDirectory() as folder:
+        once = replace(case, options=case.options | {"repeats": 0})
+        engine.execute(once, Path(folder))
+        run = engine.Run(Path(folder), **json.loads((Path(folder) / "run.json").read_text(encoding="utf-8")))
+        data.records.clear()
+        data.take(study, case, run)
+    return data.records[name].values
 
 
 def carry_over(data: Data, names: list[str], checkout: Path, jobs: int) -> list[str]:
-    """Let those of the named cases that hold have the digest of today; their names."""
-    records = [record for record in data.stale() if record.name.split("/")[0] in names]
-    records = [record for record in records if comparable(record, checkout)]
+    """Give stale results of the named studies that hold the digest of today; return their names."""
+    records = [r for r in data.stale() if r.case.action is simulated and (not names or r.name.split("/")[0] in names)]
+    there = hashes({record.digest for record in records}, checkout, True, jobs)
+    here = hashes(there, ROOT, False, jobs)
+    records = [record for record in records if there.get(record.digest, "") == here.get(record.digest)]
+    stand_ins = witnesses(records, data)
+    needed = {record.name: record for record in stand_ins.values()}
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        held = pool.map(partial(holds, checkout=checkout), [record.case for record in records])
-        kept = [record for record, same in zip(records, held) if same]
+        values = pool.map(comes_out, needed, [record.case for record in needed.values()])
+        good = {name for name, found in zip(needed, values) if found == needed[name].values}
+    kept = [record for record in records if stand_ins[record.name].name in good]
     for record in kept:
         data.records[record.name] = replace(record, digest=record.case.digest, carried=True)
     return [record.name for record in kept]

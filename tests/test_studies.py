@@ -1,7 +1,6 @@
 """The engine of the studies: what a change makes stale, what is run, what a run changes in what is committed."""
 
-import shutil
-from dataclasses import replace
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -91,22 +90,27 @@ def test_a_room_that_has_moved_is_noticed(small):
         engine.source_digest("rod", small.folder)
 
 
-def test_a_result_can_be_carried_over_only_where_nothing_but_the_units_has_changed(small, monkeypatch):
-    monkeypatch.setattr(same, "ROOT", small.folder)
-    monkeypatch.setattr(same, "UNITS", ("fluid",))
-    checkout = shutil.copytree(small.folder, small.folder / "checkout")
-    case = Case("group/3", ("fluid", "rod"), "csm1")
-    made = Record("small/group/3", case, "", case.digest_on(checkout))
-    for room, expected in (("fluid", True), ("rod", False)):
-        (small.folder / room / "lib.rs").write_text("let x = 2;\n")
-        engine.source_digest.cache_clear()
-        case.__dict__.pop("digest", None)
-        assert made.stale and same.comparable(made, checkout) is expected, room
-    (small.folder / "rod" / "lib.rs").write_text((checkout / "rod" / "lib.rs").read_text())
-    engine.source_digest.cache_clear()
-    assert same.comparable(made, checkout)
-    assert not same.comparable(replace(made, digest="of other sources"), checkout)
-    assert not same.comparable(replace(made, case=replace(case, action=act)), checkout)
+def test_a_stale_result_is_kept_only_if_first_steps_and_a_whole_run_come_out_again(small, monkeypatch):
+    """By hashes and values that stand for runs: of four cases one differs at first, and one in its evaluation."""
+    cases = [Case(f"{group}/{n}", ("fluid",), "csm1", about={}) for group in ("a", "b") for n in (1, 2)]
+    study = Study("plain", lambda: cases, lambda case, run: {})
+    data = Data([study])
+    for case in cases:
+        name = f"plain/{case.name}"
+        data.records[name] = Record(name, case, "", f"of {name}", {"value": 1.0}, times={"cpu_s": 1.0})
+    digests = {record.digest for record in data.records.values()}
+
+    def hashes(wanted, checkout, fresh, jobs):
+        there = checkout == small.folder
+        return {digest: "differs" if there and digest == "of plain/a/1" else "same" for digest in digests & set(wanted)}
+
+    monkeypatch.setattr(same, "hashes", hashes)
+    monkeypatch.setattr(same, "ProcessPoolExecutor", lambda *_, **__: ThreadPoolExecutor(1))
+    monkeypatch.setattr(same, "comes_out", lambda name, case: {"value": 2.0 if case.name.startswith("b") else 1.0})
+    kept = same.carry_over(data, ["plain"], small.folder, 1)
+    assert kept == ["plain/a/2"]
+    assert data["plain/a/2"].carried and not data["plain/a/2"].stale
+    assert data["plain/a/1"].stale and data["plain/b/1"].stale and data["plain/b/2"].stale
 
 
 @pytest.mark.usefixtures("libraries")
@@ -115,7 +119,7 @@ def test_units_that_give_other_bits_are_told_apart(monkeypatch):
     case = fluid.cylinder("2D-2", 100, "grid/same", 2e-3)
     thicker = fluid.cylinder("2D-2", 100, "grid/same", 2e-3)
     thicker.changes["fluid.kinematic_viscosity"] = 1e-3 * (1 + 1e-15)
-    assert same.holds(case, engine.ROOT)
+    assert same.first_steps(case, engine.ROOT) == same.first_steps(case, engine.ROOT)
     assert same.first_steps(case, engine.ROOT) != same.first_steps(thicker, engine.ROOT)
 
 
