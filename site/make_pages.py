@@ -24,9 +24,10 @@ import typer
 from lxml import etree
 
 import nervure
-from nervure import cli, results
-from nervure.evaluate import flapping, statistics, summary
+from nervure import cli
+from nervure.evaluate import flapping, statistics
 from nervure.resources import ROOT
+from nervure.simulation import results, summary
 
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^()\s]+)\)")
 FENCE = re.compile(r"(^```.*?^```$)", re.DOTALL | re.MULTILINE)

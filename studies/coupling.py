@@ -1,7 +1,6 @@
 """Which coupling holds where: FSI3 with rods of other densities, over C_eta, H and scheme."""
 
 from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -82,8 +81,8 @@ def part(name: str, factor: float) -> Case:
 def tips(scene: dict[str, Any], folder: Path, nudge: float) -> np.ndarray:
     """Place of the tip after each step, `[steps, 2]` in m, where the loads of one step are larger by a part `nudge`."""
     h = scene["time"]["communication_step"]
-    with ExitStack() as stack:
-        units, scheme, _, _ = simulate.assemble(scene, folder, stack)
+    with simulate.session(scene, folder) as session:
+        units, scheme = session.units, session.scheme
         assert isinstance(scheme, Explicit)
         [link], take, now = scheme.links, scheme.take_loads, 0
 

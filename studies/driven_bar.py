@@ -13,7 +13,6 @@ so that a_1 is in phase with the displacement and b_1 with the velocity. What th
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -21,10 +20,12 @@ from typing import Any
 
 import numpy as np
 
-from nervure import coupling, master
+from nervure import coupling
 from nervure.evaluate import statistics
-from nervure.recorder import Recorder, Series
-from nervure.units import package
+from nervure.evaluate.statistics import Series
+from nervure.scene import validate
+from nervure.simulation.session import Session
+from nervure.simulation.summary import RunStatus
 from nervure.units.fmu import Unit
 from studies import simulate
 from studies.engine import FLUID, Case, Run, Study
@@ -108,16 +109,13 @@ def run(case: Case, folder: Path) -> dict[str, Any]:
     return {"values": evaluate(series, Motion(**case.options["motion"])), "times": times}
 
 
-def record(scene: dict[str, Any], motion: Motion, folder: Path) -> tuple[Series, master.RunStatus]:
-    """Scalar outputs over time of the fluid of `scene`, packed into `folder`, with its beam in `motion`."""
-    beam, clock = scene["beam"], master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-    with ExitStack() as stack:
-        unit = Unit(package.pack("fluid", scene, folder), "fluid", clock.end)
-        stack.callback(unit.close)
-        driven = Driven(unit, motion, TIP_X - beam["length"] + np.linspace(0, beam["length"], beam["segments"] + 1))
-        recorder = Recorder({"fluid": unit}, clock.steps)
-        outcome = master.run(driven, clock, recorder)
-        return {name: values.copy() for name, values in recorder.series.items()}, outcome
+def record(scene: dict[str, Any], motion: Motion, folder: Path) -> tuple[Series, RunStatus]:
+    """Scalar outputs over time of the fluid of `scene` with its beam in `motion`."""
+    beam = scene["beam"]
+    stations = TIP_X - beam["length"] + np.linspace(0, beam["length"], beam["segments"] + 1)
+    with Session(validate(scene), folder, scheme=lambda units: Driven(units["fluid"], motion, stations)) as session:
+        status = session.run()
+        return {name: values.copy() for name, values in session.recorder.series.items()}, status
 
 
 def evaluate(series: Series, motion: Motion) -> dict[str, float]:

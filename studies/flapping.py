@@ -16,10 +16,9 @@ import numpy as np
 
 import nervure
 from nervure.evaluate import flapping, statistics
-from nervure.evaluate.statistics import Window
-from nervure.output import fields
-from nervure.recorder import Series
+from nervure.evaluate.statistics import Series, Window
 from nervure.scene import validate
+from nervure.simulation.results import FLUID_FIELDS
 from studies import show
 from studies.engine import COUPLED, FLUID, Case, Run, Study
 from studies.simulate import on_grid
@@ -165,7 +164,7 @@ def fourth_period(series: Series) -> dict[str, float]:
 
 def stream(series: Series, folder: Path) -> dict[str, float | None]:
     """Drag coefficient at the end, and the length of the bubble behind the cylinder, by D."""
-    with h5py.File(folder / fields.FLUID) as file:
+    with h5py.File(folder / FLUID_FIELDS) as file:
         data: Any = file["VTKHDF"]
         u = np.array(data["PointData/velocity"][-1])[..., 0]
         (x0, y0, _), (dx, dy, _) = data.attrs["Origin"], data.attrs["Spacing"]

@@ -4,17 +4,15 @@ The study of the vein shows what is found, tests/test_flapping.py asks for the s
 """
 
 from collections.abc import Callable
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from nervure import coupling, master
+from nervure import coupling
 from nervure.evaluate import flapping, statistics
-from nervure.evaluate.statistics import Window
-from nervure.recorder import Series
+from nervure.evaluate.statistics import Series, Window
 from nervure.scene import validate
 from studies import simulate
 
@@ -56,11 +54,10 @@ Run = Callable[..., Series]
 
 def record(scene: Scene, folder: Path, drive: coupling.Drive | None = None, rigid: bool = False) -> Series:
     """What a run that reaches its end recorded."""
-    with ExitStack() as stack:
-        _, scheme, clock, recorder = simulate.assemble(scene, folder, stack, rigid, drive)
-        outcome = master.run(scheme, clock, recorder)
-    assert outcome.error is None, outcome.error
-    return recorder.series
+    with simulate.session(scene, folder, rigid, drive) as session:
+        status = session.run()
+    assert status.error is None, status.error
+    return session.recorder.series
 
 
 def small_pitching() -> Scene:

@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from resource import RUSAGE_CHILDREN, getrusage
 from statistics import median
@@ -13,10 +12,13 @@ from typing import Any
 
 import fmpy
 
-from nervure import checkpoint, coupling, master
+from nervure import coupling
 from nervure.output import fields
 from nervure.scene import Scene, validate
+from nervure.simulation import checkpoint
+from nervure.simulation.results import field_files
 from nervure.units import package
+from nervure.units.describe import describe_all
 from nervure.units.fmu import Unit
 from studies import simulate
 from studies.engine import COUPLED, Case, Study
@@ -26,6 +28,7 @@ SCENES = ("fsi3-325x72", "fsi3-650x144", "fsi3-1300x288")
 REPEATS, STEPS = 10, 10  # Frames and checkpoints that are written, and steps before a frame
 STARTS = 7  # Runs of one step, and of some
 SOME = 500  # Steps
+OPTIONS: checkpoint.Options = dict.fromkeys(("checkpoint_every", "fields_every", "series_every"))
 ROUNDS, EXCHANGES = 30, 1000  # Measurements of each version, and exchanges in one of them
 
 
@@ -42,26 +45,22 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
     scene = case.built()
     spent: dict[str, list[float]] = {"step": [], "frame": [], "checkpoint": []}
 
-    with ExitStack() as stack:
-        units, scheme, clock, recorder = simulate.assemble(scene, folder, stack)
-        frames = fields.Fields(folder, validate(scene), units, clock, STEPS * clock.communication_step, 0)
-        stack.callback(frames.close)
-        write, saved = frames.watch(print), checkpoint.Checkpoint(folder, validate(scene), {}, units, scheme, recorder)
-        scheme.start()
-        recorder.table[:] = 0.0
-        recorder.record(0, 0.0, 0)
-        for i in range(REPEATS * STEPS):
-            t, h = clock.step(i)
-            spent["step"].append(timed(scheme.step, t, h))
-            recorder.record(i + 1, t + h, 1)
-            if (i + 1) % STEPS == 0:
-                spent["frame"].append(timed(write, i + 1, t + h, 0.0))
-        recorder.rows = len(recorder.table)  # as many rows as at the end of a whole run
+    with simulate.session(scene, folder) as session:
+        interval = STEPS * session.grid.communication_step
+        frames, saved = fields.Fields(session, interval, print), checkpoint.Checkpoint(session, OPTIONS)
+        session.recorder.table[:] = 0.0
+        session.start()
+        for _ in range(REPEATS * STEPS):
+            spent["step"].append(timed(session.step))
+            if session.steps % STEPS == 0:
+                spent["frame"].append(timed(frames.step, session))
+        session.recorder.rows = len(session.recorder.table)  # as many rows as at the end of a whole run
         for _ in range(REPEATS):
-            spent["checkpoint"].append(timed(saved.save, clock.steps, 0.0))
-        size = (folder / checkpoint.FILE).stat().st_size
-    fields.clear(folder)
-    checkpoint.clear(folder)
+            spent["checkpoint"].append(timed(saved.save))
+        frames.end(None)
+        size = saved.path.stat().st_size
+    for path in (saved.path, *field_files(folder)):
+        path.unlink()
     shortest = {f"{what}_ms": round(min(found), 3) for what, found in spent.items()}
     return shortest | {"checkpoint_mb": round(size / 1e6, 2)}
 
@@ -84,10 +83,9 @@ def exchange(case: Case, folder: Path) -> dict[str, Any]:
     scene, shares = case.built(), []
     scene["time"]["end"] = SOME * scene["time"]["communication_step"]
     for _ in range(STARTS):
-        with ExitStack() as stack:
-            units, scheme, clock, recorder = simulate.assemble(scene, folder, stack)
-            wall = master.run(scheme, clock, recorder).wall
-            shares.append(1 - sum(unit.seconds for unit in units.values()) / wall)
+        with simulate.session(scene, folder) as session:
+            wall = session.run().wall
+            shares.append(1 - sum(unit.seconds for unit in session.units.values()) / wall)
     return {"exchange_share": median(shares)}
 
 
@@ -97,8 +95,8 @@ class Pair:
     def __init__(self, scene: Scene, version: int, folder: Path):
         self.scene = scene
         self.places: dict[str, Path] = {}
-        for kind in package.kinds(self.scene):
-            packed = package.pack(kind, self.scene, folder / str(version), version=version)
+        for kind, unit in describe_all(self.scene, version).items():
+            packed = package.pack(unit, folder / str(version))
             self.places[kind] = Path(fmpy.extract(str(packed), str(folder / f"{version}-{kind}")))
 
     def parse(self) -> dict[str, Any]:

@@ -13,15 +13,12 @@ import subprocess
 import sys
 from collections.abc import Iterable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import ExitStack
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from nervure import master
 from nervure.errors import InputError
-from nervure.recorder import Recorder
 from nervure.resources import ROOT
 from studies import catalogue, engine, simulate
 from studies.engine import Case, simulated
@@ -49,14 +46,12 @@ def first_steps(case: Case, checkout: Path) -> bytes:
     scene = case.built()
     step = scene["time"]["communication_step"]
     scene["time"]["end"] = STEPS * step
-    with TemporaryDirectory() as folder, ExitStack() as stack:
-        try:
-            units, scheme, _, _ = simulate.assemble(scene, Path(folder), stack, case.options.get("rigid", False))
-        except InputError as error:
-            return str(error).encode()
-        recorder = Recorder(units, STEPS)
-        outcome = master.run(scheme, master.Clock(STEPS * step, step), recorder)
-        return b"".join(values.tobytes() for values in recorder.series.values()) + (outcome.error or "").encode()
+    try:
+        with simulate.session(scene, rigid=case.options.get("rigid", False)) as session:
+            error = session.run().error
+            return b"".join(values.tobytes() for values in session.recorder.series.values()) + (error or "").encode()
+    except InputError as error:
+        return str(error).encode()
 
 
 def hashes(digests: Iterable[str], checkout: Path, fresh: bool, jobs: int) -> dict[str, str]:

@@ -6,7 +6,6 @@ import copy
 import json
 import tomllib
 from collections.abc import Callable
-from contextlib import ExitStack
 from functools import lru_cache
 from pathlib import Path
 from time import perf_counter
@@ -14,15 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from nervure import coupling, master, results, scene as scenes
+from nervure import coupling, scene as scenes
 from nervure.evaluate import coefficients, statistics
-from nervure.evaluate.summary import summarize
 from nervure.files import json_numbers
 from nervure.output import plots
 from nervure.output.forecast import resident
-from nervure.recorder import Recorder
-from nervure.scene import kinds, validate
-from nervure.units import package
+from nervure.scene import validate
+from nervure.simulation.session import Session
+from nervure.units.describe import describe_all
 from nervure.units.fmu import Unit
 
 LISTED: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
@@ -135,21 +133,14 @@ def pitch(law: dict[str, float], t: float) -> tuple[float, float]:
     return law["amplitude"] * share * sin, law["amplitude"] * (share * omega * cos + growth * sin)
 
 
-def assemble(
-    scene: dict[str, Any], folder: Path, stack: ExitStack, rigid: bool = False, drive: coupling.Drive | None = None
-) -> tuple[dict[str, Unit], coupling.Single, master.Clock, Recorder]:
-    """Units, scheme, clock and recorder of a scene; `rigid` puts a rigid rod that follows its root in the place of the
-    rod, `drive` gives the motion of a root that the master drives."""
+def session(
+    scene: dict[str, Any], folder: Path | None = None, rigid: bool = False, drive: coupling.Drive | None = None
+) -> Session:
+    """Open a session of a scene; `rigid` puts a rigid rod that follows its root in the place of the rod, `drive` moves
+    a root that the scene leaves to the master."""
     packed = {key: part for key, part in scene.items() if key not in ("rod", "coupling")} if rigid else scene
-    clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-    units = {}
-    for kind in kinds(packed):
-        path = package.pack(kind, packed, folder)
-        units[kind] = Unit(path, kind, clock.end)
-        stack.callback(units[kind].close)
-        path.unlink()
-    scheme = Rigid(units["fluid"], scene) if rigid else coupling.couple(units, validate(scene).coupling, drive)
-    return units, scheme, clock, Recorder(units, clock.steps)
+    scheme = (lambda units: Rigid(units["fluid"], scene)) if rigid else None
+    return Session(validate(packed), folder, drive=drive, scheme=scheme)
 
 
 def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Callable[..., Any]:
@@ -168,29 +159,24 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
     """One run into `folder`: its summary, with the wall time of FMI, Python and recording, and the memory of units and
     record, MB: of the first run in a process."""
     before = resident()
-    with ExitStack() as stack:
-        units, scheme, clock, recorder = assemble(scene, folder, stack, rigid)
+    with session(scene, folder, rigid) as run:
         seconds = {"fmi": 0.0, "recording": 0.0}
-        for unit in units.values():
+        for unit in run.units.values():
             for name in ("set", "get"):
                 setattr(unit, name, timed(getattr(unit, name), seconds, "fmi"))
-        setattr(recorder, "record", timed(recorder.record, seconds, "recording"))  # noqa: B010
-        outcome = master.run(scheme, clock, recorder)
+        setattr(run.recorder, "record", timed(run.recorder.record, seconds, "recording"))  # noqa: B010
+        status = run.run()
         memory = resident() - before
-        evaluated = summarize(validate(scene), units, scheme, recorder, outcome)
-        made = results.Results(validate(scene), folder, evaluated, recorder.series, recorder.units)
-        results.write(made, scheme)
-        if pictures:
-            plots.write(folder, [made])
-            plots.vorticity(folder, made.scene, units, outcome.simulated)
-        summary = evaluated.document()
+        run.observers = [plots.Pictures(run)] if pictures else []
+        made = run.finish()
+        summary = made.summary.document()
         phases = summary["phases_s"]
         phases["python"] = phases.pop("exchange_and_python") - seconds["fmi"] - seconds["recording"]
         phases |= seconds
         columns: Any = made.series
         np.savez_compressed(folder / "series.npz", **columns)
         last = {name: float(values[-1]) for name, values in columns.items()}
-        return summary | {"wall_s": outcome.wall, "cpu_s": outcome.cpu, "last": last, "memory": 1e-6 * memory}
+        return summary | {"wall_s": status.wall, "cpu_s": status.cpu, "last": last, "memory": 1e-6 * memory}
 
 
 def run(scene: dict[str, Any], folder: Path, repeats: int = 0, **options: Any) -> dict[str, Any]:
@@ -212,7 +198,7 @@ def run(scene: dict[str, Any], folder: Path, repeats: int = 0, **options: Any) -
 
 def sizes(scene: dict[str, Any]) -> tuple[int, int]:
     """Bytes of the XML descriptions and scalar variables of a scene's units."""
-    texts = [package.describe(kind, scene) for kind in kinds(scene)]
+    texts = [unit.xml for unit in describe_all(scene).values()]
     return sum(len(text.encode()) for text in texts), sum(text.count("<ScalarVariable") for text in texts)
 
 

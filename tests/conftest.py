@@ -19,6 +19,7 @@ from nervure.cli import main
 from nervure.resources import ROOT
 from nervure.scene import kinds, read, text, validate
 from nervure.units import package
+from nervure.units.describe import describe
 from nervure.units.fmu import Unit
 
 FSI1, FSI3 = (ROOT / "scenes" / f"{name}.json" for name in ("fsi1-648x108", "fsi3-325x72"))
@@ -140,7 +141,7 @@ def packed(tmp_path_factory, libraries):
     def pack(kind: str, scene: dict, version: int = 2) -> Path:
         digest = hashlib.sha256(f"{version} {text(scene)}".encode()).hexdigest()[:16]
         path = folder / digest / f"{scene['name']}-{kind}.fmu"
-        return path if path.exists() else package.pack(kind, scene, path.parent, version=version)
+        return path if path.exists() else package.pack(describe(kind, scene, version), path.parent)
 
     return pack
 

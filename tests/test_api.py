@@ -8,8 +8,8 @@ import pytest
 from rich.console import Console
 
 import nervure
-from nervure import checkpoint, simulation
 from nervure.scene import validate
+from nervure.simulation import checkpoint
 from nervure.units.fmu import Unit
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -132,8 +132,8 @@ def test_an_interrupted_run_goes_on(falling, tmp_path, monkeypatch):
 
 
 def test_a_notebook_sees_one_line_that_moves(falling, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("nervure.output.progress.TERMINAL_INTERVAL", 0.0)
-    monkeypatch.setattr(simulation, "Console", lambda **_: Console(force_jupyter=True))
+    monkeypatch.setattr("nervure.output.console.TERMINAL_INTERVAL", 0.0)
+    monkeypatch.setattr("nervure.output.console.Console", lambda **_: Console(force_jupyter=True))
     nervure.run(falling, tmp_path)
     shown = capsys.readouterr().out
     assert shown.count("\r") == 100 and "\rt 0.010 of 0.01 s" in shown and "tip_uy" in shown

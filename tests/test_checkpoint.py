@@ -10,9 +10,10 @@ import zipfile
 import numpy as np
 import pytest
 
-from nervure import checkpoint
-from nervure.recorder import Recorder
 from nervure.scene import validate
+from nervure.simulation import checkpoint
+from nervure.simulation.results import CHECKPOINT
+from nervure.simulation.session import Session
 from tests.conftest import TOOL, nervure, run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -43,7 +44,8 @@ def run_scene_of(scene, tmp_path, *arguments):
 
 
 def load(saved):
-    return saved.restore(checkpoint.read(saved.path.parent))
+    checkpoint.restore(saved.session, checkpoint.read(saved.path.parent))
+    return saved.session.steps
 
 
 def results(folder):
@@ -58,23 +60,24 @@ def stop(path, folder, number, *arguments):
     command = [*TOOL, "run", path, "--output", folder, "--checkpoint-every", "0.001"]
     process = subprocess.Popen([*command, *arguments], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     deadline = time.monotonic() + 300
-    while not (folder / checkpoint.FILE).exists() and process.poll() is None and time.monotonic() < deadline:
+    while not (folder / CHECKPOINT).exists() and process.poll() is None and time.monotonic() < deadline:
         time.sleep(0.02)
     process.send_signal(number)
     return process.wait(timeout=300)
 
 
 @pytest.fixture
-def saved(fluid_only, start, tmp_path):
-    """Checkpoint of a run in this process, kept after three steps."""
-    scheme = start(fluid_only)
-    recorder = Recorder({"fluid": scheme.unit}, 10)
-    for i in range(3):
-        scheme.step(i * 1e-3, 1e-3)
-        recorder.record(i, i * 1e-3, 1)
-    kept = checkpoint.Checkpoint(tmp_path, validate(fluid_only), {}, {"fluid": scheme.unit}, scheme, recorder)
-    kept.save(3, 0.5)
-    return kept
+def saved(fluid_only, tmp_path):
+    """Checkpoint of a session in this process, saved after three steps."""
+    options = {"checkpoint_every": 0.0, "fields_every": None, "series_every": None}
+    with Session(validate(fluid_only), tmp_path) as session:
+        session.start()
+        for _ in range(3):
+            session.step()
+        kept = checkpoint.Checkpoint(session, options)
+        kept.save()
+        session.scheme.start = lambda: None  # `restore` starts the units of a new session
+        yield kept
 
 
 @pytest.mark.parametrize("kind", ["rod", "fluid", "explicit", "iqn_ils", "aitken", "several"])
@@ -88,7 +91,7 @@ def test_a_killed_run_goes_on_as_if_nothing_had_been(kind, scenes, tmp_path):
     done = nervure("resume", parts)
     assert done.returncode == 0, done.stderr
     assert results(parts) == results(whole)
-    assert not (parts / checkpoint.FILE).exists(), "a run that has reached its end leaves no checkpoint"
+    assert not (parts / CHECKPOINT).exists(), "a run that has reached its end leaves no checkpoint"
 
 
 def test_an_interrupted_run_writes_where_it_was_and_another_run_does_not_replace_it(fluid_only, tmp_path):
@@ -97,13 +100,13 @@ def test_an_interrupted_run_writes_where_it_was_and_another_run_does_not_replace
     path.write_text(json.dumps(fluid_only))
     assert stop(path, folder, signal.SIGINT) == 130
     stopped_at = json.loads((folder / "summary.json").read_text())["steps"]
-    with np.load(folder / checkpoint.FILE) as archive:
+    with np.load(folder / CHECKPOINT) as archive:
         assert json.loads(archive["about"].tobytes())["done"] == stopped_at
 
     before = {file.name: file.read_bytes() for file in folder.iterdir()}
     done = run_scene(path, "--output", folder, "--set", "fluid.density=2.0")
     assert done.returncode == 2, done.stderr
-    assert f"`nervure resume {folder}` goes on" in done.stderr, done.stderr
+    assert f"`nervure resume {folder}` continues it" in done.stderr, done.stderr
     assert before == {file.name: file.read_bytes() for file in folder.iterdir()}
 
 
@@ -120,7 +123,7 @@ def test_ctrl_c_keeps_a_checkpoint_that_nobody_asked_for(scenes, tmp_path):
     time.sleep(0.3)  # for some steps
     process.send_signal(signal.SIGINT)
     said, _ = process.communicate(timeout=300)
-    assert process.returncode == 130 and f"`nervure resume {parts}` goes on" in said, said
+    assert process.returncode == 130 and f"`nervure resume {parts}` continues it" in said, said
     assert "the run ended at t = " in said.replace("not compared with published values: ", ""), said
     assert nervure("resume", parts).returncode == 0
     assert results(parts)[0] == results(whole)[0]
@@ -184,7 +187,7 @@ def test_a_damaged_or_cut_file_is_refused(saved):
             with pytest.raises(checkpoint.CheckpointError, match="is damaged"):
                 load(saved)
     saved.path.write_bytes(good)
-    assert load(saved) == (3, 0.5)
+    assert load(saved) == 3
 
 
 def test_a_full_disk_leaves_the_checkpoint_before(saved):
@@ -193,9 +196,10 @@ def test_a_full_disk_leaves_the_checkpoint_before(saved):
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(good) // 2, hard))
     try:
-        saved.every(0.0, 0.0, said.append)(2, 0.5, 1.0)
+        saved.warn = said.append
+        saved.step(saved.session)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-    assert len(said) == 1 and "no checkpoint at t = 0.5 s" in said[0], said
+    assert len(said) == 1 and "no checkpoint at t = 0.003 s" in said[0], said
     assert saved.path.read_bytes() == good
-    assert not saved.path.with_name(f"unfinished-{checkpoint.FILE}").exists()
+    assert not saved.path.with_name(f"unfinished-{CHECKPOINT}").exists()

@@ -7,13 +7,15 @@ import zipfile
 import pytest
 
 from nervure.errors import SceneError
+from nervure.resources import KINDS
 from nervure.scene import load, override
 from nervure.units import package
+from nervure.units.describe import describe
 from nervure.units.fmu import Unit, UnitError
 from tests.conftest import FSI3, run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", package.KINDS)
+both = pytest.mark.parametrize("kind", KINDS)
 
 
 def rewrite(fmu, target, change):
@@ -40,7 +42,7 @@ def steps_still(small_fsi3, instantiate):
 
 @both
 def test_an_fmu_without_its_scene_names_the_file(kind, small_fsi3, tmp_path, steps_still):
-    fmu = package.pack(kind, small_fsi3, tmp_path)
+    fmu = package.pack(describe(kind, small_fsi3), tmp_path)
     bare = rewrite(fmu, tmp_path / "bare.fmu", lambda name, data: None if name.startswith("resources") else data)
     with pytest.raises(UnitError, match=r"scene\.json"):
         Unit(bare, kind, 1.0)
@@ -49,7 +51,7 @@ def test_an_fmu_without_its_scene_names_the_file(kind, small_fsi3, tmp_path, ste
 
 @both
 def test_an_fmu_without_a_library_for_this_platform_is_refused(kind, small_fsi3, tmp_path):
-    fmu = package.pack(kind, small_fsi3, tmp_path)
+    fmu = package.pack(describe(kind, small_fsi3), tmp_path)
     bare = rewrite(fmu, tmp_path / "bare.fmu", lambda name, data: None if name.startswith("binaries") else data)
     with pytest.raises(UnitError, match="Cannot find shared library"):
         Unit(bare, kind, 1.0)
@@ -57,7 +59,7 @@ def test_an_fmu_without_a_library_for_this_platform_is_refused(kind, small_fsi3,
 
 @both
 def test_a_foreign_guid_is_refused(kind, small_fsi3, tmp_path, steps_still):
-    fmu = package.pack(kind, small_fsi3, tmp_path)
+    fmu = package.pack(describe(kind, small_fsi3), tmp_path)
     guid = "{00000000-0000-0000-0000-000000000000}"
 
     def change(name, data):
@@ -73,7 +75,7 @@ def test_a_foreign_guid_is_refused(kind, small_fsi3, tmp_path, steps_still):
 
 @both
 def test_another_scene_under_the_same_description_is_refused(kind, small_fsi3, tmp_path):
-    fmu = package.pack(kind, small_fsi3, tmp_path)
+    fmu = package.pack(describe(kind, small_fsi3), tmp_path)
     small_fsi3["beam"]["segments"] = 30
 
     def change(name, data):

@@ -10,36 +10,26 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from nervure import master
 from nervure.errors import SceneError
 from nervure.output import fields
 from nervure.scene import validate
+from nervure.simulation.results import BEAM_FIELDS, FIELDS, FLUID_FIELDS
+from nervure.simulation.session import Session
 from tests.conftest import TOOL, nervure, run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
 
-def write(scene, start, folder, interval):
-    """Run `scene` in this process with fields; returns its units and field files."""
-    scheme = start(scene)
-    units = (
-        {"rod": scheme.rods[0], "fluid": scheme.fluid} if hasattr(scheme, "rods") else {scheme.unit.name: scheme.unit}
-    )
-    clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
-    kept = fields.Fields(folder, validate(scene), units, clock, interval, 0)
-    watch = kept.watch(pytest.fail)
-    watch(0, 0.0, 0.0)
-    for i in range(clock.steps):
-        t, h = clock.step(i)
-        scheme.step(t, h)
-        watch(i + 1, t + h, 0.0)
-    kept.close()
-    return units
+def write(scene, folder, interval):
+    """Run `scene` in this process with fields; return its session, which is open."""
+    session = Session(validate(scene), folder)
+    session.observers = [fields.Fields(session, interval, pytest.fail)]
+    assert session.run().completed
+    return session
 
 
-def test_fluid_fields_are_image_data_of_what_the_unit_shows(fluid_only, start, tmp_path):
-    units = write(fluid_only, start, tmp_path, 5e-3)
-    with h5py.File(tmp_path / fields.FLUID) as file:
+def test_fluid_fields_are_image_data_of_what_the_unit_shows(fluid_only, tmp_path):
+    with write(fluid_only, tmp_path, 5e-3) as session, h5py.File(tmp_path / FLUID_FIELDS) as file:
         root = file["VTKHDF"]
         assert root.attrs["Type"] == b"ImageData" and tuple(root.attrs["Version"]) == (2, 0)
         assert tuple(root.attrs["WholeExtent"]) == (0, 63, 0, 31, 0, 0)
@@ -50,16 +40,16 @@ def test_fluid_fields_are_image_data_of_what_the_unit_shows(fluid_only, start, t
         velocity = root["PointData/velocity"]
         assert velocity.shape == (5, 32, 64, 3)
         for component, name in enumerate("uv"):
-            assert (velocity[-1, ..., component] == units["fluid"].field(name).T.astype(np.float32)).all()
+            assert (velocity[-1, ..., component] == session.units["fluid"].field(name).T.astype(np.float32)).all()
         assert (velocity[-1, ..., 2] == 0).all()
-        assert (root["PointData/vorticity"][-1] == units["fluid"].field("vorticity").T.astype(np.float32)).all()
-        assert (root["PointData/pressure"][-1] == units["fluid"].field("p").T.astype(np.float32)).all()
+        assert (root["PointData/vorticity"][-1] == session.units["fluid"].field("vorticity").T.astype(np.float32)).all()
+        assert (root["PointData/pressure"][-1] == session.units["fluid"].field("p").T.astype(np.float32)).all()
 
 
-def test_the_beam_is_a_polygon_of_its_area_between_its_ends(small_fsi3, start, tmp_path):
+def test_the_beam_is_a_polygon_of_its_area_between_its_ends(small_fsi3, tmp_path):
     small_fsi3["time"]["end"] = 0.004
-    write(small_fsi3, start, tmp_path, 0.002)
-    with h5py.File(tmp_path / fields.BEAM) as file:
+    write(small_fsi3, tmp_path, 0.002).close()
+    with h5py.File(tmp_path / BEAM_FIELDS) as file:
         root = file["VTKHDF"]
         assert root.attrs["Type"] == b"PolyData" and root["Steps"].attrs["NSteps"] == 3
         points = root["Points"][:].reshape(3, 42, 3)
@@ -71,28 +61,28 @@ def test_the_beam_is_a_polygon_of_its_area_between_its_ends(small_fsi3, start, t
     assert (points[2] != points[0]).any()
 
 
-def test_a_rod_alone_shows_its_beam(rod_only, start, tmp_path):
-    write(rod_only, start, tmp_path, 1e-3)
-    assert not (tmp_path / fields.FLUID).exists()
-    with h5py.File(tmp_path / fields.BEAM) as file:
+def test_a_rod_alone_shows_its_beam(rod_only, tmp_path):
+    write(rod_only, tmp_path, 1e-3).close()
+    assert not (tmp_path / FLUID_FIELDS).exists()
+    with h5py.File(tmp_path / BEAM_FIELDS) as file:
         points = file["VTKHDF/Points"][:].reshape(11, 34, 3)
     assert points[-1, 16, 1] < points[0, 16, 1], "the tip falls"
 
 
-def test_a_rod_in_space_is_a_line(rod_only, start, tmp_path):
+def test_a_rod_in_space_is_a_line(rod_only, tmp_path):
     rod_only["beam"]["root"]["at"] = {"position": [0.0, 0.0, 0.0], "direction": [1.0, 0.0, 0.0]}
     rod_only["rod"]["gravity"] = [0.0, 0.0, -2.0]
-    write(rod_only, start, tmp_path, 1e-3)
-    with h5py.File(tmp_path / fields.BEAM) as file:
+    write(rod_only, tmp_path, 1e-3).close()
+    with h5py.File(tmp_path / BEAM_FIELDS) as file:
         assert file["VTKHDF/Lines/NumberOfCells"][0] == 1 and file["VTKHDF/Polygons/NumberOfCells"][0] == 0
         assert file["VTKHDF/Points"].shape == (11 * 17, 3)
 
 
-def test_a_scene_without_anything_to_show_is_refused(fluid_only, instantiate, tmp_path):
-    unit = instantiate(fluid_only)["fluid"]
-    unit.shown_field = lambda _name: None
-    with pytest.raises(SceneError, match="--fields-every needs a beam or a fluid that shows its fields"):
-        fields.Fields(tmp_path, validate(fluid_only), {"fluid": unit}, master.Clock(1.0, 0.1), 0.1, 0)
+def test_a_scene_without_anything_to_show_is_refused(fluid_only, tmp_path):
+    with Session(validate(fluid_only), tmp_path) as session:
+        session.units["fluid"].shown_field = lambda _name: None
+        with pytest.raises(SceneError, match="--fields-every needs a beam or a fluid that shows its fields"):
+            fields.Fields(session, 0.1, pytest.fail)
 
 
 def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(small_fsi3, tmp_path):
@@ -111,23 +101,23 @@ def test_a_killed_run_leaves_readable_fields_which_its_resumption_completes(smal
 
     def frames(folder, name):
         with h5py.File(folder / name) as file:
-            data = file["VTKHDF/PointData/vorticity" if name == fields.FLUID else "VTKHDF/Points"][:]
+            data = file["VTKHDF/PointData/vorticity" if name == FLUID_FIELDS else "VTKHDF/Points"][:]
             return file["VTKHDF/Steps"].attrs["NSteps"], file["VTKHDF/Steps/Values"][:], data
 
-    expected = {name: frames(whole, name) for name in fields.FILES}
-    for name in fields.FILES:
+    expected = {name: frames(whole, name) for name in FIELDS}
+    for name in FIELDS:
         count, times, data = frames(parts, name)
         known = count * len(data) // expected[name][0]
         assert 0 < count < expected[name][0] and len(times) in (count, count + 1)
         assert (data[:known] == expected[name][2][:known]).all()
 
-    gone = (parts / fields.BEAM).rename(parts / "elsewhere")
+    gone = (parts / BEAM_FIELDS).rename(parts / "elsewhere")
     other = nervure("resume", parts)
     assert other.returncode == 2 and "cannot be continued" in other.stderr, other.stderr
-    gone.rename(parts / fields.BEAM)
+    gone.rename(parts / BEAM_FIELDS)
     done = nervure("resume", parts)
     assert done.returncode == 0, done.stderr
-    for name in fields.FILES:
+    for name in FIELDS:
         for found, wanted in zip(frames(parts, name), expected[name]):
             assert np.array_equal(found, wanted)
     assert (parts / "series.csv").read_bytes() == (whole / "series.csv").read_bytes()
@@ -161,4 +151,4 @@ def test_fields_and_checkpoints_change_no_result(rod_only, tmp_path):
     run_scene(path, "--output", tmp_path / "kept", "--checkpoint-every", "0", "--fields-every", "1e-3")
     plain, kept = ((tmp_path / name / "series.csv").read_bytes() for name in ("plain", "kept"))
     assert plain == kept
-    assert not set(fields.FILES) & {file.name for file in (tmp_path / "plain").iterdir()}
+    assert not set(FIELDS) & {file.name for file in (tmp_path / "plain").iterdir()}

@@ -12,13 +12,14 @@ from lxml import etree
 
 from nervure import coupling, run
 from nervure.errors import InputError
+from nervure.resources import KINDS
 from nervure.scene import validate
 from nervure.units import delivery, package
 from nervure.units.fmu import Unit, UnitError, read_description, variables_of
 from tests.conftest import nervure
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", package.KINDS)
+both = pytest.mark.parametrize("kind", KINDS)
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
 
 
@@ -67,7 +68,7 @@ def test_an_fmu_has_the_folders_of_fmi_3_and_explains_itself(kind, small_fsi3, p
 
 def test_terminals_fit_each_other(fsi3, packed):
     terminals = {}
-    for kind in package.KINDS:
+    for kind in KINDS:
         with zipfile.ZipFile(packed(kind, fsi3, 3)) as archive:
             found = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml")).iter("Terminal")
         terminals[kind] = {terminal.get("name"): terminal.xpath("*/@memberName") for terminal in found}

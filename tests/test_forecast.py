@@ -8,7 +8,8 @@ import pytest
 
 from nervure.evaluate import bodies, dimensionless, flapping
 from nervure.output import forecast
-from nervure.scene import override, read, validate
+from nervure.scene import beams, override, read, validate
+from nervure.simulation.facts import Facts
 from tests.conftest import FSI3, run_scene
 from tests.test_flapping import known_signal
 
@@ -60,7 +61,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
     fluid_only["fluid"] |= {"initial_velocity": [0.0, 0.0], "inflow": None}
     found = dimensionless.evaluate(validate(fluid_only))
     assert (found.velocity, found.reynolds, found.cfl) == (None, None, None)
-    assert list(forecast.warnings(validate(fluid_only))) == []
+    assert list(forecast.warnings(Facts.of(validate(fluid_only)))) == []
 
 
 @pytest.mark.parametrize(
@@ -87,7 +88,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
     ],
 )
 def test_what_is_outside_of_the_tried_ranges_is_warned_of(assignments, said):
-    warnings = list(forecast.warnings(validate(read("fsi3-1300x288", assignments))))
+    warnings = list(forecast.warnings(Facts.of(validate(read("fsi3-1300x288", assignments)))))
     assert len(warnings) == len(said) and all(part in text for part, text in zip(said, warnings, strict=True)), warnings
 
 
@@ -104,7 +105,7 @@ def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     of_scene = dimensionless.evaluate(scene)
     velocity = 1.2 if kind == "stream" else 0.1 * 4 * np.pi
     assert of_scene.velocity == pytest.approx(velocity)
-    found = bodies.evaluate(scene, of_scene, known, window, 0.0)["beam"]
+    found = bodies.evaluate(scene, beams(scene), of_scene, known, window, 0.0)["beam"]
     pressure = velocity**2 / 2
     assert found.cd_mean == pytest.approx(-0.25 / pressure, rel=1e-4)
     assert found.cl_amplitude == pytest.approx(1.0 / pressure, rel=1e-4)
@@ -121,11 +122,12 @@ def test_pace_counts_steps_after_the_first_and_those_of_the_fluid_to_come():
     scene = read("vein-pitching-320x240")
     override(scene, "time.end=0.04")
     fluid = SimpleNamespace(seconds=0.0)
-    pace = forecast.Pace(validate(scene), {"fluid": fluid})
+    pace = forecast.Pace(Facts.of(validate(scene)), fluid)
     assert pace.factor == 2 and pace.steps == 100
     wall, found = 0.0, []
     for done in range(12):
-        found.append(pace.after(done, wall))
+        pace.see(done, wall)
+        found.append(pace.whole)
         step = 5.0 if done < forecast.WARM_UP else 0.03
         wall, fluid.seconds = wall + step, fluid.seconds + step * 2 / 3
     assert found[: forecast.WARM_UP + 1] == [None] * (forecast.WARM_UP + 1)

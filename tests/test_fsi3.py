@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from nervure.results import FILES
 from nervure.scene import load
+from nervure.simulation.results import FILES
 from tests.conftest import FSI3
 from tests.record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
 

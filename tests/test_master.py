@@ -5,9 +5,11 @@ import copy
 import numpy as np
 import pytest
 
-from nervure import coupling, master
-from nervure.recorder import Recorder
+from nervure import coupling
 from nervure.scene.types import Iterated
+from nervure.simulation.facts import TimeGrid
+from nervure.simulation.loop import TimeLoop
+from nervure.simulation.recorder import Recorder
 from nervure.units.fmu import UnitError, Variable
 
 
@@ -76,22 +78,22 @@ class AddedMass(Fake):
 
 
 STIFFNESS, ADDED_MASS, PUSH = 400.0, 10.0, 1.0
-CLOCK = master.Clock(0.5, 1e-2)
+GRID = TimeGrid(0.5, 1e-2)
 
 
 def monolithic():
-    """Position at the end of the clock, mass and added mass in one implicit Euler step."""
+    """Position at the end, mass and added mass in one implicit Euler step."""
     q = v = 0.0
-    h = CLOCK.communication_step
-    for _ in range(CLOCK.steps):
+    h = GRID.communication_step
+    for _ in range(GRID.steps):
         v = ((1 + ADDED_MASS) * v + h * (PUSH - STIFFNESS * q)) / (1 + ADDED_MASS + STIFFNESS * h * h)
         q += h * v
     return q
 
 
-def run(scheme, clock=CLOCK, stopping=lambda: False):
-    recorder = Recorder({"rod": scheme.rods[0], "fluid": scheme.fluid}, clock.steps)
-    return master.run(scheme, clock, recorder, stopping=stopping), recorder
+def run(scheme, stopping=lambda: False):
+    recorder = Recorder({"rod": scheme.rods[0], "fluid": scheme.fluid}, GRID.steps)
+    return TimeLoop(scheme, GRID, recorder).run(stopping), recorder
 
 
 def test_iterated_scheme_gives_the_monolithic_solution_at_ten_times_the_mass():
@@ -209,10 +211,10 @@ def test_a_stopped_run_is_not_completed():
     ("end", "step", "steps", "last"),
     [(8.0, 2e-4, 40000, 2e-4), (1.0, 0.3, 4, 0.1), (0.1, 0.3, 1, 0.1), (0.3, 0.1, 3, 0.1)],
 )
-def test_clock_lands_on_the_end(end, step, steps, last):
-    clock = master.Clock(end, step)
-    assert clock.steps == steps
-    t, h = clock.step(steps - 1)
+def test_time_grid_lands_on_the_end(end, step, steps, last):
+    grid = TimeGrid(end, step)
+    assert grid.steps == steps
+    t, h = grid.step(steps - 1)
     assert t + h == pytest.approx(end, rel=1e-15)
     assert h == pytest.approx(last, rel=1e-9)
 

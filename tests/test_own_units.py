@@ -11,9 +11,9 @@ import pytest
 from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
-from nervure import coupling, master
-from nervure.resources import ROOT
-from nervure.units import package
+from nervure import coupling
+from nervure.resources import KINDS, ROOT
+from nervure.simulation.facts import TimeGrid
 from nervure.units.fmu import Unit
 from tests.conftest import output, run_scene
 
@@ -136,9 +136,9 @@ def test_frequency_and_decay_in_the_analytic_fluid(still, own, open_unit, foreig
     fluid.fmu.setReal(fluid.variables["linear_drag"].references, [linear_drag])
     coupled = coupling.Explicit([rod], fluid)
     coupled.start()
-    clock = master.Clock(scene["time"]["end"], scene["time"]["communication_step"])
+    grid = TimeGrid(scene["time"]["end"], scene["time"]["communication_step"])
     times, tip = [], []
-    for t, h in map(clock.step, range(clock.steps)):
+    for t, h in map(grid.step, range(grid.steps)):
         coupled.step(t, h)
         times.append(t + h)
         tip.append(output(rod, "tip.uy")[0])
@@ -155,7 +155,7 @@ def test_frequency_and_decay_in_the_analytic_fluid(still, own, open_unit, foreig
 
 def test_two_foreign_units_run_from_the_command_line(still, own, tmp_path):
     scene = still(1001.0)
-    fmus = {kind: own(kind, scene, True) for kind in package.KINDS}
+    fmus = {kind: own(kind, scene, True) for kind in KINDS}
     path, folder = tmp_path / "scene.json", tmp_path / "results"
     path.write_text(json.dumps(scene))
     done = run_scene(path, "--output", folder, "--rod-fmu", fmus["rod"], "--fluid-fmu", fmus["fluid"])
@@ -176,7 +176,7 @@ def test_a_foreign_unit_that_dies_ends_the_run_with_its_reason(still, own, tmp_p
     scene["rod"]["gravity"] = [0.0, -1000 * WEIGHT / (FLUID_DENSITY * THICKNESS)]
     path, folder = tmp_path / "scene.json", tmp_path / "results"
     path.write_text(json.dumps(scene))
-    fmus = {kind: own(kind, scene, True) for kind in package.KINDS}
+    fmus = {kind: own(kind, scene, True) for kind in KINDS}
     done = run_scene(path, "--output", folder, "--rod-fmu", fmus["rod"], "--fluid-fmu", fmus["fluid"], "--quiet")
     assert done.returncode == 1, done.stderr
     assert "but this beam is linear: 0.035 m at most" in done.stderr

@@ -9,6 +9,7 @@ from lxml import etree
 
 from nervure.library import KINDS
 from nervure.units import package
+from nervure.units.describe import describe
 
 pytestmark = pytest.mark.usefixtures("libraries")
 both = pytest.mark.parametrize("kind", KINDS)
@@ -16,7 +17,7 @@ both = pytest.mark.parametrize("kind", KINDS)
 
 @both
 def test_fmu_explains_itself(kind, small_fsi3, tmp_path):
-    with zipfile.ZipFile(package.pack(kind, small_fsi3, tmp_path)) as archive:
+    with zipfile.ZipFile(package.pack(describe(kind, small_fsi3), tmp_path)) as archive:
         files = {name: archive.read(name) for name in archive.namelist()}
     names = etree.fromstring(files["modelDescription.xml"]).xpath("//ScalarVariable/@name")
     page = files["documentation/index.html"].decode("utf-8")
@@ -28,7 +29,7 @@ def test_fmu_explains_itself(kind, small_fsi3, tmp_path):
 
 @both
 def test_each_array_is_one_terminal(kind, small_fsi3, tmp_path):
-    with zipfile.ZipFile(package.pack(kind, small_fsi3, tmp_path)) as archive:
+    with zipfile.ZipFile(package.pack(describe(kind, small_fsi3), tmp_path)) as archive:
         terminals = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml"))
         variables = set(etree.fromstring(archive.read("modelDescription.xml")).xpath("//ScalarVariable/@name"))
     schema = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"

@@ -8,7 +8,6 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 import nervure
-from nervure import simulation
 from nervure.evaluate import statistics
 from nervure.output import animation, plots
 from nervure.scene import validate
@@ -30,7 +29,7 @@ def drawn(monkeypatch, tmp_path):
             return path
 
         monkeypatch.setattr(plots, "_save", save)
-        simulation.run(validate(scene), tmp_path / "run", {}, quiet=True)
+        nervure.run(validate(scene), tmp_path / "run", quiet=True)
         return figures
 
     return draw

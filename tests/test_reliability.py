@@ -12,6 +12,7 @@ import pytest
 from nervure.library import KINDS
 from nervure.scene import Scene, load
 from nervure.units import package
+from nervure.units.describe import describe
 from tests.reliability.checks import CHECKS, unpack
 from tests.reliability.trials import inherited
 from tests.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
@@ -108,7 +109,7 @@ def test_threads_of_a_step_end_with_it_and_a_fork_is_as_its_parent(libraries, tm
 def unpacked(scene: Scene, folder: Path, threads: int) -> Path:
     """The unpacked FMU of the fluid on so many threads."""
     scene.fluid.threads, own = threads, folder / str(threads)
-    return Path(fmpy.extract(str(package.pack("fluid", scene, own)), str(own / "unpacked")))
+    return Path(fmpy.extract(str(package.pack(describe("fluid", scene), own)), str(own / "unpacked")))
 
 
 def tasks() -> list[str]:

@@ -8,6 +8,7 @@ from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
 from nervure.units import package
+from nervure.units.describe import describe
 from nervure.units.fmu import UnitError
 from tests.conftest import output
 
@@ -180,7 +181,7 @@ def test_rescued_steps_are_counted_and_logged(rod_only, tmp_path, libraries):
         allocateMemory=defaultCallbacks.allocateMemory,
         freeMemory=defaultCallbacks.freeMemory,
     )
-    path = str(package.pack("rod", rod_only, tmp_path))
+    path = str(package.pack(describe("rod", rod_only), tmp_path))
     description = read_model_description(path)
     names = {variable.name: variable.valueReference for variable in description.modelVariables}
     fmu = FMU2Slave(

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import nervure
-from nervure import simulation
 from nervure.scene import validate
 from nervure.units import package
+from nervure.units.describe import describe
 from nervure.units.fmu import Unit
 from tests.conftest import FSI3, TOOL, run_scene
 
@@ -117,22 +117,22 @@ def test_outputs_are_read_only_for_rows_that_are_recorded(fluid_only, tmp_path, 
     read = []
     monkeypatch.setattr(Unit, "get", lambda self, get=Unit.get: read.append(self.name) or get(self))
     scene = validate(fluid_only)
-    simulation.run(scene, tmp_path / "a", {}, quiet=True)
+    nervure.run(scene, tmp_path / "a", quiet=True)
     every = len(read)
-    simulation.run(scene, tmp_path / "b", {}, quiet=True, series_every=0.01)
+    nervure.run(scene, tmp_path / "b", quiet=True, series_every=0.01)
     assert every == 21 and len(read) - every == 4  # at the start twice, and at two of the 20 steps
 
 
 def test_a_long_series_is_written_with_all_its_digits(rod_only, tmp_path, monkeypatch):
-    monkeypatch.setattr("nervure.results.LONG", 100)
+    monkeypatch.setattr("nervure.simulation.results.LONG", 100)
     scene = validate(rod_only)
-    done = simulation.run(scene, tmp_path, {}, quiet=True)
+    done = nervure.run(scene, tmp_path, quiet=True)
     with h5py.File(tmp_path / "series.h5") as file:
         assert list(file) == list(done.series) and file["tip_uy"].attrs["unit"] == "m"
         assert (file["tip_uy"][:] == done.series["tip_uy"]).all()
     again = nervure.read(tmp_path)
     assert all((again.series[name] == values).all() for name, values in done.series.items())
-    simulation.run(scene, tmp_path, {}, quiet=True, series_every=1e-3)
+    nervure.run(scene, tmp_path, quiet=True, series_every=1e-3)
     assert not (tmp_path / "series.h5").exists(), "a shorter series leaves none of the longer one"
 
 
@@ -145,7 +145,7 @@ def test_an_override_is_in_the_scene_that_is_kept(rod_only, tmp_path):
 def test_units_given_as_files_take_the_place_of_ours(small_fsi3, tmp_path):
     heavier = json.loads(json.dumps(small_fsi3))
     heavier["rod"]["material"]["plane_strain"]["density"] = 4000.0
-    foreign = package.pack("rod", heavier, tmp_path / "foreign")
+    foreign = package.pack(describe("rod", heavier), tmp_path / "foreign")
     ours, _ = run(tmp_path, small_fsi3, "--end-time", "0.01")
     theirs, _ = run(tmp_path, small_fsi3, "--end-time", "0.01", "--rod-fmu", foreign)
     direct, _ = run(tmp_path, heavier, "--end-time", "0.01")
@@ -160,11 +160,11 @@ def test_guards_of_the_scene_are_for_foreign_units_too(small_fsi3, packed, tmp_p
     done = run_scene(
         path, "--output", tmp_path / "results", "--rod-fmu", packed("rod", small_fsi3), "--end-time", "0.01"
     )
-    assert done.returncode == 1 and "over the last 5 steps the power that the rod took" in done.stderr, done.stderr
+    assert done.returncode == 1 and "over the last 5 steps the power on the rod" in done.stderr, done.stderr
 
 
 def test_a_unit_that_does_not_fit_is_refused_with_exit_code_2(small_fsi3, rod_only, tmp_path):
-    alone = package.pack("rod", rod_only, tmp_path / "foreign")
+    alone = package.pack(describe("rod", rod_only), tmp_path / "foreign")
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(small_fsi3))
     done = run_scene(path, "--output", tmp_path / "results", "--rod-fmu", alone)

@@ -9,10 +9,11 @@ import scene_types
 
 from nervure.errors import SceneError
 from nervure.evaluate import coefficients
-from nervure.evaluate.summary import quantities
 from nervure.resources import ROOT
-from nervure.scene import document, kinds, load, read, text, types
+from nervure.scene import beams, document, kinds, load, read, text, types
+from nervure.simulation.summary import quantities
 from nervure.units import package
+from nervure.units.describe import describe
 from tests.conftest import SCENES
 
 every_scene = pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
@@ -33,7 +34,7 @@ def test_scene_is_named_like_its_file(path):
 def test_scene_packs(path, tmp_path, libraries):
     scene = load(path)
     for kind in kinds(scene):
-        assert package.pack(kind, scene, tmp_path).is_file()
+        assert package.pack(describe(kind, scene), tmp_path).is_file()
 
 
 @every_scene
@@ -47,7 +48,7 @@ def test_scene_is_written_as_it_was_read(path):
 def test_reference_is_about_quantities_that_are_evaluated(path):
     reference = load(path).reference
     if reference is not None:
-        assert reference.quantities.keys() <= set(quantities(load(path)))
+        assert reference.quantities.keys() <= set(quantities(beams(load(path))))
         assert (coefficients.published(reference) or reference.quantities) and reference.source
 
 

@@ -13,8 +13,8 @@ import psutil
 import pytest
 from distributed import Client, LocalCluster
 
-from nervure import sweep
 from nervure.errors import SceneError
+from nervure.simulation import sweep
 from tests.conftest import TOOL
 
 pytestmark = [

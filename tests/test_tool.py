@@ -12,12 +12,13 @@ from contextlib import ExitStack, contextmanager
 
 import pytest
 
-from nervure import results, simulation
+from nervure import api
 from nervure.errors import InputError
 from nervure.library import library
 from nervure.provenance import git_revision
 from nervure.resources import ROOT
 from nervure.scene import validate
+from nervure.simulation import results
 from nervure.units import delivery
 from tests.conftest import FSI3, TOOL, nervure, run_scene
 
@@ -246,7 +247,7 @@ def test_results_that_cannot_be_written_leave_the_former_ones(result, rod_only, 
         ExitStack() as disk,
         pytest.raises(InputError, match=f"results cannot be written into {folder}: File too large"),
     ):
-        simulation.run(validate(rod_only), folder, {}, quiet=True)
+        api.run(validate(rod_only), folder, quiet=True)
     assert contents(folder) == before
 
 

@@ -14,29 +14,31 @@ from lxml import etree
 
 from nervure import coupling
 from nervure.errors import SceneError
-from nervure.resources import ROOT
+from nervure.library import library
+from nervure.resources import KINDS, ROOT
 from nervure.units import package
+from nervure.units.describe import describe
 from nervure.units.fmu import ELEMENT
 from tests.conftest import output
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", package.KINDS)
+both = pytest.mark.parametrize("kind", KINDS)
 
 
 @both
 def test_fmpy_finds_no_fault(kind, fsi3, tmp_path):
-    assert validate_fmu(str(package.pack(kind, fsi3, tmp_path))) == []
+    assert validate_fmu(str(package.pack(describe(kind, fsi3), tmp_path))) == []
 
 
 @both
 def test_model_description_follows_the_schema_of_fmi(kind, fsi3):
     schema = etree.XMLSchema(file=str(Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"))
-    schema.assertValid(etree.fromstring(package.describe(kind, fsi3).encode()))
+    schema.assertValid(etree.fromstring(describe(kind, fsi3).xml.encode()))
 
 
 @both
 def test_fmu_holds_library_scene_and_description(kind, fsi3, tmp_path):
-    with zipfile.ZipFile(package.pack(kind, fsi3, tmp_path)) as archive:
+    with zipfile.ZipFile(package.pack(describe(kind, fsi3), tmp_path)) as archive:
         names = set(archive.namelist())
         description = etree.fromstring(archive.read("modelDescription.xml"))
     identifier = description.find("CoSimulation").get("modelIdentifier")
@@ -46,7 +48,7 @@ def test_fmu_holds_library_scene_and_description(kind, fsi3, tmp_path):
 
 @both
 def test_packing_twice_gives_the_same_bytes(kind, fsi3, tmp_path):
-    first, second = (package.pack(kind, fsi3, tmp_path / folder).read_bytes() for folder in "ab")
+    first, second = (package.pack(describe(kind, fsi3), tmp_path / folder).read_bytes() for folder in "ab")
     assert first == second
 
 
@@ -57,16 +59,14 @@ SYSTEM = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "libpthread.so.0", "libdl.s
 @both
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the headers of ELF files")
 def test_library_needs_nothing_but_the_system(kind):
-    headers = subprocess.run(
-        ["objdump", "-p", package.library(kind)], capture_output=True, text=True, check=True
-    ).stdout
+    headers = subprocess.run(["objdump", "-p", library(kind)], capture_output=True, text=True, check=True).stdout
     needed = set(re.findall(r"NEEDED\s+(\S+)", headers))
     assert "libc.so.6" in needed and needed <= SYSTEM, needed
     assert re.findall(r"RUNPATH|RPATH", headers) == []
 
 
 def test_fmus_of_several_systems_become_one(fsi3, tmp_path):
-    own = package.pack("rod", fsi3, tmp_path)
+    own = package.pack(describe("rod", fsi3), tmp_path)
     other = tmp_path / "other.fmu"
     with zipfile.ZipFile(own) as archive:
         files = {name: archive.read(name) for name in archive.namelist()}
@@ -87,7 +87,7 @@ def test_fmus_of_several_systems_become_one(fsi3, tmp_path):
 @both
 def test_committed_model_description_is_what_the_library_writes(kind, fsi3):
     committed = (ROOT / "modelDescription" / f"fmu_{kind}.xml").read_text(encoding="utf-8")
-    assert committed == package.describe(kind, fsi3), "`make descriptions` writes it anew"
+    assert committed == describe(kind, fsi3).xml, "`make descriptions` writes it anew"
 
 
 def test_committed_schema_is_what_the_scene_types_give():
@@ -112,7 +112,7 @@ def test_pressure_jump_takes_the_place_of_the_momentum_load(fsi3, instantiate):
 
 
 def test_a_part_that_the_scene_lacks_has_no_variables(fluid_only):
-    names = etree.fromstring(package.describe("fluid", fluid_only).encode()).xpath("//ScalarVariable/@name")
+    names = etree.fromstring(describe("fluid", fluid_only).xml.encode()).xpath("//ScalarVariable/@name")
     assert [name for name in names if ELEMENT.fullmatch(name)] == []
     assert [name for name in names if name.startswith(("beam.", "probe."))] == []
     assert {"drag", "lift", "cylinder[1].drag", "cylinder[1].lift", "cylinder[1].moment"} <= set(names)

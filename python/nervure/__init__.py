@@ -4,18 +4,18 @@
     scene = nervure.load("fsi3-325x72")            # a shipped scene, or a file
     scene.time.end = 10.0
     scene.fluid.kinematic_viscosity = 1.1e-3
-    nervure.inspect(scene)                         # says what a run will do and take
+    nervure.inspect(scene)                         # prints size, numbers and duration
     run = nervure.run(scene)                       # results/fsi3-325x72
     print(run.summary.quantities["tip_uy"].amplitude)
     run.series["tip_uy"]                           # a NumPy array, in run.units["tip_uy"]
     run.plot("tip_uy", "lift").savefig("tip.png")
-    run.animate()                                  # vorticity.gif, if it was run with fields_every=0.01
-    before = nervure.read("results/fsi3-325x72")   # an earlier run
-    nervure.compare(before, run)                   # both over each other
+    run.animate()                                  # vorticity.gif, of a run with fields_every=0.01
+    earlier = nervure.read("results/fsi3-325x72")
+    nervure.compare(earlier, run)                  # both over each other
 
-`scene` has the scene, `pack` makes its FMUs, `unit` wraps one, `coupling` is what happens in a step, `master` is the
-loop, `simulation` is a run from its scene to its results; `evaluate` and `show` are what comes after, `sweep` makes
-many runs.
+The packages, from below: `scene`; `units` describes, packs and loads the FMUs of a scene; `coupling` makes a step of
+them; `evaluate` has the numbers, `simulation` a run and sweeps of runs, `output` pictures, fields and tables; `api` and
+`cli` are the interfaces.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -29,7 +29,11 @@ __all__ = ["InputError", "Run", "RunError", "Scene", "compare", "inspect", "load
 
 
 def __getattr__(name: str) -> Any:
-    """The names above, found when they are first used: the command shows its help without them."""
+    """Import the names above when they are first used: the help of the command does not need them."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("nervure")
     if name in __all__:
         from nervure import api, errors
 

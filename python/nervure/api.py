@@ -1,13 +1,15 @@
-"""What a Python program does with scenes and runs: `nervure.load`, `nervure.inspect`, `nervure.run`, `nervure.read`."""
+"""The Python interface: `nervure.load`, `nervure.inspect`, `nervure.run`, `nervure.resume`, `nervure.read`."""
 
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
-from nervure import results, simulation
 from nervure.errors import InputError
 from nervure.scene import Scene, load
+from nervure.simulation import checkpoint, results
+from nervure.simulation.loop import interruptible
+from nervure.simulation.session import Session
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +21,7 @@ class Run(results.Results):
     """A run: `scene`, `folder`, `summary`, and its `series` by name, in `units`."""
 
     def plot(self, *names: str) -> "Figure":
-        """The columns `names` over time, below each other; `figure.savefig(path)` writes them."""
+        """Draw the columns `names` over time, below each other; `figure.savefig(path)` writes them."""
         self._require(names)
         if "ipykernel" in sys.modules:
             import matplotlib.pyplot  # noqa: F401  lets the notebook draw a figure that a cell gives
@@ -36,14 +38,14 @@ class Run(results.Results):
 
     def animate(self, begin: float | None = None, end: float | None = None) -> list[Path]:
         """Write vorticity.gif, vorticity.mp4 and phases.png of the times from `begin` to `end` (s), or of the last two
-        whole periods, into the folder; returns them. The run needs `fields_every`."""
+        whole periods, into the folder; return their paths. The run needs `fields_every`."""
         from nervure.output import animation
 
         return animation.write(self.folder, begin, end)
 
 
 def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
-    """The columns `names` of several runs over each other, labelled by their folders."""
+    """Draw the columns `names` of several runs over each other, labelled by their folders."""
     for run in runs:
         run._require(names)
     from nervure.output import plots
@@ -52,7 +54,7 @@ def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure"
 
 
 class RunError(Exception):
-    """A unit failed in a run, or the coupling did; `run` has what was computed before."""
+    """A unit or the coupling failed in a run; `run` has the results before the failure."""
 
     def __init__(self, run: Run):
         super().__init__(run.summary.error)
@@ -60,8 +62,8 @@ class RunError(Exception):
 
 
 def inspect(scene: Scene | str | Path) -> None:
-    """Print what a run of a scene, an object or the name of one, will do and take, as `nervure inspect` does; it makes
-    steps for half a second. Raises `InputError` where the scene cannot be used."""
+    """Print what `nervure inspect` prints of a scene, an object or a name; it makes steps for half a second. Raise
+    `InputError` where the scene cannot be used."""
     from rich.console import Console
 
     from nervure.output import inspection
@@ -81,15 +83,15 @@ def run(
     series_every: float | None = None,
     force: bool = False,
     quiet: bool = False,
-    fmi: Literal[2, 3] = 2,
+    fmi: int = 2,
 ) -> Run:
-    """Run a scene, an object or the name of one, into the folder `output` or results/NAME.
+    """Run a scene, an object or a name, into the folder `output` or results/NAME.
 
-    `overrides` (key=value), the FMUs in the place of ours, of several rods by their names, the minutes between
-    checkpoints, the seconds between fields and between rows of the series, `force`, which replaces results of another
-    scene, and `fmi`, the version of our units, are those of `nervure run`.
-    Raises `InputError` where something that was given cannot be used, `RunError` where the run failed and
-    `KeyboardInterrupt` where it was interrupted; in the last two cases the results so far are written.
+    The arguments are the options of `nervure run`: `overrides` (key=value), FMUs in the place of ours (`rod_fmu` by
+    name where the scene has several rods), minutes between checkpoints, seconds between fields and between rows of the
+    series, `force`, which replaces results of another scene, and `fmi`, the version of our units.
+    Raise `InputError` where an argument cannot be used, `RunError` where the run failed and `KeyboardInterrupt` where
+    it was interrupted; in the last two cases the results so far are written.
     """
     if not isinstance(scene, Scene):
         scene = load(scene, overrides)
@@ -97,26 +99,49 @@ def run(
         raise InputError(f"{', '.join(overrides)}: a scene that is an object is changed by its attributes")
     if fmi not in (2, 3):
         raise InputError(f"fmi is {fmi!r}, but must be 2 or 3")
+    if output == "":
+        raise InputError("the output is empty, but it must be the path of a folder")
+    folder, foreign = None if output is None else Path(output), _foreign(scene, rod_fmu, fluid_fmu)
+    options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
+    session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=series_every)
+    return _run(session, options, quiet)
+
+
+def resume(folder: str | Path, *, quiet: bool = False) -> Run:
+    """Continue the interrupted run in `folder` from its checkpoint; raise what `run` raises."""
+    return _run(*checkpoint.resume(Path(folder)), quiet)
+
+
+def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu: Path | None) -> dict[str, Path]:
+    """Return the FMUs in the place of ours by unit; raise `InputError` for a rod that the scene does not have."""
     if rod_fmu is not None and not isinstance(rod_fmu, Mapping):
         if scene.rods:
             raise InputError(f"rod_fmu is {rod_fmu}, but the scene has several rods: it must be a dict by their names")
         rod_fmu = {"rod": rod_fmu}
-    rods = {name: Path(path) for name, path in (rod_fmu or {}).items()}
-    foreign = simulation.replaced(scene, rods, fluid_fmu)
-    if output == "":
-        raise InputError("the output is empty, but it must be the path of a folder")
-    folder = None if output is None else Path(output)
-    every = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
-    return _ended(simulation.run(scene, folder, foreign, **every, quiet=quiet, force=force, fmi=fmi))
+    foreign = {name: Path(path) for name, path in (rod_fmu or {}).items()}
+    names = [own.name for own in scene.rods] or ["rod"]
+    for name in foreign:
+        if name not in names:
+            known = f"the rods {', '.join(names)}" if scene.rods else "one rod, which needs no name"
+            raise InputError(f"an FMU is given for the rod `{name}`, but the scene has {known}")
+    return foreign | ({"fluid": Path(fluid_fmu)} if fluid_fmu else {})
 
 
-def resume(folder: str | Path, *, quiet: bool = False) -> Run:
-    """Go on with the run in `folder` that was interrupted, from its checkpoint; raises what `run` does."""
-    return _ended(simulation.resume(Path(folder), quiet))
+def _run(session: Session, options: checkpoint.Options, quiet: bool) -> Run:
+    """Run a session to its end or an interruption, with everything that watches it."""
+    from nervure.output import console, fields, plots
 
-
-def _ended(made: results.Results) -> Run:
-    done = Run(**vars(made))
+    with session:
+        if options["fields_every"] is not None:
+            session.observers.append(fields.Fields(session, options["fields_every"], console.warn))
+        session.observers.append(plots.Pictures(session))
+        if options["checkpoint_every"] is not None or all(unit.can_serialize for unit in session.units.values()):
+            session.observers.append(checkpoint.Checkpoint(session, options, console.warn))
+        if not quiet:
+            session.observers.append(console.Terminal(session))
+        with interruptible() as stopping:
+            session.run(stopping)
+        done = Run(**vars(session.finish()))
     if done.summary.error is not None:
         raise RunError(done)
     if not done.summary.completed:
@@ -125,5 +150,5 @@ def _ended(made: results.Results) -> Run:
 
 
 def read(folder: str | Path) -> Run:
-    """The run that is in `folder`."""
+    """Read the run in `folder`."""
     return Run(**vars(results.read(Path(folder))))

@@ -5,20 +5,20 @@ Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot 
 """
 
 import gc
+import importlib.metadata
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from nervure.errors import InputError
 from nervure.resources import SOURCE
-
-if TYPE_CHECKING:
-    from nervure.evaluate.summary import Summary
 
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
 
@@ -57,7 +57,22 @@ RodFmus = Annotated[
 ]
 FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of ours.")]
 
-app = typer.Typer(help="Build, run and look at FMI units.", no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        typer.echo(f"nervure {importlib.metadata.version('nervure')}")
+        raise typer.Exit
+
+
+@app.callback()
+def command(
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Build, run and inspect co-simulation units of an elastic rod and a fluid."""
 
 
 @app.command()
@@ -71,8 +86,9 @@ def build(
     fmi: Fmi = 2,
 ) -> None:
     """Pack the units of a scene without running it; in the source tree, build both libraries before."""
-    from nervure.scene import kinds, load, read
+    from nervure.scene import load, read
     from nervure.units import package
+    from nervure.units.describe import describe_all
 
     read(scene_file)  # what is no scene need not wait for the libraries
     if SOURCE is not None:
@@ -83,12 +99,12 @@ def build(
         if built.returncode != 0:
             raise InputError("the libraries cannot be built: cargo says above why")
     scene = load(scene_file)
-    for kind in kinds(scene):
+    for unit in describe_all(scene, fmi).values():
         if descriptions:
-            path = descriptions / f"fmu_{kind}.xml"
-            path.write_text(package.describe(kind, scene, fmi), encoding="utf-8")
+            path = descriptions / f"fmu_{unit.unit}.xml"
+            path.write_text(unit.xml, encoding="utf-8")
         else:
-            path = package.pack(kind, scene, output or Path("results") / scene.name, version=fmi)
+            path = package.pack(unit, output or Path("results") / scene.name)
         typer.echo(path)
 
 
@@ -115,13 +131,24 @@ def run(
     fmi: Fmi = 2,
 ) -> None:
     """Run a scene: pack its units, couple them, write results/NAME with tables, a summary and pictures."""
-    from nervure import simulation
+    from nervure import api
     from nervure.scene import load
 
     scene = load(scene_file, overrides or (), end_time)
-    fmus = simulation.replaced(scene, _rod_fmus(rod_fmu or [], bool(scene.rods)), fluid_fmu)
-    done = simulation.run(scene, output, fmus, checkpoint_every, fields_every, quiet, force, series_every, fmi)
-    _exit(done.summary)
+    rod_fmus = _rod_fmus(rod_fmu or [], bool(scene.rods))
+    with _exit_code():
+        api.run(
+            scene,
+            output,
+            rod_fmu=rod_fmus,
+            fluid_fmu=fluid_fmu,
+            checkpoint_every=checkpoint_every,
+            fields_every=fields_every,
+            series_every=series_every,
+            force=force,
+            quiet=quiet,
+            fmi=fmi,
+        )
 
 
 def _rod_fmus(given: list[str], several: bool) -> dict[str, Path]:
@@ -143,19 +170,25 @@ def _rod_fmus(given: list[str], several: bool) -> dict[str, Path]:
 
 @app.command()
 def resume(folder: Folder, quiet: Quiet = False) -> None:
-    """Go on from the checkpoint in a result folder, with the scene, the units and the options of its run."""
-    from nervure import simulation
+    """Continue the run in a result folder from its checkpoint, with the scene, the units and the options of the run."""
+    from nervure import api
 
-    _exit(simulation.resume(folder, quiet).summary)
+    with _exit_code():
+        api.resume(folder, quiet=quiet)
 
 
-def _exit(summary: "Summary") -> None:
-    """End the command with the exit code of a run."""
-    if summary.error is not None:
-        _say_error(summary.error)
-        raise typer.Exit(FAILED)
-    if not summary.completed:
-        raise typer.Exit(INTERRUPTED)
+@contextmanager
+def _exit_code() -> Iterator[None]:
+    """End the command with the exit code of a run that failed or was interrupted."""
+    from nervure.api import RunError
+
+    try:
+        yield
+    except RunError as error:
+        _say_error(error)
+        raise typer.Exit(FAILED) from error
+    except KeyboardInterrupt:
+        raise typer.Exit(INTERRUPTED) from None
 
 
 @app.command()
@@ -196,8 +229,8 @@ def plot(
     """Draw tip.png, drag.png and lift.png anew, several runs over each other, or sweep.png of a sweep."""
     if len(folders) > 1 and output is None:
         raise InputError("where several runs are drawn over each other, --output has to say where the pictures go")
-    from nervure import results
     from nervure.output import plots, sweeps
+    from nervure.simulation import results
 
     if len(folders) == 1 and (folders[0] / "sweep.json").is_file():
         if (picture := sweeps.plot(output or folders[0], sweeps.read(folders[0]))) is None:
@@ -262,10 +295,10 @@ def sweep(
     """
     from rich.console import Console
 
-    from nervure import sweep as sweeps
     from nervure.output import sweeps as shown
-    from nervure.output.progress import counting
+    from nervure.output.console import counting
     from nervure.scene import read
+    from nervure.simulation import sweep as sweeps
 
     scenes = [read(name, overrides or (), end_time) for name in scene_files]
     cases = sweeps.grid(scenes, [sweeps.values(text) for text in vary or []])
@@ -290,7 +323,7 @@ def sweep(
     picture = shown.plot(folder, rows)
     told = f"{folder / 'sweep.csv'}, picture in {picture}" if picture else str(folder / "sweep.csv")
     console.print(f"table in {told}", markup=False, soft_wrap=True)
-    if any(row["status"] != shown.FINISHED for row in rows):
+    if any(row["status"] != sweeps.FINISHED for row in rows):
         raise typer.Exit(FAILED)
 
 

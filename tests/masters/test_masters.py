@@ -26,6 +26,7 @@ from nervure import coupling
 from nervure.resources import ROOT
 from nervure.scene import validate
 from nervure.units import package, ssp
+from nervure.units.describe import describe
 from nervure.units.fmu import ELEMENT, Unit
 
 H, STEPS = 2.0**-9, 20
@@ -56,7 +57,7 @@ def units_in(instantiate, tmp_path):
     def make(scene: dict) -> dict[str, Unit]:
         units = instantiate(scene)
         for kind in units:
-            package.pack(kind, scene, tmp_path)
+            package.pack(describe(kind, scene), tmp_path)
         return units
 
     return make
@@ -245,7 +246,7 @@ every_version = pytest.mark.parametrize("version", [2, 3], ids=["fmi2", "fmi3"])
 @every_version
 def test_crate_fmi_agrees_with_the_explicit_scheme(version, scene, units_in, tmp_path):
     units = units_in(scene)
-    paths = [package.pack(kind, scene, tmp_path / "theirs", version=version) for kind in units]
+    paths = [package.pack(describe(kind, scene, version), tmp_path / "theirs") for kind in units]
     answer = subprocess.run(
         [FMI_MASTER, repr(H), str(STEPS), *paths], check=True, capture_output=True, text=True, timeout=60
     )
@@ -280,7 +281,7 @@ class FMU3Unit(FMU3Slave):
 @every_scene
 def test_fmpy_agrees_with_the_explicit_scheme_under_fmi_3(scene, units_in, tmp_path):
     units = units_in(scene)
-    paths = {kind: package.pack(kind, scene, tmp_path / "theirs", version=3) for kind in units}
+    paths = {kind: package.pack(describe(kind, scene, 3), tmp_path / "theirs") for kind in units}
     theirs = {kind: FMU3Unit(path, tmp_path / kind) for kind, path in paths.items()}
 
     def exchange(target: FMU3Unit) -> None:

@@ -17,15 +17,17 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from nervure import checkpoint, results
-from nervure.master import assemble
 from nervure.scene import validate
+from nervure.simulation import checkpoint, results
+from nervure.simulation.session import Session
 from nervure.units import package
+from nervure.units.describe import describe
 
-from .unit import SCENE, STEP, FMU2Unit
+from .unit import SCENE, FMU2Unit
 
 LONGEST = 100  # Steps of a run that is killed again and again; then it begins anew
 MOST_S = 0.05  # A run is killed within this time, s: it writes all its files in 3 to 10 ms
+OPTIONS: checkpoint.Options = dict.fromkeys(("checkpoint_every", "fields_every", "series_every"))
 TABLES = ("scene.json", "series.csv", "summary.json")
 DISK = 1 << 20  # Size of the disk that gets full, bytes
 
@@ -41,58 +43,62 @@ class Run:
     """
 
     def __init__(self, kind: str, folder: Path, stack: ExitStack):
-        scene, self.folder = validate(SCENE), folder
-        units, self.scheme, _, self.recorder = assemble(scene, {kind: package.pack(kind, SCENE, folder)}, stack)
-        self.unit, self.kept = units[kind], checkpoint.Checkpoint(folder, scene, {}, units, self.scheme, self.recorder)
-        self.scheme.start()
-        self.recorder.record(0, 0.0, 0)
-        self.kept.save(0, 0.0)
+        fmus = {kind: package.pack(describe(kind, SCENE), folder)}
+        self.session = session = stack.enter_context(Session(validate(SCENE), folder, fmus))
+        self.unit, self.kept = session.units[kind], checkpoint.Checkpoint(session, OPTIONS)
+        session.start()
+        session.scheme.start = lambda: None  # `restore` starts the units of a new session
+        self.kept.save()
         self.start = checkpoint.read(folder)
         self.outputs, self.tables = [self.unit.outputs.copy()], [{}]
-        for done in range(1, LONGEST + 2):
-            self.step(done)
-            self.write(done)
+        for _ in range(LONGEST + 1):
+            session.step()
+            self.write()
             self.outputs.append(self.unit.outputs.copy())
             self.tables.append({name: data for name, data in contents(folder).items() if name in TABLES})
 
-    def step(self, done: int) -> None:
-        """Make step number `done`, counted from 1."""
-        self.scheme.step((done - 1) * STEP, STEP)
-        self.recorder.record(done, done * STEP, 1)
+    def write(self) -> None:
+        summary = SimpleNamespace(document=lambda: {"steps": self.session.steps})
+        recorder = self.session.recorder
+        results.write(results.Results(self.session.scene, self.folder, summary, recorder.series, recorder.units), {})
 
-    def write(self, done: int, _: float = 0.0) -> None:
-        summary = SimpleNamespace(document=lambda: {"steps": done})
-        made = results.Results(validate(SCENE), self.folder, summary, self.recorder.series, self.recorder.units)
-        results.write(made, self.scheme)
+    @property
+    def folder(self) -> Path:
+        return self.kept.path.parent
+
+    def load(self) -> int:
+        """Go to the checkpoint in the folder; return the steps done."""
+        checkpoint.restore(self.session, checkpoint.read(self.folder))
+        return self.session.steps
 
     def begin(self, folder: Path) -> None:
         """Be at the start again, with nothing but its checkpoint in `folder`."""
-        self.folder, self.kept.path = folder, folder / checkpoint.FILE
+        self.kept.path = folder / results.CHECKPOINT
         folder.mkdir(exist_ok=True)
         for path in folder.iterdir():
             path.unlink()
-        self.kept.restore(self.start)
-        self.kept.save(0, 0.0)
+        checkpoint.restore(self.session, self.start)
+        self.kept.save()
 
     def go_on(self, progress: mmap) -> None:
         """Make steps from the checkpoint on, and say of which the files were begun and written."""
-        for done in range(self.kept.restore(checkpoint.read(self.folder))[0] + 1, LONGEST + 1):
-            self.step(done)
+        for done in range(self.load() + 1, LONGEST + 1):
+            self.session.step()
             progress[0] = done
-            self.kept.save(done, 0.0)
-            self.write(done)
+            self.kept.save()
+            self.write()
             progress[1] = done
 
     def check(self, saved: range, written: range) -> tuple[int, int]:
         """The checkpoint must be of one of the steps `saved`, and one step from it that of the run to which nothing
         happens; the tables must be of one of the steps `written`. Returns of which steps they are."""
-        done = self.kept.restore(checkpoint.read(self.folder))[0]
+        done = self.load()
         assert done in saved, f"the checkpoint is of step {done}, not of {saved}"
         found = contents(self.folder)
         for name in TABLES:
             allowed = [self.tables[k].get(name) for k in written]
             assert found.get(name) in allowed, f"{name} is not that of a step in {written}"
-        self.step(done + 1)
+        self.session.step()
         same = np.array_equal(self.unit.outputs, self.outputs[done + 1])
         assert same, f"step {done + 1} is another one after the checkpoint"
         return done, json.loads(found["summary.json"])["steps"] if "summary.json" in found else 0
@@ -145,21 +151,21 @@ def filled(run: Run, folder: Path, disk: Path | None, chance: random.Random, cou
     for _ in range(count):
         if saved == LONGEST:
             run.begin(folder)
-            run.step(1)
+            run.session.step()
             saved = written = 0
         done, before = saved + 1, contents(folder)
-        writes = {run.kept.save: {checkpoint.FILE: before[checkpoint.FILE]}, run.write: run.tables[done]}
+        writes = {run.kept.save: {results.CHECKPOINT: before[results.CHECKPOINT]}, run.write: run.tables[done]}
         for write, files in writes.items():
             try:
                 with scarce(disk, chance.uniform(0.0, 1.5), [len(data) for data in files.values()]):
-                    write(done, 0.0)
+                    write()
             except OSError:
                 refused, after = refused + 1, contents(folder)
                 changed = [name for name in files if after.get(name) != before.get(name)]
                 assert not changed, f"step {done}: {', '.join(changed)} changed, though the write was refused"
             else:
                 saved, written = (done, written) if write == run.kept.save else (saved, done)
-        left = contents(folder).keys() - {checkpoint.FILE, *TABLES}
+        left = contents(folder).keys() - {results.CHECKPOINT, *TABLES}
         assert not left, f"step {done}: {sorted(left)} is left"
         run.check(range(saved, saved + 1), range(written, written + 1))
     return refused

@@ -20,6 +20,7 @@ from fmpy.fmi1 import FMICallException
 
 from nervure.errors import SceneError
 from nervure.units import package
+from nervure.units.describe import describe
 
 from .trials import header
 from .unit import FMU2Unit
@@ -130,7 +131,7 @@ def foreign(library: FMU2Unit, count: int) -> str:
         changed = dict(scene, name=f"{scene['name']}-{len(states)}") if len(states) % 2 else other_values(scene, chance)
         with TemporaryDirectory() as folder:
             try:
-                there = FMU2Unit(library.kind, package.unpacked(library.kind, changed, Path(folder)))
+                there = FMU2Unit(library.kind, package.lay_out(describe(library.kind, changed), Path(folder)))
             except SceneError:
                 continue
             states.append(there.new().serialize())

@@ -1,34 +1,37 @@
-"""How units are coupled: schemes, what accelerates those that iterate, and guards (`docs/theory/coupling.md`)."""
+"""How units are coupled: schemes, accelerators of the schemes that iterate, and guards (`docs/theory/coupling.md`)."""
+
+from collections.abc import Collection
 
 from nervure.coupling.acceleration import Aitken, IqnIls
+from nervure.coupling.guards import CouplingError, EnergyGuard, takes_momentum
 from nervure.coupling.schemes import (
     Choice,
     Drive,
     Explicit,
     Iterated,
     ParallelExplicit,
+    Scheme,
     Single,
     connections,
     reason_of,
 )
-from nervure.coupling.watch import CouplingError, Watch, takes_momentum
 from nervure.scene.types import Coupling, CouplingSchemeIterated, Guards, Iterated as Iteration
 from nervure.units.fmu import Unit
 
-__all__ = ["Aitken", "Choice", "CouplingError", "Drive", "Explicit", "IqnIls", "Iterated", "ParallelExplicit", "Single"]
-__all__ += ["Watch", "connections", "couple"]
+__all__ = ["Aitken", "Choice", "CouplingError", "Drive", "EnergyGuard", "Explicit", "IqnIls", "Iterated"]
+__all__ += ["ParallelExplicit", "Scheme", "Single", "connections", "couple"]
 
 
 def couple(
-    units: dict[str, Unit], coupling: Coupling | None, drive: Drive | None = None, foreign: bool = False
-) -> Single:
-    """The units of a scene under its `coupling`; `choice` of what is returned says what was chosen where it does not
-    say. `drive` moves the roots that the scene leaves to the master: it gives what one rod takes after that of the
-    other. Guards that the scene does not give are on unless one of the units is `foreign`, whose powers need not mean
-    the same.
+    units: dict[str, Unit], coupling: Coupling | None, drive: Drive | None = None, foreign: Collection[str] = ()
+) -> Scheme:
+    """Connect the units of a scene under its `coupling`; `choice` of the scheme says what the scene left open.
 
-    The load is chosen by the units, when they are packed. The scheme follows from it: explicit under the momentum load,
-    which is implicit by itself; iterated under the pressure jump, which is not.
+    `drive` moves the roots that the scene leaves to the master: it returns the inputs of one rod after the other.
+    Guards that the scene does not set are on, unless a unit is `foreign`: its powers need not mean the same.
+
+    The load was chosen when the units were packed. The scheme follows from it: explicit under the momentum load, which
+    is implicit by itself; iterated under the pressure jump, which is not.
     """
     if len(units) == 1:
         (unit,) = units.values()

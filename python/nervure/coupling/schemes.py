@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from nervure.coupling.acceleration import Aitken, IqnIls
-from nervure.coupling.watch import CouplingError, Watch, takes_momentum, watched
+from nervure.coupling.guards import CouplingError, EnergyGuard, guarded_outputs, takes_momentum
 from nervure.scene.types import Guards, Iterated as Iteration
 from nervure.units.fmu import Unit, beam_prefixes
 
@@ -79,42 +79,49 @@ def reason_of(rods: Sequence[Unit]) -> str | None:
     return said.start[0] if said else None
 
 
-class Single:
-    """One unit alone: every input keeps its start value, but those of a root that `drive` moves."""
+class Scheme:
+    """How units exchange within a step; `guards` see each step after it is made."""
 
     choice: Choice | None = None
-    """What was chosen for the scene; None where there is nothing to choose."""
+    """The choice made for the scene; None for a single unit."""
+    guards: Sequence[EnergyGuard] = ()
+
+    def start(self) -> None:
+        """Exchange the start values and leave initialization."""
+        raise NotImplementedError
+
+    def step(self, t: float, h: float) -> int:
+        """Step from `t` to `t + h` (s); return the number of iterations."""
+        raise NotImplementedError
+
+    def memory(self) -> dict[str, np.ndarray]:
+        """Return what the scheme itself carries from step to step, for a checkpoint."""
+        return {}
+
+    def remember(self, memory: dict[str, np.ndarray]) -> None:
+        """Restore what `memory` returned."""
+
+    def logs(self) -> dict[str, np.ndarray]:
+        """Return the scheme's own tables by name: `[rows]` with named columns."""
+        return {}
+
+
+class Single(Scheme):
+    """One unit alone: every input keeps its start value, except the motion of a root that `drive` gives."""
 
     def __init__(self, unit: Unit, drive: Drive | None = None):
         unit.connect(root_inputs(unit) if drive else [], [])
         self.unit, self.drive, self.root = unit, drive, unit.inputs
 
     def start(self) -> None:
-        """Let all agree on the start values and leave initialization."""
         self.unit.get()
         self.unit.start()
 
     def step(self, t: float, h: float) -> int:
-        """Step from `t` to `t + h` (s); returns the number of iterations."""
-        self.move_root(t + h)
+        if self.drive:
+            self.root[:] = self.drive(t + h)
         self.unit.step(t, h)
         return 1
-
-    def move_root(self, t: float) -> None:
-        """Put a driven root where it is at `t` (s)."""
-        if self.drive:
-            self.root[:] = self.drive(t)
-
-    def memory(self) -> dict[str, np.ndarray]:
-        """What the scheme itself carries from step to step, for a checkpoint."""
-        return {}
-
-    def remember(self, memory: dict[str, np.ndarray]) -> None:
-        """Take up what `memory` gave."""
-
-    def logs(self) -> dict[str, np.ndarray]:
-        """Tables that the scheme leaves besides the series, by name: `[rows]` with named columns."""
-        return {}
 
 
 @dataclass(frozen=True)
@@ -129,7 +136,7 @@ class Link:
     root: np.ndarray  # Further inputs of the rod: those that drive its root
 
 
-class Explicit(Single):
+class Explicit(Scheme):
     """Rods and fluid with one exchange a step, the rods first."""
 
     parallel = False
@@ -137,11 +144,11 @@ class Explicit(Single):
 
     def __init__(self, rods: Sequence[Unit], fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
         self.rods, self.fluid, self.drive = list(rods), fluid, drive
-        self.links, self.watches = self._connect(guards), []
+        self.links = self._connect(guards)
         if guards:
             several = len(self.rods) > 1
-            self.watches = [
-                Watch(guards, rod, fluid, f"beam[{i}]" if several else "beam", self.parallel)
+            self.guards = [
+                EnergyGuard(guards, rod, fluid, f"beam[{i}]" if several else "beam", self.parallel)
                 for i, rod in enumerate(self.rods, 1)
             ]
 
@@ -150,7 +157,7 @@ class Explicit(Single):
         prefixes = beam_prefixes(len(self.rods))
         stations: list[list[str]] = []
         loads: list[list[str]] = []
-        gave: list[str] = []
+        powers: list[str] = []  # Of the fluid
         for rod, beam in zip(self.rods, prefixes, strict=True):
             loads.append(connections(self.fluid, rod, given_as=beam))
             stations.append(connections(rod, self.fluid, taken_as=beam))
@@ -160,16 +167,16 @@ class Explicit(Single):
                     "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of "
                     "time, or couple the units from Python with a drive"
                 )
-            powers = watched(rod, beam or "beam.") if guards else ([], [])
-            rod.connect(loads[-1] + root, stations[-1], [name for name in powers[0] if name in rod.variables])
-            gave += [name for name in powers[1] if name in self.fluid.variables]
+            on_rod, from_fluid = guarded_outputs(rod, beam or "beam.") if guards else ([], [])
+            rod.connect(loads[-1] + root, stations[-1], [name for name in on_rod if name in rod.variables])
+            powers += [name for name in from_fluid if name in self.fluid.variables]
         here = [[beam + name for name in names] for beam, names in zip(prefixes, stations, strict=True)]
         there = [[beam + name for name in names] for beam, names in zip(prefixes, loads, strict=True)]
         known = [name for names in here for name in names]
         inputs = [v.name for v in self.fluid.variables.values() if v.causality == "input"]
         if lost := next((name for name in inputs if name not in known), None):
             raise CouplingError(f"the {self.fluid.name} has the input `{lost}`, but there is no rod for it")
-        self.fluid.connect(known, [name for names in there for name in names], gave)
+        self.fluid.connect(known, [name for names in there for name in names], powers)
 
         def parts(values: np.ndarray, names: list[list[str]]) -> list[np.ndarray]:
             sizes = [sum(self.fluid.variables[name].size for name in part) for part in names]
@@ -191,6 +198,7 @@ class Explicit(Single):
             link.taken[:] = link.loads
 
     def move_root(self, t: float) -> None:
+        """Move the roots that `drive` drives to their place at `t` (s)."""
         if self.drive:
             ends = np.cumsum([link.root.size for link in self.links])[:-1]
             for link, values in zip(self.links, np.split(np.asarray(self.drive(t)), ends), strict=True):
@@ -218,16 +226,14 @@ class Explicit(Single):
         if not self.parallel:
             self.give_stations()
         self.fluid.step(t, h)
-        for watch in self.watches:
-            watch.check(t + h, h)
         return 1
 
     def memory(self) -> dict[str, np.ndarray]:
-        return {"balance": np.array([watch.balance for watch in self.watches])} if self.watches else {}
+        return {"balance": np.array([guard.balance for guard in self.guards])} if self.guards else {}
 
     def remember(self, memory: dict[str, np.ndarray]) -> None:
-        for watch, balance in zip(self.watches, memory.get("balance", ()), strict=True):
-            watch.balance = balance.tolist()
+        for guard, balance in zip(self.guards, memory.get("balance", ()), strict=True):
+            guard.balance = balance.tolist()
 
 
 class ParallelExplicit(Explicit):

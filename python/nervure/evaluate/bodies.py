@@ -13,7 +13,7 @@ That on a body that oscillates along a line in still fluid is split as by Moriso
 with V its velocity, by the Fourier averages of Keulegan & Carpenter (1958).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -22,9 +22,8 @@ import numpy as np
 from nervure.evaluate import flapping, statistics
 from nervure.evaluate.dimensionless import Dimensionless
 from nervure.evaluate.rods import seen
-from nervure.evaluate.statistics import Window
-from nervure.recorder import Series
-from nervure.scene import Scene, beams
+from nervure.evaluate.statistics import Series, Window
+from nervure.scene import Own, Scene
 from nervure.scene.types import BodyMotion, Motion, TimeLaw, TimeLawConstant, TimeLawSine
 
 
@@ -64,16 +63,17 @@ class BodyCoefficients:
 
 
 def evaluate(
-    scene: Scene, numbers: Dimensionless | None, series: Series, window: Window, width: float
+    scene: Scene, beams: Sequence[Own], numbers: Dimensionless | None, series: Series, window: Window, width: float
 ) -> dict[str, BodyCoefficients]:
-    """The coefficients by body; none where nothing drives the flow. Drag and lift are filtered over `width` (s)."""
+    """Return the coefficients by body, with drag and lift filtered over `width` (s); none where nothing drives the
+    flow."""
     if scene.fluid is None or numbers is None or not numbers.velocity:
         return {}
     time, velocity = series["time"], numbers.velocity
     stream = flapping.stream(scene, window)
     ahead = np.array([-1.0, 0.0]) if stream is None else -stream / np.linalg.norm(stream)
     motions = {name: motion for name, motion in _motions(scene) if motion}
-    rods = {own.force: own for own in beams(scene)}
+    rods = {own.force: own for own in beams}
     found = {}
     for name, body in numbers.bodies.items():
         own = seen(series, rods[name]) if name in rods else None

@@ -11,7 +11,7 @@ from math import inf
 import numpy as np
 
 from nervure.evaluate import statistics
-from nervure.recorder import Series
+from nervure.evaluate.statistics import Series
 from nervure.scene import Scene
 from nervure.scene.types import Reference, TimeLaw, TimeLawConstant, TimeLawCosineRamp
 

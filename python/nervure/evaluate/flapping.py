@@ -11,8 +11,7 @@ import numpy as np
 
 from nervure.evaluate import statistics
 from nervure.evaluate.coefficients import final_value
-from nervure.evaluate.statistics import Window
-from nervure.recorder import Series
+from nervure.evaluate.statistics import Series, Window
 from nervure.scene import Scene
 from nervure.scene.types import TimeLawConstant
 

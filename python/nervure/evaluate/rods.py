@@ -1,6 +1,6 @@
 """The columns of one of several rods under the names that those of a single one have."""
 
-from nervure.recorder import Series
+from nervure.evaluate.statistics import Series
 from nervure.scene import Own
 
 

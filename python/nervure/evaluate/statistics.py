@@ -5,10 +5,13 @@ whole periods after the start-up. A least-squares fit of harmonics is evaluated 
 pushes max and min outwards.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+
+Series = Mapping[str, np.ndarray]  # Recorded values over time, by column
 
 MIN_PERIODS = 5  # Periods in a window, as far as the signal has them
 DRIFT_PERIODS = 4  # Least periods whose halves say whether the amplitude still changes

@@ -18,13 +18,14 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from PIL import Image
 
-from nervure import results
 from nervure.errors import InputError
 from nervure.evaluate import statistics
+from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
 from nervure.output import fields, plots, with_unit
-from nervure.recorder import Series
 from nervure.scene import beams, validate
+from nervure.simulation import results
+from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
 
 PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
 PHASES = 4
@@ -39,9 +40,9 @@ class Frames:
     """The frames of a result folder: times (s), vorticity and the beams' outlines."""
 
     def __init__(self, folder: Path):
-        alone = not (folder / fields.FLUID).exists() and (folder / fields.BEAM).exists()
-        self.fluid: Any = None if alone else h5py.File(folder / fields.FLUID)
-        first: Any = h5py.File(folder / fields.BEAM) if alone else self.fluid
+        alone = not (folder / FLUID_FIELDS).exists() and (folder / BEAM_FIELDS).exists()
+        self.fluid: Any = None if alone else h5py.File(folder / FLUID_FIELDS)
+        first: Any = h5py.File(folder / BEAM_FIELDS) if alone else self.fluid
         self.scene = scene = validate(json.loads(first[fields.SCENE][()]))
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
         self.beams: list[Any] = [h5py.File(folder / fields.beam_file(own))["VTKHDF"] for own in beams(scene)]

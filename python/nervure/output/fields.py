@@ -11,20 +11,22 @@ from typing import Any
 import numpy as np
 
 from nervure.errors import SceneError
-from nervure.master import Clock, Watcher
-from nervure.scene import Own, Scene, beams, text
+from nervure.scene import Own, Scene, text
 from nervure.scene.along import thickness
 from nervure.scene.types import Fluid
+from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
+from nervure.simulation.session import Session
+from nervure.simulation.summary import RunStatus
 from nervure.units.fmu import Unit
 
-FILES = FLUID, BEAM = "fields.vtkhdf", "beam.vtkhdf"
 SCENE = "scene"  # Dataset with the text of the scene, outside of what VTK reads
 CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
 def beam_file(own: Own) -> str:
     """Name of the file of a beam."""
-    return f"beam-{own.unit}.vtkhdf" if own.prefix else BEAM
+    return f"beam-{own.unit}.vtkhdf" if own.prefix else BEAM_FIELDS
 
 
 def stations(units: dict[str, Unit], own: Own) -> np.ndarray:
@@ -41,46 +43,37 @@ def outline(centre_line: np.ndarray, thickness: np.ndarray) -> np.ndarray:
     return np.concatenate([centre_line + side, (centre_line - side)[::-1]])
 
 
-def clear(folder: Path) -> None:
-    """Remove the field files of an earlier run from `folder`."""
-    for path in [*(folder / name for name in FILES), *folder.glob("beam-*.vtkhdf")]:
-        path.unlink(missing_ok=True)
+class Fields(Observer):
+    """Writes the field files of a session, one frame every `interval` (s), rounded to whole steps.
 
-
-class Fields:
-    """The field files of a run in `folder`, one frame every `interval` (s), rounded to whole steps.
-
-    To be made after the units are connected; a run that goes on after step `done` needs the files of the run before.
+    A session that was resumed needs the files of the run before. Where the disk does not take a frame, `warn` is called
+    and the run continues without fields.
     """
 
-    def __init__(self, folder: Path, scene: Scene, units: dict[str, Unit], clock: Clock, interval: float, done: int):
-        self.units, self.scene = units, scene
-        self.stride = max(1, round(interval / clock.communication_step))
-        frames, known = clock.steps // self.stride + 1, done // self.stride + 1 if done else 0
+    def __init__(self, session: Session, interval: float, warn: Callable[[str], None]):
+        scene, grid, units, folder = session.scene, session.grid, session.units, session.folder
+        self.stride, self.warn = max(1, round(interval / grid.communication_step)), warn
+        frames, known = grid.steps // self.stride + 1, session.steps // self.stride + 1 if session.steps else 0
         shows = scene.fluid if "fluid" in units and units["fluid"].shown_field("u") is not None else None
-        if not shows and not beams(scene):
+        if not shows and not session.facts.beams:
             raise SceneError("--fields-every needs a beam or a fluid that shows its fields (fmu_field)")
         self.files: list[Grid | Beam] = []
         if shows:
-            self.files.append(Grid(folder / FLUID, scene, shows, units["fluid"], frames, known))
-        for own in beams(scene):
+            self.files.append(Grid(folder / FLUID_FIELDS, scene, shows, units["fluid"], frames, known))
+        for own in session.facts.beams:
             self.files.append(Beam(folder / beam_file(own), scene, own, units, frames, known))
+        session.stale_files -= {file.path for file in self.files}
 
-    def watch(self, warn: Callable[[str], None]) -> Watcher:
-        """Watcher of a run. Where the disk does not take a frame, the run goes on and the files end there."""
+    def step(self, loop: TimeLoop) -> None:
+        if loop.steps % self.stride == 0 and self.files:
+            try:
+                for file in self.files:
+                    file.write(loop.steps // self.stride, loop.time)
+            except OSError as error:
+                self.files = []
+                self.warn(f"no fields from t = {loop.time:g} s on: {error}")
 
-        def watch(done: int, time: float, _wall: float) -> None:
-            if done % self.stride == 0 and self.files:
-                try:
-                    for file in self.files:
-                        file.write(done // self.stride, time)
-                except OSError as error:
-                    self.files = []
-                    warn(f"no fields from t = {time:g} s on: {error}")
-
-        return watch
-
-    def close(self) -> None:
+    def end(self, _status: RunStatus | None) -> None:
         for file in self.files:
             file.file.close()
 
@@ -91,6 +84,7 @@ class Series:
     def __init__(self, path: Path, scene: Scene, frames: int, known: int):
         import h5py  # only here: a run without fields does not need it
 
+        self.path = path
         if not known:
             self.file = h5py.File(path, "w")
             self.file.create_dataset(SCENE, data=np.bytes_(text(scene).encode()))

@@ -5,19 +5,17 @@ Python. `docs/guide/scenes.md` has where the ranges come from.
 """
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import count
 from math import ceil
 from pathlib import Path
 
-from rich.console import Console
-
 from nervure.coupling import Choice
-from nervure.evaluate import dimensionless
 from nervure.evaluate.dimensionless import Body, Dimensionless
-from nervure.master import Clock, Watcher
-from nervure.scene import Scene, beams
+from nervure.scene import Scene
 from nervure.scene.along import thickness
+from nervure.simulation.facts import Facts
+from nervure.simulation.loop import Observer, TimeLoop
 from nervure.units.fmu import Unit
 
 WARM_UP = 2  # Steps that are not timed: the first has no history, the second no cached code
@@ -33,20 +31,19 @@ SOFTNESS = 1e-3  # Largest C_eta U / L
 SEGMENT = 0.25  # Least length of a segment, in thicknesses
 
 
-def substeps(scene: Scene, numbers: Dimensionless) -> int:
-    """Steps that the fluid is expected to make in a communication step."""
-    if scene.fluid is None:
+def substeps(scene: Scene, numbers: Dimensionless | None) -> int:
+    """Return the number of steps that the fluid is expected to make in a communication step."""
+    if scene.fluid is None or numbers is None:
         return 1
     stepping, step = scene.fluid.time_stepping, scene.time.communication_step
     divided = ceil(step / stepping.max_step - ROUNDING)
     return max(1, divided) * max(1, ceil((numbers.cfl or 0.0) / stepping.max_cfl - ROUNDING))
 
 
-def rows(scene: Scene) -> Iterator[tuple[str, str]]:
-    """What is known of a scene without a step of its units, by name."""
-    clock = Clock(scene.time.end, scene.time.communication_step)
-    steps = f"{clock.steps} of {clock.communication_step:g} s to {clock.end:g} s"
-    numbers = dimensionless.evaluate(scene)
+def rows(facts: Facts) -> Iterator[tuple[str, str]]:
+    """Yield flow, beam, resolution and steps of a scene, by name."""
+    scene, numbers, grid = facts.scene, facts.numbers, facts.grid
+    steps = f"{grid.steps} of {grid.communication_step:g} s to {grid.end:g} s"
     if scene.fluid is None or numbers is None:
         yield "steps", steps
         return
@@ -75,9 +72,9 @@ def rows(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "steps", steps
 
 
-def warnings(scene: Scene) -> Iterator[str]:
-    """Where a scene is outside of what the method was tried for, or slower than it has to be."""
-    numbers = dimensionless.evaluate(scene)
+def warnings(facts: Facts) -> Iterator[str]:
+    """Yield where a scene is outside of the tested ranges of the method, or slower than it has to be."""
+    scene, numbers = facts.scene, facts.numbers
     if scene.fluid is None:
         return
     for axis, cells in zip("xy", scene.fluid.box.cells, strict=True):
@@ -103,7 +100,7 @@ def warnings(scene: Scene) -> Iterator[str]:
         softness = mask["c_eta"] * numbers.velocity / numbers.length
         if softness > SOFTNESS * (1 + ROUNDING):
             yield f"the mask is soft: C_eta U/L is {softness:.2g}; above {SOFTNESS:g} forces can be off by 10 %"
-    for own in beams(scene):
+    for own in facts.beams:
         ratio = own.beam.length / own.beam.segments / thickness(own.beam).max()
         if ratio < SEGMENT * (1 - ROUNDING):
             whose = f"segments of the rod {own.unit}" if own.prefix else "segments"
@@ -135,50 +132,39 @@ def _within(value: float, limits: tuple[float, float]) -> bool:
     return limits[0] * (1 - ROUNDING) <= value <= limits[1] * (1 + ROUNDING)
 
 
-def chosen(choice: Choice) -> Iterator[tuple[str, str]]:
-    """Load and scheme of a coupled run, and why."""
+def coupling(choice: Choice) -> Iterator[tuple[str, str]]:
+    """Yield load and scheme of a coupled run, with the reasons."""
     yield "load", f"{choice.load}: {choice.load_reason}"
     yield "scheme", f"{choice.scheme}: {choice.scheme_reason}"
 
 
-class Pace:
-    """Finds by the steps of a run how long the whole will take."""
+class Pace(Observer):
+    """Finds the wall time of a whole run from its first steps.
 
-    def __init__(self, scene: Scene, units: Mapping[str, Unit]):
-        numbers = dimensionless.evaluate(scene)
-        self.fluid, self.factor = units.get("fluid"), substeps(scene, numbers) if numbers else 1
-        self.steps = Clock(scene.time.end, scene.time.communication_step).steps
-        self.begin: tuple[int, float, float] | None = None
+    At the start the flow is slow: a step of the fluid that is expected to be divided later counts as often.
+    """
+
+    def __init__(self, facts: Facts, fluid: Unit | None):
+        self.fluid, self.factor, self.steps = fluid, substeps(facts.scene, facts.numbers), facts.grid.steps
         self.first: int | None = None
+        self.begin: tuple[int, float, float] | None = None  # Steps, wall time, and the time of the fluid, s
+        self.timed = 0.0  # Wall time of the steps that were timed, s
+        self.whole: float | None = None  # Wall time of the whole run, s; None while too few steps were timed
 
-    def after(self, done: int, wall: float) -> float | None:
-        """Wall time of the whole run, s, after `done` steps at the time `wall` (s); None as long as too few were timed.
-        At the start the flow is slow, so steps of the fluid that are expected to be divided later count as often."""
+    def step(self, loop: TimeLoop) -> None:
+        self.see(loop.steps, loop.wall)
+
+    def see(self, done: int, wall: float) -> None:
+        """Take the wall time (s) after `done` steps."""
         inside = self.fluid.seconds if self.fluid else 0.0
         if self.first is None:
             self.first = done
         if self.begin is None:
             if done - self.first >= WARM_UP:
                 self.begin = done, wall, inside
-            return None
-        made, timed = done - self.begin[0], wall - self.begin[1]
-        if made == 0:
-            return None
-        return (timed + (self.factor - 1) * (inside - self.begin[2])) / made * self.steps
-
-
-def announce(console: Console, scene: Scene, units: Mapping[str, Unit]) -> Watcher:
-    """The watcher that says after half a second how long the run will take; one that has ended before says nothing."""
-    pace, said = Pace(scene, units), False
-
-    def watch(done: int, _time: float, wall: float) -> None:
-        nonlocal said
-        if said or (whole := pace.after(done, wall)) is None or pace.begin is None or wall - pace.begin[1] < TIMED:
             return
-        said = True
-        console.print(f"forecast: {cost(whole)}", soft_wrap=True)
-
-    return watch
+        made, self.timed = done - self.begin[0], wall - self.begin[1]
+        self.whole = (self.timed + (self.factor - 1) * (inside - self.begin[2])) / made * self.steps
 
 
 def cost(wall: float) -> str:

@@ -1,23 +1,20 @@
 """Short tables about FMUs, scenes and result folders."""
 
-import tempfile
 import zipfile
 from collections.abc import Iterable
-from contextlib import ExitStack
 from pathlib import Path
-from time import perf_counter
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from nervure import checkpoint, master, results
 from nervure.errors import InputError
 from nervure.output import fields, forecast
 from nervure.output.tables import print_table
-from nervure.scene import Scene, beams, kinds
+from nervure.scene import Scene
 from nervure.scene.along import thickness
-from nervure.units import package
+from nervure.simulation import checkpoint, results
+from nervure.simulation.session import Session
 from nervure.units.fmu import UnitError, read_description, variables_of, version_of
 
 FLAGS = {
@@ -86,50 +83,42 @@ def show_unit(console: Console, path: Path) -> None:
 
 
 def show_scene(console: Console, scene: Scene) -> None:
-    """Sizes, and what the units and the rule of the coupling make of the scene, with the time that it will take: it
-    packs them and makes steps for half a second."""
-    with ExitStack() as stack:
-        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        fmus = {kind: package.pack(kind, scene, folder) for kind in kinds(scene)}
-        before = forecast.resident()
-        units, scheme, clock, recorder = master.assemble(scene, fmus, stack)
-        scheme.start()
-        pace, whole, begin = forecast.Pace(scene, units), None, perf_counter()
-        for i in range(clock.steps):
-            wall = perf_counter() - begin
-            whole = pace.after(i, wall)
-            if wall > forecast.TIMED and whole is not None:
-                break
-            scheme.step(*clock.step(i))
-        else:
-            whole = perf_counter() - begin
+    """Print sizes, choices and forecast of a scene; for the wall time it makes steps for half a second."""
+    before = forecast.resident()
+    with Session(scene) as session:
+        pace = forecast.Pace(session.facts, session.units.get("fluid"))
+        session.observers = [pace]
+        status = session.run(stopping=lambda: pace.whole is not None and session.wall > forecast.TIMED)
+        if status.error is not None:
+            raise UnitError(status.error)
+        whole = status.wall if status.completed or pace.whole is None else pace.whole
         resident = forecast.resident()
-        stations = {own.unit: len(fields.stations(units, own)) for own in beams(scene)}
+        stations = {own.unit: len(fields.stations(session.units, own)) for own in session.facts.beams}
 
     rows = [("description", scene.description)] if scene.description else []
-    *front, last = fmus
+    *front, last = session.units
     rows.append(("units", f"{', '.join(front)} and {last}" if front else last))
     if fluid := scene.fluid:
         (nx, ny), (x0, x1), (y0, y1) = fluid.box.cells, fluid.box.x, fluid.box.y
         rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
-    for own in beams(scene):
+    for own in session.facts.beams:
         beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in thickness(own.beam)[[0, -1]])
         size = f"{beam.length:g} x {' to '.join(ends)} m, {beam.segments} segments, {stations[own.unit]} stations"
         rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
-    rows += forecast.rows(scene)
-    rows += forecast.chosen(scheme.choice) if scheme.choice else ()
+    choice, recorder = session.scheme.choice, session.recorder
+    rows += [*forecast.rows(session.facts), *(forecast.coupling(choice) if choice else ())]
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
     if memory := resident and resident - before + recorder.table.nbytes:
         rows.append(("memory", f"about {memory / 1e6:.0f} MB for units and record, beside Python's own"))
     rows.append(("wall time", f"about {forecast.duration(whole)} on this machine"))
-    rows += (("warning", text) for text in forecast.warnings(scene))
+    rows += (("warning", text) for text in forecast.warnings(session.facts))
     _print(console, scene.name, rows)
 
 
 def show_results(console: Console, folder: Path) -> None:
     """The summary of a run, as the run printed it, or how far one came that was killed."""
-    stopped = (folder / checkpoint.FILE).is_file()
+    stopped = (folder / results.CHECKPOINT).is_file()
     try:
         found = results.read(folder)
         summary = found.summary
@@ -146,4 +135,4 @@ def show_results(console: Console, folder: Path) -> None:
     if stopped:
         about = checkpoint.read(folder).about
         text = f"checkpoint after {about['done']} steps, {about['wall']:.0f} s of wall time"
-        console.print(f"{text}: `nervure resume {folder}` goes on", markup=False, soft_wrap=True)
+        console.print(f"{text}: `nervure resume {folder}` continues the run", markup=False, soft_wrap=True)

@@ -16,16 +16,17 @@ from matplotlib.patches import Circle, Patch, Polygon
 
 from nervure.evaluate import coefficients, dimensionless, flapping, statistics
 from nervure.evaluate.rods import seen
-from nervure.evaluate.summary import TIP
+from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
 from nervure.output import shown_in, with_unit
 from nervure.output.fields import outline, stations
-from nervure.recorder import Series
-from nervure.results import Results
-from nervure.scene import Scene, beams
+from nervure.scene import Scene
 from nervure.scene.along import thickness
 from nervure.scene.types import Body, Fluid, Reference, ShapePolygon, ShapeRectangle
-from nervure.units.fmu import Unit
+from nervure.simulation.loop import Observer
+from nervure.simulation.results import Results
+from nervure.simulation.session import Session
+from nervure.simulation.summary import TIP
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-blind readers tell apart (Okabe & Ito 2008)
 VORTICITY_PERCENTILE = 99.0  # Part of the picture's points, in percent, whose vorticity lies inside the colour scale
@@ -44,7 +45,7 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     the first run's scene; several `runs` over each other, by the names of their folders, or by their paths where those
     are the same. Of one run coefficients.png and flapping.png too. Returns what was written."""
     first, *others = runs
-    tips = [column for run in runs for own in beams(run.scene) for column in (own.prefix + name for name in TIP)]
+    tips = [column for run in runs for own in run.beams for column in (own.prefix + name for name in TIP)]
     named = {run.folder.resolve().name: run for run in runs}
     labelled = named if len(named) == len(runs) else {str(run.folder): run for run in runs}
     written = []
@@ -142,7 +143,7 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
 def driven_roots(folder: Path, run: Results) -> list[Path]:
     """Write flapping.png, or of several rods flapping-NAME.png, of each root that is driven; returns what was
     written."""
-    of = {own.unit: (own, f"flapping-{own.unit}.png") for own in beams(run.scene)}
+    of = {own.unit: (own, f"flapping-{own.unit}.png") for own in run.beams}
     several = {name: rod.flapping for name, rod in (run.summary.rods or {}).items()}
     alone = {"rod": run.summary.flapping}
     pictures = []
@@ -201,13 +202,26 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series) -> Figur
     return figure
 
 
-def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -> None:
-    """Write vorticity.png of the fluid at `time` (s), with the cylinders that stand still and the bodies and beams
-    where they are now; nothing if the fluid shows no field."""
+class Pictures(Observer):
+    """Draws the pictures of a session when its results are written."""
+
+    def __init__(self, session: Session):
+        self.session = session
+
+    def finish(self, results: Results) -> None:
+        write(results.folder, [results])
+        if results.summary.error is None:
+            vorticity(self.session)
+
+
+def vorticity(session: Session) -> None:
+    """Write vorticity.png of the fluid as it is now, with still cylinders, and with bodies and beams in their places;
+    nothing if the fluid shows no field."""
+    scene, units = session.scene, session.units
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
-    corners = [outline(stations(units, own), thickness(own.beam)) for own in beams(scene)]
+    corners = [outline(stations(units, own), thickness(own.beam)) for own in session.facts.beams]
     figure = Figure(figsize=size(scene, 12.0), layout="constrained")
     axis = figure.subplots()
     poses = [
@@ -215,9 +229,9 @@ def vorticity(folder: Path, scene: Scene, units: dict[str, Unit], time: float) -
         for i, _ in enumerate(scene.fluid.bodies, 1)
     ]
     picture = draw_vorticity(axis, scene, field, corners, vorticity_limit(scene, [field]), poses)
-    axis.set_title(f"t = {time:.3f} {unit('s', scene)}")
+    axis.set_title(f"t = {session.time:.3f} {unit('s', scene)}")
     figure.colorbar(picture, label=vorticity_label(scene), extend="both", pad=0.01)
-    _save(figure, folder / "vorticity.png")
+    _save(figure, session.folder / "vorticity.png")
 
 
 def vorticity_label(scene: Scene) -> str:

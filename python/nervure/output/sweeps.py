@@ -3,7 +3,6 @@
 import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
@@ -11,9 +10,7 @@ from rich.table import Column, Table
 
 from nervure.errors import InputError
 from nervure.files import write_whole
-
-Row = dict[str, Any]  # What the table of a sweep has of a run, by column
-FINISHED = "finished"  # Status of a run that reached its end
+from nervure.simulation.sweep import FINISHED, Row, short_keys, short_value
 
 SHOWN = (
     ("thrust", "thrust [N/m]"),
@@ -34,20 +31,6 @@ SHOWN = (
 PANELS = 4  # Most quantities in the table and in the picture: the first that there are
 DECADE = 10  # Ratio of the largest to the smallest value from which on the axis is logarithmic
 MARKERS = "os^Dv*"
-
-
-def short_keys(keys: Iterable[str]) -> dict[str, str]:
-    """As many of the last parts of each dotted key as tell it from the others and begin with a name."""
-    every = [key.split(".") for key in keys]
-    short = {}
-    for parts in every:
-        length = next(
-            n
-            for n in range(1, len(parts) + 1)
-            if n == len(parts) or (not parts[-n].isdecimal() and sum(other[-n:] == parts[-n:] for other in every) == 1)
-        )
-        short[".".join(parts)] = ".".join(parts[-length:])
-    return short
 
 
 def read(folder: Path) -> list[Row]:
@@ -81,15 +64,6 @@ def print_table(console: Console, rows: Sequence[Row]) -> None:
         cells = [str(row["scene"])] * several + [short_value(row.get(key)) for key in keys] + [row["status"]]
         table.add_row(*map(escape, cells), *(_digits(row.get(name)) for name, _ in found), _digits(row.get("wall_s")))
     console.print(table)
-
-
-def short_value(value: Any) -> str:
-    """A value of a scene as people write it: 1e-05 and 2000000, not 2000000.0."""
-    if isinstance(value, list):
-        return f"[{', '.join(map(short_value, value))}]"
-    if isinstance(value, float):
-        return f"{value:.10g}"
-    return value if isinstance(value, str) else json.dumps(value)
 
 
 def _digits(value: float | None) -> str:

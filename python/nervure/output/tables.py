@@ -6,9 +6,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
-from nervure.evaluate.summary import Published, Summary
 from nervure.output import shown_in, with_unit
 from nervure.scene.types import Display
+from nervure.simulation.summary import Published, Summary
 
 
 def print_table(console: Console, summary: Summary, display: Display | None = None) -> None:

@@ -12,6 +12,7 @@ from nervure.provenance import git_revision
 from nervure.resources import BINARIES
 from nervure.scene import Scene
 from nervure.units import package, ssp
+from nervure.units.describe import describe_all
 from nervure.units.notices import notices
 
 OLDEST_GLIBC = (2, 17)  # The version that the libraries must run on: that of 2012
@@ -74,10 +75,12 @@ def binaries(kind: str, version: int) -> dict[str, Path]:
 
 def write(scene: Scene, folder: Path, version: int = 2) -> None:
     """Make a folder to hand out, with units of that version of FMI, in the place of one that exists."""
-    kinds, git = package.kinds(scene), git_revision()
-    libraries = {kind: binaries(package.kind_of(kind), version) for kind in kinds}
+    units, git = describe_all(scene, version), git_revision()
+    libraries = {name: binaries(unit.kind, version) for name, unit in units.items()}
     needed = {
-        f"{package.kind_of(kind)} for {name}": glibc(path) for kind in kinds for name, path in libraries[kind].items()
+        f"{unit.kind} for {platform}": glibc(path)
+        for name, unit in units.items()
+        for platform, path in libraries[name].items()
     }
     for what, least in needed.items():
         if least > OLDEST_GLIBC:
@@ -87,12 +90,9 @@ def write(scene: Scene, folder: Path, version: int = 2) -> None:
             )
     unfinished = folder.with_name(folder.name + ".unfinished")
     shutil.rmtree(unfinished, ignore_errors=True)
-    fmus = {
-        kind: package.pack(kind, scene, unfinished, libraries[kind], notices(package.kind_of(kind)), version)
-        for kind in kinds
-    }
+    fmus = {name: package.pack(unit, unfinished, libraries[name], notices(unit.kind)) for name, unit in units.items()}
     files = list(fmus.values())
-    if len(kinds) > 1 and version == 2:  # SSP 1.0 has no arrays
+    if len(units) > 1 and version == 2:  # SSP 1.0 has no arrays
         files.append(ssp.pack(scene, unfinished, fmus))
     platforms = sorted({name for found in libraries.values() for name in found})
     readme = unfinished / "README.md"

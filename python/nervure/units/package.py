@@ -1,4 +1,4 @@
-"""Makes the FMUs of a scene from the built libraries."""
+"""FMUs of described units, from the built libraries."""
 
 import shutil
 import zipfile
@@ -7,77 +7,58 @@ from pathlib import Path
 
 import fmpy
 
-from nervure import library as libraries
 from nervure.errors import SceneError
 from nervure.files import write_whole
-from nervure.library import SUFFIX, kind_of, library
-from nervure.resources import KINDS, ROOT
-from nervure.scene import Document, Scene, document, kinds, scene_of_unit
+from nervure.library import library
+from nervure.resources import ROOT, SUFFIX
 from nervure.units import documentation
-
-__all__ = ["KINDS", "describe", "kind_of", "kinds", "library", "merge", "pack", "unpacked", "write_archive"]
+from nervure.units.describe import Description
 
 COMPRESSION = zipfile.ZIP_DEFLATED
 ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # Of every file in an FMU: the same scene and library give the same bytes
-
 
 PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}
 """Name of this system by the version of FMI."""
 
 
-def describe(kind: str, scene: Scene | Document, version: int = 2) -> str:
-    """modelDescription.xml of unit `kind` for `scene` in that version of FMI, 2 or 3; raises `SceneError` with the
-    unit's words if it refuses it. `kind` is `rod`, `fluid`, or the name of one of several rods."""
-    return libraries.describe(kind_of(kind), scene_of_unit(scene, kind), version)
-
-
 def pack(
-    kind: str,
-    scene: Scene | Document,
-    folder: Path,
-    binaries: Mapping[str, Path] | None = None,
-    notices: str | None = None,
-    version: int = 2,
+    unit: Description, folder: Path, binaries: Mapping[str, Path] | None = None, notices: str | None = None
 ) -> Path:
-    """Write the FMU `NAME-KIND.fmu` of that version of FMI into `folder`; raises `SceneError` if the unit refuses the
-    scene.
+    """Write the FMU `SCENE-UNIT.fmu` into `folder` and return its path.
 
-    `binaries` are the libraries by the platform's name in that version, by default that of this system alone. `notices`
-    are the licences of what is linked into them.
+    `binaries` are the libraries by platform, named as in the unit's version of FMI; by default the library of this
+    system alone. `notices` are the licences of the crates that are linked into them.
     """
-    description = describe(kind, scene, version)
-    built = kind_of(kind)
-    libraries = binaries or {PLATFORM[version]: library(built)}
-    picture = (ROOT / f"fmu-{built}" / "model.png").read_bytes()
+    libraries = binaries or {PLATFORM[unit.version]: library(unit.kind)}
+    picture = (ROOT / f"fmu-{unit.kind}" / "model.png").read_bytes()
     contents = {
-        "modelDescription.xml": description.encode("utf-8"),
-        **{f"binaries/{name}/fmu_{built}{path.suffix}": path.read_bytes() for name, path in libraries.items()},
-        "resources/scene.json": scene_of_unit(scene, kind).encode("utf-8"),
-        **({"model.png": picture} if version == 2 else {}),
-        "documentation/index.html": documentation.page(built, description).encode("utf-8"),
-        "terminalsAndIcons/terminalsAndIcons.xml": documentation.terminals(description).encode("utf-8"),
+        "modelDescription.xml": unit.xml.encode("utf-8"),
+        **{f"binaries/{name}/fmu_{unit.kind}{path.suffix}": path.read_bytes() for name, path in libraries.items()},
+        "resources/scene.json": unit.scene.encode("utf-8"),
+        **({"model.png": picture} if unit.version == 2 else {}),
+        "documentation/index.html": documentation.page(unit.kind, unit.xml).encode("utf-8"),
+        "terminalsAndIcons/terminalsAndIcons.xml": documentation.terminals(unit.xml).encode("utf-8"),
         "terminalsAndIcons/icon.png": picture,
     }
     for licence in sorted(ROOT.glob("LICENSE*")):
         contents[f"documentation/licenses/{licence.name}"] = licence.read_bytes()
     if notices is not None:
         contents["documentation/licenses/third-party.txt"] = notices.encode("utf-8")
-    return write_archive(folder / f"{document(scene)['name']}-{kind}.fmu", contents)
+    return write_archive(folder / f"{unit.scene_name}-{unit.unit}.fmu", contents)
 
 
-def unpacked(kind: str, scene: Scene | Document, folder: Path) -> Path:
-    """Lay out what an FMU of FMI 2.0 needs to run here, unpacked and with a link to the library, in a folder of its own
-    below `folder`; returns it. Costs a hundredth of packing and unpacking one."""
-    description = describe(kind, scene)
-    place, built = folder / kind, library(kind_of(kind))
+def lay_out(unit: Description, folder: Path) -> Path:
+    """Lay out what a unit of FMI 2.0 needs to run here, with a link to its library, in a new folder below `folder`;
+    return the path. It takes a hundredth of the time of packing and unpacking an FMU."""
+    place, built = folder / unit.unit, library(unit.kind)
     (place / "binaries" / PLATFORM[2]).mkdir(parents=True)
     (place / "resources").mkdir()
-    (place / "modelDescription.xml").write_text(description, encoding="utf-8")
-    (place / "resources" / "scene.json").write_text(scene_of_unit(scene, kind), encoding="utf-8")
-    linked = place / "binaries" / PLATFORM[2] / f"fmu_{kind_of(kind)}{SUFFIX}"
+    (place / "modelDescription.xml").write_text(unit.xml, encoding="utf-8")
+    (place / "resources" / "scene.json").write_text(unit.scene, encoding="utf-8")
+    linked = place / "binaries" / PLATFORM[2] / f"fmu_{unit.kind}{SUFFIX}"
     try:
         linked.symlink_to(built.resolve())
-    except OSError:  # Windows allows links to some only
+    except OSError:  # Windows allows links to some users only
         shutil.copy(built, linked)
     return place
 

@@ -1,7 +1,6 @@
 """Keeps the scalar outputs of the units over time, in one table that is allocated before the run."""
 
 import re
-from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +9,6 @@ from nervure.units.fmu import Unit
 
 MAX_ROWS = 200_000  # A run of more steps is recorded at every second, third, … step, so that the table stays below this
 KINDS = ("Real", "Integer")  # FMI types of the outputs that are recorded, in the order of the columns of a unit
-Series = Mapping[str, np.ndarray]  # Recorded values over time, by column
 PUNCTUATION = re.compile(r"[.\[\]]+")
 
 

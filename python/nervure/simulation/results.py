@@ -1,4 +1,4 @@
-"""What a run leaves in its folder: written, and read again."""
+"""The result folder of a run: checked before the run, written after it, and read again."""
 
 import json
 from collections.abc import Callable, Iterable, Mapping
@@ -10,44 +10,52 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
-from nervure.coupling import Single
 from nervure.errors import InputError
-from nervure.evaluate.summary import Summary
+from nervure.evaluate.statistics import Series
 from nervure.files import write_together
-from nervure.recorder import Series
 from nervure.resources import KINDS
-from nervure.scene import Document, Scene, document, text, unit_label, validate
+from nervure.scene import Document, Own, Scene, beams, document, kinds, text, unit_label, validate
+from nervure.simulation.summary import Summary
+from nervure.units.fmu import read_description
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
-"""The files that a coupled run leaves in its folder, besides the FMUs."""
+"""Files of a coupled run in its folder, besides the FMUs."""
 
 FURTHER_FILES = (
     "coefficients.png", "flapping.png", "vorticity.gif", "vorticity.mp4", "phases.png", "motion.png", "motion.gif",
     "motion.mp4", "iterations.csv", "convergence.csv", "series.h5",
 )  # fmt: skip
-"""What a cylinder alone, a driven root, `animate`, an iterated scheme and a long run leave besides."""
+"""Further files of a cylinder alone, a driven root, `animate`, an iterated scheme and a long run."""
 
-LONG = 10_000  # Rows from which on the series is written as series.h5 too, where h5py is there
+CHECKPOINT = "checkpoint.npz"
+FIELDS = FLUID_FIELDS, BEAM_FIELDS = "fields.vtkhdf", "beam.vtkhdf"  # Of several rods `beam-NAME.vtkhdf`
+
+LONG = 10_000  # Rows from which the series is written as series.h5 too, where h5py is installed
 
 REMARKS = ("$schema", "description", "display", "reference")
 """Keys of a scene that change no result."""
 
-ABSENT, LONGEST_SHOWN = "absent", 60  # How a message shows a key that is not there, and the most characters of a value
+ABSENT, LONGEST_SHOWN = "absent", 60  # Word for a missing key in messages, and largest number of characters of a value
 
 
 @dataclass(frozen=True)
 class Results:
-    """A run: its scene, what came out, and every recorded output over time."""
+    """A run: its scene, its summary, and every recorded output over time."""
 
     scene: Scene
     folder: Path
     summary: Summary
     series: Series  # In full precision where the run was made in this process
-    units: Mapping[str, str | None]  # Their units; a column without one counts something
+    units: Mapping[str, str | None]  # Units of the columns; counts have none
+
+    @property
+    def beams(self) -> list[Own]:
+        """The beams of the scene, in the order in which the fluid counts them."""
+        return beams(self.scene)
 
 
 def read(folder: Path) -> Results:
-    """The results in `folder`; series.csv has ten digits, series.h5 of a long run has all."""
+    """Read the results in `folder`; series.csv has ten digits, series.h5 of a long run has all."""
     try:
         scene = validate(json.loads((folder / "scene.json").read_text(encoding="utf-8")))
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
@@ -68,7 +76,7 @@ def read(folder: Path) -> Results:
 
 
 def _read_series(folder: Path) -> tuple[list[str], np.ndarray]:
-    """Names and table of what was recorded, `[rows, columns]`."""
+    """Return the names of the recorded columns and their table, `[rows, columns]`."""
     h5py = _h5py()
     if h5py and (folder / "series.h5").exists():
         with h5py.File(folder / "series.h5") as file:
@@ -80,14 +88,14 @@ def _read_series(folder: Path) -> tuple[list[str], np.ndarray]:
 
 
 def _write_series(path: Path, run: Results) -> None:
-    """Write the series as HDF5: a dataset for each column in its order, with the attribute `unit`."""
+    """Write the series as HDF5: a dataset for each column, in order, with the attribute `unit`."""
     with _h5py().File(path, "w", track_order=True) as file:
         for name, values in run.series.items():
             file.create_dataset(name, data=values).attrs["unit"] = run.units.get(name) or ""
 
 
 def _h5py() -> Any:
-    """The package h5py, which only runs with fields need; None without it."""
+    """Return the package h5py; None where it is not installed: only fields need it."""
     try:
         import h5py
     except ImportError:
@@ -95,16 +103,36 @@ def _h5py() -> Any:
     return h5py
 
 
-def other(folder: Path, scene: Scene | Document, models: Mapping[str, str]) -> str | None:
-    """What `folder` holds that a run of `scene` with units of these `models` would replace by something else; None
-    where there is nothing, or the same run."""
+def check_output_folder(folder: Path, scene: Scene, foreign: Mapping[str, Path], force: bool) -> set[Path]:
+    """Check that a run of `scene`, with the FMUs `foreign` in the place of ours, loses no results in `folder`: raise
+    `InputError` where it would, unless `force` allows it. Return the stale files, which the results will replace."""
+    if (folder / CHECKPOINT).exists():
+        if not force:
+            raise InputError(
+                f"{folder} holds the checkpoint of a run that was stopped: `nervure resume {folder}` continues it; to "
+                "start again, give another --output, or --force to replace it"
+            )
+        (folder / CHECKPOINT).unlink()
+    models = {unit: f"{scene.name}.{unit}" for unit in kinds(scene)}
+    models |= {unit: read_description(path).modelName for unit, path in foreign.items() if unit in models}
+    if held := conflicting_results(folder, scene, models):
+        if not force:
+            raise InputError(f"{folder} holds {held}; give another --output, or --force to replace what is there")
+        packed = {f"{scene_name(folder)}-{unit}.fmu" for unit in unit_names(folder)}
+        return {folder.resolve() / name for name in (*packed, "row.json")}
+    return set()
+
+
+def conflicting_results(folder: Path, scene: Scene | Document, models: Mapping[str, str]) -> str | None:
+    """Return a description of the results in `folder` that are not of `scene` with units of these `models`; None where
+    there are no results, or results of the same run."""
     held = [name for name in (*FILES, *FURTHER_FILES) if (folder / name).exists()]
     if not held:
         return None
     try:
         there = json.loads((folder / "scene.json").read_text(encoding="utf-8"))
         units = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["units"]
-        ran = {kind: unit["model"] for kind, unit in units.items()}
+        ran = {unit: info["model"] for unit, info in units.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return f"{held[0]}, but no results that can be read"
     here = dict(document(scene))
@@ -113,14 +141,14 @@ def other(folder: Path, scene: Scene | Document, models: Mapping[str, str]) -> s
         here.pop(remark, None)
     if found := _difference(there, here):
         return "the results of another scene: {} is {} there, but {} here".format(*found)
-    for kind, model in models.items():
-        if ran.get(kind) != model:
-            return f"the results of another {unit_label(kind)}: it is {ran.get(kind)} there, but {model} here"
+    for unit, model in models.items():
+        if ran.get(unit) != model:
+            return f"the results of another {unit_label(unit)}: it is {ran.get(unit)} there, but {model} here"
     return None
 
 
 def scene_name(folder: Path) -> str | None:
-    """The name of the scene whose results are in `folder`; None where that cannot be read."""
+    """Return the name of the scene whose results are in `folder`; None where it cannot be read."""
     try:
         return str(json.loads((folder / "scene.json").read_text(encoding="utf-8"))["name"])
     except (OSError, ValueError, KeyError, TypeError):
@@ -128,7 +156,7 @@ def scene_name(folder: Path) -> str | None:
 
 
 def unit_names(folder: Path) -> list[str]:
-    """Names of the units whose results are in `folder`; those of one rod and a fluid where that cannot be read."""
+    """Return the names of the units whose results are in `folder`; where they cannot be read, `rod` and `fluid`."""
     try:
         return list(json.loads((folder / "summary.json").read_text(encoding="utf-8"))["units"])
     except (OSError, ValueError, KeyError, TypeError):
@@ -136,7 +164,7 @@ def unit_names(folder: Path) -> list[str]:
 
 
 def _difference(there: Any, here: Any, key: str = "") -> tuple[str, str, str] | None:
-    """Dotted key and both values of the first difference of two JSON values; None where they are the same."""
+    """Return the dotted key and both values of the first difference of two JSON values; None where they are equal."""
     for kind in (dict, list):
         if isinstance(there, kind) and isinstance(here, kind):
             mine, theirs = (dict(part if kind is dict else enumerate(part)) for part in (here, there))
@@ -150,27 +178,30 @@ def _difference(there: Any, here: Any, key: str = "") -> tuple[str, str, str] | 
     return key, short[0], short[1]
 
 
-def write(run: Results, scheme: Single, strays: Iterable[Path] = ()) -> None:
-    """Write scene.json, series.csv, the scheme's logs and, last, summary.json into the folder of `run`, in the place of
-    the results of an earlier run, whose other files are `strays`: where one cannot be written those stay, else nothing
-    of theirs does."""
+def field_files(folder: Path) -> set[Path]:
+    """Return the field files in `folder`."""
+    return {path for name in (FLUID_FIELDS, BEAM_FIELDS, "beam-*.vtkhdf") for path in folder.glob(name)}
+
+
+def write(run: Results, logs: Mapping[str, np.ndarray], stale_files: Iterable[Path] = ()) -> None:
+    """Write scene.json, series.csv, the `logs` of the scheme and, last, summary.json into the folder of `run`, then
+    remove all other files of an earlier run, and `stale_files`. Where one file cannot be written, the earlier results
+    stay as they are."""
     run.folder.mkdir(parents=True, exist_ok=True)
     summarized = json.dumps(run.summary.document(), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
     writers: dict[str, Callable[[Path], object]] = {
         "scene.json": lambda path: path.write_text(text(run.scene), encoding="utf-8")
     }
     tables = {"series": (list(run.series), np.column_stack(list(run.series.values())))}
-    tables |= {name: (list(log.dtype.names or ()), log) for name, log in scheme.logs().items()}
+    tables |= {name: (list(log.dtype.names or ()), log) for name, log in logs.items()}
     for name, (columns, table) in tables.items():
         header = ",".join(columns)
         writers[f"{name}.csv"] = partial(np.savetxt, X=table, fmt="%.10g", delimiter=",", header=header, comments="")
     if len(run.series["time"]) >= LONG and _h5py():
         writers["series.h5"] = lambda path: _write_series(path, run)
-    # Where it is new, the others are.
+    # Last: a reader who finds a new summary finds the other files new too.
     writers["summary.json"] = lambda path: path.write_text(summarized, encoding="utf-8")
     write_together(run.folder, writers)
-    gone = [run.folder / name for name in {*FILES, *FURTHER_FILES} - writers.keys()]
-    for path in [*gone, *run.folder.glob("flapping-*.png")]:
-        path.unlink(missing_ok=True)
-    for path in strays:
+    other_files = [run.folder / name for name in {*FILES, *FURTHER_FILES} - writers.keys()]
+    for path in [*other_files, *run.folder.glob("flapping-*.png"), *stale_files]:
         path.unlink(missing_ok=True)

@@ -23,16 +23,19 @@ from queue import Empty, SimpleQueue
 from time import perf_counter, process_time
 from typing import Any
 
-from nervure import master, results, simulation
 from nervure.errors import InputError, SceneError
 from nervure.files import json_numbers, write_csv, write_whole
 from nervure.library import kind_of, library
-from nervure.master import Clock
-from nervure.output.sweeps import FINISHED, Row, short_keys, short_value
 from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, validate
+from nervure.simulation import results
+from nervure.simulation.facts import TimeGrid
+from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.session import Session
+from nervure.simulation.summary import Summary
 
 ROW = "row.json"
-FAILED, KILLED = "failed", "killed"  # Killed: with its worker, as often as it was tried
+Row = dict[str, Any]  # A run in the table of a sweep, by column
+FINISHED, FAILED, KILLED = "finished", "failed", "killed"  # Status; killed: its worker died at every attempt
 CONNECT_S = 5  # How long a scheduler has to answer, s
 LISTEN_S = 0.2  # How long Ctrl-C may have to wait, s
 PROGRESS, REPORT_S = "nervure-progress", 0.5  # Dask's topic of what is under way, and s between two reports of a run
@@ -56,8 +59,8 @@ class Case:
     def steps(self) -> int:
         """Communication steps of the run; 0 where its clock is one that the units will refuse."""
         try:
-            clock = self.scene["time"]
-            return Clock(float(clock["end"]), float(clock["communication_step"])).steps
+            time = self.scene["time"]
+            return TimeGrid(float(time["end"]), float(time["communication_step"])).steps
         except (KeyError, TypeError, ValueError, ArithmeticError):
             return 0
 
@@ -81,6 +84,29 @@ def _folder_name(scene: Document, varied: dict[str, Any], named: bool, taken: Co
 def _plain_value(value: Any) -> str:
     """A value as a part of a path."""
     return re.sub(r"[^\w.+-]+", "_", short_value(value)).strip("_")
+
+
+def short_keys(keys: Iterable[str]) -> dict[str, str]:
+    """As many of the last parts of each dotted key as tell it from the others and begin with a name."""
+    every = [key.split(".") for key in keys]
+    short = {}
+    for parts in every:
+        length = next(
+            n
+            for n in range(1, len(parts) + 1)
+            if n == len(parts) or (not parts[-n].isdecimal() and sum(other[-n:] == parts[-n:] for other in every) == 1)
+        )
+        short[".".join(parts)] = ".".join(parts[-length:])
+    return short
+
+
+def short_value(value: Any) -> str:
+    """A value of a scene as people write it: 1e-05 and 2000000, not 2000000.0."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(short_value, value))}]"
+    if isinstance(value, float):
+        return f"{value:.10g}"
+    return value if isinstance(value, str) else json.dumps(value)
 
 
 def values(text: str) -> tuple[str, list[Any]]:
@@ -131,40 +157,47 @@ def unknown(cases: list[Case], folder: Path, retry_failed: bool) -> list[Case]:
     return [case for case, row in rows if row is None or (retry_failed and row["status"] != FINISHED)]
 
 
-def _reporting(name: str) -> master.Watcher:
-    """Watcher that tells whoever made the sweep how many steps of the run in the folder `name` are done."""
-    import distributed
+class Reporter(Observer):
+    """Tells the process that made the sweep how many steps of the run in the folder `name` are done."""
 
-    worker, due = distributed.get_worker(), 0.0
+    def __init__(self, name: str):
+        import distributed
 
-    def watch(done: int, _time: float, wall: float) -> None:
-        nonlocal due
-        if wall >= due:
-            worker.log_event(PROGRESS, {"folder": name, "steps": done})
-            due = wall + REPORT_S
+        self.name, self.worker, self.due = name, distributed.get_worker(), 0.0
 
-    return watch
+    def step(self, loop: TimeLoop) -> None:
+        if (wall := loop.wall) >= self.due:
+            self.worker.log_event(PROGRESS, {"folder": self.name, "steps": loop.steps})
+            self.due = wall + REPORT_S
 
 
-def one(scene: Document, folder: Path) -> Row:
-    """Run a case on a worker; returns what its row has of it."""
+def run_for_sweep(scene: Document, folder: Path) -> Row:
+    """Run a case on a worker, without FMUs and pictures, which take longer than a short run; return its row."""
     wall, cpu = perf_counter(), process_time()
     row: Row = {"status": FINISHED, "reason": None}
     found: Row = {}
     try:
-        summary = simulation.sample(validate(scene), folder, [_reporting(folder.name)]).summary
+        with Session(validate(scene), folder) as session:
+            session.observers = [Reporter(folder.name)]
+            session.run()
+            summary = session.finish().summary
         if not summary.completed:
             row = {"status": FAILED, "reason": summary.error}
-        found = {name: getattr(summary, name) for name in REPORTED}
-        for name, quantity in summary.quantities.items():
-            found |= {f"{name}_{what}": getattr(quantity, what) for what in STATISTICS}
-        found |= summary.coefficients.values if summary.coefficients else {}
-        flapping = vars(summary.flapping).items() if summary.flapping else ()
-        found |= {name: value for name, value in flapping if isinstance(value, float)}
+        found = _reported(summary)
     except (InputError, OSError) as error:
         row = {"status": FAILED, "reason": str(error)}
     times = {"wall_s": perf_counter() - wall, "cpu_s": process_time() - cpu}
     return {name: json_numbers(value) for name, value in (row | times | found).items()}
+
+
+def _reported(summary: Summary) -> Row:
+    """Return the columns that the table has of a summary."""
+    found: Row = {name: getattr(summary, name) for name in REPORTED}
+    for name, quantity in summary.quantities.items():
+        found |= {f"{name}_{what}": getattr(quantity, what) for what in STATISTICS}
+    found |= summary.coefficients.values if summary.coefficients else {}
+    flapping = vars(summary.flapping).items() if summary.flapping else ()
+    return found | {name: value for name, value in flapping if isinstance(value, float)}
 
 
 def run(
@@ -184,7 +217,7 @@ def run(
     rows = {case.folder: known(case, folder) for case in cases}
     todo = unknown(cases, folder, False) if todo is None else todo
     for case in [] if force else todo:
-        if held := results.other(folder / case.folder, case.scene, {}):
+        if held := results.conflicting_results(folder / case.folder, case.scene, {}):
             raise InputError(
                 f"{folder / case.folder} holds {held}; give another --output, or --force to replace what is there"
             )
@@ -307,7 +340,7 @@ def _distribute(
             try:
                 free = max(1, len(client.nthreads())) - len(running)  # below 0 while workers are being started again
                 for case in itertools.islice(waiting, max(0, free)):
-                    future = client.submit(one, case.scene, (folder / case.folder).resolve(), pure=False)
+                    future = client.submit(run_for_sweep, case.scene, (folder / case.folder).resolve(), pure=False)
                     running[future] = case
                     future.add_done_callback(done.put)
                 if not running:

@@ -5,6 +5,7 @@ A key whose field here has a default is left out of the file where it is None.
 
 import platform
 import re
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from typing import Any
@@ -12,16 +13,17 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
-from nervure.coupling import Choice, Single
-from nervure.evaluate import bodies, coefficients, dimensionless, flapping, statistics
+from nervure.coupling import Choice, Scheme
+from nervure.evaluate import bodies, coefficients, flapping, statistics
 from nervure.evaluate.bodies import BodyCoefficients
 from nervure.evaluate.dimensionless import Dimensionless
 from nervure.evaluate.rods import seen
+from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
-from nervure.master import RunStatus
 from nervure.provenance import Machine, Revision, git_revision, machine
-from nervure.recorder import Recorder, Series
-from nervure.scene import Scene, beams
+from nervure.scene import Own, Scene
+from nervure.simulation.facts import Facts
+from nervure.simulation.recorder import Recorder
 from nervure.units.fmu import Unit
 
 TIP = ("tip_ux", "tip_uy", "tip_uz")
@@ -33,6 +35,23 @@ STEADY = 0.05  # Largest amplitude by mean of a run that is compared with publis
 MAIN_SIGNALS = ("tip_uy", "lift")  # The first of these that there is decides on the periods
 MOTION = re.compile(r"body_\d+_(x|y|angle)")  # Columns of the prescribed motion of a rigid body
 FORCES = ("drag", "lift")  # The outputs that a box filter goes over before their extremes are taken
+
+
+@dataclass(frozen=True)
+class RunStatus:
+    """The end of a run and the cost of its loop."""
+
+    steps: int
+    simulated: float  # Time reached, s
+    wall: float  # Wall time, s
+    cpu: float | None  # Processor time, s; None after a resumption
+    completed: bool
+    error: str | None
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the run was asked to stop."""
+        return not self.completed and self.error is None
 
 
 @dataclass(frozen=True)
@@ -144,9 +163,9 @@ class Summary:
         return kept
 
 
-def quantities(scene: Scene) -> list[str]:
-    """The columns that are evaluated, as far as a run has them."""
-    prefixes = [own.prefix for own in beams(scene)] or [""]
+def quantities(beams: Sequence[Own]) -> list[str]:
+    """Return the columns that are evaluated, as far as a run has them."""
+    prefixes = [own.prefix for own in beams] or [""]
     return [*(prefix + name for prefix in prefixes for name in TIP), *FORCES]
 
 
@@ -178,30 +197,29 @@ def _quantity(
     return Quantity(**asdict(extremes), unit=unit or "", fit=fit, reference=reference)
 
 
-def _main_column(scene: Scene, series: Series) -> str | None:
-    """The main signal of a run; of several rods that of the first."""
-    for own in beams(scene)[:1] if scene.rods else ():
+def _main_column(facts: Facts, series: Series) -> str | None:
+    """Return the main signal of a run; of several rods, of the first."""
+    for own in facts.beams[:1] if facts.scene.rods else ():
         if found := main_signal(seen(series, own)):
             return own.prefix + found
     return main_signal(series)
 
 
-def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Recorder, status: RunStatus) -> Summary:
-    """The summary of a run."""
-    series = recorder.series
+def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Recorder, status: RunStatus) -> Summary:
+    """Evaluate a run."""
+    scene, series = facts.scene, recorder.series
     time, iterations = series["time"], series["iterations"][1:]
-    main = _main_column(scene, series) if time.size > 2 else None
+    main = _main_column(facts, series) if time.size > 2 else None
     window = statistics.find_window(time, series[main]) if main else None
     width = statistics.force_filter_width(window) if window else 0.0
-    numbers = dimensionless.evaluate(scene)
-    inside = {kind: unit.seconds for kind, unit in units.items()}
-    about = {kind: unit.description for kind, unit in units.items()}
+    inside = {name: unit.seconds for name, unit in units.items()}
+    about = {name: unit.description for name, unit in units.items()}
     known = {
         name: _quantity(name, recorder.units[name], series, scene, window, width)
-        for name in quantities(scene)
+        for name in quantities(facts.beams)
         if window and name in series
     }
-    rods = {own.unit: seen(series, own) for own in beams(scene)} if scene.rods else {}
+    rods = {own.unit: seen(series, own) for own in facts.beams} if scene.rods else {}
     settling = settling_signal(series, main) if main else None
     drift = statistics.drift(time, series[settling], window) if settling and window else None
     return Summary(
@@ -209,8 +227,8 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
         completed=status.completed,
         error=status.error,
         quantities=known,
-        dimensionless=numbers,
-        bodies=bodies.evaluate(scene, numbers, series, window, width) if window else {},
+        dimensionless=facts.numbers,
+        bodies=bodies.evaluate(scene, facts.beams, facts.numbers, series, window, width) if window else {},
         coefficients=_coefficients(scene, series, window, width) if window else None,
         flapping=flapping.evaluate(scene, series, window) if window else None,
         window_s=(window.begin, window.end) if window else None,
@@ -236,7 +254,7 @@ def summarize(scene: Scene, units: dict[str, Unit], scheme: Single, recorder: Re
         phases_s=inside | {"exchange_and_python": status.wall - sum(inside.values())},
         units={kind: UnitInfo(d.modelName, d.version, d.generationTool, d.guid) for kind, d in about.items()},
         series=recorder.units,
-        versions={"python": platform.python_version()} | {name: version(name) for name in ("fmpy", "numpy")},
+        versions={"python": platform.python_version()} | {name: version(name) for name in ("nervure", "fmpy", "numpy")},
         git=git_revision(),
         machine=machine(),
         rods={
@@ -288,11 +306,11 @@ def interface(series: Series) -> Interface | None:
     """Work done across the interface; None where a unit does not tell."""
     if not {"load_work", "beam_work"} <= series.keys():
         return None
-    took, gave = (series[name] for name in ("load_work", "beam_work"))
-    exchanged = float(np.abs(np.diff(gave)).sum())
+    on_rod, by_fluid = (series[name] for name in ("load_work", "beam_work"))
+    exchanged = float(np.abs(np.diff(by_fluid)).sum())
     return Interface(
-        work_on_rod=float(took[-1]),
-        work_by_fluid=float(gave[-1]),
+        work_on_rod=float(on_rod[-1]),
+        work_by_fluid=float(by_fluid[-1]),
         exchanged=exchanged,
-        imbalance=float(took[-1] - gave[-1]) / exchanged if exchanged else None,
+        imbalance=float(on_rod[-1] - by_fluid[-1]) / exchanged if exchanged else None,
     )

@@ -1,0 +1,114 @@
+"""The terminal or notebook of a run: forecast, progress, table and the last messages."""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import perf_counter
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn
+
+from nervure.output import forecast, shown_in, tables
+from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.results import CHECKPOINT, Results
+from nervure.simulation.session import Session
+from nervure.simulation.summary import RunStatus
+
+TERMINAL_INTERVAL = 0.2  # Wall time between two updates in a terminal or a notebook, s
+FILE_INTERVAL = 10.0  # Wall time between two lines where the output is no terminal, s
+NOTEBOOK_WIDTH = 100  # Characters of a notebook's line, which overwrites a longer line before
+SHOWN = (("tip_ux", "tip_uy"), ("drag", "lift"))  # Columns in a line of progress: the first pair that a run has
+
+
+def warn(message: str) -> None:
+    """Print a warning to the standard error."""
+    Console(stderr=True, highlight=False, soft_wrap=True).print(f"warning: {message}", markup=False)
+
+
+class Terminal(Observer):
+    """Prints the forecast of a session before and soon after its start, its progress, and its summary."""
+
+    def __init__(self, session: Session):
+        self.console, self.session = Console(highlight=False), session
+        choice = session.scheme.choice
+        for name, value in [*forecast.rows(session.facts), *(forecast.coupling(choice) if choice else ())]:
+            self.console.print(f"{name}: {value}", markup=False, soft_wrap=True)
+        for text in forecast.warnings(session.facts):
+            warn(text)
+        self.pace: forecast.Pace | None = forecast.Pace(session.facts, session.units.get("fluid"))
+        self.columns = next((names for names in SHOWN if names[0] in session.recorder.columns), ())
+        self.in_place = self.console.is_terminal or self.console.is_jupyter
+        self.interval = TERMINAL_INTERVAL if self.in_place else FILE_INTERVAL
+        self.due = self.interval
+        self.bar = _bar(self.console)
+        self.task = self.bar.add_task("", total=session.grid.end)
+        self.bar.start()
+
+    def step(self, loop: TimeLoop) -> None:
+        wall = loop.wall
+        if self.pace:
+            self.pace.see(loop.steps, wall)
+            if self.pace.whole is not None and self.pace.timed >= forecast.TIMED:
+                self.console.print(f"forecast: {forecast.cost(self.pace.whole)}", soft_wrap=True)
+                self.pace = None
+        if wall >= self.due and loop.time > 0.0:
+            self.due = wall + self.interval
+            self._show(loop, wall)
+
+    def _show(self, loop: TimeLoop, wall: float) -> None:
+        values = []
+        for name in self.columns:
+            unit, scale = shown_in(loop.recorder.units[name])
+            values.append(f"{name} {loop.recorder.series[name][-1] * scale:.2f} {unit}")
+        end, left = loop.grid.end, wall * (loop.grid.end - loop.time) / loop.time
+        text = ", ".join([f"t {loop.time:.3f} of {end:g} s", f"wall {wall:.0f} s, {left:.0f} s left", *values])
+        if self.console.is_terminal:
+            self.bar.update(self.task, completed=loop.time, description=text)
+        elif self.console.is_jupyter:  # one line that is overwritten: the bar of rich needs ipywidgets there
+            sys.stdout.write(f"\r{text:<{NOTEBOOK_WIDTH}}")
+            sys.stdout.flush()
+        else:
+            self.console.print(text)
+
+    def end(self, status: RunStatus | None) -> None:
+        self.bar.stop()
+        if self.console.is_jupyter and self.interval < self.due:
+            sys.stdout.write("\n")
+
+    def finish(self, results: Results) -> None:
+        folder, summary = results.folder, results.summary
+        tables.print_table(self.console, summary, results.scene.display)
+        self.console.print(f"results in {folder}", soft_wrap=True)
+        if not summary.completed and summary.error is None:
+            kept = (folder / CHECKPOINT).exists()
+            how = f"`nervure resume {folder}` continues it" if kept else "there is no checkpoint"
+            end = self.session.grid.end
+            self.console.print(f"stopped at t = {summary.simulated_s:g} of {end:g} s; {how}", soft_wrap=True)
+
+
+def _bar(console: Console) -> Progress:
+    """Return a progress bar, which is shown in a terminal only."""
+    columns = BarColumn(), TextColumn("{task.description}")
+    return Progress(*columns, console=console, transient=True, disable=console.quiet or not console.is_terminal)
+
+
+@contextmanager
+def counting(console: Console, runs: int, steps: int) -> Iterator[Callable[[int, int], None]]:
+    """Yield a function that shows how many of `runs` and of their `steps` are done, and the time left; any thread may
+    call it."""
+    begin, due = perf_counter(), FILE_INTERVAL
+
+    def show(runs_done: int, steps_done: int) -> None:
+        nonlocal due
+        spent, share = perf_counter() - begin, steps_done / steps if steps else runs_done / max(1, runs)
+        left = f", {spent * (1 / share - 1):.0f} s left" if share else ""
+        text = f"{runs_done} of {runs} runs, {share:.0%} of the steps{left}"
+        if console.is_terminal:
+            bar.update(task, completed=share, description=text)
+        elif spent >= due and runs_done < runs:
+            due = spent + FILE_INTERVAL
+            console.print(text)
+
+    with _bar(console) as bar:
+        task = bar.add_task(f"0 of {runs} runs", total=1.0)
+        yield show

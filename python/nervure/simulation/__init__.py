@@ -1,0 +1,1 @@
+"""A run of a scene: session, loop, recorder, checkpoints, results and sweeps."""

@@ -1,0 +1,177 @@
+"""Checkpoints: everything that a run needs to continue, in one file.
+
+The file is an uncompressed NumPy archive (a zip file, whose checksums show damage): the scene and its options, the
+serialized states of the units and the values last exchanged, the memory of the coupling scheme, the time, and every row
+recorded so far. With one file, a new checkpoint replaces the old one at one moment, the renaming.
+"""
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nervure.errors import InputError
+from nervure.files import write_whole
+from nervure.scene import unit_label, validate
+from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.results import CHECKPOINT, Results
+from nervure.simulation.session import Session
+from nervure.simulation.summary import RunStatus
+from nervure.units.fmu import UnitError
+
+FORMAT = 7
+EXCHANGED = ("inputs", "outputs", "integers")  # Arrays of a unit that the next step or the next row may need
+About = dict[str, Any]  # Part of a checkpoint in JSON
+Options = dict[str, float | None]  # `checkpoint_every` (min), `fields_every` and `series_every` (s)
+
+
+class CheckpointError(InputError):
+    """A checkpoint cannot be made or used."""
+
+
+@dataclass(frozen=True)
+class Kept:
+    """The content of a checkpoint."""
+
+    path: Path
+    about: About  # Scene, FMUs, options, GUIDs of the units, steps done and times
+    arrays: dict[str, np.ndarray]
+
+
+def read(folder: Path) -> Kept:
+    """Read the checkpoint in `folder`."""
+    path = folder / CHECKPOINT
+    if not path.is_file():
+        raise CheckpointError(
+            f"there is no checkpoint {path} to resume from: a run leaves one where Ctrl-C or SIGTERM stops it, and "
+            "with --checkpoint-every where it is killed"
+        )
+    try:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
+        about = json.loads(arrays.pop("about").tobytes())
+    except Exception as error:  # whatever the readers of zip, NumPy and JSON raise
+        raise CheckpointError(f"the checkpoint {path} is damaged: {error}") from error
+    if about["format"] != FORMAT:
+        raise CheckpointError(f"the checkpoint {path} has format {about['format']}, not {FORMAT}")
+    return Kept(path, about, arrays)
+
+
+def resume(folder: Path) -> tuple[Session, Options]:
+    """Open the session of the run in `folder` at its checkpoint, with the FMUs that the run had."""
+    kept = read(folder)
+    fmus = {unit: folder / path for unit, path in kept.about["fmus"].items()}
+    for unit, path in fmus.items():
+        if not path.is_file():
+            raise InputError(f"the {unit_label(unit)} of the run in {folder} is not there any more: {path}")
+    scene, options = validate(kept.about["scene"]), kept.about["options"]
+    session = Session(scene, folder, fmus, foreign=kept.about["foreign"], series_every=options["series_every"])
+    try:
+        restore(session, kept)
+    except BaseException:
+        session.close()
+        raise
+    return session, options
+
+
+def restore(session: Session, kept: Kept) -> None:
+    """Start the units of a session and put it into the kept state."""
+    about, arrays = kept.about, kept.arrays
+    session.scheme.start()
+    for name, unit in session.units.items():
+        here, there = unit.description.guid, about["guids"][name]
+        if here != there:
+            raise CheckpointError(
+                f"the checkpoint {kept.path} is of another {unit_label(name)}: its GUID is {here} here, but "
+                f"{there} there"
+            )
+        try:
+            unit.deserialize(arrays[f"{name}_state"].tobytes())
+        except UnitError as error:
+            raise CheckpointError(
+                f"the checkpoint {kept.path} is of another build of the {unit_label(name)}: {error}"
+            ) from error
+        for array in EXCHANGED:
+            getattr(unit, array)[:] = arrays[f"{name}_{array}"]
+        unit.seconds = about["seconds"][name]
+    memory = {name.removeprefix("scheme_"): array for name, array in arrays.items() if name.startswith("scheme_")}
+    session.scheme.remember(memory)
+    session.recorder.resume(arrays["series"])
+    session.resume_at(about["done"], about["wall"])
+
+
+class Checkpoint(Observer):
+    """Keeps the checkpoint of a session: every `interval` minutes of wall time, if given, and where a run is stopped.
+
+    Where the disk does not take a checkpoint, `warn` is called and the checkpoint before stays.
+    """
+
+    def __init__(self, session: Session, options: Options, warn: Callable[[str], None] = lambda _: None):
+        for unit in session.units.values():
+            if not unit.can_serialize:
+                raise CheckpointError(
+                    f"a checkpoint needs units that serialize their state, which the {unit.name} does not offer"
+                )
+        self.session, self.warn, self.path = session, warn, session.folder / CHECKPOINT
+        home, fmus = session.folder.resolve(), {unit: path.resolve() for unit, path in session.fmus.items()}
+        self.about: About = {
+            "format": FORMAT,
+            "scene": session.scene.document(),
+            # Relative within the folder, which may be moved.
+            "fmus": {unit: str(p.relative_to(home) if p.is_relative_to(home) else p) for unit, p in fmus.items()},
+            "foreign": sorted(session.foreign),
+            "options": options,
+        }
+        minutes = options["checkpoint_every"]
+        self.interval = None if minutes is None else minutes * 60  # s
+        self.due = (session.wall if session.steps else 0.0) + (self.interval or 0.0)
+
+    def save(self) -> None:
+        """Write the state of the session: a crash at any moment leaves this checkpoint or the one before."""
+        session = self.session
+        arrays = {"series": session.recorder.table[: session.recorder.rows]}
+        about: About = self.about | {"guids": {}, "seconds": {}, "done": session.steps, "wall": session.wall}
+        for name, unit in session.units.items():
+            arrays[f"{name}_state"] = np.frombuffer(unit.serialize(), np.uint8)
+            arrays |= {f"{name}_{array}": getattr(unit, array) for array in EXCHANGED}
+            about["guids"][name], about["seconds"][name] = unit.description.guid, unit.seconds
+        arrays |= {f"scheme_{name}": array for name, array in session.scheme.memory().items()}
+        arrays["about"] = np.frombuffer(json.dumps(about).encode(), np.uint8)
+
+        def writer(path: Path) -> None:
+            with open(path, "wb") as file:
+                np.savez(file, allow_pickle=False, **arrays)
+                file.flush()
+                os.fsync(file.fileno())
+
+        write_whole(self.path, writer)
+        if hasattr(os, "O_DIRECTORY"):  # where a folder can be opened, let the renaming reach the disk too
+            descriptor = os.open(self.path.parent, os.O_RDONLY | os.O_DIRECTORY)
+            try:
+                os.fsync(descriptor)
+            finally:
+                os.close(descriptor)
+
+    def try_to_save(self) -> None:
+        """Save the state; warn where the disk does not take it."""
+        try:
+            self.save()
+        except OSError as error:
+            self.warn(f"no checkpoint at t = {self.session.time:g} s: {error}")
+
+    def step(self, loop: TimeLoop) -> None:
+        if self.interval is not None and loop.steps > 0 and (wall := loop.wall) >= self.due:
+            self.try_to_save()
+            self.due = wall + self.interval
+
+    def end(self, status: RunStatus | None) -> None:
+        if status and status.stopped and status.steps > 0:
+            self.try_to_save()
+
+    def finish(self, results: Results) -> None:
+        if results.summary.completed:
+            self.path.unlink(missing_ok=True)

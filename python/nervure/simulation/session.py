@@ -1,0 +1,110 @@
+"""A run of a scene from its units to its results: everything that runs a scene goes through here."""
+
+from collections.abc import Callable, Collection, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Self
+
+from nervure.coupling import Drive, Scheme, couple
+from nervure.errors import InputError
+from nervure.scene import Scene, unit_label
+from nervure.simulation import results
+from nervure.simulation.facts import Facts
+from nervure.simulation.loop import TimeLoop
+from nervure.simulation.recorder import Recorder
+from nervure.simulation.results import Results
+from nervure.simulation.summary import summarize
+from nervure.units import package
+from nervure.units.describe import describe_all
+from nervure.units.fmu import Unit
+
+Units = dict[str, Unit]  # By name: `rod`, the names of several rods, `fluid`
+
+
+class Session(TimeLoop):
+    """A scene whose units are coupled and ready to run.
+
+        with Session(scene, folder) as session:
+            session.run()  # or `start`, and `step` for each step
+            results = session.finish()
+
+    The units are unpacked into a temporary folder, or are the FMUs `fmus`, of which `foreign` are not ours. `drive`
+    moves a root that the scene leaves to the master; `scheme` makes another coupling scheme of the units.
+    `series_every` is the time between two rows of the series, s, rounded to whole steps.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        folder: Path | None = None,
+        fmus: Mapping[str, Path] | None = None,
+        *,
+        foreign: Collection[str] = (),
+        drive: Drive | None = None,
+        scheme: Callable[[Units], Scheme] | None = None,
+        series_every: float | None = None,
+    ):
+        self.scene, self.facts = scene, Facts.of(scene)
+        self.folder = folder or Path("results") / scene.name
+        self.stale_files = results.field_files(self.folder)
+        """Files of an earlier run in the folder, which `finish` removes."""
+        self.units: Units = {}
+        with ExitStack() as stack:
+            if fmus is None:
+                place = Path(stack.enter_context(TemporaryDirectory()))
+                fmus = {unit: package.lay_out(own, place) for unit, own in describe_all(scene).items()}
+            self.fmus, self.foreign = fmus, foreign
+            for unit, path in fmus.items():
+                self.units[unit] = Unit(path, unit_label(unit), self.facts.grid.end)
+                stack.callback(self.units[unit].close)
+            made = scheme(self.units) if scheme else couple(self.units, scene.coupling, drive, foreign)
+            stride = max(1, round(series_every / self.facts.grid.communication_step)) if series_every else 1
+            super().__init__(made, self.facts.grid, Recorder(self.units, self.facts.grid.steps, stride))
+            self._open = stack.pop_all()
+
+    @classmethod
+    def packed(
+        cls,
+        scene: Scene,
+        folder: Path | None = None,
+        foreign: Mapping[str, Path] | None = None,
+        *,
+        fmi: int = 2,
+        force: bool = False,
+        series_every: float | None = None,
+    ) -> Self:
+        """Open a session whose FMUs, of that version of FMI, stay in its folder; `foreign` are in the place of ours.
+        Raise `InputError` where the folder holds other results, unless `force` allows their loss."""
+        folder, foreign = folder or Path("results") / scene.name, foreign or {}
+        descriptions = describe_all(scene, fmi)
+        stale = results.check_output_folder(folder, scene, foreign, force)
+        try:
+            fmus = {unit: foreign.get(unit) or package.pack(own, folder) for unit, own in descriptions.items()}
+        except OSError as error:
+            raise InputError(f"cannot write into the result folder {folder}: {error.strerror}") from error
+        session = cls(scene, folder, fmus, foreign=foreign.keys(), series_every=series_every)
+        session.stale_files |= stale - {path.parent.resolve() / path.name for path in fmus.values()}
+        return session
+
+    def finish(self) -> Results:
+        """Evaluate the run, write its results into the folder in place of earlier ones, and return them."""
+        summary = summarize(self.facts, self.units, self.scheme, self.recorder, self.status())
+        made = Results(self.scene, self.folder, summary, self.recorder.series, self.recorder.units)
+        try:
+            results.write(made, self.scheme.logs(), self.stale_files)
+            for observer in self.observers:
+                observer.finish(made)
+        except OSError as error:
+            raise InputError(f"the results cannot be written into {self.folder}: {error.strerror}") from error
+        return made
+
+    def close(self) -> None:
+        """Free the units and remove the temporary folder."""
+        self._open.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
