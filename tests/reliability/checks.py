@@ -9,7 +9,7 @@ import fmpy
 from nervure.scene import load
 from nervure.units import package
 
-from . import calls, calls3, files, limits, trials
+from . import calls_fmi2, calls_fmi3, files, limits, trials
 from .unit import SCENE, FMU2Unit
 
 SHIPPED = "fsi3-325x72"
@@ -24,8 +24,8 @@ class Check(NamedTuple):
 
 
 CHECKS = {
-    "sequences": Check(calls.sequences, 200),
-    "sequences_3": Check(calls3.sequences, 200),
+    "sequences": Check(calls_fmi2.sequences, 200),
+    "sequences_3": Check(calls_fmi3.sequences, 200),
     "hostile": Check(trials.hostile, 300),
     "corrupted": Check(trials.corrupted, 3000),
     "forged": Check(trials.forged, 1000),
