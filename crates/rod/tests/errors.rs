@@ -163,7 +163,10 @@ fn bad_states_are_named() {
     for (state, parts) in [
         (edit(|s| s.velocities.truncate(4)), ["state.velocities has 4 entries", "5 are needed"]),
         (edit(|s| s.positions[2][1] = f64::NAN), ["state.positions[2]", "finite"]),
-        (edit(|s| s.positions[0][1] = 0.1), ["state.positions[0] is [2.500e-1, 1.000e-1]", "the position of the root at rest"]),
+        (
+            edit(|s| s.positions[0][1] = 0.1),
+            ["state.positions[0] is [2.500e-1, 1.000e-1]", "the position of the root at rest"],
+        ),
         (edit(|s| s.velocities[0][1] = 0.1), ["state.velocities[0] is [0.000e0, 1.000e-1]", "0 at a root at rest"]),
         (edit(|s| s.last_step = -1.0), ["state.last_step is -1", "at least 0"]),
         (edit(|s| s.reference_energy = f64::INFINITY), ["state.reference_energy is inf", "finite"]),
