@@ -1,5 +1,6 @@
-"""The evidence: what is run to show how exact, fast and robust the units are, and the pages that show it.
+"""Measurements of the accuracy, speed and robustness of the units, and the tables and figures that show them.
 
-`python -m studies NAME` runs what is missing of a study. `engine` has the machinery, each other module one study: its
-cases, what is kept of a run, the rows of its tables (columns: tables.toml), its figures. cases.toml has data of them.
+`python -m studies NAME` runs the missing cases of a study. `engine` runs cases, `store` records results, `catalogue`
+lists the studies; every other module is a study or a part of one: its cases, the values of a run, its tables (columns:
+tables.toml) and its figures. cases.toml has data of the studies.
 """

@@ -23,7 +23,7 @@ from studies.store import Data
 
 
 def state(study: Study, case: Case, data: Data) -> str:
-    """What is known of a case: it is committed, lies in results, is stale, or was never run."""
+    """Return what is known of a case: a committed result, a run in results, a stale result, or nothing."""
     record, run = data.get(f"{study.name}/{case.name}"), study.run_of(case)
     if record and not record.stale:
         return "known"
@@ -34,14 +34,18 @@ def state(study: Study, case: Case, data: Data) -> str:
 
 def main(
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME]…", help="Studies.")] = None,
-    only: Annotated[str, typer.Option(metavar="PATTERN", help="Only the cases of this name, such as 'dt/*'.")] = "*",
+    only: Annotated[
+        str, typer.Option(metavar="PATTERN", help="Run only cases with such a name, for example 'dt/*'.")
+    ] = "*",
     listing: Annotated[bool, typer.Option("--list", help="List the cases and run nothing.")] = False,
     jobs: Annotated[int, typer.Option(min=1, help="Runs at a time.")] = 1,
-    scheduler: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to run on.")] = None,
-    full: Annotated[bool, typer.Option("--full", help="The long cases of the report, too.")] = False,
-    force: Annotated[bool, typer.Option("--force", help="Run what is known as well.")] = False,
+    scheduler: Annotated[str | None, typer.Option(help="Address of a Dask scheduler that runs the cases.")] = None,
+    full: Annotated[bool, typer.Option("--full", help="Run long cases, too.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Run cases with known results as well.")] = False,
     update_timings: Annotated[bool, typer.Option(help="Record new times of results that did not change.")] = False,
-    shown: Annotated[Path | None, typer.Option(metavar="FILE", help="Only the cases that this document shows.")] = None,
+    shown: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Run only the cases that this document shows.")
+    ] = None,
     check: Annotated[bool, typer.Option("--check", help="Write nothing; fail if a document would change.")] = False,
     stale: Annotated[
         bool, typer.Option("--stale", help="List stale results with the commands that repeat them.")
@@ -49,12 +53,10 @@ def main(
     tables: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Write pages with all tables there.")] = None,
     same_as: Annotated[
         Path | None,
-        typer.Option(
-            metavar="CHECKOUT", help="Run nothing, but keep stale cases for which units built there give the same bits."
-        ),
+        typer.Option(metavar="CHECKOUT", help="Run nothing; keep stale results that this checkout gives to the bit."),
     ] = None,
 ) -> None:
-    """Run studies and write the pages that show them."""
+    """Run studies and update the tables of the documents."""
     data = catalogue.load()
     if check:
         changed_pages = catalogue.render(data, check=True)

@@ -20,7 +20,7 @@ def load() -> Data:
 
 
 def lines_of(key: str, data: Data) -> list[str]:
-    """Lines of a table: as a study makes them, or of the rows that tables.toml or a study has for its columns."""
+    """Return the lines of a table: as a study makes them, or from rows by the columns of tables.toml."""
     made: Any = next((study.tables[key] for study in STUDIES if key in study.tables), None)
     spec = show.SPECS.get(key)
     if spec is None:
@@ -40,7 +40,7 @@ def lines_of(key: str, data: Data) -> list[str]:
 
 
 def filled(text: str, data: Data) -> str:
-    """`text` with its tables as they are now."""
+    """Return `text` with its tables as the results have them."""
 
     def table(match: re.Match[str]) -> str:
         lines = lines_of(match[1], data)
@@ -79,7 +79,7 @@ def table_pages(data: Data) -> dict[str, str]:
 
 
 def shown(document: Path) -> set[str]:
-    """Names of the cases that the tables of a document are made of."""
+    """Return the names of the cases that the tables of a document show."""
     data = load()
     filled(document.read_text(encoding="utf-8"), data)
     return data.asked

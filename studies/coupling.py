@@ -1,4 +1,5 @@
-"""Which coupling holds where: FSI3 with rods of other densities, over C_eta, H and scheme."""
+"""Stability of the couplings: FSI3 with rods of other densities, over C_eta, H and scheme, and scenes with other
+parts."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,23 +18,23 @@ RATIOS = (0.01, 0.1, 0.5, 1.0, 2.0, 10.0, 100.0, 1000.0)  # Density of the rod o
 START = 0.2  # Start-up of the inflow, s; 2 s in FSI3
 
 END, END_OTHER, END_ITERATED, END_LONG = 1.5, 1.0, 0.6, 3.0
-"""End of the runs, s, with the default explicit scheme, other explicit ones, iterated ones, and of one at full
-amplitude: an iteration that does not hold fails at once, an explicit scheme may take its time."""
+"""End of the runs, s: of the default explicit scheme, other explicit schemes, iterated schemes, and one run at full
+amplitude. An unstable iteration fails at once; an explicit scheme may fail late."""
 
 MOST_NOISE = 0.25
-"""A run whose lift changes its slope by more than this part of its own spread from step to step is bad. The mask's way
-through the grid alone makes 0.16 on this grid when the tip swings by 40 mm, from 5 to 10 s as from 25 to 30 s."""
+"""Standard deviation of the second difference of the lift by that of the lift; a run above it is bad. The mask that
+crosses the grid alone gives 0.16 when the tip swings by 40 mm, from 5 to 10 s as from 25 to 30 s."""
 
 NUDGED, NUDGE, NUDGED_STEPS = 10, 1e-6, 600
-"""Step whose loads are larger, by which part of themselves, and steps of these runs."""
+"""Step with increased loads, relative increase, and number of steps of these runs."""
 
 SCHEMES: dict[str, dict[str, Any]] = simulate.LISTED["coupling"]["schemes"]
 
 
 PARTS: dict[str, dict[str, Any]] = simulate.LISTED["coupling"]["parts"]
-"""Scenes, and changes of them, that have a part which FSI3 on its coarse grid has not."""
+"""Scenes with a part that FSI3 on its coarse grid lacks."""
 FACTORS, PART_STEPS = (0.1, 1.0, 10.0), 1000
-"""By which the rods of these are heavier, and communication steps of their runs."""
+"""Factors on the mass of the rods of these scenes, and communication steps of their runs."""
 
 
 def cell(
@@ -56,7 +57,7 @@ def cell(
 
 
 def heavier(scene: dict[str, Any], factor: float) -> dict[str, Any]:
-    """The change to rods of so many times the mass."""
+    """Return the change that multiplies the mass of all rods by `factor`."""
     rods = [(f"rods.{i}.rod", rod["rod"]) for i, rod in enumerate(scene.get("rods", ()))]
     changes = {}
     for key, rod in rods or [("rod", scene["rod"])]:
@@ -79,7 +80,8 @@ def part(name: str, factor: float) -> Case:
 
 
 def tips(scene: dict[str, Any], folder: Path, nudge: float) -> np.ndarray:
-    """Place of the tip after each step, `[steps, 2]` in m, where the loads of one step are larger by a part `nudge`."""
+    """Return the position of the tip after each step, `[steps, 2]` in m; the loads of one step are 1 + `nudge` times as
+    large."""
     h = scene["time"]["communication_step"]
     with simulate.session(scene, folder) as session:
         units, scheme = session.units, session.scheme
@@ -101,8 +103,8 @@ def tips(scene: dict[str, Any], folder: Path, nudge: float) -> np.ndarray:
 
 
 def come_apart(case: Case, folder: Path) -> dict[str, Any]:
-    """How far two runs come apart of which one has other loads in one step, m: at most and when, in the end, and how
-    far the tip goes in all and in a step at most."""
+    """Run twice, once with other loads in one step. Return the largest distance of both tips, m, its step, the distance
+    at the end, and the largest way of the tip in all and in a step."""
     path, other = (tips(case.built(), folder, nudge) for nudge in (0.0, NUDGE))
     apart = np.abs(other - path).max(1)
     way = np.abs(path - path[0]).max(1)
@@ -161,8 +163,8 @@ def cases() -> Iterator[Case]:
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
-    """Reached time (s), iterations a step, noise of the last third of the lift: its second difference by its spread. Of
-    other parts that of the tips: two veins that are mirror images have no lift."""
+    """Return the time reached (s), iterations a step, and the noise of the last third: second difference by spread of
+    the lift, or of the tips in scenes with other parts, because mirror images have no lift."""
     if "apart" in run.found:
         return {"values": run.found}
     summary, series = run.found, run.series
@@ -178,12 +180,12 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 
 def outcome(record: Record) -> str:
-    """`ok`, `error`, or `bad`: it went on to the end, and what came out is noise."""
+    """Return `ok`, `error`, or `bad` for a run that reached its end with noise as its result."""
     return "error" if record.error else "ok" if record["noise"] < MOST_NOISE else "bad"
 
 
 def mapped(data: Data) -> list[Record]:
-    """Cells of the map, those of other parts with them."""
+    """Return the cells of the map, with the scenes with other parts."""
     return [record for record in data.of("coupling/*") if "scheme" in record.view]
 
 

@@ -1,4 +1,4 @@
-"""The bar of Turek and Hron in a prescribed motion: what the flow does to it, beside a moving mesh. No rod is in it.
+"""The bar of Turek and Hron in a prescribed motion, without a rod: forces of the flow, beside a moving mesh.
 
     y(x, t) = y_0 + A r(t) P(x) sin(2 pi f (t - t_0)),    r = (1 - cos(pi (t - t_0)/T))/2 up to t_0 + T, then 1
 
@@ -7,7 +7,7 @@ harmonics over the last five periods,
 
     F(t) = F_0 + sum_k a_k sin(2 pi f k (t - t_0)) + b_k cos(2 pi f k (t - t_0)),
 
-so that a_1 is in phase with the displacement and b_1 with the velocity. What the fit leaves is the grid's noise.
+so that a_1 is in phase with the displacement and b_1 with the velocity. The residual of the fit is noise of the grid.
 """
 
 from __future__ import annotations
@@ -34,28 +34,28 @@ from studies.store import Data
 
 SCENE = "cfd3-648x108"
 ROOT_X, TIP_X, AXIS_Y = 0.2 + np.sqrt(0.05**2 - 0.01**2), 0.6, 0.2
-"""Where the faces of the bar leave the cylinder, its tip, and its axis, m."""
+"""The faces of the bar at the cylinder, the tip, and the axis, m."""
 WAVE_NUMBER = 4.694091132974  # Second root of cos(b) cosh(b) = -1
 FREQUENCY, AMPLITUDE = 5.5, 0.035  # Of FSI3: Hz, m
-HARMONICS, PERIODS = 6, 5  # That are fitted, and over which
-WIDTH = 4e-3  # Of the box filter over the lift before its extremes are taken, s
+HARMONICS, PERIODS = 6, 5  # Number of fitted harmonics, and of fitted periods
+WIDTH = 4e-3  # Of the box filter over the lift, before its extremes are taken, s
 GRIDS = {(324, 54): 4e-4, (648, 108): 2e-4, (972, 162): 1.3e-4, (1296, 216): 1e-4}  # Step by cells, s
-WALLS = {  # What is tried of the wall on the second of them
+WALLS = {  # Other wall models on the second grid
     "C_eta 1e-5": {"fluid.mask.log_linear.c_eta": 1e-5},
     "C_eta 1e-7": {"fluid.mask.log_linear.c_eta": 1e-7},
     "core by default": SHALLOW,
 }
 STREAM = {"time.end": 5.0}
-"""In the flow of CFD3, whose ramp ends at 2 s."""
+"""Changes for the flow of CFD3, whose ramp ends at 2 s."""
 STILL = {"fluid.inflow.mean_velocity": {"constant": 0.0}, "time.end": 1.5}
-"""In fluid at rest."""
+"""Changes for fluid at rest."""
 SOON: dict[str, float] = {"begin": 0.0, "ramp": 0.3}
-"""Of the motion there, which need not wait for the flow."""
+"""Motion in fluid at rest, which begins at once."""
 LISTED: dict[str, Any] = simulate.LISTED["driven-bar"]
 
 
 def mode(x: np.ndarray) -> np.ndarray:
-    """P at `x` (m), `[stations]`."""
+    """Return P at `x` (m), `[stations]`."""
 
     def shape(z: np.ndarray | float) -> Any:
         b = WAVE_NUMBER
@@ -67,7 +67,7 @@ def mode(x: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Motion:
-    """How far the tip is from its place, m, over time, s."""
+    """Displacement of the tip, m, over time, s."""
 
     amplitude: float = AMPLITUDE
     frequency: float = FREQUENCY  # Hz
@@ -75,7 +75,7 @@ class Motion:
     ramp: float = 0.5  # T
 
     def at(self, t: float) -> tuple[float, float]:
-        """Displacement and velocity."""
+        """Return displacement (m) and velocity (m/s)."""
         omega, past = 2 * np.pi * self.frequency, max(t - self.begin, 0.0)
         part = np.pi * min(past / self.ramp, 1.0)
         share, growth = (1 - np.cos(part)) / 2, np.pi / self.ramp * np.sin(part) / 2
@@ -84,7 +84,7 @@ class Motion:
 
 
 class Driven(coupling.Single):
-    """A fluid whose stations follow a motion."""
+    """A fluid whose stations follow a prescribed motion."""
 
     def __init__(self, fluid: Unit, motion: Motion, x: np.ndarray):
         super().__init__(fluid)
@@ -101,7 +101,7 @@ class Driven(coupling.Single):
 
 
 def run(case: Case, folder: Path) -> dict[str, Any]:
-    """Run the fluid of a case with its motion; what the forces have of it, and the time that it took, s."""
+    """Run the fluid of a case with its motion; return the fitted forces, and the times, s."""
     series, outcome = record(case.built(), Motion(**case.options["motion"]), folder)
     if outcome.error:
         return {"error": outcome.error}
@@ -110,7 +110,7 @@ def run(case: Case, folder: Path) -> dict[str, Any]:
 
 
 def record(scene: dict[str, Any], motion: Motion, folder: Path) -> tuple[Series, RunStatus]:
-    """Scalar outputs over time of the fluid of `scene` with its beam in `motion`."""
+    """Return the scalar outputs of the fluid of `scene` over time, with its beam in `motion`."""
     beam = scene["beam"]
     stations = TIP_X - beam["length"] + np.linspace(0, beam["length"], beam["segments"] + 1)
     with Session(validate(scene), folder, scheme=lambda units: Driven(units["fluid"], motion, stations)) as session:
@@ -119,9 +119,9 @@ def record(scene: dict[str, Any], motion: Motion, folder: Path) -> tuple[Series,
 
 
 def evaluate(series: Series, motion: Motion) -> dict[str, float]:
-    """Forces, N/m, over the last periods: the bar's lift in phase with the displacement and with the velocity; the
-    same of bar and cylinder together; its extremes; mean and second harmonic of the drag; what the fits leave, rms,
-    by the fundamental of the lift and by the drag's mean; and the work of the fluid on the bar in a cycle, J/m."""
+    """Return forces over the last periods, N/m: the bar's lift in phase with displacement and velocity, the same of bar
+    and cylinder, the extremes of the lift, mean and second harmonic of the drag; the rms of the residual of the fits,
+    by the fundamental of the lift and by the mean drag; and the work of the fluid on the bar in a cycle, J/m."""
     end, period = series["time"][-1], 1 / motion.frequency
     part = statistics.Window(end - PERIODS * period, end, PERIODS).of(series["time"])
     past = series["time"][part] - motion.begin
@@ -148,7 +148,7 @@ def evaluate(series: Series, motion: Motion) -> dict[str, float]:
 
 
 def harmonics(time: np.ndarray, values: np.ndarray, frequency: float) -> tuple[np.ndarray, float]:
-    """a_k + i b_k of the fit, `[HARMONICS + 1]`, the mean first, and the rms of what it leaves."""
+    """Return a_k + i b_k of the fit, `[HARMONICS + 1]`, with the mean first, and the rms of its residual."""
     order = np.arange(1, HARMONICS + 1)
     phases = np.outer(time, 2 * np.pi * frequency * order)
     matrix = np.column_stack([np.ones_like(time), np.sin(phases), np.cos(phases)])
@@ -177,8 +177,8 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 
 def beside(group: str, data: Data) -> list[dict[str, Any]]:
-    """What others found, and what is found here with its difference from the first of them: of parts of a force with
-    the velocity in N/m, else relative."""
+    """Return published values, and our values with their differences from the first of them: relative, or in N/m for
+    parts in phase with the velocity."""
     others = [{"name": name} | found for name, found in LISTED[group].items()]
     first, rows = others[0], [*others]
     for record in data.of(f"driven-bar/{group}/*"):

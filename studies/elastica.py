@@ -1,4 +1,4 @@
-"""A cantilever under its own weight by Reissner's beam (1972), to rounding: what a rod without error gives."""
+"""A cantilever under its own weight as Reissner's beam (1972), exact to rounding."""
 
 import numpy as np
 

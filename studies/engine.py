@@ -1,12 +1,13 @@
-"""Cases, what they depend on, and the one way in which all studies run them.
+"""Cases, their sources, and the engine that runs the cases of all studies.
 
-A case is known by a digest of its scene and of the sources that its result depends on. A case is run in a process of
-its own, in a folder `results/studies/STUDY/CASE`, and leaves `run.json` there. It is run again only where neither that
-file nor the committed record (`store`) has the digest of today.
+A case has a digest of its scene and of the sources of its result. Each case runs in a process of its own, in the folder
+`results/studies/STUDY/CASE`, and writes `run.json` there. It runs again only if the present digest is neither in that
+file nor in the committed record (`store`).
 """
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import json
 import os
@@ -55,15 +56,15 @@ SOURCES: dict[str, tuple[str, ...]] = {
     "plate": ("studies/plate.py",),
     "driven bar": ("studies/driven_bar.py",),
 }
-"""Sources by the name under which a case says that it depends on them."""
+"""Files by the names that cases give for their dependencies."""
 
-UNITS = ("scene", "fluid", "rod")  # Of these the libraries of the units are built
+UNITS = ("scene", "fluid", "rod")  # Sources of the libraries of the units
 
 FLUID = ("scene", "fluid", "evaluation")
 ROD = ("scene", "rod", "evaluation")
 COUPLED = ("scene", "fluid", "rod", "coupling", "evaluation")
 
-UNREAD = ("$schema", "description", "reference")  # Keys of a scene that change no result
+UNREAD = ("$schema", "description", "format", "reference")  # Keys of a scene that change no result
 
 THREADS = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 
@@ -75,27 +76,27 @@ def simulated(case: Case, folder: Path) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Case:
-    """One run: of a scene with some keys changed, or of any function."""
+    """A run of a scene with some changed keys, or of any function."""
 
     name: str  # `group/label`, unique in its study
     sources: tuple[str, ...]  # Keys of `SOURCES`
     scene: str = ""
     changes: dict[str, Any] = field(default_factory=dict)
-    """Values by dotted key; "absent" takes the key away."""
-    options: dict[str, Any] = field(default_factory=dict)  # Further arguments of `action`; part of the digest as well
+    """Values by dotted key; "absent" removes the key."""
+    options: dict[str, Any] = field(default_factory=dict)  # Arguments of `action`; part of the digest
     action: Callable[..., dict[str, Any]] = simulated
-    """Called with the case and its folder; what it returns is kept in run.json."""
+    """Function of the case and its folder; run.json stores the returned value."""
     about: dict[str, Any] = field(default_factory=dict)
-    """What tables need to know of the case: method, size, published case and the like."""
+    """Attributes for tables, such as method, size, and scene with published values."""
     quick: bool = True  # Run without `--full`
 
     def built(self) -> dict[str, Any]:
-        """The scene with its changes."""
+        """Return the scene with its changes."""
         return simulate.changed(self.scene, self.changes)
 
     @cached_property
     def digest(self) -> str:
-        """What decides whether a result still holds."""
+        """Digest of scene, options and sources; a result is stale if this has changed."""
         built = self.built() if self.scene else {}
         scene = json.dumps({key: part for key, part in built.items() if key not in UNREAD}, sort_keys=True)
         options = json.dumps(self.options, sort_keys=True)
@@ -105,7 +106,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Run:
-    """What a case left in its folder."""
+    """Results of a case in its folder."""
 
     folder: Path
     found: dict[str, Any]  # What its action returned
@@ -114,57 +115,65 @@ class Run:
 
     @cached_property
     def series(self) -> dict[str, np.ndarray]:
-        """Recorded columns by name."""
+        """Recorded columns, by name."""
         return dict(np.load(self.folder / "series.npz"))
 
 
 @dataclass(frozen=True)
 class Study:
-    """A list of cases, what is kept of each, and what is shown of all; `data` is a `store.Data`."""
+    """Cases, the values to record of each, and the tables and figures of all. `data` is a `store.Data`."""
 
     name: str
     cases: Callable[[], Iterable[Case]]
     extract: Callable[[Case, Run], dict[str, Any]]
-    """`values` by quantity, `tables` (lists of rows) and `times`, of a case that did not fail."""
+    """Returns `values` by quantity, `tables` (lists of rows) and `times` of a case that did not fail."""
     tables: dict[str, Callable[[Any], Any]] = field(default_factory=dict)
-    """Lines of a block of a document by its key, or the rows of it where tables.toml has its columns."""
+    """Functions by the key of a table: they return its lines, or its rows if tables.toml has the columns."""
     draw: Callable[[Any, Callable[[str], Run | None]], None] = lambda data, runs: None
-    """Writes the figures; `runs` gives what a case left on this machine, for figures of whole series."""
+    """Draws the figures; `runs` returns the run of a case on this machine, for figures of whole series."""
 
     def folder(self, case: Case) -> Path:
         return RESULTS / self.name / "".join(c if c.isalnum() or c in ".-" else "_" for c in case.name)
 
     def run_of(self, case: Case) -> Run | None:
-        """What was run on this machine, whatever the digest."""
+        """Return the last run of a case on this machine, of any digest."""
         path = self.folder(case) / "run.json"
         if not path.is_file():
             return None
         return Run(self.folder(case), **json.loads(path.read_text(encoding="utf-8")))
 
     def command(self, case: Case) -> str:
-        """That repeats a case."""
+        """Return the command that repeats a case."""
         return f"python -m studies {self.name} --force --only {shlex.quote(case.name)}"
 
 
 # Sources
 
 
+def code(path: Path) -> Iterator[str]:
+    """Yield the lines of code of a file, without comments, docstrings, and the tests at the end."""
+    text, prose = path.read_text(encoding="utf-8"), set[int]()
+    for node in ast.walk(ast.parse(text)) if path.suffix == ".py" else ():
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
+            prose.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+    for number, line in enumerate(map(str.strip, text.splitlines()), 1):
+        if line == "#[cfg(test)]":
+            return
+        if line and number not in prose and not line.startswith(("//", "# ")):
+            yield line
+
+
 @lru_cache
-def source_digest(room: str, root: Path) -> str:
-    """Digest of the code of a room in a checkout: comment lines, empty lines and the tests at the end of a file do not
-    count."""
+def source_digest(name: str, root: Path) -> str:
+    """Return the digest of the code of an entry of `SOURCES` in a checkout."""
     digest = hashlib.sha256()
-    paths = sorted({path for pattern in SOURCES[room] for path in root.glob(pattern)})
+    paths = sorted({path for pattern in SOURCES[name] for path in root.glob(pattern)})
     if not paths:
-        raise FileNotFoundError(f"no file of {room!r} is where studies/engine.py looks for it: {SOURCES[room]}")
+        raise FileNotFoundError(f"studies/engine.py finds no file of {name!r}: {SOURCES[name]}")
     for path in paths:
         digest.update(path.relative_to(root).as_posix().encode())
-        for line in path.read_text(encoding="utf-8").splitlines():
-            code = line.strip()
-            if code == "#[cfg(test)]":
-                break
-            if code and not code.startswith(("//", "# ")):
-                digest.update(code.encode() + b"\n")
+        for line in code(path):
+            digest.update(line.encode() + b"\n")
     return digest.hexdigest()
 
 
@@ -172,7 +181,7 @@ def source_digest(room: str, root: Path) -> str:
 
 
 def execute(case: Case, folder: Path) -> None:
-    """Run a case, in this process, and leave run.json."""
+    """Run a case in this process and write run.json."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "run.json").unlink(missing_ok=True)
     about, digest = machine.here(), case.digest  # before the run: the sources may change on the way
@@ -186,7 +195,7 @@ def execute(case: Case, folder: Path) -> None:
 
 @contextmanager
 def workers(jobs: int, scheduler: str | None) -> Iterator[Executor]:
-    """Processes of one thread on this machine, or the workers of a Dask scheduler."""
+    """Open processes of one thread on this machine, or the workers of a Dask scheduler."""
     if scheduler:
         import distributed
 
@@ -201,7 +210,7 @@ def workers(jobs: int, scheduler: str | None) -> Iterator[Executor]:
 def run(
     todo: list[tuple[Study, Case]], jobs: int = 1, scheduler: str | None = None
 ) -> Iterator[tuple[Study, Case, Run]]:
-    """Run all of `todo`; gives each when it has ended. What has ended stays when the rest is interrupted."""
+    """Run all of `todo` and yield each when it has ended. An interruption keeps what has ended."""
     with workers(jobs, scheduler) as pool:
         futures: dict[Future[None], tuple[Study, Case]] = {}
         for study, case in todo:
@@ -220,7 +229,7 @@ def run(
 
 
 def chosen(studies: Iterable[Study], only: str = "*", full: bool = True) -> list[tuple[Study, Case]]:
-    """Cases whose names match `only`; long ones where `full` or where `only` asks for them."""
+    """Return the cases whose names match `only`; long ones only with `full` or a pattern."""
     return [
         (study, case)
         for study in studies

@@ -31,17 +31,17 @@ FLAG, FILAMENT, PASSIVE = "flag-stream-480x240", "filament-hanging-384x384", "ve
 TAPERED, MODULUS = "vein-hover-tapered-288x256", "rod.material.plane_strain.youngs_modulus"
 PERIOD = 5.0  # Of the oscillating cylinder, s
 HOVER_PERIOD, HOVER_SPEED = 4.0, 1.4 * 2 * np.pi * 0.25  # Of the ellipse, s and m/s
-LIFT, DRAG = 1.2, 1.4  # By which Wang et al. (2004) divide the coefficients of the ellipse besides
-SETTLED = {"flag": 10.0, "filament": 12.0, "shedding": 70.0, "passive": 4.0}  # From when on is evaluated, s
+LIFT, DRAG = 1.2, 1.4  # Divisors of the ellipse's coefficients in Wang et al. (2004)
+SETTLED = {"flag": 10.0, "filament": 12.0, "shedding": 70.0, "passive": 4.0}  # Begin of the evaluation, s
 FILTER = 0.02  # Width of the box filter over the forces of the passive vein, s: a fiftieth of its period
-TWIN_STEP = 20  # Steps of the passive vein between two points of the motion that its rigid twin is given
+TWIN_STEP = 20  # Steps of the passive vein between two points of the motion of its rigid twin
 REVERSAL = 0.02  # Periods around a reversal of the stroke in which the digitised drag jumps from one sign to the other
 
 MODULI = (5e4, 1e5, 2e5)  # Of the tapered vein, Pa
 PAIRS = {"pair-hover": "vein-pair-hover-256x288", "pair-forward": "vein-pair-forward-288x192"}
 FILAMENTS, NAMES = "filament-pair-192x128", ("upper", "lower")
 START, PARALLEL = (0.1, 0.05), (0.1, 0.1)  # First directions of two filaments, as multiples of pi from the stream
-WINDOWS = ((20.0, 30.0), (30.0, 40.0), (40.0, 50.0))  # Over which the motions of both tips are correlated, s
+WINDOWS = ((20.0, 30.0), (30.0, 40.0), (40.0, 50.0))  # Of the correlation of both tips, s
 PAIR_MODULI = (2.5e4, 5e4, 1e5, 2e5, 4e5)  # Of both veins of a pair, Pa
 
 Changes = dict[str, Any]
@@ -104,20 +104,21 @@ CASES: dict[str, tuple[str, Changes]] = {
 
 
 def curve(name: str) -> np.ndarray:
-    """A published curve, `[2, n]`, in the order of its first column."""
+    """Return a published curve, `[2, n]`, sorted by its first row."""
     points = np.genfromtxt(PUBLISHED / f"{name}.csv", delimiter=",", comments="#", skip_header=3)
     ordered: np.ndarray = points[np.argsort(points[:, 0])].T
     return ordered
 
 
 def off(found: np.ndarray, published: np.ndarray) -> float:
-    """Root mean square of a difference, by the peak of what is published."""
+    """Return the root mean square of the difference by the peak of the published curve."""
     return float(np.sqrt(np.mean((found - published) ** 2)) / np.abs(published).max())
 
 
 def oscillating(series: Series) -> dict[str, float]:
-    """The in-line force of the last period, 2 F/(rho U² D): Morison's coefficients by Fourier averages (Keulegan &
-    Carpenter 1958) and by least squares, the peak, and how far the curve is from Dütsch's as digitised."""
+    """Return coefficients of the in-line force of the last period, 2 F/(rho U² D): Morison's coefficients by Fourier
+    averages (Keulegan & Carpenter 1958) and by least squares, the peak, and the distance from Dütsch's digitised
+    curve."""
     time, force = series["time"], series["body_1_drag"]
     window = Window(time[-1] - PERIOD, time[-1], 1)
     phase = 2 * np.pi * time / PERIOD
@@ -137,7 +138,8 @@ def oscillating(series: Series) -> dict[str, float]:
 
 
 def hovering(series: Series) -> dict[str, np.ndarray]:
-    """Time in periods, and lift and drag as Wang et al. (2004) have them, the drag against the stroke."""
+    """Return time in periods, and lift and drag in the scaling of Wang et al. (2004); drag is positive against the
+    stroke."""
     time, pressure = series["time"] / HOVER_PERIOD, HOVER_SPEED**2 / 2
     against = np.where(time % 1 < 0.5, 1.0, -1.0)
     return {
@@ -148,7 +150,7 @@ def hovering(series: Series) -> dict[str, np.ndarray]:
 
 
 def fourth_period(series: Series) -> dict[str, float]:
-    """Means of lift and drag, the largest lift, and how far both are from Eldredge's curves as digitised."""
+    """Return means of lift and drag, the largest lift, and the distances from Eldredge's digitised curves."""
     found = hovering(series)
     values = {}
     for name in ("lift", "drag"):
@@ -163,7 +165,7 @@ def fourth_period(series: Series) -> dict[str, float]:
 
 
 def stream(series: Series, folder: Path) -> dict[str, float | None]:
-    """Drag coefficient at the end, and the length of the bubble behind the cylinder, by D."""
+    """Return the drag coefficient at the end, and the length of the bubble behind the cylinder by D."""
     with h5py.File(folder / FLUID_FIELDS) as file:
         data: Any = file["VTKHDF"]
         u = np.array(data["PointData/velocity"][-1])[..., 0]
@@ -176,7 +178,7 @@ def stream(series: Series, folder: Path) -> dict[str, float | None]:
 
 
 def shedding(series: Series) -> dict[str, float]:
-    """Mean drag coefficient, amplitude of the lift's and Strouhal number of a cylinder that sheds vortices."""
+    """Return mean drag coefficient, amplitude of the lift coefficient and Strouhal number of a shedding cylinder."""
     lift = swing(series, "lift", SETTLED["shedding"])
     window = Window(SETTLED["shedding"], float(series["time"][-1]), 1)
     drag = flapping.average(series["time"], series["drag"], window)
@@ -184,8 +186,8 @@ def shedding(series: Series) -> dict[str, float]:
 
 
 def swing(series: Series, column: str, begin: float) -> dict[str, float]:
-    """Half the distance of the extremes of each cycle from `begin` on: its mean, and its scatter by that; and the
-    frequency, Hz."""
+    """Return the amplitude (half the distance of the extremes of a cycle) as a mean from `begin` on, its relative
+    scatter over the cycles, and the frequency, Hz."""
     part = series["time"] >= begin
     time, values = series["time"][part], series[column][part]
     middle, half = statistics.extent(values)
@@ -199,13 +201,13 @@ def swing(series: Series, column: str, begin: float) -> dict[str, float]:
 
 
 def unlike(series: Series) -> float:
-    """Largest distance of the tip of one vein of a pair from the mirror image of the other's at y = 0, m."""
+    """Return the largest distance of the tip of the upper vein from the mirror image of the lower tip at y = 0, m."""
     (ux, uy), (image_ux, image_uy) = ([series[f"{name}_tip_u{axis}"] for axis in "xy"] for name in ("upper", "lower"))
     return float(max(np.abs(ux - image_ux).max(), np.abs(uy + image_uy).max()))
 
 
 def pair(done: nervure.Run) -> dict[str, float]:
-    """Means over both veins of a pair, and how far they are from being mirror images."""
+    """Return means over both veins of a pair, and their distance from mirror images."""
     summary, rods = done.summary, (done.summary.rods or {}).values()
     beams = [summary.bodies[f"beam_{i}"] for i in (1, 2)]
     averages = [rod.flapping for rod in rods if rod.flapping]
@@ -216,7 +218,8 @@ def pair(done: nervure.Run) -> dict[str, float]:
 
 
 def twin(done: nervure.Run) -> dict[str, Any]:
-    """The scene of a passive vein with a rigid plate in its place, which is given the motion that the vein made."""
+    """Return the scene of a passive vein with a rigid plate in place of the vein, which repeats the motion of the
+    vein."""
     scene, series = done.scene.document(), done.series
     beam, rod = scene.pop("beam"), scene.pop("rod")
     position, at = beam["root"]["at"]["position"], slice(None, None, TWIN_STEP)
@@ -230,8 +233,8 @@ def twin(done: nervure.Run) -> dict[str, Any]:
 
 
 def moments(done: nervure.Run, rigid: Series) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Time, the moment about its root that a stiff vein on a spring asks the fluid for, and that on its rigid twin,
-    under a box filter: M = I angle'' + m x_c y'' cos(angle) + k angle, the root being driven by y."""
+    """Return time, the moment about its root that a stiff vein on a spring needs from the fluid, M = I angle'' + m x_c
+    y'' cos(angle) + k angle with a root driven by y, and the moment on its rigid twin, both under a box filter."""
     series, scene = done.series, done.scene.document()
     time, angle = series["time"], series["hinge_angle"]
     length = scene["beam"]["length"]
@@ -245,8 +248,8 @@ def moments(done: nervure.Run, rigid: Series) -> tuple[np.ndarray, np.ndarray, n
 
 
 def passive(done: nervure.Run, rigid: Series) -> dict[str, float]:
-    """Pitching of a stiff vein on a spring, its energy balance, and the root mean square of the moment on its rigid
-    twin less that which it asks for, by the largest of the latter."""
+    """Return the pitching amplitude of a stiff vein on a spring, its energy balance, and the rms difference of the
+    moment on its rigid twin from the moment that the vein needs, by the largest of the latter."""
     time, asked, given = moments(done, rigid)
     part = (time >= SETTLED["passive"]) & (time <= time[-1] - FILTER)
     averages = done.summary.flapping
@@ -314,7 +317,7 @@ def cases() -> Iterator[Case]:
 
 
 def draw_oscillating(done: nervure.Run) -> None:
-    """Curve on curve: the force of the oscillating cylinder."""
+    """Draw the force of the oscillating cylinder over the published curve."""
     time, force = done.series["time"], done.series["body_1_drag"]
     share = (time - (time[-1] - PERIOD)) / PERIOD
     published = curve("oscillating_cylinder_re100_kc5")
@@ -326,7 +329,7 @@ def draw_oscillating(done: nervure.Run) -> None:
 
 
 def draw_hover(done: nervure.Run) -> None:
-    """Curve on curve: lift and drag of the ellipse."""
+    """Draw lift and drag of the ellipse over the published curves."""
     figure, axes = show.panel(2, 1, (9.0, 6.0), sharex=True)
     found = hovering(done.series)
     for axis, name in zip(axes[:, 0], ("lift", "drag"), strict=True):
@@ -340,7 +343,7 @@ def draw_hover(done: nervure.Run) -> None:
 
 
 def draw_pair(data: Data) -> None:
-    """Thrust, and thrust by power, of both pairs over their modulus."""
+    """Draw thrust, and thrust by power, of both pairs over their modulus."""
     figure, axes = show.panel(1, 2, (9.0, 3.6))
     for group, label in (("pair-hover", "hover"), ("pair-forward", "forward flight")):
         found = [data[f"flapping/{group}/{e:g}"] for e in PAIR_MODULI]

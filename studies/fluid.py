@@ -1,4 +1,5 @@
-"""The fluid alone: cylinders over grid, step, mask and filter, the thesis' settings, map of stability, invariants."""
+"""The fluid alone: cylinders over grid, step, mask and filter, settings of the thesis, exact solutions and
+stability."""
 
 from __future__ import annotations
 
@@ -15,20 +16,20 @@ from studies.store import Data
 SCENES = {"2D-1": "cylinder-2d1-450x90", "2D-2": "cylinder-2d2-900x180"}
 
 STEP = {"2D-1": 3.2e-3 * 450, "2D-2": 3.5e-4 * 900}
-"""Step times number of points along x: the same CFL number on each grid."""
+"""Step times number of points along x: the CFL number is the same on each grid."""
 GRIDS = {"2D-1": (300, 450, 600, 900), "2D-2": (300, 450, 600, 800, 900, 1100, 1600)}
-"""Points along x; a fifth of them along y."""
-BETWEEN = (650, 660, 700, 720, 750, 780)  # Between two of these, to tell how errors jump from grid to grid
-COARSE = 600  # Points along x up to which every mask is tried; the default and the cosine mask go on
-LARGEST_CFL = {"sbdf2": 0.4, "rk2": 0.6}  # That a scene may have
+"""Points along x; the grid has a fifth of them along y."""
+BETWEEN = (650, 660, 700, 720, 750, 780)  # Grids between two of these, for jumps of the error from grid to grid
+COARSE = 600  # Points along x up to which all masks run; the default and the cosine mask run on finer grids
+LARGEST_CFL = {"sbdf2": 0.4, "rk2": 0.6}  # Largest CFL number of a scene
 
 THESIS_GRIDS = (400, 600, 800, 900, 1000, 1100)
 THESIS_END = 8.0  # Of the repeated runs, s; the thesis goes on to 15 s
 THESIS_STEP = 2.2e-4 * 900
-"""The thesis gives CFL = 0.25; its largest |u|/dx + |v|/dy of this flow is about 1.1e3 1/s on 900 x 180."""
+"""The thesis gives CFL = 0.25; the largest |u|/dx + |v|/dy of this flow is about 1.1e3 1/s on 900 x 180."""
 THESIS_U_INF = 0.694444  # Mean velocity over the box at the start (thesis table 3.2), m/s
 
-QUANTITIES = ("cd_max", "cl_peak_to_peak", "st")  # What the errors of 2D-2 are taken of
+QUANTITIES = ("cd_max", "cl_peak_to_peak", "st")  # Compared quantities of 2D-2
 
 
 def cylinder(
@@ -57,7 +58,7 @@ def cylinder(
     }
     if free:
         changes["fluid.time_stepping.max_cfl"] = LARGEST_CFL[scheme]
-    if scheme == "rk2":  # else the inflow zone would decide on its step
+    if scheme == "rk2":  # otherwise the inflow zone would limit the step
         changes |= {"fluid.time_stepping.scheme": scheme, "fluid.inflow.c_eta": c_eta}
     options: dict[str, Any] = {"repeats": 3 if name.startswith("grid/") else 0}
     if thesis:
@@ -69,7 +70,7 @@ def cylinder(
 
 
 def cases() -> Iterator[Case]:
-    """All of them, group by group; what stands before the slash is the group."""
+    """Yield all cases; the group of a case stands before the slash."""
     for flow, grids in GRIDS.items():
         for nx in grids:
             yield cylinder(flow, nx, f"grid/{flow}-curvature-{nx}")
@@ -85,7 +86,7 @@ def cases() -> Iterator[Case]:
         for mask in ("cosine, uncorrected", "sharp, uncorrected"):
             yield at(nx, f"grid/2D-2-{mask.replace(', ', '-')}-{nx}", mask=mask, c_eta=1e-4)
         yield at(nx, f"grid/2D-2-cosine-rk2-{nx}", mask="cosine", c_eta=1e-3, scheme="rk2")
-    for dt in (8e-4, 7e-4, 5e-4, 2.5e-4, 1.25e-4):  # from one that the unit just does not divide
+    for dt in (8e-4, 7e-4, 5e-4, 2.5e-4, 1.25e-4):  # the largest is one that the unit just does not divide
         yield at(450, f"dt/sbdf2-{dt:g}", dt, free=True)
         yield at(450, f"dt/sbdf2-cosine-{dt:g}", dt, mask="cosine", c_eta=1e-3, free=True)
     for dt in (1e-3, 7.5e-4, 5e-4, 2.5e-4, 1.25e-4):
@@ -110,7 +111,7 @@ def cases() -> Iterator[Case]:
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
-    """Coefficients, mean flow rate (m²/s) and largest CFL number."""
+    """Return coefficients, mean flow rate (m²/s) and largest CFL number."""
     summary, series = run.found, run.series
     if summary["coefficients"] is None:
         return {}
@@ -120,7 +121,7 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 
 def thesis(data: Data) -> list[str]:
-    """Mean drag coefficient of the thesis (table 3.4), of its settings run again, and of ours."""
+    """Return a table of the mean drag coefficient: of the thesis (table 3.4), of its settings run again, and ours."""
     printed = {int(nx): row for nx, row in simulate.LISTED["thesis"]["table_3_4"].items()}
     again, ours = ({r["nx"]: r.view for r in data.of(f"fluid/{of}")} for of in ("thesis/*", "grid/2D-2-curvature-*"))
     who = {"thesis": printed, "repeated": again, "ours": ours}
@@ -134,7 +135,8 @@ def on(nx: int) -> str:
 
 
 def errors(data: Data, name: str) -> str:
-    """Errors of cD max, cL from peak to peak and St of a case of 2D-2 in per cent; empty where it has not been run."""
+    """Return errors of cD max, cL from peak to peak and St of a case of 2D-2 in per cent, or nothing without a
+    result."""
     record = data.get(f"fluid/{name}")
     if record is None or record.error:
         return ""
@@ -143,7 +145,7 @@ def errors(data: Data, name: str) -> str:
 
 
 def hardness(data: Data) -> list[str]:
-    """Errors of 2D-2 with the wall target by core, C_eta and grid."""
+    """Return a table of errors of 2D-2 with the wall target by core, C_eta and grid."""
 
     def cell(row: tuple[str, str], nx: int) -> str:
         core, c_eta = row
@@ -160,7 +162,7 @@ def hardness(data: Data) -> list[str]:
 
 
 def between(data: Data) -> list[str]:
-    """Errors of 2D-2 on grids that are little finer than one another."""
+    """Return a table of errors of 2D-2 on grids that differ little."""
     here = {nx: f"between/2D-2-{nx}" for nx in BETWEEN}
     names = {600: "grid/2D-2-curvature-600", **here, 800: "grid/2D-2-curvature-800"}
     return markdown([on(nx) for nx in names], [[errors(data, name) for name in names.values()]])
@@ -185,7 +187,7 @@ def measure_cases() -> Iterator[Case]:
 
 
 def measures(data: Data, walls: bool) -> list[dict[str, Any]]:
-    """Weights of the wall target by the decay length, or exact solutions and invariants."""
+    """Return weights of the wall target by the decay length, or exact solutions and invariants."""
     rows = data["fluid-measures/crate/measures"].tables["measures"]
     if not walls:
         return [row for row in rows if row["measure"] != "wall target"]

@@ -1,4 +1,5 @@
-"""FSI3: its grids, what moves it, the bar held still, the thesis' settings, iterations, the interface's exchange."""
+"""FSI3: grids, sensitivities, the bar held still, settings of the thesis, iterations, and the balance at the
+interface."""
 
 from __future__ import annotations
 
@@ -26,24 +27,24 @@ GRIDS = ("325x72", "650x144", "960x216", "1300x288")
 SHIPPED = ("325x72", "650x144", "1300x288")
 
 LISTED: dict[str, Any] = simulate.LISTED["fsi3"]
-VARIED = ("coarse", "fine")  # Groups in which one thing is changed at a time
+VARIED = ("coarse", "fine")  # Groups with one change at a time
 
 RAMP = "fluid.inflow.mean_velocity.cosine_ramp.duration"
 RATIOS, ACCELERATIONS = (1, 0.1, 0.01), ("iqn_ils", "aitken")
 EXCHANGE_STEPS = (4e-4, 2e-4, 1e-4)
 EXCHANGE_WINDOWS = {"first": (0.0, 0.5), "swinging": (1.2, 1.6)}
-"""Times over which both sides of the interface are compared, s."""
+"""Intervals in which both sides of the interface are compared, s."""
 THESIS_WINDOWS = ((1.1, 4.375), (3.5, 4.375))
-"""Over which the thesis takes its extremes (table 4.2), and the part that it calls more accurate, s."""
+"""Intervals of the thesis' extremes (table 4.2): all, and the part that it calls more accurate, s."""
 
 PIECE, TREND = 0.02, 4
-"""Length of the pieces in which short waves are looked for, s, and the degree of the polynomial that is not a wave."""
+"""Length of the pieces that are searched for short waves, s, and the degree of the polynomial that is subtracted."""
 LARGE = 1.0  # Velocity of the tip, m/s, up to which a wave grows exponentially
-SAMPLES, SHOWN_PERIODS = 120, 2  # Points of the series that are kept of each grid, and the periods that they span
+SAMPLES, SHOWN_PERIODS = 120, 2  # Recorded points of the series of each grid, and the periods that they span
 
 
-def told(changes: Changes, without: str = "") -> str:
-    """Changes as a table has them."""
+def label(changes: Changes, without: str = "") -> str:
+    """Return changes as text for a table."""
     return ", ".join(f"`{text}`" for text in assignments(changes) if not (without and text.startswith(without)))
 
 
@@ -61,7 +62,7 @@ def cases() -> Iterator[Case]:
     yield case("still/1300x288", STILL, on_grid(1300, 288, 1.25e-4))
     for group in VARIED:
         for changes in LISTED[group]["changes"]:
-            yield case(f"{group}/{', '.join(assignments(changes))}", LISTED[group]["scene"], changes, told(changes))
+            yield case(f"{group}/{', '.join(assignments(changes))}", LISTED[group]["scene"], changes, label(changes))
     for ratio in RATIOS:
         for name in ACCELERATIONS:
             scheme = {"load": "pressure_jump", "scheme": {"iterated": {"acceleration": name}}}
@@ -71,9 +72,9 @@ def cases() -> Iterator[Case]:
         end = 0.5 if step == EXCHANGE_STEPS[-1] else 1.6
         yield case(f"exchange/{step:g}", COARSE, {RAMP: 0.2, "time.end": end, "time.communication_step": step})
     for name, changes in LISTED["thesis"].items():
-        yield case(f"thesis/{name}", THESIS, changes, told(changes) or "none")
+        yield case(f"thesis/{name}", THESIS, changes, label(changes) or "none")
     for name, changes in LISTED["waves"].items():
-        said = told(changes, "time.end") or "none, with the scene's own `bdf2`"
+        said = label(changes, "time.end") or "none, with the scene's own `bdf2`"
         yield case(f"waves/{name}", THESIS, changes, "a ramp of 2 s" if name == "ramp" else said)
 
 
@@ -88,7 +89,7 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 
 def extremes(series: Series) -> dict[str, float]:
-    """Largest and smallest drag, lift (N/m) and deflection (m) over the thesis' windows, unfiltered."""
+    """Return the largest and smallest drag, lift (N/m) and deflection (m) over the thesis' windows, unfiltered."""
     found = {}
     for begin, end in THESIS_WINDOWS:
         part = (series["time"] >= begin) & (series["time"] <= end)
@@ -100,8 +101,8 @@ def extremes(series: Series) -> dict[str, float]:
 
 
 def waves(series: Series) -> dict[str, float]:
-    """Waves in the tip's velocity that are shorter than a piece: rate at which they grow or decay, 1/s, to which
-    time, s, their size there, m/s, and their frequency, Hz."""
+    """Return properties of the waves in the tip's velocity that are shorter than a piece: growth rate, 1/s, the time up
+    to which it is fitted, s, and the size there, m/s, and frequency, Hz."""
     time, sizes = series["time"], []
     starts = np.arange(2 * PIECE, time[-1] - PIECE, PIECE)
     for start in starts:
@@ -120,8 +121,8 @@ def waves(series: Series) -> dict[str, float]:
 
 
 def exchange(series: Series) -> dict[str, float]:
-    """Differences of what the rod took and the fluid exerted: rms of the lift's by that of the lift; sum of the
-    magnitudes of the work's, step by step, by that of the work exchanged; net work by the same."""
+    """Return differences between the load on the rod and the force of the fluid: rms of the lift by the rms of the
+    lift; sum of the magnitudes of the work of each step by the exchanged work; net work by the exchanged work."""
     found = {}
     for name, (begin, end) in EXCHANGE_WINDOWS.items():
         inside = (series["time"] > begin) & (series["time"] <= end)
@@ -138,7 +139,7 @@ def exchange(series: Series) -> dict[str, float]:
 
 
 def last_periods(series: Series) -> list[dict[str, float]]:
-    """The last whole periods, from an upward crossing of uy on, by the fundamental frequency."""
+    """Return the last whole periods, from an upward crossing of uy on, by the fundamental frequency."""
     time = series["time"]
     window = statistics.find_window(time, series["tip_uy"])
     period = (window.end - window.begin) / window.periods
@@ -153,7 +154,7 @@ def last_periods(series: Series) -> list[dict[str, float]]:
 
 FURTHER: dict[str, tuple[Callable[[Series], dict[str, float]], ...]]
 FURTHER = {"grid": (extremes,), "thesis": (extremes,), "waves": (waves,), "exchange": (exchange,)}
-"""What is made of the series of a group's runs, besides the summary."""
+"""Functions of the series that add values to those of the summary, by group."""
 
 
 def published(scene: str, name: str) -> View:
@@ -174,7 +175,7 @@ def readme(data: Data) -> list[View]:
 
 
 def costs(data: Data) -> list[View]:
-    """Processor time and its shares by grid."""
+    """Return the processor time and the shares of the units by grid."""
     rows = []
     for record in data.of("fsi3/grid/*"):
         phases = record.times["phases_s"]
@@ -185,12 +186,12 @@ def costs(data: Data) -> list[View]:
 
 
 def varied(group: str, data: Data) -> list[View]:
-    """What one change does, on the grid of a group."""
+    """Return the effect of each change on the grid of a group."""
     return [data[f"fsi3/grid/{LISTED[group]['grid']}"].view | {"name": "none"}, *of(data, f"{group}/*")]
 
 
 def extremes_of(found: View, name: str, begin: float | None = None) -> View:
-    """`QUANTITY.max` and `.min` over a window, of uy in mm; of published means and amplitudes without one."""
+    """Return `QUANTITY.max` and `.min` over a window, of uy in mm; without a window from means and amplitudes."""
     view = found | {"name": name}
     for q, scale in (("drag", 1.0), ("lift", 1.0), ("tip_uy", 1e3)):
         for what, sign in (("max", 1), ("min", -1)):
@@ -200,7 +201,7 @@ def extremes_of(found: View, name: str, begin: float | None = None) -> View:
 
 
 def thesis_extremes(data: Data) -> list[View]:
-    """Largest and smallest values over the thesis' window, printed and here."""
+    """Return largest and smallest values over the thesis' window, printed and computed."""
     rows, printed = [], simulate.LISTED["thesis"]["table_4_2"]
     for level, name in (("level 1", "none"), ("level 2", "level 2")):
         here = data[f"fsi3/thesis/{name}"].view
@@ -209,7 +210,7 @@ def thesis_extremes(data: Data) -> list[View]:
 
 
 def iterations(data: Data) -> list[str]:
-    """Mean iterations a step, by density ratio and acceleration."""
+    """Return a table of mean iterations a step, by density ratio and acceleration."""
 
     def cell(ratio: float, name: str) -> str:
         record = data[f"fsi3/iterations/{ratio:g}, {name}"]
@@ -220,7 +221,7 @@ def iterations(data: Data) -> list[str]:
 
 
 def exchanged(data: Data) -> list[View]:
-    """Differences of both sides of the interface, over window and step."""
+    """Return differences between both sides of the interface, over window and step."""
     rows = []
     for window, (begin, end) in EXCHANGE_WINDOWS.items():
         for step in EXCHANGE_STEPS:

@@ -1,4 +1,4 @@
-"""What a scene leaves out: parts that the shipped scenes do not have, put in so that they have no effect."""
+"""Costs of parts that a shipped scene lacks: each is added so that it has no effect on the result."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -14,7 +14,7 @@ SHORT = ("csm3", "cylinder-2d1-450x90", "fsi3-325x72")
 
 STEPS = {"rod": 400, "fluid": 60}  # Communication steps of a run, of scenes without and with a fluid
 REPEATS = 3
-WEAK = 1e9  # Relaxation time of a sponge that does nothing, s
+WEAK = 1e9  # Relaxation time of a sponge without an effect, s
 COLUMNS = ("tip_ux", "tip_uy", "tip_vx", "tip_vy", "drag", "lift")
 
 Scene = dict[str, Any]
@@ -24,7 +24,7 @@ SPACE = "third dimension (without shear)"
 
 
 def parts(scene: Scene) -> Iterator[tuple[str, Scene]]:
-    """What can be added to `scene` without an effect: what it is called, and the changes that do it."""
+    """Yield names of parts that can be added to `scene` without an effect, and the changes that add them."""
     fluid, rod = scene.get("fluid"), scene.get("rod")
     if rod and "root_motion" not in rod:
         yield "root in prescribed motion, standing still", {"rod.root_motion": {"laws": {}}}
@@ -38,7 +38,7 @@ def parts(scene: Scene) -> Iterator[tuple[str, Scene]]:
         if "sponge" not in fluid:
             sponge = {"x": [end - 0.2, end], "mean_velocity": {"constant": 0.0}, "c_eta": WEAK}
             yield f"sponge of C_eta = {WEAK:g} s", {"fluid.sponge": sponge}
-        # A beam stands on a still one.
+        # A beam needs a still cylinder.
         if fluid.get("cylinders") and not scene.get("beam") and "motion" not in fluid["cylinders"][0]:
             yield "cylinder in motion, standing still", {"fluid.cylinders.0.motion": {}}
         probes = [{"name": f"unused{i}", "position": [end - 0.1 * (i + 1), (low + high) / 2]} for i in range(4)]

@@ -1,6 +1,6 @@
-"""A driven root where the answer is known: the scenes, what comes out, and how far from the answer it may be.
+"""Rods with a driven root and an exact result: scenes, computed and expected quantities, accepted errors.
 
-The study of the vein shows what is found, tests/test_flapping.py asks for the same.
+The study of the vein records them, and tests/test_flapping.py checks them.
 """
 
 from collections.abc import Callable
@@ -23,9 +23,8 @@ FORCES = ("beam_drag", "beam_lift", "beam_moment")
 
 STIFF = {"bending_stiffness": 1e5, "axial_stiffness": 1e8}
 FORCE_WIDTH = 0.02
-"""Box filter over the forces that are compared, s: a fiftieth of the period. What is shorter is the mask that crosses
-the grid, in
-which a rod that gives way by 1e-4 differs from one that does not."""
+"""Width of the box filter over compared forces, s: a fiftieth of the period. It removes the noise of the mask on the
+grid, in which a rod that gives way by 1e-4 differs from a rigid one."""
 
 CANTILEVER = np.array([1.87510407, 4.69409113, 7.85475744, 10.99554073])
 """First roots of 1 + cos b cosh b."""
@@ -33,27 +32,27 @@ CANTILEVER = np.array([1.87510407, 4.69409113, 7.85475744, 10.99554073])
 
 @dataclass(frozen=True)
 class Found:
-    """One quantity beside what it should be."""
+    """A quantity and its expected value."""
 
     quantity: str
     value: float
     expected: float
     asked: float
-    """Largest `error` that counts as right."""
+    """Largest accepted `error`."""
     unit: str = ""
 
     @property
     def error(self) -> float:
-        """Distance from the expected value, relative where that is not 0."""
+        """Relative distance from the expected value, or the distance from 0."""
         return (self.value - self.expected) / (self.expected or 1.0)
 
 
 Run = Callable[..., Series]
-"""`record` without its folder: the scene and, by keyword, whether the rod is rigid, to what was recorded."""
+"""`record` without its folder: from a scene and the keyword `rigid` to the recorded series."""
 
 
 def record(scene: Scene, folder: Path, drive: coupling.Drive | None = None, rigid: bool = False) -> Series:
-    """What a run that reaches its end recorded."""
+    """Run a scene to its end and return the recorded series."""
     with simulate.session(scene, folder, rigid, drive) as session:
         status = session.run()
     assert status.error is None, status.error
@@ -61,8 +60,7 @@ def record(scene: Scene, folder: Path, drive: coupling.Drive | None = None, rigi
 
 
 def small_pitching() -> Scene:
-    """The pitching vein on a grid that is good enough for questions about the balance, thicker so that the grid sees
-    it."""
+    """Return the pitching vein on a coarse grid, thickened so that the grid resolves it."""
     scene = simulate.changed(PITCHING, {})
     scene["name"] = "small-pitching"
     scene["time"] = {"end": 3.05, "communication_step": 1e-3}
@@ -74,13 +72,13 @@ def small_pitching() -> Scene:
 
 
 def filtered(time: np.ndarray, force: np.ndarray) -> np.ndarray:
-    """A force under the box filter, without the ends that it does not fill."""
+    """Return a force under the box filter, without the ends that the filter does not fill."""
     end = round(FORCE_WIDTH / 2 / (time[1] - time[0]))
     return statistics.box_filter(time, force, FORCE_WIDTH)[end:-end]
 
 
 def stiff_limit(run: Run) -> list[Found]:
-    """A stiff vein makes the forces of the prescribed motion: largest difference by the largest force."""
+    """A stiff vein exerts the forces of the prescribed motion: largest difference by the largest force."""
     scene = small_pitching()
     scene["time"]["end"] = 2.0
     scene["rod"]["material"]["section"] |= STIFF
@@ -93,9 +91,8 @@ def stiff_limit(run: Run) -> list[Found]:
 
 
 def energy(run: Run) -> list[Found]:
-    """Over a period no energy is missing, by the loads that the rod took and by what the fluid says it exerted: under
-    the momentum
-    load they differ by the step."""
+    """No energy is missing over a period, by the loads on the rod and by the forces of the fluid; under the momentum
+    load these differ by the step."""
     scene = small_pitching()
     scene["time"]["communication_step"] = 4e-4
     averages = flapping.evaluate(validate(scene), run(scene), Window(2.0, 3.0, 1))
@@ -106,8 +103,8 @@ def energy(run: Run) -> list[Found]:
 
 
 def transfer_function(run: Run) -> list[Found]:
-    """Base excitation in vacuum, w(L)/w0 = (cos b + cosh b)/(1 + cos b cosh b), b^4 = mu omega^2 L^4/EI, by the scene
-    file alone."""
+    """Base excitation in vacuum, w(L)/w0 = (cos b + cosh b)/(1 + cos b cosh b), b^4 = mu omega^2 L^4/EI, by a scene
+    alone."""
     b, mu, ei, periods = 1.4, 0.024, 0.0134, 40
     frequency = b**2 * np.sqrt(ei / mu) / (2 * np.pi)
     scene = simulate.changed(PITCHING, {})
@@ -125,15 +122,13 @@ def transfer_function(run: Run) -> list[Found]:
 
 
 def frequency_of_the_wet_plate(ei: float, mu: float, area: float) -> float:
-    """First natural frequency, Hz, of a plate of chord 1 clamped at one edge in an ideal fluid of density 1 that
-    repeats in a
-    square of `area`, without a mean pressure gradient.
+    """Return the first natural frequency, Hz, of a plate of chord 1 clamped at one edge in an ideal fluid of density 1
+    that repeats in a square of `area`, without a mean pressure gradient.
 
     A thin plate that moves across itself at w(x), x = (1 - cos theta)/2, makes the jump sum a_n sin(n theta) of the
-    potential
-    with w = sum n a_n sin(n theta)/sin(theta), and carries pi/4 sum n a_n b_n between two such motions. The dipoles
-    of its
-    images, d per area, move the fluid at the plate along at d/(2 area). The plate moves in the cantilever's own modes.
+    potential with w = sum n a_n sin(n theta)/sin(theta), and carries pi/4 sum n a_n b_n between two such motions. The
+    dipoles d of its images, per area, move the fluid at the plate at the velocity d/(2 area). The plate moves in the
+    modes of a cantilever.
     """
     roots, n = CANTILEVER, np.arange(1, 60)
     theta = (np.arange(400) + 0.5) * np.pi / 400
@@ -149,7 +144,7 @@ def frequency_of_the_wet_plate(ei: float, mu: float, area: float) -> float:
 
 
 def free_vibration(run: Run) -> list[Found]:
-    """A plate in still fluid, nudged at its root, has its added mass."""
+    """A plate in still fluid, nudged at its root, vibrates with its added mass."""
     ei, mu, side = 2.7121, 0.3, 3.0
     scene = simulate.changed(PITCHING, {})
     scene["name"], scene["time"] = "free-vibration", {"end": 4.0, "communication_step": 5e-3}

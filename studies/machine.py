@@ -1,4 +1,4 @@
-"""Where and of which revision something was measured."""
+"""The machine and the revision of a measurement."""
 
 import os
 import platform
@@ -14,7 +14,7 @@ from nervure.provenance import cpu_model, git_revision
 
 @lru_cache
 def here() -> dict[str, Any]:
-    """This machine, the versions on it, the revision of the sources and the day."""
+    """Return machine, versions, revision of the sources and date."""
     git, memory = git_revision(), os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     return {
         "cpu": cpu_model(),
@@ -30,6 +30,6 @@ def here() -> dict[str, Any]:
 
 
 def key(about: dict[str, Any]) -> str:
-    """Short name of a machine, day and revision."""
+    """Return a short name of date and revision."""
     revision = about["git"]["revision"][:9] if about["git"] else "no git"
     return f"{about['date']}, {revision}" + (", changed" if about["git"] and about["git"]["dirty"] else "")

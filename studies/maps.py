@@ -49,7 +49,7 @@ OUTCOMES = {"ok": ("#56B4E9", "ok"), "error": ("#E69F00", "error (e): says so"),
 
 
 def draw(data: Data) -> None:
-    """Cells coloured by their worst outcome; failed ones have a letter as well."""
+    """Draw cells coloured by their worst outcome; failed cells have a letter as well."""
     figure, axes = show.panel(2, 3, (12, 7.4))
     rank = list(OUTCOMES)
     colours = ListedColormap([colour for colour, _ in OUTCOMES.values()])

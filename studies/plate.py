@@ -1,8 +1,8 @@
-"""What a rod has to know of the solid that it stands for: where its clamp is and how stiff it is against shear.
+"""Shear factor and clamp compliance of a solid plate, the parameters of a rod that stands for it.
 
 A plate in plane strain, clamped on a straight wall or on a cylinder, is bent by a moment and by a force at its far
-end; linear
-elasticity on nine-node quadrilaterals. Away from the ends its sections turn and move as those of Timoshenko's beam do,
+end, by linear elasticity on nine-node quadrilaterals. Away from the ends its sections turn and move like those of
+Timoshenko's beam,
 
     theta = M (x + d)/EI,    theta = P (l (x + d) - x²/2)/EI,    w' = theta + P/(k G h),
 
@@ -16,19 +16,19 @@ from typing import Any
 import numpy as np
 
 LENGTH = 6.0
-"""Of the plate, in thicknesses."""
+"""Length of the plate, in thicknesses."""
 MIDDLE = (2.0, 4.5)
-"""Where the sections are read: two thicknesses off the wall, and off the loaded end nearly so."""
+"""Ends of the part whose sections are read: two thicknesses off the wall, and nearly two off the loaded end."""
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(3)
 
 
 def shapes(r: float) -> tuple[np.ndarray, np.ndarray]:
-    """The three quadratic polynomials on [-1, 1] and their slopes."""
+    """Return the three quadratic polynomials on [-1, 1] and their slopes."""
     return np.array([r * (r - 1) / 2, 1 - r * r, r * (r + 1) / 2]), np.array([r - 0.5, -2 * r, r + 0.5])
 
 
 def mesh(radius: float, along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates of the nodes, `[2 along + 1, 2 across + 1]`, in thicknesses: finer at the wall and at the two
+    """Return coordinates of the nodes, `[2 along + 1, 2 across + 1]`, in thicknesses: finer at the wall and at both
     faces."""
     s = np.linspace(0.0, 1.0, along + 1)
     x = LENGTH * np.expm1(3 * s) / np.expm1(3)
@@ -39,7 +39,7 @@ def mesh(radius: float, along: int, across: int) -> tuple[np.ndarray, np.ndarray
 
 
 def stiffness(x: np.ndarray, y: np.ndarray, poisson: float) -> np.ndarray:
-    """Matrix of the elements for a Young's modulus of 1."""
+    """Return the stiffness matrix for a Young's modulus of 1."""
     lame, shear = poisson / ((1 + poisson) * (1 - 2 * poisson)), 0.5 / (1 + poisson)
     law = np.array([[lame + 2 * shear, lame, 0], [lame, lame + 2 * shear, 0], [0, 0, shear]])
     numbers = np.arange(x.size).reshape(x.shape)
@@ -64,7 +64,7 @@ def stiffness(x: np.ndarray, y: np.ndarray, poisson: float) -> np.ndarray:
 
 
 def over_section(y: np.ndarray, weight: Callable[[float], float]) -> np.ndarray:
-    """Weights of the nodal values of a section in the integral of value times `weight(y)`."""
+    """Return weights of the nodal values of a section in the integral of value times `weight(y)`."""
     result = np.zeros(y.size)
     for j in range(0, y.size - 1, 2):
         for s, weight_s in zip(POINTS, WEIGHTS):
@@ -75,7 +75,7 @@ def over_section(y: np.ndarray, weight: Callable[[float], float]) -> np.ndarray:
 
 
 def measure(radius: float, poisson: float, along: int, across: int) -> tuple[float, float, float]:
-    """(d by the moment, d by the force, k), lengths in thicknesses."""
+    """Return d by the moment, d by the force, and k; lengths in thicknesses."""
     x, y = mesh(radius, along, across)
     numbers = np.arange(x.size).reshape(x.shape)
     turning = over_section(y[0], lambda y: -12 * y)
@@ -101,7 +101,7 @@ def measure(radius: float, poisson: float, along: int, across: int) -> tuple[flo
 
 
 def run(case: Any, folder: Path) -> dict[str, Any]:
-    """Both walls, three of Poisson's ratios, two meshes."""
+    """Measure both walls with three of Poisson's ratios on two meshes."""
     rows = []
     for radius, wall in ((np.inf, "straight"), (2.5, "cylinder, R = 2.5 h")):
         for poisson in (0.0, 0.3, 0.4):

@@ -22,10 +22,10 @@ SCENES: dict[str, str] = LISTED["scenes"]
 
 PEERS = ROOT / "studies" / "peers"
 PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
-LONGEST = 3600.0  # Wall time that a peer may take, s
+LONGEST = 3600.0  # Largest wall time of a peer, s
 
-LARGEST = (8192, 2048)  # Grid whose step and memory are measured
-COST_STEPS = 200  # Communication steps of the runs that only tell what a step costs
+LARGEST = (8192, 2048)  # Grid of the largest measured step
+COST_STEPS = 200  # Communication steps of the runs that measure the cost of a step
 
 
 def case(kind: str, method: str, setting: str, changes: dict[str, Any], size: float = 0, **options: Any) -> Case:
@@ -38,7 +38,7 @@ def case(kind: str, method: str, setting: str, changes: dict[str, Any], size: fl
 
 
 def run_peer(case: Case, folder: Path) -> dict[str, Any]:
-    """Run a peer's script in its own environment: what it prints last."""
+    """Run a peer's script in its own environment and return the last line of its output as JSON."""
     if not PYTHON.is_file():
         raise FileNotFoundError("the peers are not installed: make target/report/venv/.ready")
     script, *arguments = case.options["command"]
@@ -96,7 +96,7 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 @lru_cache
 def exact(shear: bool) -> dict[str, float]:
-    """The tip of CSM1's bar as an exact beam, m."""
+    """Return the displacement of the tip of CSM1's bar as an exact beam, m."""
     material, thickness = simulate.changed("csm1", {})["rod"]["material"]["plane_strain"], 0.02
     e, nu = material["youngs_modulus"], material["poisson_ratio"]
     plate, stiff = e / (1 - nu**2), material["shear_factor"] * e / (2 * (1 + nu)) * thickness
@@ -118,8 +118,8 @@ FSI3_METHODS: dict[str, str] = LISTED["fsi3"]
 """Changes of FSI3 that have a line of their own beside the shipped scenes."""
 
 Point = dict[str, Any]
-"""A run for error against run time: its record's view, `method`, `setting`, quartiles of `cpu` and `wall`, s, and
-`QUANTITY.discretisation`, of the rod at rest the error against the exact beam."""
+"""A run for error against run time: the view of its record, `method`, `setting`, quartiles of `cpu` and `wall`, s, and
+for the rod at rest `QUANTITY.discretisation`, the error against the exact beam."""
 
 
 def kind_of(case: str) -> str:
@@ -137,7 +137,7 @@ def point(record: Record, **about: Any) -> Point:
 
 
 def points(data: Data, case: str) -> list[Point]:
-    """What is compared of a case, method by method."""
+    """Return the runs of a case that are compared, method by method."""
     found = []
     if case == "fsi3":
         for record in data.of("fsi3/grid/*"):
@@ -161,8 +161,8 @@ def points(data: Data, case: str) -> list[Point]:
 
 
 def beaten(data: Data) -> list[Point]:
-    """CPU time of ours and of the peers for a case's largest error: a single one may pass through zero. The most exact
-    run of a peer comes last."""
+    """Return CPU times of ours and of the peers for the largest error of a case, because a single error may pass
+    through zero. The most exact run of a peer comes last."""
     rows = []
     for case, quantities in QUANTITIES.items():
         worst = []
@@ -183,7 +183,7 @@ def beaten(data: Data) -> list[Point]:
 
 
 def cited(data: Data) -> list[Point]:
-    """Swinging benchmarks by ours and as cited of others."""
+    """Return the swinging benchmarks by ours and as cited of others."""
     rows = []
     for name, grid in (("fsi2", "648x108"), ("fsi3", "648x108"), ("fsi3", "1296x216")):
         record = data[f"turek-hron/{name}/{grid}"]
@@ -194,7 +194,7 @@ def cited(data: Data) -> list[Point]:
 
 
 def steps(data: Data, **about: Any) -> list[Point]:
-    """A step of FSI3, the median CPU time, and its parts, the shortest wall times, µs; and the memory of a run, MB."""
+    """Return median CPU time of a step of FSI3, shortest wall times of its parts, µs, and memory of the run, MB."""
     rows = []
     for record in data.of("report/cost/*", **about):
         seconds = record.times["phases_s"] | {"step": record["cpu_s"]}
@@ -204,7 +204,7 @@ def steps(data: Data, **about: Any) -> list[Point]:
 
 
 def costs(data: Data) -> list[tuple[str, str, list[float], list[float]]]:
-    """What is measured, over what, and the sizes and µs."""
+    """Return name, variable, sizes and µs of each measured cost."""
     times = [row for row in data["rod/study/runtime"].times["rows"] if row["n"] >= 64]
     bench, grid, stations = speed.found(data, "step"), steps(data, method="grid"), steps(data, method="stations")
     bar = next(speed.jumps(row, "bar") for row in speed.found(data, "motion") if row["grid"] == "650 x 144")
@@ -235,7 +235,7 @@ def draw_cost(data: Data) -> None:
         )
         axis.set(xscale="log", yscale="log", xlabel=over, ylabel="µs")
         if max(y) < 2 * min(y):
-            axis.set_ylim(min(y) / 3, max(y) * 3)  # what does not depend on x shall look like it
+            axis.set_ylim(min(y) / 3, max(y) * 3)  # a cost that does not depend on x must look constant
         axis.set_title(name, fontsize=9)
         show.few_labels(axis.xaxis)
         axis.legend(fontsize=8)

@@ -1,4 +1,4 @@
-"""The rod alone: the tables and figures of the thesis' chapter 2 and what lies beyond them, by studies/rust/rod."""
+"""The rod alone: tables and figures of chapter 2 of the thesis and beyond, by studies/rust/rod."""
 
 from collections import Counter
 from collections.abc import Callable, Iterator
@@ -14,14 +14,14 @@ Rows = list[dict[str, Any]]
 
 FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "bending_models", "taper", "csm",
           "csm3_energy", "extreme", "situations")  # fmt: skip
-"""What the program can be asked for; each is a file of that name."""
+"""Tables of the program; each is a file of that name."""
 
 STEPS = 10_000  # Time steps of the runs of the thesis' table 2.3, about
 SOLVERS = ("banded", "sparse", "dense")
 SCHEMES = {"trapezoid, unwatched": 1, "trapezoid": 1, "generalised-alpha 0.5": 1, "generalised-alpha 0.8": 1,
            "BDF2": 1, "TR-BDF2": 2}  # fmt: skip
-"""Solves a step."""
-EXTREME = ("n", "k_e", "EI", "dt")  # What the stiff cases vary
+"""Solves of each scheme in a step."""
+EXTREME = ("n", "k_e", "EI", "dt")  # Varied parameters of the stiff cases
 
 
 def cases() -> Iterator[Case]:
@@ -34,7 +34,7 @@ def cases() -> Iterator[Case]:
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
-    """The table, with what depends on the machine apart from it; of the long ones what is shown."""
+    """Return the table, with values that depend on the machine apart; of long tables only the shown part."""
     name = case.name.split("/")[1]
     rows = run.found["tables"][name]
     if name in ("runtime", "roofline"):
@@ -52,7 +52,7 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 
 def extremes(rows: Rows) -> dict[str, Any]:
-    """What came of the stiff cases by n and dt, those that did not end well, and the values that were tried."""
+    """Return outcomes of the stiff cases by n and dt, the failed cases, and the values that were tried."""
     table, longest = [], []
     for (n, dt), group in grouped(rows, "n", "dt").items():
         good = [row for row in group if row["result"] == "ok"]
@@ -73,7 +73,7 @@ def table_of(data: Data, name: str) -> Rows:
 
 
 def run_times(data: Data) -> Rows:
-    """What an iteration costs, and seconds of `STEPS` steps in space with the factorise-and-solve of each solver."""
+    """Return the cost of an iteration, and seconds of `STEPS` steps in space with each solver."""
     rows = []
     for row in data["rod/study/runtime"].times["rows"]:
         solvers = [name for name in SOLVERS if row[name]]
@@ -87,7 +87,8 @@ def run_times(data: Data) -> Rows:
 
 
 def rooflines(data: Data) -> Rows:
-    """The parts of a Newton iteration in space and their sum, beside both roofs and the longest chain of divisions."""
+    """Return the parts of a Newton iteration in space and their sum, beside both roofs and the longest chain of
+    divisions."""
     rows = []
     for group in grouped(data["rod/study/roofline"].times["rows"], "n").values():
         columns = {"µs": "seconds", "MB": "bytes", "Mflop": "flops"}
@@ -104,7 +105,7 @@ def rooflines(data: Data) -> Rows:
 
 
 def orders(data: Data, name: str, keys: tuple[str, ...], along: str, sign: int, part: slice) -> Rows:
-    """Rows of a convergence study by sequence: errors by `along`, and the observed order over a part of them."""
+    """Return rows of a convergence study by sequence: errors by `along`, and the observed order over a part of them."""
     found = []
     for group in grouped(table_of(data, name), *keys).values():
         x, y = ([row[key] for row in group[part]] for key in (along, "error"))
@@ -119,7 +120,7 @@ ERRORS_IN_N = partial(
 
 
 def energies(data: Data) -> Rows:
-    """The end of each run of CSM3 by scheme; cells by n and dt."""
+    """Return the end of each run of CSM3 by scheme; cells by n and dt."""
     found = []
     for scheme, group in grouped(table_of(data, "csm3_energy"), "scheme").items():
         cells = {}
@@ -132,7 +133,7 @@ def energies(data: Data) -> Rows:
 
 
 def schemes(data: Data) -> Rows:
-    """What the schemes do to the energy."""
+    """Return the effect of the schemes on the energy."""
     rows = {row["scheme"]: row for row in energies(data)}
     for scheme, row in rows.items():
         cells = [cell for cell in table_of(data, "situations") if cell["scheme"] == scheme]
@@ -144,7 +145,7 @@ def schemes(data: Data) -> Rows:
 
 
 def csm(data: Data) -> Rows:
-    """Against Turek & Hron."""
+    """Return quantities of CSM beside Turek & Hron."""
     table = []
     for (scene, quantity), runs in grouped(table_of(data, "csm"), "scene", "quantity").items():
         expected, extent = simulate.published(scene).get(quantity, (0.0, 0.0))

@@ -26,7 +26,7 @@ from studies.store import Data
 
 SCENES = ("fsi3-325x72", "fsi3-650x144", "fsi3-1300x288")
 REPEATS, STEPS = 10, 10  # Frames and checkpoints that are written, and steps before a frame
-STARTS = 7  # Runs of one step, and of some
+STARTS = 7  # Runs of one step, and of `SOME` steps
 SOME = 500  # Steps
 OPTIONS: checkpoint.Options = dict.fromkeys(("checkpoint_every", "fields_every", "series_every"))
 ROUNDS, EXCHANGES = 30, 1000  # Measurements of each version, and exchanges in one of them
@@ -40,7 +40,7 @@ def timed(call: Callable[..., Any], *arguments: Any) -> float:
 
 
 def measure(case: Case, folder: Path) -> dict[str, Any]:
-    """Shortest wall times of a step, a frame and a checkpoint, ms, on the disk that `results` is on, and the size of a
+    """Return shortest wall times of a step, a frame and a checkpoint, ms, on the disk of `results`, and the size of a
     checkpoint at the end of the run, MB."""
     scene = case.built()
     spent: dict[str, list[float]] = {"step": [], "frame": [], "checkpoint": []}
@@ -54,7 +54,7 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
             spent["step"].append(timed(session.step))
             if session.steps % STEPS == 0:
                 spent["frame"].append(timed(frames.step, session))
-        session.recorder.rows = len(session.recorder.table)  # as many rows as at the end of a whole run
+        session.recorder.rows = len(session.recorder.table)  # the number of rows at the end of a whole run
         for _ in range(REPEATS):
             spent["checkpoint"].append(timed(saved.save))
         frames.end(None)
@@ -66,7 +66,7 @@ def measure(case: Case, folder: Path) -> dict[str, Any]:
 
 
 def start(case: Case, folder: Path) -> dict[str, Any]:
-    """Median processor time of the command for a run of one step, s: imports, packing, pictures and exit."""
+    """Return the median processor time of the command for a run of one step, s: imports, packing, pictures and exit."""
     end, spent = f"--end-time={case.built()['time']['communication_step']}", []
     for _ in range(STARTS):
         before = getrusage(RUSAGE_CHILDREN)
@@ -78,8 +78,7 @@ def start(case: Case, folder: Path) -> dict[str, Any]:
 
 
 def exchange(case: Case, folder: Path) -> dict[str, Any]:
-    """Median share of a run's wall time that is neither the rod's nor the fluid's: setting, getting, recording, and
-    Python."""
+    """Return the median share of a run's wall time outside of the units: setting, getting, recording, and Python."""
     scene, shares = case.built(), []
     scene["time"]["end"] = SOME * scene["time"]["communication_step"]
     for _ in range(STARTS):

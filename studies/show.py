@@ -22,7 +22,7 @@ from nervure.resources import ROOT
 DOCS = ROOT / "docs"
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999")
-"""Okabe & Ito's, told apart without colour vision and in print."""
+"""Colours of Okabe & Ito, distinct without colour vision and in print."""
 MARKERS = "osv^Dp*hX"
 
 plt.rcParams["axes.prop_cycle"] = matplotlib.rcsetup.cycler(color=COLOURS)
@@ -47,7 +47,7 @@ def label(quantity: str) -> str:
 
 
 def markdown(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> list[str]:
-    """Lines of a table."""
+    """Return the lines of a table."""
     lines = ["| " + " | ".join(header) + " |", "|" + "---|" * len(header)]
     return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
 
@@ -57,8 +57,8 @@ OPTIONAL = re.compile(r"<([^<>]*)>")
 
 
 def form(text: str, values: Mapping[str, Any]) -> str:
-    """`text` with the numbers of `values` in the place of `{name:format}`: a percentage where the format ends so, mm
-    for `name[mm]`. Where one is missing the part of the text in `<>` around it is left out, or else all of it."""
+    """Return `text` with numbers of `values` in place of `{name:format}`; `%` gives per cent, `name[mm]` millimetres. A
+    part in `<>` with a missing number is left out; without `<>` the whole text is."""
 
     def one(match: re.Match[str]) -> str:
         name, _, unit = match[1].partition("[")
@@ -80,7 +80,7 @@ def form(text: str, values: Mapping[str, Any]) -> str:
 
 
 def table(key: str, rows: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Lines of a table of tables.toml."""
+    """Return the lines of a table of tables.toml."""
     spec = SPECS[key]
     forms = {name: text for name, text in SPECS[spec.get("like", key)].items() if name not in SOURCES}
     return markdown(list(forms), [[form(text, row) for text in forms.values()] for row in rows])
@@ -91,7 +91,7 @@ def cell(value: Any) -> str:
 
 
 def listing(records: Sequence[Any]) -> list[str]:
-    """Lines of a table with every value of `store.Record`s, and of their own tables and timed rows below it."""
+    """Return the lines of a table with every value of `store.Record`s, and of their own tables and timed rows."""
     names = dict.fromkeys(name for record in records for name in record.values)
     rows = [
         [r["label"], *(cell(r.values.get(name)) for name in names), cell(r.get("cpu_s")), r.error or ""]
@@ -110,13 +110,13 @@ def listing(records: Sequence[Any]) -> list[str]:
 
 
 def matrix(corner: str, rows: Mapping[str, Any], columns: Mapping[str, Any], cell: Callable[..., str]) -> list[str]:
-    """Lines of a table of `cell(row, column)`, both by what is written beside them."""
+    """Return the lines of a table of `cell(row, column)`; rows and columns are given by their headings."""
     body = [[name, *(cell(row, column) for column in columns.values())] for name, row in rows.items()]
     return markdown([corner, *columns], body)
 
 
 def documents() -> list[Path]:
-    """Those that may have tables in them."""
+    """Return the documents that may have tables."""
     return [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
 
 
@@ -124,7 +124,7 @@ def documents() -> list[Path]:
 
 
 def panel(rows: int = 1, columns: int = 1, size: tuple[float, float] = (6.4, 4.4), **how: Any) -> tuple[Figure, Any]:
-    """A figure and its axes `[rows, columns]`."""
+    """Return a figure and its axes `[rows, columns]`."""
     figure, axes = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False, **how)
     for axis in axes.flat:
         axis.grid(True, which="major", linewidth=0.4, alpha=0.6)
@@ -183,7 +183,7 @@ def errors(
 
 
 def few_labels(axis: Any) -> None:
-    """On a logarithmic axis: labels at 1, 2 and 5 times powers of ten where there are few decades, and no others."""
+    """Label a logarithmic axis at 1, 2 and 5 times powers of ten if it has few decades."""
     low, high = axis.get_view_interval()
     decades = np.log10(high / low)
     subs: Any = (1.0,) if decades > 2 else (1.0, 2.0, 5.0) if decades > 0.5 else np.arange(1.0, 10.0, 0.5)
@@ -194,12 +194,12 @@ def few_labels(axis: Any) -> None:
 
 
 def exponent(x: Sequence[float], y: Sequence[float]) -> float:
-    """Slope of the straight line through log y over log x."""
+    """Return the slope of the straight line through log y over log x."""
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
 
 
 def grouped(rows: Iterable[Any], *keys: str) -> dict[Any, list[Any]]:
-    """Rows by the value that they have in one key, or by those in several."""
+    """Return rows grouped by their value of one key, or by their values of several."""
     groups: dict[Any, list[Any]] = {}
     for row in rows:
         groups.setdefault(row[keys[0]] if len(keys) == 1 else tuple(row[key] for key in keys), []).append(row)

@@ -1,4 +1,4 @@
-"""How studies load, change and run a scene, and where its published values come from: nothing else of a study knows."""
+"""Scenes of studies: changes, runs, published values, and values of summaries."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from nervure.units.describe import describe_all
 from nervure.units.fmu import Unit
 
 LISTED: dict[str, Any] = tomllib.loads(Path(__file__).with_name("cases.toml").read_text(encoding="utf-8"))
-"""Changes of scenes by study, and what others have printed."""
+"""Data of cases.toml: changes of scenes by study, and numbers that others have printed."""
 
 REPEATED_BELOW = 20.0
-"""Processor time, s, up to which a case runs as often as it asks for; the first run goes before and is not timed."""
+"""Processor time up to which a case is repeated, s. The first run is then not timed."""
 
 
 def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
-    """The shipped scene `name` with other values by dotted key; "absent" takes a key away."""
+    """Return the shipped scene `name` with other values by dotted key; "absent" removes a key."""
     scene: dict[str, Any] = scenes.read(name)
     for key, value in changes.items():
         if value != "absent":
@@ -46,17 +46,16 @@ def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
 
 
 def on_grid(nx: int, ny: int, step: float) -> dict[str, Any]:
-    """The changes to another grid and step."""
+    """Return the changes to another grid and step."""
     return {"fluid.box.cells": [nx, ny], "time.communication_step": step, "fluid.time_stepping.max_step": step}
 
 
 SHALLOW: dict[str, Any] = {"fluid.mask.log_linear.core_depth": "absent"}
-"""The change to the wall of coarse grids."""
+"""Change to the wall model of coarse grids."""
 
 
 def shifted_grid(name: str, nx: int, ny: int, offset: tuple[float, float]) -> dict[str, Any]:
-    """The changes to another grid that lies aside by parts of a cell against what is in the flow; the inflow begins
-    with it."""
+    """Return the changes to a grid shifted by parts of a cell against the bodies; the inflow zone begins with it."""
     base, box = changed(name, {})["fluid"]["box"], {}
     for axis, cells, part in (("x", nx, offset[0]), ("y", ny, offset[1])):
         low, high = base[axis]
@@ -65,7 +64,7 @@ def shifted_grid(name: str, nx: int, ny: int, offset: tuple[float, float]) -> di
 
 
 def assignments(changes: dict[str, Any]) -> list[str]:
-    """Changes as `--set` takes them."""
+    """Return changes as arguments of `--set`."""
 
     def text(value: Any) -> str:
         return value if isinstance(value, str) else json.dumps(value, separators=(",", ":"))
@@ -75,14 +74,14 @@ def assignments(changes: dict[str, Any]) -> list[str]:
 
 @lru_cache
 def reference(name: str) -> dict[str, Any]:
-    """Published `quantities` or `coefficients` of a shipped scene and, of some, the `spread` of several sources."""
+    """Return the published `quantities` or `coefficients` of a shipped scene, and the `spread` of several sources if
+    known."""
     return changed(name, {}).get("reference") or {} if name else {}
 
 
 @lru_cache
 def published(name: str) -> dict[str, tuple[float, float]]:
-    """Published value and scale of each quantity of a scene. What swings about a mean near zero has its amplitude as
-    the scale of the mean."""
+    """Return published value and scale of each quantity of a scene. A mean near zero has the amplitude as its scale."""
     given = reference(name)
     if "coefficients" in given:
         return {q: (value, abs(value)) for q, value in coefficients.published(scenes.load(name).reference).items()}
@@ -96,7 +95,7 @@ def published(name: str) -> dict[str, tuple[float, float]]:
 
 
 def unit_of(quantity: str) -> str:
-    """Unit of a quantity of a run's summary."""
+    """Return the unit of a quantity of a summary."""
     name, _, what = quantity.partition(".")
     if what in ("frequency_hz", "growth"):
         return "Hz"
@@ -104,7 +103,7 @@ def unit_of(quantity: str) -> str:
 
 
 class Rigid(coupling.Single):
-    """A fluid whose stations are those of a rigid rod along x that pitches about the origin."""
+    """A fluid whose stations are those of a rigid rod along x, pitching about the origin."""
 
     def __init__(self, fluid: Unit, scene: dict[str, Any]):
         fluid.connect(["x", "y", "vx", "vy"], [])
@@ -120,13 +119,13 @@ class Rigid(coupling.Single):
 
 
 def pitching(scene: dict[str, Any]) -> dict[str, float]:
-    """The sine that the root's angle follows."""
+    """Return the sine law of the root's angle."""
     law: dict[str, float] = scene["rod"]["root_motion"]["laws"]["rotations"][0]["angle"]["sine"]
     return law
 
 
 def pitch(law: dict[str, float], t: float) -> tuple[float, float]:
-    """Angle of a root that follows the sine `law`, rad, and its rate."""
+    """Return the angle of a root under the sine `law`, rad, and its rate."""
     omega, part = 2 * np.pi * law["frequency"], np.pi * min(t / law["ramp"], 1.0)
     share, growth = (1 - np.cos(part)) / 2, np.pi / law["ramp"] * np.sin(part) / 2
     sin, cos = np.sin(omega * t), np.cos(omega * t)
@@ -136,15 +135,15 @@ def pitch(law: dict[str, float], t: float) -> tuple[float, float]:
 def session(
     scene: dict[str, Any], folder: Path | None = None, rigid: bool = False, drive: coupling.Drive | None = None
 ) -> Session:
-    """Open a session of a scene; `rigid` puts a rigid rod that follows its root in the place of the rod, `drive` moves
-    a root that the scene leaves to the master."""
+    """Open a session of a scene. `rigid` replaces the rod by a rigid one that follows its root; `drive` moves a root
+    that the scene leaves to the master."""
     packed = {key: part for key, part in scene.items() if key not in ("rod", "coupling")} if rigid else scene
     scheme = (lambda units: Rigid(units["fluid"], scene)) if rigid else None
     return Session(validate(packed), folder, drive=drive, scheme=scheme)
 
 
 def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Callable[..., Any]:
-    """`call`, whose wall time is added to `seconds[phase]`."""
+    """Return `call` such that its wall time is added to `seconds[phase]`."""
 
     def wrapped(*arguments: Any) -> Any:
         begin = perf_counter()
@@ -156,8 +155,8 @@ def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Ca
 
 
 def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: bool = False) -> dict[str, Any]:
-    """One run into `folder`: its summary, with the wall time of FMI, Python and recording, and the memory of units and
-    record, MB: of the first run in a process."""
+    """Run a scene into `folder` once. Return its summary, with wall times of FMI, Python and recording, and with the
+    memory of units and record, MB, which is right only for the first run in a process."""
     before = resident()
     with session(scene, folder, rigid) as run:
         seconds = {"fmi": 0.0, "recording": 0.0}
@@ -197,13 +196,13 @@ def run(scene: dict[str, Any], folder: Path, repeats: int = 0, **options: Any) -
 
 
 def sizes(scene: dict[str, Any]) -> tuple[int, int]:
-    """Bytes of the XML descriptions and scalar variables of a scene's units."""
+    """Return bytes of the XML descriptions and number of scalar variables of a scene's units."""
     texts = [unit.xml for unit in describe_all(scene).values()]
     return sum(len(text.encode()) for text in texts), sum(text.count("<ScalarVariable") for text in texts)
 
 
 def quantities(summary: dict[str, Any]) -> dict[str, float]:
-    """Statistics of a summary by `signal.what`, coefficients included; what a signal does not have is left out."""
+    """Return the statistics of a summary by `signal.what`, and coefficients, without missing ones."""
     found = dict((summary["coefficients"] or {}).get("values", {}))
     for name, part in summary["quantities"].items():
         for what in ("mean", "amplitude", "frequency_hz"):
@@ -214,11 +213,11 @@ def quantities(summary: dict[str, Any]) -> dict[str, float]:
 
 
 def window(summary: dict[str, Any]) -> statistics.Window:
-    """What was evaluated of a run."""
+    """Return the evaluated window of a run."""
     begin, end = summary["window_s"]
     return statistics.Window(begin, end, summary["periods"])
 
 
 def times(summary: dict[str, Any]) -> dict[str, Any]:
-    """What is kept of a run's times."""
+    """Return the recorded times of a run."""
     return {name: summary[name] for name in ("wall_s", "cpu_s", "runs", "phases_s")}

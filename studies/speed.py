@@ -1,4 +1,4 @@
-"""Speed of the fluid beside other transforms and beside what the machine can do, by phase, motion and threads, by
+"""Speed of the fluid beside other transforms and the machine's peaks, by phase, motion and threads, by
 studies/rust/fluid."""
 
 from collections.abc import Callable, Iterator
@@ -11,7 +11,7 @@ from studies.store import Data
 
 ROOFLINES = (("roofline", "325 x 72", ""), ("roofline", "650 x 144", ""), ("roofline", "1300 x 288", ""),
              ("roofline-single", "650 x 144", ", single"))  # fmt: skip
-"""Of the grids that are shown: table of the program, grid, and what is written behind it."""
+"""Shown rooflines: table of the program, grid, and a suffix."""
 
 GROUPS: dict[str, list[str]] = simulate.LISTED["fluid-speed"]["groups"]  # What users ask for, and the phases of it
 
@@ -22,12 +22,12 @@ def cases() -> Iterator[Case]:
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
-    """All of it is times."""
+    """Return all rows as times."""
     return {"times": {"rows": [list(row.values()) for row in run.found["tables"]["speed"]]}}
 
 
 def found(data: Data, table: str) -> list[dict[str, Any]]:
-    """Values of a table by scene and grid: those, the number of points, and µs by what was measured."""
+    """Return values of a table by scene and grid, with the number of points and µs by phase."""
     lines: dict[tuple[str, str], dict[str, Any]] = {}
     for name, scene, grid, what, value, unit in data["fluid-speed/bench/speed"].times["rows"]:
         if name == table:
@@ -42,12 +42,12 @@ def of_grid(data: Data, table: str, grid: str) -> dict[str, Any]:
 
 
 def jumps(row: dict[str, Any], what: str) -> dict[float, float]:
-    """Times of a scene by the distance that the bar jumps, cells."""
+    """Return times of a scene by the distance that the bar jumps, cells."""
     return {float(name.split()[0]): value for name, value in row.items() if name.endswith(what)}
 
 
 def phases(data: Data) -> list[dict[str, Any]]:
-    """A step by what users ask for: µs and share of each."""
+    """Return µs and share of each group of phases in a step."""
     rows = []
     for row in found(data, "phases"):
         parts = {name: sum(row[phase] for phase in group) for name, group in GROUPS.items()}
@@ -56,8 +56,8 @@ def phases(data: Data) -> list[dict[str, Any]]:
 
 
 def rooflines(data: Data) -> list[dict[str, Any]]:
-    """The phases that go through whole arrays, and their sums, beside both roofs; waits are what they take beyond their
-    time with the data in the cache. The other phases have only a time."""
+    """Return the phases that pass through whole arrays, and their sums, beside both roofs. Waits are the excess over
+    the time with the data in the cache. The other phases have only a time."""
     rows = []
     columns = {"µs": "", "in cache, µs": ": in cache", "MB": ": moved", "Mflop": ": operations"}
     for table, grid, behind in ROOFLINES:

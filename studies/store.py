@@ -1,7 +1,8 @@
-"""What studies have found, as it is committed: studies/results/results.json, and times.json beside it.
+"""Committed results of studies: studies/results/results.json and times.json.
 
-results.json has a line for each case: its command, the digest of what it depends on, rows of values with unit,
-published value and error, and tables. times.json has what it took, where. A run that agrees changes neither.
+results.json has a line for each case: its command, the digest of its scene and sources, rows of values with unit,
+published value and error, and tables. times.json has times, machine and revision. A run with equal values changes at
+most the digest.
 """
 
 from __future__ import annotations
@@ -24,18 +25,18 @@ FOLDER = ROOT / "studies" / "results"
 
 @dataclass
 class Record:
-    """A case and what is committed of it."""
+    """A case and its committed result."""
 
     name: str  # `study/group/label`
     case: Case
     command: str
-    digest: str  # Of when it was run; empty where that was not recorded
+    digest: str  # At the time of the run; empty if it was not recorded
     values: dict[str, Any] = field(default_factory=dict)
     tables: dict[str, list[dict[str, Any]]] = field(default_factory=dict)
     error: str | None = None
     times: dict[str, Any] = field(default_factory=dict)
     machine: str = ""  # Key into the machines of times.json
-    carried: bool = False  # Not run on the sources of the digest, which give its scene the same bits
+    carried: bool = False  # Run on other sources than those of the digest, which reproduce it to the bit
 
     def __getitem__(self, name: str) -> Any:
         return self.view[name]
@@ -45,7 +46,7 @@ class Record:
 
     @property
     def stale(self) -> bool:
-        """Whether what it depends on has changed since."""
+        """Whether the sources or the scene have changed since the run."""
         return self.digest != self.case.digest
 
     @cached_property
@@ -55,8 +56,8 @@ class Record:
 
     @cached_property
     def view(self) -> dict[str, Any]:
-        """Everything that a table can show of it: what it is about, values, `QUANTITY.error`, the distance from the
-        published value by its scale, `cl_mean.by_cd`, that of the lift by the drag, and times (s) by their medians."""
+        """All values for tables: attributes of the case, values, `QUANTITY.error` (distance from the published value by
+        its scale), `cl_mean.by_cd` (error of the lift by the drag), and medians of times, s."""
         clocks = {name: found[1] if isinstance(found, list) else found for name, found in self.times.items()}
         errors = {
             f"{quantity}.error": (float(self.values[quantity]) - expected) / scale
@@ -70,7 +71,7 @@ class Record:
         return said | self.case.about | clocks | errors | self.values
 
     def entry(self) -> dict[str, Any]:
-        """As it stands in results.json."""
+        """Return its entry in results.json."""
         found: dict[str, Any] = {"command": self.command, "digest": self.digest}
         if self.carried:
             found["carried"] = True
@@ -82,7 +83,7 @@ class Record:
             if quantity in self.published:
                 row |= {"reference": self.published[quantity][0], "error": self.get(f"{quantity}.error")}
             found["rows"][quantity] = {name: part for name, part in row.items() if part not in (None, "")}
-        if self.tables:  # without the columns' names in each row
+        if self.tables:  # without the names of the columns in each row
             found["tables"] = {
                 key: {"columns": list(rows[0]), "rows": [list(row.values()) for row in rows]}
                 for key, rows in self.tables.items()
@@ -95,7 +96,7 @@ class Record:
 
 
 class Data:
-    """All records by name, in the order of the studies and their cases; knows which ones it was asked for."""
+    """All records by name, in the order of studies and cases; remembers which ones were asked for."""
 
     def __init__(self, studies: Iterable[Study]):
         self.cases = {f"{study.name}/{case.name}": (study, case) for study in studies for case in study.cases()}
@@ -112,7 +113,7 @@ class Data:
         return self.records.get(name)
 
     def of(self, pattern: str, **about: Any) -> list[Record]:
-        """Records of this name whose cases are described so."""
+        """Return the records with this pattern of names and these attributes."""
         names = [
             name
             for name, (_, case) in self.cases.items()
@@ -175,7 +176,7 @@ class Data:
 
 
 def rounded(value: Any) -> Any:
-    """Numbers with eight digits, anywhere in `value`: what is beyond is noise, and makes a file twice as long."""
+    """Return `value` with all numbers rounded to eight digits: further ones are noise and double the file."""
     if isinstance(value, float):
         return float(f"{value:.8g}")
     if isinstance(value, dict):
@@ -184,7 +185,7 @@ def rounded(value: Any) -> Any:
 
 
 def lines(parts: dict[str, Any]) -> str:
-    """A JSON object with a line for each part."""
+    """Return a JSON object with a line for each part."""
     texts = (
         f"{json.dumps(k)}: {json.dumps(rounded(v), ensure_ascii=False, allow_nan=False)}" for k, v in parts.items()
     )

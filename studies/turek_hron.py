@@ -1,5 +1,4 @@
-"""The benchmarks of Turek and Hron as one set: CSM1-3, CFD1-3 and FSI1-3, on the grids of a box that is trimmed; and
-what trimming it changes."""
+"""The benchmarks of Turek and Hron as one set, CSM1-3, CFD1-3 and FSI1-3, on the grids of a trimmed box."""
 
 from __future__ import annotations
 
@@ -25,7 +24,7 @@ SOLIDS = ("csm1", "csm2", "csm3")
 FLOWS = {"cfd1": 2e-3, "cfd2": 4e-4, "cfd3": 2e-4, "fsi1": 2e-3, "fsi2": 4e-4, "fsi3": 2e-4}  # Steps on 648 x 108, s
 GRIDS = ("324x54", "648x108", "1296x216")
 SHIPPED = "648x108"
-WALLS = {"324x54": SHALLOW}  # Other than that of the shipped scenes, by grid
+WALLS = {"324x54": SHALLOW}  # Other wall models than that of the shipped scenes, by grid
 SWINGING = ("tip_ux.mean", "tip_ux.amplitude", "tip_uy.amplitude", "tip_uy.frequency_hz", "drag.mean",
             "drag.amplitude", "lift.amplitude")  # fmt: skip
 QUANTITIES: dict[str, tuple[str, ...]] = {
@@ -39,19 +38,19 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "fsi2": SWINGING,
     "fsi3": SWINGING,
 }
-"""What is compared of each: means near zero of what swings are not."""
+"""Compared quantities of each benchmark; means near zero of swinging quantities are left out."""
 
 WIDE = {"fluid.box.x": [-0.452, 2.5], "fluid.box.y": [-0.0902, 0.5002], "fluid.inflow.x.0": -0.452}
-"""The box of the thesis in y, and of the length of the cylinder's in front of the channel, on the same grid points."""
+"""The box of the thesis in y, and of the cylinder's length upstream of the channel, on the same grid points."""
 PLACES = ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5), (0.25, 0.25), (0.37, 0.5))
-"""Of the grid, in parts of a cell aside."""
+"""Shifts of the grid, in parts of a cell."""
 PLACED = {"324x54": PLACES, "648x108": PLACES[:5:2]}  # By grid
 SETTLED = {"cfd3": ("drag.mean", "lift.amplitude"), "fsi3": ("tip_uy.amplitude", "drag.mean", "lift.amplitude")}
-"""What is compared over the places; of CFD1 and CFD2 what is compared anyway."""
+"""Quantities that are compared over the shifts; CFD1 and CFD2 use `QUANTITIES`."""
 
 
 def scene_of(name: str) -> str:
-    """The shipped scene of a benchmark."""
+    """Return the shipped scene of a benchmark."""
     return name if name in SOLIDS else f"{name}-{SHIPPED}"
 
 
@@ -100,7 +99,7 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 
 def settled_phases(series: Series) -> list[dict[str, Any]]:
-    """`phases` over the last whole periods of uy, at the frequency that fits best."""
+    """Return `phases` over the last whole periods of uy, at the frequency of the best fit."""
     window = statistics.find_window(series["time"], series["tip_uy"])
     part, frequency = window.of(series["time"]), statistics.fit(series["time"], series["tip_uy"], window).frequency_hz
     assert frequency is not None, "uy does not swing"
@@ -108,8 +107,8 @@ def settled_phases(series: Series) -> list[dict[str, Any]]:
 
 
 def phases(series: Series, frequency: float) -> list[dict[str, Any]]:
-    """Amplitude, m and N/m, of the strongest harmonic of each signal, and by how many degrees it is ahead of the
-    multiple of uy's fundamental that has its frequency."""
+    """Return the amplitude, m and N/m, of the strongest harmonic of each signal, and its phase, degrees, against the
+    multiple of uy's fundamental of the same frequency."""
     found = {name: harmonics(series["time"], series[name], frequency)[0] for name in fsi3.SIGNALS}
     lead, rows = np.angle(found["tip_uy"][1]), []
     for name, order in (("tip_uy", 1), ("lift", 1), ("tip_ux", 2), ("drag", 2)):
@@ -119,13 +118,13 @@ def phases(series: Series, frequency: float) -> list[dict[str, Any]]:
 
 
 def featflow() -> Series:
-    """FeatFlow's FSI3 over time, by the names of our series, in SI units: a period and a third."""
+    """Return FeatFlow's FSI3 over a period and a third, by the names of our series, in SI units."""
     values = np.loadtxt(FEATFLOW, delimiter=",", skiprows=3, unpack=True)
     return dict(zip(("time", "drag", "lift", "tip_ux", "tip_uy"), values))
 
 
 def quantity(name: str) -> tuple[str, float]:
-    """What a table calls a quantity, with its unit, and the factor to that unit."""
+    """Return the heading of a quantity with its unit, and the factor to that unit."""
     signal, what = name.split(".")
     if what == "frequency_hz":
         return "f, Hz", 1.0
@@ -151,7 +150,7 @@ def every(data: Data) -> list[str]:
 
 
 def over_places(data: Data, name: str, grid: str, what: str) -> list[float]:
-    """Relative differences of a quantity from FeatFlow's at the places of a grid."""
+    """Return relative differences of a quantity from FeatFlow over the shifts of a grid."""
     records = [data.get(f"turek-hron/{name}/{grid}"), *data.of(f"turek-hron/place/{name}, {grid}, *")]
     number = simulate.published(scene_of(name))[what][0]
     return [record[what] / number - 1 for record in records if record and record.get(what) is not None]
@@ -173,7 +172,7 @@ def placed(data: Data) -> list[str]:
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    """Two periods of FSI3 on each grid, over FeatFlow's."""
+    """Draw two periods of FSI3 on each grid over FeatFlow's."""
     theirs, lines = featflow(), {}
     (begin,) = statistics.upward_crossings(theirs["time"], theirs["tip_uy"], *statistics.extent(theirs["tip_uy"]))
     frequency = simulate.published(scene_of("fsi3"))["tip_uy.frequency_hz"][0]

@@ -27,8 +27,8 @@ STIFFNESS = "rod.material.section.bending_stiffness"
 END = 3.02  # End of the pitching runs, s: the tip is settled in the third period, which is averaged
 COUPLED_END, AT = 2.05, 1.5  # End of the runs under other couplings, s, and the time at which their tips are compared
 NOISE_WIDTH = 0.08
-"""Width of the box filter, s, applied twice, whose remainder is called noise of the oscillating cylinder: a fiftieth
-of its period, in which it passes one to six cells where it is fast."""
+"""Width of the box filter, s, applied twice; the remainder is called noise of the oscillating cylinder. A fiftieth of
+the period, in which the cylinder passes one to six cells at its fastest."""
 
 FSI3_PERIOD = 1 / 5.46  # s, of the benchmark
 
@@ -37,11 +37,11 @@ COUPLINGS: dict[str, dict[str, Any]] = simulate.LISTED["vein"]["coupling"]
 PART_STEPS, PART_REPEATS = 40, 9
 
 MEANS = ("thrust", "lift", "power_in", "efficiency", "tip_amplitude", "tip_by_rigid_tip", "phase_lag_deg", "periods")
-"""What is kept of a flapping vein."""
+"""Recorded averages of a flapping vein."""
 
 
 def tutorial() -> dict[str, Any]:
-    """The scene that the tutorial writes."""
+    """Return the scene of the tutorial."""
     text = (show.DOCS / "guide" / "tutorial.md").read_text(encoding="utf-8")
     (scene,) = re.findall(r"```json\n(.*?)```", text, re.DOTALL)
     found: dict[str, Any] = json.loads(scene)
@@ -75,7 +75,7 @@ def cases() -> Iterator[Case]:
         yield case(f"noise/{name}", FORWARD, tutorial() | {STIFFNESS: stiffness})
     yield case("noise/FSI3, 648 x 108", SWINGING, {})
     for name, changes in PARTS.items():
-        # The vein stands still in a flow: a fluid at rest has numbers so small that the processor is slow with them.
+        # The vein stands still in a flow, because the tiny numbers of a fluid at rest slow the processor down.
         moving = {"fluid.initial_velocity": [1.0, 0.3], "rod": "absent", "coupling": "absent"}
         short = {"time.end": PART_STEPS * 4e-4}
         yield case(f"parts/{name}", PITCHING, moving | short | changes, repeats=PART_REPEATS)
@@ -84,7 +84,7 @@ def cases() -> Iterator[Case]:
 
 
 def limit(case: Case, folder: Path) -> dict[str, Any]:
-    """What `limits` finds."""
+    """Return the quantities of a limit case beside their expected values."""
     all_found = LIMITS[case.options["limit"]](partial(limits.record, folder=folder))
     return {"tables": {"found": [asdict(found) | {"error": found.error} for found in all_found]}}
 
@@ -98,7 +98,7 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 
 def settled(case: Case, run: Run) -> dict[str, float]:
-    """Means over whole periods at the end, and the energy that is missing, by the loads and by the fluid's forces."""
+    """Return means over whole periods at the end, and the missing energy, by the loads and by the fluid's forces."""
     whole = statistics.Window(0.0, float(run.series["time"][-1]), 1)
     window = whole if case.name.startswith(("grid/", "dt/")) else simulate.window(run.found)
     found = flapping.evaluate(validate(case.built()), run.series, window)
@@ -113,7 +113,7 @@ def settled(case: Case, run: Run) -> dict[str, float]:
 
 
 def under_coupling(case: Case, run: Run) -> dict[str, float]:
-    """Time reached, iterations a step, the tip at `AT`, and the least residual where the iteration stopped."""
+    """Return time reached, iterations a step, the tip at `AT`, and the least residual if the iteration stopped."""
     time, values = run.series["time"], {"reached": run.found["simulated_s"], "iterations": run.found["iterations_mean"]}
     if time[-1] > AT:
         values["tip_uy"] = float(np.interp(AT, time, run.series["tip_uy"]))
@@ -124,8 +124,8 @@ def under_coupling(case: Case, run: Run) -> dict[str, float]:
 
 
 def noise(case: Case, run: Run) -> dict[str, float]:
-    """Rms over the second half of what the box filter takes away of the drag, by the rms of what it leaves and by the
-    amplitude of that."""
+    """Return the rms, over the second half, of the part of the drag that the box filter removes, by the rms and by the
+    amplitude of the remaining part."""
     time, swings = run.series["time"], case.scene == SWINGING
     drag, width = (run.series["drag"], FSI3_PERIOD / 50) if swings else (run.series["beam_drag"], FORCE_WIDTH)
     smooth, later = statistics.box_filter(time, drag, width), (time > time[-1] / 2) & (time < time[-1] - width)
@@ -137,7 +137,8 @@ def noise(case: Case, run: Run) -> dict[str, float]:
 
 
 def oscillating(case: Case, run: Run) -> dict[str, float]:
-    """Drag of the second period: amplitude, first harmonic (N/m), and noise and largest lift by the amplitude."""
+    """Return the drag of the second period: amplitude, first harmonic (N/m), and noise and largest lift by the
+    amplitude."""
     time, drag = run.series["time"], run.series["drag"]
     window = statistics.Window(4.0, 8.0, 1)
     part = window.of(time)
@@ -156,12 +157,12 @@ def oscillating(case: Case, run: Run) -> dict[str, float]:
 
 
 def part(case: Case, run: Run) -> dict[str, float]:
-    """Scalar variables of the fluid's unit."""
+    """Return the number of scalar variables of the fluid."""
     return {"variables": simulate.sizes(case.built())[1]}
 
 
 def stiff_limit(case: Case, folder: Path) -> dict[str, Any]:
-    """How far the forces of a stiff rod are from those of the prescribed motion."""
+    """Return the differences of the forces of a stiff rod from those of the prescribed motion."""
     coupled, prescribed = (limits.record(case.built(), folder, rigid=rigid) for rigid in (False, True))
     time, rows = coupled["time"], []
     later = time > 1.0

@@ -67,6 +67,11 @@ def test_a_changed_comment_makes_nothing_stale(small):
     assert Data([STUDY]).load(small.folder).stale() == []
 
 
+def test_prose_is_no_code(tmp_path):
+    (tmp_path / "a.py").write_text('"""Two\nlines."""\n\n# A comment.\nx = """y"""\n"""Of x."""\n')
+    assert list(engine.code(tmp_path / "a.py")) == ['x = """y"""']
+
+
 def test_a_study_runs_only_what_is_missing(small):
     small()
     small()
