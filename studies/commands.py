@@ -25,7 +25,8 @@ def cargo(package: str, *arguments: str, binary: str = "", example: str = "") ->
 
 
 def output(command: list[str], timeout: float = LONGEST) -> str:
-    """Run a program on one thread and return its output. Raises `InputError` with its last line where it fails."""
+    """Run a program on one thread and return its output. Raise `InputError` with the last line of its errors if it
+    fails, and `FileNotFoundError` if it ends with code 2, because something is not installed."""
     environment = os.environ | THREADS
     try:
         done = subprocess.run(
@@ -34,7 +35,8 @@ def output(command: list[str], timeout: float = LONGEST) -> str:
     except subprocess.TimeoutExpired as error:
         raise InputError(f"no end after {timeout:g} s") from error
     if done.returncode:
-        raise InputError((done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"])[-1])
+        said = (done.stderr.strip().splitlines() or [f"ended with code {done.returncode}"])[-1]
+        raise FileNotFoundError(said) if done.returncode == 2 else InputError(said)
     return done.stdout
 
 

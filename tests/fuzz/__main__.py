@@ -12,7 +12,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from nervure.files import write_csv
-from nervure.library import KINDS
+from nervure.library import KINDS, kind_of
 from nervure.resources import ROOT
 from nervure.scene import kinds, read, text
 from tests.reliability.checks import unpack
@@ -33,7 +33,7 @@ def write_seeds() -> None:
         for part, key, value in (("fluid", "box", {"cells": [32, 16]}), ("beam", "segments", 6)):
             if scene.get(part):
                 scene[part][key] = scene[part][key] | value if key == "box" else value
-        files |= {FUZZ / f"corpus/{kind}_scene/{path.stem}": text(scene).encode() for kind in kinds(scene)}
+        files |= {FUZZ / f"corpus/{kind_of(unit)}_scene/{path.stem}": text(scene).encode() for unit in kinds(scene)}
     for kind in KINDS:
         files[FUZZ / f"corpus/{kind}_scene/flag"] = text(SCENE).encode()
         with TemporaryDirectory() as folder:
@@ -81,5 +81,8 @@ if __name__ == "__main__":
     write_seeds()
     if subprocess.run([*COMMAND, "--version"], capture_output=True, check=False).returncode:
         needed = "rustup toolchain install nightly --profile minimal; cargo install cargo-fuzz"
-        sys.exit(f"install nightly Rust and cargo-fuzz to fuzz: {needed} (the seeds are in tests/fuzz/corpus)")
+        print(
+            f"the seeds are in tests/fuzz/corpus; fuzzing needs nightly Rust and cargo-fuzz: {needed}", file=sys.stderr
+        )
+        sys.exit(2)
     write_csv(Path(file), [run(target, seconds)])

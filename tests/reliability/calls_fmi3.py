@@ -11,6 +11,7 @@ import fmpy
 from fmpy.fmi3 import FMU3Slave
 
 from nervure.units import package
+from nervure.units.describe import describe
 
 from .calls import NEXT, STATES, WILD, Calls, play
 from .unit import FMU2Unit
@@ -118,7 +119,7 @@ def sequences(unit: FMU2Unit, count: int) -> str:
     """Random calls under FMI 3.0, also of functions that the units lack: each status is the standard's."""
     with TemporaryDirectory() as folder:
         scene = json.loads((unit.folder / "resources" / "scene.json").read_text(encoding="utf-8"))
-        path = package.pack(unit.kind, scene, Path(folder), version=3)
+        path = package.pack(describe(unit.kind, scene, 3), Path(folder))
         own = FMU3Unit(unit.kind, fmpy.extract(str(path), str(Path(folder, "unit"))))
 
         def begin(chance: random.Random) -> Calls3:

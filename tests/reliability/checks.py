@@ -8,6 +8,7 @@ import fmpy
 
 from nervure.scene import load
 from nervure.units import package
+from nervure.units.describe import describe
 
 from . import calls_fmi2, calls_fmi3, files, limits, trials
 from .unit import SCENE, FMU2Unit
@@ -47,5 +48,5 @@ CHECKS = {
 
 def unpack(kind: str, folder: Path, scene: str = "flag") -> Path:
     """Unpack the FMU of the small scene `flag`, or of a shipped one."""
-    packed = package.pack(kind, SCENE if scene == "flag" else load(scene), folder)
+    packed = package.pack(describe(kind, SCENE if scene == "flag" else load(scene)), folder)
     return Path(fmpy.extract(str(packed), str(folder / f"{kind}-{scene}")))
