@@ -91,7 +91,7 @@ def tips(scene: dict[str, Any], folder: Path, nudge: float) -> np.ndarray:
         def nudged() -> None:
             take()
             if now == NUDGED:
-                link.taken[: link.stations.size // 2] *= 1 + nudge
+                link.rod_loads[: link.stations.size // 2] *= 1 + nudge
 
         setattr(scheme, "take_loads", nudged)  # noqa: B010
         scheme.start()

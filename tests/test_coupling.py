@@ -296,7 +296,7 @@ def tip_path(scheme, step, steps, noise):
     """Place of the tip after each step, `[steps, 2]` in m, where every force on a station is off at random in each step
     by `noise` of the largest."""
     [link], random, take = scheme.links, np.random.default_rng(1), scheme.take_loads
-    forces = link.taken[: link.stations.size // 2]
+    forces = link.rod_loads[: link.stations.size // 2]
 
     def take_disturbed():
         take()

@@ -227,14 +227,14 @@ def test_ctrl_c_ends_a_sweep_without_a_traceback(moment, scene, tmp_path):
     workers = children(recursive=True)
     os.killpg(process.pid, signal.SIGINT)
     output, errors = process.communicate(timeout=60)
-    assert process.returncode == 130 and "the same command goes on" in output, output + errors
+    assert process.returncode == 130 and "the same command continues" in output, output + errors
     assert "Traceback" not in errors, errors
     assert len(workers) > 1 and not psutil.wait_procs(workers, timeout=10)[1]
 
 
 def test_ctrl_c_is_raised_where_the_sweep_asks_for_it():
     """Not where it comes: in a destructor it would be lost."""
-    with sweep._remembering() as check:
+    with sweep._interruption() as check:
         check()
         signal.raise_signal(signal.SIGINT)
         with pytest.raises(KeyboardInterrupt):

@@ -1,7 +1,7 @@
-"""All that the project does with scenes, from one command line.
+"""The command `nervure`.
 
-What a command does is elsewhere in the package, and loaded when it is run: help and errors come at once.
-Exit codes: 0 done, 1 a unit or a run failed, 2 something that was given cannot be used, 130 interrupted.
+A subcommand imports its packages when it runs, so that help and errors come at once.
+Exit codes: 0 done, 1 a unit or a run failed, 2 input cannot be used, 130 interrupted.
 """
 
 import gc
@@ -23,14 +23,14 @@ from nervure.resources import SOURCE
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
 
 GARBAGE = 50_000
-"""New objects after which Python looks for cycles of what is not needed any more. With its own 700 it would spend a
-tenth of the start of a run on looking through what is imported."""
+"""New objects between two collections of cycles. With the default of 700, Python would spend a tenth of the start of a
+run on them."""
 
 
 def _folder(text: str) -> Path:
-    """A path that was given: an empty one, as of a variable that is not set, would be the folder that one is in."""
+    """Return an option as a path. An empty text, as from an unset variable, would mean the working folder."""
     if not text:
-        raise typer.BadParameter("it is empty, but it must be the path of a folder; `.` is the one that you are in")
+        raise typer.BadParameter("it is empty, but it must be the path of a folder; `.` is the working folder")
     return Path(text)
 
 
@@ -43,19 +43,19 @@ Overrides = Annotated[
 Output = Annotated[
     Path | None, typer.Option(metavar="FOLDER", parser=_folder, help="Result folder; default: results/NAME.")
 ]
-EndTime = Annotated[float | None, typer.Option(help="End of the run, s, in place of the scene's.")]
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+EndTime = Annotated[float | None, typer.Option(help="End time of the run, s; default: from the scene.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
 Force = Annotated[bool, typer.Option("--force", help="Replace the results of another scene in the folder.")]
-Fmi = Annotated[int, typer.Option("--fmi", min=2, max=3, help="Version of FMI of our units.")]
+Fmi = Annotated[int, typer.Option("--fmi", min=2, max=3, help="FMI version of the units.")]
 RodFmus = Annotated[
     list[str] | None,
     typer.Option(
         "--rod-fmu",
         metavar="[NAME=]FMU",
-        help="Use this FMU in place of our rod; where the scene has several, of the one of this name; repeatable.",
+        help="Use this FMU in place of the rod, or of the rod NAME where the scene has several; repeatable.",
     ),
 ]
-FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of ours.")]
+FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of the fluid.")]
 
 app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
 
@@ -81,23 +81,23 @@ def build(
     output: Output = None,
     descriptions: Annotated[
         Path | None,
-        typer.Option(exists=True, file_okay=False, help="Write fmu_KIND.xml into this folder in place of FMUs."),
+        typer.Option(exists=True, file_okay=False, help="Write only fmu_UNIT.xml into this folder."),
     ] = None,
     fmi: Fmi = 2,
 ) -> None:
-    """Pack the units of a scene without running it; in the source tree, build both libraries before."""
+    """Pack the units of a scene without a run; in the source tree, build the libraries first."""
     from nervure.scene import load, read
     from nervure.units import package
     from nervure.units.describe import describe_all
 
-    read(scene_file)  # what is no scene need not wait for the libraries
+    read(scene_file)  # before the libraries are built, which takes a while
     if SOURCE is not None:
         try:
             built = subprocess.run(["cargo", "build", "--release", "--locked"], cwd=SOURCE)
         except FileNotFoundError:
             raise InputError("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
         if built.returncode != 0:
-            raise InputError("the libraries cannot be built: cargo says above why")
+            raise InputError("the libraries cannot be built; see the messages of cargo above")
     scene = load(scene_file)
     for unit in describe_all(scene, fmi).values():
         if descriptions:
@@ -118,19 +118,19 @@ def run(
     fluid_fmu: FmuPath = None,
     checkpoint_every: Annotated[
         float | None,
-        typer.Option(min=0, metavar="MINUTES", help="Write a checkpoint every so many minutes of wall time."),
+        typer.Option(min=0, metavar="MINUTES", help="Wall time between checkpoints, min."),
     ] = None,
     fields_every: Annotated[
-        float | None, typer.Option(min=0, metavar="SECONDS", help="Write fields every so many simulated seconds.")
+        float | None, typer.Option(min=0, metavar="SECONDS", help="Simulated time between fields, s.")
     ] = None,
     series_every: Annotated[
-        float | None, typer.Option(min=0, metavar="SECONDS", help="Record the series every so many simulated seconds.")
+        float | None, typer.Option(min=0, metavar="SECONDS", help="Simulated time between rows of the series, s.")
     ] = None,
     force: Force = False,
     quiet: Quiet = False,
     fmi: Fmi = 2,
 ) -> None:
-    """Run a scene: pack its units, couple them, write results/NAME with tables, a summary and pictures."""
+    """Run a scene; write tables, a summary and pictures into results/NAME."""
     from nervure import api
     from nervure.scene import load
 
@@ -152,7 +152,7 @@ def run(
 
 
 def _rod_fmus(given: list[str], several: bool) -> dict[str, Path]:
-    """The FMUs of `--rod-fmu` by the names of their rods; a single rod has none."""
+    """Return the FMUs of `--rod-fmu` by the name of the rod; a single rod is `rod`."""
     fmus: dict[str, Path] = {}
     for text in given:
         name, equals, path = text.partition("=") if several else ("rod", "=", text)
@@ -193,11 +193,11 @@ def _exit_code() -> Iterator[None]:
 
 @app.command()
 def inspect(
-    path: Annotated[Path, typer.Argument(metavar="UNIT.fmu|SCENE|FOLDER", help="What to look at.")],
+    path: Annotated[Path, typer.Argument(metavar="UNIT.fmu|SCENE|FOLDER", help="FMU, scene, or result folder.")],
     end_time: EndTime = None,
     overrides: Overrides = None,
 ) -> None:
-    """Show what an FMU offers, what a scene will do and take, or what a run or a sweep has given."""
+    """Show the variables of an FMU, the size and forecast of a scene, or the results of a run or a sweep."""
     from rich.console import Console
 
     from nervure.output import inspection, sweeps
@@ -205,7 +205,7 @@ def inspect(
 
     console = Console(highlight=False)
     if (overrides or end_time is not None) and (path.is_dir() or path.suffix == ".fmu"):
-        raise InputError(f"{path} is no scene, but --set and --end-time change one")
+        raise InputError(f"--set and --end-time change a scene, but {path} is none")
     if (path / "sweep.json").is_file():
         sweeps.print_table(console, sweeps.read(path))
     elif path.is_dir():
@@ -222,13 +222,13 @@ def plot(
     output: Annotated[
         Path | None,
         typer.Option(
-            metavar="FOLDER", parser=_folder, help="Folder of the pictures; default: that of the run, if it is one."
+            metavar="FOLDER", parser=_folder, help="Folder of the pictures; default: the folder of a single run."
         ),
     ] = None,
 ) -> None:
-    """Draw tip.png, drag.png and lift.png anew, several runs over each other, or sweep.png of a sweep."""
+    """Draw tip.png, drag.png and lift.png of one or several runs, or sweep.png of a sweep."""
     if len(folders) > 1 and output is None:
-        raise InputError("where several runs are drawn over each other, --output has to say where the pictures go")
+        raise InputError("several runs in one picture need --output, the folder of the pictures")
     from nervure.output import plots, sweeps
     from nervure.simulation import results
 
@@ -264,13 +264,13 @@ def animate(
 @app.command()
 def sweep(
     scene_files: Annotated[
-        list[str], typer.Argument(metavar="SCENE...", help="Scene files or shipped scenes to start from.")
+        list[str], typer.Argument(metavar="SCENE...", help="Base scenes: files, or names of shipped scenes.")
     ],
     vary: Annotated[
         list[str] | None,
         typer.Option(
             metavar="KEY=V1,V2,…",
-            help="Values for a scene key, or KEY=[V1, V2, …] in JSON; repeatable: all combinations are run.",
+            help="Values of a scene key, or KEY=[V1, V2, …] in JSON; repeatable: all combinations run.",
         ),
     ] = None,
     overrides: Overrides = None,
@@ -280,18 +280,18 @@ def sweep(
         typer.Option(metavar="FOLDER", parser=_folder, help="Folder of the sweep; default: results/sweep-NAME."),
     ] = None,
     scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler to run on, in place of this machine's cores.")
+        str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler; default: one on this machine.")
     ] = None,
-    retry_failed: Annotated[bool, typer.Option("--retry-failed", help="Run again what failed or was killed.")] = False,
-    list_runs: Annotated[
-        bool, typer.Option("--list", help="Show the runs and what is known of them; run none.")
+    retry_failed: Annotated[
+        bool, typer.Option("--retry-failed", help="Repeat runs that failed or were killed.")
     ] = False,
+    list_runs: Annotated[bool, typer.Option("--list", help="List the runs with their state, and run none.")] = False,
     force: Force = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a grid of scenes, each in a process of its own, and write sweep.csv, sweep.json and sweep.png.
+    """Run a grid of scenes in parallel and write sweep.csv, sweep.json and sweep.png.
 
-    The same command goes on where it was: what is finished is not run again.
+    The same command continues a sweep: finished runs are not repeated.
     """
     from rich.console import Console
 
@@ -317,7 +317,7 @@ def sweep(
             say = partial(console.print, markup=False, soft_wrap=True)
             rows = sweeps.run(cases, folder, scheduler, todo, force, say, count)
     except KeyboardInterrupt:
-        console.print("stopped; the same command goes on with the runs that are missing")
+        console.print("stopped; the same command continues with the missing runs")
         raise typer.Exit(INTERRUPTED) from None
     shown.print_table(console, rows)
     picture = shown.plot(folder, rows)
@@ -330,12 +330,12 @@ def sweep(
 @app.command()
 def dist(
     scene_file: SceneFile,
-    folder: Annotated[Path, typer.Argument(help="Folder to write; one that exists is replaced as a whole.")],
+    folder: Annotated[Path, typer.Argument(help="Folder to write; an existing one is replaced.")],
     fmi: Fmi = 2,
 ) -> None:
-    """Write FMUs, SSP (under FMI 2.0), checksums and manifest of a scene into a folder.
+    """Write FMUs, SSP (FMI 2.0 only), checksums and manifest of a scene into a folder.
 
-    `make dist` builds the libraries for it.
+    `make dist` builds the libraries first.
     """
     from nervure.scene import load
     from nervure.units import delivery
@@ -349,16 +349,16 @@ def merge(
     sources: Annotated[list[Path], typer.Argument(metavar="FMU...", help="FMUs that differ in their binaries only.")],
     output: Annotated[Path, typer.Option(metavar="MERGED.fmu", help="FMU to write.")],
 ) -> None:
-    """Put the binaries of several systems into one FMU."""
+    """Merge the binaries of several systems into one FMU."""
     from nervure.units import package
 
     typer.echo(package.merge(sources, output))
 
 
 def main() -> None:
-    """The command `nervure`."""
+    """Run the command `nervure`."""
     gc.set_threshold(GARBAGE)
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy solves small systems only, and its threads wait busily
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy solves small systems only, and its threads spin
     try:
         app()
     except InputError as error:

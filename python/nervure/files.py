@@ -1,4 +1,4 @@
-"""Files that appear only when they are complete."""
+"""Files that appear only when they are complete, and numbers that JSON has."""
 
 import csv
 import math
@@ -8,7 +8,7 @@ from typing import Any
 
 
 def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -> None:
-    """Let each of `writers` write a file beside its place in `folder`, then move all there, or none if one fails."""
+    """Write files into `folder` under other names, then rename all of them; if one writer fails, no file changes."""
     unfinished = {name: folder / f"unfinished-{name}" for name in writers}
     try:
         for name, writer in writers.items():
@@ -22,12 +22,12 @@ def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -
 
 
 def write_whole(path: Path, writer: Callable[[Path], object]) -> None:
-    """Let `writer` write a file beside `path`, then move it there."""
+    """Write a file under another name, then rename it to `path`."""
     write_together(path.parent, {path.name: writer})
 
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    """Write a table; columns are in the order in which the rows name them first."""
+    """Write a table; columns stand in the order of their first mention in the rows."""
 
     def writer(path: Path) -> None:
         with open(path, "w", encoding="utf-8", newline="") as file:
@@ -39,7 +39,7 @@ def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
 
 
 def json_numbers(value: Any) -> Any:
-    """`value` with null for the numbers that JSON does not have: a run that failed can leave infinities."""
+    """Return `value` with None for infinities and NaN, which JSON does not have; a failed run can leave them."""
     if isinstance(value, dict):
         return {key: json_numbers(part) for key, part in value.items()}
     if isinstance(value, list | tuple):

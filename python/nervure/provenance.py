@@ -1,4 +1,4 @@
-"""What a run was made with: the revision of the sources and the machine."""
+"""Provenance of a result: the revision of the sources and the machine."""
 
 import os
 import platform
@@ -14,7 +14,7 @@ class Revision:
     """A git revision."""
 
     revision: str
-    dirty: bool  # Whether files of it but documents have changed
+    dirty: bool  # Whether files other than documents have changed
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Machine:
 
 
 def git_revision() -> Revision | None:
-    """The revision of the source tree; None outside of git, or where the package came as a wheel."""
+    """Return the revision of the source tree; None outside git, or where the package is installed from a wheel."""
     if SOURCE is None:
         return None
 
@@ -42,12 +42,12 @@ def git_revision() -> Revision | None:
 
 
 def machine() -> Machine:
-    """This computer."""
+    """Return this computer."""
     return Machine(cpu_model(), os.cpu_count(), platform.platform())
 
 
 def cpu_model() -> str:
-    """What the system calls the processor."""
+    """Return the name of the processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
         return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))

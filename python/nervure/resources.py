@@ -1,7 +1,7 @@
-"""The files that come with the package: scenes, libraries of the units, pictures, licences, the schema.
+"""Paths of the files of the package: scenes, libraries of the units, pictures, licences, the schema.
 
-A wheel carries them in `nervure/data`, laid out as in the source tree; run from the source tree, they are that tree
-itself. The build hook of the wheel reads this file alone, so it imports nothing of the package.
+A wheel has these files in `nervure/data`, in the layout of the source tree; without a wheel, the source tree is used.
+The build hook of the wheel runs this file alone, so it imports nothing from the package.
 """
 
 import platform
@@ -15,7 +15,7 @@ SOURCE = None if PACKAGED.is_dir() else Path(__file__).resolve().parents[2]
 ROOT = SOURCE or PACKAGED
 SCENES = ROOT / "scenes"
 
-KINDS = ("rod", "fluid")  # Units that a scene can have; unit KIND is the library and the model identifier `fmu_KIND`
+KINDS = ("rod", "fluid")  # Kinds of units; KIND has the library and the model identifier `fmu_KIND`
 PREFIX, SUFFIX = {"win32": ("", ".dll"), "darwin": ("lib", ".dylib")}.get(sys.platform, ("lib", ".so"))
 
 _PROCESSOR = platform.machine().lower().replace("arm64", "aarch64").replace("amd64", "x86_64")
@@ -23,9 +23,9 @@ PLATFORM = {
     ("linux", "x86_64"): "linux64",
     ("win32", "x86_64"): "win64",
     ("darwin", "x86_64"): "darwin64",
-    ("darwin", "aarch64"): "darwin64",  # One library is for both
+    ("darwin", "aarch64"): "darwin64",  # One library for both
 }.get((sys.platform, _PROCESSOR), f"{_PROCESSOR}-{sys.platform}")
-"""This system's name in FMI 2.0; where that has none, one as in FMI 3.0."""
+"""Name of this system in FMI 2.0; where FMI 2.0 has none, in FMI 3.0."""
 
 BINARIES = ROOT / "binaries"
-"""The libraries of a wheel, in a folder for each platform."""
+"""Libraries in a wheel, in one folder for each platform."""

@@ -1,15 +1,15 @@
-"""What makes the next guess of an iteration: Aitken's relaxation, or IQN-ILS."""
+"""Accelerators of an iterated scheme, which make the next guess: Aitken's relaxation and IQN-ILS."""
 
 import numpy as np
 
 FIRST_RELAXATION = 0.1
-"""Part of the residual that is taken where nothing is known yet: small enough for an added mass of ten rods."""
+"""Relaxation before any residual is known: small enough for an added mass of ten rods."""
 
 AITKEN_START = (FIRST_RELAXATION, 0.5)
-"""Range of Aitken's relaxation at the start of a step. Within it the last one of the step before is kept."""
+"""Range of Aitken's relaxation at the start of a step; within it, the last value of the step before is kept."""
 
-MOST_COLUMNS, WINDOWS_REUSED = 60, 15  # Differences that IQN-ILS keeps at most, and for how many steps
-FILTER = 1.2e-3  # A difference of which less than this part is new, given the younger ones, is deleted (QR2 of preCICE)
+MAX_COLUMNS, WINDOWS_REUSED = 60, 15  # Largest number of differences that IQN-ILS keeps, and of steps it keeps them
+FILTER = 1.2e-3  # Least part of a difference that must be independent of the younger ones (QR2 of preCICE)
 
 
 class Aitken:
@@ -22,19 +22,19 @@ class Aitken:
         self.last_residual: np.ndarray | None = None
 
     def begin(self) -> None:
-        """A new step begins."""
+        """Begin a step."""
         self.relaxation = float(np.clip(self.relaxation, *AITKEN_START))
         self.last_residual = None
 
     def learn(self, residual: np.ndarray, _answer: np.ndarray) -> None:
-        """Take up the residual of the displacements, `[2n]`, and the answer that it belongs to, `[4n]`."""
+        """Learn from the residual of the displacements, `[2n]`, and the answer that gave it, `[4n]`."""
         if self.last_residual is not None:
             change = residual - self.last_residual
             self.relaxation *= -float(self.last_residual @ change) / float(change @ change)
         self.last_residual = residual
 
     def guess(self, given: np.ndarray, answer: np.ndarray) -> np.ndarray:
-        """The next guess of the stations."""
+        """Return the next guess of the stations."""
         relaxed: np.ndarray = given + self.relaxation * (answer - given)
         return relaxed
 
@@ -48,21 +48,21 @@ class Aitken:
 class IqnIls:
     """Interface quasi-Newton by least squares (Degroote, Bathe & Vierendeels 2009, Comput. Struct. 87, 793).
 
-    With differences of neighbouring iterations V = [r_i - r_{i-1}] and W = [x~_i - x~_{i-1}], those of former steps
-    too, the next guess is x~ + c W where c makes |r + c V| least. V holds displacements only: they are all that is
-    asked to agree, and a velocity is no length. A QR decomposition, youngest differences first, finds c and those that
-    say nothing new, which are deleted (Haelterman et al. 2016, Comput. Struct. 171, 9).
+    With the differences of successive iterations, V = [r_i - r_{i-1}] and W = [x~_i - x~_{i-1}], of this step and
+    earlier ones, the next guess is x~ + c W, where c minimizes |r + c V|. V holds displacements only: a velocity is no
+    length, and the displacements alone have to agree. A QR decomposition, youngest differences first, finds c and the
+    differences that are nearly dependent, which are deleted (Haelterman et al. 2016, Comput. Struct. 171, 9).
     """
 
     def __init__(self, displacements: int, stations: int):
         self.v, self.w = np.empty((0, displacements)), np.empty((0, stations))
-        self.most_columns = min(MOST_COLUMNS, displacements)
+        self.max_columns = min(MAX_COLUMNS, displacements)
         self.step_of = np.empty(0, int)
-        """Step in which each difference was found."""
+        """Number of the step of each difference."""
         self.step = 0
         self.deleted = self.dropped = 0
         self.last: tuple[np.ndarray, np.ndarray] | None = None
-        """Residual and answer of the iteration before, within a step."""
+        """Residual and answer of the last iteration of the step."""
 
     @property
     def columns(self) -> int:
@@ -80,7 +80,7 @@ class IqnIls:
             self.v = np.vstack([residual - last_residual, self.v])
             self.w = np.vstack([answer - last_answer, self.w])
             self.step_of = np.r_[self.step, self.step_of]
-            self.dropped += self._keep(np.arange(self.columns) < self.most_columns)
+            self.dropped += self._keep(np.arange(self.columns) < self.max_columns)
         self.last = residual, answer.copy()
 
     def guess(self, given: np.ndarray, answer: np.ndarray) -> np.ndarray:
@@ -97,7 +97,7 @@ class IqnIls:
         return relaxed
 
     def _keep(self, kept: np.ndarray) -> int:
-        """Forget the other differences; returns their number."""
+        """Delete the other differences and return their number."""
         if kept.all():
             return 0
         self.v, self.w, self.step_of = self.v[kept], self.w[kept], self.step_of[kept]

@@ -50,11 +50,11 @@ class EnergyGuard:
         self.balance = [steps + 1, difference, exchanged, on_rod, last]
         if steps >= window and (reason := self.reason(difference, exchanged, exchanged / window)):
             raise CouplingError(
-                f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}; {self.remedy(h)} "
+                f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}; {self.advice(h)} "
                 "(the limits are in `coupling.guards`)"
             )
 
-    def remedy(self, h: float) -> str:
+    def advice(self, h: float) -> str:
         """Return advice for this scene, whose step is `h` (s)."""
         if self.momentum and self.parallel:
             return "take the scheme explicit: in parallel the fluid sees the rod a step late"

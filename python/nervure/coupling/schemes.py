@@ -1,6 +1,6 @@
-"""How units exchange within one communication step, from t to t + H (`docs/theory/coupling.md`).
+"""Coupling schemes: the exchange between units in one communication step, from t to t + H (`docs/theory/coupling.md`).
 
-There are one or several rods; x and the loads are those of all of them. Explicit (serial), each unit once:
+With several rods, x and the loads contain all rods. Explicit (serial), each unit once:
 
     rod.step(loads of the fluid at t)  →  stations at t + H  →  fluid.step(stations)  →  loads for the next step
 
@@ -10,8 +10,7 @@ Iterated: from a guess of the stations x at t + H,
 
     fluid.step(x)  →  loads  →  rod.step(loads)  →  stations x~,   residual r = x~ - x
 
-until r is small; before every repetition both units are put back to t. What makes the next guess is Aitken's relaxation
-or IQN-ILS.
+until r is small; before each repetition all units return to t. Aitken's relaxation or IQN-ILS makes the next guess.
 """
 
 from array import array
@@ -26,33 +25,33 @@ from nervure.scene.types import Guards, Iterated as Iteration
 from nervure.units.fmu import Unit, beam_prefixes
 
 STATION_ROUNDING = 1e-12
-"""Residual relative to the stations' positions that counts as converged: a rod's own solver leaves about as much."""
+"""Residual, relative to the positions of the stations, that counts as converged: about the error of a rod's solver."""
 
 FALLING = 5
-"""Iterations at the end in which an iteration that converges slowly has halved the least of its residuals."""
+"""Last iterations within which a slowly converging iteration halves its least residual."""
 
 COARSEST_TOLERANCE = 1e-2
-"""A residual of less than this part of the step's displacement may be worth accepting."""
+"""Largest residual, relative to the displacement in the step, that a user may want to accept."""
 
 Drive = Callable[[float], Sequence[float]]
-"""Motion of a root that the master drives: the values at a time (s) of the rod's inputs `root.*`, in their order."""
+"""Motion of a driven root: the rod's inputs `root.*` at a time (s), in order."""
 
 
 def root_inputs(unit: Unit) -> list[str]:
-    """Names of the inputs with which a master drives the root of `unit`."""
+    """Return the names of the inputs that drive the root of `unit`."""
     return [v.name for v in unit.variables.values() if v.causality == "input" and v.name.startswith("root.")]
 
 
-def connections(source: Unit, target: Unit, given_as: str = "", taken_as: str = "") -> list[str]:
-    """Names of the quantities that `source` gives to `target`; raises `CouplingError` where an input of `target`, but
-    those of a driven root, finds no output of the same name, number and unit. The names begin with `given_as` at the
-    one and with `taken_as` at the other."""
+def connections(source: Unit, target: Unit, prefix_at_source: str = "", prefix_at_target: str = "") -> list[str]:
+    """Return the names of the quantities that `source` gives to `target`, without the prefixes at both. Raise
+    `CouplingError` where an input of `target`, except one of a driven root, has no output of the same name, size and
+    unit."""
     inputs = (v.name for v in target.variables.values() if v.causality == "input" and not v.name.startswith("root."))
-    names = [name.removeprefix(taken_as) for name in inputs if name.startswith(taken_as)]
+    names = [name.removeprefix(prefix_at_target) for name in inputs if name.startswith(prefix_at_target)]
     for name in names:
-        here, there = target.variables[taken_as + name], source.variables.get(given_as + name)
+        here, there = target.variables[prefix_at_target + name], source.variables.get(prefix_at_source + name)
         if there is None or there.causality != "output":
-            such = "such output" if given_as == taken_as else f"output `{given_as}{name}`"
+            such = "such output" if prefix_at_source == prefix_at_target else f"output `{prefix_at_source}{name}`"
             raise CouplingError(f"the {target.name} has the input `{here.name}`, but the {source.name} has no {such}")
         for what in ("kind", "size", "unit"):
             mine, theirs = getattr(here, what), getattr(there, what)
@@ -65,7 +64,7 @@ def connections(source: Unit, target: Unit, given_as: str = "", taken_as: str = 
 
 @dataclass(frozen=True)
 class Choice:
-    """How two units are coupled, and why so."""
+    """Load and scheme of a coupled run, with the reasons for them."""
 
     load: str
     load_reason: str
@@ -74,7 +73,7 @@ class Choice:
 
 
 def reason_of(rods: Sequence[Unit]) -> str | None:
-    """Why `rods` take the load that they take, in the words of the first that says so."""
+    """Return the reason for the load of `rods`, in the words of the first rod that has one; else None."""
     said = next((found for rod in rods if (found := rod.variables.get("load.reason"))), None)
     return said.start[0] if said else None
 
@@ -126,18 +125,18 @@ class Single(Scheme):
 
 @dataclass(frozen=True)
 class Link:
-    """A rod, and where its buffers and those of the fluid meet."""
+    """A rod, with its buffers and its parts of the fluid's buffers."""
 
     rod: Unit
-    stations: np.ndarray  # As the rod gave them
-    given: np.ndarray  # The same as inputs of the fluid
-    loads: np.ndarray  # As the fluid gave them
-    taken: np.ndarray  # The same as inputs of the rod
-    root: np.ndarray  # Further inputs of the rod: those that drive its root
+    stations: np.ndarray  # Outputs of the rod
+    fluid_stations: np.ndarray  # Stations as inputs of the fluid
+    loads: np.ndarray  # Outputs of the fluid
+    rod_loads: np.ndarray  # Loads as inputs of the rod
+    root: np.ndarray  # Inputs of the rod that drive its root
 
 
 class Explicit(Scheme):
-    """Rods and fluid with one exchange a step, the rods first."""
+    """One exchange a step: the rods step first, then the fluid."""
 
     parallel = False
     """Whether the fluid steps with the stations at the beginning of the step."""
@@ -153,14 +152,14 @@ class Explicit(Scheme):
             ]
 
     def _connect(self, guards: Guards | None) -> list[Link]:
-        """Choose what is exchanged: at the fluid what belongs to each rod, one after the other."""
+        """Connect the units; the fluid's buffers hold one rod after the other."""
         prefixes = beam_prefixes(len(self.rods))
         stations: list[list[str]] = []
         loads: list[list[str]] = []
         powers: list[str] = []  # Of the fluid
         for rod, beam in zip(self.rods, prefixes, strict=True):
-            loads.append(connections(self.fluid, rod, given_as=beam))
-            stations.append(connections(rod, self.fluid, taken_as=beam))
+            loads.append(connections(self.fluid, rod, prefix_at_source=beam))
+            stations.append(connections(rod, self.fluid, prefix_at_target=beam))
             root = root_inputs(rod)
             if root and self.drive is None:
                 raise CouplingError(
@@ -182,20 +181,21 @@ class Explicit(Scheme):
             sizes = [sum(self.fluid.variables[name].size for name in part) for part in names]
             return np.split(values, np.cumsum(sizes)[:-1])
 
-        meet = zip(self.rods, parts(self.fluid.inputs, here), parts(self.fluid.exchanged, there), strict=True)
+        pairs = zip(self.rods, parts(self.fluid.inputs, here), parts(self.fluid.exchanged, there), strict=True)
         return [
-            Link(rod, rod.exchanged, given, taken, *np.split(rod.inputs, [taken.size])) for rod, given, taken in meet
+            Link(rod, rod.exchanged, stations, loads, *np.split(rod.inputs, [loads.size]))
+            for rod, stations, loads in pairs
         ]
 
     def give_stations(self) -> None:
-        """Hand the rods' stations to the fluid."""
+        """Copy the stations of the rods to the fluid."""
         for link in self.links:
-            link.given[:] = link.stations
+            link.fluid_stations[:] = link.stations
 
     def take_loads(self) -> None:
-        """Hand the fluid's loads to the rods."""
+        """Copy the loads of the fluid to the rods."""
         for link in self.links:
-            link.taken[:] = link.loads
+            link.rod_loads[:] = link.loads
 
     def move_root(self, t: float) -> None:
         """Move the roots that `drive` drives to their place at `t` (s)."""
@@ -237,7 +237,7 @@ class Explicit(Scheme):
 
 
 class ParallelExplicit(Explicit):
-    """Rods and fluid with one exchange a step, each with what the other gave at its beginning."""
+    """One exchange a step: all units step with the outputs at its beginning."""
 
     parallel = True
 
@@ -248,7 +248,7 @@ CONVERGENCE = ("step", "iteration", "residual")
 
 
 class Iterated(Explicit):
-    """Rods and fluid with exchanges until all agree: the guess, the residual and its limit are of all rods together."""
+    """Exchanges until all units agree: guess, residual and limit are of all rods together."""
 
     def __init__(self, rods: Sequence[Unit], fluid: Unit, options: Iteration, drive: Drive | None = None):
         super().__init__(rods, fluid, drive)
@@ -261,7 +261,7 @@ class Iterated(Explicit):
                 "their velocity, so repeating the step with it would count the impedance twice"
             )
         self.tolerance, self.max_iterations = options.tolerance, options.max_iterations
-        # One rod's stations are those that it gave, several are gathered.
+        # The stations of one rod are its outputs; of several rods they are gathered.
         self.stations = self.rods[0].exchanged if len(self.rods) == 1 else np.zeros(fluid.inputs.size)
         sizes = [link.stations.size for link in self.links]
         places = [np.r_[rod.slices["x"], rod.slices["y"]] for rod in self.rods]
@@ -274,7 +274,7 @@ class Iterated(Explicit):
         self.iterations, self.convergence = array("d"), array("d")
 
     def gather(self) -> None:
-        """Put the stations that the rods gave one after the other."""
+        """Gather the stations of several rods in one array."""
         if len(self.links) > 1:
             np.concatenate([link.stations for link in self.links], out=self.stations)
 
@@ -314,15 +314,15 @@ class Iterated(Explicit):
             if not np.isfinite(error):
                 break
             given[:] = a.guess(given, stations)
-        remedy = self._remedy(error, iteration, h)
+        advice = self._advice(error, iteration, h)
         raise CouplingError(
             f"the step from t = {t:g} s to {t + h:g} s did not converge in {iteration} iterations: the "
-            f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit; {remedy}"
+            f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit; {advice}"
         )
 
-    def _remedy(self, error: float, iterations: int, h: float) -> str:
-        """What helps after so many iterations of a step of `h` seconds that did not converge, the residual being
-        `error` (m): by how they went, and by why there is an iteration at all."""
+    def _advice(self, error: float, iterations: int, h: float) -> str:
+        """Return advice after `iterations` iterations of a step of `h` (s) that did not converge, with the residual
+        `error` (m)."""
         residuals = np.array(self.convergence).reshape(-1, len(CONVERGENCE))[-iterations:, 2]
         least = residuals.min()
         if not np.isfinite(error):
@@ -353,7 +353,7 @@ class Iterated(Explicit):
         self.acceleration.remember(memory)
 
     def logs(self) -> dict[str, np.ndarray]:
-        """The steps that were made, and every iteration, one that did not converge included."""
+        """Return a row for each step, and one for each iteration, also of a step that did not converge."""
         tables = ("iterations", ITERATIONS, self.iterations), ("convergence", CONVERGENCE, self.convergence)
         return {
             name: np.array(rows).reshape(-1, len(columns)).view([(column, float) for column in columns]).ravel()

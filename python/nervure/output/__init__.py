@@ -1,13 +1,13 @@
-"""What people look at: pictures, fields, animations, tables, progress."""
+"""Output for people: pictures, fields, animations, tables, progress."""
 
 from nervure.scene.types import Display
 
-READ_IN = {"m": ("mm", 1e3)}  # Units that people read in another scale
+READ_IN = {"m": ("mm", 1e3)}  # Units that are shown in another scale
 
 
 def shown_in(unit: str | None, display: Display | None = None) -> tuple[str, float]:
-    """The unit in which people read values in `unit`, and what those are multiplied by; with `display` lengths and
-    times are multiples of a scene's own scales, and no unit of a force or an energy is shown."""
+    """Return the unit in which values in `unit` are shown, and the factor to it. With `display`, lengths and times are
+    in a scene's own scales, and forces and energies have no unit."""
     if display is None:
         return READ_IN.get(unit or "", (unit or "", 1.0))
     own = {
@@ -20,5 +20,5 @@ def shown_in(unit: str | None, display: Display | None = None) -> tuple[str, flo
 
 
 def with_unit(name: str, unit: str) -> str:
-    """The label of an axis."""
+    """Return the label of an axis."""
     return f"{name} [{unit}]" if unit else name

@@ -1,8 +1,7 @@
-"""Animation and phases of a run that was made with --fields-every.
+"""Animation and phases of a run with --fields-every.
 
-vorticity.gif goes round without a seam over the last whole periods, vorticity.mp4 has the same where imageio-ffmpeg is
-installed, phases.png shows four phases of the last one. A rod alone has motion.png and motion.gif
-in their place: where it was over the last whole period.
+vorticity.gif repeats the last whole periods without a seam, vorticity.mp4 shows them where imageio-ffmpeg is installed,
+and phases.png has four phases of the last period. A rod alone has motion.png and motion.gif of the last period instead.
 """
 
 import json
@@ -27,17 +26,17 @@ from nervure.scene import beams, validate
 from nervure.simulation import results
 from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
 
-PERIODS = 2  # Whole periods that the animation shows, unless times are asked for
+PERIODS = 2  # Whole periods in the animation, unless times are given
 PHASES = 4
-FILM = 60  # Most frames of motion.gif
-SHAPES = 24  # Most shapes of a rod alone that motion.png shows
+FILM = 60  # Largest number of frames in motion.gif
+SHAPES = 24  # Largest number of shapes in motion.png
 WIDTH, DPI = 9.0, 100  # Width of the animation, in, and points an inch
-FRAME_MS = 60  # How long a frame is shown, ms
-GREYS = 32  # Colours of the palette for text, axes and solids; the other ones are the colour scale's
+FRAME_MS = 60  # Duration of a frame, ms
+GREYS = 32  # Colours of the palette for text, axes and solids; the colour scale has the others
 
 
 class Frames:
-    """The frames of a result folder: times (s), vorticity and the beams' outlines."""
+    """The frames in a result folder: times (s), vorticity, outlines of the beams."""
 
     def __init__(self, folder: Path):
         alone = not (folder / FLUID_FIELDS).exists() and (folder / BEAM_FIELDS).exists()
@@ -49,7 +48,7 @@ class Frames:
         self.moves = self._moves(results.read(folder).series) if scene.fluid and scene.fluid.bodies else []
 
     def _moves(self, series: Series) -> list[np.ndarray]:
-        """Position and angle of each body at the times of the frames, `[frames, 3]`, m and rad."""
+        """Return position and angle of each body at the times of the frames, `[frames, 3]`, m and rad."""
         bodies = range(1, len(self.scene.fluid.bodies) + 1) if self.scene.fluid else ()
         of = [
             [np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in plots.POSE] for i in bodies
@@ -57,14 +56,14 @@ class Frames:
         return [np.transpose(parts) for parts in of]
 
     def poses(self, frame: int) -> list[list[float]]:
-        """Position and angle of each body."""
+        """Return position and angle of each body."""
         return [move[frame].tolist() for move in self.moves]
 
     def vorticity(self, frame: int) -> np.ndarray:
         return np.array(self.fluid["VTKHDF/PointData/vorticity"][frame]).T
 
     def points(self, frame: int, beam: int = 0) -> np.ndarray:
-        """Outline of a beam in the plane, its centre line in space, `[n, 3]`."""
+        """Return the outline of a beam in the plane, or its centre line in space, `[n, 3]`."""
         n = self.beams[beam]["NumberOfPoints"][0]
         return np.array(self.beams[beam]["Points"][frame * n : (frame + 1) * n])
 
@@ -75,13 +74,13 @@ class Frames:
         return [self.points(frame, beam)[:, :2] for beam in range(len(self.beams))]
 
     def between(self, begin: float, end: float) -> list[int]:
-        """Frames of the times from `begin` up to `end`, without `end` itself."""
+        """Return the frames from `begin` to before `end` (s)."""
         return np.flatnonzero((self.times >= begin) & (self.times < end)).tolist()
 
 
 def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
-    """Write vorticity.gif and vorticity.mp4 of the times from `begin` to `end` (s) and phases.png into a result folder,
-    or motion.png, motion.gif and motion.mp4 of a rod alone; returns them."""
+    """Write vorticity.gif and vorticity.mp4 of the times from `begin` to `end` (s), and phases.png, into a result
+    folder; of a rod alone motion.png, motion.gif and motion.mp4. Return their paths."""
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
@@ -114,7 +113,7 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
 
 
 def _has_ffmpeg() -> bool:
-    """Whether imageio-ffmpeg is installed and has or finds a program for this system."""
+    """Return whether imageio-ffmpeg is installed with a program for this system."""
     try:
         import imageio_ffmpeg
 
@@ -124,7 +123,7 @@ def _has_ffmpeg() -> bool:
 
 
 def _films(path: Path, pictures: list[np.ndarray]) -> list[Path]:
-    """Write the pictures as GIF and, where there is ffmpeg, as MP4; returns the files."""
+    """Write the pictures as GIF and, with ffmpeg, as MP4; return the paths."""
     written = [path.with_suffix(".gif")]
     write_whole(written[0], lambda unfinished: write_gif(pictures, unfinished))
     if _has_ffmpeg():
@@ -134,7 +133,7 @@ def _films(path: Path, pictures: list[np.ndarray]) -> list[Path]:
 
 
 def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
-    """Four frames below each other, or two by two where the box is high, with one colour scale."""
+    """Draw four frames with one colour scale: below each other, or two by two where the box is high."""
     columns = 2 if plots.size(frames.scene, WIDTH)[1] > WIDTH / 2 else 1
     _, height = plots.size(frames.scene, WIDTH / columns)
     rows = len(chosen) // columns
@@ -151,34 +150,34 @@ def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
 
 
 def _rod_figure(frames: Frames, chosen: list[int]) -> tuple[Figure, list[Any], list[tuple[int, int]], Any, Any]:
-    """A figure of a rod alone with axes for each side from which it is seen, in the plane or from three sides; those
-    sides as pairs of axes of space, the shapes, `[frames, points, 3]`, and the way of the tip, `[frames, 3]`."""
+    """Return a figure of a rod alone with axes for each view, one in the plane or three in space; the views as pairs of
+    coordinates; the shapes, `[frames, points, 3]`; and the path of the tip, `[frames, 3]`."""
     shapes = np.array([frames.points(frame) for frame in chosen])
     in_space = bool(np.ptp(shapes[..., 2]))
-    sides = [(0, 1), (0, 2), (1, 2)] if in_space else [(0, 1)]
-    figure = Figure(figsize=(4.2 * len(sides) + 1, 4.6), layout="constrained")
-    axes = list(figure.subplots(1, len(sides), squeeze=False)[0])
+    views = [(0, 1), (0, 2), (1, 2)] if in_space else [(0, 1)]
+    figure = Figure(figsize=(4.2 * len(views) + 1, 4.6), layout="constrained")
+    axes = list(figure.subplots(1, len(views), squeeze=False)[0])
     metre = plots.unit("m", frames.scene)
-    for axis, (across, up) in zip(axes, sides, strict=True):
+    for axis, (across, up) in zip(axes, views, strict=True):
         axis.set(xlabel=with_unit("xyz"[across], metre), ylabel=with_unit("xyz"[up], metre), aspect="equal")
         axis.locator_params(nbins=5)
     middle = shapes.shape[1] // 2
-    return figure, axes, sides, shapes, shapes[:, -1] if in_space else shapes[:, middle - 1 : middle + 1].mean(axis=1)
+    return figure, axes, views, shapes, shapes[:, -1] if in_space else shapes[:, middle - 1 : middle + 1].mean(axis=1)
 
 
 def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
-    """A rod alone with the way of its tip, as pictures, `[height, width, 3]` of bytes; at most `FILM` frames."""
+    """Return pictures of a rod alone with the path of its tip, `[height, width, 3]` of bytes; at most `FILM`."""
     chosen = chosen[:: -(-len(chosen) // FILM)]
-    figure, axes, sides, shapes, tip = _rod_figure(frames, chosen)
+    figure, axes, views, shapes, tip = _rod_figure(frames, chosen)
     figure.set_dpi(DPI)
     canvas, lines, pictures = FigureCanvasAgg(figure), [], []
-    for axis, (across, up) in zip(axes, sides, strict=True):
+    for axis, (across, up) in zip(axes, views, strict=True):
         axis.plot(tip[:, across], tip[:, up], color="0.7", linewidth=0.8)
         (line,) = axis.plot(shapes[..., across].ravel(), shapes[..., up].ravel(), color=plots.BLUE, linewidth=1.5)
         axis.set(xlim=axis.get_xlim(), ylim=axis.get_ylim())
         lines.append(line)
     for frame, shape in zip(chosen, shapes, strict=True):
-        for line, (across, up) in zip(lines, sides, strict=True):
+        for line, (across, up) in zip(lines, views, strict=True):
             line.set_data(shape[:, across], shape[:, up])
         figure.suptitle(frames.title(frame), fontsize="medium")
         canvas.draw()
@@ -187,23 +186,23 @@ def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
 
 
 def motion(frames: Frames, chosen: list[int], path: Path) -> None:
-    """A rod alone at the times `chosen`, coloured by time, and the way of its tip: in the plane or from three sides."""
-    figure, axes, sides, shapes, tip = _rod_figure(frames, chosen)
+    """Draw a rod alone in the frames `chosen`, coloured by time, with the path of its tip."""
+    figure, axes, views, shapes, tip = _rod_figure(frames, chosen)
     shown = np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int))
     times = Normalize(frames.times[chosen[0]], frames.times[chosen[-1]])
-    for axis, (across, up) in zip(axes, sides, strict=True):
+    for axis, (across, up) in zip(axes, views, strict=True):
         axis.plot(tip[:, across], tip[:, up], color="0.5", linewidth=0.8)
         for number in shown:
             colour = colormaps["viridis"](times(frames.times[chosen[number]]))
             axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
     key = ScalarMappable(times, "viridis")
     figure.colorbar(key, ax=axes, label=with_unit("t", plots.unit("s", frames.scene)), pad=0.01)
-    figure.suptitle("the rod, and in grey the way of its tip", fontsize="medium")
+    figure.suptitle("the rod, and in grey the path of its tip", fontsize="medium")
     figure.savefig(path, dpi=150)
 
 
 def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
-    """The frames as pictures, `[height, width, 3]` of bytes."""
+    """Return the frames as pictures, `[height, width, 3]` of bytes."""
     figure = Figure(figsize=plots.size(frames.scene, WIDTH), dpi=DPI, layout="constrained")
     canvas, axis = FigureCanvasAgg(figure), figure.subplots()
     bar, pictures = None, []
@@ -220,7 +219,7 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
 
 
 def write_gif(pictures: list[np.ndarray], path: Path) -> None:
-    """The pictures one after the other, for ever. One palette without dithering: what stands still costs nothing."""
+    """Write an endless GIF. One palette without dithering: still parts need no bytes."""
     scale = colormaps[plots.COLOUR_MAP](np.linspace(0, 1, 256 - GREYS))[:, :3]
     greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
     palette = Image.new("P", (1, 1))
@@ -230,7 +229,7 @@ def write_gif(pictures: list[np.ndarray], path: Path) -> None:
 
 
 def write_mp4(pictures: list[np.ndarray], path: Path) -> None:
-    """The pictures as H.264 in colours that every player shows; an odd last row or column is left out."""
+    """Write H.264 in colours that every player shows; an odd last row or column is left out."""
     import imageio_ffmpeg
 
     height, width = (size // 2 * 2 for size in pictures[0].shape[:2])

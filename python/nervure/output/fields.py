@@ -1,7 +1,7 @@
 """Fields over time in files that ParaView opens (VTKHDF 2): the fluid's grid in one, each beam in another.
 
-Every frame has its place from the beginning, and is counted only when it is there: the file of a killed run can be
-read up to its last frame, and a resumed run writes on. For that nothing is compressed. Values are single precision.
+Room for all frames is laid out at the start, and a frame is counted after it is written: the file of a killed run can
+be read up to its last frame, and a resumed run fills the rest. So nothing is compressed. Values have single precision.
 """
 
 from collections.abc import Callable
@@ -20,23 +20,23 @@ from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
 from nervure.units.fmu import Unit
 
-SCENE = "scene"  # Dataset with the text of the scene, outside of what VTK reads
+SCENE = "scene"  # Dataset with the text of the scene, which VTK ignores
 CELL_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
 def beam_file(own: Own) -> str:
-    """Name of the file of a beam."""
+    """Return the file name of a beam."""
     return f"beam-{own.unit}.vtkhdf" if own.prefix else BEAM_FIELDS
 
 
 def stations(units: dict[str, Unit], own: Own) -> np.ndarray:
-    """Where a beam's stations are now, `[n, 2]`, or `[n, 3]` in space."""
+    """Return the present positions of a beam's stations, `[n, 2]`, or `[n, 3]` in space."""
     unit = units.get(own.unit) or units["fluid"]
     return np.column_stack([unit.read(name) for name in "xyz" if name in unit.variables])
 
 
 def outline(centre_line: np.ndarray, thickness: np.ndarray) -> np.ndarray:
-    """Corners of a beam in the plane, `[2 n, 2]`, from its stations and the thickness there, `[n]`."""
+    """Return the outline of a beam in the plane, `[2 n, 2]`, from its stations and its thickness there, `[n]`."""
     tangent = np.gradient(centre_line, axis=0)
     normal = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.linalg.norm(tangent, axis=1, keepdims=True)
     side = thickness[:, None] / 2 * normal
@@ -79,7 +79,7 @@ class Fields(Observer):
 
 
 class Series:
-    """A VTKHDF file of `frames` places, of which `known` are filled."""
+    """A VTKHDF file with room for `frames` frames, `known` of them filled."""
 
     def __init__(self, path: Path, scene: Scene, frames: int, known: int):
         import h5py  # only here: a run without fields does not need it
@@ -108,7 +108,7 @@ class Series:
         self._count(known)
 
     def _place(self, group: Any, name: str, shape: tuple[int, ...]) -> Any:
-        """A dataset of single precision whose room is laid out now and filled later."""
+        """Return a dataset of single precision whose room is laid out now and filled later."""
         import h5py
 
         layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
@@ -117,7 +117,7 @@ class Series:
         return group.create_dataset(name, shape, np.float32, dcpl=layout)
 
     def _count(self, frames: int, time: float | None = None) -> None:
-        """Let the file have `frames` frames, the last of them at `time` (s) if it is new."""
+        """Set the number of frames; a new last frame is at `time` (s)."""
         self.times.resize(frames, axis=0)
         if time is not None:
             self.times[frames - 1] = time
@@ -145,7 +145,7 @@ class Grid(Series):
         self.data = self.root["PointData"]
 
     def write(self, frame: int, time: float) -> None:
-        """Put the fluid's fields at `time` (s) into place number `frame`."""
+        """Write the fluid's fields at `time` (s) as frame number `frame`."""
         u, v, omega, p = (self.fluid.field(name).T for name in ("u", "v", "vorticity", "p"))
         self.data["velocity"][frame] = np.stack([u, v, np.zeros_like(u)], axis=-1)
         self.data["vorticity"][frame], self.data["pressure"][frame] = omega, p
@@ -182,7 +182,7 @@ class Beam(Series):
         return points if points.shape[1] == 3 else np.pad(outline(points, self.thickness), ((0, 0), (0, 1)))
 
     def write(self, frame: int, time: float) -> None:
-        """Put the beam at `time` (s) into place number `frame`."""
+        """Write the beam at `time` (s) as frame number `frame`."""
         points = self._points()
         self.root["Points"][frame * len(points) : (frame + 1) * len(points)] = points
         self._count(frame + 1, time)

@@ -1,7 +1,7 @@
-"""What a scene will do and take, said before it runs: dimensionless numbers, resolution, steps, time and memory.
+"""Forecast of a run: dimensionless numbers, resolution, steps, warnings, wall time and memory.
 
-The speed of the machine is measured by the run's own steps: nothing else has their mix of transforms, solves and
-Python. `docs/guide/scenes.md` has where the ranges come from.
+The first steps of the run measure the machine: only they have its mix of transforms, solves and Python.
+`docs/guide/scenes.md` has the sources of the ranges.
 """
 
 import os
@@ -18,11 +18,11 @@ from nervure.simulation.facts import Facts
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.units.fmu import Unit
 
-WARM_UP = 2  # Steps that are not timed: the first has no history, the second no cached code
-TIMED = 0.5  # Wall time after which the speed of the machine is known, s
-ROUNDING = 1e-9  # Relative: a number on the limit is within
+WARM_UP = 2  # Steps before the timing: the first has no history, the second no cached code
+TIMED = 0.5  # Wall time of the timed steps, s
+ROUNDING = 1e-9  # Relative tolerance of a limit
 
-FACTORS = (2, 3, 5, 7, 11, 13)  # That the fluid's own transforms have
+FACTORS = (2, 3, 5, 7, 11, 13)  # Prime factors with a transform of their own
 THICKNESS_CELLS = 2.5  # Least cells in a thickness
 LAYER_CELLS = 0.8  # Least cells in the boundary layer at the front of a cylinder
 REYNOLDS = (20.0, 200.0)  # Range with published values
@@ -108,7 +108,7 @@ def warnings(facts: Facts) -> Iterator[str]:
 
 
 def _is_fast(cells: int) -> bool:
-    """Whether a count of cells has no other prime factors than `FACTORS`."""
+    """Return whether a number of cells has only the prime factors `FACTORS`."""
     for factor in FACTORS:
         while cells % factor == 0:
             cells //= factor
@@ -139,7 +139,7 @@ def coupling(choice: Choice) -> Iterator[tuple[str, str]]:
 
 
 class Pace(Observer):
-    """Finds the wall time of a whole run from its first steps.
+    """Estimates the wall time of a whole run from its first steps.
 
     At the start the flow is slow: a step of the fluid that is expected to be divided later counts as often.
     """
@@ -168,14 +168,14 @@ class Pace(Observer):
 
 
 def cost(wall: float) -> str:
-    """Time and memory in words."""
+    """Return wall time and memory in words."""
     memory = resident()
     held = f", {memory / 1e6:.0f} MB of memory with Python's own" if memory else ""
     return f"about {duration(wall)} of wall time on this machine{held}"
 
 
 def duration(seconds: float) -> str:
-    """A time with two digits, in the unit that fits."""
+    """Return a time with two digits, in a fitting unit."""
     for limit, unit, name in ((120.0, 1.0, "s"), (7200.0, 60.0, "min"), (172800.0, 3600.0, "h")):
         if seconds < limit:
             return f"{seconds / unit:.2g} {name}" if seconds / unit < 99.5 else f"{seconds / unit:.0f} {name}"
@@ -183,6 +183,6 @@ def duration(seconds: float) -> str:
 
 
 def resident() -> int:
-    """Resident memory of this process, bytes; 0 where the system does not tell."""
+    """Return the resident memory of this process, bytes; 0 on other systems than Linux."""
     pages = Path("/proc/self/statm")
     return int(pages.read_text(encoding="utf-8").split()[1]) * os.sysconf("SC_PAGE_SIZE") if pages.exists() else 0

@@ -1,4 +1,4 @@
-"""Short tables about FMUs, scenes and result folders."""
+"""Tables about FMUs, scenes and result folders, for `nervure inspect`."""
 
 import zipfile
 from collections.abc import Iterable
@@ -40,14 +40,13 @@ FLAGS = {
         "needsExecutionTool",
     ),
 }
-"""What a co-simulation unit says of itself, as far as fmpy reads it (FMI 2.0.4, section 4.3.1; FMI 3.0.2, section
-4.4.1)."""
+"""Flags of a co-simulation unit that fmpy reads (FMI 2.0.4, section 4.3.1; FMI 3.0.2, section 4.4.1)."""
 
-PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "bodies", "probes")  # What can be in a fluid
+PARTS = ("channel", "inflow", "sponge", "mean_flow", "cylinders", "bodies", "probes")  # Parts that a fluid may have
 
 
 def _print(console: Console, title: str, rows: Iterable[tuple[str, str]]) -> None:
-    """A table of two columns without lines."""
+    """Print a table of two columns without lines."""
     table = Table(title=escape(title), show_header=False, box=None, title_justify="left", padding=(0, 1))
     for name, value in rows:
         table.add_row(escape(name), escape(value))
@@ -55,7 +54,7 @@ def _print(console: Console, title: str, rows: Iterable[tuple[str, str]]) -> Non
 
 
 def show_unit(console: Console, path: Path) -> None:
-    """Model, flags, and the variables by arrays."""
+    """Print model, flags and variables of an FMU; an array is one row."""
     description = read_description(path)
     with zipfile.ZipFile(path) as archive:
         platforms = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
@@ -117,7 +116,7 @@ def show_scene(console: Console, scene: Scene) -> None:
 
 
 def show_results(console: Console, folder: Path) -> None:
-    """The summary of a run, as the run printed it, or how far one came that was killed."""
+    """Print the summary of a run, and the progress of a run that was stopped or killed."""
     stopped = (folder / results.CHECKPOINT).is_file()
     try:
         found = results.read(folder)

@@ -1,4 +1,4 @@
-"""What a sweep has given: a table, and a picture over the values that were varied."""
+"""Table and picture of a sweep."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -26,15 +26,15 @@ SHOWN = (
     ("drag_mean", "drag, mean [N/m]"),
     ("lift_amplitude", "lift, amplitude [N/m]"),
 )
-"""Columns of a sweep that people look at, and what pictures call them."""
+"""Columns of a sweep in table and picture, with the labels of their axes."""
 
-PANELS = 4  # Most quantities in the table and in the picture: the first that there are
-DECADE = 10  # Ratio of the largest to the smallest value from which on the axis is logarithmic
+PANELS = 4  # Largest number of quantities in table and picture
+DECADE = 10  # Ratio of the largest to the smallest value from which the axis is logarithmic
 MARKERS = "os^Dv*"
 
 
 def read(folder: Path) -> list[Row]:
-    """The rows of the sweep in `folder`."""
+    """Read the rows of the sweep in `folder`."""
     try:
         rows: list[Row] = json.loads((folder / "sweep.json").read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
@@ -43,18 +43,18 @@ def read(folder: Path) -> list[Row]:
 
 
 def varied(rows: Sequence[Row]) -> list[str]:
-    """The dotted keys that differ between `rows`: those between the scene's name and the status."""
+    """Return the dotted keys that differ between `rows`: the columns between scene and status."""
     keys = list(dict.fromkeys(name for row in rows for name in list(row)[: list(row).index("status")]))
     return [key for key in keys if key not in ("folder", "scene")]
 
 
 def _quantities(rows: Sequence[Row]) -> list[tuple[str, str]]:
-    """The first columns of `SHOWN` that a finished run has."""
+    """Return the first columns of `SHOWN` that a finished run has."""
     return [(name, label) for name, label in SHOWN if any(isinstance(row.get(name), float) for row in rows)][:PANELS]
 
 
 def print_table(console: Console, rows: Sequence[Row]) -> None:
-    """A line for each run: values, status, the first quantities that there are, wall time."""
+    """Print a line for each run: values, status, first quantities, wall time."""
     keys, found = varied(rows), _quantities(rows)
     several = len({row["scene"] for row in rows}) > 1 or not keys
     headings = ["scene"] * several + [short_keys(keys)[key] for key in keys] + ["status"]
@@ -71,8 +71,8 @@ def _digits(value: float | None) -> str:
 
 
 def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
-    """Write sweep.png, the first quantities over the first varied key, a curve for each combination of the others;
-    nothing if fewer than two runs are finished. Returns what was written."""
+    """Write sweep.png: the first quantities over the first varied key, a curve for each combination of the other keys.
+    Return its path; None where fewer than two runs are finished."""
     rows = [row for row in rows if row["status"] == FINISHED]
     found = _quantities(rows)
     if len(rows) < 2 or not found:
@@ -105,7 +105,7 @@ def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
             points = sorted(zip(x, (row[name] for row in having), strict=True))
             look = {"color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)], "label": curve}
             axis.plot(*zip(*points, strict=True), linewidth=0.9, markersize=4, **look) if points else None
-        if numeric and _wide(row[first] for row in rows):
+        if numeric and _spans_decade(row[first] for row in rows):
             axis.set_xscale("log")
         elif not numeric:
             axis.set_xticks(range(len(places)), places, rotation=20, ha="right")
@@ -118,7 +118,7 @@ def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
     return folder / "sweep.png"
 
 
-def _wide(values: Iterable[float]) -> bool:
-    """Whether `values` are positive and span more than a decade."""
+def _spans_decade(values: Iterable[float]) -> bool:
+    """Return whether `values` are positive and span a decade."""
     known = list(values)
     return min(known) > 0 and max(known) >= DECADE * min(known)

@@ -1,4 +1,4 @@
-"""The table of a run in the terminal: what came out, beside what is published."""
+"""Table of a run in the terminal: its quantities beside published values."""
 
 from dataclasses import fields
 
@@ -12,7 +12,7 @@ from nervure.simulation.summary import Published, Summary
 
 
 def print_table(console: Console, summary: Summary, display: Display | None = None) -> None:
-    """Show quantities against the reference, where there is one, window and cost; `display` is that of the scene."""
+    """Print quantities, published values, window and cost of a run; `display` is the key of its scene."""
     known = summary.coefficients is not None and bool(summary.coefficients.reference)
     known |= any(quantity.reference is not None for quantity in summary.quantities.values())
     compared = known and summary.not_compared is None

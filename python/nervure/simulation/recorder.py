@@ -1,4 +1,4 @@
-"""Keeps the scalar outputs of the units over time, in one table that is allocated before the run."""
+"""Recorder of the scalar outputs of units over time, in one table that is allocated before the run."""
 
 import re
 from itertools import pairwise
@@ -7,18 +7,17 @@ import numpy as np
 
 from nervure.units.fmu import Unit
 
-MAX_ROWS = 200_000  # A run of more steps is recorded at every second, third, … step, so that the table stays below this
-KINDS = ("Real", "Integer")  # FMI types of the outputs that are recorded, in the order of the columns of a unit
+MAX_ROWS = 200_000  # Largest number of rows: a longer run is recorded at every second, third, … step
+KINDS = ("Real", "Integer")  # FMI types of the recorded outputs, in the order of the columns of a unit
 PUNCTUATION = re.compile(r"[.\[\]]+")
 
 
 class Recorder:
-    """Table of time (s), the scalar outputs of `units` and iterations, one row for each of `steps` steps, or for every
-    `stride`-th. Then the units' scalars are fetched for those rows only.
+    """Table of time (s), the scalar outputs of connected `units`, and iterations: one row for every `stride`-th of
+    `steps` steps. With a stride above 1, scalars are fetched for these rows only.
 
-    Dots and brackets in names become underscores; a name that two units have gets that of its unit in front, and those
-    of several rods always do. `units` has the physical unit of each column but the last. To be made after the units are
-    connected.
+    In the names of columns, dots and brackets become underscores. The name of the unit stands in front where two units
+    have an output of one name, and always for several rods. `units` has the physical unit of each column but the last.
     """
 
     def __init__(self, units: dict[str, Unit], steps: int, stride: int = 1):
@@ -43,7 +42,7 @@ class Recorder:
         self._scalars = [(place, values) for place, values in zip(places, scalars, strict=True) if values.size]
 
     def record(self, step: int, time: float, iterations: int) -> None:
-        """Add a row if step number `step` is one that is recorded."""
+        """Add a row if step number `step` is recorded."""
         if step % self.stride:
             return
         for unit in self.sampled:
@@ -55,11 +54,11 @@ class Recorder:
         self.rows += 1
 
     def resume(self, table: np.ndarray) -> None:
-        """Begin with the rows that were recorded before."""
+        """Begin with the rows of `table`, recorded before a resumption."""
         self.rows = len(table)
         self.table[: self.rows] = table
 
     @property
     def series(self) -> dict[str, np.ndarray]:
-        """What was recorded so far, by column."""
+        """The recorded rows, by column."""
         return dict(zip(self.columns, self.table[: self.rows].T, strict=True))

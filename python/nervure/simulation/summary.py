@@ -1,6 +1,6 @@
-"""What a run has given, as summary.json holds it: each class has its keys, in their order.
+"""The summary of a run: each class has the keys of a part of summary.json, in order.
 
-A key whose field here has a default is left out of the file where it is None.
+A field with the default None is left out of the file where it is None.
 """
 
 import platform
@@ -27,14 +27,14 @@ from nervure.simulation.recorder import Recorder
 from nervure.units.fmu import Unit
 
 TIP = ("tip_ux", "tip_uy", "tip_uz")
-"""The outputs of a rod that are evaluated; those of the fluid are `FORCES`."""
+"""Evaluated outputs of a rod."""
 
-PERIODIC = 0.1  # Largest `amplitude_drift` of a run that is compared with published values of a periodic state
-STEADY = 0.05  # Largest amplitude by mean of a run that is compared with published values of a steady one
+PERIODIC = 0.1  # Largest `amplitude_drift` for a comparison with published values of a periodic state
+STEADY = 0.05  # Largest amplitude by mean for a comparison with published values of a steady state
 
-MAIN_SIGNALS = ("tip_uy", "lift")  # The first of these that there is decides on the periods
+MAIN_SIGNALS = ("tip_uy", "lift")  # The first one that a run has decides on the periods
 MOTION = re.compile(r"body_\d+_(x|y|angle)")  # Columns of the prescribed motion of a rigid body
-FORCES = ("drag", "lift")  # The outputs that a box filter goes over before their extremes are taken
+FORCES = ("drag", "lift")  # Evaluated outputs of the fluid, under a box filter
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class RunStatus:
 
 @dataclass(frozen=True)
 class Published:
-    """Published values of a quantity, in its unit; what the source does not give is None."""
+    """Published values of a quantity, in its unit; a value that the source lacks is None."""
 
     mean: float | None = None
     amplitude: float | None = None
@@ -69,13 +69,13 @@ class Quantity(statistics.Statistics):
     """A recorded output over the window."""
 
     unit: str
-    fit: statistics.Statistics | None  # The same of the harmonics that fit best; None where it does not oscillate
+    fit: statistics.Statistics | None  # Statistics of the least-squares harmonics; None without an oscillation
     reference: Published | None = None
 
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Those of a still cylinder, and what is published of them."""
+    """Coefficients of a still cylinder, and their published values."""
 
     values: dict[str, float]
     reference: dict[str, float]
@@ -84,7 +84,7 @@ class Coefficients:
 
 @dataclass(frozen=True)
 class Method:
-    """How the numbers came about."""
+    """Method behind the numbers."""
 
     coupling: Choice | None
     communication_step_s: float
@@ -94,25 +94,25 @@ class Method:
 
 @dataclass(frozen=True)
 class Interface:
-    """Work done across the interface, J per metre of depth, by what the rod took and by what the fluid exerted."""
+    """Work across the interface, J per metre of depth, from the power on the rod and from the power of the fluid."""
 
     work_on_rod: float
     work_by_fluid: float
     exchanged: float  # Sum of the magnitudes
-    imbalance: float | None  # Their difference, relative to what was exchanged
+    imbalance: float | None  # Difference of the two works, relative to `exchanged`
 
 
 @dataclass(frozen=True)
 class OfRod:
-    """What one of several rods has given."""
+    """Results of one of several rods."""
 
     flapping: flapping.Flapping | None  # None where no root is driven
-    interface: Interface | None  # None where a unit does not tell its power
+    interface: Interface | None  # None where a unit has no output of its power
 
 
 @dataclass(frozen=True)
 class UnitInfo:
-    """What a unit says of itself."""
+    """A unit, from its model description."""
 
     model: str
     version: str | None
@@ -122,7 +122,7 @@ class UnitInfo:
 
 @dataclass(frozen=True)
 class Summary:
-    """A run and what it has given."""
+    """Summary of a run."""
 
     scene: str
     completed: bool
@@ -132,33 +132,33 @@ class Summary:
     bodies: dict[str, BodyCoefficients]  # Empty where nothing drives the flow
     coefficients: Coefficients | None  # None where the scene is not one still cylinder in an inflow
     flapping: flapping.Flapping | None  # None where no root is driven
-    window_s: tuple[float, float] | None  # What was evaluated, s; None without a signal to take it from
-    periods: int  # Whole periods in it; 0 where nothing oscillates
+    window_s: tuple[float, float] | None  # Evaluated window, s; None without a signal
+    periods: int  # Whole periods in the window; 0 without an oscillation
     amplitude_drift: float | None
-    not_compared: str | None  # Why the numbers are no match for the published ones; None where they are
+    not_compared: str | None  # Why published values do not apply; None where they do
     method: Method
-    interface: Interface | None  # None where a unit does not tell its power
+    interface: Interface | None  # None where a unit has no output of its power
     simulated_s: float
     wall_s: float
-    cpu_s: float | None  # None of a run that was resumed
+    cpu_s: float | None  # None after a resumption
     wall_s_per_simulated_s: float | None
     steps: int
     iterations_mean: float | None
-    phases_s: dict[str, float]  # Wall time by what it was spent on, s
+    phases_s: dict[str, float]  # Wall time by its use, s
     units: dict[str, UnitInfo]
     series: dict[str, str | None]  # Unit of each column of series.csv
     versions: dict[str, str]
     git: Revision | None
     machine: Machine
-    rods: dict[str, OfRod] | None = None  # By name; None unless there are several, of which `flapping` is None
+    rods: dict[str, OfRod] | None = None  # By name; None for a single rod, and then `flapping` has its values
 
     @property
     def window(self) -> statistics.Window | None:
-        """What was evaluated."""
+        """The evaluated window."""
         return statistics.Window(*self.window_s, self.periods) if self.window_s else None
 
     def document(self) -> dict[str, Any]:
-        """What summary.json holds."""
+        """Return the content of summary.json."""
         kept: dict[str, Any] = json_numbers(TypeAdapter(Summary).dump_python(self, exclude_defaults=True))
         return kept
 
@@ -170,8 +170,8 @@ def quantities(beams: Sequence[Own]) -> list[str]:
 
 
 def main_signal(series: Series) -> str | None:
-    """Which of the recorded columns decides on the periods: where a root is driven, the tip along its main axis;
-    without a beam the motion of a rigid body, if one is driven."""
+    """Return the column that decides on the periods: with a driven root the tip along the main axis, without a beam
+    the motion of a driven rigid body."""
     axis = flapping.main_axis(series)
     signals = (f"tip_u{axis}", MAIN_SIGNALS[0]) if axis else MAIN_SIGNALS[:1]
     moving = (name for name in series if MOTION.fullmatch(name) and np.ptp(series[name][-series[name].size // 3 :]) > 0)
@@ -179,14 +179,14 @@ def main_signal(series: Series) -> str | None:
 
 
 def settling_signal(series: Series, main: str) -> str:
-    """The column that says whether a run is periodic: the main one, or where that is prescribed the larger force."""
+    """Return the column that shows whether a run is periodic: the main one, or if it is prescribed the larger force."""
     return max(FORCES, key=lambda name: np.ptp(series[name])) if MOTION.fullmatch(main) else main
 
 
 def _quantity(
     name: str, unit: str | None, series: Series, scene: Scene, window: statistics.Window, width: float
 ) -> Quantity:
-    """The output `name` over `window`; forces are filtered over `width` (s)."""
+    """Evaluate the output `name` over `window`; forces are filtered over `width` (s)."""
     time, values, reference = series["time"], series[name], None
     if name in FORCES:
         values = statistics.box_filter(time, values, width)
@@ -198,7 +198,7 @@ def _quantity(
 
 
 def _main_column(facts: Facts, series: Series) -> str | None:
-    """Return the main signal of a run; of several rods, of the first."""
+    """Return the main signal of a run; of several rods, the signal of the first."""
     for own in facts.beams[:1] if facts.scene.rods else ():
         if found := main_signal(seen(series, own)):
             return own.prefix + found
@@ -273,7 +273,7 @@ def _not_compared(
     window: statistics.Window | None,
     drift: float | None,
 ) -> str | None:
-    """Why a run is too short to be compared with what is published of the final state of its scene."""
+    """Return why a run cannot be compared with the published final state of its scene; None where it can."""
     reference = scene.reference
     if reference is None:
         return None
@@ -303,7 +303,7 @@ def _coefficients(scene: Scene, series: Series, window: statistics.Window, width
 
 
 def interface(series: Series) -> Interface | None:
-    """Work done across the interface; None where a unit does not tell."""
+    """Return the work across the interface; None where a unit has no output of its power."""
     if not {"load_work", "beam_work"} <= series.keys():
         return None
     on_rod, by_fluid = (series[name] for name in ("load_work", "beam_work"))

@@ -1,7 +1,8 @@
-"""A grid of runs on Dask's workers, which are processes of one thread, and the table of what they gave.
+"""Sweeps: a grid of runs on Dask's workers, which are processes of one thread, and the table of their results.
 
-Each run has a folder named by its values with `row.json`, its row of the table: a sweep that is started again goes by
-it. Dask repeats a run whose worker died, up to `distributed.scheduler.allowed-failures` times, 3 by default.
+The folder of a run is named by its values and holds `row.json`, the row of the table: a sweep that is started again
+makes only the runs without a row. Dask repeats a run whose worker died, `distributed.scheduler.allowed-failures` times
+at most, by default 3.
 """
 
 import copy
@@ -36,28 +37,28 @@ from nervure.simulation.summary import Summary
 ROW = "row.json"
 Row = dict[str, Any]  # A run in the table of a sweep, by column
 FINISHED, FAILED, KILLED = "finished", "failed", "killed"  # Status; killed: its worker died at every attempt
-CONNECT_S = 5  # How long a scheduler has to answer, s
-LISTEN_S = 0.2  # How long Ctrl-C may have to wait, s
-PROGRESS, REPORT_S = "nervure-progress", 0.5  # Dask's topic of what is under way, and s between two reports of a run
+CONNECT_S = 5  # Time within which a scheduler must answer, s
+LISTEN_S = 0.2  # Longest time until Ctrl-C is noticed, s
+PROGRESS, REPORT_S = "nervure-progress", 0.5  # Topic of the reports at Dask, and time between two, s
 LONGEST_FOLDER = 100  # Characters
-Progress = Callable[[int, int], None]  # Given the runs and the steps that are done
+Progress = Callable[[int, int], None]  # Called with the numbers of runs and steps done
 STATISTICS = ("mean", "amplitude", "frequency_hz")
 REPORTED = ("simulated_s", "steps", "periods", "amplitude_drift", "iterations_mean")
-"""What the table has of a summary's quantities, and of the summary itself."""
+"""Values of a quantity, and of a summary, in the table."""
 
 
 @dataclass(frozen=True)
 class Case:
     """A run of a sweep."""
 
-    scene: Document  # Which may be one that a unit refuses: that is then the result
-    varied: dict[str, Any]  # What differs from the scene it was made of, by dotted keys
-    key: str  # Digest of the scene and of its units' libraries: a row with the same key needs no other run
-    folder: str  # Its name says the values
+    scene: Document  # Unchecked: a refusal is a result
+    varied: dict[str, Any]  # Values that differ from the base scene, by dotted key
+    key: str  # Digest of the scene and the libraries of the units: a row with this key is still valid
+    folder: str  # Name with the values
 
     @property
     def steps(self) -> int:
-        """Communication steps of the run; 0 where its clock is one that the units will refuse."""
+        """Number of communication steps; 0 where the units will refuse the times."""
         try:
             time = self.scene["time"]
             return TimeGrid(float(time["end"]), float(time["communication_step"])).steps
@@ -66,13 +67,13 @@ class Case:
 
 
 def plain_name(scene: Document) -> str:
-    """The name of a scene as a part of a path, whatever it holds: a unit has not seen it yet."""
+    """Return the name of an unchecked scene as a part of a path."""
     return re.sub(r"[^\w.-]", "_", str(scene.get("name"))).lstrip(".-")[:LONGEST_FOLDER] or "scene"
 
 
 def _folder_name(scene: Document, varied: dict[str, Any], named: bool, taken: Collection[str]) -> str:
-    """What the values that a scene has of the varied keys make of the name of its folder, `named` with the name of the
-    scene in front; with a digest of the scene where that is too long, or `taken`."""
+    """Return the folder name of a scene from its `varied` values, after the name of the scene if `named`; with a
+    digest of the scene where the name is too long, or `taken`."""
     short = short_keys(varied)
     parts = [f"{short[key]}={_plain_value(value)}" for key, value in varied.items()]
     name = ",".join([plain_name(scene), *parts] if named or not parts else parts)
@@ -82,12 +83,12 @@ def _folder_name(scene: Document, varied: dict[str, Any], named: bool, taken: Co
 
 
 def _plain_value(value: Any) -> str:
-    """A value as a part of a path."""
+    """Return a value as a part of a path."""
     return re.sub(r"[^\w.+-]+", "_", short_value(value)).strip("_")
 
 
 def short_keys(keys: Iterable[str]) -> dict[str, str]:
-    """As many of the last parts of each dotted key as tell it from the others and begin with a name."""
+    """Return the shortest end of each dotted key that begins with a name and is unique."""
     every = [key.split(".") for key in keys]
     short = {}
     for parts in every:
@@ -101,7 +102,7 @@ def short_keys(keys: Iterable[str]) -> dict[str, str]:
 
 
 def short_value(value: Any) -> str:
-    """A value of a scene as people write it: 1e-05 and 2000000, not 2000000.0."""
+    """Return a value of a scene as people write it: 2000000, not 2000000.0."""
     if isinstance(value, list):
         return f"[{', '.join(map(short_value, value))}]"
     if isinstance(value, float):
@@ -110,7 +111,7 @@ def short_value(value: Any) -> str:
 
 
 def values(text: str) -> tuple[str, list[Any]]:
-    """Dotted key and values of `key=v1,v2,…` or `key=[v1, v2, …]`."""
+    """Return the dotted key and the values of `key=v1,v2,…` or `key=[v1, v2, …]`."""
     key, equals, listed = text.partition("=")
     if not (key and equals and listed):
         raise SceneError(f"the variation `{text}` must be of the form key=value,value,… or key=[value, …]")
@@ -119,7 +120,7 @@ def values(text: str) -> tuple[str, list[Any]]:
 
 
 def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[Any]]]) -> list[Case]:
-    """A case for every scene and every combination of the values."""
+    """Return a case for each scene and each combination of the values."""
     keys = [key for key, _ in variations]
     if len(set(keys)) < len(keys):
         raise SceneError(f"the variations name a key twice: {', '.join(keys)}")
@@ -143,7 +144,7 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
 
 
 def known(case: Case, folder: Path) -> Row | None:
-    """The row that a former sweep into `folder` left of `case`."""
+    """Return the row of `case` from an earlier sweep into `folder`; None without one."""
     try:
         row: Row = json.loads((folder / case.folder / ROW).read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -152,13 +153,13 @@ def known(case: Case, folder: Path) -> Row | None:
 
 
 def unknown(cases: list[Case], folder: Path, retry_failed: bool) -> list[Case]:
-    """Those of `cases` that a former sweep into `folder` has no row of, or with `retry_failed` no finished one."""
+    """Return the `cases` without a row in `folder`; with `retry_failed`, without a row of a finished run."""
     rows = [(case, known(case, folder)) for case in cases]
     return [case for case, row in rows if row is None or (retry_failed and row["status"] != FINISHED)]
 
 
 class Reporter(Observer):
-    """Tells the process that made the sweep how many steps of the run in the folder `name` are done."""
+    """Reports the steps of the run in the folder `name` to the process of the sweep."""
 
     def __init__(self, name: str):
         import distributed
@@ -172,7 +173,7 @@ class Reporter(Observer):
 
 
 def run_for_sweep(scene: Document, folder: Path) -> Row:
-    """Run a case on a worker, without FMUs and pictures, which take longer than a short run; return its row."""
+    """Run a case on a worker and return its row; packing and pictures, which outlast a short run, are left out."""
     wall, cpu = perf_counter(), process_time()
     row: Row = {"status": FINISHED, "reason": None}
     found: Row = {}
@@ -191,7 +192,7 @@ def run_for_sweep(scene: Document, folder: Path) -> Row:
 
 
 def _reported(summary: Summary) -> Row:
-    """Return the columns that the table has of a summary."""
+    """Return the values of a summary that the table has."""
     found: Row = {name: getattr(summary, name) for name in REPORTED}
     for name, quantity in summary.quantities.items():
         found |= {f"{name}_{what}": getattr(quantity, what) for what in STATISTICS}
@@ -209,10 +210,10 @@ def run(
     say: Callable[[str], None] = lambda _: None,
     progress: Progress = lambda _runs, _steps: None,
 ) -> list[Row]:
-    """Run `todo`, those of `cases` that are not known, write sweep.csv and sweep.json into `folder`, return the rows.
-    Raises `InputError` where that would replace results of another scene, unless `force` allows it.
+    """Run `todo`, by default the `cases` without a row, write sweep.csv and sweep.json into `folder`, and return all
+    rows. Raise `InputError` where results of another scene would be replaced, unless `force` allows it.
 
-    `say` is given a line for each run that ends; `progress` runs and steps done of those that are to do, at any time.
+    `say` is called with a line for each run that ends, `progress` at any time with the runs and steps done.
     """
     rows = {case.folder: known(case, folder) for case in cases}
     todo = unknown(cases, folder, False) if todo is None else todo
@@ -250,19 +251,19 @@ def run(
 
 
 @contextmanager
-def _remembering() -> Iterator[Callable[[], None]]:
-    """Within it the first Ctrl-C is raised only where the function that is given is called: Python loses one that is
-    raised in a destructor, and the libraries of the workers have many."""
-    came = False
+def _interruption() -> Iterator[Callable[[], None]]:
+    """Yield a function that raises KeyboardInterrupt after the first Ctrl-C. Python loses an exception that a signal
+    raises within a destructor, and the libraries of the workers have many."""
+    interrupted = False
 
     def remember(*_: object) -> None:
-        nonlocal came
-        if came:
+        nonlocal interrupted
+        if interrupted:
             raise KeyboardInterrupt
-        came = True
+        interrupted = True
 
     def check() -> None:
-        if came:
+        if interrupted:
             raise KeyboardInterrupt
 
     if threading.current_thread() is not threading.main_thread():
@@ -276,13 +277,12 @@ def _remembering() -> Iterator[Callable[[], None]]:
 
 
 @contextmanager
-def _deaf() -> Iterator[None]:
-    """Within it, threads and processes are started that Ctrl-C in the terminal does not reach, nor what they start: it
-    is for the sweep to end them."""
+def _without_interrupts() -> Iterator[None]:
+    """Block Ctrl-C for the threads and processes that start meanwhile, and their children: the sweep ends them."""
     if not hasattr(signal, "pthread_sigmask"):
-        yield  # In Windows a worker that ends by Ctrl-C is one that the sweep ends too
+        yield  # In Windows, Ctrl-C ends the workers as well as the sweep
         return
-    resource_tracker.ensure_running()  # Later it would end the blocking
+    resource_tracker.ensure_running()  # A later start would end the blocking
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
         yield
@@ -297,21 +297,21 @@ def _distribute(
     reached: Callable[[str, int], None],
     keep: Callable[[Case, Row], None],
 ) -> None:
-    """Hand `cases` to workers. `keep` is given each with its result as it comes in, `reached` the steps that those
-    under way have done. No more are handed out than there are workers, so that one that kills its worker takes no
-    other with it. Whatever ends this ends the workers of this machine too."""
+    """Run `cases` on workers. `keep` is called with each case and its row, `reached` with the steps of the runs under
+    way. There are never more runs than workers, so that a run that kills its worker ends no other run. The workers of
+    this machine end with this function."""
     import distributed
     from distributed.scheduler import KilledWorker
 
     with ExitStack() as stack:
-        check = stack.enter_context(_remembering())
+        check = stack.enter_context(_interruption())
         if scheduler is None:
             from dask.system import CPU_COUNT
 
-            # Not what is critical either: at Ctrl-C the scheduler may just write to a client that has gone.
+            # Critical messages too: at Ctrl-C the scheduler may write to a client that has gone.
             quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
             workers = {"n_workers": min(CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
-            with _deaf():
+            with _without_interrupts():
                 scheduler = stack.enter_context(distributed.LocalCluster(**workers, **quiet))
         try:
             client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
@@ -355,7 +355,7 @@ def _distribute(
                 failure = future.exception()
             except (OSError, CancelledError) as lost:
                 raise InputError(
-                    f"the scheduler at {scheduler} was lost; the same command goes on with what is missing"
+                    f"the scheduler at {scheduler} was lost; the same command continues with the missing runs"
                 ) from lost
             if isinstance(failure, KilledWorker):
                 keep(case, {"status": KILLED, "reason": f"its worker died {failure.allowed_failures + 1} times"})
@@ -366,7 +366,7 @@ def _distribute(
 
 
 def _collect(folder: Path, rows: dict[str, Row | None]) -> None:
-    """Write sweep.csv and sweep.json of the rows that there are, in the order of the grid."""
+    """Write sweep.csv and sweep.json with the existing rows, in the order of the grid."""
     folder.mkdir(parents=True, exist_ok=True)
     table = [{name: value for name, value in row.items() if name != "key"} for row in rows.values() if row]
     columns = list(dict.fromkeys(name for row in table for name in row))

@@ -1,1 +1,1 @@
-"""Units to hand out: FMUs, SSP, a folder of both."""
+"""Units of a scene: described, packed, loaded; and as SSP or a folder for other masters."""

@@ -1,4 +1,4 @@
-"""The units of a scene in a folder that a master's user can take without Rust: FMUs, SSP, SHA256SUMS, manifest.json."""
+"""A folder with the units of a scene for users of other masters: FMUs, SSP, SHA256SUMS, manifest.json."""
 
 import hashlib
 import json
@@ -15,7 +15,7 @@ from nervure.units import package, ssp
 from nervure.units.describe import describe_all
 from nervure.units.notices import notices
 
-OLDEST_GLIBC = (2, 17)  # The version that the libraries must run on: that of 2012
+OLDEST_GLIBC = (2, 17)  # Of 2012; the libraries must run on it
 TARGETS = {
     2: {
         "linux64": "x86_64-unknown-linux-gnu",
@@ -31,10 +31,10 @@ TARGETS = {
         "aarch64-linux": "aarch64-unknown-linux-gnu",
     },
 }
-"""Rust's targets by the platform's name, for each version of FMI. FMI 2.0 has none for Linux on ARM and leaves it to
-others: that of FMI 3.0. A library for macOS is for both of its processors."""
+"""Rust targets by the name of the platform, for each version of FMI. FMI 2.0 has no name for Linux on ARM, so the name
+of FMI 3.0 is used. A library for macOS is for both processors."""
 NAMES = {"x86_64-pc-windows-gnu": "fmu_{}.dll", "universal2-apple-darwin": "libfmu_{}.dylib"}
-"""What cargo calls a library there; on Linux `libfmu_KIND.so`."""
+"""Names of libraries by target; on Linux `libfmu_KIND.so`."""
 SSP = {2: "| `*.ssp` | both, connected (System Structure and Parameterization 1.0) |\n", 3: ""}
 NOTES = {
     2: "`linux64` needs glibc 2.17 or newer, as `aarch64-linux` does, which FMI 2.0 has no name for.\n"
@@ -42,27 +42,27 @@ NOTES = {
     3: "`x86_64-linux` and `aarch64-linux` need glibc 2.17 or newer. `x86_64-darwin` and `aarch64-darwin`\n"
     "hold the same library for both processors, which was never run.",
 }
-"""What the page in the folder says of a version alone."""
+"""Notes of the README in the folder, by version of FMI."""
 README = Path(__file__).with_name("dist.md").read_text(encoding="utf-8")
 
 
 def glibc(library: Path) -> tuple[int, int]:
-    """The oldest glibc that has every symbol which a library asks for."""
+    """Return the oldest version of glibc that has all symbols of a library."""
     versions = re.findall(rb"GLIBC_(\d+)\.(\d+)", library.read_bytes())
     return max(((int(major), int(minor)) for major, minor in versions), default=(0, 0))
 
 
 def checksum(path: Path) -> str:
-    """SHA-256 of a file."""
+    """Return the SHA-256 of a file."""
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def binaries(kind: str, version: int) -> dict[str, Path]:
-    """The libraries of unit `kind` by platform: that in use, and where `make dist` built it, or in a wheel, those of
-    other targets."""
+    """Return the libraries of unit `kind` by platform: the library in use, and those of the other targets where
+    `make dist` built it, or in a wheel."""
     own, targets = library(kind), TARGETS[version]
     target, built = own.parents[1].name, own.parents[2]
-    if own.is_relative_to(BINARIES):  # its folders have the names of FMI 2.0
+    if own.is_relative_to(BINARIES):  # whose folders have the names of FMI 2.0
         folders = {target: BINARIES / platform for platform, target in TARGETS[2].items()}
     elif target in targets.values():
         folders = {target: built / target / "release" for target in targets.values()}
@@ -74,7 +74,7 @@ def binaries(kind: str, version: int) -> dict[str, Path]:
 
 
 def write(scene: Scene, folder: Path, version: int = 2) -> None:
-    """Make a folder to hand out, with units of that version of FMI, in the place of one that exists."""
+    """Write the folder, with units of that version of FMI; one that exists is replaced."""
     units, git = describe_all(scene, version), git_revision()
     libraries = {name: binaries(unit.kind, version) for name, unit in units.items()}
     needed = {

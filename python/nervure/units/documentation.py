@@ -1,4 +1,4 @@
-"""What an FMU carries to be read: `documentation/index.html`, and its arrays as terminals."""
+"""Documentation of an FMU, `documentation/index.html`, and its arrays as terminals."""
 
 import re
 from dataclasses import dataclass
@@ -16,9 +16,9 @@ PAGE = Path(__file__).with_name("page.html").read_text(encoding="utf-8")
 
 STATIONS = ("x", "y", "z", "vx", "vy", "vz")
 LOAD = ("force_x", "force_y", "force_z", "impedance")
-BEAM = re.compile(r"beam\[\d+\]\.")  # In front of the names of the arrays that belong to one of several rods
+BEAM = re.compile(r"beam\[\d+\]\.")  # Prefix of the arrays of one of several rods
 TERMINALS = dict.fromkeys(STATIONS, "stations") | dict.fromkeys(LOAD, "load")
-"""Arrays that go together in FMI 3.0, where an array is one variable and a terminal may have several."""
+"""Terminals of arrays in FMI 3.0, where an array is one variable and a terminal may have several."""
 DESCRIPTIONS = {"stations": "Positions and velocities of the stations", "load": "Load on the stations"}
 
 
@@ -36,7 +36,7 @@ class _Variable:
 
 
 def _variables(description: str) -> list[_Variable]:
-    """The variables of a model description of either version, elements of an array together."""
+    """Return the variables of a model description of either version; the elements of an array are one variable."""
     root = etree.fromstring(description.encode("utf-8"))
     if root.get("fmiVersion") != "2.0":
         units = {kind.get("name"): kind.get("unit", "") for kind in root.find("TypeDefinitions")}
@@ -53,7 +53,7 @@ def _variables(description: str) -> list[_Variable]:
 
 
 def _whole(variable: Any, units: dict[str, str]) -> _Variable:
-    """A variable of FMI 3.0, with the units of the declared types."""
+    """Return a variable of FMI 3.0, with the `units` of the declared types."""
     unit, references = units.get(variable.get("declaredType"), ""), [int(variable.get("valueReference"))]
     name, dimension = variable.get("name"), variable.find("Dimension")
     starts = [start.get("value") for start in variable.iterfind("Start")] or variable.get("start", "").split()
@@ -62,7 +62,7 @@ def _whole(variable: Any, units: dict[str, str]) -> _Variable:
 
 
 def _row(variable: _Variable) -> str:
-    """A line of the table of variables."""
+    """Return a row of the table of variables."""
     value, members, references = variable.value, variable.members, variable.references
     starts = list(dict.fromkeys(variable.starts))
     limits = " ".join(f"{sign} {value.get(bound)}" for bound, sign in (("min", "≥"), ("max", "≤")) if value.get(bound))
@@ -80,7 +80,7 @@ def _row(variable: _Variable) -> str:
 
 
 def page(kind: str, description: str) -> str:
-    """The page about unit `kind` under a model description."""
+    """Return the page of unit `kind` with a model description."""
     root = etree.fromstring(description.encode("utf-8"))
     text = (ROOT / f"fmu-{kind}" / "documentation.html").read_text(encoding="utf-8").strip()
     rows = "\n".join(map(_row, _variables(description)))
@@ -92,9 +92,9 @@ def page(kind: str, description: str) -> str:
 
 
 def terminals(description: str) -> str:
-    """terminalsAndIcons.xml (FMI 3.0) of the arrays of inputs or outputs. Under FMI 2.0 each is a terminal with its
-    elements as members; under FMI 3.0 the arrays themselves are the members, and those of `TERMINALS` go together. The
-    members have the names that a rod has for them, so that its terminals fit those of a fluid with several."""
+    """Return terminalsAndIcons.xml (FMI 3.0) of the arrays of inputs and outputs. Under FMI 2.0 an array is a terminal
+    with its elements as members; under FMI 3.0 arrays are the members, grouped by `TERMINALS`. Members have the names
+    of the rod's variables, so that the terminals of a rod fit the terminals of a fluid with several rods."""
     arrays = [v for v in _variables(description) if v.members and v.about.get("causality") in ("input", "output")]
     listed: dict[str, Any] = {}
     for array in arrays:

@@ -1,4 +1,4 @@
-"""One FMU as the master sees it: named arrays in, one step, named arrays out."""
+"""An FMU as the master uses it: named arrays in, a step, named arrays out."""
 
 import ctypes
 import math
@@ -23,13 +23,13 @@ from fmpy.logging import addLoggerProxy
 from nervure.errors import InputError
 
 FMI_WARNING, FMI_FATAL = 1, 4
-ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of the standard: some units say only in these why they failed
-KINDS = {"Float64": "Real", "Int32": "Integer"}  # Types of FMI 3.0 by the name that they have in 2.0
+ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of the standard; some units log errors only in these
+KINDS = {"Float64": "Real", "Int32": "Integer"}  # Types of FMI 3.0 with their names in FMI 2.0
 ELEMENT = re.compile(r"(.+)\[(\d+)\]")
 
 
 class UnitError(InputError):
-    """A unit refused or failed; the message is the unit's own where it gave one."""
+    """A unit refused a call or failed; the message is the unit's own where it logged one."""
 
 
 @dataclass
@@ -37,11 +37,11 @@ class Variable:
     """A scalar variable, or an array: `name[1] … name[n]` in FMI 2.0, one variable of `n` values in FMI 3.0."""
 
     name: str
-    kind: str  # FMI type, by its name in FMI 2.0 where it has one: Real, Integer, Boolean or String
+    kind: str  # FMI type, by its name in FMI 2.0 if it has one: Real, Integer, Boolean or String
     causality: str
     unit: str | None
     references: list[int]
-    start: list[str | None]  # Start values as they stand in the model description
+    start: list[str | None]  # Start values as text in the model description
 
     @property
     def size(self) -> int:
@@ -49,7 +49,7 @@ class Variable:
 
 
 _messages: dict[str, list[str]] = defaultdict(list)
-"""Why units failed, by instance name: fmpy's proxy knows one logger for the whole process."""
+"""Logged errors by instance name: the proxy of fmpy has one logger for the whole process."""
 
 
 def _log(_environment: Any, instance: bytes | None, status: int, _category: Any, message: bytes | None) -> None:
@@ -72,8 +72,8 @@ addLoggerProxy(ctypes.byref(_callbacks))
 class Unit:
     """A co-simulation FMU of FMI 2.0 or 3.0, packed or as a folder, instantiated and in initialization mode.
 
-    `connect` chooses what is exchanged; after it, `inputs` and `outputs` are plain arrays, and `step` moves each of
-    them with one call. A status worse than a warning raises `UnitError` with what the unit logged.
+    After `connect`, `inputs` and `outputs` are plain arrays, and `step` moves each with one call. A status worse than a
+    warning raises `UnitError` with the errors that the unit logged.
     """
 
     def __init__(self, path: Path, name: str, stop_time: float):
@@ -107,7 +107,7 @@ class Unit:
             categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
             if self.version == 2:
                 self._call(self.fmu.instantiate, callbacks=_callbacks)
-            else:  # which logs nothing at all where logging is off
+            else:  # FMI 3.0 logs nothing where logging is off
                 self._call(self.fmu.instantiate, loggingOn=True, logMessage=partial(_note, name))
                 if categories:
                     self._call(self.fmu.setDebugLogging, False, [])
@@ -124,23 +124,23 @@ class Unit:
         self.connect([], [])
 
     def _bind(self) -> None:
-        """The calls of the loop are the library's own: fmpy's wrappers double the cost of the exchange."""
+        """Bind the calls of the loop to the library: the wrappers of fmpy double the cost of the exchange."""
         library, two = self.fmu.dll, self.version == 2
         self._set_reals = library.fmi2SetReal if two else library.fmi3SetFloat64
         self._get_reals = library.fmi2GetReal if two else library.fmi3GetFloat64
         self._get_integers = library.fmi2GetInteger if two else library.fmi3GetInt32
         self._do_step = library.fmi2DoStep if two else library.fmi3DoStep
         self._get_state = self.fmu.fmi2GetFMUstate if two else self.fmu.fmi3GetFMUState
-        self._wishes = [] if two else [ctypes.c_bool() for _ in ("event", "end", "early return")]
-        # What fmi3DoStep returns beside its status; the last is the time that was reached.
-        self._answers = () if two else (*map(ctypes.byref, self._wishes), ctypes.byref(ctypes.c_double()))
+        self._flags = [] if two else [ctypes.c_bool() for _ in ("event", "end", "early return")]
+        # Results of fmi3DoStep beside its status; the last is the time reached.
+        self._step_results = () if two else (*map(ctypes.byref, self._flags), ctypes.byref(ctypes.c_double()))
 
     def connect(self, inputs: list[str], outputs: list[str], watched: Sequence[str] = ()) -> None:
         """Choose the Real variables that `step` sets and gets, in this order.
 
-        `outputs` holds them as far as `exchanged` goes, then those that are `watched`, then the unit's scalar outputs,
-        which are fetched in every step only if `all_in_step`; `integers` holds the scalar Integer outputs; `slices`
-        says where each of `outputs` is.
+        The array `outputs` holds the chosen outputs (`exchanged`), the `watched` outputs, and the scalar outputs, which
+        every step fetches only if `all_in_step`. `integers` holds the scalar Integer outputs, `slices` the place of
+        each output.
         """
         scalars = self.scalars("Real")
         front = [*outputs, *watched]
@@ -153,23 +153,23 @@ class Unit:
         names = [*front, *scalars]
         ends = np.cumsum([self.variables[name].size for name in names], dtype=int).tolist()
         places = [(name, slice(begin, end)) for name, begin, end in zip(names, [0, *ends], ends, strict=False)]
-        self.slices = dict(reversed(places))  # of a name that is there twice the first place, which every step fetches
+        self.slices = dict(reversed(places))  # The first place of a name that is there twice: every step fetches it
         exchanged = sum(self.variables[name].size for name in outputs)
         self.exchanged, self.reals = self.outputs[:exchanged], self.outputs[self.outputs.size - len(scalars) :]
 
     def scalars(self, kind: str) -> list[str]:
-        """Names of the scalar outputs of FMI type `kind`."""
+        """Return the names of the scalar outputs of FMI type `kind`."""
         return [v.name for v in self.variables.values() if v.causality == "output" and v.kind == kind and v.size == 1]
 
     def _buffer(self, names: list[str], c_type: Any) -> tuple[np.ndarray, tuple[Any, ...]]:
-        """Start values of `names`, and the arguments of the C function that sets or gets them."""
+        """Return the start values of `names`, and the arguments of the C function that sets or gets them."""
         starts = [start for name in names for start in self.variables[name].start]
         values = np.array([float(start or 0) for start in starts]).astype(c_type)
         return values, self._arguments(names, values)
 
     def _arguments(self, names: list[str], values: np.ndarray) -> tuple[Any, ...]:
-        """Arguments of the C function that sets or gets `names` from or into `values`: those of fmpy's own methods are
-        lists, which are copied element by element."""
+        """Return the arguments of the C function that sets or gets `names`, from or into `values`. The methods of fmpy
+        take lists, which are copied element by element."""
         references = np.array([reference for name in names for reference in self.variables[name].references], np.uintc)
         references_at = references.ctypes.data_as(ctypes.POINTER(ctypes.c_uint))
         values_at = values.ctypes.data_as(ctypes.POINTER(np.ctypeslib.as_ctypes_type(values.dtype)))
@@ -177,17 +177,17 @@ class Unit:
         return arguments if self.version == 2 else (*arguments, values.size)
 
     def set(self) -> None:
-        """Hand `inputs` to the unit."""
+        """Set `inputs` in the unit."""
         if (status := self._set_reals(*self._set_arguments)) > FMI_WARNING:
             raise self._error("refused its inputs", status)
 
     def get_exchanged(self) -> None:
-        """Fetch those of `outputs` that are exchanged or watched: a scalar may cost as much as half a step."""
+        """Fetch the exchanged and watched `outputs` only: a scalar may cost as much as half a step."""
         if (status := self._get_reals(*self._get_part_arguments)) > FMI_WARNING:
             raise self._error("gave no outputs", status)
 
     def get(self) -> None:
-        """Fetch `outputs` from the unit."""
+        """Fetch all `outputs` and `integers`."""
         status = self._get_reals(*self._get_arguments)
         if self.integers.size and status <= FMI_WARNING:
             status = self._get_integers(*self._get_integer_arguments)
@@ -199,14 +199,14 @@ class Unit:
         self._call(self.fmu.exitInitializationMode)
 
     def step(self, t: float, h: float) -> None:
-        """Set the inputs, step from `t` to `t + h` (s), get the outputs, all or those that the next step needs."""
+        """Set the inputs, step from `t` to `t + h` (s), and fetch the outputs, all or only those for the next step."""
         self.set()
         start = perf_counter()
-        status = self._do_step(self.fmu.component, t, h, 1, *self._answers)
+        status = self._do_step(self.fmu.component, t, h, 1, *self._step_results)
         self.seconds += perf_counter() - start
         if status > FMI_WARNING:
             raise self._error(f"failed in the step from t = {t:g} s to {t + h:g} s", status)
-        if self._wishes and any(wish.value for wish in self._wishes):
+        if self._flags and any(flag.value for flag in self._flags):
             raise self._error(f"wants an event, an early return or the end in the step from t = {t:g} s")
         if self.all_in_step:
             self.get()
@@ -214,39 +214,39 @@ class Unit:
             self.get_exchanged()
 
     def save(self) -> None:
-        """Keep the unit's state for `restore`, in place of the one kept before."""
+        """Save the state of the unit, in place of the saved one."""
         self._timed(self._get_state, self.fmu.component, ctypes.byref(self.state))
 
     def restore(self) -> None:
-        """Put the unit back into the state that was kept last."""
+        """Restore the saved state."""
         self._timed(self.fmu.setFMUState, self.state)
 
     def serialize(self) -> bytes:
-        """The unit's whole state; replaces the one that `save` kept."""
+        """Return the state of the unit as bytes, and save it."""
         self.save()
         return bytes(self._call(self.fmu.serializeFMUState, self.state))
 
     def deserialize(self, state: bytes) -> None:
-        """Put the unit into a state that `serialize` gave."""
+        """Restore a state from the bytes of `serialize`."""
         self._call(self.fmu.deserializeFMUState, state, self.state)
         self.restore()
 
     def read(self, name: str) -> np.ndarray:
-        """Values of any Real variable, whether it is exchanged or not."""
+        """Return the values of any Real variable."""
         references = self.variables[name].references
         if self.version == 2:
             return np.array(self._call(self.fmu.getReal, references))
         return np.array(self._call(self.fmu.getFloat64, references, self.variables[name].size))
 
     def field(self, name: str) -> np.ndarray:
-        """A field of the unit, `[nx, ny]`; raises `UnitError` if it does not show it, which is no part of FMI."""
+        """Return a field of the unit, `[nx, ny]`; raise `UnitError` if the unit does not show it."""
         values = self.shown_field(name)
         if values is None:
             raise UnitError(f"{self.name}: there is no field `{name}`")
         return values
 
     def shown_field(self, name: str) -> np.ndarray | None:
-        """The same; None if the unit does not show it."""
+        """Return a field of the unit, `[nx, ny]`, by a function beside FMI; None if the unit does not show it."""
         function = getattr(self.fmu.dll, "fmu_field", None)
         if function is None:
             return None
@@ -278,12 +278,12 @@ class Unit:
             return function(*arguments, **keywords)
         except FMICallException as error:
             raise self._error(f"failed: {error}", error.status) from error
-        except Exception as error:  # fmpy raises plain exceptions where no instance or library comes about
+        except Exception as error:  # fmpy raises plain exceptions where a library or an instance cannot be made
             raise self._error(str(error)) from error
 
     def _error(self, what: str, status: int | None = None) -> UnitError:
         if status == FMI_FATAL:
-            self.fmu.component = None  # no function may be called for it any more, that which frees it included
+            self.fmu.component = None  # no function may be called for it any more, not even to free it
         said = "; ".join(dict.fromkeys(_messages[self.name]))
         return UnitError(f"{self.name}: {said or what}")
 
@@ -294,7 +294,7 @@ def beam_prefixes(rods: int) -> list[str]:
 
 
 def read_description(path: Path) -> Any:
-    """The model description of an FMU as fmpy has it."""
+    """Read the model description of an FMU with fmpy."""
     try:
         return fmpy.read_model_description(str(path), validate=False)
     except Exception as error:  # fmpy raises whatever zip and XML readers raise
@@ -302,12 +302,12 @@ def read_description(path: Path) -> Any:
 
 
 def version_of(description: Any) -> int | None:
-    """Version of the standard that a model description follows, 2 or 3; None of another."""
+    """Return the version of FMI of a model description, 2 or 3; None for another."""
     return 2 if description.fmiVersion == "2.0" else 3 if description.fmiVersion.startswith("3.") else None
 
 
 def variables_of(description: Any) -> dict[str, Variable]:
-    """The variables of a model description with arrays put together, by name."""
+    """Return the variables of a model description by name; the elements of an array are one variable."""
     arrays: dict[str, dict[int, Any]] = defaultdict(dict)
     for scalar in description.modelVariables:
         element = ELEMENT.fullmatch(scalar.name)
@@ -328,7 +328,7 @@ def variables_of(description: Any) -> dict[str, Variable]:
 
 
 def _starts(variable: Any) -> list[str | None]:
-    """Start values of a variable, as many as it has values: those of an array of FMI 3.0 stand in one text."""
+    """Return the start values of a variable; an array of FMI 3.0 has them in one text."""
     size = math.prod(variable.shape or ())
     if variable.start is None or variable.type == "String":  # fmpy reads the first of several texts only
         return [variable.start] * size

@@ -1,4 +1,4 @@
-"""What the libraries of the units contain of others: names, versions and licences of the crates, with their texts."""
+"""Third-party crates in the libraries of the units: names, versions and licences, with their texts."""
 
 import json
 import re
@@ -14,8 +14,7 @@ TEXT = re.compile(r"(LICEN[CS]E|COPYING|NOTICE|UNLICENSE)", re.IGNORECASE)
 
 
 def notices(kind: str) -> str:
-    """The licences of all crates that the library of unit `kind` is built from, by cargo in the source tree; the wheel
-    of `make wheel` has them in a file."""
+    """Return the licences of all crates in the library of unit `kind`: from a file in the wheel, or from cargo."""
     if (packed := BINARIES / f"third-party-{kind}.txt").is_file():
         return packed.read_text(encoding="utf-8")
     command = ["cargo", "metadata", "--locked", "--format-version", "1"]
@@ -36,7 +35,7 @@ def notices(kind: str) -> str:
 
 
 def _crates(metadata: dict[str, Any], name: str) -> Iterator[dict[str, Any]]:
-    """What is linked into a crate: those that it depends on, not for building or testing alone, and their own."""
+    """Yield a crate and the crates that are linked into it, without build and test dependencies."""
     nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
     packages = {package["id"]: package for package in metadata["packages"]}
     todo, done = [key for key, package in packages.items() if package["name"] == name], set()
@@ -50,6 +49,6 @@ def _crates(metadata: dict[str, Any], name: str) -> Iterator[dict[str, Any]]:
 
 
 def _texts(folder: Path) -> str:
-    """The licence files of a crate, one after the other."""
+    """Return the licence files of a crate, joined."""
     files = sorted(path for path in folder.iterdir() if path.is_file() and TEXT.match(path.name))
     return "\n\n".join(path.read_text(encoding="utf-8", errors="replace").strip() for path in files)

@@ -15,7 +15,7 @@ from nervure.units import documentation
 from nervure.units.describe import Description
 
 COMPRESSION = zipfile.ZIP_DEFLATED
-ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # Of every file in an FMU: the same scene and library give the same bytes
+ARCHIVE_DATE = (1980, 1, 1, 0, 0, 0)  # Of every file: the same scene and library give the same bytes
 
 PLATFORM = {2: fmpy.platform, 3: fmpy.platform_tuple}
 """Name of this system by the version of FMI."""
@@ -64,10 +64,10 @@ def lay_out(unit: Description, folder: Path) -> Path:
 
 
 def merge(sources: list[Path], target: Path) -> Path:
-    """Write an FMU with the binaries of all `sources` to `target` and return its path; raises `SceneError` where they
-    differ in anything else, or in a binary of the same system."""
+    """Write an FMU with the binaries of all `sources` to `target` and return its path. Raise `SceneError` where the
+    sources differ in another file, or in a binary of the same system."""
     if len(sources) < 2:
-        raise SceneError(f"to merge takes at least two FMUs, but there is {len(sources)}")
+        raise SceneError(f"`merge` needs at least two FMUs, but {len(sources)} is given")
     contents: dict[str, bytes] = {}
     for path in sources:
         try:
@@ -96,7 +96,7 @@ def write_archive(path: Path, contents: dict[str, bytes]) -> Path:
                 entry = zipfile.ZipInfo(name, ARCHIVE_DATE)
                 entry.compress_type = COMPRESSION
                 entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-                archive.writestr(entry, data, compresslevel=1)  # said here: an entry does not take the archive's
+                archive.writestr(entry, data, compresslevel=1)  # An entry does not inherit the level
 
     write_whole(path, writer)
     return path

@@ -1,4 +1,4 @@
-"""The units of a scene as one file for masters that read System Structure and Parameterization (SSP 1.0)."""
+"""The units of a scene as one file of System Structure and Parameterization (SSP 1.0)."""
 
 import re
 from pathlib import Path
@@ -18,8 +18,8 @@ SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
 
 
 def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
-    """SystemStructure.ssd of the units `fmus` by name: every input is connected with the output of the same name, where
-    the fluid's names of several rods begin with `beam[1].` and so on."""
+    """Return SystemStructure.ssd of the units `fmus` by name: each input is connected to the output of the same name;
+    for several rods, the fluid's names begin with `beam[1].` and so on."""
     names = {"ssd": SSD, "ssc": SSC}
     ssd, ssc = ElementMaker(namespace=SSD, nsmap=names), ElementMaker(namespace=SSC, nsmap=names)
     rods = [unit for unit in fmus if unit != "fluid"]
@@ -27,7 +27,7 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     components, outputs, inputs = [], dict[str, tuple[str, str]](), list[tuple[str, str, str]]()
     for unit, path in fmus.items():
         variables = fmpy.read_model_description(str(path), validate=False).modelVariables
-        # By the name that the fluid has for it.
+        # By the name at the fluid.
         beam = beams.get(unit, "")
         outputs |= {beam + v.name: (unit, v.name) for v in variables if v.causality == "output"}
         inputs += [(beam + v.name, unit, v.name) for v in variables if v.causality == "input"]
@@ -41,7 +41,7 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
         for source, output in [outputs.get(variable, ("", ""))]
         if source
     ]
-    # A name of SSP is an identifier in some readers.
+    # Some readers want an identifier.
     system = ssd.System(ssd.Elements(*components), ssd.Connections(*connections), name=re.sub(r"\W", "_", name))
     experiment = ssd.DefaultExperiment(startTime="0.0", stopTime=repr(float(end)))
     root = ssd.SystemStructureDescription(system, experiment, version="1.0", name=name)
