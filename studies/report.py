@@ -89,9 +89,9 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
         walls, cpus = (np.percentile(spent, [25, 50, 75]).tolist() for spent in zip(*found["runs"]))
         times = {"wall_s": walls, "cpu_s": cpus, "runs": len(found["runs"])}
         return {"values": found["values"], "times": times}
-    cost = case.about["kind"] == "cost"
-    values = {name: found[name] for name in ("steps", "memory")} if cost else simulate.quantities(found)
-    return {"values": values, "times": simulate.times(found)}
+    if case.about["kind"] == "cost":
+        return {"values": {"steps": found["steps"]}, "times": simulate.times(found) | {"memory": found["memory"]}}
+    return {"values": simulate.quantities(found), "times": simulate.times(found)}
 
 
 @lru_cache
