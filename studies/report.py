@@ -194,12 +194,12 @@ def cited(data: Data) -> list[Point]:
 
 
 def steps(data: Data, **about: Any) -> list[Point]:
-    """Return median CPU time of a step of FSI3, shortest wall times of its parts, µs, and memory of the run, MB."""
+    """Return median CPU time of a step of FSI3, and shortest wall times of its parts, µs."""
     rows = []
     for record in data.of("report/cost/*", **about):
         seconds = record.times["phases_s"] | {"step": record["cpu_s"]}
         phases = {phase: 1e6 * spent / record["steps"] for phase, spent in seconds.items()}
-        rows.append(record.case.about | phases | {"memory": record.get("memory")})
+        rows.append(record.case.about | phases)
     return rows
 
 

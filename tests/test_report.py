@@ -1,5 +1,4 @@
-"""The committed results: pages and tables show them, README shows none that the code has since changed, a few come
-out again."""
+"""The committed results: documents show them, README shows no stale one, and some come out again."""
 
 import json
 
@@ -14,7 +13,7 @@ SMALLEST = (
     "report/csm3/BDF2/n = 32, H = 0.008 s",
     "fluid/grid/2D-1-curvature-300",
 )
-"""Cases that are measured anew: seconds each. test_fsi3.py runs FSI3."""
+"""Cases that are measured again, in seconds each. test_fsi3.py runs FSI3."""
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +34,7 @@ def test_no_row_that_readme_shows_is_stale(data):
 
 
 def test_nothing_is_faster_than_the_machine(data):
-    """Bytes and operations are counted by hand: a count that is too high shows here."""
+    """Bytes and operations are counted by hand: too high a count shows here."""
     for row in (row for row in speed.rooflines(data) + rod.rooflines(data) if "of peak" in row):
         assert row["of bandwidth"] < 1 and row["of peak"] < 1, row
 

@@ -1,4 +1,4 @@
-"""The engine of the studies: what a change makes stale, what is run, what a run changes in what is committed."""
+"""The engine of the studies: stale results, missing runs, and changes of the committed results."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -27,7 +27,7 @@ STUDY = Study(
 
 @pytest.fixture
 def small(tmp_path, monkeypatch):
-    """Sources of two sources, and a function that runs what is missing of the study; it returns the data."""
+    """Return a function that runs what is missing of a study with two sources, and returns the data."""
     monkeypatch.setattr(engine, "ROOT", tmp_path)
     monkeypatch.setattr(engine, "RESULTS", tmp_path / "results")
     monkeypatch.setattr(engine, "SOURCES", {room: (f"{room}/*.rs",) for room in ("fluid", "rod")})
@@ -88,7 +88,7 @@ def test_a_run_that_agrees_changes_no_file(small):
     assert before == [(small.folder / name).read_bytes() for name in ("results.json", "times.json")]
 
 
-def test_a_room_that_has_moved_is_noticed(small):
+def test_a_source_that_has_moved_is_noticed(small):
     (small.folder / "rod" / "lib.rs").unlink()
     engine.source_digest.cache_clear()
     with pytest.raises(FileNotFoundError, match="'rod'"):
@@ -128,7 +128,7 @@ def test_units_that_give_other_bits_are_told_apart(monkeypatch):
     assert same.first_steps(case, engine.ROOT) != same.first_steps(thicker, engine.ROOT)
 
 
-def test_every_room_has_sources():
+def test_every_source_has_files():
     for room in engine.SOURCES:
         assert engine.source_digest(room, engine.ROOT), room
 

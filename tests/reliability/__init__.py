@@ -1,1 +1,1 @@
-"""Mistreats both FMUs as files and the writing of results: docs/reference/reliability.md says what counts as right."""
+"""Mistreatment of both FMUs as files and libraries, and of the writing of results."""

@@ -1,4 +1,4 @@
-"""Random calls of an instance, beside what the standard says of it: what FMI 2.0 and 3.0 have in common."""
+"""Random calls of an instance beside the prescription of the standard: the common part of FMI 2.0 and 3.0."""
 
 import ctypes
 import math

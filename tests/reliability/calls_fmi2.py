@@ -32,7 +32,7 @@ class Calls2(Calls):
         return DISCARD if name.endswith("Status") and arguments[0] != ANSWERED.get(name) else OK
 
     def references(self, pool: Sequence[int], foreign: Sequence[int]) -> tuple[ctypes.Array, int, bool]:
-        """Some references of `pool`, how many, and whether they are right: none that does not exist or is foreign."""
+        """Return references of `pool`, their number, and whether they are right: none is foreign or does not exist."""
         chosen = self.chance.choices(pool, k=self.chance.randrange(5)) if pool else []
         wrong = self.fault(*foreign, 10_000, 0xFFFF_FFFF)
         chosen += [] if wrong is None else [wrong]
@@ -96,7 +96,7 @@ class Calls2(Calls):
 
 
 def sequences(unit: FMU2Unit, count: int) -> str:
-    """Random calls with NULL, wrong-size and out-of-range arguments: the status of each is the standard's."""
+    """Check the status of random calls with NULL, wrong-size and out-of-range arguments against the standard."""
 
     def end(calls: Calls) -> None:
         calls.unit.close()

@@ -39,11 +39,11 @@ ABSENT = (
     "GetNumberOfEventIndicators", "GetNumberOfContinuousStates", "EnterStepMode", "EnterEventMode",
     "ActivateModelPartition",
 )  # fmt: skip
-"""Functions of what the units have not: each call is an error, and changes nothing."""
+"""Functions of features that the units lack: each call is an error, and changes nothing."""
 
 
 class FMU3Unit(FMU3Slave):  # fmpy takes the version of FMI from the name of the class
-    """A unit of FMI 3.0, with its variables and what it said."""
+    """A unit of FMI 3.0, with its variables and messages."""
 
     def __init__(self, kind: str, folder: str):
         description = fmpy.read_model_description(folder, validate=False)
@@ -81,7 +81,7 @@ class Calls3(Calls):
         return empty, True
 
     def values(self, name: str) -> tuple[list, bool]:
-        """Arguments of a getter or setter, arrays whole, and whether they are right."""
+        """Return arguments of a getter or setter, with whole arrays, and whether they are right."""
         kind, chance = name[3:], self.chance
         usable = {"input", "parameter"} if self.progress[0] in STATES[:2] else {"input"}
         fit = [v for v in self.unit.variables if v.type == kind and (name[0] == "G" or v.causality in usable)]
@@ -116,7 +116,7 @@ class Calls3(Calls):
 
 
 def sequences(unit: FMU2Unit, count: int) -> str:
-    """Random calls under FMI 3.0, also of functions that the units lack: each status is the standard's."""
+    """Check the status of random calls under FMI 3.0, also of functions that the units lack, against the standard."""
     with TemporaryDirectory() as folder:
         scene = json.loads((unit.folder / "resources" / "scene.json").read_text(encoding="utf-8"))
         path = package.pack(describe(unit.kind, scene, 3), Path(folder))

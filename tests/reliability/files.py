@@ -1,4 +1,4 @@
-"""What is on the disk when a run is killed while it writes, or when the disk is full: the old or the new file."""
+"""Files of a run that is killed while it writes, or whose disk is full: each is the old or the new one."""
 
 import json
 import multiprocessing
@@ -38,9 +38,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 class Run:
     """A unit alone that writes checkpoint and results after every step, as a run does at intervals and at its end.
-
-    `outputs` and `tables` are, by steps, what they are where nothing happens to the run.
-    """
+    `outputs` and `tables` are those of an undisturbed run, by steps."""
 
     def __init__(self, kind: str, folder: Path, stack: ExitStack):
         fmus = {kind: package.pack(describe(kind, SCENE), folder)}
@@ -72,7 +70,7 @@ class Run:
         return self.session.steps
 
     def begin(self, folder: Path) -> None:
-        """Be at the start again, with nothing but its checkpoint in `folder`."""
+        """Go back to the start, with nothing but its checkpoint in `folder`."""
         self.kept.path = folder / results.CHECKPOINT
         folder.mkdir(exist_ok=True)
         for path in folder.iterdir():
@@ -81,7 +79,8 @@ class Run:
         self.kept.save()
 
     def go_on(self, progress: mmap) -> None:
-        """Make steps from the checkpoint on, and say of which the files were begun and written."""
+        """Make steps from the checkpoint on, and note the step whose files are begun and the one whose files are
+        written."""
         for done in range(self.load() + 1, LONGEST + 1):
             self.session.step()
             progress[0] = done
@@ -90,8 +89,8 @@ class Run:
             progress[1] = done
 
     def check(self, saved: range, written: range) -> tuple[int, int]:
-        """The checkpoint must be of one of the steps `saved`, and one step from it that of the run to which nothing
-        happens; the tables must be of one of the steps `written`. Returns of which steps they are."""
+        """Check that the checkpoint is of one of the steps `saved`, that a step from it is that of an undisturbed run,
+        and that the tables are of one of the steps `written`. Return both steps."""
         done = self.load()
         assert done in saved, f"the checkpoint is of step {done}, not of {saved}"
         found = contents(self.folder)
@@ -105,7 +104,8 @@ class Run:
 
 
 def kills(unit: FMU2Unit, count: int) -> str:
-    """SIGKILL while checkpoint and results are written: the old or the new ones load, and the run goes on from them."""
+    """Kill a run while it writes checkpoint and results: the old or the new ones load, and the run continues from
+    them."""
     chance, progress, inside, done = random.Random(5), mmap(-1, 2), 0, LONGEST
     with TemporaryDirectory() as place, ExitStack() as stack:
         run = Run(unit.kind, Path(place), stack)
@@ -128,7 +128,7 @@ def kills(unit: FMU2Unit, count: int) -> str:
 
 
 def full_disks(unit: FMU2Unit, count: int) -> str:
-    """A disk full while checkpoint and results are written: the old or the new ones load, none half-made."""
+    """Fill the disk while checkpoint and results are written: the old or the new ones load, none is half-written."""
     chance = random.Random(6)
     with ExitStack() as stack:
         place = Path(stack.enter_context(TemporaryDirectory()))
@@ -146,7 +146,7 @@ def full_disks(unit: FMU2Unit, count: int) -> str:
 
 
 def filled(run: Run, folder: Path, disk: Path | None, chance: random.Random, count: int) -> int:
-    """Write checkpoint and results `count` times where room is scarce; returns how many of both were refused."""
+    """Write checkpoint and results `count` times with little room; return how many of both were refused."""
     refused, saved = 0, LONGEST
     for _ in range(count):
         if saved == LONGEST:
@@ -173,7 +173,7 @@ def filled(run: Run, folder: Path, disk: Path | None, chance: random.Random, cou
 
 @contextmanager
 def scarce(disk: Path | None, share: float, sizes: list[int]) -> Iterator[None]:
-    """`disk` has about `share` of the room left that files of these sizes take; without one, none may be longer than
+    """Leave about `share` of the room for files of these sizes on `disk`; without a disk, limit the size of a file to
     `share` of the longest."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     try:

@@ -1,7 +1,5 @@
-"""What a unit does with what is too much or not its own: wild inputs, edited scenes, foreign states, little memory.
-
-These run on the FSI3 pair as shipped.
-"""
+"""Excessive or foreign input of a unit: wild inputs, edited scenes, foreign states, little memory. The checks use the
+shipped FSI3 pair."""
 
 import ctypes
 import json
@@ -52,7 +50,7 @@ OTHERS = 20  # Other scenes whose states are tried
 
 
 def inputs(library: FMU2Unit, count: int) -> str:
-    """One finite hostile input: each of the next two steps an error or finite outputs, in under 1 s."""
+    """Set one finite hostile input: each of the next two steps gives an error or finite outputs, in under 1 s."""
     chance, ends, slowest = random.Random(5), Counter[str](), 0.0
     scene = json.loads((library.folder / "resources" / "scene.json").read_text(encoding="utf-8"))
     h, wild = scene["time"]["communication_step"], library.references("input")
@@ -82,7 +80,7 @@ def inputs(library: FMU2Unit, count: int) -> str:
 
 
 def edit(text: str, chance: random.Random) -> str:
-    """The text of a scene with a change: a digit, a byte, a piece cut out or put in, a white space."""
+    """Return the text of a scene with one change: a digit, a byte, a missing or repeated piece, white space."""
     at, length = chance.randrange(len(text)), chance.randint(1, 30)
     digits = [k for k, letter in enumerate(text) if letter.isdigit()]
     k = chance.choice(digits)
@@ -99,7 +97,7 @@ def edit(text: str, chance: random.Random) -> str:
 
 
 def edited(library: FMU2Unit, count: int) -> str:
-    """Scenes edited in the FMU, before it is instantiated: each refused by name, in no more than 0.1 s."""
+    """Edit the scene in the FMU before it is instantiated: the unit refuses it by name, in at most 0.1 s."""
     chance, slowest, path = random.Random(6), 0.0, library.folder / "resources" / "scene.json"
     text = path.read_text(encoding="utf-8")
     with TemporaryDirectory() as folder:
@@ -122,7 +120,7 @@ def edited(library: FMU2Unit, count: int) -> str:
 
 
 def foreign(library: FMU2Unit, count: int) -> str:
-    """States of other scenes, of the same under another name, and of other versions: each refused by name."""
+    """Restore states of other scenes, of a scene of another name, and of other versions: each is refused by name."""
     chance, unit, ends = random.Random(7), library.new(), Counter[str]()
     own = unit.serialize()
     scene = json.loads((library.folder / "resources" / "scene.json").read_text(encoding="utf-8"))
@@ -152,12 +150,13 @@ def foreign(library: FMU2Unit, count: int) -> str:
 
 
 def other_values(scene: dict[str, Any], chance: random.Random) -> dict[str, Any]:
-    """The scene with another density of the fluid, which no length of an array tells."""
+    """Return the scene with another density of the fluid, which changes no length of an array."""
     return scene | {"fluid": scene["fluid"] | {"density": scene["fluid"]["density"] * (1.0 - 0.1 * chance.random())}}
 
 
 def memory(library: FMU2Unit, count: int) -> str:
-    """Instances and states in a process with little memory: errors with a message, never the end of the process."""
+    """Make instances and states in a process with little memory: an error with a message, never the end of the
+    process."""
     chance, ends = random.Random(8), Counter[str]()
     with TemporaryDirectory() as folder:
         shutil.copy(PROBE, folder)  # its own folder is first on the path of a script

@@ -1,4 +1,4 @@
-"""What else is done to a unit and to the process around it: inputs, states, memory, threads, forks, modes."""
+"""Mistreatment of a unit and of the process around it: inputs, states, memory, threads, forks, modes."""
 
 import ctypes
 import math
@@ -27,7 +27,7 @@ def header(state: bytes) -> int:
 
 
 def hostile(library: FMU2Unit, count: int) -> str:
-    """NaN, infinite and huge inputs, parameters and steps: an error or finite outputs, each case in under 1 s."""
+    """Give NaN, infinite and huge inputs, parameters and steps: an error or finite outputs, each case in under 1 s."""
     chance, ends, slowest, expected = random.Random(1), Counter(), 0.0, library.new().run(1)
     everything = [v.valueReference for v in library.variables if v.type == "Real"]
     inputs, parameters = library.references("input"), library.references("parameter")
@@ -67,7 +67,7 @@ def hostile(library: FMU2Unit, count: int) -> str:
 
 
 def damaged(library: FMU2Unit, count: int, forge: bool) -> tuple[int, Counter]:
-    """Damage a state, with `forge` under a right length and checksum; returns its size and what came of the cases."""
+    """Damage a state, with `forge` under a right length and checksum; return its size and the outcomes."""
     chance, unit, ends = random.Random(3), library.new(), Counter()
     unit.run(BEFORE)
     whole = unit.serialize()
@@ -105,18 +105,18 @@ def damaged(library: FMU2Unit, count: int, forge: bool) -> tuple[int, Counter]:
 
 
 def corrupted(library: FMU2Unit, count: int) -> str:
-    """Damaged and truncated serialized states: every one refused, the instance unharmed."""
+    """Restore damaged and truncated serialized states: every one is refused, and the instance is unharmed."""
     return f"states of {damaged(library, count, forge=False)[0]} bytes, all refused"
 
 
 def forged(library: FMU2Unit, count: int) -> str:
-    """Damaged states under a right length and checksum: refused or taken, but never more than an error."""
+    """Restore damaged states under a right length and checksum: refused or taken, with an error at most."""
     ends = damaged(library, count, forge=True)[1]
     return f"{ends['refused']} refused, {ends['fine'] + ends['error']} taken, of which {ends['error']} led to an error"
 
 
 def elsewhere(kind: str, folder: Path, steps: int, data: bytes = b"", done: int = 0) -> bytes:
-    """A run in another process, from the start or from a serialized state after `done` steps."""
+    """Run in another process, from the start or from a serialized state after `done` steps."""
     unit = FMU2Unit(kind, folder).new()
     if data:
         unit.restore(data, done)
@@ -124,7 +124,7 @@ def elsewhere(kind: str, folder: Path, steps: int, data: bytes = b"", done: int 
 
 
 def processes(library: FMU2Unit, count: int) -> str:
-    """Save, restore in a new process, continue: the same bits."""
+    """Save, restore in a new process, and continue: the bits are the same."""
     for case in range(count):
         unit = library.new()
         unit.run(1 + case % 20)
@@ -135,7 +135,7 @@ def processes(library: FMU2Unit, count: int) -> str:
 
 
 def rollbacks(library: FMU2Unit, count: int) -> str:
-    """A step, a rollback over it and the step again: the bits of a run without."""
+    """Make a step, roll back, and repeat the step: the bits are those of a run without."""
     straight, rolled = library.new(), library.new()
     for case in range(count):
         state = rolled.getFMUstate()
@@ -148,7 +148,7 @@ def rollbacks(library: FMU2Unit, count: int) -> str:
 
 
 def instances(library: FMU2Unit, count: int) -> str:
-    """Instantiate, initialise, step and free: less than 1 MB of growth."""
+    """Instantiate, initialize, step and free: memory grows by less than 1 MB."""
     pages, warm_up = [], 200
     for cycle in range(warm_up + count + 1):
         if cycle in (warm_up, warm_up + count):
@@ -184,7 +184,7 @@ def loads(library: FMU2Unit, count: int) -> str:
 
 
 def threads(library: FMU2Unit, count: int) -> str:
-    """Instances on eight threads: the results of one after the other."""
+    """Run instances on eight threads: the results are those of one after the other."""
     serial = library.new().run(50)
     with ThreadPoolExecutor(8) as pool:
         results = list(pool.map(lambda _: library.new().run(50), range(count)))
@@ -197,7 +197,7 @@ def inherited(library: FMU2Unit, unit: FMU2Unit) -> tuple[bytes, bytes]:
 
 
 def forks(library: FMU2Unit, count: int) -> str:
-    """Processes by fork, with an instance in use, and by spawn: they end, with the same bits."""
+    """Start processes by fork, with an instance in use, and by spawn: they end, with the same bits."""
     fresh, unit = library.new().run(5), library.new()
     unit.run(3)
     data, after = unit.serialize(), unit.run(5)
@@ -213,12 +213,12 @@ def forks(library: FMU2Unit, count: int) -> str:
 
 LIBM = ctypes.CDLL("libm.so.6")
 MXCSR = 28
-"""Where glibc's `fenv_t` keeps the register on x86-64, whose exceptions (0x1f80 masked, 0x3f raised) are no modes."""
+"""Offset of the register in glibc's `fenv_t` on x86-64; its exceptions (0x1f80 masked, 0x3f raised) are no modes."""
 MODES = [rounding | flush for rounding in (0, 0x2000, 0x4000, 0x6000) for flush in (0, 0x8000, 0x40, 0x8040)]
 
 
 def set_mode(mode: int) -> int:
-    """Set rounding direction and flushing; returns those that were."""
+    """Set rounding direction and flushing; return the former ones."""
     environment = ctypes.create_string_buffer(64)
     LIBM.fegetenv(environment)
     (former,) = struct.unpack_from("<I", environment, MXCSR)
@@ -228,7 +228,7 @@ def set_mode(mode: int) -> int:
 
 
 class FMU2UnitInMode(FMU2Unit):
-    """A unit that is called in a floating-point mode of its host."""
+    """A unit that runs in a floating-point mode of its host."""
 
     mode = 0
 
@@ -242,7 +242,8 @@ class FMU2UnitInMode(FMU2Unit):
 
 
 def modes(library: FMU2Unit, count: int) -> str:
-    """The host's rounding direction, flush-to-zero and denormals-are-zero: no bit changes, and they stay set."""
+    """Change the host's rounding direction, flush-to-zero and denormals-are-zero: no bit changes, and the modes stay
+    set."""
     chance, tiny = random.Random(4), [5e-324, 1e-310, 1 / 3, 1e-3]
     for case in range(count):
         loads = [1e-4 * chance.choice(tiny) * chance.random() for _ in range(10)]

@@ -1,4 +1,4 @@
-"""The units as unpacked FMUs, through the C functions as fmpy declares them, and processes to try them in."""
+"""The units as unpacked FMUs, called through the C functions of fmpy, and processes for trials."""
 
 import copy
 import hashlib
@@ -22,7 +22,7 @@ INPUTS = {"rod": ("force_x", "force_y"), "fluid": ("x", "y", "vx", "vy")}  # Inp
 
 
 class FMU2Unit(FMU2Slave):  # fmpy takes the version of FMI from the name of the class
-    """A unit, whose methods raise FMICallException where `call` gives a status; `new` makes instances of it."""
+    """A unit whose methods raise FMICallException, while `call` returns a status; `new` makes instances of it."""
 
     def __init__(self, kind: str, folder: Path):
         self.kind, self.folder, self.steps = kind, folder, 0
@@ -40,12 +40,12 @@ class FMU2Unit(FMU2Slave):  # fmpy takes the version of FMI from the name of the
         super().__init__(instanceName="unit", guid=self.description.guid, unzipDirectory=folder, modelIdentifier=name)
 
     def references(self, causality: str, names: Sequence[str] = ()) -> list[int]:
-        """Value references of the Real variables of a causality, of the given arrays only if there are any."""
+        """Return value references of the Real variables of a causality, or of the given arrays only."""
         variables = [v for v in self.variables if v.causality == causality and v.type == "Real"]
         return [v.valueReference for v in variables if not names or v.name.split("[")[0] in names]
 
     def new(self, start: bool = True) -> "FMU2Unit":
-        """An instance; with `start`, it is ready for its first step at t = 0."""
+        """Return an instance; with `start`, it is ready for its first step at t = 0."""
         unit = copy.copy(self)
         unit.instantiate(callbacks=self.log)
         if start:
@@ -67,14 +67,14 @@ class FMU2Unit(FMU2Slave):  # fmpy takes the version of FMI from the name of the
         return self._functions[f"fmi2{name}"](self.component, *arguments)
 
     def step(self, load: float | None = None) -> None:
-        """One step with a load on the inputs, which else follows from the number of the step."""
+        """Make one step with a load on the inputs, which by default follows from the number of the step."""
         load = 1e-4 * math.sin(self.steps + 1.0) if load is None else load
         self.setReal(self.inputs, [rest + load * (1 + k % 3) for k, rest in enumerate(self.rest)])
         self.doStep(self.steps * STEP, STEP)
         self.steps += 1
 
     def run(self, loads: int | Sequence[float]) -> bytes:
-        """Digest of all outputs after each of so many steps, or under each of these loads."""
+        """Return the digest of all outputs after each of several steps, or under each of these loads."""
         digest = hashlib.sha256()
         for load in [None] * loads if isinstance(loads, int) else loads:
             self.step(load)
@@ -102,8 +102,8 @@ def tried(check: Callable[[FMU2Unit, int], str], kind: str, folder: Path, count:
 
 
 def child(method: str, timeout: float, target: Callable[..., object], *arguments: object) -> Any:
-    """What `target` returns in a process of its own by `method` (fork, spawn); AssertionError where it fails, crashes
-    or has not ended after `timeout` (s)."""
+    """Return the value of `target` in a process of its own, started by `method` (fork, spawn). Raise AssertionError if
+    it fails, crashes, or has not ended after `timeout` (s)."""
     context = multiprocessing.get_context(method)
     answers = context.SimpleQueue()
     process = context.Process(target=_answer, args=(answers, target, *arguments))
