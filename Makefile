@@ -108,7 +108,8 @@ clean: ## remove everything that was built; results stay
 	cargo clean
 	rm -rf $(VENV)
 
-PIP_INSTALL = -m pip install --quiet --disable-pip-version-check
+PIP = -m pip --quiet --disable-pip-version-check
+PIP_INSTALL = $(PIP) install
 LOCKED = $(PIP_INSTALL) --require-hashes -r
 
 $(READY): requirements/run.lock pyproject.toml
@@ -242,9 +243,11 @@ dist-libraries: $(DIST_VENV)/.ready ## build the libraries for Linux (glibc 2.17
 dist: dist-libraries $(READY) ## pack FMUs and SSP of SCENE=scenes/NAME.json for all systems, with checksums and manifest, into dist/; FMI=3
 	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist --fmi $(FMI)
 
-wheel: dist-libraries $(READY) ## build one wheel with the units of all these systems into target/wheel; installing it needs no compiler
-	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(RUN) -m pip --quiet --disable-pip-version-check wheel --no-deps \
-	--no-build-isolation --wheel-dir target/wheel .
+wheel: dist-libraries $(READY) ## make a wheel for each of these systems and the source archive in target/wheel
+	for target in $(wordlist 1,3,$(DIST_TARGETS)) universal2-apple-darwin; do \
+	NERVURE_LIBRARIES=$(CURDIR)/target/dist/$$target/release $(RUN) $(PIP) wheel --no-deps --no-build-isolation \
+	--wheel-dir target/wheel . || exit; done
+	$(RUN) -m hatchling build --target sdist --directory target/wheel
 
 foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, and check the libraries for macOS; needs wine and qemu-user
 	for target in $(wordlist 1,3,$(DIST_TARGETS)); do \

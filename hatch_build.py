@@ -1,21 +1,41 @@
-"""Build hook of the wheel: puts the units and all that belongs to them into `nervure/data`.
+"""Build hooks of the wheel: put the units and their files into `nervure/data`, and the project's address into metadata.
 
-The units are built with cargo, for this system. Where the variable `NERVURE_LIBRARIES` names a folder of `make dist`,
-as in `make wheel`, the libraries for all systems are taken from there, and their licences with them. An editable
-install takes everything from the source tree instead; `make build` builds its units.
+Cargo builds the units for this system. With the variable `NERVURE_LIBRARIES`, which names the folder of one target of
+`make dist-libraries`, the wheel is for that target. It carries the libraries of all targets and their licences, so
+that every installation packs FMUs for all systems. An editable install uses the source tree; `make build` builds its
+units.
 """
 
 import os
 import runpy
 import subprocess
 import sysconfig
+import tomllib
 from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 SHIPPED = ["scenes", "modelDescription/scene.schema.json", "LICENSE-MIT", "LICENSE-APACHE"]
 SHIPPED += [f"fmu-{kind}/{name}" for kind in ("rod", "fluid") for name in ("model.png", "documentation.html")]
+
+
+TAGS = {
+    "x86_64-unknown-linux-gnu": "manylinux_{}_{}_x86_64",
+    "aarch64-unknown-linux-gnu": "manylinux_{}_{}_aarch64",
+    "x86_64-pc-windows-gnu": "win_amd64",
+    "universal2-apple-darwin": "macosx_11_0_universal2",
+}
+"""Platform tag of a wheel by Rust's target; for Linux with the version of glibc."""
+
+
+class Address(MetadataHookInterface):
+    """Adds the address of the project, which stands in Cargo.toml."""
+
+    def update(self, metadata: dict[str, Any]) -> None:
+        cargo = tomllib.loads(Path(self.root, "Cargo.toml").read_text(encoding="utf-8"))
+        metadata["urls"] = {"Repository": cargo["workspace"]["package"]["repository"]}
 
 
 class Units(BuildHookInterface):  # type: ignore[type-arg]
@@ -25,18 +45,18 @@ class Units(BuildHookInterface):  # type: ignore[type-arg]
         if version == "editable":
             return
         files = {Path(self.root, name): name for name in SHIPPED}
-        if "NERVURE_LIBRARIES" in os.environ:
-            files |= _delivered(Path(self.root, "target", "wheel"))
-            build_data["tag"] = "py3-none-any"
+        if folder := os.environ.get("NERVURE_LIBRARIES"):
+            libraries, platform = _delivered(Path(folder), Path(self.root, "target", "wheel"))
         else:
-            files |= _built(Path(self.root))
-            build_data["tag"] = f"py3-none-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
-            build_data["pure_python"] = False
+            libraries, platform = _built(Path(self.root)), sysconfig.get_platform()
+        files |= libraries
+        build_data["tag"] = f"py3-none-{platform.replace('-', '_').replace('.', '_')}"
+        build_data["pure_python"] = False
         build_data["force_include"] |= {str(source): f"nervure/data/{target}" for source, target in files.items()}
 
 
 def _built(root: Path) -> dict[Path, str]:
-    """The libraries of this system, which cargo builds, and where in the package they go."""
+    """Build the libraries for this system and return their places in the package."""
     subprocess.run(["cargo", "build", "--release", "--locked"], cwd=root, check=True)
     built = Path(os.environ.get("CARGO_TARGET_DIR", root / "target")) / "release"
     names = runpy.run_path(str(root / "python" / "nervure" / "resources.py"))
@@ -44,19 +64,26 @@ def _built(root: Path) -> dict[Path, str]:
     return {built / file: f"binaries/{names['PLATFORM']}/{file}" for file in files}
 
 
-def _delivered(folder: Path) -> dict[Path, str]:
-    """The libraries of all systems and the licences of what is linked into them, which are written into `folder`."""
+def _delivered(folder: Path, written: Path) -> tuple[dict[Path, str], str]:
+    """Return the libraries of all targets with the licences of the crates in them, which are written into `written`,
+    and the platform tag for the target that `folder` belongs to."""
     from nervure.library import KINDS
     from nervure.units import delivery, notices
 
-    folder.mkdir(parents=True, exist_ok=True)
+    target, targets = folder.parent.name, folder.parents[1]
+    if target not in TAGS:
+        raise SystemExit(f"NERVURE_LIBRARIES is {folder}, but must be TARGET/release with one of {', '.join(TAGS)}")
+    written.mkdir(parents=True, exist_ok=True)
+    folders = {name: targets / name / "release" for name in TAGS}
     files: dict[Path, str] = {}
+    glibc = delivery.OLDEST_GLIBC
     for kind in KINDS:
-        libraries = delivery.binaries(kind, 2)
+        libraries = delivery.existing(kind, 2, folders)
         if missing := delivery.TARGETS[2].keys() - libraries:
             raise SystemExit(f"the {kind} is not built for {', '.join(sorted(missing))}; `make dist-libraries` does it")
         files |= {path: f"binaries/{platform}/{path.name}" for platform, path in libraries.items()}
-        licences = folder / f"third-party-{kind}.txt"
+        glibc = max(glibc, *(delivery.glibc(path) for path in libraries.values() if path.parent == folders[target]))
+        licences = written / f"third-party-{kind}.txt"
         licences.write_text(notices.notices(kind), encoding="utf-8")
         files[licences] = f"binaries/{licences.name}"
-    return files
+    return files, TAGS[target].format(*glibc)

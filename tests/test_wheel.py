@@ -1,6 +1,7 @@
-"""The wheel of `make wheel`: the units of all systems in it, and none of its tools needed where it is installed."""
+"""The wheels of `make wheel`: one for each system, with the units of all systems, which need no compiler."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -31,16 +32,21 @@ def files(platforms) -> set[str]:
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory, libraries):
-    """It, with this system's libraries and stand-ins for the others, as `make dist-libraries` lays them out."""
+def targets(tmp_path_factory, libraries):
+    """This system's libraries and stand-ins for the others, laid out as by `make dist-libraries`."""
     folder = tmp_path_factory.mktemp("dist")
     for name, target in delivery.TARGETS[2].items():
         (folder / target / "release").mkdir(parents=True)
         for kind in KINDS:
             path = folder / target / "release" / NAMES.get(name, "libfmu_{}.so").format(kind)
             shutil.copy(library(kind), path) if name == "linux64" else path.write_bytes(name.encode())
+    return folder
+
+
+def build(targets: Path, platform: str, folder: Path) -> Path:
+    """Build the wheel for a platform as `make wheel` does."""
     command = [sys.executable, "-m", "pip", "--quiet", "wheel", "--no-deps", "--no-build-isolation"]
-    environment = {"NERVURE_LIBRARIES": str(folder / delivery.TARGETS[2]["linux64"] / "release")}
+    environment = {"NERVURE_LIBRARIES": str(targets / delivery.TARGETS[2][platform] / "release")}
     done = subprocess.run(
         [*command, "--wheel-dir", folder, ROOT], env=os.environ | environment, capture_output=True, text=True
     )
@@ -49,12 +55,25 @@ def wheel(tmp_path_factory, libraries):
     return path
 
 
-def test_it_is_for_any_system_and_has_the_libraries_and_licences_of_each(wheel):
-    assert wheel.name.endswith("-py3-none-any.whl")
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory, targets):
+    return build(targets, "linux64", tmp_path_factory.mktemp("wheel"))
+
+
+def test_its_tag_is_of_its_system_and_its_glibc(wheel, targets, tmp_path):
+    major, minor = max(delivery.OLDEST_GLIBC, *(delivery.glibc(library(kind)) for kind in KINDS))
+    assert wheel.name.endswith(f"-py3-none-manylinux_{major}_{minor}_x86_64.whl")
+    assert build(targets, "win64", tmp_path).name.endswith("-py3-none-win_amd64.whl")
+
+
+def test_it_has_the_libraries_and_licences_of_each_system_and_the_address_of_the_project(wheel):
     with zipfile.ZipFile(wheel) as archive:
         found = {name.partition("/data/binaries/")[2] for name in archive.namelist()} - {""}
         licences = archive.read("nervure/data/binaries/third-party-fluid.txt").decode("utf-8")
+        (metadata,) = [archive.read(name) for name in archive.namelist() if name.endswith(".dist-info/METADATA")]
     assert found == files(delivery.TARGETS[2]) | {f"third-party-{kind}.txt" for kind in KINDS}
+    address = re.search(r'^repository = "(.+?)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)
+    assert address and f"Project-URL: Repository, {address[1]}\n" in metadata.decode("utf-8")
     assert "\nrustfft " in licences and "Apache License" in licences
 
 

@@ -68,8 +68,13 @@ def binaries(kind: str, version: int) -> dict[str, Path]:
         folders = {target: built / target / "release" for target in targets.values()}
     else:
         return {package.PLATFORM[version]: own}
+    return existing(kind, version, folders)
+
+
+def existing(kind: str, version: int, folders: dict[str, Path]) -> dict[str, Path]:
+    """Return the libraries of unit `kind` that exist, by platform, from folders by target."""
     names = {target: NAMES.get(target, "libfmu_{}.so").format(kind) for target in folders}
-    paths = {platform: folders[target] / names[target] for platform, target in targets.items()}
+    paths = {platform: folders[target] / names[target] for platform, target in TARGETS[version].items()}
     return {name: path for name, path in paths.items() if path.is_file()}
 
 
