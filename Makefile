@@ -14,7 +14,7 @@ READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
 RUST_STUDIES := --locked --manifest-path studies/rust/Cargo.toml
 
-.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check bindings-check schema messages descriptions record lock clean
+.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check doc deny bindings-check schema messages descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -75,6 +75,13 @@ python-test: build $(READY_DEV) ## run the Python tests in two processes
 
 package-check: ## package every crate as for a registry and build the packages (two minutes)
 	cargo package --workspace --allow-dirty --locked --target-dir target/package-check
+
+doc: ## build the reference of all crates, without warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
+
+deny: ## check licences, bans and sources of all crates; needs cargo-deny
+	for manifest in Cargo.toml studies/rust/Cargo.toml; do \
+	cargo deny --locked --manifest-path $$manifest check --config $(CURDIR)/deny.toml licenses bans sources || exit; done
 
 bindings-check: $(READY_DEV) ## compare crates/fmi-export/src/sys.rs with the official headers
 	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \
