@@ -13,10 +13,8 @@ from pydantic import TypeAdapter, ValidationError
 from nervure.errors import InputError
 from nervure.evaluate.statistics import Series
 from nervure.files import write_together
-from nervure.resources import KINDS
-from nervure.scene import Document, Own, Scene, beams, document, kinds, text, unit_label, validate
+from nervure.scene import Document, Own, Scene, beams, document, text, unit_label, validate
 from nervure.simulation.summary import Summary
-from nervure.units.fmu import read_description
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
 """Files of a coupled run in its folder, besides the FMUs."""
@@ -103,9 +101,9 @@ def _h5py() -> Any:
     return h5py
 
 
-def check_output_folder(folder: Path, scene: Scene, foreign: Mapping[str, Path], force: bool) -> set[Path]:
-    """Check that a run of `scene`, with the FMUs `foreign` in the place of ours, loses no results in `folder`: raise
-    `InputError` where it would, unless `force` allows it. Return the stale files, which the results will replace."""
+def check_output_folder(folder: Path, scene: Scene, models: Mapping[str, str], force: bool) -> set[Path]:
+    """Check that a run of `scene`, with units of these `models`, loses no results in `folder`: raise `InputError` where
+    it would, unless `force` allows it. Return the stale files, which the results will replace."""
     if (folder / CHECKPOINT).exists():
         if not force:
             raise InputError(
@@ -113,14 +111,12 @@ def check_output_folder(folder: Path, scene: Scene, foreign: Mapping[str, Path],
                 "start again, give another --output, or --force to replace it"
             )
         (folder / CHECKPOINT).unlink()
-    models = {unit: f"{scene.name}.{unit}" for unit in kinds(scene)}
-    models |= {unit: read_description(path).modelName for unit, path in foreign.items() if unit in models}
-    if held := conflicting_results(folder, scene, models):
-        if not force:
-            raise InputError(f"{folder} holds {held}; give another --output, or --force to replace what is there")
-        packed = {f"{scene_name(folder)}-{unit}.fmu" for unit in unit_names(folder)}
-        return {folder.resolve() / name for name in (*packed, "row.json")}
-    return set()
+    if not (held := conflicting_results(folder, scene, models)):
+        return set()
+    if not force:
+        raise InputError(f"{folder} holds {held}; give another --output, or --force to replace what is there")
+    earlier, units = _earlier(folder) or ({}, {})
+    return {folder.resolve() / name for name in (*(f"{earlier.get('name')}-{unit}.fmu" for unit in units), "row.json")}
 
 
 def conflicting_results(folder: Path, scene: Scene | Document, models: Mapping[str, str]) -> str | None:
@@ -129,13 +125,9 @@ def conflicting_results(folder: Path, scene: Scene | Document, models: Mapping[s
     held = [name for name in (*FILES, *FURTHER_FILES) if (folder / name).exists()]
     if not held:
         return None
-    try:
-        there = json.loads((folder / "scene.json").read_text(encoding="utf-8"))
-        units = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["units"]
-        ran = {unit: info["model"] for unit, info in units.items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    if (earlier := _earlier(folder)) is None:
         return f"{held[0]}, but no results that can be read"
-    here = dict(document(scene))
+    (there, ran), here = earlier, dict(document(scene))
     for remark in REMARKS:
         there.pop(remark, None)
         here.pop(remark, None)
@@ -147,20 +139,14 @@ def conflicting_results(folder: Path, scene: Scene | Document, models: Mapping[s
     return None
 
 
-def scene_name(folder: Path) -> str | None:
-    """Return the name of the scene whose results are in `folder`; None where it cannot be read."""
+def _earlier(folder: Path) -> tuple[Document, dict[str, str]] | None:
+    """Return the scene and the models of the units of the results in `folder`; None where they cannot be read."""
     try:
-        return str(json.loads((folder / "scene.json").read_text(encoding="utf-8"))["name"])
-    except (OSError, ValueError, KeyError, TypeError):
+        scene = json.loads((folder / "scene.json").read_text(encoding="utf-8"))
+        units = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["units"]
+        return scene, {unit: info["model"] for unit, info in units.items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
-
-
-def unit_names(folder: Path) -> list[str]:
-    """Return the names of the units whose results are in `folder`; where they cannot be read, `rod` and `fluid`."""
-    try:
-        return list(json.loads((folder / "summary.json").read_text(encoding="utf-8"))["units"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return list(KINDS)
 
 
 def _difference(there: Any, here: Any, key: str = "") -> tuple[str, str, str] | None:

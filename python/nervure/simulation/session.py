@@ -17,7 +17,7 @@ from nervure.simulation.results import Results
 from nervure.simulation.summary import summarize
 from nervure.units import package
 from nervure.units.describe import describe_all
-from nervure.units.fmu import Unit
+from nervure.units.fmu import Unit, read_description
 
 Units = dict[str, Unit]  # By name: `rod`, the names of several rods, `fluid`
 
@@ -77,10 +77,12 @@ class Session(TimeLoop):
         """Open a session whose FMUs, of that version of FMI, stay in its folder; `foreign` are in the place of ours.
         Raise `InputError` where the folder holds other results, unless `force` allows their loss."""
         folder, foreign = folder or Path("results") / scene.name, foreign or {}
-        descriptions = describe_all(scene, fmi)
-        stale = results.check_output_folder(folder, scene, foreign, force)
+        units = describe_all(scene, fmi)
+        theirs = {name: read_description(path).modelName for name, path in foreign.items() if name in units}
+        models = {name: unit.model for name, unit in units.items()} | theirs
+        stale = results.check_output_folder(folder, scene, models, force)
         try:
-            fmus = {unit: foreign.get(unit) or package.pack(own, folder) for unit, own in descriptions.items()}
+            fmus = {name: foreign.get(name) or package.pack(unit, folder) for name, unit in units.items()}
         except OSError as error:
             raise InputError(f"cannot write into the result folder {folder}: {error.strerror}") from error
         session = cls(scene, folder, fmus, foreign=foreign.keys(), series_every=series_every)

@@ -18,6 +18,11 @@ class Description:
     scene: str  # Text of the scene that the unit carries
     xml: str  # modelDescription.xml
 
+    @property
+    def model(self) -> str:
+        """Name of the model."""
+        return f"{self.scene_name}.{self.unit}"
+
 
 def describe(unit: str, scene: Scene | Document, version: int = 2) -> Description:
     """Describe one unit of a scene; raise `SceneError` with the unit's words where it refuses the scene."""
