@@ -1,16 +1,16 @@
-"""Coefficients of every body in the flow, over the window of the run.
+"""Coefficients of each body in the flow, over the window of the run.
 
     c = 2 F / (rho U² L),   C_P = 2 P / (rho U³ L),   St = f L / U,   KC = U_m / (f L)
 
-with F and P per metre of depth, U that of `evaluate.dimensionless`, L the body's own: its diameter or its length, and
-U_m the largest speed of a body that oscillates.
-Thrust and power are averages over time; drag and lift have mean and amplitude by their extremes, as everywhere.
+with force F and power P per metre of depth, the velocity U of `evaluate.dimensionless`, the diameter or length L of the
+body, and the largest speed U_m of a body that oscillates. Thrust and power are averages over time; drag and lift have
+mean and amplitude from their extremes.
 
-That on a body that oscillates along a line in still fluid is split as by Morison, O'Brien, Johnson & Schaaf (1950),
+The force on a body that oscillates along a line in still fluid is split (Morison, O'Brien, Johnson & Schaaf 1950),
 
     F = −rho L c_d |V| V / 2 − rho pi L² c_i dV/dt / 4
 
-with V its velocity, by the Fourier averages of Keulegan & Carpenter (1958).
+with the velocity V of the body, by the Fourier averages of Keulegan & Carpenter (1958).
 """
 
 from collections.abc import Iterator, Sequence
@@ -29,7 +29,7 @@ from nervure.scene.types import BodyMotion, Motion, TimeLaw, TimeLawConstant, Ti
 
 @dataclass(frozen=True)
 class CycleMean:
-    """A mean over each cycle of the window: their mean, and their standard deviation (None of fewer than two)."""
+    """Mean and standard deviation of the means over each cycle of the window; one cycle has no deviation."""
 
     mean: float
     scatter: float | None
@@ -41,24 +41,24 @@ class Morison:
 
     cd: float
     ci: float
-    rest: float  # Root mean square of what they do not explain, by that of the force
+    rest: float  # Root mean square of the residual, relative to the force
 
 
 @dataclass(frozen=True, kw_only=True)
 class BodyCoefficients:
-    """Those of one body. Drag is the force along x and lift that along y, thrust the force against the stream, or
-    against x where there is none."""
+    """Coefficients of one body. Drag is the force along x, lift the force along y, and thrust the force against the
+    stream, or against x without a stream."""
 
     cd_mean: float
     cd_amplitude: float
     cl_mean: float
     cl_amplitude: float
     ct: float
-    cp: float | None  # Of the power that its drive puts in; None without one
-    st: float | None  # By the frequency of the lift; None where it does not oscillate
-    st_tip: float | None  # f A / U, A from end to end of the tip's path along the axis on which it goes farthest
+    cp: float | None  # Of the power of the drive; None without a drive
+    st: float | None  # From the frequency of the lift; None without an oscillation
+    st_tip: float | None  # f A / U, with the width A of the path of the tip along its main axis
     kc: float | None = None  # Keulegan–Carpenter number of a body that oscillates
-    cycles: dict[str, CycleMean] | None = None  # Means over the cycles by coefficient; None without a whole cycle
+    cycles: dict[str, CycleMean] | None = None  # By coefficient; None without a whole cycle
     morison: Morison | None = None
 
 
@@ -109,12 +109,12 @@ def evaluate(
 
 
 def power_in(name: str, series: Series) -> np.ndarray | None:
-    """Power that the drive of a rigid body puts into the fluid, W/m."""
+    """Return the power that the drive of a rigid body puts into the fluid, W/m."""
     return -series[f"{name}_power"] if f"{name}_power" in series else None
 
 
 def against_path(name: str, series: Series) -> np.ndarray:
-    """Force on a body against its own velocity, N/m; 0 where its pivot rests."""
+    """Return the force on a body against its velocity, N/m; 0 where its pivot rests."""
     velocity = np.array([np.gradient(series[f"{name}_{axis}"], series["time"]) for axis in "xy"])
     speed = np.hypot(*velocity)
     forces = np.array([series[f"{name}_drag"], series[f"{name}_lift"]])
@@ -123,7 +123,7 @@ def against_path(name: str, series: Series) -> np.ndarray:
 
 
 def cycle_mean(time: np.ndarray, values: np.ndarray, window: Window) -> CycleMean:
-    """Mean of `values` over each cycle of `window`."""
+    """Evaluate the means of `values` over the cycles of `window`."""
     edges = np.linspace(window.begin, window.end, window.periods + 1)
     means = [flapping.average(time, values, Window(begin, end, 1)) for begin, end in pairwise(edges)]
     return CycleMean(float(np.mean(means)), float(np.std(means, ddof=1)) if len(means) > 1 else None)
@@ -131,26 +131,26 @@ def cycle_mean(time: np.ndarray, values: np.ndarray, window: Window) -> CycleMea
 
 @dataclass(frozen=True)
 class _Oscillation:
-    """A motion along a line by sines that go together."""
+    """A motion along a line, by sines of one frequency and phase."""
 
-    way: np.ndarray  # Unit vector in which it goes where the sine is positive
-    law: TimeLawSine  # Of the axis along which it goes farthest
+    direction: np.ndarray  # Unit vector, for a positive sine
+    law: TimeLawSine  # Of the axis with the largest amplitude
     largest_speed: float  # m/s
-    still: bool  # Whether it does not turn
+    still: bool  # Whether the body does not turn
 
     @property
     def frequency(self) -> float:
         return self.law.sine.frequency
 
     def morison(self, name: str, scene: Scene, series: Series, window: Window, length: float) -> Morison | None:
-        """The split over `window`; None in a stream, while the motion still grows, or where the body turns."""
+        """Split the force over `window`; None in a stream, while the motion grows, or where the body turns."""
         sine, part, fluid = self.law.sine, window.of(series["time"]), scene.fluid
         streaming = flapping.stream(scene, window) is not None or any(fluid.initial_velocity if fluid else ())
         if fluid is None or streaming or not self.still or window.periods == 0 or sine.ramp > window.begin:
             return None
         time, omega, speed = series["time"], 2 * np.pi * sine.frequency, self.largest_speed
         cos, sin = np.cos(omega * time + sine.phase), np.sin(omega * time + sine.phase)
-        force = self.way @ [series[f"{name}_drag"], series[f"{name}_lift"]]
+        force = self.direction @ [series[f"{name}_drag"], series[f"{name}_lift"]]
         drag, inertia = fluid.density * length * speed**2 / 2, fluid.density * np.pi * length**2 * omega * speed / 4
         cd = -flapping.average(time, force * cos, window) / drag * 3 * np.pi / 4
         ci = flapping.average(time, force * sin, window) / inertia * 2
@@ -159,14 +159,14 @@ class _Oscillation:
 
 
 def _motions(scene: Scene) -> Iterator[tuple[str, Motion | BodyMotion | None]]:
-    """Motions of the rigid bodies by the names of their forces."""
+    """Yield the motions of the rigid bodies by the names of their forces."""
     if scene.fluid:
         yield from ((f"cylinder_{i}", cylinder.motion) for i, cylinder in enumerate(scene.fluid.cylinders, 1))
         yield from ((f"body_{i}", body.motion) for i, body in enumerate(scene.fluid.bodies, 1))
 
 
 def _oscillation(motion: Motion | BodyMotion) -> _Oscillation | None:
-    """What oscillates along a line; None of other motions."""
+    """Return an oscillation along a line; None for other motions."""
     sines = {axis: law for axis, law in enumerate((motion.x, motion.y)) if isinstance(law, TimeLawSine)}
     moving = {axis: law for axis, law in sines.items() if law.sine.amplitude and law.sine.frequency}
     if not moving or not all(axis in sines or _rests(law) for axis, law in enumerate((motion.x, motion.y))):
@@ -175,11 +175,11 @@ def _oscillation(motion: Motion | BodyMotion) -> _Oscillation | None:
     for law in moving.values():
         if any(getattr(law.sine, key) != getattr(first.sine, key) for key in ("frequency", "phase", "ramp")):
             return None
-    way = np.array([moving[axis].sine.amplitude if axis in moving else 0.0 for axis in range(2)])
-    amplitude = float(np.linalg.norm(way))
+    amplitudes = np.array([moving[axis].sine.amplitude if axis in moving else 0.0 for axis in range(2)])
+    amplitude = float(np.linalg.norm(amplitudes))
     speed = 2 * np.pi * first.sine.frequency * amplitude
     turns = isinstance(motion, BodyMotion) and not _rests(motion.angle)
-    return _Oscillation(way / amplitude, first, speed, not turns)
+    return _Oscillation(amplitudes / amplitude, first, speed, not turns)
 
 
 def _rests(law: TimeLaw) -> bool:

@@ -2,7 +2,7 @@
 
     cD, cL = 2 F / (rho Ubar² D),   St = f D / Ubar,   dp = p at the front − p at the back of the cylinder
 
-with F the force per metre of depth, Ubar the mean velocity of the inflow after its ramp and D the diameter.
+with the force F per metre of depth, the mean velocity Ubar of the inflow after its ramp, and the diameter D.
 """
 
 from dataclasses import dataclass
@@ -16,22 +16,22 @@ from nervure.scene import Scene
 from nervure.scene.types import Reference, TimeLaw, TimeLawConstant, TimeLawCosineRamp
 
 NAMES = ("cd_max", "cd_min", "cd_mean", "cl_max", "cl_min", "cl_mean", "cl_peak_to_peak", "st", "dp_mean")
-"""What is evaluated; means are (max + min) / 2 as everywhere. A steady flow has the means alone, a flow without probes
-at the front and the back of the cylinder has no `dp_mean`."""
+"""Coefficients; a mean is (max + min) / 2. A steady flow has means alone; `dp_mean` needs probes at the front and the
+back of the cylinder."""
 
 
 @dataclass(frozen=True)
 class Scale:
-    """What makes forces and frequencies of a scene dimensionless."""
+    """Scales of forces and frequencies."""
 
     force: float  # rho Ubar² D / 2, N/m
     frequency: float  # Ubar / D, Hz
     front: str | None
-    back: str | None  # Columns of the pressure at the front and the back of the cylinder, if there are probes
+    back: str | None  # Columns of the pressure at the front and the back of the cylinder; None without probes
 
 
 def scale(scene: Scene) -> Scale | None:
-    """The scale of `scene`; None unless it is one still cylinder without a beam in an inflow that becomes steady."""
+    """Return the scale of `scene`; None unless it is one still cylinder in an inflow that becomes steady."""
     fluid = scene.fluid
     if scene.beam or scene.rods or fluid is None or len(fluid.cylinders) != 1 or fluid.inflow is None:
         return None
@@ -60,7 +60,7 @@ def final_value(law: TimeLaw, by: float = inf) -> float | None:
 
 
 def curves(scale: Scale, series: Series, width: float = 0.0) -> dict[str, np.ndarray]:
-    """cD and cL over time, and dp (Pa) where there are probes, under a box filter of `width` (s)."""
+    """Return cD and cL over time, and with probes dp (Pa), under a box filter of `width` (s)."""
     time = series["time"]
     found = {name: series[force] / scale.force for name, force in (("cd", "drag"), ("cl", "lift"))}
     if scale.front and scale.back:
@@ -69,8 +69,8 @@ def curves(scale: Scale, series: Series, width: float = 0.0) -> dict[str, np.nda
 
 
 def evaluate(scale: Scale, series: Series, window: statistics.Window, width: float) -> dict[str, float]:
-    """Those of `NAMES` that a run has, over the last five periods of `window`: the drag's extremes see growth that is
-    still within what the window allows the lift."""
+    """Return the coefficients of a run over the last five periods of `window`: extremes of the drag show a growth that
+    the window still allows the lift."""
     window = window.last(statistics.MIN_PERIODS)
     time = series["time"]
     result = {}
@@ -87,7 +87,7 @@ def evaluate(scale: Scale, series: Series, window: statistics.Window, width: flo
 
 
 def published(reference: Reference | None) -> dict[str, float]:
-    """The published coefficients of a scene, with the mean of the extremes where only those are given."""
+    """Return the published coefficients of a scene; a missing mean is the mean of the extremes."""
     given = reference.coefficients if reference else None
     values = {name: value for name in NAMES if given and (value := getattr(given, name)) is not None}
     if {"cd_max", "cd_min"} <= values.keys():

@@ -1,7 +1,7 @@
-"""What a driven root does with its rod: thrust, lift, power, efficiency, tip path and phase lag, as cycle averages.
+"""Cycle averages of a driven root and its rod: thrust, lift, power, efficiency, tip path and phase lag.
 
-Thrust is the force of the fluid on the beam against the stream, or against x in still fluid; lift is that along y.
-Power in comes from the drive at the root. What is averaged are whole periods of the drive, by the trapezoidal rule.
+Thrust is the force of the fluid on the beam against the stream, or against x in still fluid; lift is the force along y.
+The drive at the root puts power in. Averages are over whole periods of the drive, by the trapezoidal rule.
 """
 
 from dataclasses import dataclass
@@ -23,9 +23,9 @@ ENERGIES = ("energy_elastic", "energy_kinetic", "energy_gravity")
 
 @dataclass(frozen=True, kw_only=True)
 class Flapping:
-    """Cycle averages of a driven root and its rod; what there is no fluid for is None."""
+    """Cycle averages of a driven root and its rod; without a fluid, its values are None."""
 
-    axis: str  # Along which the tip goes farthest
+    axis: str  # Main axis of the tip
     window_s: tuple[float, float]  # Whole periods of the drive, s
     periods: int
     power_in: float  # W per metre of depth, or W in space
@@ -37,17 +37,17 @@ class Flapping:
     tip_amplitude: float  # m
     tip_by_rigid_tip: float
     phase_lag_deg: float
-    energy_balance: dict[str, float | None]  # Works, J per metre of depth, and the part that is missing
+    energy_balance: dict[str, float | None]  # Works, J per metre of depth, and the missing part
 
 
 def main_axis(series: Series) -> str | None:
-    """The axis along which the tip would go farthest on a rigid rod; None where no root is driven."""
+    """Return the axis along which the tip of a rigid rod goes farthest; None without a driven root."""
     extents = {axis: np.ptp(series[name]) for axis in AXES if (name := f"rigid_tip_u{axis}") in series}
     return max(extents, key=extents.__getitem__) if extents else None
 
 
 def stream(scene: Scene, window: Window) -> np.ndarray | None:
-    """Velocity of the stream over `window`, m/s, `[2]`, where the scene drives one that is steady then; else None."""
+    """Return the velocity of the stream, m/s, `[2]`, if it is steady over `window`; else None."""
     if scene.fluid and (flow := scene.fluid.mean_flow):
         laws = [flow.x, flow.y]
     elif scene.fluid and (inflow := scene.fluid.inflow):
@@ -59,8 +59,8 @@ def stream(scene: Scene, window: Window) -> np.ndarray | None:
 
 
 def evaluate(scene: Scene, series: Series, settled: Window) -> Flapping | None:
-    """What the root does with its rod over the last whole periods of the drive, as many as the tip has `settled`; None
-    without a drive or a whole period."""
+    """Average over the last whole periods of the drive, as many as `settled` has; None without a drive or a whole
+    period."""
     time, axis = series["time"], main_axis(series)
     if axis is None or settled.periods == 0:
         return None
@@ -97,8 +97,8 @@ def evaluate(scene: Scene, series: Series, settled: Window) -> Flapping | None:
 
 
 def balance(series: Series, window: Window) -> dict[str, float | None]:
-    """Work over `window`, J: of the root, of the loads, what the damping took and what the rod's energy gained;
-    `missing` is the first two less the last two, relative to the magnitudes of the root's."""
+    """Return the works over `window`, J: of the root, of the loads, of the damping, and the gain of the rod's energy;
+    `missing` is the sum of the first two less the last two, relative to the magnitude of the root's work."""
     time = series["time"]
     length = window.end - window.begin
     work = {name: length * average(time, series[column], window) for name, column in BALANCE.items()}
@@ -113,13 +113,13 @@ def balance(series: Series, window: Window) -> dict[str, float | None]:
 
 
 def average(time: np.ndarray, values: np.ndarray, window: Window) -> float:
-    """Mean of `values` over time within `window`, linear between the samples."""
+    """Return the mean of `values` over time within `window`, linear between the samples."""
     inside = time[(time > window.begin) & (time < window.end)]
     t = np.r_[window.begin, inside, window.end]
     return float(np.trapezoid(np.interp(t, time, values), t) / (window.end - window.begin))
 
 
 def harmonic(time: np.ndarray, values: np.ndarray, window: Window) -> complex:
-    """Complex amplitude of the part of `values` that goes with the periods of `window`."""
+    """Return the complex amplitude of `values` at the frequency of the periods of `window`."""
     phase = np.exp(-2j * np.pi * window.periods * (time - window.begin) / (window.end - window.begin))
     return 2 * (average(time, values * phase.real, window) + 1j * average(time, values * phase.imag, window))

@@ -1,12 +1,12 @@
-"""The columns of one of several rods under the names that those of a single one have."""
+"""Columns of one of several rods under the names of a single rod."""
 
 from nervure.evaluate.statistics import Series
 from nervure.scene import Own
 
 
 def seen(series: Series, own: Own) -> Series:
-    """What of a run belongs to one rod: its columns without its name in front, and `beam_…` for what the fluid says of
-    its beam. All columns where it is the only one."""
+    """Return the columns of one rod, without its name in front, and the fluid's columns of its beam as `beam_…`; of a
+    single rod all columns."""
     if not own.prefix:
         return series
     known = {"time": series["time"]}

@@ -1,8 +1,7 @@
 """Mean, amplitude and frequency of periodic signals.
 
-The convention is that of the benchmarks (Turek & Hron 2006): mean = (max + min) / 2, amplitude = (max - min) / 2, over
-whole periods after the start-up. A least-squares fit of harmonics is evaluated beside it: it does not see noise, which
-pushes max and min outwards.
+The benchmarks define them (Turek & Hron 2006): mean = (max + min) / 2, amplitude = (max - min) / 2, over whole periods
+after the start-up. A least-squares fit of harmonics is evaluated too: noise widens the extremes, but not the fit.
 """
 
 from collections.abc import Mapping
@@ -13,47 +12,47 @@ import numpy as np
 
 Series = Mapping[str, np.ndarray]  # Recorded values over time, by column
 
-MIN_PERIODS = 5  # Periods in a window, as far as the signal has them
-DRIFT_PERIODS = 4  # Least periods whose halves say whether the amplitude still changes
+MIN_PERIODS = 5  # Periods in a window, if the signal has as many
+DRIFT_PERIODS = 4  # Least number of periods for a drift of the amplitude
 SETTLED = 0.02
-"""A period before those belongs to the window while its amplitude differs by less than this part from theirs."""
+"""Largest relative difference of the amplitude by which an earlier period still belongs to the window."""
 
 HYSTERESIS = 0.5
-"""Part of the amplitude that a signal must have been below its mean for the next upward crossing to count."""
+"""Part of the amplitude by which a signal must fall below its mean before the next upward crossing counts."""
 
 OSCILLATING = 1e-3
-"""Amplitude at the end, relative to the largest value of the record, below which a signal counts as steady."""
+"""Amplitude at the end, relative to the largest magnitude of the record, below which a signal is steady."""
 
 FORCE_FILTER = 5e-3  # Largest width of the box filter over forces, s
 FORCE_FILTER_PERIODS = 1 / 50
-"""Largest width of the box filter in periods: it takes at most 0.3 % from an oscillation at twice the frequency."""
+"""Largest width of the box filter, in periods: at twice the frequency, an oscillation loses at most 0.3 %."""
 
-HARMONICS = 6  # Multiples of the fundamental frequency that are fitted
+HARMONICS = 6  # Number of fitted harmonics
 FIT_ITERATIONS = 6  # Iterations of the fit for the fundamental frequency; it converges quadratically
 
 
 @dataclass(frozen=True)
 class Window:
-    """From when to when a record is evaluated, s."""
+    """Evaluated part of a record, s."""
 
     begin: float
     end: float
     periods: int  # Whole periods of the main signal; 0 if it does not oscillate
 
     def last(self, periods: int) -> "Window":
-        """Its last `periods` whole periods, or all of it if it has no more."""
+        """Return the last `periods` whole periods, or the whole window if it has no more."""
         if self.periods <= periods:
             return self
         return Window(self.end - periods * (self.end - self.begin) / self.periods, self.end, periods)
 
     def of(self, time: np.ndarray) -> slice:
-        """The samples in the window."""
+        """Return the samples in the window."""
         return slice(np.searchsorted(time, self.begin), np.searchsorted(time, self.end, side="right"))
 
 
 @dataclass(frozen=True)
 class Statistics:
-    """Mean, amplitude (in the signal's unit) and frequency (Hz; None if the signal does not oscillate)."""
+    """Mean and amplitude in the unit of the signal, and frequency (Hz; None without an oscillation)."""
 
     mean: float
     amplitude: float
@@ -61,13 +60,13 @@ class Statistics:
 
 
 def extent(values: np.ndarray) -> tuple[float, float]:
-    """Mean and amplitude of `values` from their maximum and minimum."""
+    """Return mean and amplitude of `values` from their maximum and minimum."""
     high, low = float(values.max()), float(values.min())
     return (high + low) / 2, (high - low) / 2
 
 
 def upward_crossings(time: np.ndarray, values: np.ndarray, mean: float, amplitude: float) -> np.ndarray:
-    """Times at which `values` rise through `mean`, interpolated linearly; noise around it counts once."""
+    """Return the times at which `values` rise through `mean`, interpolated linearly; noise around it counts once."""
     above = values > mean
     rising = np.flatnonzero(above[1:] & ~above[:-1])
     low = np.flatnonzero(values < mean - HYSTERESIS * amplitude)
@@ -79,11 +78,8 @@ def upward_crossings(time: np.ndarray, values: np.ndarray, mean: float, amplitud
 
 
 def find_window(time: np.ndarray, values: np.ndarray) -> Window:
-    """The window of the main signal: its last five whole periods, and those before while they are as large.
-
-    With fewer than five periods it is what there is. A signal that is steady at the end, or never completes a
-    period, is evaluated over the last third of the record.
-    """
+    """Return the window of the main signal: the last five whole periods, or all of fewer, and earlier periods while
+    they are as large. Without a whole period, or for a steady signal, it is the last third of the record."""
     last_third = Window(float(time[0] + (time[-1] - time[0]) * 2 / 3), float(time[-1]), 0)
     mean, amplitude = extent(values[last_third.of(time)])
     if amplitude <= OSCILLATING * np.abs(values).max():
@@ -102,7 +98,7 @@ def find_window(time: np.ndarray, values: np.ndarray) -> Window:
 
 
 def drift(time: np.ndarray, values: np.ndarray, window: Window) -> float | None:
-    """Relative change of the amplitude from the first to the second half of the window; None below `DRIFT_PERIODS`."""
+    """Return the relative change of the amplitude between the halves of the window; None below `DRIFT_PERIODS`."""
     if window.periods < DRIFT_PERIODS:
         return None
     middle = window.begin + (window.end - window.begin) / 2
@@ -112,12 +108,12 @@ def drift(time: np.ndarray, values: np.ndarray, window: Window) -> float | None:
 
 
 def evaluate(time: np.ndarray, values: np.ndarray, window: Window) -> Statistics:
-    """Statistics of `values` over `window` by extremes and crossings."""
+    """Return the statistics of `values` over `window` from extremes and crossings."""
     part = window.of(time)
     mean, amplitude = extent(values[part])
     if window.periods == 0:
         return Statistics(mean, amplitude, None)
-    # A little more on either side, so that the crossings at the window's own edges are among those found.
+    # A quarter of a period more on either side includes the crossings at the edges of the window.
     margin = (window.end - window.begin) / window.periods / 4
     wide = Window(window.begin - margin, window.end + margin, 0).of(time)
     crossings = upward_crossings(time[wide], values[wide], mean, amplitude)
@@ -127,9 +123,11 @@ def evaluate(time: np.ndarray, values: np.ndarray, window: Window) -> Statistics
 
 
 def fit(time: np.ndarray, values: np.ndarray, window: Window) -> Statistics:
-    """Statistics of the harmonics that fit `values` best over `window`: a constant, a fundamental and its multiples,
-    with the fundamental frequency itself as an unknown (the four-parameter sine fit of IEEE Std 1057, with
-    harmonics). The frequency is that of the strongest one. The window must hold a period."""
+    """Return the statistics of the harmonics that fit `values` best over `window`, which must hold a period.
+
+    The fundamental frequency is an unknown too (the four-parameter sine fit of IEEE Std 1057, with harmonics). The
+    frequency returned is the strongest harmonic's.
+    """
     part = window.of(time)
     t, y = time[part] - (window.begin + window.end) / 2, values[part]
     order = np.arange(1, HARMONICS + 1)
@@ -149,7 +147,7 @@ def fit(time: np.ndarray, values: np.ndarray, window: Window) -> Statistics:
 
 
 def box_filter(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray:
-    """Moving average of `values` over `width` (s), narrower towards the ends of the record."""
+    """Return the moving average of `values` over `width` (s), narrower towards the ends of the record."""
     integral = np.r_[0.0, np.cumsum((values[1:] + values[:-1]) / 2 * np.diff(time))]
     half = np.minimum(width / 2, np.minimum(time - time[0], time[-1] - time))
     begin, end = time - half, time + half
@@ -161,7 +159,7 @@ def box_filter(time: np.ndarray, values: np.ndarray, width: float) -> np.ndarray
 
 
 def force_filter_width(window: Window) -> float:
-    """Width of the box filter over forces, s."""
+    """Return the width of the box filter over forces, s."""
     if window.periods == 0:
         return FORCE_FILTER
     return min(FORCE_FILTER, FORCE_FILTER_PERIODS * (window.end - window.begin) / window.periods)

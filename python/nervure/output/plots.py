@@ -29,21 +29,21 @@ from nervure.simulation.session import Session
 from nervure.simulation.summary import TIP
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-blind readers tell apart (Okabe & Ito 2008)
-VORTICITY_PERCENTILE = 99.0  # Part of the picture's points, in percent, whose vorticity lies inside the colour scale
+VORTICITY_PERCENTILE = 99.0  # Percentage of the points whose vorticity lies within the colour scale
 COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 COLOURS = (BLUE, ORANGE, GREEN)
 CYCLE = (BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "0.3")  # For runs over each other
 START_UP = 0.01  # Part of the record that a start-up peak may last
 SOLID = "0.55"
-POSE = ("x", "y", "angle")  # What the fluid says of a rigid body
-ROUND = 90  # Corners with which a round outline is drawn
-PNG = {"compress_level": 3}  # A tenth of the start of a run less than by default, for a sixth of the size more
+POSE = ("x", "y", "angle")  # Outputs of the fluid for each rigid body
+ROUND = 90  # Corners of a round outline
+PNG = {"compress_level": 3}  # Files a sixth larger, and a tenth less time for the start of a run, than by default
 
 
 def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
-    """Write tip.png, drag.png and lift.png, as far as a run has such an output, with the bands that are published of
-    the first run's scene; several `runs` over each other, by the names of their folders, or by their paths where those
-    are the same. Of one run coefficients.png and flapping.png too. Returns what was written."""
+    """Write tip.png, drag.png and lift.png, for the outputs that the runs have, with the published bands of the first
+    run's scene; of a single run coefficients.png and flapping.png too. Several runs are labelled by the names of their
+    folders, or by their paths where names are equal. Return the paths written."""
     first, *others = runs
     tips = [column for run in runs for own in run.beams for column in (own.prefix + name for name in TIP)]
     named = {run.folder.resolve().name: run for run in runs}
@@ -57,12 +57,12 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
 
 
 def unit(name: str, scene: Scene) -> str:
-    """What pictures of `scene` call a unit."""
+    """Return the label of a unit in pictures of `scene`."""
     return shown_in(name, scene.display)[0] if scene.display else name
 
 
 def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Reference | None = None) -> Figure:
-    """`columns` over time below each other, with what `reference` has of them."""
+    """Draw `columns` over time below each other, with the published bands of `reference`."""
     figure = Figure(figsize=(9, 1.5 + 2 * len(columns)), layout="constrained")
     axes = figure.subplots(len(columns), sharex=True, squeeze=False)
     keys: dict[str, Any] = {}
@@ -95,8 +95,8 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
 
 
 def _settled_range(run: Results, values: np.ndarray) -> tuple[float, float]:
-    """Smallest and largest of `values` that a picture has to show: a peak of the start-up does not set its scale, which
-    is less than `START_UP` of the record and goes beyond the rest by more than its range."""
+    """Return the range of `values` in a picture. A peak of the start-up, which is shorter than `START_UP` of the record
+    and exceeds the range of the rest by more than that range, is cut off."""
     part = run.summary.window.of(run.series["time"]) if run.summary.window else slice(None)
     usual = np.r_[np.quantile(values, (START_UP, 1 - START_UP)), values[part].min(), values[part].max()]
     low, high = float(usual.min()), float(usual.max())
@@ -106,8 +106,8 @@ def _settled_range(run: Results, values: np.ndarray) -> tuple[float, float]:
 
 
 def cylinder(folder: Path, run: Results) -> list[Path]:
-    """Write coefficients.png, cD and cL over time and, where the flow is periodic, against each other, with the
-    published values; nothing if the scene is not a cylinder alone. Returns what was written."""
+    """Write coefficients.png of a cylinder alone: cD and cL over time and, in a periodic flow, against each other, with
+    published values. Return the paths written."""
     scale = coefficients.scale(run.scene)
     if scale is None or run.summary.window is None:
         return []
@@ -141,8 +141,7 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
 
 
 def driven_roots(folder: Path, run: Results) -> list[Path]:
-    """Write flapping.png, or of several rods flapping-NAME.png, of each root that is driven; returns what was
-    written."""
+    """Write flapping.png, or of several rods flapping-NAME.png, of each driven root. Return the paths written."""
     of = {own.unit: (own, f"flapping-{own.unit}.png") for own in run.beams}
     several = {name: rod.flapping for name, rod in (run.summary.rods or {}).items()}
     alone = {"rod": run.summary.flapping}
@@ -156,8 +155,8 @@ def driven_roots(folder: Path, run: Results) -> list[Path]:
 
 
 def driven_root(run: Results, found: flapping.Flapping, series: Series) -> Figure:
-    """The path of the tip of a driven rod, its way beside that of a rigid rod, forces and power over the periods of the
-    window; `series` are the columns of this rod."""
+    """Draw the path of the tip of a driven rod beside the path of a rigid rod, and forces and power over the periods of
+    the window; `series` has the columns of this rod."""
     time, main, window = series["time"], found.axis, statistics.Window(*found.window_s, found.periods)
     part = window.of(time)
     phase = (time[part] - window.begin) * window.periods / (window.end - window.begin)
@@ -235,7 +234,7 @@ def vorticity(session: Session) -> None:
 
 
 def vorticity_label(scene: Scene) -> str:
-    """What the colour scale of the vorticity is called."""
+    """Return the label of the colour scale of the vorticity."""
     return with_unit("vorticity", unit("1/s", scene))
 
 
@@ -247,8 +246,8 @@ def draw_vorticity(
     limit: float,
     poses: Sequence[Sequence[float]] = (),
 ) -> AxesImage:
-    """Draw a vorticity `field`, `[nx, ny]`, with the solids, the colours from -`limit` to `limit` (1/s); `corners` are
-    those of each beam, `poses` position (m) and angle (rad) of the pivots of the bodies."""
+    """Draw a vorticity `field`, `[nx, ny]`, colours from -`limit` to `limit` (1/s), with the solids: `corners` are the
+    outlines of the beams, `poses` position (m) and angle (rad) of the pivots of the bodies."""
     fluid = _fluid(scene)
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
@@ -287,7 +286,7 @@ def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
 
 
 def vorticity_limit(scene: Scene, vorticities: list[np.ndarray]) -> float:
-    """End of the colour scale for `vorticities` of one run, 1/s: the largest values, at the walls, saturate."""
+    """Return the end of the colour scale for `vorticities` of a run, 1/s; the largest, at the walls, saturate."""
     fluid = _fluid(scene)
     left, _, bottom, top = _view(fluid)
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
@@ -298,7 +297,7 @@ def vorticity_limit(scene: Scene, vorticities: list[np.ndarray]) -> float:
 
 
 def size(scene: Scene, width: float) -> tuple[float, float]:
-    """Size of a figure of the fluid with a colour bar, in, for its width."""
+    """Return the size of a figure of the fluid with a colour bar, in, for its width."""
     left, right, bottom, top = _view(_fluid(scene))
     return width, max(0.21 * width, 0.875 * width * (top - bottom) / (right - left) + 0.8)
 
@@ -309,7 +308,7 @@ def _fluid(scene: Scene) -> Fluid:
 
 
 def _view(fluid: Fluid) -> tuple[float, float, float, float]:
-    """What a picture of the fluid shows, m: the channel behind the inflow zone, else the whole box."""
+    """Return the view of a picture of the fluid, m: the channel behind the inflow zone, else the whole box."""
     (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
     left = fluid.inflow.x[1] if fluid.inflow else x0
     bottom, top = fluid.channel.y if fluid.channel else (y0, y1)
