@@ -93,9 +93,9 @@ schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the Python 
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
 	$(RUN) modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 
-messages: build $(READY_DEV) ## write docs/messages.md anew: what the tool says of input that it cannot use
-	$(RUN) tests/bad_input.py > docs/messages.md.new
-	mv docs/messages.md.new docs/messages.md
+messages: build $(READY_DEV) ## record the messages about bad input in tests/messages.csv
+	$(RUN) tests/bad_input.py --csv > tests/messages.csv.new
+	mv tests/messages.csv.new tests/messages.csv
 
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair
 	$(NERVURE) build fsi3-325x72 --descriptions modelDescription

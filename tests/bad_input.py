@@ -1,22 +1,28 @@
-"""Scenes, files and arguments that cannot be used, and what the tool says of each: docs/messages.md.
+"""Scenes, files and arguments that nervure refuses, and its messages.
 
-    python tests/bad_input.py > docs/messages.md
+    python tests/bad_input.py > messages.md               # as a page, for the site
+    python tests/bad_input.py --csv > tests/messages.csv  # as the data that tests/test_messages.py compares
 
-`make messages` does so. Each of `TYPES` and `RELATIONS` is a shipped scene with a key replaced, as `--set` does it.
-What is wrong with the first the JSON Schema sees too, the second only the units.
+Each entry of `TYPES` and `RELATIONS` is a shipped scene with a key replaced, as `--set` does it. The JSON Schema
+refuses the first too, only the units the second.
 """
 
+import csv
 import io
 import os
 import sys
 import tempfile
+from collections.abc import Iterator
 from contextlib import chdir, redirect_stderr, redirect_stdout
+from itertools import groupby
 from pathlib import Path
+from typing import NamedTuple
 from unittest.mock import patch
 
 from nervure.cli import main
+from nervure.errors import SceneError
 from nervure.resources import ROOT
-from nervure.scene import read
+from nervure.scene import load, read
 
 FSI3, CSM1, CYLINDER, VEIN, HOVER = (
     "fsi3-325x72", "csm1", "cylinder-2d1-450x90", "vein-pitching-320x240", "vein-hover-288x256"
@@ -29,6 +35,10 @@ LAW, LOAD = "fluid.inflow.mean_velocity", "coupling.load"
 PROBE = '{{"name": "{}", "position": {}}}'
 
 TYPES = [
+    (FSI3, "format=1"),
+    (FSI3, "format=3"),
+    (FSI3, "format=two"),
+    (FSI3, "format=2.0"),
     (FSI3, "name="),
     (FSI3, "name=a/b"),
     (FSI3, "name=.."),
@@ -150,7 +160,7 @@ TYPES = [
     (FSI3, "reference.source="),
     (FSI3, "reference.quantities.tip_uy.amplitude=-1"),
 ]
-"""What types and ranges do not allow."""
+"""Values that types and ranges do not allow."""
 
 RELATIONS = [
     (FSI3, f'{BODY}, "shape": {{"rectangle": {{"length": 0.1, "thickness": 0.2, "ends": "round"}}}}}}]'),
@@ -208,7 +218,7 @@ RELATIONS = [
     (FSI3, "this_rod=rod"),
     (PAIR, "fluid=null"),
 ]
-"""What is allowed by itself, but not together with the rest of the scene."""
+"""Values that contradict the rest of the scene."""
 
 FILES = {
     "empty": "",
@@ -217,6 +227,14 @@ FILES = {
     "a list": "[]",
     "a key twice": '{\n  "name": "x",\n  "time": { "end": 1, "communication_step": 0.1, "end": 2 }\n}',
     "a thousand brackets": "[" * 1000,
+    "a number that JSON lacks": '{\n  "name": "x",\n  "time": { "end": NaN, "communication_step": 0.1 }\n}',
+    "the keys of format 1": '{\n  "format": 1,\n  "name": "x",\n  "time": { "end": 1, "communication_step": 0.1 },\n'
+    '  "coupling": { "pressure_level": true }\n}',
+    "several faults": '{\n  "nam": "x",\n  "time": {\n    "end": -1,\n    "communicaton_step": "0.1"\n  }\n}',
+    "a number of 5000 digits": '{\n  "name": "x",\n  "time": { "end": 1'
+    + "0" * 5000
+    + ', "communication_step": 0.1 }\n}',
+    "too long": f'{{"name": "{"x" * (4 << 20)}"}}',
     "a wrong value": '{\n  "name": "x",\n  "time": {\n    "end": -1,\n    "communication_step": 0.1\n  }\n}',
     "a missing key": '{\n  "name": "x",\n  "time": {\n    "end": 1\n  }\n}',
     "no text": b"\x89PNG\r\n",
@@ -255,18 +273,25 @@ ARGUMENTS = [
 HEAD = """\
 # Messages
 
-What the tool says of scenes, files and arguments that it cannot use. Each ends with exit status
-2, and nothing is written. A message names the key, its value and what is allowed; for a file also
-line and column. `make messages` writes this page, and `tests/test_messages.py` holds it.
-
-Types and ranges stand in the [JSON Schema](../modelDescription/scene.schema.json), so an editor
-shows them while you type. Two things differ there: a whole number may be written `8.0` for the
-schema, not for the units; and what relates several keys only the units see.
+nervure's messages about scenes, files and arguments that it refuses. Each ends with exit status 2, and nothing is
+written. Types and ranges are those of the [scene keys](scene.md) and stand in the JSON Schema, so that an editor shows
+them. An editor and nervure differ in two points: the schema accepts `8.0` for a whole number, and it does not see
+contradictions between keys.
 """
 
 
+class Row(NamedTuple):
+    """A bad input, and its message."""
+
+    heading: str
+    given: str
+    status: str  # Exit status of the command
+    faults: str  # Kind, key and place of each fault of a scene, `range time.end 4:5`
+    message: str
+
+
 def said(*arguments: str) -> tuple[int, str]:
-    """Exit status and message of the command, run in this process."""
+    """Return exit status and message of the command, run in this process."""
     wide = {"TERMINAL_WIDTH": "1000", "COLUMNS": "1000", "NO_COLOR": "1"}
     errors, status = io.StringIO(), 0
     try:
@@ -283,47 +308,63 @@ def said(*arguments: str) -> tuple[int, str]:
 
 
 def sentence(text: str) -> str:
-    """The message alone: without the frame that the command line puts around its own, and what it shows before."""
+    """Return a message without the frame and the usage that the command line puts around it."""
     lines = [line.strip("│ ").strip() for line in text.splitlines() if not set(line.strip()) <= set("╭╰─╮╯ Error")]
     lines = [line for line in lines if line and not line.startswith(("Usage:", "Try "))]
-    return " ".join(lines).removeprefix("error: ")
+    return "\n".join(lines).removeprefix("error: ")
 
 
 def scene(base: str, assignment: str) -> dict:
-    """The document that `TYPES` and `RELATIONS` are about."""
+    """Return the document of an entry of `TYPES` and `RELATIONS`."""
     return read(base, [assignment])
 
 
-def tables() -> dict[str, list[tuple[str, int, str]]]:
-    """By heading what was given, and exit status and message."""
-    found = {
-        heading: [(assignment, *said("run", base, "--set", assignment)) for base, assignment in cases]
-        for heading, cases in (("Types and ranges", TYPES), ("Keys that do not go together", RELATIONS))
-    }
-    files = found["Files"] = []
+def faults(name: str, *assignments: str) -> str:
+    """Return kind, key and place of each fault of a scene."""
+    try:
+        load(name, assignments)
+    except SceneError as error:
+        places = (f" {fault.line}:{fault.column}" if fault.line else "" for fault in error.faults)
+        return "; ".join(f"{fault.kind} {fault.key}{place}" for fault, place in zip(error.faults, places, strict=True))
+    return ""
+
+
+def rows() -> Iterator[Row]:
+    """Give every bad input to the command."""
+
+    def row(heading: str, given: str, found: str, *arguments: str) -> Row:
+        status, text = said(*arguments)
+        return Row(heading, given, str(status), found, sentence(text))
+
+    for heading, cases in (("Types and ranges", TYPES), ("Contradictions", RELATIONS)):
+        for base, assignment in cases:
+            yield row(heading, assignment, faults(base, assignment), "run", base, "--set", assignment)
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        path = Path("my-scene.json")
         for name, text in FILES.items():
-            Path("my-scene.json").write_bytes(text if isinstance(text, bytes) else text.encode())
-            files.append((name, *said("run", "my-scene.json")))
-        Path("my-scene.json").unlink()
-        found["Arguments"] = [(" ".join(arguments), *said(*arguments)) for arguments in ARGUMENTS]
+            path.write_bytes(text if isinstance(text, bytes) else text.encode())
+            yield row("Files", name, faults(str(path)), "run", str(path))
+        path.unlink()
+        for arguments in ARGUMENTS:
+            yield row("Arguments", " ".join(arguments), "", *arguments)
         assert not os.listdir(), os.listdir()
-    return found
 
 
-def page(found: dict[str, list[tuple[str, int, str]]]) -> str:
-    """docs/messages.md."""
-    parts = [HEAD]
-    for heading, rows in found.items():
-        parts.append(f"\n## {heading}\n\n| given | message |\n|---|---|\n")
-        parts += [f"| `{cell(given)}` | {cell(sentence(text))} |\n" for given, _, text in rows]
-    return "".join(parts)
+def page() -> Iterator[str]:
+    """Return the lines of a page for the site."""
+    yield HEAD
+    for heading, each in groupby(rows(), lambda row: row.heading):
+        yield f"\n## {heading}\n\n| given | message |\n|---|---|\n"
+        yield from (f"| `{cell(row.given)}` | {cell(row.message)} |\n" for row in each)
 
 
 def cell(text: str) -> str:
-    """`text` for a cell of a table."""
-    return text.replace("|", "\\|").replace("<", "&lt;")
+    """Return `text` for a cell of a table."""
+    return text.replace("|", "\\|").replace("<", "&lt;").replace("\n", "<br>")
 
 
 if __name__ == "__main__":
-    sys.stdout.write(page(tables()))
+    if sys.argv[1:] == ["--csv"]:
+        csv.writer(sys.stdout, lineterminator="\n").writerows([Row._fields, *rows()])
+    else:
+        sys.stdout.writelines(page())

@@ -76,7 +76,8 @@ def known_signal():
 def test_averages_of_a_known_signal(fluid_only):
     """In a stream along y."""
     known, window = known_signal()
-    fluid_only["fluid"]["mean_flow"] = {"y": {"constant": 1.2}}
+    del fluid_only["fluid"]["inflow"]
+    fluid_only["fluid"] |= {"mean_flow": {"y": {"constant": 1.2}}, "initial_velocity": [0.0, 1.2]}
     found = flapping.evaluate(validate(fluid_only), known, window)
     assert found.axis == "x"
     expected = {"power_in": 3.0, "thrust": 0.5, "lift": -0.5, "efficiency": 0.2, "tip_by_rigid_tip": 1.5}

@@ -80,7 +80,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
         (["rod.material.plane_strain.density=1e7"], ["the rod weighs 1e+04 of the fluid it displaces"]),
         (["fluid.precision=single"], []),
         (
-            ["fluid.precision=single", "rod.material.plane_strain.density=100"],
+            ["fluid.precision=single", "rod.material.plane_strain.density=100", "coupling={}"],
             ["the rod weighs 0.1 of the fluid it displaces, which wants `precision` double"],
         ),
         (["fluid.mask.log_linear.c_eta=1e-3"], ["the mask is soft: C_eta U/L is 0.02"]),

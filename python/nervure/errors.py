@@ -1,17 +1,29 @@
-"""What a user is told in one sentence in place of a traceback."""
+"""Errors that a user sees as sentences in place of a traceback."""
 
-import re
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 
 class InputError(Exception):
     """Input that nervure cannot use; the message says why and, if possible, what to do. Exit code 2."""
 
 
-class SceneError(InputError):
-    """A scene or an override that cannot be used; the message names file or key."""
+@dataclass(frozen=True)
+class Fault:
+    """A reason why a scene cannot be run, from the check in the units' libraries (`Fault` in `crates/scene`)."""
 
-    @property
-    def key(self) -> str | None:
-        """The key that the units blame, if they do."""
-        blamed = re.match(r"scene key `(.*?)`", str(self))
-        return blamed[1] if blamed else None
+    kind: str  # syntax, duplicate, format, unknown, missing, type, range or conflict
+    key: str  # Path, e.g. `fluid.cylinders[0].radius`; empty for the whole file
+    line: int | None  # From 1; None where the key is not in the file
+    column: int | None  # In characters from 1
+    value: str | None  # As the file has it, or a summary
+    allowed: str | None
+    text: str  # The whole as a sentence without the place
+
+
+class SceneError(InputError):
+    """A scene, or a change of one, that cannot be used; `faults` has the reasons as far as the units found them."""
+
+    def __init__(self, message: str, faults: Iterable[Fault] = ()):
+        super().__init__(message)
+        self.faults = tuple(faults)

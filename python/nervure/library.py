@@ -1,29 +1,35 @@
-"""The libraries of the units: where they are, and what they say of a scene.
+"""The libraries of the units: their places, and their functions beside FMI.
 
-A library knows how to describe itself for a scene: `fmu_model_description` reads `scene.json` in a resources folder
-and writes modelDescription.xml, or the reason why the scene cannot be run.
+`fmu_scene_check` lists the faults of a scene, `fmu_scene_facts` its facts. `fmu_model_description` reads `scene.json`
+in a resources folder and writes modelDescription.xml, or the reason why the scene cannot be run.
 """
 
 import ctypes
+import json
 import os
 import tempfile
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, partial
 from pathlib import Path
+from typing import Any
 
-from nervure.errors import SceneError
+from nervure.errors import Fault, SceneError
 from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX
 
-__all__ = ["KINDS", "SUFFIX", "check", "describe", "is_built", "kind_of", "library"]
+__all__ = ["KINDS", "SUFFIX", "check", "describe", "facts", "is_built", "kind_of", "library"]
+
+BUFFER: list[Any] = [ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
+"""Types of the arguments by which a function writes a text: buffer, capacity, and size of the text."""
 
 
 def kind_of(unit: str) -> str:
-    """The kind of a unit of a scene: every one but the fluid is a rod."""
+    """Return the kind of a unit: every unit but the fluid is a rod."""
     return "fluid" if unit == "fluid" else "rod"
 
 
 def library(kind: str) -> Path:
-    """Path of the library of unit `kind`: in the folder that the variable `NERVURE_LIBRARIES` names, or that of the
-    wheel, or as cargo built it in the source tree."""
+    """Return the path of the library of unit `kind`: in the folder `NERVURE_LIBRARIES`, in the wheel, or where cargo
+    built it in the source tree."""
     path = _path(kind)
     if path.is_file():
         return path
@@ -47,19 +53,49 @@ def is_built(kind: str) -> bool:
     return _path(kind).is_file()
 
 
-def check(text: str) -> None:
-    """Raise `SceneError` with the units' words where they refuse a key or a value of a scene. Either library reads all
-    of it, also where the scene has no such unit; the rod's makes least besides."""
+def check(text: str, original: str | None = None) -> list[Fault]:
+    """Return the faults of the text of a scene, none for a scene that can be run.
+
+    Places are those in `original`, the text before changes; by default those in `text`.
+    """
+    return [Fault(**fault) for fault in json.loads(_answer("fmu_scene_check", text, original))]
+
+
+def facts(text: str) -> dict[str, Any] | None:
+    """Return the facts of a scene (`Facts` in `crates/scene`); None for a scene with faults."""
+    found: dict[str, Any] | None = json.loads(_answer("fmu_scene_facts", text))
+    return found
+
+
+def _answer(name: str, *texts: str | None) -> str:
+    """Return the answer of a function of the rod's library; the fluid's has the same."""
+    path = library("rod")
     try:
-        describe("rod", text)
-    except SceneError as error:
-        if error.key:
-            raise
+        function = ctypes.CDLL(str(path))[name]
+    except AttributeError as error:
+        raise SceneError(f"the library {path} is older than this nervure; `make build` builds it again") from error
+    function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, *BUFFER]
+    encoded = [None if text is None else text.encode("utf-8", "surrogatepass") for text in texts]
+    refused, answer = _written(partial(function, *encoded, *[None] * (2 - len(encoded))))
+    if refused:
+        raise SceneError(f"the scene cannot be checked: {answer}")
+    return answer
+
+
+def _written(function: Callable[..., int]) -> tuple[int, str]:
+    """Return code and text of a C function that writes a text where there is room for it."""
+    needed, buffer, code = ctypes.c_size_t(1 << 20), ctypes.create_string_buffer(1), 0
+    while len(buffer) < needed.value:
+        buffer = ctypes.create_string_buffer(needed.value)
+        code = function(buffer, len(buffer), ctypes.byref(needed))
+    return code, buffer.value.decode("utf-8")
 
 
 def describe(kind: str, text: str, version: int = 2) -> str:
-    """modelDescription.xml of unit `kind` in that version of FMI, 2 or 3, for the text of a scene, or `SceneError` with
-    the unit's words."""
+    """Return modelDescription.xml of unit `kind` in that version of FMI, 2 or 3, for the text of a scene.
+
+    Raises `SceneError` with the faults of the scene, or with the unit's words where only the unit refuses it.
+    """
     return _described(library(kind), text, version)
 
 
@@ -67,14 +103,11 @@ def describe(kind: str, text: str, version: int = 2) -> str:
 def _described(path: Path, text: str, version: int) -> str:
     name = {2: "fmu_model_description", 3: "fmu_model_description_3"}[version]
     function = ctypes.CDLL(str(path))[name]
-    function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_size_t)]
-    needed, buffer = ctypes.c_size_t(1 << 20), ctypes.create_string_buffer(1)
+    function.argtypes = [ctypes.c_char_p, *BUFFER]
     with tempfile.TemporaryDirectory() as resources:
         Path(resources, "scene.json").write_bytes(text.encode("utf-8"))  # the GUID is of the bytes
-        while len(buffer) < needed.value:
-            buffer = ctypes.create_string_buffer(needed.value)
-            refused = function(os.fsencode(resources), buffer, len(buffer), ctypes.byref(needed))
-    said = buffer.value.decode("utf-8")
+        refused, said = _written(partial(function, os.fsencode(resources)))
     if refused:
-        raise SceneError(said)
+        faults = check(text)
+        raise SceneError("\n".join(fault.text for fault in faults) or said, faults)
     return said

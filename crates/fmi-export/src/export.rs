@@ -706,22 +706,8 @@ unsafe fn describe<M: Model>(
         let (_, _, document) = instance::load::<M>(&resources, version)?;
         Ok(document.xml)
     });
-    let (code, text) = match described.and_then(|result| result) {
-        Ok(xml) => (0, xml),
-        Err(message) => (1, message),
-    };
-    let text = CString::new(text.replace('\0', "\u{fffd}")).expect("NUL was replaced");
-    let bytes = text.as_bytes_with_nul();
-    // SAFETY: pointers that are null are left alone, and no more is written than there is room for.
-    unsafe {
-        if let Some(needed) = needed.as_mut() {
-            *needed = bytes.len();
-        }
-        if !buffer.is_null() && bytes.len() <= capacity {
-            ptr::copy_nonoverlapping(bytes.as_ptr(), buffer.cast(), bytes.len());
-        }
-    }
-    code
+    // SAFETY: the function's precondition.
+    unsafe { crate::text::write(described.and_then(|result| result), (buffer.cast(), capacity), needed) }
 }
 
 /// See [`export_fmu!`](crate::export_fmu).

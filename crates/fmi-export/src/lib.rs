@@ -74,6 +74,8 @@ mod state_machine;
 #[rustfmt::skip]
 pub mod sys;
 mod table;
+#[doc(hidden)]
+pub mod text;
 mod units;
 mod variable;
 mod version;

@@ -1,14 +1,13 @@
-//! Laws of time: how a quantity of the scene follows the clock.
+//! Laws of time.
 
 use std::f64::consts::PI;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::SceneError;
-use crate::check::{Check, require};
+use crate::fault::{Check, Faults};
 
-/// A quantity as a function of time; its unit is that of the key it stands at.
+/// A quantity as a function of time, in the unit of its key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum TimeLaw {
@@ -22,7 +21,7 @@ pub enum TimeLaw {
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         duration: f64,
     },
-    /// `mean + amplitude · g(t) · sin(2 π frequency t + phase)`; g is 1, or grows like a cosine ramp from 0 at t = 0.
+    /// `mean + amplitude · g(t) · sin(2 π frequency t + phase)`, where g is 1 or a cosine ramp from 0 at t = 0.
     Sine {
         /// Mean value.
         #[serde(default)]
@@ -35,12 +34,13 @@ pub enum TimeLaw {
         /// Phase at t = 0, rad.
         #[serde(default)]
         phase: f64,
-        /// Length of the growth of g, s; 0: none.
+        /// Length of the ramp of g, s; without a ramp 0.
         #[serde(default)]
         #[schemars(range(min = 0.0))]
         ramp: f64,
     },
-    /// Cubic Hermite interpolation (slopes by central differences) between points; constant before and after.
+    /// Cubic Hermite interpolation between points, with slopes by central differences; constant before the first point
+    /// and after the last.
     Table {
         /// Times of the points, s, increasing; at least two.
         #[schemars(length(min = 2))]
@@ -59,12 +59,12 @@ impl Default for TimeLaw {
 }
 
 impl TimeLaw {
-    /// Value at time `t` (s).
+    /// Return the value at time `t` (s).
     pub fn value(&self, t: f64) -> f64 {
         self.value_and_rate(t).0
     }
 
-    /// Value and its rate (per second) at time `t` (s).
+    /// Return the value and its rate (per second) at time `t` (s).
     pub fn value_and_rate(&self, t: f64) -> (f64, f64) {
         match self {
             Self::Constant(value) => (*value, 0.0),
@@ -83,13 +83,14 @@ impl TimeLaw {
     }
 }
 
-/// `(1 − cos(π t / duration)) / 2`, 0 before and 1 after, with its rate.
+/// Return `(1 − cos(π t / duration)) / 2`, 0 before and 1 after, and its rate.
 fn cosine_ramp(t: f64, duration: f64) -> (f64, f64) {
     let phase = PI * (t / duration).clamp(0.0, 1.0);
     (0.5 * (1.0 - phase.cos()), 0.5 * PI / duration * phase.sin())
 }
 
-/// Piecewise cubic Hermite interpolation; the slope at an inner point is that of its two neighbours' secant, 0 at the ends.
+/// Return value and rate of piecewise cubic Hermite interpolation. The slope at an inner point is the secant of its two
+/// neighbours, at the ends 0.
 fn hermite(times: &[f64], values: &[f64], t: f64) -> (f64, f64) {
     let last = times.len() - 1;
     if t <= times[0] {
@@ -111,7 +112,7 @@ fn hermite(times: &[f64], values: &[f64], t: f64) -> (f64, f64) {
 }
 
 impl TimeLaw {
-    /// Largest magnitude that it reaches, or would reach with all parts of a sine in phase.
+    /// Return a bound of the magnitude: the largest value, of a sine the sum of mean and amplitude.
     pub(crate) fn largest(&self) -> f64 {
         match self {
             Self::Constant(value) | Self::CosineRamp { value, .. } => value.abs(),
@@ -119,18 +120,48 @@ impl TimeLaw {
             Self::Table { values, .. } => values.iter().fold(0.0, |largest, value| f64::max(largest, value.abs())),
         }
     }
+
+    /// Return the largest magnitude of the rate, per second; of a sine without its ramp, of a table by its secants.
+    pub(crate) fn largest_rate(&self) -> f64 {
+        match self {
+            Self::Constant(_) => 0.0,
+            Self::CosineRamp { value, duration } => value.abs() * PI / 2.0 / duration,
+            Self::Sine { amplitude, frequency, .. } => amplitude.abs() * 2.0 * PI * frequency,
+            Self::Table { times, values } => {
+                let secants =
+                    times.windows(2).zip(values.windows(2)).map(|(t, v)| ((v[1] - v[0]) / (t[1] - t[0])).abs());
+                secants.fold(0.0, f64::max)
+            }
+        }
+    }
+
+    /// Return the frequency of a sine, Hz; none where nothing oscillates.
+    pub(crate) fn frequency(&self) -> Option<f64> {
+        match self {
+            Self::Sine { amplitude, frequency, .. } if *amplitude != 0.0 && *frequency != 0.0 => Some(*frequency),
+            _ => None,
+        }
+    }
+
+    /// Return the time from which the value stays constant, s, and that value; only of a constant and a ramp.
+    pub(crate) fn settles(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Constant(value) => Some((0.0, *value)),
+            Self::CosineRamp { value, duration } => Some((*duration, *value)),
+            _ => None,
+        }
+    }
 }
 
 impl Check for TimeLaw {
-    fn check_at(&self, key: &str) -> Result<(), SceneError> {
-        let Self::Table { times, values } = self else { return Ok(()) };
-        let increasing = times.windows(2).all(|w| w[0] < w[1]);
-        require(increasing, &format!("{key}.table.times"), format!("{times:?}"), || {
-            "it must be at least two increasing numbers".into()
-        })?;
-        require(values.len() == times.len(), &format!("{key}.table.values"), format!("{values:?}"), || {
+    fn check_at(&self, key: &str, faults: &mut Faults) {
+        let Self::Table { times, values } = self else { return };
+        let increasing = times.windows(2).all(|pair| pair[0] < pair[1]);
+        faults
+            .require(increasing, &format!("{key}.table.times"), format!("{times:?}"), || "times must increase".into());
+        faults.require(values.len() == times.len(), &format!("{key}.table.values"), format!("{values:?}"), || {
             format!("it must be {} numbers, one for each time", times.len())
-        })
+        });
     }
 }
 

@@ -1,16 +1,17 @@
-//! The JSON Schema of scene files, fit for making classes of another language.
+//! The JSON Schema of scene files, from which classes in other languages can be made.
 //!
-//! Every definition and every variant of an enum has a title that is the name of a class. A variant with fields is an object
-//! with one key, its tag: that object is called after enum and variant, `TimeLawSine`, its content after the variant, `Sine`.
+//! The title of a definition or a variant is the name of a class. A variant with fields is an object with one key, its
+//! tag: the title of that object joins enum and variant, `TimeLawSine`; the title of its content is the variant,
+//! `Sine`.
 
 use schemars::Schema;
 use schemars::transform::{RecursiveTransform, Transform};
 use serde_json::{Map, Value};
 
-use crate::Scene;
+use crate::scene::Scene;
 
 impl Scene {
-    /// JSON Schema of scene files, made from these types.
+    /// Return the JSON Schema of scene files, made from these types.
     pub fn json_schema() -> String {
         let mut schema = schemars::schema_for!(Self);
         RecursiveTransform(join_lines).transform(&mut schema);
@@ -21,14 +22,14 @@ impl Scene {
     }
 }
 
-/// Lines of the source are no lines of a description.
+/// Join the lines of a description, which are lines of the source.
 fn join_lines(schema: &mut Schema) {
     if let Some(Value::String(description)) = schema.get_mut("description") {
         *description = description.replace('\n', " ");
     }
 }
 
-/// Call the definition `name` and its variants so.
+/// Add titles to the definition `name` and its variants.
 fn add_titles(name: &str, definition: &mut Value) {
     set_title(definition, name.into());
     let Some(Value::Array(variants)) = definition.get_mut("oneOf") else { return };
@@ -47,7 +48,7 @@ fn add_titles(name: &str, definition: &mut Value) {
     }
 }
 
-/// Put a title first.
+/// Put a title in front.
 fn set_title(schema: &mut Value, title: String) {
     if let Value::Object(entries) = schema {
         let mut titled = Map::from_iter([("title".into(), title.into())]);
@@ -56,7 +57,7 @@ fn set_title(schema: &mut Value, title: String) {
     }
 }
 
-/// `log_linear` as `LogLinear`.
+/// Return `LogLinear` for `log_linear`.
 fn class_name(tag: &str) -> String {
     let capitalised = |word: &str| word[..1].to_uppercase() + &word[1..];
     tag.split('_').map(capitalised).collect()
@@ -119,7 +120,7 @@ mod tests {
     #[test]
     fn defaults_of_the_schema_are_those_of_the_parser() {
         let text = r#"{ "x": { "sine": { "amplitude": 1.0, "frequency": 1.0 } } }"#;
-        let parsed: crate::RootLaws = serde_json::from_str(text).unwrap();
+        let parsed: crate::root::RootLaws = serde_json::from_str(text).unwrap();
         let written = serde_json::to_value(&parsed).unwrap();
         let schema = schema();
         let sine = schema["$defs"]["TimeLaw"]["oneOf"]

@@ -1,30 +1,27 @@
-//! Quantities along a beam, from root to tip.
+//! Quantities along the span of a beam, from root to tip.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::SceneError;
-use crate::check::{Check, require};
+use crate::fault::{Check, Faults};
 
-/// A quantity along the beam: a number above 0 where it is the same all along, else a law of the place s, which is 0 at the
-/// root and 1 at the tip.
+/// A quantity along the span: a number > 0 where it is constant, otherwise a profile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum Spanwise {
-    /// The same all along.
+    /// The same value from root to tip.
     Constant(#[schemars(extend("exclusiveMinimum" = 0.0))] f64),
-    /// A law of the place.
+    /// A profile along the span.
     Varying(SpanwiseProfile),
 }
 
-/// A quantity as a function of the place s along the beam, 0 at the root and 1 at the tip; its unit is that of the key it stands
-/// at.
+/// A quantity as a function of the place s along the span, 0 at the root and 1 at the tip, in the unit of its key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum SpanwiseProfile {
-    /// `((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending stiffness of a
-    /// plate of linear thickness with 3.
+    /// `((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of a linear function. The bending
+    /// stiffness of a plate of linear thickness has the power 3.
     Taper {
         /// Value at the root.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
@@ -32,17 +29,17 @@ pub enum SpanwiseProfile {
         /// Value at the tip.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         tip: f64,
-        /// The power.
+        /// Power of the linear function.
         #[serde(default = "linear")]
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         power: f64,
     },
     /// Straight lines between points.
     Points {
-        /// Places of the points, increasing from 0, the root, to 1, the tip.
+        /// Places of the points, increasing from 0 at the root to 1 at the tip.
         #[schemars(length(min = 2))]
         s: Vec<f64>,
-        /// Values there, above 0.
+        /// Values at the points, > 0.
         #[schemars(length(min = 2))]
         values: Vec<f64>,
     },
@@ -59,12 +56,12 @@ impl From<f64> for Spanwise {
 }
 
 impl Spanwise {
-    /// Whether it is given by a law.
+    /// Whether the quantity has a profile.
     pub fn varies(&self) -> bool {
         matches!(self, Self::Varying(_))
     }
 
-    /// Value at the place `s`, 0 at the root and 1 at the tip.
+    /// Return the value at the place `s`, 0 at the root and 1 at the tip.
     pub fn at(&self, s: f64) -> f64 {
         match self {
             Self::Constant(value) => *value,
@@ -82,16 +79,17 @@ impl Spanwise {
 }
 
 impl Check for Spanwise {
-    fn check_at(&self, key: &str) -> Result<(), SceneError> {
-        let Self::Varying(SpanwiseProfile::Points { s, values }) = self else { return Ok(()) };
+    fn check_at(&self, key: &str, faults: &mut Faults) {
+        let Self::Varying(SpanwiseProfile::Points { s, values }) = self else { return };
         let covers = s.first() == Some(&0.0) && s.last() == Some(&1.0) && s.windows(2).all(|pair| pair[0] < pair[1]);
-        require(covers, &format!("{key}.points.s"), format!("{s:?}"), || {
-            "it must be increasing numbers, the first 0 at the root and the last 1 at the tip".into()
-        })?;
+        faults.require(covers, &format!("{key}.points.s"), format!("{s:?}"), || {
+            "the places must increase from 0 at the root to 1 at the tip".into()
+        });
         let positive = values.iter().all(|&value| value > 0.0);
-        require(positive && values.len() == s.len(), &format!("{key}.points.values"), format!("{values:?}"), || {
-            format!("it must be {} numbers above 0, one for each place", s.len())
-        })
+        let fits = positive && values.len() == s.len();
+        faults.require(fits, &format!("{key}.points.values"), format!("{values:?}"), || {
+            format!("it must be {} numbers > 0, one for each place", s.len())
+        });
     }
 }
 

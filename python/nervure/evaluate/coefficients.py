@@ -6,14 +6,14 @@ with the force F per metre of depth, the mean velocity Ubar of the inflow after 
 """
 
 from dataclasses import dataclass
-from math import inf
 
 import numpy as np
 
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series
 from nervure.scene import Scene
-from nervure.scene.types import Reference, TimeLaw, TimeLawConstant, TimeLawCosineRamp
+from nervure.scene.facts import scene_facts
+from nervure.scene.types import Reference
 
 NAMES = ("cd_max", "cd_min", "cd_mean", "cl_max", "cl_min", "cl_mean", "cl_peak_to_peak", "st", "dp_mean")
 """Coefficients; a mean is (max + min) / 2. A steady flow has means alone; `dp_mean` needs probes at the front and the
@@ -35,7 +35,7 @@ def scale(scene: Scene) -> Scale | None:
     fluid = scene.fluid
     if scene.beam or scene.rods or fluid is None or len(fluid.cylinders) != 1 or fluid.inflow is None:
         return None
-    (cylinder,), velocity = fluid.cylinders, final_value(fluid.inflow.mean_velocity)
+    (cylinder,), velocity = fluid.cylinders, scene_facts(scene).final_value("fluid.inflow.mean_velocity")
     if cylinder.motion or not velocity:
         return None
     (x, y), radius = cylinder.center, cylinder.radius
@@ -49,14 +49,6 @@ def scale(scene: Scene) -> Scale | None:
     return Scale(
         fluid.density * velocity**2 * radius, abs(velocity) / (2 * radius), column(x - ahead), column(x + ahead)
     )
-
-
-def final_value(law: TimeLaw, by: float = inf) -> float | None:
-    """The value that a law keeps from the time `by` (s) on; None where it does not become steady until then."""
-    if isinstance(law, TimeLawConstant):
-        return law.constant
-    ramp = law.cosine_ramp if isinstance(law, TimeLawCosineRamp) else None
-    return ramp.value if ramp and ramp.duration <= by else None
 
 
 def curves(scale: Scale, series: Series, width: float = 0.0) -> dict[str, np.ndarray]:

@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from nervure.evaluate import statistics
-from nervure.evaluate.coefficients import final_value
 from nervure.evaluate.statistics import Series, Window
 from nervure.scene import Scene
-from nervure.scene.types import TimeLawConstant
+from nervure.scene.facts import scene_facts
 
 AXES = "xyz"
 
@@ -48,13 +47,12 @@ def main_axis(series: Series) -> str | None:
 
 def stream(scene: Scene, window: Window) -> np.ndarray | None:
     """Return the velocity of the stream, m/s, `[2]`, if it is steady over `window`; else None."""
-    if scene.fluid and (flow := scene.fluid.mean_flow):
-        laws = [flow.x, flow.y]
-    elif scene.fluid and (inflow := scene.fluid.inflow):
-        laws = [inflow.mean_velocity, TimeLawConstant(constant=0.0)]
+    if scene.fluid and scene.fluid.mean_flow:
+        velocity = [scene_facts(scene).final_value(f"fluid.mean_flow.{axis}", window.begin) for axis in "xy"]
+    elif scene.fluid and scene.fluid.inflow:
+        velocity = [scene_facts(scene).final_value("fluid.inflow.mean_velocity", window.begin), 0.0]
     else:
         return None
-    velocity = [final_value(law, window.begin) for law in laws]
     return np.array(velocity) if None not in velocity and any(velocity) else None
 
 

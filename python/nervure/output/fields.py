@@ -12,7 +12,7 @@ import numpy as np
 
 from nervure.errors import SceneError
 from nervure.scene import Own, Scene, text
-from nervure.scene.along import thickness
+from nervure.scene.facts import scene_facts
 from nervure.scene.types import Fluid
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
@@ -157,7 +157,7 @@ class Beam(Series):
 
     def __init__(self, path: Path, scene: Scene, own: Own, units: dict[str, Unit], frames: int, known: int):
         super().__init__(path, scene, frames, known)
-        self.units, self.own, self.thickness = units, own, thickness(own.beam)
+        self.units, self.own, self.thickness = units, own, scene_facts(scene).thickness[own.force]
         if not known:
             n = len(self._points())
             self.root.attrs["Type"] = np.bytes_("PolyData")

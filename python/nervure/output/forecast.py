@@ -7,13 +7,11 @@ The first steps of the run measure the machine: only they have its mix of transf
 import os
 from collections.abc import Iterator
 from itertools import count
-from math import ceil
 from pathlib import Path
 
 from nervure.coupling import Choice
-from nervure.evaluate.dimensionless import Body, Dimensionless
-from nervure.scene import Scene
-from nervure.scene.along import thickness
+from nervure.evaluate.dimensionless import Body
+from nervure.scene.facts import scene_facts
 from nervure.simulation.facts import Facts
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.units.fmu import Unit
@@ -29,15 +27,6 @@ REYNOLDS = (20.0, 200.0)  # Range with published values
 DENSITY_RATIO = (0.01, 1000.0)  # Range of the map of the coupling
 SOFTNESS = 1e-3  # Largest C_eta U / L
 SEGMENT = 0.25  # Least length of a segment, in thicknesses
-
-
-def substeps(scene: Scene, numbers: Dimensionless | None) -> int:
-    """Return the number of steps that the fluid is expected to make in a communication step."""
-    if scene.fluid is None or numbers is None:
-        return 1
-    stepping, step = scene.fluid.time_stepping, scene.time.communication_step
-    divided = ceil(step / stepping.max_step - ROUNDING)
-    return max(1, divided) * max(1, ceil((numbers.cfl or 0.0) / stepping.max_cfl - ROUNDING))
 
 
 def rows(facts: Facts) -> Iterator[tuple[str, str]]:
@@ -66,7 +55,7 @@ def rows(facts: Facts) -> Iterator[tuple[str, str]]:
         layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
         yield f"cells of {name}", f"{body.thickness_cells:.3g} in the {_across(name)}{layer}"
     if numbers.cfl is not None:
-        each, largest = substeps(scene, numbers), scene.fluid.time_stepping.max_cfl
+        each, largest = scene_facts(scene).fluid_steps, scene.fluid.time_stepping.max_cfl
         divided = f", in which the fluid makes up to {each}" if each > 1 else ""
         steps += f"{divided}; CFL number about {min(numbers.cfl, largest):.2g}, at most {largest:g}"
     yield "steps", steps
@@ -101,7 +90,7 @@ def warnings(facts: Facts) -> Iterator[str]:
         if softness > SOFTNESS * (1 + ROUNDING):
             yield f"the mask is soft: C_eta U/L is {softness:.2g}; above {SOFTNESS:g} forces can be off by 10 %"
     for own in facts.beams:
-        ratio = own.beam.length / own.beam.segments / thickness(own.beam).max()
+        ratio = own.beam.length / own.beam.segments / scene_facts(scene).thickness[own.force].max()
         if ratio < SEGMENT * (1 - ROUNDING):
             whose = f"segments of the rod {own.unit}" if own.prefix else "segments"
             yield f"{whose} are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
@@ -145,7 +134,7 @@ class Pace(Observer):
     """
 
     def __init__(self, facts: Facts, fluid: Unit | None):
-        self.fluid, self.factor, self.steps = fluid, substeps(facts.scene, facts.numbers), facts.grid.steps
+        self.fluid, self.factor, self.steps = fluid, scene_facts(facts.scene).fluid_steps, facts.grid.steps
         self.first: int | None = None
         self.begin: tuple[int, float, float] | None = None  # Steps, wall time, and the time of the fluid, s
         self.timed = 0.0  # Wall time of the steps that were timed, s

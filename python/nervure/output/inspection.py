@@ -12,7 +12,7 @@ from nervure.errors import InputError
 from nervure.output import fields, forecast
 from nervure.output.tables import print_table
 from nervure.scene import Scene
-from nervure.scene.along import thickness
+from nervure.scene.facts import scene_facts
 from nervure.simulation import checkpoint, results
 from nervure.simulation.session import Session
 from nervure.units.fmu import UnitError, read_description, variables_of, version_of
@@ -102,7 +102,7 @@ def show_scene(console: Console, scene: Scene) -> None:
         rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     for own in session.facts.beams:
-        beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in thickness(own.beam)[[0, -1]])
+        beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in scene_facts(scene).thickness[own.force][[0, -1]])
         size = f"{beam.length:g} x {' to '.join(ends)} m, {beam.segments} segments, {stations[own.unit]} stations"
         rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
     choice, recorder = session.scheme.choice, session.recorder

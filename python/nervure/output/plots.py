@@ -14,15 +14,15 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon
 
-from nervure.evaluate import coefficients, dimensionless, flapping, statistics
+from nervure.evaluate import coefficients, flapping, statistics
 from nervure.evaluate.rods import seen
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
 from nervure.output import shown_in, with_unit
 from nervure.output.fields import outline, stations
 from nervure.scene import Scene
-from nervure.scene.along import thickness
-from nervure.scene.types import Body, Fluid, Reference, ShapePolygon, ShapeRectangle
+from nervure.scene.facts import scene_facts
+from nervure.scene.types import Body, Fluid, Reference, ShapeCircle, ShapeEllipse, ShapePolygon, ShapeRectangle
 from nervure.simulation.loop import Observer
 from nervure.simulation.results import Results
 from nervure.simulation.session import Session
@@ -220,7 +220,7 @@ def vorticity(session: Session) -> None:
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
-    corners = [outline(stations(units, own), thickness(own.beam)) for own in session.facts.beams]
+    corners = [outline(stations(units, own), scene_facts(scene).thickness[own.force]) for own in session.facts.beams]
     figure = Figure(figsize=size(scene, 12.0), layout="constrained")
     axis = figure.subplots()
     poses = [
@@ -268,18 +268,21 @@ def draw_vorticity(
 
 
 def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
-    """Outline of a rigid body, m, `[n, 2]`, with its pivot at (x, y) and turned by an angle (rad)."""
-    length, width = dimensionless.size(body.shape)
+    """Return the outline of a rigid body, m, `[n, 2]`, with its pivot at (x, y), turned by an angle (rad)."""
     turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
-    own = np.column_stack([length * np.cos(turn), width * np.sin(turn)]) / 2
-    if isinstance(body.shape, ShapePolygon):
-        own = np.array(body.shape.polygon.corners)
-    if isinstance(body.shape, ShapeRectangle):
-        straight = (length - width) / 2 * np.sign(own[:, :1])
-        if body.shape.rectangle.ends == "square":
-            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [length / 2, width / 2]
-        else:
-            own = width / 2 * np.column_stack([np.cos(turn), np.sin(turn)]) + np.pad(straight, ((0, 0), (0, 1)))
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    match body.shape:
+        case ShapePolygon(polygon=polygon):
+            own = np.array(polygon.corners)
+        case ShapeCircle(circle=round):
+            own = circle * round.radius
+        case ShapeEllipse(ellipse=ellipse):
+            own = circle * [ellipse.length / 2, ellipse.thickness / 2]
+        case ShapeRectangle(rectangle=rectangle) if rectangle.ends == "square":
+            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [rectangle.length / 2, rectangle.thickness / 2]
+        case ShapeRectangle(rectangle=rectangle):
+            straight = (rectangle.length - rectangle.thickness) / 2 * np.sign(circle[:, :1])
+            own = circle * rectangle.thickness / 2 + np.pad(straight, ((0, 0), (0, 1)))
     sin, cos = np.sin(angle), np.cos(angle)
     placed: np.ndarray = (own - body.pivot) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
     return placed

@@ -1,12 +1,10 @@
-"""Scenes: read from a file or by the name of a shipped one, changed by dotted keys, and then objects with types.
+"""Scenes: read by path or by the name of a shipped scene, changed by dotted keys, turned into objects with types.
 
-What values a scene may have is decided by its units, not here. So a scene that does not fit the types is shown to them,
-and they say what is wrong with it. A scene is written as it was given: its text has no defaults, which would otherwise
-become part of every result and stay there when a later version has better ones.
+The units' libraries alone decide which values a scene may have (`crates/scene`). A scene is written as it was given:
+the text has no defaults, which would otherwise become part of every result and outlast a later version's better ones.
 """
 
 import json
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -15,11 +13,10 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from nervure.errors import SceneError
+from nervure.errors import Fault, SceneError
 from nervure.library import KINDS, check, is_built
 from nervure.resources import SCENES
 from nervure.scene.part import Part
-from nervure.scene.source import Source, parse
 from nervure.scene.types import Beam, Rod, Scene
 
 __all__ = [
@@ -37,31 +34,43 @@ __all__ = [
 ]
 __all__ += ["read", "text", "validate"]
 
-Document = dict[str, Any]  # A scene as JSON has it, which no unit need have seen
+Document = dict[str, Any]  # A scene as JSON has it, not necessarily checked
+
+MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is not even read
 
 
 def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Document:
-    """The scene file at the path `name`, or else the shipped scene of that name, with `overrides` (key=value) and
-    another end time, s; raises `SceneError` if it is not a JSON object."""
-    return _changed(_open(name).document(), overrides, end_time)
+    """Return the scene file at the path `name`, or else the shipped scene of that name, with `overrides` (key=value)
+    and another end time, s; raises `SceneError` if it is not a JSON object."""
+    path, source = _open(name)
+    return _changed(_parse(path, source)[0], overrides, end_time)
 
 
 def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Scene:
-    """The same as an object with types; raises `SceneError` in the units' words where they refuse it, with the place in
-    the file. Where the libraries are not built only the types are checked."""
-    source, assignments = _open(name), list(overrides)
-    scene = _changed(source.document(), assignments, end_time)
-    try:
-        if is_built("rod"):
-            check(text(scene))
-        return validate(scene)
-    except SceneError as error:
-        changed = [assignment.partition("=")[0] for assignment in assignments] + ["time.end"] * (end_time is not None)
-        place = source.place_of(error.key, changed) if error.key else None
-        raise SceneError(f"{error} ({place})" if place else str(error)) from error
+    """Return the scene as an object with types; raises `SceneError` with all faults that the units find.
+
+    Where the libraries are not built only the types are checked.
+    """
+    (path, source), assignments = _open(name), list(overrides)
+    scene, faults = _parse(path, source)
+    if assignments or end_time is not None:
+        scene = _changed(scene, assignments, end_time)
+        faults = check(text(scene), source) if is_built("rod") else []
+    if faults:
+        raise SceneError("\n".join(_line(fault, path, end_time is not None) for fault in faults), faults)
+    return validate(scene)
 
 
-def _open(name: str | Path) -> Source:
+def _line(fault: Fault, path: Path, with_end_time: bool) -> str:
+    """Return the sentence of a fault with its place: in the file at `path`, or the option that changed the value."""
+    if fault.line:
+        return f"{path}, line {fault.line}, column {fault.column}: {fault.text}"
+    option = "--end-time" if with_end_time and fault.key == "time.end" else "--set"
+    return f"{fault.text} (from {option})"
+
+
+def _open(name: str | Path) -> tuple[Path, str]:
+    """Return path and text of a scene file."""
     path, shipped = Path(name), SCENES / f"{name}.json"
     if not path.exists() and shipped.is_file():
         path = shipped
@@ -70,14 +79,35 @@ def _open(name: str | Path) -> Source:
         hint = f"; `{inside}` is the scene of its run" if inside.is_file() else ""
         raise SceneError(f"{path} is a folder, but a scene is a file or the name of a shipped scene{hint}")
     try:
-        return Source(path, path.read_text(encoding="utf-8-sig"))
+        with path.open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
     except OSError as error:
         known = [found.stem for found in sorted(SCENES.glob("*.json"))]
         near = [name for name in known if name.startswith(path.stem)] or get_close_matches(path.stem, known, 1)
         hint = f"did you mean {' or '.join(near)}?" if near else f"the shipped scenes are {', '.join(known)}"
         raise SceneError(f"cannot read the scene file {path}: {error.strerror}; {hint}") from error
+    if len(content) > MOST_BYTES:
+        raise SceneError(f"the scene file {path} is larger than {MOST_BYTES >> 20} MB")
+    try:
+        return path, content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise SceneError(f"the scene file {path} is no text in UTF-8: byte {error.start + 1} is not") from error
+        raise SceneError(f"the scene file {path} is not UTF-8 text: byte {error.start + 1} is invalid") from error
+
+
+def _parse(path: Path, source: str) -> tuple[Document, list[Fault]]:
+    """Return the document of a scene file and its faults; raises `SceneError` where it is not JSON."""
+    faults = check(source) if is_built("rod") else []
+    broken = [fault for fault in faults if fault.kind in ("syntax", "duplicate")]
+    if broken:
+        raise SceneError("\n".join(_line(fault, path, False) for fault in broken), broken)
+    try:
+        scene = json.loads(source)
+    except (ValueError, RecursionError) as error:
+        said = "\n".join(_line(fault, path, False) for fault in faults)
+        raise SceneError(said or f"{path} is not JSON: {error}", faults) from error
+    if not isinstance(scene, dict):
+        raise SceneError(f"{path} is not a JSON object")
+    return scene, faults
 
 
 def _changed(scene: Document, overrides: Iterable[str], end_time: float | None) -> Document:
@@ -89,70 +119,62 @@ def _changed(scene: Document, overrides: Iterable[str], end_time: float | None) 
 
 
 def validate(scene: Document) -> Scene:
-    """A scene as an object with types; raises `SceneError` in the units' words where they do not fit."""
+    """Return a scene as an object with types; raises `SceneError` with its faults where the types do not fit."""
     try:
         return Scene.model_validate(scene)
     except ValidationError as error:
-        check(text(scene))
-        raise SceneError(f"the scene does not have the types of its keys: {error}") from error
+        faults = check(text(scene)) if is_built("rod") else []
+        said = "\n".join(fault.text for fault in faults)
+        raise SceneError(said or f"the scene does not have the types of its keys: {error}", faults) from error
 
 
 def document(scene: Scene | Document) -> Document:
-    """A scene as JSON has it."""
+    """Return a scene as JSON has it."""
     return scene.document() if isinstance(scene, Scene) else scene
 
 
 def text(scene: Scene | Document) -> str:
-    """A scene as the text of a scene file."""
-    return json.dumps(_jsonable(document(scene)), indent=2, ensure_ascii=False) + "\n"
-
-
-def _jsonable(value: Any) -> Any:
-    """`value` with texts for the numbers that JSON does not have: the units refuse them under their keys."""
-    if isinstance(value, dict):
-        return {key: _jsonable(part) for key, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_jsonable(part) for part in value]
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+    """Return a scene as the text of a scene file."""
+    return json.dumps(document(scene), indent=2, ensure_ascii=False) + "\n"
 
 
 def kinds(scene: Scene | Document) -> list[str]:
-    """The units that a scene has, in the order in which they step: the rod or, by their names, several, and the fluid.
-    A scene without any is for the fluid to refuse."""
+    """Return the units of a scene in the order of their steps: the rod, or several by name, then the fluid. For a scene
+    without units it is the fluid, which refuses the scene."""
     parts = vars(scene) if isinstance(scene, Scene) else scene
     return [*_names(parts), *(kind for kind in KINDS if parts.get(kind) is not None)] or ["fluid"]
 
 
 def unit_label(kind: str) -> str:
-    """What messages call a unit: `rod`, `fluid`, or `rod NAME`."""
+    """Return the name of a unit in messages: `rod`, `fluid`, or `rod NAME`."""
     return kind if kind in KINDS else f"rod {kind}"
 
 
 def _names(parts: dict[str, Any]) -> list[str]:
-    """Names of several rods, as far as they have some: a unit may not have seen the scene yet."""
+    """Return the names of several rods, as far as an unchecked scene has them."""
     rods = parts.get("rods")
     each = [vars(own) if isinstance(own, Part) else own for own in rods] if isinstance(rods, list) else []
     return [own["name"] for own in each if isinstance(own, dict) and isinstance(own.get("name"), str)]
 
 
 def scene_of_unit(scene: Scene | Document, kind: str) -> str:
-    """The text of the scene that a unit carries: that of one of several rods says which it is."""
+    """Return the text of the scene that a unit carries; for one of several rods it has the key `this_rod`."""
     return text(scene if kind in KINDS else {**document(scene), "this_rod": kind})
 
 
 @dataclass(frozen=True)
 class Own:
-    """A beam of a scene and its rod, and what its names begin with."""
+    """A beam of a scene with its rod, and the beginnings of the names of its columns."""
 
-    unit: str  # Of the rod: `rod`, or its name
+    unit: str  # Unit of the rod: `rod`, or its name
     beam: Beam
     rod: Rod | None
-    prefix: str  # Of the columns that the rod gives: none where it is the only one
-    force: str  # Of the columns of the fluid's forces on it: `beam`, or `beam_1` and so on
+    prefix: str  # Of the columns of the rod's outputs; empty for the only rod
+    force: str  # Name of the fluid's force on the beam: `beam`, or `beam_1` and so on
 
 
 def beams(scene: Scene) -> list[Own]:
-    """The beams of a scene, in the order in which the fluid counts them."""
+    """Return the beams of a scene in the order in which the fluid counts them."""
     if scene.beam:
         return [Own("rod", scene.beam, scene.rod, "", "beam")]
     return [Own(own.name, own.beam, own.rod, f"{own.name}_", f"beam_{i}") for i, own in enumerate(scene.rods, 1)]
@@ -167,13 +189,20 @@ def override(scene: Document, assignment: str) -> None:
 
 
 def json_or_text(value: str) -> Any:
-    """The value of a JSON text, or else the text itself."""
+    """Return the value of a JSON text, or else the text itself."""
     try:
-        return parse(value)
-    except json.JSONDecodeError:
+        return json.loads(value, object_pairs_hook=_without_duplicates)
+    except (ValueError, RecursionError):
         return value
-    except ValueError as error:
-        raise SceneError(f"the value `{value[:60]}` cannot be used: {error}") from error
+
+
+def _without_duplicates(members: list[tuple[str, Any]]) -> Document:
+    found = dict(members)
+    if len(found) < len(members):
+        names = [name for name, _ in members]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise SceneError(f"duplicate key `{twice}` in the value of an override")
+    return found
 
 
 def assign(scene: Document, key: str, value: Any) -> None:

@@ -8,13 +8,13 @@ from nervure.scene.part import Flag, Integer, Part, Real
 
 
 class Display(Part):
-    """What pictures call a length and a time of 1 in a scene whose numbers are multiples of its own scales."""
+    """Names of the units of length and time in pictures of a dimensionless scene."""
 
     length: str
-    """A length of 1, e.g. `chords`."""
+    """Unit of length, e.g. `chords`."""
 
     time: str
-    """A time of 1, e.g. `periods`."""
+    """Unit of time, e.g. `periods`."""
 
 
 class Time(Part):
@@ -24,32 +24,32 @@ class Time(Part):
     """End of the run, s."""
 
     communication_step: Real
-    """Communication step of the master, s. Each unit takes as many equal steps of its own inside as it needs."""
+    """Communication step of the master, s. Each unit divides it into equal steps where it must."""
 
 
 class FluidBox(Part):
     """The periodic box and its grid."""
 
     x: tuple[Real, Real]
-    """From where to where along x, m."""
+    """Ends along x, m."""
 
     y: tuple[Real, Real]
-    """From where to where along y, m."""
+    """Ends along y, m."""
 
     cells: tuple[Integer, Integer]
-    """Number of grid points along x and y; at least 8 each, together at most 67108864, fast for products of small
-    primes."""
+    """Number of grid points along x and y: at least 8 each, at most 67108864 together. Products of small primes are
+    fast."""
 
 
 class Channel(Part):
-    """Solid walls above and below."""
+    """Solid walls below and above."""
 
     y: tuple[Real, Real]
-    """Lower and upper wall, m; the fluid is between them."""
+    """Places of the lower and the upper wall, m."""
 
 
 InflowProfile = Literal["uniform", "parabolic"]
-"""Shape of an inflow, of mean 1. `uniform`: The same velocity at every y. `parabolic`: Poiseuille's parabola between
+"""Profile of an inflow, of mean 1. `uniform`: The same velocity at every y. `parabolic`: Poiseuille's parabola between
 the walls of the channel."""
 
 
@@ -78,7 +78,7 @@ class TimeLawCosineRamp(Part):
 
 
 class Sine(Part):
-    """`mean + amplitude · g(t) · sin(2 π frequency t + phase)`; g is 1, or grows like a cosine ramp from 0 at t = 0."""
+    """`mean + amplitude · g(t) · sin(2 π frequency t + phase)`, where g is 1 or a cosine ramp from 0 at t = 0."""
 
     mean: Real = 0.0
     """Mean value."""
@@ -93,18 +93,19 @@ class Sine(Part):
     """Phase at t = 0, rad."""
 
     ramp: Real = 0.0
-    """Length of the growth of g, s; 0: none."""
+    """Length of the ramp of g, s; without a ramp 0."""
 
 
 class TimeLawSine(Part):
-    """`mean + amplitude · g(t) · sin(2 π frequency t + phase)`; g is 1, or grows like a cosine ramp from 0 at t = 0."""
+    """`mean + amplitude · g(t) · sin(2 π frequency t + phase)`, where g is 1 or a cosine ramp from 0 at t = 0."""
 
     sine: Sine
-    """`mean + amplitude · g(t) · sin(2 π frequency t + phase)`; g is 1, or grows like a cosine ramp from 0 at t = 0."""
+    """`mean + amplitude · g(t) · sin(2 π frequency t + phase)`, where g is 1 or a cosine ramp from 0 at t = 0."""
 
 
 class Table(Part):
-    """Cubic Hermite interpolation (slopes by central differences) between points; constant before and after."""
+    """Cubic Hermite interpolation between points, with slopes by central differences; constant before the first point
+    and after the last."""
 
     times: list[Real]
     """Times of the points, s, increasing; at least two."""
@@ -114,24 +115,26 @@ class Table(Part):
 
 
 class TimeLawTable(Part):
-    """Cubic Hermite interpolation (slopes by central differences) between points; constant before and after."""
+    """Cubic Hermite interpolation between points, with slopes by central differences; constant before the first point
+    and after the last."""
 
     table: Table
-    """Cubic Hermite interpolation (slopes by central differences) between points; constant before and after."""
+    """Cubic Hermite interpolation between points, with slopes by central differences; constant before the first point
+    and after the last."""
 
 
 TimeLaw = TimeLawConstant | TimeLawCosineRamp | TimeLawSine | TimeLawTable
-"""A quantity as a function of time; its unit is that of the key it stands at."""
+"""A quantity as a function of time, in the unit of its key."""
 
 
 class Inflow(Part):
     """Zone across the box in which the velocity is imposed: `(profile(y) · law(t), 0)`."""
 
     x: tuple[Real, Real]
-    """From where to where along x, m."""
+    """Ends along x, m."""
 
     profile: InflowProfile
-    """Shape of the velocity across the zone; the law gives its size."""
+    """Profile of the velocity across the zone, of mean 1."""
 
     mean_velocity: TimeLaw
     """Mean velocity of the profile over time, m/s."""
@@ -141,14 +144,14 @@ class Inflow(Part):
 
 
 class Sponge(Part):
-    """Zone across the box in which the flow is drawn to `(profile(y) · law(t), 0)` at the rate `sin²(π (x − x_0)/(x_1 −
-    x_0)) / c_eta`, which takes out what comes in and reflects little of it."""
+    """Zone across the box in which the flow relaxes to `(profile(y) · law(t), 0)` at the rate `sin²(π (x − x_0)/(x_1 −
+    x_0)) / c_eta`, which damps a wake and reflects little of it."""
 
     x: tuple[Real, Real]
-    """From where to where along x, m."""
+    """Ends along x, m."""
 
     profile: InflowProfile = "uniform"
-    """Shape of the velocity across the zone; the law gives its size."""
+    """Profile of the velocity across the zone, of mean 1."""
 
     mean_velocity: TimeLaw
     """Mean velocity of the profile over time, m/s."""
@@ -181,7 +184,7 @@ class Cylinder(Part):
     """A circular cylinder."""
 
     center: tuple[Real, Real]
-    """Centre, m; where it moves, the point that its motion is added to."""
+    """Centre, m; the motion is added to it."""
 
     radius: Real
     """Radius, m."""
@@ -208,10 +211,10 @@ class Ellipse(Part):
     """An ellipse."""
 
     length: Real
-    """Length of its axis along its own x, m."""
+    """Length of the axis along the body's x, m."""
 
     thickness: Real
-    """Length of its axis along its own y, m."""
+    """Length of the axis along the body's y, m."""
 
 
 class ShapeEllipse(Part):
@@ -222,20 +225,20 @@ class ShapeEllipse(Part):
 
 
 Ends = Literal["square", "round"]
-"""Ends of a rectangle. `square`: Flat. `round`: Half circles of the thickness."""
+"""Ends of a rectangle. `square`: Flat. `round`: Half circles whose diameter is the thickness."""
 
 
 class Rectangle(Part):
     """A rectangle."""
 
     length: Real
-    """Length along its own x, m, with the ends."""
+    """Length along the body's x, m, ends included."""
 
     thickness: Real
-    """Thickness along its own y, m."""
+    """Thickness along the body's y, m."""
 
     ends: Ends = "square"
-    """What its ends along its own x are."""
+    """Form of the two ends along the body's x."""
 
 
 class ShapeRectangle(Part):
@@ -249,7 +252,7 @@ class Polygon(Part):
     """A polygon."""
 
     corners: list[tuple[Real, Real]]
-    """Its corners in their order, either way round, m; at least 3, at most 1000. Its sides must not cross."""
+    """Corners in order, either way round, m: 3 to 1000. The sides must not cross."""
 
 
 class ShapePolygon(Part):
@@ -260,166 +263,163 @@ class ShapePolygon(Part):
 
 
 Shape = ShapeCircle | ShapeEllipse | ShapeRectangle | ShapePolygon
-"""Outline of a body. The origin of its axes is the middle of it, but for a polygon."""
+"""Outline of a body. The origin of its axes is its middle, except for a polygon."""
 
 
 class BodyMotion(Part):
     """Prescribed motion of a body."""
 
     x: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
-    """Displacement of its pivot along x, m."""
+    """Displacement of the pivot along x, m."""
 
     y: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
-    """Displacement of its pivot along y, m."""
+    """Displacement of the pivot along y, m."""
 
     angle: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
-    """Angle about its pivot, rad, positive to the left."""
+    """Angle about the pivot, rad, counter-clockwise."""
 
 
 class Body(Part):
     """A rigid body."""
 
     shape: Shape
-    """Its outline, in axes of its own."""
+    """Outline in the body's own axes."""
 
     position: tuple[Real, Real]
-    """Where its pivot is, m; where it moves, the point that its motion is added to."""
+    """Place of the pivot, m; the motion is added to it."""
 
     pivot: tuple[Real, Real] = (0.0, 0.0)
-    """The point in its own axes, m, about which it turns and its moment is taken; by default their origin."""
+    """Pivot in the body's own axes, m, about which the body turns and its moment is taken; by default their origin."""
 
     angle: Real = 0.0
-    """Angle from the x axis of the box to its own, rad, positive to the left; its motion is added."""
+    """Angle from the x axis of the box to the body's own, rad, counter-clockwise; the motion is added to it."""
 
     motion: BodyMotion | None = None
     """Prescribed motion; absent for a still body."""
 
 
 class Sharp(Part):
-    """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it
-    should."""
+    """chi = 1 inside and 0 outside (thesis ch. 3). The wall is shifted by √(ν C_eta), so that no-slip holds at the
+    surface."""
 
     c_eta: Real
     """Relaxation time C_eta, s."""
 
     displacement_corrected: Flag = True
-    """Whether the wall is moved; if not, the mask is that of the thesis."""
+    """Whether the wall is shifted; otherwise the mask is the one of the thesis."""
 
 
 class MaskSharp(Part):
-    """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it
-    should."""
+    """chi = 1 inside and 0 outside (thesis ch. 3). The wall is shifted by √(ν C_eta), so that no-slip holds at the
+    surface."""
 
     sharp: Sharp
-    """chi = 1 inside, 0 outside (thesis ch. 3); the wall is moved by √(ν C_eta) so that no-slip holds where it
-    should."""
+    """chi = 1 inside and 0 outside (thesis ch. 3). The wall is shifted by √(ν C_eta), so that no-slip holds at the
+    surface."""
 
 
 class Cosine(Part):
-    """Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds where it should (Hester, Vasil &
+    """Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds at the surface (Hester, Vasil &
     Burns 2021)."""
 
     c_eta: Real
     """Relaxation time C_eta, s."""
 
     half_width: Real
-    """Half the width of the layer in grid cells."""
+    """Half the width of the layer, grid cells."""
 
     displacement_corrected: Flag = True
-    """Whether the layer is shifted; if not, the mask is that of the thesis."""
+    """Whether the layer is shifted; otherwise the mask is the one of the thesis."""
 
 
 class MaskCosine(Part):
-    """Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds where it should (Hester, Vasil &
+    """Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds at the surface (Hester, Vasil &
     Burns 2021)."""
 
     cosine: Cosine
-    """Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds where it should (Hester, Vasil &
+    """Cosine layer around the surface (thesis eq. 4.1), shifted so that no-slip holds at the surface (Hester, Vasil &
     Burns 2021)."""
 
 
 WallCorrection = Literal["none", "shear", "curvature"]
-"""What a body draws the fluid at its surface to, and thereby which flows along a wall are right to the order of a cell.
-`none`: The body's own velocity: no-slip is where it should be in linear shear, but the smooth profile lets a flux
-through. `shear`: Inside, weakly, the mirror image of the flow outside: no flux beyond that of linear shear either.
-`curvature`: Besides, at the surface, what the second difference of the flow outside asks for: no slip where a pressure
-gradient bends the velocity profile either."""
+"""Velocity to which a body draws the fluid at its surface. It decides which flows along a wall are right to the order
+of a cell. `none`: Velocity of the body. No-slip holds at the surface in linear shear, but the smooth drag lets a flux
+through. `shear`: Inside the body, weakly, the mirror image of the flow outside. The flux is that of linear shear.
+`curvature`: As `shear`, with a correction at the surface by the second difference of the flow outside. No-slip also
+holds where a pressure gradient bends the velocity profile."""
 
 
 class LogLinear(Part):
-    """Drag rate that grows exponentially with depth, so that no-slip holds at the surface whatever the grid's
-    position."""
+    """Drag rate that grows exponentially with depth. No-slip then holds at the surface wherever the grid lies."""
 
     c_eta: Real
     """Smallest relaxation time, s, reached inside the solid."""
 
     decay_length_cells: Real = 0.25
-    """Length of e-fold growth in grid cells. A quarter is the shortest that the grid resolves: the wall keeps its place
-    to 0.03 cells wherever the grid lies."""
+    """Depth over which the drag rate grows by a factor e, grid cells. A quarter is the shortest that the grid resolves:
+    the wall keeps its place to 0.03 cells wherever the grid lies."""
 
     core_depth: Real | None = None
-    """Depth at which the core of a cylinder or another still body begins, in grid cells: from there on the drag grows
-    three times as fast, up to 1/C_eta. Above a deep core it stays where the grid resolves it. Absent: one and a half
-    e-folds, three without a wall target. With 2 the forces depend much less on C_eta, but a body of less than 25 cells
-    across is porous. A depth beyond a fifth of a body's thickness counts as that; in a thinner body the core begins
-    earlier still. A beam or a body that moves has no core but where it is thinner than some four cells."""
+    """Depth at which the core of a still body begins, grid cells. In the core the drag rate grows three times as fast,
+    up to 1/C_eta; above a deep core it stays at the value that the grid resolves. Absent: one and a half decay lengths,
+    three without a wall correction. With 2 the forces depend much less on C_eta, but a body of fewer than 25 cells
+    across is porous. The depth is at most a fifth of a body's thickness. A beam or a moving body has a core only where
+    it is thinner than about four cells."""
 
     wall_correction: WallCorrection = "curvature"
-    """What the cylinders and the beam draw the fluid at their surface to."""
+    """Velocity to which the bodies draw the fluid at their surface."""
 
 
 class MaskLogLinear(Part):
-    """Drag rate that grows exponentially with depth, so that no-slip holds at the surface whatever the grid's
-    position."""
+    """Drag rate that grows exponentially with depth. No-slip then holds at the surface wherever the grid lies."""
 
     log_linear: LogLinear
-    """Drag rate that grows exponentially with depth, so that no-slip holds at the surface whatever the grid's
-    position."""
+    """Drag rate that grows exponentially with depth. No-slip then holds at the surface wherever the grid lies."""
 
 
 Mask = MaskSharp | MaskCosine | MaskLogLinear
-"""How a solid holds the fluid: the drag rate as a function of the signed distance to its surface."""
+"""Drag rate of a solid as a function of the signed distance to its surface."""
 
 
 Filter = Literal["smooth", "two_thirds", "none"]
-"""What removes aliasing errors. `smooth`: exp(−36 (k/k_max)³⁶) (Hou & Li 2007). `two_thirds`: Truncation outside the
-ellipse of two thirds (thesis eq. 3.14). `none`: None."""
+"""Filter of aliasing errors. `smooth`: exp(−36 (k/k_max)³⁶) (Hou & Li 2007). `two_thirds`: Truncation outside the
+ellipse of two thirds (thesis eq. 3.14). `none`: No filter."""
 
 
 TimeScheme = Literal["sbdf2", "rk2"]
-"""How the fluid makes a step. `sbdf2`: Two-step backward differences, drag and viscosity implicit: the step is limited
-by advection alone. `rk2`: Heun's method, drag explicit, viscosity exact (thesis eq. 3.15 – 3.18): steps above C_eta are
-divided."""
+"""Time scheme of the fluid. `sbdf2`: Two-step backward differences with implicit drag and viscosity: only advection
+limits the step. `rk2`: Heun's method with explicit drag and exact viscosity (thesis eq. 3.15 – 3.18): a step above
+C_eta is divided."""
 
 
 class TimeStepping(Part):
-    """The fluid's own step inside a communication step."""
+    """Steps of the fluid inside a communication step."""
 
     max_step: Real
     """Largest step, s."""
 
     max_cfl: Real
-    """Largest CFL number max(|u|/dx + |v|/dy) dt; smaller steps are taken where it would be exceeded. At most 0.4 with
-    sbdf2 and 0.6 with rk2: above, advection is unstable."""
+    """Largest CFL number max(|u|/dx + |v|/dy) dt, at most 0.4 with `sbdf2` and 0.6 with `rk2`: above, advection is
+    unstable. A step that would exceed it is divided."""
 
     scheme: TimeScheme = "sbdf2"
-    """How a step is made."""
+    """Time scheme."""
 
 
 class Probe(Part):
     """A point whose velocity and pressure are outputs."""
 
     name: str
-    """Its name: a letter, then letters, digits and `_`."""
+    """Name: a letter, then letters, digits and `_`."""
 
     position: tuple[Real, Real]
-    """Where it is, m."""
+    """Place, m."""
 
 
 Precision = Literal["double", "single"]
-"""Precision of the fields and transforms. Bodies, forces and loads are in double precision in both. `double`: 16
-digits. `single`: 7 digits, at half of the memory. Not where small differences matter: a lift of 1e-5 of the drag, or
-orders of convergence."""
+"""Precision of the fields and transforms. Bodies, forces and loads are always in double precision. `double`: 16 digits.
+`single`: 7 digits at half the memory. Unfit for small differences, such as a lift of 1e-5 of the drag, or orders of
+convergence."""
 
 
 class Fluid(Part):
@@ -435,19 +435,19 @@ class Fluid(Part):
     """The periodic box and its grid."""
 
     initial_velocity: tuple[Real, Real] = (0.0, 0.0)
-    """Velocity of the fluid at rest everywhere at t = 0, m/s."""
+    """Uniform velocity at t = 0, m/s."""
 
     channel: Channel | None = None
-    """Solid walls above and below; absent in an open (periodic) scene."""
+    """Solid walls below and above; absent in a periodic scene."""
 
     inflow: Inflow | None = None
-    """Zone across the box in which the velocity is imposed; absent where nothing drives the flow."""
+    """Zone across the box in which the velocity is imposed; absent where no inflow drives the flow."""
 
     sponge: Sponge | None = None
-    """Zone across the box in which the flow is drawn softly to a velocity; absent where nothing has to be damped."""
+    """Zone across the box in which the flow relaxes softly to a velocity; absent where nothing must be damped."""
 
     mean_flow: MeanFlow | None = None
-    """Mean velocity that is held over the whole box; absent where it is free. Not together with an inflow."""
+    """Mean velocity over the whole box; absent where it is free. Not together with an inflow."""
 
     cylinders: list[Cylinder] = Field(default_factory=list)
     """Circular cylinders, still or in prescribed motion."""
@@ -456,13 +456,13 @@ class Fluid(Part):
     """Rigid bodies of any shape, still or in prescribed motion."""
 
     mask: Mask
-    """How solids are smeared over the grid and how hard they hold the fluid."""
+    """Drag rate of solids on the grid."""
 
     filter: Filter = "smooth"
-    """What removes aliasing errors."""
+    """Filter of aliasing errors."""
 
     time_stepping: TimeStepping
-    """The fluid's own step inside a communication step."""
+    """Steps of the fluid inside a communication step."""
 
     probes: list[Probe] = Field(default_factory=list)
     """Points whose velocity and pressure are outputs."""
@@ -471,15 +471,14 @@ class Fluid(Part):
     """Precision of the fields and transforms."""
 
     threads: Integer = 1
-    """Threads that share the work of a step, as far as the grid is large enough for so many to gain time; results do
-    not depend on it."""
+    """Largest number of threads in a step. A small grid uses fewer, and results do not depend on the number."""
 
 
 class OnCylinder(Part):
     """On the surface of a cylinder, pointing outwards."""
 
     cylinder: Integer
-    """Which of the fluid's cylinders, from 0."""
+    """Index of the cylinder in `fluid.cylinders`, from 0."""
 
     angle: Real = 0.0
     """Angle of the outward direction from the x axis, rad."""
@@ -510,12 +509,12 @@ class RootAt(Part):
 
 
 Root = RootOnCylinder | RootAt
-"""Where a beam is clamped."""
+"""Place and direction of a beam's root at rest."""
 
 
 class Taper(Part):
-    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
-    stiffness of a plate of linear thickness with 3."""
+    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of a linear function. The bending
+    stiffness of a plate of linear thickness has the power 3."""
 
     root: Real
     """Value at the root."""
@@ -524,26 +523,26 @@ class Taper(Part):
     """Value at the tip."""
 
     power: Real = 1.0
-    """The power."""
+    """Power of the linear function."""
 
 
 class SpanwiseProfileTaper(Part):
-    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
-    stiffness of a plate of linear thickness with 3."""
+    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of a linear function. The bending
+    stiffness of a plate of linear thickness has the power 3."""
 
     taper: Taper
-    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of something linear, as the bending
-    stiffness of a plate of linear thickness with 3."""
+    """`((1 − s) root^(1/power) + s tip^(1/power))^power`: linear, or a power of a linear function. The bending
+    stiffness of a plate of linear thickness has the power 3."""
 
 
 class Points(Part):
     """Straight lines between points."""
 
     s: list[Real]
-    """Places of the points, increasing from 0, the root, to 1, the tip."""
+    """Places of the points, increasing from 0 at the root to 1 at the tip."""
 
     values: list[Real]
-    """Values there, above 0."""
+    """Values at the points, > 0."""
 
 
 class SpanwiseProfilePoints(Part):
@@ -554,33 +553,32 @@ class SpanwiseProfilePoints(Part):
 
 
 SpanwiseProfile = SpanwiseProfileTaper | SpanwiseProfilePoints
-"""A quantity as a function of the place s along the beam, 0 at the root and 1 at the tip; its unit is that of the key
-it stands at."""
+"""A quantity as a function of the place s along the span, 0 at the root and 1 at the tip, in the unit of its key."""
 
 
 class Beam(Part):
-    """A beam with a flat tip; its stations are the rod's nodes."""
+    """A beam with a flat tip. Its stations are the nodes of the rod."""
 
     root: Root
-    """Where the beam is clamped."""
+    """Place and direction of the root at rest."""
 
     length: Real
     """Length from root to tip, m."""
 
     thickness: Real | SpanwiseProfile
-    """Thickness, m: a number, or a law of the place along the beam."""
+    """Thickness, m: a number, or a profile along the span."""
 
     segments: Integer
     """Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root."""
 
     rest_angles: list[Real] = Field(default_factory=list)
-    """Direction of each segment at rest against that at the root, rad, positive to the left: `[segments]`; absent for a
+    """Angle of each segment at rest from the direction at the root, rad, counter-clockwise: `[segments]`; absent for a
     straight beam. In two dimensions only: a curved rod in space needs a material frame and its twist."""
 
 
 class PlaneStrain(Part):
-    """A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E
-    h / (1 − ν²)."""
+    """A plate of the beam's thickness h in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
+    ν²)."""
 
     density: Real
     """Density, kg/m³."""
@@ -592,22 +590,22 @@ class PlaneStrain(Part):
     """Poisson's ratio ν."""
 
     shear_factor: Real | None = None
-    """Shear correction factor k of GA_s = k E h / (2 (1 + ν)), above 0 and at most 1; 10/(12 − ν) for a plate (Cowper
-    1966). Absent: the section stays at right angles to the rod."""
+    """Shear correction factor k of GA_s = k E h / (2 (1 + ν)), > 0 and <= 1; 10/(12 − ν) for a plate (Cowper 1966).
+    Absent: the section stays normal to the rod."""
 
 
 class MaterialPlaneStrain(Part):
-    """A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E
-    h / (1 − ν²)."""
+    """A plate of the beam's thickness h in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
+    ν²)."""
 
     plane_strain: PlaneStrain
-    """A plate of the beam's thickness in plane strain, one metre deep: at every place EI = E h³ / (12 (1 − ν²)), EA = E
-    h / (1 − ν²)."""
+    """A plate of the beam's thickness h in plane strain, one metre deep: EI = E h³ / (12 (1 − ν²)), EA = E h / (1 −
+    ν²)."""
 
 
 class Section(Part):
-    """Mass and stiffness of the section (per metre of depth in a two-dimensional scene), each a number or a law of the
-    place along the beam."""
+    """Mass and stiffness of the section (per metre of depth in a two-dimensional scene), each a number or a profile
+    along the span."""
 
     line_density: Real | SpanwiseProfile
     """Mass per length, kg/m."""
@@ -619,52 +617,52 @@ class Section(Part):
     """Axial stiffness EA, N."""
 
     shear_stiffness: Real | SpanwiseProfile | None = None
-    """Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays at right angles
-    to the rod."""
+    """Shear stiffness GA_s, N, of a rod in the plane with invariant bending; absent: the section stays normal to the
+    rod."""
 
 
 class MaterialSection(Part):
-    """The section's own numbers (per metre of depth in a two-dimensional scene)."""
+    """Mass and stiffness of the section (per metre of depth in a two-dimensional scene)."""
 
     section: Section
-    """The section's own numbers (per metre of depth in a two-dimensional scene)."""
+    """Mass and stiffness of the section (per metre of depth in a two-dimensional scene)."""
 
 
 Material = MaterialPlaneStrain | MaterialSection
-"""What the rod is made of."""
+"""Material of a rod, or mass and stiffness of its section."""
 
 
 Bending = Literal["invariant", "projected"]
-"""What bending energy depends on. `invariant`: The true turning angle ψ between neighbouring segments, by 2 tan(ψ/2)
+"""Angle on which the bending energy depends. `invariant`: Turning angle ψ between neighbouring segments, by 2 tan(ψ/2)
 (Bergou et al. 2008): the same in every frame. `projected`: Angles of the segments' projections into the planes xy and
 xz (thesis eqs. 2.1 and 2.4): depends on the frame and is singular where a projection vanishes, which is an error."""
 
 
 class Thesis(Part):
-    """That of the thesis, section 2.4.1: the same k_e for every segment whatever its length, clamp spring EI/l0, a
-    whole segment's mass at every node. Of first order."""
+    """Thesis, section 2.4.1: one k_e for segments of any length, clamp spring EI/l0, a whole segment's mass at every
+    node. Of first order."""
 
     k_e: Real
-    """Axial stiffness of a segment, N/m; takes the place of EA."""
+    """Axial stiffness of a segment, N/m, in place of EA."""
 
 
 class CalibrationThesis(Part):
-    """That of the thesis, section 2.4.1: the same k_e for every segment whatever its length, clamp spring EI/l0, a
-    whole segment's mass at every node. Of first order."""
+    """Thesis, section 2.4.1: one k_e for segments of any length, clamp spring EI/l0, a whole segment's mass at every
+    node. Of first order."""
 
     thesis: Thesis
-    """That of the thesis, section 2.4.1: the same k_e for every segment whatever its length, clamp spring EI/l0, a
-    whole segment's mass at every node. Of first order."""
+    """Thesis, section 2.4.1: one k_e for segments of any length, clamp spring EI/l0, a whole segment's mass at every
+    node. Of first order."""
 
 
 Calibration = Literal["second_order"] | CalibrationThesis
-"""How the section's numbers become springs and masses. `second_order`: k_e = EA/l0, clamp spring EI/(l0/2), half a
-segment's mass at the tip: of second order in the segments' length l0."""
+"""Calibration of the springs and masses of a discrete rod by the section. `second_order`: k_e = EA/l0, clamp spring
+EI/(l0/2), half a segment's mass at the tip: of second order in the length l0 of a segment."""
 
 
 class TorsionSpring(Part):
-    """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
-    damping rate`, the angle being that from the direction of the beam, between −π and π."""
+    """The root does not move freely, and turns against a torsion spring with the moment `stiffness (angle − rest_angle)
+    + damping rate`. The angle is counted from the direction of the beam, between −π and π."""
 
     stiffness: Real
     """Stiffness of the spring, N m/rad."""
@@ -673,21 +671,21 @@ class TorsionSpring(Part):
     """Damping, N m s/rad; in the plane only."""
 
     rest_angle: Real = 0.0
-    """Angle at which the spring is at rest, rad, positive to the left; in the plane only. The rod begins along the
-    beam's direction all the same."""
+    """Angle at which the spring is at rest, rad, counter-clockwise; in the plane only. The rod still starts along the
+    direction of the beam."""
 
 
 class RootSupportTorsionSpring(Part):
-    """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
-    damping rate`, the angle being that from the direction of the beam, between −π and π."""
+    """The root does not move freely, and turns against a torsion spring with the moment `stiffness (angle − rest_angle)
+    + damping rate`. The angle is counted from the direction of the beam, between −π and π."""
 
     torsion_spring: TorsionSpring
-    """It does not move by itself, and turns against a torsion spring with the moment `stiffness (angle − rest_angle) +
-    damping rate`, the angle being that from the direction of the beam, between −π and π."""
+    """The root does not move freely, and turns against a torsion spring with the moment `stiffness (angle − rest_angle)
+    + damping rate`. The angle is counted from the direction of the beam, between −π and π."""
 
 
 class Free(Part):
-    """It moves and turns as the loads, gravity and a force that tows it will."""
+    """The root moves and turns under the loads, gravity and a towing force."""
 
     force_x: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Towing force along x, N."""
@@ -700,15 +698,15 @@ class Free(Part):
 
 
 class RootSupportFree(Part):
-    """It moves and turns as the loads, gravity and a force that tows it will."""
+    """The root moves and turns under the loads, gravity and a towing force."""
 
     free: Free
-    """It moves and turns as the loads, gravity and a force that tows it will."""
+    """The root moves and turns under the loads, gravity and a towing force."""
 
 
 RootSupport = Literal["clamped", "pinned"] | RootSupportTorsionSpring | RootSupportFree
-"""How the root of a rod is held. `clamped`: It neither moves nor turns by itself. `pinned`: It does not move by itself,
-and turns without resistance."""
+"""Support of the root of a rod. `clamped`: The root neither moves nor turns freely. `pinned`: The root does not move
+freely, and turns without resistance."""
 
 
 class Rotation(Part):
@@ -718,7 +716,7 @@ class Rotation(Part):
     """Angle, rad."""
 
     axis: tuple[Real, Real, Real] = (0.0, 0.0, 1.0)
-    """Axis, of any length but 0; in two dimensions there is only z."""
+    """Axis, of any length but 0; in two dimensions only z."""
 
 
 class RootLaws(Part):
@@ -734,7 +732,7 @@ class RootLaws(Part):
     """Displacement along z, m; in three dimensions only."""
 
     rotations: list[Rotation] = Field(default_factory=list)
-    """Rotations of the beam's direction, the first one applied first."""
+    """Rotations of the beam's direction, applied in order."""
 
 
 class RootMotionLaws(Part):
@@ -745,8 +743,8 @@ class RootMotionLaws(Part):
 
 
 RootMotion = Literal["master"] | RootMotionLaws
-"""Prescribed motion of the root. `master`: The master sets the root's position, direction and their rates at the end of
-each of its steps."""
+"""Prescribed motion of the root. `master`: The master sets position, direction and rates of the root at the end of each
+communication step."""
 
 
 class GeneralisedAlpha(Part):
@@ -764,21 +762,20 @@ class RodSchemeGeneralisedAlpha(Part):
 
 
 RodScheme = Literal["trapezoid", "tr_bdf2", "bdf2"] | RodSchemeGeneralisedAlpha
-"""Time scheme of the rod; all are of second order. `trapezoid`: The trapezoidal rule of the thesis (eq. 2.7); no
-numerical dissipation, not safe for stiff axial modes. `tr_bdf2`: Trapezoid to 2 − √2 of the step, then two-step
-backward differences over the rest (Bank et al. 1985; Hosea & Shampine 1996): as dissipative where it must be, least
-where it need not, two solves a step. `bdf2`: Two-step backward differences: dissipative, and the same formula as the
-fluid's, so that a coupled step is consistent."""
+"""Time scheme of the rod; all are of second order. `trapezoid`: Trapezoidal rule (thesis eq. 2.7), without numerical
+dissipation; unsafe for stiff axial modes. `tr_bdf2`: Trapezoidal rule to 2 − √2 of the step, then two-step backward
+differences (Bank et al. 1985; Hosea & Shampine 1996): damps stiff modes fully and resolved ones least, with two solves
+per step. `bdf2`: Two-step backward differences: dissipative, and consistent with the same scheme of the fluid."""
 
 
 class Rod(Part):
     """Elastic model of the beam."""
 
     material: Material
-    """Material, or the section's own numbers."""
+    """Material, or mass and stiffness of the section."""
 
     gravity: list[Real] = Field(default_factory=list)
-    """Gravity, m/s²: as many components as the beam's root; absent where there is none."""
+    """Gravity, m/s², with as many components as the beam's root; absent without gravity."""
 
     damping: Real = 0.0
     """Damping force per length and velocity, kg/(m s) per metre of depth."""
@@ -787,123 +784,122 @@ class Rod(Part):
     """Bending model."""
 
     calibration: Calibration = "second_order"
-    """How the section's numbers become springs and masses."""
+    """Calibration of springs and masses."""
 
     clamp_compliance_length: Real = 0.0
-    """Length by which the clamp lies behind the root, m: the elastic part of the foundation. It only softens the
-    clamp."""
+    """Length of beam, m, whose bending compliance is added to that of the clamp, for an elastic foundation."""
 
     root: RootSupport = "clamped"
-    """How the root is held."""
+    """Support of the root."""
 
     root_motion: RootMotion | None = None
-    """Prescribed motion of the root; absent where it is still, and where the root is free."""
+    """Prescribed motion of the root; absent for a still or a free root."""
 
     scheme: RodScheme = "tr_bdf2"
     """Time scheme."""
 
     max_step: Real | None = None
-    """Largest step of the rod's own inside a communication step, s; absent: the communication step."""
+    """Largest step of the rod inside a communication step, s; absent: the communication step."""
 
 
 class NamedRod(Part):
     """One of several rods in a fluid."""
 
     name: str
-    """Name of its unit, of at most 40 characters: a letter, then letters, digits and `_`; not `rod` or `fluid`."""
+    """Name of the unit, at most 40 characters: a letter, then letters, digits and `_`; not `rod` or `fluid`."""
 
     beam: Beam
-    """Geometry of the beam that the fluid sees and the rod moves."""
+    """Geometry of the beam."""
 
     rod: Rod
     """Elastic model of the beam."""
 
 
 Load = Literal["momentum", "pressure_jump"]
-"""What the fluid does to the rod. `momentum`: Momentum that the penalization takes from the fluid, with its impedance;
-the rod then carries only the difference between its own mass and that of the fluid it displaces. `pressure_jump`: Jump
-of the static pressure across the beam (thesis eq. 4.2); the rod carries its whole mass."""
+"""Load of the fluid on the rod. `momentum`: Momentum that the penalization takes from the fluid, with its impedance.
+The rod's mass is then reduced by the mass of the fluid it displaces. `pressure_jump`: Jump of the static pressure
+across the beam (thesis eq. 4.2). The rod has its whole mass."""
 
 
 Acceleration = Literal["aitken", "iqn_ils"]
-"""What brings the next guess of an iteration from the residuals. `aitken`: Relaxation by Aitken's formula (Küttler &
-Wall 2008). `iqn_ils`: Interface quasi-Newton with the inverse Jacobian from least squares (Degroote et al. 2009)."""
+"""Acceleration of the iteration, which makes the next guess from the residuals. `aitken`: Relaxation by Aitken's
+formula (Küttler & Wall 2008). `iqn_ils`: Interface quasi-Newton with the inverse Jacobian from least squares (Degroote
+et al. 2009)."""
 
 
 class Iterated(Part):
-    """Until the interface agrees, with rollback of both units. In no case with the load `momentum`."""
+    """Steps with rollback of both units until the interface agrees. Not with the load `momentum`."""
 
     tolerance: Real = 0.0001
     """Residual of the interface displacement at which the step is accepted, relative to its change over the step."""
 
     max_iterations: Integer = 50
-    """Largest number of iterations in a step; more is an error."""
+    """Largest number of iterations in a step; a step that needs more is an error."""
 
     acceleration: Acceleration = "iqn_ils"
-    """What brings the next guess from the residuals."""
+    """Acceleration of the iteration."""
 
 
 class CouplingSchemeIterated(Part):
-    """Until the interface agrees, with rollback of both units. In no case with the load `momentum`."""
+    """Steps with rollback of both units until the interface agrees. Not with the load `momentum`."""
 
     iterated: Iterated
-    """Until the interface agrees, with rollback of both units. In no case with the load `momentum`."""
+    """Steps with rollback of both units until the interface agrees. Not with the load `momentum`."""
 
 
 CouplingScheme = Literal["explicit", "parallel_explicit"] | CouplingSchemeIterated
-"""How often the two sides are asked within one communication step. `explicit`: Once, one after the other: first the
-rod, then the fluid with the rod's new state (serial, Gauss–Seidel). `parallel_explicit`: Once, side by side: both step
-from what was known at the beginning (parallel, Jacobi)."""
+"""Order of the steps of both units within a communication step. `explicit`: One step each: first the rod, then the
+fluid with the rod's new state (serial, Gauss–Seidel). `parallel_explicit`: One step each, both from the state at the
+beginning (parallel, Jacobi)."""
 
 
 class Guards(Part):
-    """When a run with the scheme `explicit` or `parallel_explicit` is stopped as unstable, by the powers that cross the
-    interface: what is unstable may well stay finite. A guard of `null` is off. Where the scene has this key the guards
-    are for the units of others too; they need the outputs `load.power` of the rod and, under the load `momentum`,
-    `beam.power` of the fluid."""
+    """Limits that stop an unstable run with the scheme `explicit` or `parallel_explicit`, by the powers across the
+    interface: an unstable run may stay finite. A limit of `null` is off. With this key the limits hold for foreign
+    units too, which then need the outputs `load.power` of the rod and, with the load `momentum`, `beam.power` of the
+    fluid."""
 
     window_steps: Integer = 500
-    """Steps over which means of the magnitudes fade, and before which nothing is stopped; at least 1."""
+    """Number of steps over which means of magnitudes fade, and before which no run is stopped; at least 1."""
 
     largest_imbalance: Real | None = 0.5
-    """Largest difference of the powers that the rod takes and that the fluid gives under the load `momentum`, relative
-    to the latter, means of the magnitudes: 0.04 in FSI3, 1 where it blows up. `null`: off."""
+    """Largest difference between the power on the rod and the power from the fluid with the load `momentum`, relative
+    to the latter, in means of magnitudes: 0.04 in FSI3, 1 in a run that diverges. `null`: off."""
 
     largest_noise: Real | None = 1.5
-    """Largest second difference, from step to step, of the power that the rod takes under the load `pressure_jump`,
-    relative to the power, means of the magnitudes: 4 for a sawtooth, 2.4 for noise, below 0.8 in runs that hold.
-    `null`: off."""
+    """Largest second difference over steps of the power on the rod with the load `pressure_jump`, relative to the
+    power, in means of magnitudes: 4 for a sawtooth, 2.4 for noise, below 0.8 in stable runs. `null`: off."""
 
     min_power: Real = 1e-09
-    """Mean power below which noise stops nothing, W per metre of depth: a rod at rest takes nothing but rounding."""
+    """Mean power below which noise stops no run, W per metre of depth: the power on a rod at rest is rounding."""
 
 
 class Coupling(Part):
-    """How fluid and rod exchange; what is left out is chosen by the rules of `docs/theory/coupling.md`."""
+    """Coupling of fluid and rods. Load and scheme follow rules where they are absent (`docs/theory/coupling.md`)."""
 
     load: Load | None = None
-    """What the fluid does to the rod; absent: `momentum` where the rod is heavy enough for it and the fluid makes one
-    step between two exchanges, else `pressure_jump`."""
+    """Load of the fluid on the rod. Absent: `momentum` where the rod is heavy enough and the fluid makes one step
+    between two exchanges, otherwise `pressure_jump`."""
 
     scheme: CouplingScheme | None = None
-    """How often the two sides are asked within one communication step; absent: `explicit` under the load `momentum`,
-    `iterated` under `pressure_jump`."""
+    """Order of the steps of both units within a communication step. Absent: `explicit` with the load `momentum`,
+    `iterated` with `pressure_jump`."""
 
     axial_pressure_strain: Flag = False
-    """Whether the pressure around the rod strains it along itself, too, beside the load `momentum`, which knows only
-    differences of the pressure. Its zero is the mean over the outlet, the upstream end of the inflow zone. Needs that
-    load, an inflow and a material in plane strain; costs the fluid three transforms in each step."""
+    """Whether the pressure around the rod also strains it along its axis. The load `momentum` knows only differences of
+    the pressure; here its zero is the mean over the outlet, the upstream end of the inflow zone. Needs that load, an
+    inflow and a material in plane strain, and costs the fluid three transforms per step."""
 
     guards: Guards | None = None
-    """When an explicit run is stopped as unstable; absent: as with `{}` where both units are those of this project, not
-    at all where one is another's."""
+    """Limits that stop an unstable explicit run. Absent: the defaults where both units are nervure's, none with a
+    foreign unit."""
 
 
 class PublishedQuantity(Part):
     """Published values of one series over whole periods of its final state."""
 
     unit: str
-    """Unit of `mean` and `amplitude`: that of the series, e.g. `m` or `N/m`."""
+    """Unit of `mean` and `amplitude`, the same as of the series, e.g. `m` or `N/m`."""
 
     mean: Real | None = None
     """Half the sum of the largest and the smallest value, in `unit`."""
@@ -938,20 +934,20 @@ class PublishedCoefficients(Part):
     """Half the sum of largest and smallest lift coefficient."""
 
     cl_peak_to_peak: Real | None = None
-    """Largest less smallest lift coefficient."""
+    """Difference of largest and smallest lift coefficient."""
 
     st: Real | None = None
     """Strouhal number."""
 
     dp_mean: Real | None = None
-    """Pressure at the front of the cylinder less that at its back, Pa."""
+    """Pressure difference between front and back of the cylinder, Pa."""
 
 
 class PublishedRange(Part):
     """Smallest and largest published value of one series."""
 
     unit: str
-    """Unit of `mean` and `amplitude`: that of the series."""
+    """Unit of `mean` and `amplitude`, the same as of the series."""
 
     mean: tuple[Real, Real] | None = None
     """Range of the mean, in `unit`."""
@@ -964,49 +960,49 @@ class PublishedRange(Part):
 
 
 class PublishedSpread(Part):
-    """What several sources span."""
+    """Range of several sources."""
 
     source: str
-    """Where the values come from."""
+    """Sources of the values."""
 
     quantities: dict[str, PublishedRange]
     """Ranges by the name of the recorded series, as in `reference.quantities`."""
 
 
 class Reference(Part):
-    """Published values that a run of the scene is compared with; the units do not read them."""
+    """Published values for comparison with a run; the units do not read them."""
 
     source: str
-    """Where the values come from: author, year, and table or page."""
+    """Source of the values: author, year, and table or page."""
 
     quantities: dict[str, PublishedQuantity] = Field(default_factory=dict)
     """Values by the name of the recorded series: `tip_ux`, `tip_uy`, `tip_uz`, `drag`, `lift`."""
 
     coefficients: PublishedCoefficients | None = None
-    """PublishedCoefficients of one still cylinder in an inflow; absent for other scenes."""
+    """Published coefficients of one still cylinder in an inflow; absent for other scenes."""
 
     spread: PublishedSpread | None = None
-    """What several sources span; absent where there is one."""
+    """Range of several sources; absent where there is one."""
 
 
 class Scene(Part):
     """A whole scene: at least a fluid or a rod."""
 
     json_schema: str | None = Field(None, alias="$schema")
-    """Where the JSON Schema of this file is; read by editors only."""
+    """Place of the JSON Schema of this file, for editors."""
 
     format: Integer = 2
     """Number of the format that the file follows; absent, it is the present one, 2."""
 
     name: str
-    """Short name of at most 100 characters: letters, digits, `.`, `_` and `-`, the first one a letter, a digit or `_`;
-    names the units and the result folder."""
+    """Name of the units and the result folder: at most 100 letters, digits, `.`, `_` and `-`, the first one a letter, a
+    digit or `_`."""
 
     description: str = ""
     """One sentence for people."""
 
     display: Display | None = None
-    """What pictures call a length and a time of 1; absent where they are metres and seconds."""
+    """Names of the units of length and time in pictures; absent where they are metres and seconds."""
 
     time: Time
     """Clock of the co-simulation."""
@@ -1015,20 +1011,20 @@ class Scene(Part):
     """The fluid; absent in a rod-only scene."""
 
     beam: Beam | None = None
-    """Geometry of the beam that the fluid sees and the rod moves; absent in a scene without one."""
+    """Geometry of the only beam; absent without one."""
 
     rod: Rod | None = None
-    """Elastic model of the beam; absent where the beam is rigid."""
+    """Elastic model of the only beam; absent for a rigid beam."""
 
     rods: list[NamedRod] = Field(default_factory=list)
-    """Several beams in the fluid, each with a rod that is a unit of its own: at least two, in the place of `beam` and
+    """Several beams in the fluid, each with a rod that is a unit of its own: at least two, in place of `beam` and
     `rod`."""
 
     this_rod: str | None = None
-    """Name of the one of `rods` that a rod's unit is, in the scene that it carries; absent elsewhere."""
+    """Name of one of `rods`, in the scene that the unit of this rod carries; absent elsewhere."""
 
     coupling: Coupling | None = None
-    """How fluid and rod exchange; absent where it is left to the rules, refused where there are not both."""
+    """Coupling of fluid and rods; absent where the rules choose it, and without both."""
 
     reference: Reference | None = None
-    """Published values that a run is compared with; absent where there are none."""
+    """Published values for comparison with a run; absent where there are none."""

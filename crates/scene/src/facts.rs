@@ -1,0 +1,319 @@
+//! Facts of a scene that programs need beside its text, so that its rules stand in this crate alone.
+//!
+//! The dimensionless numbers are
+//!
+//! ```text
+//! Re = U L / nu,   k = pi f L / U,   M = mu / (rho L),   K = EI / (rho U² L³)
+//! ```
+//!
+//! with U the velocity that drives the flow, L the diameter of the first cylinder, else the length of the first body or
+//! beam (in M and K always that of the beam), f the frequency of the drive, and mu and EI mass per area and bending
+//! stiffness of the first beam at its root, per metre of depth.
+//!
+//! The added mass is that of a thin plate across the flow, pi/4 rho L² (Theodorsen 1935). The layer at the front of a
+//! body is that of the stagnation flow with the strain rate of potential flow: 4 U/D at a cylinder, 2 U/L at a plate.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+use serde::Serialize;
+
+use crate::beam::Beam;
+use crate::body::{Body, Shape};
+use crate::fluid::{Fluid, InflowProfile};
+use crate::law::TimeLaw;
+use crate::root::RootMotion;
+use crate::scene::{BeamWithRod, Scene};
+
+/// Relative part by which a step may exceed a limit without being divided.
+const ROUNDING: f64 = 1e-9;
+
+/// Largest velocity beside a cylinder by that of the stream: 2 in potential flow.
+const SPEED_UP: f64 = 2.0;
+
+/// Facts of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Facts {
+    /// The beams, in the order in which the fluid counts them.
+    pub beams: Vec<BeamFacts>,
+    /// Laws of the flow by the path of their key.
+    pub laws: BTreeMap<&'static str, LawFacts>,
+    /// Dimensionless numbers; absent without a fluid.
+    pub dimensionless: Option<Dimensionless>,
+    /// Number of steps that the fluid is expected to make in a communication step.
+    pub fluid_steps: u64,
+}
+
+/// Facts of a beam at its stations, from root to tip.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BeamFacts {
+    /// Thickness, m: `[segments + 1]`.
+    pub thickness: Vec<f64>,
+    /// Mass per length, kg/m (per metre of depth in two dimensions): `[segments + 1]`; absent without a rod.
+    pub line_density: Option<Vec<f64>>,
+    /// Bending stiffness, N m² (per metre of depth in two dimensions): `[segments + 1]`; absent without a rod.
+    pub bending_stiffness: Option<Vec<f64>>,
+}
+
+/// Facts of a law of time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LawFacts {
+    /// Time from which the law stays constant, s, and its value then; absent where it never is.
+    pub settles: Option<(f64, f64)>,
+}
+
+/// Dimensionless numbers of a scene with a fluid; numbers that the scene lacks are absent.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Dimensionless {
+    /// U, m/s; absent where nothing drives the flow.
+    pub velocity: Option<f64>,
+    /// The part of the scene that has this velocity.
+    pub velocity_of: Option<String>,
+    /// L, m; absent without a body.
+    pub length: Option<f64>,
+    /// Name of the body that has this length.
+    pub length_of: Option<String>,
+    /// Re.
+    pub reynolds: Option<f64>,
+    /// k, of a sine that drives a body or the flow.
+    pub reduced_frequency: Option<f64>,
+    /// M.
+    pub mass_ratio: Option<f64>,
+    /// Least ratio of the mass of a rod to that of the fluid it displaces.
+    pub density_ratio: Option<f64>,
+    /// Added mass of a plate by the mass of the beam.
+    pub added_mass_ratio: Option<f64>,
+    /// K.
+    pub stiffness: Option<f64>,
+    /// CFL number of the longest step with the velocity beside a cylinder.
+    pub cfl: Option<f64>,
+    /// Resolution of the bodies by the name of their force, in the order of the fluid.
+    pub bodies: Vec<(String, Resolution)>,
+}
+
+/// Resolution of a body by the grid; cells are counted in the coarser direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Resolution {
+    /// Diameter of a cylinder, length of a beam or another body, m.
+    pub length: f64,
+    /// Cells in the diameter or the thickness.
+    pub thickness_cells: f64,
+    /// Cells in the boundary layer at the front; absent in still fluid and for a beam in a wake.
+    pub layer_cells: Option<f64>,
+}
+
+/// A velocity that drives the flow.
+struct Drive {
+    speed: f64,
+    name: String,
+    frequency: Option<f64>,
+}
+
+impl Scene {
+    /// Facts of the scene.
+    pub fn facts(&self) -> Facts {
+        let beams: Vec<_> = self.beams_with_rods().map(|beam| beam_facts(&beam)).collect();
+        let sizes = sizes(self, &beams);
+        let dimensionless = self.fluid.as_ref().map(|fluid| dimensionless(self, fluid, &beams, &sizes));
+        let fluid_steps = match (&self.fluid, &dimensionless) {
+            (Some(fluid), Some(numbers)) => fluid_steps(self.time.communication_step, fluid, numbers.cfl),
+            _ => 1,
+        };
+        Facts { beams, laws: laws(self), dimensionless, fluid_steps }
+    }
+}
+
+fn beam_facts(BeamWithRod { beam, rod, .. }: &BeamWithRod) -> BeamFacts {
+    let places = || (0..=beam.segments).map(|i| i as f64 / beam.segments as f64);
+    let sections = rod.map(|rod| places().map(|s| rod.material.section(&beam.thickness, s)).collect::<Vec<_>>());
+    BeamFacts {
+        thickness: places().map(|s| beam.thickness.at(s)).collect(),
+        line_density: sections.as_ref().map(|all| all.iter().map(|section| section.line_density).collect()),
+        bending_stiffness: sections.as_ref().map(|all| all.iter().map(|section| section.bending_stiffness).collect()),
+    }
+}
+
+fn laws(scene: &Scene) -> BTreeMap<&'static str, LawFacts> {
+    let mut laws: BTreeMap<_, &TimeLaw> = BTreeMap::new();
+    if let Some(fluid) = &scene.fluid {
+        laws.extend(fluid.inflow.iter().map(|inflow| ("fluid.inflow.mean_velocity", &inflow.mean_velocity)));
+        laws.extend(fluid.mean_flow.iter().map(|flow| ("fluid.mean_flow.x", &flow.x)));
+        laws.extend(fluid.mean_flow.iter().map(|flow| ("fluid.mean_flow.y", &flow.y)));
+    }
+    laws.into_iter().map(|(key, law)| (key, LawFacts { settles: law.settles() })).collect()
+}
+
+fn sizes(scene: &Scene, beams: &[BeamFacts]) -> Vec<(String, [f64; 2])> {
+    let mut sizes = Vec::new();
+    if let Some(fluid) = &scene.fluid {
+        let circle = |radius: f64| [2.0 * radius; 2];
+        sizes.extend((1..).zip(&fluid.cylinders).map(|(i, own)| (format!("cylinder_{i}"), circle(own.radius))));
+        sizes.extend((1..).zip(&fluid.bodies).map(|(i, own)| (format!("body_{i}"), own.shape.size())));
+    }
+    sizes.extend(scene.beams_with_rods().zip(beams).map(|(own, facts)| {
+        let thinnest = facts.thickness.iter().copied().fold(f64::INFINITY, f64::min);
+        (own.force_name(), [own.beam.length, thinnest])
+    }));
+    sizes
+}
+
+/// Number of steps of the fluid in a communication step with the CFL number `cfl` of its longest step.
+fn fluid_steps(step: f64, fluid: &Fluid, cfl: Option<f64>) -> u64 {
+    let at_least_one = |ratio: f64| (ratio - ROUNDING).ceil().max(1.0);
+    let stepping = &fluid.time_stepping;
+    (at_least_one(step / stepping.max_step) * at_least_one(cfl.unwrap_or(0.0) / stepping.max_cfl)) as u64
+}
+
+fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(String, [f64; 2])]) -> Dimensionless {
+    let (rho, nu) = (fluid.density, fluid.kinematic_viscosity);
+    let (streams, motions) = (streams(fluid), motions(scene, fluid));
+    let drive = streams.iter().chain(&motions).find(|drive| drive.speed > 0.0);
+    let velocity = drive.map(|drive| drive.speed);
+    let frequency = motions.iter().chain(&streams).find_map(|drive| drive.frequency);
+    let largest = |drives: &[Drive]| drives.iter().map(|drive| drive.speed).fold(0.0, f64::max);
+    let peak = fluid.inflow.as_ref().map_or(1.0, |inflow| inflow.profile.peak());
+    let fastest = peak * f64::hypot(largest(&streams), largest(&motions));
+
+    let [dx, dy] = fluid.r#box.spacing();
+    let step = scene.time.communication_step.min(fluid.time_stepping.max_step);
+    let length = sizes.first().map(|(_, [length, _])| *length);
+    let bodies = sizes.iter().enumerate().map(|(i, (name, [length, thickness]))| {
+        let is_beam = i >= fluid.cylinders.len() + fluid.bodies.len();
+        let strain = if is_beam && i > 0 { 0.0 } else { strain_factor(fluid, i) * fastest / length };
+        let resolution = Resolution {
+            length: *length,
+            thickness_cells: thickness / dx.max(dy),
+            layer_cells: (strain > 0.0).then(|| (nu / strain).sqrt() / dx.max(dy)),
+        };
+        (name.clone(), resolution)
+    });
+
+    let first = scene.beams_with_rods().next().zip(beams.first()).and_then(|(own, facts)| {
+        Some((own.beam.length, facts.line_density.as_ref()?[0] / rho, facts.bending_stiffness.as_ref()?[0]))
+    });
+    let ratios = beams.iter().filter_map(|facts| {
+        let masses = facts.line_density.as_ref()?.iter().zip(&facts.thickness);
+        Some(masses.map(|(mass, thickness)| mass / rho / thickness).fold(f64::INFINITY, f64::min))
+    });
+    let number = |value: Option<f64>| value.filter(|value| value.is_finite());
+    Dimensionless {
+        velocity,
+        velocity_of: drive.map(|drive| drive.name.clone()),
+        length,
+        length_of: sizes.first().map(|(name, _)| name.clone()),
+        reynolds: number(velocity.zip(length).map(|(u, l)| u * l / nu)),
+        reduced_frequency: number(velocity.zip(length).zip(frequency).map(|((u, l), f)| PI * f * l / u)),
+        mass_ratio: number(first.map(|(span, mass, _)| mass / span)),
+        density_ratio: number(ratios.reduce(f64::min)),
+        added_mass_ratio: number(first.map(|(span, mass, _)| PI / 4.0 * span / mass)),
+        stiffness: number(
+            first.zip(velocity).map(|((span, _, stiffness), u)| stiffness / (rho * (u * u) * span.powi(3))),
+        ),
+        cfl: number((fastest > 0.0).then(|| SPEED_UP * fastest * step / dx.min(dy))),
+        bodies: bodies.collect(),
+    }
+}
+
+/// Strain rate at the front of the body `i` by U and its length: 4 for a circle, 2 for a plate.
+fn strain_factor(fluid: &Fluid, i: usize) -> f64 {
+    let body = i.checked_sub(fluid.cylinders.len()).map(|i| fluid.bodies.get(i).map(|body| &body.shape));
+    if matches!(body, None | Some(Some(Shape::Circle { .. }))) { 4.0 } else { 2.0 }
+}
+
+/// Velocities of the flow that the scene asks for.
+fn streams(fluid: &Fluid) -> Vec<Drive> {
+    let mut streams = Vec::new();
+    let mut add = |speed: f64, name: &str, frequency| streams.push(Drive { speed, name: name.into(), frequency });
+    if let Some(inflow) = &fluid.inflow {
+        add(inflow.mean_velocity.largest(), "inflow", inflow.mean_velocity.frequency());
+    }
+    if let Some(flow) = &fluid.mean_flow {
+        let frequency = flow.x.frequency().or(flow.y.frequency());
+        add(f64::hypot(flow.x.largest(), flow.y.largest()), "mean flow", frequency);
+    }
+    if let Some(sponge) = &fluid.sponge {
+        add(sponge.mean_velocity.largest(), "sponge", sponge.mean_velocity.frequency());
+    }
+    let [u, v] = fluid.initial_velocity;
+    add(f64::hypot(u, v), "initial velocity", None);
+    streams
+}
+
+/// Largest speeds of the bodies that are driven: of a pivot, of the farthest point of a body that only turns, of the
+/// tip of a beam as if it were rigid.
+fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
+    let first_frequency = |laws: &[&TimeLaw]| laws.iter().find_map(|law| law.frequency());
+    let mut motions = Vec::new();
+    for (i, cylinder) in (1..).zip(&fluid.cylinders) {
+        let Some(motion) = &cylinder.motion else { continue };
+        motions.push(Drive {
+            speed: f64::hypot(motion.x.largest_rate(), motion.y.largest_rate()),
+            name: format!("motion of cylinder {i}"),
+            frequency: first_frequency(&[&motion.x, &motion.y]),
+        });
+    }
+    for (i, body) in (1..).zip(&fluid.bodies) {
+        let Some(motion) = &body.motion else { continue };
+        let speed = f64::hypot(motion.x.largest_rate(), motion.y.largest_rate());
+        motions.push(Drive {
+            speed: if speed > 0.0 { speed } else { motion.angle.largest_rate() * reach(body) },
+            name: format!("motion of body {i}"),
+            frequency: first_frequency(&[&motion.x, &motion.y, &motion.angle]),
+        });
+    }
+    for BeamWithRod { beam: Beam { length, .. }, rod, .. } in scene.beams_with_rods() {
+        let Some(RootMotion::Laws(laws)) = rod.and_then(|rod| rod.root_motion.as_ref()) else { continue };
+        let turns: Vec<_> = laws.rotations.iter().map(|rotation| &rotation.angle).collect();
+        let all = [&[&laws.x, &laws.y, &laws.z], turns.as_slice()].concat();
+        motions.push(Drive {
+            speed: norm(all.iter().enumerate().map(|(i, law)| law.largest_rate() * if i < 3 { 1.0 } else { *length })),
+            name: "drive of the root".into(),
+            frequency: first_frequency(&all),
+        });
+    }
+    motions
+}
+
+/// Distance from the pivot of a body to its farthest point, m; of an outline with an axis, to an end of the axis.
+fn reach(body: &Body) -> f64 {
+    let from_pivot = |[x, y]: [f64; 2]| f64::hypot(x - body.pivot[0], y - body.pivot[1]);
+    match &body.shape {
+        Shape::Polygon { corners } => corners.iter().copied().map(from_pivot).fold(0.0, f64::max),
+        shape => {
+            let [length, _] = shape.size();
+            f64::max(from_pivot([-length / 2.0, 0.0]), from_pivot([length / 2.0, 0.0]))
+        }
+    }
+}
+
+fn norm(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(|value| value * value).sum::<f64>().sqrt()
+}
+
+impl InflowProfile {
+    /// Largest velocity of the profile by its mean.
+    fn peak(self) -> f64 {
+        match self {
+            Self::Uniform => 1.0,
+            Self::Parabolic => 1.5,
+        }
+    }
+}
+
+impl Shape {
+    /// Length and thickness, m; of a polygon the largest distance of two corners, and its area by that.
+    pub fn size(&self) -> [f64; 2] {
+        match self {
+            Self::Circle { radius } => [2.0 * radius; 2],
+            Self::Ellipse { length, thickness } | Self::Rectangle { length, thickness, .. } => [*length, *thickness],
+            Self::Polygon { corners } => {
+                let next = corners.iter().cycle().skip(1);
+                let area: f64 = corners.iter().zip(next).map(|([x0, y0], [x1, y1])| x0 * y1 - x1 * y0).sum();
+                let distances =
+                    corners.iter().flat_map(|a| corners.iter().map(|b| f64::hypot(a[0] - b[0], a[1] - b[1])));
+                let length = distances.fold(0.0, f64::max);
+                [length, area.abs() / 2.0 / length]
+            }
+        }
+    }
+}

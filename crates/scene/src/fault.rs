@@ -1,0 +1,260 @@
+//! What is wrong with a scene, as data: key, place, value, what is allowed, and a sentence.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// Most faults that are listed for one scene.
+const MOST_FAULTS: usize = 20;
+
+/// Most characters of a value that a fault shows.
+const SHOWN: usize = 60;
+
+/// The kind of a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FaultKind {
+    /// The text is not JSON, is too long or too deeply nested, or is not an object.
+    Syntax,
+    /// A key appears twice in one object.
+    Duplicate,
+    /// The scene has another format than this version reads.
+    Format,
+    /// A key that no scene has at this place.
+    Unknown,
+    /// A required key that is absent.
+    Missing,
+    /// A value of the wrong type, or a word that is not one of the choices.
+    Type,
+    /// A number, or the length of a list, out of range.
+    Range,
+    /// A value that contradicts another part of the scene.
+    Conflict,
+}
+
+/// One reason why a scene cannot be run.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Fault {
+    /// Kind of the fault.
+    pub kind: FaultKind,
+    /// Path of the key, e.g. `fluid.cylinders[0].radius`; empty for the whole file.
+    pub key: String,
+    /// Line in the text, from 1; absent where the key is not in the text.
+    pub line: Option<usize>,
+    /// Column in the line, in characters from 1.
+    pub column: Option<usize>,
+    /// The value as the text has it, or a summary of it; absent where there is none.
+    pub value: Option<String>,
+    /// Values or keys that are allowed; absent where the sentence alone says what to do.
+    pub allowed: Option<String>,
+    /// The whole as a sentence without the place.
+    pub text: String,
+}
+
+impl Fault {
+    fn new(kind: FaultKind, key: &str, text: String) -> Self {
+        Self { kind, key: key.into(), line: None, column: None, value: None, allowed: None, text }
+    }
+
+    fn with(mut self, value: Option<&str>, allowed: &str) -> Self {
+        self.value = value.map(str::to_string);
+        self.allowed = Some(allowed.into());
+        self
+    }
+
+    /// The text is not JSON that a scene could be; `text` is the sentence.
+    pub(crate) fn syntax(key: &str, text: String) -> Self {
+        Self::new(FaultKind::Syntax, key, text)
+    }
+
+    /// The key `key` appears again after `line`.
+    pub(crate) fn duplicate(key: &str, line: usize) -> Self {
+        Self::new(FaultKind::Duplicate, key, format!("duplicate key `{key}`: line {line} has it already"))
+    }
+
+    /// The scene has the format `value`; `text` is the sentence.
+    pub(crate) fn format(value: &str, allowed: &str, text: String) -> Self {
+        Self::new(FaultKind::Format, "format", text).with(Some(value), allowed)
+    }
+
+    /// The key `key` is unknown; `hint` names a likely one, or else the known ones.
+    pub(crate) fn unknown(key: &str, known: &str, hint: &str) -> Self {
+        Self::new(FaultKind::Unknown, key, format!("unknown key `{key}`: {hint}")).with(None, known)
+    }
+
+    /// The required key `key` is absent.
+    pub(crate) fn missing(key: &str, allowed: &str) -> Self {
+        Self::new(FaultKind::Missing, key, format!("missing required key `{key}` ({allowed})")).with(None, allowed)
+    }
+
+    /// The value of `key` has the wrong type; `hint` follows the sentence.
+    pub(crate) fn type_of(key: &str, value: &str, allowed: &str, hint: &str) -> Self {
+        let text = format!("`{key}` must be {allowed}, not {value}{hint}");
+        Self::new(FaultKind::Type, key, text).with(Some(value), allowed)
+    }
+
+    /// The value of `key` is out of range.
+    pub(crate) fn range(key: &str, value: &str, allowed: &str) -> Self {
+        let text = format!("`{key}` is out of range: {value} is not {allowed}");
+        Self::new(FaultKind::Range, key, text).with(Some(value), allowed)
+    }
+
+    /// The list `key` has a wrong number of parts.
+    pub(crate) fn length(key: &str, count: usize, allowed: &str) -> Self {
+        let value = format!("a list of {count}");
+        let text = format!("`{key}` must be {allowed}, not {value}");
+        Self::new(FaultKind::Range, key, text).with(Some(&value), allowed)
+    }
+
+    /// The value of `key` contradicts another part of the scene.
+    pub(crate) fn conflict(key: &str, value: &str, reason: &str) -> Self {
+        Self::new(FaultKind::Conflict, key, format!("`{key}` is {value}, but {reason}")).with(Some(value), reason)
+    }
+
+    /// The value of `key` has an effect that is not allowed; `effect` and `reason` end the sentence.
+    pub(crate) fn consequence(key: &str, effect: &str, reason: &str) -> Self {
+        Self::new(FaultKind::Conflict, key, format!("`{key}` {effect}, {reason}")).with(None, reason)
+    }
+
+    /// The key `key` contradicts another part of the scene by being present.
+    pub(crate) fn superfluous(key: &str, reason: &str) -> Self {
+        Self::new(FaultKind::Conflict, key, format!("`{key}` is not allowed here: {reason}")).with(None, reason)
+    }
+
+    /// The key `key` is absent, and another part of the scene needs it.
+    pub(crate) fn needed(key: &str, reason: &str) -> Self {
+        Self::new(FaultKind::Conflict, key, format!("`{key}` is missing: {reason}")).with(None, reason)
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        if let (Some(line), Some(column)) = (self.line, self.column) {
+            write!(formatter, "line {line}, column {column}: ")?;
+        }
+        formatter.write_str(&self.text)
+    }
+}
+
+/// The faults of a scene in the order in which they were found.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    list: Vec<Fault>,
+}
+
+impl Faults {
+    /// Add a fault; beyond the most that are listed, none is added.
+    pub fn push(&mut self, fault: Fault) {
+        if self.list.len() < MOST_FAULTS {
+            self.list.push(fault);
+        }
+    }
+
+    /// Add [`Fault::conflict`] unless `holds`, and return `holds`.
+    pub fn require(
+        &mut self,
+        holds: bool,
+        key: &str,
+        value: impl fmt::Display,
+        reason: impl FnOnce() -> String,
+    ) -> bool {
+        if !holds {
+            self.push(Fault::conflict(key, &shorten(&value.to_string()), &reason()));
+        }
+        holds
+    }
+
+    /// Add [`Fault::superfluous`] if the key is `present`, and return whether it is not.
+    pub fn forbid(&mut self, present: bool, key: &str, reason: impl FnOnce() -> String) -> bool {
+        if present {
+            self.push(Fault::superfluous(key, &reason()));
+        }
+        !present
+    }
+
+    /// Check that an interval has a positive length.
+    pub fn interval(&mut self, key: &str, [low, high]: [f64; 2]) -> bool {
+        self.require(low < high, key, format!("[{low}, {high}]"), || "the first number must be the smaller".into())
+    }
+
+    /// Whether as many faults were found as are listed.
+    pub fn are_full(&self) -> bool {
+        self.list.len() == MOST_FAULTS
+    }
+
+    /// Number of faults.
+    pub fn len(&self) -> usize {
+        self.list.len()
+    }
+
+    /// The list.
+    pub fn into_list(self) -> Vec<Fault> {
+        self.list
+    }
+}
+
+/// A part of a scene whose values are checked against each other; types and ranges were checked before.
+pub(crate) trait Check {
+    /// Add what is wrong with the part, which is the value of `key`.
+    fn check_at(&self, key: &str, faults: &mut Faults);
+}
+
+impl<T: Check> Check for Option<T> {
+    fn check_at(&self, key: &str, faults: &mut Faults) {
+        if let Some(part) = self {
+            part.check_at(key, faults);
+        }
+    }
+}
+
+impl<T: Check> Check for Vec<T> {
+    fn check_at(&self, key: &str, faults: &mut Faults) {
+        for (i, part) in self.iter().enumerate() {
+            part.check_at(&format!("{key}[{i}]"), faults);
+        }
+    }
+}
+
+/// Why a scene was refused.
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file could not be read.
+    #[error("cannot read the scene file {path}: {source}")]
+    Read {
+        /// Path of the file.
+        path: String,
+        /// Error of the system.
+        source: std::io::Error,
+    },
+    /// The scene has faults, at least one.
+    #[error("{}", sentences(.0))]
+    Faults(Vec<Fault>),
+}
+
+/// The faults as one text.
+fn sentences(faults: &[Fault]) -> String {
+    let each: Vec<_> = faults.iter().map(|fault| format!("scene: {fault}")).collect();
+    each.join("\n")
+}
+
+/// At most the first characters of `text`.
+pub(crate) fn shorten(text: &str) -> String {
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.into(),
+    }
+}
+
+/// Names of keys in a sentence, `` `a`, `b` and `c` ``.
+pub(crate) fn list(names: impl IntoIterator<Item = impl fmt::Display>, word: &str) -> String {
+    join(&names.into_iter().map(|name| format!("`{name}`")).collect::<Vec<_>>(), word)
+}
+
+/// `a, b and c`.
+pub(crate) fn join(parts: &[String], word: &str) -> String {
+    match parts {
+        [] => String::new(),
+        [only] => only.clone(),
+        [parts @ .., last] => format!("{} {word} {last}", parts.join(", ")),
+    }
+}

@@ -1,0 +1,95 @@
+//! The load of the fluid on the rods: the choice where a scene leaves it open, and the quantities that follow from it.
+
+use crate::coupling::Load;
+use crate::method::TimeScheme;
+use crate::rod::Material;
+use crate::root::RootSupport;
+use crate::scene::Scene;
+
+impl Scene {
+    /// Return the load on the rods, given or chosen; none without a fluid and a rod.
+    pub fn load(&self) -> Option<Load> {
+        Some(self.chosen_load()?.0)
+    }
+
+    /// Return the load as [`Scene::load`] does, and the reason as a clause. Several rods have the same load, the one
+    /// that suits the lightest.
+    pub fn chosen_load(&self) -> Option<(Load, String)> {
+        let Weight { name, own, displaced, free } = self.lightest()?;
+        if let Some(load) = self.coupling.as_ref().and_then(|coupling| coupling.load) {
+            return Some((load, "the scene says so".into()));
+        }
+        let fluid = self.fluid.as_ref()?;
+        let (ratio, step) = (own / displaced, self.time.communication_step);
+        let largest = match fluid.time_stepping.scheme {
+            TimeScheme::Sbdf2 => fluid.time_stepping.max_step,
+            TimeScheme::Rk2 => fluid.time_stepping.max_step.min(fluid.mask.c_eta()),
+        };
+        Some(if own < displaced {
+            let needed = "the momentum load needs 1 or more";
+            (Load::PressureJump, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces; {needed}"))
+        } else if own == displaced && free {
+            let needed = "a free rod needs more for the momentum load";
+            (Load::PressureJump, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces; {needed}"))
+        } else if step > largest * (1.0 + STEP_ROUNDING) {
+            let held = "the momentum load cannot be held over several steps of the fluid";
+            let reason = format!("the step of {step} s is above {largest} s, the largest of the fluid; {held}");
+            (Load::PressureJump, reason)
+        } else {
+            (Load::Momentum, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces, at least 1"))
+        })
+    }
+
+    /// Return the mass of the fluid that the beam displaces at its root, per length and metre of depth, kg/m²; 0
+    /// without the momentum load. With that load the rod's own mass is reduced by it, because the fluid inside the mask
+    /// has it.
+    pub fn displaced_line_density(&self) -> f64 {
+        match (self.load(), &self.fluid, &self.beam) {
+            (Some(Load::Momentum), Some(fluid), Some(beam)) => fluid.density * beam.thickness.at(0.0),
+            _ => 0.0,
+        }
+    }
+
+    /// Whether the pressure around the rods strains them along their axis.
+    pub fn axial_pressure_strain(&self) -> bool {
+        self.coupling.as_ref().is_some_and(|coupling| coupling.axial_pressure_strain)
+    }
+
+    /// Return the strain by which the rod shrinks under pressure, 1/Pa; none without `axial_pressure_strain`. A stress
+    /// of −p in the plane and no strain across it give (1 + ν)(1 − 2ν)/E.
+    pub fn strain_per_pressure(&self) -> Option<f64> {
+        let Material::PlaneStrain { youngs_modulus, poisson_ratio, .. } = self.rod.as_ref()?.material else {
+            return None;
+        };
+        self.axial_pressure_strain().then_some((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio) / youngs_modulus)
+    }
+
+    /// Return the rod and place of least mass relative to the displaced fluid; of equal ones a free rod.
+    pub(crate) fn lightest(&self) -> Option<Weight> {
+        let fluid = self.fluid.as_ref()?;
+        let rods = self.beams_with_rods().filter_map(|own| Some((own.name, own.beam, own.rod?)));
+        let weights = rods.flat_map(|(name, beam, rod)| {
+            let (material, thickness) = (&rod.material, &beam.thickness);
+            beam.places().map(move |s| Weight {
+                name: name.map_or(String::new(), |name| format!(" `{name}`")),
+                own: material.section(thickness, s).line_density,
+                displaced: fluid.density * thickness.at(s),
+                free: matches!(rod.root, RootSupport::Free { .. }),
+            })
+        });
+        weights.min_by(|a, b| (a.own / a.displaced).total_cmp(&(b.own / b.displaced)).then(b.free.cmp(&a.free)))
+    }
+}
+
+/// Mass of a rod at one place and of the fluid it displaces there, per length and metre of depth, kg/m².
+pub(crate) struct Weight {
+    /// Name of the rod in a sentence, with a space in front; empty for the only rod.
+    pub name: String,
+    pub own: f64,
+    pub displaced: f64,
+    /// Whether the root is free: such a rod cannot move without a mass of its own.
+    pub free: bool,
+}
+
+/// Relative part by which the communication step may exceed the fluid's largest without being divided.
+const STEP_ROUNDING: f64 = 1e-9;

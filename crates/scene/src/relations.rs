@@ -1,0 +1,275 @@
+//! Contradictions between the keys of a scene; types and ranges were checked before.
+
+use std::fmt::Debug;
+
+use crate::beam::{Beam, Root};
+use crate::coupling::{CouplingScheme, Load};
+use crate::fault::{Check, Fault, Faults, list};
+use crate::law::TimeLaw;
+use crate::load::Weight;
+use crate::method::TimeStepping;
+use crate::rod::{Bending, Calibration, Material, Rod};
+use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Z_AXIS};
+use crate::scene::{BeamWithRod, Scene, Time};
+
+/// Most characters of the name of a scene: the file names of its units stay within the limits of file systems.
+const NAME_LENGTH: usize = 100;
+
+/// Most steps of a unit in a communication step.
+const MOST_SUBSTEPS: f64 = 1e5;
+
+/// Most communication steps in a run.
+const MOST_STEPS: f64 = 1e12;
+
+/// Add the contradictions of a scene. Those that need values along a beam are looked for only where there are no
+/// others.
+pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
+    check_name_and_time(scene, faults);
+    check_parts(scene, faults);
+    scene.fluid.check_at("fluid", faults);
+    scene.rods.check_at("rods", faults);
+    for own in scene.beams_with_rods() {
+        own.beam.check_at(&format!("{}beam", own.key()), faults);
+        if let Some(rod) = own.rod {
+            rod.check_at(&format!("{}rod", own.key()), faults);
+        }
+        check_beam(scene, &own, faults);
+    }
+    check_substeps(scene, faults);
+    scene.reference.check_at("reference", faults);
+    if faults.len() == 0 {
+        check_places(scene, faults);
+        check_coupling(scene, faults);
+    }
+}
+
+fn check_name_and_time(scene: &Scene, faults: &mut Faults) {
+    let name = &scene.name;
+    let plain = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
+    let begins = name.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_');
+    faults.require(begins && name.len() <= NAME_LENGTH && name.chars().all(plain), "name", quoted(name), || {
+        format!(
+            "a name has 1 to {NAME_LENGTH} letters a-z, A-Z, digits, `.`, `_` and `-`, and begins with a letter, a \
+             digit or `_`"
+        )
+    });
+    let Time { end, communication_step: step } = scene.time;
+    faults.require(end / step <= MOST_STEPS, "time.communication_step", shown(&step), || {
+        format!("a run has at most {MOST_STEPS:e} steps: it must be >= {:.3e}", end / MOST_STEPS)
+    });
+}
+
+/// Check which parts the scene has.
+fn check_parts(scene: &Scene, faults: &mut Faults) {
+    if scene.fluid.is_none() && scene.rod.is_none() {
+        faults.push(match scene.rods.is_empty() {
+            true => Fault::needed("fluid", "a scene needs a fluid, a rod with a beam, or both"),
+            false => Fault::needed("fluid", "several rods need a fluid that couples them"),
+        });
+    }
+    if scene.rod.is_some() && scene.beam.is_none() && scene.rods.is_empty() {
+        faults.push(Fault::needed("beam", "a rod needs the geometry of its beam"));
+    }
+    let several = !scene.rods.is_empty();
+    if let Some(name) = &scene.this_rod {
+        let known = scene.rods.iter().any(|own| own.name == *name);
+        if faults.forbid(!several, "this_rod", || "the scene has no `rods`".into()) {
+            let names = list(scene.rods.iter().map(|own| &own.name), "and");
+            faults.require(known, "this_rod", quoted(name), || format!("the names in `rods` are {names}"));
+        }
+    }
+    for (key, present) in [("beam", scene.beam.is_some()), ("rod", scene.rod.is_some())] {
+        faults.forbid(several && present, key, || {
+            "the scene has `rods`; move it into `rods`, or remove one of the two".into()
+        });
+    }
+    faults.require(scene.rods.len() != 1, "rods", "a list of one", || {
+        "several rods are at least two: a single rod is `beam` and `rod` of the scene".into()
+    });
+    for (i, own) in scene.rods.iter().enumerate() {
+        // Names become file names, which some systems do not distinguish by case.
+        let twice = scene.rods[..i].iter().any(|other| other.name.eq_ignore_ascii_case(&own.name));
+        faults.require(!twice, &format!("rods[{i}].name"), quoted(&own.name), || {
+            "another rod has this name; capital and small letters count as the same".into()
+        });
+    }
+    let coupled = scene.fluid.is_some() && (scene.rod.is_some() || several);
+    faults.forbid(scene.coupling.is_some() && !coupled, "coupling", || "the scene lacks a fluid or a rod".into());
+}
+
+/// Check a beam against its rod and the rest of the scene.
+fn check_beam(scene: &Scene, own: &BeamWithRod, faults: &mut Faults) {
+    let key = own.key();
+    let dimension = scene.dimension(own.beam);
+    if let Root::OnCylinder { cylinder, .. } = own.beam.root {
+        let count = scene.fluid.as_ref().map_or(0, |fluid| fluid.cylinders.len());
+        faults.require(cylinder < count, &format!("{key}beam.root.on_cylinder.cylinder"), cylinder, || match count {
+            0 => "the scene has no cylinder".into(),
+            count => format!("the largest index is {}, counted from 0", count - 1),
+        });
+    }
+    faults.require(scene.fluid.is_none() || dimension == 2, &format!("{key}beam.root"), "three-dimensional", || {
+        "the fluid is two-dimensional: position and direction need 2 components".into()
+    });
+    let Some(rod) = own.rod else { return };
+    let fits = rod.gravity.is_empty() || rod.gravity.len() == dimension;
+    faults.require(fits, &format!("{key}rod.gravity"), shown(&rod.gravity), || {
+        format!("it must have {dimension} components like the root of the beam")
+    });
+    let tapered = own.beam.thickness.varies() || rod.material.varies();
+    let fits = !tapered || rod.calibration == Calibration::SecondOrder;
+    faults.require(fits, &format!("{key}rod.calibration"), "thesis", || {
+        "a rod that varies along its span needs second_order".into()
+    });
+    if let (2, Some(RootMotion::Laws(laws))) = (dimension, &rod.root_motion) {
+        check_planar_motion(laws, &format!("{key}rod.root_motion.laws"), faults);
+    }
+    check_support(rod, own.beam, dimension, &format!("{key}rod"), faults);
+}
+
+fn check_planar_motion(laws: &RootLaws, key: &str, faults: &mut Faults) {
+    faults.forbid(laws.z != TimeLaw::default(), &format!("{key}.z"), || "a beam in two dimensions has no z".into());
+    for (i, Rotation { axis, .. }) in laws.rotations.iter().enumerate() {
+        faults.require(*axis == Z_AXIS, &format!("{key}.rotations[{i}].axis"), shown(axis), || {
+            format!("a beam in two dimensions turns about {Z_AXIS:?}")
+        });
+    }
+}
+
+/// Check a support other than a clamp; `key` is the path of the rod.
+fn check_support(rod: &Rod, beam: &Beam, dimension: usize, key: &str, faults: &mut Faults) {
+    let at = |name: &str| format!("{key}.{name}");
+    let (name, has_clamp) = match &rod.root {
+        RootSupport::Clamped => return,
+        RootSupport::Pinned => {
+            let turns = matches!(&rod.root_motion, Some(RootMotion::Laws(laws)) if !laws.rotations.is_empty());
+            faults.forbid(turns, &at("root_motion.laws.rotations"), || "a pinned root has no direction".into());
+            ("pinned", false)
+        }
+        RootSupport::TorsionSpring { damping, rest_angle, .. } => {
+            for (name, value) in [("damping", damping), ("rest_angle", rest_angle)] {
+                let fits = dimension == 2 || *value == 0.0;
+                faults.require(fits, &at(&format!("root.torsion_spring.{name}")), value, || {
+                    "in three dimensions it must be 0: the rod has no material frame".into()
+                });
+            }
+            ("torsion_spring", true)
+        }
+        RootSupport::Free { force_z, .. } => {
+            let has_z = dimension == 2 && *force_z != TimeLaw::default();
+            faults.forbid(has_z, &at("root.free.force_z"), || "a beam in two dimensions has no z".into());
+            let on_cylinder = matches!(beam.root, Root::OnCylinder { .. });
+            faults.require(!on_cylinder, &at("root"), "free", || "the beam is attached to a cylinder".into());
+            faults.forbid(rod.root_motion.is_some(), &at("root_motion"), || {
+                format!("a free root has no prescribed motion; `{key}.root.free` holds the towing forces")
+            });
+            ("free", false)
+        }
+    };
+    faults.require(rod.bending == Bending::Invariant, &at("bending"), "projected", || {
+        format!("a root that is {name} needs invariant")
+    });
+    faults.require(rod.calibration == Calibration::SecondOrder, &at("calibration"), "thesis", || {
+        format!("a root that is {name} needs second_order")
+    });
+    let length = rod.clamp_compliance_length;
+    faults.require(has_clamp || length == 0.0, &at("clamp_compliance_length"), length, || {
+        format!("a root that is {name} has no clamp: it must be 0")
+    });
+}
+
+/// Check that no unit needs more steps in a communication step than a run could ever finish.
+fn check_substeps(scene: &Scene, faults: &mut Faults) {
+    let step = scene.time.communication_step;
+    let reachable = |faults: &mut Faults, key: &str, longest: f64| {
+        faults.require(step / longest <= MOST_SUBSTEPS, key, shown(&longest), || {
+            let least = step / MOST_SUBSTEPS;
+            format!("a communication step of {step} s has at most {MOST_SUBSTEPS} steps: it must be >= {least:.3e}")
+        });
+    };
+    for own in scene.beams_with_rods() {
+        if let Some(longest) = own.rod.and_then(|rod| rod.max_step) {
+            reachable(faults, &format!("{}rod.max_step", own.key()), longest);
+        }
+    }
+    let Some(fluid) = &scene.fluid else { return };
+    let TimeStepping { max_step, max_cfl, .. } = fluid.time_stepping;
+    reachable(faults, "fluid.time_stepping.max_step", max_step);
+    let cfl = fluid.advection_rate() * step;
+    let fits = cfl / max_cfl <= MOST_SUBSTEPS;
+    faults.require(fits, "fluid.time_stepping.max_cfl", shown(&max_cfl), || {
+        let least = 1.001 * cfl / MOST_SUBSTEPS; // still enough after rounding to three digits
+        format!(
+            "the flow has the CFL number {cfl:.3e} in a communication step, which has at most {MOST_SUBSTEPS} steps: \
+             it must be >= {least:.3e}"
+        )
+    });
+}
+
+/// Check that the stations lie inside the box at rest, and that no two beams are the same.
+fn check_places(scene: &Scene, faults: &mut Faults) {
+    let Some(fluid) = &scene.fluid else { return };
+    let inside = |p: f64, [low, high]: [f64; 2]| (low..=high).contains(&p);
+    let mut known: Vec<([[f64; 3]; 2], &str)> = Vec::new();
+    for own in scene.beams_with_rods() {
+        let stations = scene.beam_stations(own.beam);
+        let key = format!("{}beam.root", own.key());
+        let out = stations.iter().find(|[x, y, _]| !(inside(*x, fluid.r#box.x) && inside(*y, fluid.r#box.y)));
+        if let Some([x, y, _]) = out {
+            let (box_x, box_y) = (fluid.r#box.x, fluid.r#box.y);
+            let reason = format!("outside the box x {box_x:?}, y {box_y:?}");
+            faults.push(Fault::consequence(&key, &format!("puts a station at ({x}, {y})"), &reason));
+        }
+        let ends = [stations[0], stations[stations.len() - 1]];
+        if let Some((_, other)) = known.iter().find(|(other, _)| *other == ends) {
+            let reason = "but no two beams may have the same root and tip";
+            faults.push(Fault::consequence(&key, &format!("puts the beam onto the beam of `{other}`"), reason));
+        }
+        known.push((ends, own.name.unwrap_or_default()));
+    }
+}
+
+/// Check that load and scheme suit the rods and each other.
+fn check_coupling(scene: &Scene, faults: &mut Faults) {
+    let Some((load, _)) = scene.chosen_load() else { return };
+    if let (Load::Momentum, Some(Weight { name, own, displaced, free })) = (load, scene.lightest()) {
+        let ratio = own / displaced;
+        faults.require(own >= displaced, "coupling.load", "momentum", || {
+            format!(
+                "the rod{name} weighs {ratio:.4} of the fluid it displaces, less than 1; remove the key or use \
+                 pressure_jump"
+            )
+        });
+        faults.require(own != displaced || !free, "coupling.load", "momentum", || {
+            format!(
+                "the free rod{name} weighs {ratio:.4} of the fluid it displaces, which leaves it no mass; remove the \
+                 key or use pressure_jump"
+            )
+        });
+    }
+    if scene.axial_pressure_strain() {
+        let mut rods = scene.beams_with_rods().filter_map(|own| own.rod);
+        let plane_strain = rods.all(|rod| matches!(rod.material, Material::PlaneStrain { .. }));
+        let inflow = scene.fluid.as_ref().is_some_and(|fluid| fluid.inflow.is_some());
+        for (there, needed) in [
+            (load == Load::Momentum, "the load momentum"),
+            (plane_strain, "a material in plane_strain, which has a Poisson's ratio"),
+            (inflow, "an inflow, at whose outlet the pressure is 0"),
+        ] {
+            faults.require(there, "coupling.axial_pressure_strain", true, || format!("it needs {needed}"));
+        }
+    }
+    let scheme = scene.coupling.as_ref().and_then(|coupling| coupling.scheme);
+    let iterated = matches!(scheme, Some(CouplingScheme::Iterated { .. }));
+    faults.require(!iterated || load == Load::PressureJump, "coupling.scheme", "iterated", || {
+        "the load momentum needs an explicit scheme: with its impedance it is already implicit".into()
+    });
+}
+
+fn quoted(text: &str) -> String {
+    shown(&text)
+}
+
+fn shown(value: &impl Debug) -> String {
+    format!("{value:?}")
+}
