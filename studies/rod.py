@@ -12,7 +12,7 @@ from studies.store import Data
 
 Rows = list[dict[str, Any]]
 
-FILES = ("condition", "runtime", "deflection", "order_in_n", "order_in_dt", "bending_models", "taper", "csm",
+FILES = ("condition", "runtime", "order_in_n", "order_in_dt", "bending_models", "taper", "csm",
           "csm3_energy", "extreme", "situations")  # fmt: skip
 """Tables of the program; each is a file of that name."""
 
@@ -39,8 +39,6 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
     rows = run.found["tables"][name]
     if name in ("runtime", "roofline"):
         return {"times": {"rows": rows}}
-    if name == "deflection":  # only drawn
-        return {"values": {"points": len(rows)}}
     if name == "extreme":
         return extremes(rows)
     if name == "csm3_energy":

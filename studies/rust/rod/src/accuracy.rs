@@ -1,4 +1,4 @@
-//! Accuracy: deflection, orders of convergence, bending models, energy.
+//! Accuracy: orders of convergence, bending models, energy.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 use std::path::Path;
@@ -17,20 +17,6 @@ const CALIBRATIONS: [(&str, Calibration); 3] = [
     ("thesis k_e=1e3", Calibration::Thesis { k_e: 1e3 }),
     ("thesis k_e=1e6", Calibration::Thesis { k_e: 1e6 }),
 ];
-
-/// Shape of the beam of section 2.4.1 under its weight against the exact inextensible elastica (thesis figure 2.7).
-pub fn deflection() -> Table {
-    let mut table = vec!["model,n,x,y".to_string()];
-    let exact = elastica(1.0, 0.0571 * 0.7, 0.0259, f64::INFINITY, 100);
-    exact.iter().for_each(|[x, y]| table.push(row(&[&"elastica", &0, x, y])));
-    for (name, calibration) in CALIBRATIONS {
-        for n in [8, 32, 128] {
-            let rod = settled(build(Parameters { calibration, ..thesis_beam::<2>(n) }));
-            rod.positions(0).iter().zip(rod.positions(1)).for_each(|(x, y)| table.push(row(&[&name, &n, x, y])));
-        }
-    }
-    table
-}
 
 /// Error of the tip against the exact elastica of the same EA, relative to the deflection; with the thesis' calibration and
 /// for an EA of 1e7 N against the inextensible one.

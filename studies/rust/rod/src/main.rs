@@ -23,10 +23,9 @@ use std::path::Path;
 /// Name of a CSV file, and what computes its lines.
 type Study = (&'static str, fn() -> Table);
 
-const STUDIES: [Study; 11] = [
+const STUDIES: [Study; 10] = [
     ("condition", condition::table),
     ("runtime", runtime::table),
-    ("deflection", accuracy::deflection),
     ("order_in_n", accuracy::order_in_n),
     ("order_in_dt", accuracy::order_in_dt),
     ("taper", taper::table),
