@@ -17,8 +17,8 @@ struct FluidUnit {
     scene: Scene,
     parameters: Parameters,
     fluid: Fluid,
-    /// The scalar that was asked for last.
-    asked: f64,
+    /// The last scalar that was read.
+    scalar: f64,
 }
 
 #[derive(Clone, Serialize, Deserialize)]
@@ -29,7 +29,7 @@ struct State {
 }
 
 impl FluidUnit {
-    /// Make the solver anew if a parameter is not the one that it was made with.
+    /// Make the solver again if a parameter has changed.
     fn set_parameters(&mut self, parameters: Parameters) -> Result<(), String> {
         self.parameters = parameters;
         let part = self.scene.fluid.as_mut().expect("loading refuses a scene without a fluid");
@@ -52,17 +52,18 @@ impl FluidUnit {
         Ok(())
     }
 
-    /// A scalar that is read off the fluid when it is asked for.
-    fn ask(&mut self, read: impl FnOnce(&mut Fluid) -> f64) -> &[f64] {
-        self.asked = read(&mut self.fluid);
-        from_ref(&self.asked)
+    /// Read a scalar of the fluid.
+    fn read(&mut self, read: impl FnOnce(&mut Fluid) -> f64) -> &[f64] {
+        self.scalar = read(&mut self.fluid);
+        from_ref(&self.scalar)
     }
 }
 
-/// The fluid of a scene, where there is memory for it.
+/// Make the fluid of a scene; fails if there is no memory for it.
 fn new_fluid(scene: &Scene) -> Result<Fluid, String> {
-    require_memory(Fluid::bytes(scene))?;
-    Fluid::new(scene).map_err(|e| e.to_string())
+    let parameters = fluid::Parameters::try_from(scene).map_err(|e| e.to_string())?;
+    require_memory(Fluid::bytes(&parameters))?;
+    Fluid::new(&parameters).map_err(|e| e.to_string())
 }
 
 impl Model for FluidUnit {
@@ -75,9 +76,9 @@ impl Model for FluidUnit {
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
         let fluid = new_fluid(&scene)?;
-        let part = scene.fluid.as_ref().expect("Fluid::new refuses a scene without a fluid");
+        let part = scene.fluid.as_ref().expect("new_fluid refuses a scene without a fluid");
         let parameters = Parameters::of(part);
-        Ok(Self { parameters, scene, fluid, asked: 0.0 })
+        Ok(Self { parameters, scene, fluid, scalar: 0.0 })
     }
 
     fn description(&self) -> Description {
@@ -100,7 +101,10 @@ impl Model for FluidUnit {
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
         let (grid, stations) = (self.fluid.grid(), self.fluid.stations().iter().map(Stations::len).sum::<usize>());
-        log.info(format_args!("{} x {} cells, {stations} stations, start at t = {start} s", grid.nx, grid.ny));
+        log.info(format_args!(
+            "{} x {} cells, {stations} stations, start at t = {start} s",
+            grid.cells[0], grid.cells[1]
+        ));
         Ok(())
     }
 
@@ -127,7 +131,7 @@ impl Model for FluidUnit {
         Ok(())
     }
 
-    /// `vorticity`, `u`, `v` and `p`, in SI units, x the slow axis.
+    /// Return `vorticity`, `u`, `v` or `p`, in SI units, x the slow axis.
     fn field(&mut self, name: &str) -> Option<([usize; 2], Vec<f64>)> {
         let values = match name {
             "vorticity" => self.fluid.vorticity().into_owned(),
@@ -136,8 +140,7 @@ impl Model for FluidUnit {
             "p" => self.fluid.pressure(),
             _ => return None,
         };
-        let grid = self.fluid.grid();
-        Some(([grid.nx, grid.ny], values))
+        Some((self.fluid.grid().cells, values))
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a master may change before the start without another scene file.
+//! Parameters that a master may change before the start.
 
 use scene::Mask;
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Those of a scene.
+    /// Return the parameters of a scene.
     pub fn of(fluid: &scene::Fluid) -> Self {
         Self {
             density: fluid.density,
@@ -25,7 +25,7 @@ impl Parameters {
         }
     }
 
-    /// Put them into a scene.
+    /// Write the parameters to a scene.
     pub fn apply(&self, fluid: &mut scene::Fluid) {
         fluid.density = self.density;
         fluid.kinematic_viscosity = self.kinematic_viscosity;

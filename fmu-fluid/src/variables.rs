@@ -9,7 +9,7 @@ use super::FluidUnit;
 type Real = fmi_export::Real<FluidUnit>;
 type Variable = fmi_export::Variable<FluidUnit>;
 
-/// The variables of a unit; the parts that its scene has not are left out.
+/// Return the variables of a unit; absent parts of the scene have none.
 pub fn of(unit: &FluidUnit) -> Vec<Variable> {
     let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
     let (cylinders, bodies, beams) = (part.cylinders.len(), part.bodies.len(), unit.fluid.stations().len());
@@ -52,25 +52,25 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
     list
 }
 
-/// Name of the variables of beam number `k` from 0 among several, and what texts call it.
+/// Return the names of beam number `k` from 0 among several, in variables and in texts.
 fn numbered(k: usize) -> [String; 2] {
     [format!("beam[{}]", k + 1), format!("beam {}", k + 1)]
 }
 
-/// A number that is read off the fluid when it is asked for.
+/// Return an output that is read from the fluid.
 fn output(
     name: impl Into<String>,
     unit: &str,
     text: impl Into<String>,
     read: impl Fn(&mut Fluid) -> f64 + Copy + Send + Sync + 'static,
 ) -> Variable {
-    Real::output(name, unit, text, move |m| m.ask(read)).depends_on(&[])
+    Real::output(name, unit, text, move |m| m.read(read)).depends_on(&[])
 }
 
-/// What every scene has.
+/// Return the variables of every scene.
 fn parameters_and_totals() -> Vec<Variable> {
     let local = |name: &str, unit: &str, text: &str, read: fn(&mut Fluid) -> f64| {
-        Real::local(name, unit, text, move |m: &mut FluidUnit| m.ask(read))
+        Real::local(name, unit, text, move |m: &mut FluidUnit| m.read(read))
     };
     vec![
         Real::time(),
@@ -97,7 +97,7 @@ fn parameters_and_totals() -> Vec<Variable> {
     ]
 }
 
-/// Drag, lift and moment of a body under a name.
+/// Return drag, lift and moment of a body under a name.
 fn force(
     name: &str,
     body: &str,
@@ -113,7 +113,7 @@ fn force(
     ]
 }
 
-/// Power of the force on body number `k` under a name, and where the body is.
+/// Return power, place and angle of body number `k` under a name.
 fn motion(name: &str, body: &str, k: usize) -> [Variable; 4] {
     let power = format!("Power of the force and the moment of the fluid on {body}, at the end of the step");
     let position = |axis| format!("Position of the pivot of {body} along {axis}");
@@ -126,7 +126,7 @@ fn motion(name: &str, body: &str, k: usize) -> [Variable; 4] {
     ]
 }
 
-/// What the fluid did to beam number `k` in the last step, to be compared with what its rod took.
+/// Return the exchange with beam number `k` in the last step, to be compared with the rod's.
 fn exchange(name: &str, k: usize) -> [Variable; 4] {
     let sum = |axis| format!("Sum of what the fluid exerted on the stations along {axis}: no unsteady term");
     let power = "Power of what the fluid exerted on the stations, at the end of the step";
@@ -139,8 +139,8 @@ fn exchange(name: &str, k: usize) -> [Variable; 4] {
     ]
 }
 
-/// Motion of the `n` stations of beam number `k` in, pressure jump and, where the scene has them, loads and pressure around
-/// the beam out.
+/// Return the variables of the `n` stations of beam number `k`: motion, pressure jump, and loads and pressure around the beam
+/// if present.
 fn station_variables(prefix: &str, k: usize, n: usize, [loads, pressure]: [bool; 2]) -> Vec<Variable> {
     let (position, velocity) =
         ("Position of the stations at the end of the step", "Velocity of the stations at the end of the step");

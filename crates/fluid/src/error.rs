@@ -1,12 +1,22 @@
-//! What the fluid refuses, and why it could not go on.
+//! Errors of the fluid.
 
-/// Why the fluid refused or could not go on.
+/// Why the fluid refused an input or could not continue.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
+    /// A parameter with which no step can be made.
+    #[error("the {name} is {value:.3e}, but it must be {allowed}")]
+    Parameter {
+        /// Name of the parameter.
+        name: &'static str,
+        /// Value.
+        value: f64,
+        /// Allowed values, as the end of the sentence "but it must be …".
+        allowed: &'static str,
+    },
     /// The scene has no fluid.
     #[error("the scene `{0}` has no fluid")]
     NoFluid(String),
-    /// A state of another scene, or no state at all.
+    /// A state of a fluid with other parameters, or with numbers that are not finite.
     #[error("{0} of the state is not of the size that it has in this scene, or not finite")]
     State(&'static str),
     /// A state of a fluid in the other precision.
@@ -14,10 +24,10 @@ pub enum Error {
     Precision {
         /// Precision of the state.
         state: &'static str,
-        /// That of the fluid.
+        /// Precision of the fluid.
         own: &'static str,
     },
-    /// A step that is no positive number.
+    /// A step that is not a positive number.
     #[error("the step from t = {time:.6e} s is {step:.3e} s, but it must be a finite number above 0")]
     Step {
         /// Beginning of the step, s.
@@ -35,16 +45,16 @@ pub enum Error {
         time: f64,
         /// Length of the step, s.
         step: f64,
-        /// Longest that is made, s.
+        /// Longest step, s.
         longest: f64,
     },
-    /// A station of a beam that is no number or far outside the box.
+    /// A station of a beam that is not finite or far outside the domain.
     #[error(
         "station {station} of {beam} is at ({x:.3e}, {y:.3e}) m with velocity ({vx:.3e}, {vy:.3e}) m/s, but it must be \
          finite and within one box length of the box"
     )]
     Station {
-        /// Which beam: `the beam`, or `beam 2` of several.
+        /// Name of the beam: `the beam`, or `beam 2` of several.
         beam: String,
         /// Number of the station, from 1.
         station: usize,
@@ -57,15 +67,15 @@ pub enum Error {
         /// Velocity, m/s.
         vy: f64,
     },
-    /// Two neighbouring stations of a beam in one place.
+    /// Two neighbouring stations of a beam at one point.
     #[error(
         "stations {station} and {} of {beam} coincide at ({x:.3e}, {y:.3e}) m, where no segment can be; a master has to give \
          their places before the first step: the start values are those at rest", station + 1
     )]
     Coincide {
-        /// Which beam: `the beam`, or `beam 2` of several.
+        /// Name of the beam: `the beam`, or `beam 2` of several.
         beam: String,
-        /// Number of the first of them, from 1.
+        /// Number of the first one, from 1.
         station: usize,
         /// Position, m.
         x: f64,
@@ -79,7 +89,7 @@ pub enum Error {
          `max_step` and the scene's communication step"
     )]
     FastStation {
-        /// Which beam: `the beam`, or `beam 2` of several.
+        /// Name of the beam: `the beam`, or `beam 2` of several.
         beam: String,
         /// Number of the station, from 1.
         station: usize,
@@ -87,9 +97,9 @@ pub enum Error {
         vx: f64,
         /// Velocity, m/s.
         vy: f64,
-        /// Step that its velocity asks for, s.
+        /// Step that its velocity requires, s.
         needed: f64,
-        /// Shortest step that is made, s.
+        /// Shortest step, s.
         shortest: f64,
     },
     /// An explicit drag too stiff for any reasonable step.
@@ -103,11 +113,11 @@ pub enum Error {
         time: f64,
         /// Length of the step, s.
         step: f64,
-        /// Shortest relaxation time in the box, s.
+        /// Shortest relaxation time in the domain, s.
         c_eta: f64,
-        /// Steps of the fluid's own that it would take.
+        /// Number of steps of the fluid that it would take.
         substeps: f64,
-        /// Most that are made.
+        /// Largest number of steps.
         most: f64,
     },
     /// The flow became too fast for any reasonable step, or not a number.
@@ -118,9 +128,9 @@ pub enum Error {
     Diverged {
         /// Time reached, s.
         time: f64,
-        /// Step that the flow asks for, s; 0 or not a number where the flow is none.
+        /// Step that the flow requires, s; 0 or NaN if the flow is not finite.
         needed: f64,
-        /// Shortest step that is made, s.
+        /// Shortest step, s.
         shortest: f64,
     },
     /// The loads on a beam are not finite numbers.

@@ -1,4 +1,4 @@
-//! A field of the flow, and where it is in memory.
+//! A field of the flow, and its place in memory.
 
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,18 +7,18 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use line_fft::Real;
 
-/// What one way of the first cache holds, bytes: addresses so far apart share a set. A page is as large, and large arrays
-/// begin a page. The local solve goes through eleven fields at once, more than a set has room for, and takes twice as long
-/// on 325 x 72 points if all begin in the same.
-const WAY: usize = 4096;
+/// Size of a way of the first cache, bytes: addresses at this distance share a set. A page has the same size, and large arrays
+/// begin a page. The local solve reads eleven fields at once, more than a set can hold, and takes twice as long on 325 x 72
+/// points if all begin in the same set.
+const CACHE_WAY: usize = 4096;
 
-/// What a cache fetches at once, bytes.
-const LINE: usize = 64;
+/// Size of a cache line, bytes.
+const CACHE_LINE: usize = 64;
 
-/// Places in a way where fields begin, one after the other: at least as many as are read together.
+/// Number of places in a way at which fields begin in turn: at least as many as are read together.
 const PLACES: usize = 12;
 
-/// Numbers at the points of the grid, `[nx, ny]`. In a state they are a list like any other.
+/// Numbers at the points of the grid, `[nx, ny]`. A serialized field is a plain list.
 #[derive(Clone, Debug, Default)]
 pub struct Field<R> {
     numbers: Vec<R>,
@@ -26,16 +26,16 @@ pub struct Field<R> {
 }
 
 impl<R: Real> Field<R> {
-    /// The same number at `n` points. Fields that are made one after the other begin in different sets of the first cache.
+    /// The same number at `n` points. Fields that are made in sequence begin in different sets of the first cache.
     pub fn uniform(value: R, n: usize) -> Self {
         static TURN: AtomicUsize = AtomicUsize::new(0);
         Self::at(TURN.fetch_add(1, Ordering::Relaxed) % PLACES, value, n)
     }
 
     fn at(place: usize, value: R, n: usize) -> Self {
-        let place = place * (WAY / PLACES / LINE * LINE);
-        let mut numbers = vec![value; n + WAY / size_of::<R>()];
-        let start = (WAY + place - numbers.as_ptr().addr() % WAY) % WAY / size_of::<R>();
+        let place = place * (CACHE_WAY / PLACES / CACHE_LINE * CACHE_LINE);
+        let mut numbers = vec![value; n + CACHE_WAY / size_of::<R>()];
+        let start = (CACHE_WAY + place - numbers.as_ptr().addr() % CACHE_WAY) % CACHE_WAY / size_of::<R>();
         numbers.truncate(start + n);
         Self { numbers, start }
     }
@@ -82,12 +82,12 @@ mod tests {
             .map(|place| {
                 let field = Field::at(place, R::one(), 1000);
                 assert!(field.len() == 1000 && field.iter().all(|number| *number == R::one()), "place {place}");
-                field.as_ptr().addr() % WAY
+                field.as_ptr().addr() % CACHE_WAY
             })
             .collect();
-        assert!(begins.iter().all(|begin| begin % LINE == 0), "{begins:?}");
+        assert!(begins.iter().all(|begin| begin % CACHE_LINE == 0), "{begins:?}");
         begins.sort_unstable();
-        assert!(begins.windows(2).all(|pair| pair[1] - pair[0] >= LINE), "{begins:?}");
+        assert!(begins.windows(2).all(|pair| pair[1] - pair[0] >= CACHE_LINE), "{begins:?}");
     }
 
     #[test]

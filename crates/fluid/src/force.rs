@@ -1,4 +1,4 @@
-//! What the fluid does to a body: the penalization integral, and the unsteady term of the fluid that it displaces.
+//! Forces on a body: the penalization integral, and the unsteady term of the displaced fluid.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,12 +7,12 @@ use serde::{Deserialize, Serialize};
 pub struct Force {
     /// Force, N per metre of depth.
     pub force: [f64; 2],
-    /// Moment about the centre of a cylinder or the root of a beam, N m per metre of depth, positive to the left.
+    /// Moment about the pivot of a body or the root of a beam, N m per metre of depth, positive to the left.
     pub moment: f64,
 }
 
 impl Force {
-    /// Add a force (N/m) that acts at `arm` (m) from the point that the moment is taken about.
+    /// Add a force (N/m) that acts at `arm` (m) from the point about which the moment is taken.
     pub fn add(&mut self, [fx, fy]: [f64; 2], arm: [f64; 2]) {
         self.force[0] += fx;
         self.force[1] += fy;
@@ -20,28 +20,28 @@ impl Force {
     }
 }
 
-/// What the fluid did to a beam, by the drag on its cells.
+/// Force, power and work of the drag on the cells of a beam.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Exchange {
     /// Sum of the drag in the last step, N per metre of depth.
     pub force: [f64; 2],
-    /// Its power, with the velocity of the section at the end of the step, W per metre of depth.
+    /// Power, with the velocity of the sections at the end of the step, W per metre of depth.
     pub power: f64,
-    /// Its work since the start, J per metre of depth: the sum of power times step.
+    /// Work since the start, J per metre of depth: the sum of power times step.
     pub work: f64,
 }
 
-/// What the next step has to know of a body's force.
+/// The force on a body, and what the next step needs for its unsteady term.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BodyForce {
     /// Force in the last step.
     pub force: Force,
-    /// The fluid that the body displaced at its end.
+    /// Displaced fluid at the end of the step.
     pub displaced: Displaced,
 }
 
 impl BodyForce {
-    /// Take what `drag` did in a step of size `dt` (s), and the unsteady term of what is displaced at its end.
+    /// Become the force of a step of size `dt` (s), from the drag and from the displaced fluid at its end.
     pub fn update(&mut self, drag: Force, displaced: Displaced, dt: f64) {
         let unsteady = displaced.rate_of_change(&self.displaced, dt);
         let force = [0, 1].map(|axis| drag.force[axis] + unsteady.force[axis]);
@@ -51,19 +51,19 @@ impl BodyForce {
 
 /// Momentum that the fluid displaced by a body would have, per metre of depth.
 ///
-/// It is taken over the true section, so that neither the mask's width nor its way through the grid enters.
+/// It is integrated over the true section, so that neither the width of the mask nor its position on the grid matters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Displaced {
     /// Momentum, kg/s.
     pub momentum: [f64; 2],
-    /// Angular momentum about the point that the body's moment is taken about, kg m/s.
+    /// Angular momentum about the point about which the body's moment is taken, kg m/s.
     pub angular: f64,
     /// Cross product of that point's velocity and the momentum, N m/m.
     pub transport: f64,
 }
 
 impl Displaced {
-    /// Its rate of change over `dt` seconds, as a force and a moment.
+    /// Return the rate of change over `dt` seconds, as a force and a moment.
     pub fn rate_of_change(&self, before: &Self, dt: f64) -> Force {
         let force = [0, 1].map(|axis| (self.momentum[axis] - before.momentum[axis]) / dt);
         let moment = (self.angular - before.angular) / dt + 0.5 * (self.transport + before.transport);

@@ -1,144 +1,135 @@
 //! The periodic grid.
 
-use scene::FluidBox;
-
-/// A periodic grid of `[nx, ny]` points, y contiguous; point (i, j) is at `origin + (i dx, j dy)`.
+/// A periodic grid, the last axis contiguous in memory.
 #[derive(Clone, Copy, Debug)]
-pub struct Grid {
-    /// Number of points along x.
-    pub nx: usize,
-    /// Number of points along y.
-    pub ny: usize,
-    /// Spacing along x, m.
-    pub dx: f64,
-    /// Spacing along y, m.
-    pub dy: f64,
-    /// Length of the box along x, m.
-    pub length: f64,
-    /// Length of the box along y, m.
-    pub height: f64,
-    origin: [f64; 2],
+pub struct Grid<const D: usize = 2> {
+    /// Number of points along each axis.
+    pub cells: [usize; D],
+    /// Spacing along each axis, m.
+    pub spacing: [f64; D],
+    /// Size of the domain along each axis, m.
+    pub size: [f64; D],
+    /// Position of the first point, m.
+    origin: [f64; D],
 }
 
-impl Grid {
-    /// Grid of a scene's box.
-    pub fn new(domain: &FluidBox) -> Self {
-        let [nx, ny] = domain.cells;
-        let (length, height) = (domain.x[1] - domain.x[0], domain.y[1] - domain.y[0]);
-        let origin = [domain.x[0], domain.y[0]];
-        Self { nx, ny, dx: length / nx as f64, dy: height / ny as f64, length, height, origin }
+impl<const D: usize> Grid<D> {
+    /// Grid of a domain, whose ends (m) are given for each axis.
+    pub fn new(domain: [[f64; 2]; D], cells: [usize; D]) -> Self {
+        let size = domain.map(|[low, high]| high - low);
+        let spacing = std::array::from_fn(|axis| size[axis] / cells[axis] as f64);
+        Self { cells, spacing, size, origin: domain.map(|[low, _]| low) }
     }
 
-    /// Number of points.
+    /// Return the number of points.
     pub fn len(&self) -> usize {
-        self.nx * self.ny
+        self.cells.iter().product()
     }
 
-    /// Whether there is no point; there always is.
+    /// Return whether there is no point; there always is.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Area of a cell, m².
-    pub fn cell_area(&self) -> f64 {
-        self.dx * self.dy
+    /// Return the volume of a cell, m² in two dimensions.
+    pub fn cell_volume(&self) -> f64 {
+        self.spacing.iter().product()
     }
 
-    /// The coarser of the two spacings, m: the cell size that masks are measured in.
+    /// Return the coarsest spacing, m: the cell size of masks.
     pub fn cell_size(&self) -> f64 {
-        self.dx.max(self.dy)
+        self.spacing.into_iter().fold(0.0, f64::max)
     }
 
-    /// x of column `i`, m.
-    pub fn x(&self, i: usize) -> f64 {
-        self.origin[0] + i as f64 * self.dx
+    /// Return the coordinate of point `i` along an axis, m.
+    pub fn coordinate(&self, axis: usize, i: usize) -> f64 {
+        self.origin[axis] + i as f64 * self.spacing[axis]
     }
 
-    /// y of row `j`, m.
-    pub fn y(&self, j: usize) -> f64 {
-        self.origin[1] + j as f64 * self.dy
+    /// Return the position of the point with an index, m.
+    pub fn point(&self, mut index: usize) -> [f64; D] {
+        let mut point = self.origin;
+        for axis in (0..D).rev() {
+            point[axis] = self.coordinate(axis, index % self.cells[axis]);
+            index /= self.cells[axis];
+        }
+        point
     }
 
-    /// Position of the point with an index, m.
-    pub fn point(&self, index: usize) -> [f64; 2] {
-        [self.x(index / self.ny), self.y(index % self.ny)]
+    /// Return the shortest distance (m) along an axis that is periodically the same as `delta`.
+    pub fn periodic(&self, axis: usize, delta: f64) -> f64 {
+        delta - self.size[axis] * (delta / self.size[axis]).round()
     }
 
-    /// Visit the points of the periodic grid inside a rectangle: `visit(index, x, y)` with the coordinates of the image
-    /// that lies in the rectangle. A rectangle larger than the box is cut to one period.
-    pub fn for_each_in(&self, x: [f64; 2], y: [f64; 2], mut visit: impl FnMut(usize, f64, f64)) {
-        let range = |[low, high]: [f64; 2], origin: f64, step: f64, count: usize| {
-            let first = ((low - origin) / step).ceil() as i64;
-            let last = ((high - origin) / step).floor() as i64;
-            first..last.saturating_add(1).min(first.saturating_add(count as i64))
-        };
-        let (columns, rows) = (range(x, self.origin[0], self.dx, self.nx), range(y, self.origin[1], self.dy, self.ny));
+    /// Return the point below a coordinate (m) along an axis, and the distance from it in spacings.
+    #[inline(always)] // as `interpolation`
+    fn split(&self, axis: usize, coordinate: f64) -> (i64, f64) {
+        floor((coordinate - self.origin[axis]) / self.spacing[axis])
+    }
+}
+
+impl Grid {
+    /// Call `visit(index, x, y)` for the points inside a rectangle, with the coordinates of the periodic image that lies
+    /// in it. A rectangle larger than the domain is cut to one period.
+    pub fn for_each_in(&self, rectangle: [[f64; 2]; 2], mut visit: impl FnMut(usize, f64, f64)) {
+        let [columns, rows] = [0, 1].map(|axis| {
+            let [first, last] = rectangle[axis].map(|end| (end - self.origin[axis]) / self.spacing[axis]);
+            let (first, last) = (first.ceil() as i64, last.floor() as i64);
+            first..last.saturating_add(1).min(first.saturating_add(self.cells[axis] as i64))
+        });
+        let [nx, ny] = self.cells;
         for i in columns {
-            let row = wrap(i, self.nx) * self.ny;
+            let row = wrap(i, nx) * ny;
             for j in rows.clone() {
-                let index = row + wrap(j, self.ny);
-                visit(index, self.origin[0] + i as f64 * self.dx, self.origin[1] + j as f64 * self.dy);
+                let [x, y] = [(0, i), (1, j)].map(|(axis, i)| self.origin[axis] + i as f64 * self.spacing[axis]);
+                visit(row + wrap(j, ny), x, y);
             }
         }
     }
 
-    /// Bilinear interpolation at a point (m): the indices of the four points around it and their weights.
-    #[inline(always)] // A call would hand the pairs over in memory, which takes as long as finding them.
+    /// Return the four points around a point (m) and their weights in a bilinear interpolation.
+    #[inline(always)] // A call would pass the pairs in memory, which takes as long as finding them.
     pub fn interpolation(&self, [x, y]: [f64; 2]) -> [(usize, f64); 4] {
-        let split = |p: f64, origin: f64, step: f64, count: usize| {
-            let (low, rest) = floor((p - origin) / step);
-            (wrap(low, count), wrap(low.saturating_add(1), count), rest)
-        };
-        let (i0, i1, s) = split(x, self.origin[0], self.dx, self.nx);
-        let (j0, j1, t) = split(y, self.origin[1], self.dy, self.ny);
+        let [nx, ny] = self.cells;
+        let ((i, s), (j, t)) = (self.split(0, x), self.split(1, y));
+        let (i0, i1) = (wrap(i, nx), wrap(i.saturating_add(1), nx));
+        let (j0, j1) = (wrap(j, ny), wrap(j.saturating_add(1), ny));
         [
-            (i0 * self.ny + j0, (1.0 - s) * (1.0 - t)),
-            (i0 * self.ny + j1, (1.0 - s) * t),
-            (i1 * self.ny + j0, s * (1.0 - t)),
-            (i1 * self.ny + j1, s * t),
+            (i0 * ny + j0, (1.0 - s) * (1.0 - t)),
+            (i0 * ny + j1, (1.0 - s) * t),
+            (i1 * ny + j0, s * (1.0 - t)),
+            (i1 * ny + j1, s * t),
         ]
     }
 
-    /// Cubic (Lagrange) interpolation along both axes at a point (m): the indices of the sixteen points around it and
-    /// their weights.
-    pub fn cubic_interpolation(&self, [x, y]: [f64; 2]) -> [(usize, f64); 16] {
-        let along = |p: f64, origin: f64, step: f64, count: usize| {
-            let (low, s) = floor((p - origin) / step);
+    /// Return the sixteen points around a point (m) and their weights in a cubic (Lagrange) interpolation.
+    pub fn cubic_interpolation(&self, point: [f64; 2]) -> [(usize, f64); 16] {
+        let [columns, rows] = [0, 1].map(|axis| {
+            let (low, s) = self.split(axis, point[axis]);
             let weights = [
                 -s * (s - 1.0) * (s - 2.0) / 6.0,
                 (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
                 -(s + 1.0) * s * (s - 2.0) / 2.0,
                 (s + 1.0) * s * (s - 1.0) / 6.0,
             ];
-            let point = |k: usize| wrap(low.saturating_add(k as i64 - 1), count);
-            std::array::from_fn::<_, 4, _>(|k| (point(k), weights[k]))
-        };
-        let (columns, rows) = (along(x, self.origin[0], self.dx, self.nx), along(y, self.origin[1], self.dy, self.ny));
+            let place = |k: usize| wrap(low.saturating_add(k as i64 - 1), self.cells[axis]);
+            std::array::from_fn::<_, 4, _>(|k| (place(k), weights[k]))
+        });
         std::array::from_fn(|k| {
             let ((i, a), (j, b)) = (columns[k / 4], rows[k % 4]);
-            (i * self.ny + j, a * b)
+            (i * self.cells[1] + j, a * b)
         })
-    }
-
-    /// Distance along x between two points of the periodic box, m.
-    pub fn periodic_x(&self, delta: f64) -> f64 {
-        delta - self.length * (delta / self.length).round()
-    }
-
-    /// Distance along y between two points of the periodic box, m.
-    pub fn periodic_y(&self, delta: f64) -> f64 {
-        delta - self.height * (delta / self.height).round()
     }
 }
 
-/// The integer at or below `q`, and how far `q` is beyond it. `f64::floor` is a call where only SSE2 is taken for granted.
+/// Return the integer at or below `q`, and the rest. `f64::floor` is a call if only SSE2 is taken for granted.
 fn floor(q: f64) -> (i64, f64) {
     let near = q as i64;
     let low = if near as f64 > q { near.saturating_sub(1) } else { near };
     (low, q - low as f64)
 }
 
-/// `index` modulo `count`; a division only outside of 0 … count - 1.
+/// Return `index` modulo `count`; it divides only outside 0 … count − 1.
 fn wrap(index: i64, count: usize) -> usize {
     if (0..count as i64).contains(&index) { index as usize } else { index.rem_euclid(count as i64) as usize }
 }

@@ -1,6 +1,6 @@
 //! Two-dimensional incompressible flow around fixed and moving bodies.
 //!
-//! The penalized Navier–Stokes equations (thesis eq. 3.3) in a periodic box,
+//! The penalized Navier–Stokes equations (thesis eq. 3.3) in a periodic domain,
 //!
 //! ```text
 //! ∂u/∂t + omega × u = −∇Pi + nu ∇²u − Σ_b a_b (u − u_b),   ∇·u = 0,
@@ -8,41 +8,56 @@
 //!
 //! are solved by a Fourier pseudo-spectral method; `a_b` is the drag rate of body b (1/s; chi/C_eta for a mask).
 //!
-//! [`Fluid`] is the whole of the interface: made of a scene, told where the beam's [`Stations`] go, advanced, and asked
-//! for forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`, `bodies` the beam
-//! and the rigid bodies.
+//! A [`Fluid`] is made from [`Parameters`]. Each communication step sets the [`Stations`] of the beams, advances the fluid,
+//! and reads forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`, and `bodies` the
+//! beams and the rigid bodies. With the feature `scene` the parameters can be made from a scene.
 
 mod bodies;
-mod clock;
-mod domain;
 mod error;
 mod field;
+mod filter;
+mod flow;
 mod fluid;
 mod force;
+#[cfg(feature = "scene")]
+mod from_scene;
 mod grid;
+mod limits;
 mod outlet;
-mod precision;
+mod outputs;
+mod parameters;
+mod present;
+mod pressures;
 mod probe;
+mod problem;
 mod projection;
+mod solver;
 mod spectral;
 mod state;
 mod step;
+mod timer;
 mod wall;
 mod zone;
 
 pub use bodies::{Loads, Pose, Stations};
 pub use error::Error;
+pub use fluid::Fluid;
 pub use force::{Exchange, Force};
 pub use grid::Grid;
-pub use precision::Fluid;
+pub use parameters::{
+    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Parameters, Precision, Shape, TimeScheme, WallCorrection, Zone,
+};
 pub use state::State;
 
-/// What benchmarks and tables measure apart from a fluid: no part of the interface, and without promises.
+/// Parts for benchmarks and tables: not part of the interface, and without promises.
 #[cfg(feature = "internals")]
 pub mod internals {
-    pub use crate::clock::{Clock, Phase};
-    pub use crate::projection::Projection;
+    pub use crate::projection::{Implicit, Projection};
+    pub use crate::timer::{Phase, PhaseTimer};
     pub use crate::wall::{DragProfile, WallTarget};
-    pub use line_fft::Real;
-    pub use line_fft::{Fft2, Pack, Scratch};
 }
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,40 +1,42 @@
-//! The outlet, where the level of the pressure is 0.
+//! The outlet, the reference of the pressure around beams.
 
 use crate::grid::Grid;
+use crate::parameters::Parameters;
 
-/// How many cells before the inflow zone the two columns lie whose pressure is carried on to the outlet: in the zone it rises
-/// again, and the kink is smeared over the zone's edge.
-const BEFORE: [f64; 2] = [8.0, 4.0];
+/// Distances from the inflow zone of the two columns from which the pressure is extrapolated to the outlet, cells. In the
+/// zone the pressure rises again, and the kink is smeared over the edge of the zone.
+const COLUMNS_BEFORE: [f64; 2] = [8.0, 4.0];
 
 /// The upstream end of the inflow zone, across the channel.
 pub struct Outlet {
-    /// Columns and their shares: the straight line through both.
+    /// Columns and their weights: a straight line through both.
     columns: [(usize, f64); 2],
     /// Rows between the walls.
     rows: Vec<usize>,
-    ny: usize,
+    rows_of_grid: usize,
 }
 
 impl Outlet {
-    /// That of a scene with an inflow.
-    pub fn of(fluid: &scene::Fluid, grid: &Grid) -> Option<Self> {
-        let end = fluid.inflow.as_ref()?.x[0];
-        let column = |before: f64| ((end - grid.x(0)) / grid.dx - before).floor();
-        let [far, near] = BEFORE.map(column);
-        let share = ((end - grid.x(0)) / grid.dx - far) / (near - far);
-        let index = |column: f64| column.rem_euclid(grid.nx as f64) as usize;
-        let open =
-            |j: &usize| fluid.channel.as_ref().is_none_or(|channel| (channel.y[0]..channel.y[1]).contains(&grid.y(*j)));
+    /// Return the outlet of a domain with an inflow.
+    pub fn new(parameters: &Parameters, grid: &Grid) -> Option<Self> {
+        let end = parameters.inflow.as_ref()?.x[0];
+        let position = (end - grid.coordinate(0, 0)) / grid.spacing[0];
+        let [far, near] = COLUMNS_BEFORE.map(|before| (position - before).floor());
+        let weight = (position - far) / (near - far);
+        let index = |column: f64| column.rem_euclid(grid.cells[0] as f64) as usize;
+        let is_open =
+            |j: &usize| parameters.channel.is_none_or(|[low, high]| (low..high).contains(&grid.coordinate(1, *j)));
         Some(Self {
-            columns: [(index(far), 1.0 - share), (index(near), share)],
-            rows: (0..grid.ny).filter(open).collect(),
-            ny: grid.ny,
+            columns: [(index(far), 1.0 - weight), (index(near), weight)],
+            rows: (0..grid.cells[1]).filter(is_open).collect(),
+            rows_of_grid: grid.cells[1],
         })
     }
 
-    /// The mean over it of what `at` gives at a grid point.
+    /// Return the mean over the outlet of a quantity, given at a grid point.
     pub fn mean(&self, at: impl Fn(usize) -> f64) -> f64 {
-        let column = |i: usize| self.rows.iter().map(|j| at(i * self.ny + j)).sum::<f64>() / self.rows.len() as f64;
-        self.columns.iter().map(|&(i, share)| share * column(i)).sum()
+        let rows = self.rows.len() as f64;
+        let column = |i: usize| self.rows.iter().map(|j| at(i * self.rows_of_grid + j)).sum::<f64>() / rows;
+        self.columns.iter().map(|&(i, weight)| weight * column(i)).sum()
     }
 }

@@ -1,42 +1,36 @@
 //! Everything that the next step depends on, as data.
 
+use line_fft::{Pack, Real};
 use serde::{Deserialize, Serialize};
 
-use crate::bodies::{Loads, Stations};
+use crate::bodies::Stations;
+use crate::error::Error;
 use crate::field::Field;
-use crate::force::{BodyForce, Exchange};
-use crate::precision::ByPrecision;
-use line_fft::Pack;
-use line_fft::Real;
+use crate::flow::Flow;
+use crate::force::BodyForce;
+use crate::present::{Beams, Present};
 
-/// A state of a fluid, to go back to. It fits every fluid of the same scene. It is of the precision of its fluid.
+/// A state of a fluid. It fits every fluid with the same parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct State(pub(crate) ByPrecision<StateIn<f64>, StateIn<f32>>);
+pub struct State(ByPrecision);
 
-/// A state in one precision.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
-pub struct StateIn<R: Real> {
-    pub present: Present<R>,
-    pub memory: Memory<R>,
+enum ByPrecision {
+    Double(SolverState<f64>),
+    Single(SolverState<f32>),
 }
 
-/// What there is at the present time, whatever the time scheme.
+/// A state in one precision: the present time with its flow, and the memory of the scheme.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
-pub struct Present<R: Real> {
-    /// Time, s.
-    pub time: f64,
-    /// The last step, s; 0 before the first.
-    pub step: f64,
-    /// The flow.
+pub struct SolverState<R: Real> {
+    time: f64,
+    step: f64,
     pub flow: Flow<R>,
-    /// Largest `|u|/dx + |v|/dy`, 1/s.
-    pub advection_rate: f64,
-    /// The cylinders and the other rigid bodies, then the beams.
-    pub bodies: Vec<BodyForce>,
-    /// The beams.
-    pub beams: Beams,
+    advection_rate: f64,
+    bodies: Vec<BodyForce>,
+    beams: Beams,
+    pub memory: Memory<R>,
 }
 
 /// What a time scheme remembers of earlier steps.
@@ -49,105 +43,106 @@ pub enum Memory<R: Real> {
     Rk2([Vec<Pack<R>>; 2]),
 }
 
-/// What the two-step scheme remembers.
+/// Memory of the two-step scheme.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(bound = "")]
 pub struct TwoStep<R: Real> {
-    /// The flow one step earlier.
+    /// Flow one step earlier.
     pub before: Flow<R>,
     /// `w = u* + tau G` of the last step, m/s, `[nx, ny]` per component.
     pub w: [Field<R>; 2],
     /// `1/tau` of the last step, 1/s, so that `G = (w − u)/tau`; 0 before the first, where G is 0.
-    pub per_tau: f64,
+    pub inv_tau: f64,
 }
 
-/// Fields of one time, `[nx, ny]` each.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(bound = "")]
-pub struct Flow<R: Real> {
-    /// Velocity, m/s, per component.
-    pub velocity: [Field<R>; 2],
-    /// Vorticity, 1/s.
-    pub vorticity: Field<R>,
+/// The two precisions of a [`State`].
+pub trait Stored: Real {
+    /// Wrap a state.
+    fn wrap(state: SolverState<Self>) -> State;
+    /// Return the state of this precision.
+    fn of(state: &State) -> Result<&SolverState<Self>, Error>;
+    /// Return the state of this precision, to be written to.
+    fn of_mut(state: &mut State) -> Result<&mut SolverState<Self>, Error>;
 }
 
-/// The beams as the fluid last saw them; every list is empty without one.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Beams {
-    /// Where they are.
-    pub stations: Vec<Stations>,
-    /// Loads for the coming step; empty where the scene uses the pressure jump.
-    pub loads: Vec<Loads>,
-    /// What the fluid did to them.
-    pub exchange: Vec<Exchange>,
+macro_rules! stored {
+    ($real:ty, $own:ident, $own_name:literal, $other:ident, $other_name:literal) => {
+        impl Stored for $real {
+            fn wrap(state: SolverState<Self>) -> State {
+                State(ByPrecision::$own(state))
+            }
+
+            fn of(state: &State) -> Result<&SolverState<Self>, Error> {
+                match &state.0 {
+                    ByPrecision::$own(state) => Ok(state),
+                    ByPrecision::$other(_) => Err(Error::Precision { state: $other_name, own: $own_name }),
+                }
+            }
+
+            fn of_mut(state: &mut State) -> Result<&mut SolverState<Self>, Error> {
+                match &mut state.0 {
+                    ByPrecision::$own(state) => Ok(state),
+                    ByPrecision::$other(_) => Err(Error::Precision { state: $other_name, own: $own_name }),
+                }
+            }
+        }
+    };
 }
 
-impl<R: Real> StateIn<R> {
-    /// The first part that a state `own` of the same scene would have otherwise: in another size, or, of the numbers
-    /// that are not fields, not finite. `memory_fits`: it is of the scheme and size of that scene.
-    pub fn misfit(&self, own: &Present<R>, memory_fits: bool) -> Option<&'static str> {
-        let present = &self.present;
-        let numbers = [present.time, present.step, present.advection_rate];
-        [
-            ("the time or a step", numbers.iter().all(|number| number.is_finite())),
-            ("a field", present.flow.lengths() == own.flow.lengths() && memory_fits),
-            ("the list of bodies", present.bodies.len() == own.bodies.len()),
-            ("the list of beams", present.beams.have_shape_of(&own.beams)),
-        ]
-        .into_iter()
-        .find_map(|(part, fits)| (!fits).then_some(part))
+stored!(f64, Double, "double", Single, "single");
+stored!(f32, Single, "single", Double, "double");
+
+impl<R: Real> SolverState<R> {
+    /// Copy the present time, its flow and the memory of the scheme.
+    pub fn new(present: &Present, flow: &Flow<R>, memory: Memory<R>) -> Self {
+        let Present { time, step, advection_rate, bodies, beams } = present.clone();
+        Self { time, step, flow: flow.clone(), advection_rate, bodies, beams, memory }
     }
-}
 
-impl<R: Real> Present<R> {
-    /// Become `other`, which is of the same scene; unlike `clone_from` this allocates nothing.
-    pub fn copy_from(&mut self, other: &Self) {
-        (self.time, self.step, self.advection_rate) = (other.time, other.step, other.advection_rate);
-        self.flow.copy_from(&other.flow);
-        self.bodies.copy_from_slice(&other.bodies);
-        Stations::copy_all(&mut self.beams.stations, &other.beams.stations);
-        self.beams.loads.iter_mut().zip(&other.beams.loads).for_each(|(own, other)| own.copy_from(other));
-        self.beams.exchange.copy_from_slice(&other.beams.exchange);
+    /// Overwrite all but the memory of the scheme; allocates nothing.
+    pub fn save(&mut self, present: &Present, flow: &Flow<R>) {
+        (self.time, self.step, self.advection_rate) = (present.time, present.step, present.advection_rate);
+        self.flow.copy_from(flow);
+        self.bodies.copy_from_slice(&present.bodies);
+        self.beams.copy_from(&present.beams);
+    }
+
+    /// Write all but the memory of the scheme to `present` and `flow`; allocates nothing.
+    pub fn restore(&self, present: &mut Present, flow: &mut Flow<R>) {
+        (present.time, present.step, present.advection_rate) = (self.time, self.step, self.advection_rate);
+        flow.copy_from(&self.flow);
+        present.bodies.copy_from_slice(&self.bodies);
+        present.beams.copy_from(&self.beams);
+    }
+
+    /// Return the stations, or the first part that differs in size from `own`, or is a number and not finite.
+    /// `memory_fits`: the memory is of the scheme and size of this fluid.
+    pub fn check(&self, own: &Present, flow: &Flow<R>, memory_fits: bool) -> Result<&[Stations], Error> {
+        let numbers = [self.time, self.step, self.advection_rate];
+        let parts = [
+            ("the time or a step", numbers.iter().all(|number| number.is_finite())),
+            ("a field", self.flow.has_shape_of(flow) && memory_fits),
+            ("the list of bodies", self.bodies.len() == own.bodies.len()),
+            ("the list of beams", self.beams.have_shape_of(&own.beams)),
+        ];
+        match parts.into_iter().find(|(_, fits)| !fits) {
+            Some((part, _)) => Err(Error::State(part)),
+            None => Ok(&self.beams.stations),
+        }
     }
 }
 
 impl<R: Real> TwoStep<R> {
-    /// Become `other`, which is as large; unlike `clone_from` this allocates nothing.
+    /// Copy `other`, which has the same size; unlike `clone_from` this allocates nothing.
     pub fn copy_from(&mut self, other: &Self) {
         self.before.copy_from(&other.before);
-        (0..2).for_each(|axis| self.w[axis].copy_from_slice(&other.w[axis]));
-        self.per_tau = other.per_tau;
+        self.w.iter_mut().zip(&other.w).for_each(|(own, other)| own.copy_from_slice(other));
+        self.inv_tau = other.inv_tau;
     }
 
-    /// Whether it is as large as `other`.
+    /// Return whether `other` has the same size.
     pub fn has_shape_of(&self, other: &Self) -> bool {
         let lengths = |w: &[Field<R>; 2]| w.each_ref().map(|w| w.len());
-        self.before.lengths() == other.before.lengths() && lengths(&self.w) == lengths(&other.w)
-    }
-}
-
-impl<R: Real> Flow<R> {
-    /// A uniform flow (m/s) at `n` points.
-    pub fn uniform(velocity: [f64; 2], n: usize) -> Self {
-        Self { velocity: velocity.map(|u| Field::uniform(R::rounded(u), n)), vorticity: Field::uniform(R::zero(), n) }
-    }
-
-    /// Become `other`, which is as large; unlike `clone_from` this allocates nothing.
-    pub fn copy_from(&mut self, other: &Self) {
-        (0..2).for_each(|axis| self.velocity[axis].copy_from_slice(&other.velocity[axis]));
-        self.vorticity.copy_from_slice(&other.vorticity);
-    }
-
-    fn lengths(&self) -> [usize; 3] {
-        [&self.velocity[0], &self.velocity[1], &self.vorticity].map(|field| field.len())
-    }
-}
-
-impl Beams {
-    fn have_shape_of(&self, other: &Self) -> bool {
-        let lengths = |beams: &Self| [beams.stations.len(), beams.loads.len(), beams.exchange.len()];
-        lengths(self) == lengths(other)
-            && self.stations.iter().zip(&other.stations).all(|(a, b)| a.has_shape_of(b))
-            && self.loads.iter().zip(&other.loads).all(|(a, b)| a.has_shape_of(b))
+        self.before.has_shape_of(&other.before) && lengths(&self.w) == lengths(&other.w)
     }
 }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{run, scene};
+use common::{fluid_of, run, scene};
 use nervure_fluid::{Fluid, Loads, State, Stations};
 use scene::{Mask, Scene, TimeScheme, WallCorrection};
 
@@ -33,10 +33,6 @@ fn beam_in_a_stream(mask: Mask, transposed: bool) -> Scene {
     let mut scene = scene(&text, &rest);
     scene.fluid.as_mut().expect("it has one").mask = mask;
     scene
-}
-
-fn fluid_of(scene: &Scene) -> Fluid {
-    Fluid::new(scene).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn stations(fluid: &mut Fluid) -> &mut Stations {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{run, scene};
+use common::{fluid_of, run, scene};
 use nervure_fluid::Fluid;
 use scene::{NamedRod, Scene};
 
@@ -21,10 +21,6 @@ fn beams(order: [usize; 2]) -> Scene {
         "initial_velocity": [0.5, 0.1]"#,
         &format!(r#", "rods": [{}, {}]"#, both[order[0]], both[order[1]]),
     )
-}
-
-fn fluid_of(scene: &Scene) -> Fluid {
-    Fluid::new(scene).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The beams after some steps in which beam `lifted` goes up at 0.1 m/s.
@@ -46,7 +42,7 @@ fn advanced(order: [usize; 2], lifted: Option<usize>) -> Fluid {
 fn both_beams_get_the_momentum_that_the_fluid_loses() {
     let (mut fluid, h) = (fluid_of(&beams([0, 1])), 2e-3);
     let momentum =
-        |fluid: &Fluid| [0, 1].map(|axis| 1000.0 * fluid.grid().cell_area() * fluid.velocity(axis).iter().sum::<f64>());
+        |fluid: &Fluid| [0, 1].map(|axis| 1000.0 * fluid.grid().cell_volume() * fluid.velocity(axis).iter().sum::<f64>());
     run(&mut fluid, 5, h);
     let first = momentum(&fluid);
     run(&mut fluid, 1, h);

@@ -6,7 +6,7 @@ mod measures;
 
 use std::f64::consts::{PI, TAU};
 
-use common::{run, scene, spectrum};
+use common::{fluid_of, run, scene, spectrum};
 use measures::{
     BEAM, CYLINDER_IN_CHANNEL, added_mass, aliased, arrays, flux_error, made_by_advection, noise, resolved_noise,
     taylor_green_error, walls,
@@ -70,7 +70,7 @@ fn the_largest_cfl_numbers_of_both_schemes_have_the_same_growth() {
 fn a_scene_without_bodies_has_no_force_and_no_beam() {
     let text = r#""kinematic_viscosity": 1e-3, "box": { "x": [0, 1], "y": [0, 1], "cells": [8, 8] },
         "initial_velocity": [0.3, -0.2]"#;
-    let mut fluid = Fluid::new(&scene(text, "")).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene(text, ""));
     run(&mut fluid, 3, 0.01);
     assert_eq!(fluid.force(), [0.0; 2]);
     assert!(fluid.loads().is_empty() && fluid.stations().is_empty() && fluid.pressure_jump().is_empty());
@@ -82,16 +82,16 @@ fn a_scene_without_bodies_has_no_force_and_no_beam() {
 
 #[test]
 fn the_velocity_is_divergence_free_around_bodies() {
-    let mut fluid = Fluid::new(&scene(CYLINDER_IN_CHANNEL, BEAM)).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene(CYLINDER_IN_CHANNEL, BEAM));
     run(&mut fluid, 60, 2e-3);
     let grid = *fluid.grid();
-    let [u_hat, v_hat] = [0, 1].map(|axis| spectrum(&fluid.velocity(axis), [grid.nx, grid.ny]));
+    let [u_hat, v_hat] = [0, 1].map(|axis| spectrum(&fluid.velocity(axis), [grid.cells[0], grid.cells[1]]));
     let (mut divergence, mut gradient) = (0.0_f64, 0.0_f64);
-    for j in 0..=grid.ny / 2 {
-        for i in 0..grid.nx {
-            let signed = if 2 * i > grid.nx { i as f64 - grid.nx as f64 } else { i as f64 };
-            let (kx, ky) = (TAU / grid.length * signed, TAU / grid.height * j as f64);
-            let [u, v] = [&u_hat, &v_hat].map(|modes| modes[i * grid.ny + j]);
+    for j in 0..=grid.cells[1] / 2 {
+        for i in 0..grid.cells[0] {
+            let signed = if 2 * i > grid.cells[0] { i as f64 - grid.cells[0] as f64 } else { i as f64 };
+            let (kx, ky) = (TAU / grid.size[0] * signed, TAU / grid.size[1] * j as f64);
+            let [u, v] = [&u_hat, &v_hat].map(|modes| modes[i * grid.cells[1] + j]);
             divergence = divergence.max((u * kx + v * ky).norm());
             gradient = gradient.max((u * ky).norm());
         }
@@ -101,7 +101,7 @@ fn the_velocity_is_divergence_free_around_bodies() {
 
 #[test]
 fn the_inflow_zone_sets_the_flow_rate() {
-    let mut fluid = Fluid::new(&scene(CYLINDER_IN_CHANNEL, "")).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene(CYLINDER_IN_CHANNEL, ""));
     run(&mut fluid, 200, 2e-3);
     let (rate, nominal) = (fluid.flow_rate(), 0.41);
     assert!((rate / nominal - 1.0).abs() < 5e-3, "{rate} m²/s against {nominal}");
@@ -113,7 +113,7 @@ fn poiseuille_flow_has_its_pressure_drop() {
     let text = r#""kinematic_viscosity": 0.02, "box": { "x": [-0.4, 1.6], "y": [-0.1, 0.5], "cells": [64, 96] },
         "channel": { "y": [0.0, 0.41] },
         "inflow": { "x": [-0.4, 0.0], "profile": "parabolic", "mean_velocity": { "constant": 1.0 }, "c_eta": 1e-3 }"#;
-    let mut fluid = Fluid::new(&scene(text, "")).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene(text, ""));
     run(&mut fluid, 1500, 1e-3);
     let (grid, pressure) = (*fluid.grid(), fluid.pressure());
     let at = |x: f64| -> f64 { grid.interpolation([x, 0.205]).iter().map(|&(c, w)| w * pressure[c]).sum() };
@@ -143,7 +143,7 @@ fn a_restored_state_continues_bit_by_bit() {
 fn restored_state_continues(scheme: TimeScheme) {
     let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
     scene.fluid.as_mut().expect("it has one").time_stepping.scheme = scheme;
-    let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene);
     let shake = |fluid: &mut Fluid, step: usize| {
         let phase = step as f64;
         let stations = &mut fluid.stations_mut()[0];
@@ -157,7 +157,7 @@ fn restored_state_continues(scheme: TimeScheme) {
         run(&mut fluid, 1, 2e-3);
     }
     let saved = fluid.state();
-    let mut other = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut other = fluid_of(&scene);
     other.restore(&saved).unwrap_or_else(|e| panic!("{e}"));
     for fluid in [&mut fluid, &mut other] {
         for step in 10..20 {
@@ -188,11 +188,11 @@ fn announced_loads_are_exerted() {
         let parts = (scene.fluid.as_mut(), scene.beam.as_mut());
         let (fluid, beam) = (parts.0.expect("it has one"), parts.1.expect("it has one"));
         (fluid.mask, beam.thickness) = (mask, 0.08.into());
-        let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let mut fluid = fluid_of(&scene);
         run(&mut fluid, 50, 2e-3);
         let sum = |values: &[f64]| values.iter().sum::<f64>();
         let impedance = sum(&fluid.loads()[0].impedance);
-        let mut still = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let mut still = fluid_of(&scene);
         still.restore(&fluid.state()).unwrap_or_else(|e| panic!("{e}"));
         run(&mut still, 1, 2e-3);
         let changes = [3e-3, -2e-3];
@@ -232,7 +232,7 @@ fn announced_station_loads_have_the_force_and_the_power_of_the_drag() {
         let parts = (scene.fluid.as_mut(), scene.beam.as_mut());
         let (part, beam) = (parts.0.expect("it has one"), parts.1.expect("it has one"));
         (part.mask, beam.thickness) = (mask, 0.08.into());
-        let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let mut fluid = fluid_of(&scene);
         let stations = &mut fluid.stations_mut()[0];
         for k in 0..stations.len() {
             let s = k as f64 / stations.len() as f64;
@@ -275,7 +275,7 @@ fn a_step_allocates_nothing() {
 fn step_allocates_nothing(scheme: TimeScheme) {
     let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
     scene.fluid.as_mut().expect("it has one").time_stepping.scheme = scheme;
-    let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene);
     let swing = |fluid: &mut Fluid, step: usize| {
         let stations = &mut fluid.stations_mut()[0];
         for k in 1..stations.len() {
@@ -302,7 +302,7 @@ fn threads_change_no_bit() {
         let fluid = scene.fluid.as_mut().expect("it has one");
         // Large enough for five threads; blocks of columns that overlap, rows that do not come out even.
         (fluid.r#box.cells, fluid.threads) = ([999, 201], threads);
-        let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let mut fluid = fluid_of(&scene);
         run(&mut fluid, 8, 2e-4);
         fluid
     });
@@ -312,7 +312,7 @@ fn threads_change_no_bit() {
 
 #[test]
 fn bad_steps_and_stations_are_refused_and_change_nothing() {
-    let mut fluid = Fluid::new(&scene(CYLINDER_IN_CHANNEL, BEAM)).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene(CYLINDER_IN_CHANNEL, BEAM));
     run(&mut fluid, 2, 2e-3);
     let before = fluid.state();
     for h in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
@@ -331,7 +331,7 @@ fn divergence_is_an_error_with_the_time() {
         r#""kinematic_viscosity": 1e-6, "box": { "x": [0, 1], "y": [0, 1], "cells": [16, 16] }, "filter": "none""#;
     let mut scene = scene(text, "");
     scene.fluid.as_mut().expect("it has one").time_stepping.max_cfl = 1e9;
-    let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene);
     fluid.set_velocity(|x, y| [10.0 * (TAU * y).sin() + (3.0 * TAU * x).cos(), 7.0 * (2.0 * TAU * x).cos()]);
     let error = (0..10_000).find_map(|step| fluid.advance(0.5 * step as f64, 0.5).err());
     let error = error.expect("CFL numbers of a hundred cannot be stable").to_string();

@@ -4,15 +4,11 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use common::{run, scene};
+use common::{fluid_of, run, scene};
 use nervure_fluid::Fluid;
 use scene::{Mask, Scene, TimeScheme};
 
 const SCHEMES: [TimeScheme; 2] = [TimeScheme::Sbdf2, TimeScheme::Rk2];
-
-fn fluid_of(scene: &Scene) -> Fluid {
-    Fluid::new(scene).unwrap_or_else(|e| panic!("{e}"))
-}
 
 /// The scene with another scheme and a mask that Heun's method can step over.
 fn with(mut scene: Scene, scheme: TimeScheme) -> Scene {
@@ -41,7 +37,7 @@ fn the_bodies_get_the_momentum_that_the_fluid_loses() {
     let mut fluid = fluid_of(&three_bodies());
     let h = 2e-3;
     let momentum =
-        |fluid: &Fluid| [0, 1].map(|axis| 1000.0 * fluid.grid().cell_area() * fluid.velocity(axis).iter().sum::<f64>());
+        |fluid: &Fluid| [0, 1].map(|axis| 1000.0 * fluid.grid().cell_volume() * fluid.velocity(axis).iter().sum::<f64>());
     run(&mut fluid, 3, h);
     let mut before = [momentum(&fluid); 2];
     for _ in 0..20 {
@@ -172,8 +168,12 @@ fn a_sponge_damps_what_passes_through_it() {
         let factor = (-0.6_f64 / (2.0 * 0.2)).exp();
         let grid = *fluid.grid();
         for (c, v) in fluid.velocity(1).iter().enumerate() {
-            let expected = factor * wave(grid.x(c / grid.ny));
-            assert!((v - expected).abs() < 1e-5, "{scheme:?}: v = {v} at x = {}, not {expected}", grid.x(c / grid.ny));
+            let expected = factor * wave(grid.coordinate(0, c / grid.cells[1]));
+            assert!(
+                (v - expected).abs() < 1e-5,
+                "{scheme:?}: v = {v} at x = {}, not {expected}",
+                grid.coordinate(0, c / grid.cells[1])
+            );
         }
         let worst = fluid.velocity(0).iter().map(|u| (u - 1.0).abs()).fold(0.0, f64::max);
         assert!(worst < 1e-9, "{scheme:?}: the stream changed by {worst} m/s");
@@ -362,7 +362,7 @@ fn a_turning_body_gets_the_momentum_that_the_fluid_loses() {
         "pivot": [-0.1, 0.0], "motion": { "angle": { "sine": { "amplitude": 0.6, "frequency": 0.5 } } } }"#;
     let mut fluid = fluid_of(&with_bodies(body, "", 64));
     let momentum =
-        |fluid: &Fluid| [0, 1].map(|axis| fluid.grid().cell_area() * fluid.velocity(axis).iter().sum::<f64>());
+        |fluid: &Fluid| [0, 1].map(|axis| fluid.grid().cell_volume() * fluid.velocity(axis).iter().sum::<f64>());
     let displaced = |t: f64| {
         let (angle, rate) = (0.6 * (omega * t).sin(), 0.6 * omega * (omega * t).cos());
         let mass = PI * 0.15 * 0.05;

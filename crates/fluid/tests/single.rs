@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::TAU;
 
-use common::{run, scene};
+use common::{fluid_of, run, scene};
 use nervure_fluid::{Error, Fluid, State};
 use scene::{Precision, Scene, TimeScheme};
 
@@ -21,7 +21,7 @@ const BEAM: &str =
 
 fn fluid(mut scene: Scene, precision: Precision) -> Fluid {
     scene.fluid.as_mut().expect("it has one").precision = precision;
-    Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"))
+    fluid_of(&scene)
 }
 
 fn both(scene: &Scene) -> [Fluid; 2] {
@@ -45,7 +45,8 @@ fn the_taylor_green_vortex_decays_as_it_should() {
         let (grid, mut squares) = (*fluid.grid(), 0.0);
         for axis in 0..2 {
             for (c, value) in fluid.velocity(axis).iter().enumerate() {
-                let exact = decay * vortex(grid.x(c / grid.ny), grid.y(c % grid.ny))[axis];
+                let exact =
+                    decay * vortex(grid.coordinate(0, c / grid.cells[1]), grid.coordinate(1, c % grid.cells[1]))[axis];
                 squares += (value - exact).powi(2);
             }
         }
@@ -72,7 +73,7 @@ fn nothing_drifts_in_thirty_thousand_steps() {
         run(&mut fluid, 30_000, 1e-3);
         let grid = *fluid.grid();
         let mean = fluid.velocity(0).iter().sum::<f64>() / grid.len() as f64;
-        let sine = |c: usize| (TAU * grid.y(c % grid.ny) / 0.7).sin();
+        let sine = |c: usize| (TAU * grid.coordinate(1, c % grid.cells[1]) / 0.7).sin();
         let wave =
             fluid.velocity(0).iter().enumerate().map(|(c, u)| 2.0 * u * sine(c)).sum::<f64>() / grid.len() as f64;
         assert!((mean / 0.3 - 1.0).abs() < 1e-5, "{scheme:?}: mean flow of {mean} m/s, not 0.3");

@@ -5,7 +5,7 @@ mod common;
 #[allow(dead_code, reason = "only its scenes are wanted")]
 mod measures;
 
-use common::{run, scene};
+use common::{fluid_of, run, scene};
 use measures::{BEAM, CYLINDER_IN_CHANNEL};
 use nervure_fluid::{Error, Fluid};
 use scene::{Mask, TimeScheme};
@@ -27,7 +27,7 @@ fn a_failed_step_leaves_everything_as_it_was() {
         fluid.mask = Mask::Cosine { c_eta: 2e-3, half_width: 1.0, displacement_corrected: true };
         fluid.inflow.as_mut().expect("it has one").c_eta = 2e-3;
         (fluid.time_stepping.scheme, fluid.time_stepping.max_step) = (scheme, max_step);
-        let [mut fluid, mut other] = [(); 2].map(|()| Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}")));
+        let [mut fluid, mut other] = [(); 2].map(|()| fluid_of(&scene));
         for fluid in [&mut fluid, &mut other] {
             run(fluid, 5, h);
             set_tip(fluid, 0.05);
@@ -36,14 +36,14 @@ fn a_failed_step_leaves_everything_as_it_was() {
         let slow = fluid.state();
         let usual = max_step.min(scene.time.communication_step);
         let time_stepping = &scene.fluid.as_ref().expect("it has one").time_stepping;
-        let fastest = 100.0 * time_stepping.max_cfl / usual * fluid.grid().dy;
+        let fastest = 100.0 * time_stepping.max_cfl / usual * fluid.grid().spacing[1];
         set_tip(&mut fluid, 1.001 * fastest);
         let result = fluid.advance(fluid.time(), h);
         assert!(matches!(result, Err(Error::FastStation { .. })), "{scheme:?}, {max_step} s: {result:?}");
         assert!(fluid.state() == slow, "{scheme:?}, {max_step} s: the refusal changed the state");
         // A flow near the fastest that there may be is too fast where it goes around the cylinder.
         set_tip(&mut fluid, 0.05);
-        let speed = 0.999 * fastest / fluid.grid().dy * fluid.grid().dx;
+        let speed = 0.999 * fastest / fluid.grid().spacing[1] * fluid.grid().spacing[0];
         fluid.set_velocity(|_, _| [speed, 0.0]);
         let (mut before, mut pressure) = (fluid.state(), fluid.pressure());
         let result = (0..10).find_map(|_| {

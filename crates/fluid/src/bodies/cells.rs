@@ -1,129 +1,139 @@
 //! A body as the cells in which it drags the fluid.
 
+use super::measure::{Measure, Surface};
 use crate::grid::Grid;
-use crate::wall::{Sample, WallTarget};
+use crate::wall::{DragProfile, Sample, WallTarget};
 
 /// One cell of a body.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
     /// Index of the grid point.
     pub index: usize,
-    /// Drag rate a of this body there, 1/s.
+    /// Drag rate a of this body, 1/s.
     pub rate: f64,
-    /// Velocity that the body draws the fluid to, m/s.
+    /// Velocity to which the body draws the fluid, m/s.
     pub velocity: [f64; 2],
-    /// Its position from the point that the body's moment is taken about, m.
+    /// Position from the point about which the body's moment is taken, m.
     pub arm: [f64; 2],
-    /// How fast that velocity changes with the body's own there, per axis: 1, and more where it follows a wall target.
+    /// Derivative of `velocity` with respect to the body's own velocity, per axis: 1, and more with a wall target.
     pub gain: [f64; 2],
 }
 
-/// A cell with a wall target: its body draws the fluid to `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`, summed over
-/// points, with t along the surface and n across. A cell between two surfaces has one of each, next to one another.
+/// A surface whose wall target acts on a cell: the body draws the fluid to
+/// `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`, summed over points, with t along the surface and n across. A cell between
+/// several surfaces has one of each, next to one another.
 #[derive(Clone, Copy, Debug)]
 struct Targeted {
-    /// Which of the cells.
+    /// Number of the cell.
     cell: usize,
-    /// Part that this surface has in the cell.
+    /// Share of the surface in the cell.
     share: f64,
     /// Drag rate in still fluid, 1/s.
     rate: f64,
-    /// Velocity of the body there, m/s.
+    /// Velocity of the body at the cell, m/s.
     body: [f64; 2],
-    /// The same before the step, across the surface, m/s.
+    /// Velocity of the body across the surface before the step, m/s.
     across_before: f64,
-    /// What the body's velocity along the surface is at the points beyond that at the cell, times their weights, m/s: a body
-    /// that turns is faster farther off.
+    /// Velocity of the body along the surface at the points relative to that at the cell, times the weights, m/s: a body
+    /// that turns is faster farther away.
     turned: f64,
     /// Unit normal n of the surface.
     normal: [f64; 2],
-    /// Sums of the weights of its points, along, across and in the flow through the surface.
+    /// Sums of the weights of the points along and across the surface, and in the flow through it.
     weight: [f64; 3],
-    /// End of its samples; they begin where those of the one before end.
+    /// End of the samples; they begin at the end of the previous ones.
     samples_end: usize,
 }
 
-/// Where the flow is sampled: four grid points with their shares in an interpolation, and the weights of what they give.
+/// A sampled point: four grid points with their weights in an interpolation, and the weights of a [`Sample`].
 type Around = ([(usize, f64); 4], [f64; 3]);
-
-/// A surface near a cell.
-#[derive(Clone, Copy, Debug)]
-pub struct Near {
-    /// Signed distance of the cell, m, positive in the fluid.
-    pub distance: f64,
-    /// The nearest point, m.
-    pub surface: [f64; 2],
-    /// Unit normal out of the body there.
-    pub normal: [f64; 2],
-    /// Part of the cell that is the surface's; 1 but for cells between two.
-    pub share: f64,
-}
 
 /// The cells of a body.
 #[derive(Clone, Debug, Default)]
 pub struct Cells {
     cells: Vec<Cell>,
     targeted: Vec<Targeted>,
-    /// Where those cells sample the flow, in the same order.
+    /// Samples of the targeted cells, in the same order.
     samples: Vec<Around>,
-    /// What the flow through the surface adds to the drag, s/m, and the largest drag rate, 1/s.
+    /// Drag per velocity through the surface, s/m, and the largest drag rate, 1/s.
     inertia: f64,
     largest: f64,
 }
 
 impl Cells {
-    /// Forget all.
+    /// Remove all cells.
     pub fn clear(&mut self) {
         self.cells.clear();
         self.targeted.clear();
         self.samples.clear();
     }
 
-    /// Add a cell that moves with the body.
-    pub fn push(&mut self, index: usize, rate: f64, velocity: [f64; 2], arm: [f64; 2]) {
-        self.cells.push(Cell { index, rate, velocity, arm, gain: [1.0; 2] });
+    /// Add the cell of a body that is measured at a grid point, and return whether it drags the fluid there.
+    ///
+    /// `arm` is the position from the point about which the body's moment is taken, m.
+    #[inline(always)]
+    pub fn add<const N: usize>(
+        &mut self,
+        index: usize,
+        arm: [f64; 2],
+        measure: &Measure<N>,
+        profile: &DragProfile,
+        grid: &Grid,
+    ) -> bool {
+        let distance = measure.distance();
+        let rate = profile.rate(distance);
+        if rate > 0.0 {
+            let mut cell = Cell { index, rate, velocity: measure.velocity, arm, gain: [1.0; 2] };
+            if let Some(target) = profile.target(distance) {
+                (self.inertia, self.largest) = (target.inertia, target.largest);
+                let shares = target.shares(measure.surfaces.map(|surface| surface.distance));
+                for (surface, share) in measure.surfaces.iter().zip(shares) {
+                    if share > 0.0 && target.reaches(surface.distance) {
+                        self.add_target(&mut cell, measure, surface, share, target, grid);
+                    }
+                }
+            }
+            self.cells.push(cell);
+        }
+        rate > 0.0
     }
 
-    /// Let the cell added last follow, with a `share`, a wall target that reaches it: the cell is `distance` (m, positive
-    /// in the fluid) off the point `surface` (m), where the unit normal out of the body is `normal`. Before the step the
-    /// body had the velocity `before` (m/s) there.
-    pub fn follow_last(
+    /// Add the wall target of a surface that has a `share` of the cell to be added next.
+    fn add_target<const N: usize>(
         &mut self,
+        cell: &mut Cell,
+        measure: &Measure<N>,
+        &Surface { distance, foot, normal }: &Surface,
+        share: f64,
         target: &WallTarget,
-        Near { distance, surface, normal, share }: Near,
-        before: [f64; 2],
         grid: &Grid,
     ) {
-        let number = self.cells.len().wrapping_sub(1);
-        let Some(cell) = self.cells.last_mut() else { return };
-        (self.inertia, self.largest) = (target.inertia, target.largest);
-        let mut sum = [0.0; 3];
-        for Sample { off, weight } in target.samples(distance) {
-            if weight == [0.0; 3] {
-                continue;
-            }
-            let around = grid.interpolation([surface[0] + off * normal[0], surface[1] + off * normal[1]]);
-            self.samples.push((around, weight));
-            sum = [0, 1, 2].map(|i| sum[i] + weight[i]);
+        let samples = target.samples(distance);
+        let mut weight = [0.0; 3];
+        for sample in samples.iter().filter(|sample| sample.weight != [0.0; 3]) {
+            let around = grid.interpolation([foot[0] + sample.off * normal[0], foot[1] + sample.off * normal[1]]);
+            self.samples.push((around, sample.weight));
+            weight = [0, 1, 2].map(|i| weight[i] + sample.weight[i]);
         }
         for axis in 0..2 {
-            let along = share * (sum[0] * normal[1 - axis].powi(2));
-            let across = share * (sum[1] * normal[axis].powi(2));
+            let along = share * (weight[0] * normal[1 - axis].powi(2));
+            let across = share * (weight[1] * normal[axis].powi(2));
             cell.gain[axis] = cell.gain[axis] - along - across;
         }
-        let (rate, body) = (cell.rate, cell.velocity);
-        let across_before = normal[0] * before[0] + normal[1] * before[1];
-        let samples_end = self.samples.len();
-        let (cell, weight, turned) = (number, sum, 0.0);
-        self.targeted.push(Targeted { cell, share, rate, body, across_before, turned, normal, weight, samples_end });
-    }
-
-    /// Let the body of the cell that has just been told to follow, at a `distance` (m) off the surface, turn at a rate
-    /// (rad/s): the flow that its wall target samples is that beyond the body's own velocity at those points.
-    pub fn turn_last(&mut self, target: &WallTarget, distance: f64, omega: f64) {
-        let Some(targeted) = self.targeted.last_mut() else { return };
-        let samples = target.samples(distance).into_iter();
-        targeted.turned = omega * samples.map(|sample| sample.weight[0] * (sample.off - distance)).sum::<f64>();
+        let farther = |sample: &Sample| sample.weight[0] * (sample.off - distance);
+        let turned = if measure.spin == 0.0 { 0.0 } else { measure.spin * samples.iter().map(farther).sum::<f64>() };
+        let [u, v] = measure.velocity_before;
+        self.targeted.push(Targeted {
+            cell: self.cells.len(),
+            share,
+            rate: cell.rate,
+            body: measure.velocity,
+            across_before: normal[0] * u + normal[1] * v,
+            turned,
+            normal,
+            weight,
+            samples_end: self.samples.len(),
+        });
     }
 
     /// Sample the flow around the cells with a wall target; `velocity` gives it at a grid point, m/s.
@@ -135,7 +145,7 @@ impl Cells {
             let mut along = -weight[0] * body_along - targeted.turned;
             let (mut across, mut through) = (-weight[1] * body_across, -weight[2] * targeted.across_before);
             for (around, weight) in &self.samples[begin..targeted.samples_end] {
-                // One point of three has weights across.
+                // Only one of three points has weights across.
                 let crosses = weight[1] != 0.0 || weight[2] != 0.0;
                 for &(point, share) in around {
                     let [u, v] = velocity(point);
@@ -159,34 +169,34 @@ impl Cells {
         }
     }
 
-    /// The cells, in the order in which they were added.
+    /// Return the cells in the order in which they were added.
     pub fn iter(&self) -> std::slice::Iter<'_, Cell> {
         self.cells.iter()
     }
 
-    /// Whether some cells have a wall target.
+    /// Return whether some cells have a wall target.
     pub fn have_targets(&self) -> bool {
         !self.targeted.is_empty()
     }
 }
 
-/// Adds the cells of moving bodies to the drag rate of the still ones, and takes them out again.
+/// Adds the cells of moving bodies to the drag rate of the still ones, and removes them again.
 ///
-/// What was there is kept and put back in reverse order, so that painting leaves no rounding behind.
+/// The previous values are kept and restored in reverse order, so that painting leaves no rounding behind.
 #[derive(Clone, Debug, Default)]
 pub struct Painted {
     before: Vec<(usize, f64)>,
 }
 
 impl Painted {
-    /// Take everything out of `rate` that was added since.
+    /// Remove everything that was added to `rate`.
     pub fn erase(&mut self, rate: &mut [f64]) {
         while let Some((index, before)) = self.before.pop() {
             rate[index] = before;
         }
     }
 
-    /// Where something was added.
+    /// Return the points to which something was added.
     pub fn points(&self) -> impl Iterator<Item = usize> {
         self.before.iter().map(|(index, _)| *index)
     }

@@ -1,23 +1,35 @@
-//! The bodies of a scene where they are at the time, and the drag that they exert on the fluid.
+//! The bodies at their present places, and the drag that they exert on the fluid.
 
 mod beam;
 mod cells;
+mod frame;
+mod mask;
+mod measure;
+mod polygon;
+mod pose;
 mod rigid;
+mod search;
+mod section;
 mod shape;
 mod stations;
+mod vector;
 
-use scene::Scene;
+use std::mem::swap;
+
+use line_fft::Real;
 
 use crate::field::Field;
 use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
+use crate::parameters::{Body, Parameters};
 use crate::wall::DragProfile;
-use crate::zone::Zone;
-use line_fft::Real;
+use crate::zone::DrivingZone;
 
 use beam::Beam;
 pub use cells::Cell;
 use cells::{Cells, Painted};
+use measure::{Measured, Walls};
+use pose::BeamPose;
 pub use rigid::Pose;
 use rigid::Rigid;
 pub use stations::{Loads, Stations};
@@ -29,23 +41,28 @@ pub struct Bodies {
     /// Number of cylinders.
     cylinders: usize,
     beams: Vec<Beam>,
-    /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
+    /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent without a body.
     rate: Option<Field<f64>>,
     painted: Painted,
     /// Density of the fluid, kg/m³.
     density: f64,
     /// Mass of the fluid in a cell, kg per metre of depth.
     pub cell_mass: f64,
+    /// Room for predicted poses, while none are in use.
+    spare: Option<Vec<BeamPose>>,
 }
 
+/// The beams at their predicted stations; made by [`Bodies::predict`] for [`Bodies::move_to_predicted`].
+pub struct PredictedBeams(Vec<BeamPose>);
+
 /// The bodies without the field of their drag.
-pub struct Changing<'a> {
+pub struct MovingBodies<'a> {
     rigid: &'a mut [Rigid],
     beams: &'a mut [Beam],
 }
 
-impl Changing<'_> {
-    /// Put those that move where they are at a time (s), the beams at their stations; they were at `before`.
+impl MovingBodies<'_> {
+    /// Move the bodies to their places at a time (s) and the beams from the stations `before` to `stations`.
     pub fn place(&mut self, time: f64, stations: &[Stations], before: &[Stations], grid: &Grid) {
         for rigid in self.rigid.iter_mut().filter(|rigid| rigid.moves()) {
             rigid.place(time, grid);
@@ -55,128 +72,133 @@ impl Changing<'_> {
         }
     }
 
-    /// Let those with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
+    /// Let bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
     pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
         self.rigid.iter_mut().for_each(|rigid| rigid.cells.sample(&velocity));
-        self.beams.iter_mut().for_each(|beam| beam.here.cells.sample(&velocity));
+        self.beams.iter_mut().for_each(|beam| beam.pose.cells.sample(&velocity));
     }
 }
 
 impl Bodies {
-    /// The bodies of a scene with a fluid at t = 0, the still ones painted.
-    pub fn new(scene: &Scene, fluid: &scene::Fluid, zones: &[Zone], grid: &Grid) -> Self {
-        let (mask, nu) = (&fluid.mask, fluid.kinematic_viscosity);
-        let bodies = fluid.cylinders.iter().map(scene::Body::from).chain(fluid.bodies.iter().cloned());
+    /// The bodies at t = 0, the still ones painted.
+    pub fn new(parameters: &Parameters, zones: &[DrivingZone], grid: &Grid) -> Self {
+        let &Parameters { ref mask, kinematic_viscosity: nu, density, channel, .. } = parameters;
+        let bodies = parameters.cylinders.iter().map(Body::from).chain(parameters.bodies.iter().cloned());
         let rigid: Vec<_> = bodies.map(|body| Rigid::new(body, grid, mask, nu)).collect();
-        let beams: Vec<_> = scene.beams().map(|beam| Beam::new(beam, grid, mask, nu)).collect();
-        let any = !zones.is_empty() || fluid.channel.is_some() || !rigid.is_empty() || !beams.is_empty();
+        let beams: Vec<_> = parameters.beams.iter().map(|beam| Beam::new(beam, grid, mask, nu)).collect();
+        let any = !zones.is_empty() || channel.is_some() || !rigid.is_empty() || !beams.is_empty();
         let mut bodies = Self {
             rigid,
-            cylinders: fluid.cylinders.len(),
+            cylinders: parameters.cylinders.len(),
             beams,
             rate: any.then(|| Field::uniform(0.0, grid.len())),
             painted: Painted::default(),
-            density: fluid.density,
-            cell_mass: fluid.density * grid.cell_area(),
+            density,
+            cell_mass: density * grid.cell_volume(),
+            spare: None,
         };
-        bodies.paint_still(fluid, zones, &DragProfile::new(mask, mask.c_eta(), nu, grid.cell_size()), grid);
+        let walls = channel.map(|y| Walls { y, period: grid.size[1] });
+        bodies.paint_still(walls, zones, &DragProfile::new(mask, mask.c_eta(), nu, grid.cell_size()), grid);
         bodies
     }
 
-    /// Grid points in which the bodies are painted that change, one that two of them share twice; and the total drag rate
-    /// there, 1/s.
+    /// Return the grid points in which changing bodies are painted, with the total drag rate, 1/s. A point that two bodies
+    /// share is there twice.
     pub fn painted(&self) -> impl Iterator<Item = (usize, f64)> {
         let rate = self.rate.as_deref().unwrap_or_default();
         self.painted.points().map(|point| (point, rate[point]))
     }
 
-    fn paint_still(&mut self, fluid: &scene::Fluid, zones: &[Zone], profile: &DragProfile, grid: &Grid) {
+    fn paint_still(&mut self, walls: Option<Walls>, zones: &[DrivingZone], profile: &DragProfile, grid: &Grid) {
         let Some(rate) = &mut self.rate else { return };
-        if let Some(channel) = &fluid.channel {
-            let [low, high] = channel.y;
-            for j in 0..grid.ny {
-                let distance = 0.5 * (high - low) - grid.periodic_y(grid.y(j) - 0.5 * (low + high)).abs();
-                let wall = profile.rate(distance);
-                (0..grid.nx).for_each(|i| rate[i * grid.ny + j] += wall);
+        let [nx, ny] = grid.cells;
+        if let Some(walls) = walls {
+            for j in 0..ny {
+                let wall = profile.rate(walls.measure(&grid.point(j)).distance());
+                (0..nx).for_each(|i| rate[i * ny + j] += wall);
             }
         }
         for &(i, zone) in zones.iter().flat_map(|zone| &zone.columns) {
-            rate[i * grid.ny..(i + 1) * grid.ny].iter_mut().for_each(|r| *r += zone);
+            rate[i * ny..(i + 1) * ny].iter_mut().for_each(|r| *r += zone);
         }
         for rigid in self.rigid.iter().filter(|rigid| !rigid.changes()) {
             rigid.cells.iter().for_each(|cell| rate[cell.index] += cell.rate);
         }
     }
 
-    /// Number of cylinders.
+    /// Return the number of cylinders.
     pub fn cylinders(&self) -> usize {
         self.cylinders
     }
 
-    /// Number of rigid bodies, cylinders among them.
+    /// Return the number of rigid bodies, with the cylinders.
     pub fn rigid(&self) -> usize {
         self.rigid.len()
     }
 
-    /// Where a rigid body is, the cylinders being the first.
+    /// Return place and motion of a rigid body; the cylinders are the first.
     pub fn pose(&self, rigid: usize) -> Pose {
         self.rigid[rigid].pose
     }
 
-    /// Power (W/m) of a force on a rigid body.
+    /// Return the power (W/m) of a force on a rigid body.
     pub fn power(&self, rigid: usize, force: &Force) -> f64 {
         self.rigid[rigid].power(force.force, force.moment)
     }
 
-    /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent where there is no body at all.
+    /// Return the total drag rate Σ a_b, 1/s, `[nx, ny]`; none without a body.
     pub fn rate(&self) -> Option<&[f64]> {
         self.rate.as_deref()
     }
 
-    /// Put the moving bodies where they are at a time (s), the beams at their stations; they were at `before`.
+    /// Move the bodies to their places at a time (s) and the beams from the stations `before` to `stations`, and paint them.
     pub fn place(&mut self, time: f64, stations: &[Stations], before: &[Stations], grid: &Grid) {
-        self.changing().place(time, stations, before, grid);
+        self.moving().place(time, stations, before, grid);
         self.paint();
     }
 
-    /// Let the bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
+    /// Let bodies with a wall target sample the flow, and paint them; `velocity` gives the flow at a grid point, m/s.
     pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
-        self.changing().sample(velocity);
+        self.moving().sample(velocity);
         self.paint();
     }
 
-    /// The bodies, to be placed and to sample before they are painted.
-    pub fn changing(&mut self) -> Changing<'_> {
-        Changing { rigid: &mut self.rigid, beams: &mut self.beams }
+    /// Return the bodies, to be moved and to sample before they are painted.
+    pub fn moving(&mut self) -> MovingBodies<'_> {
+        MovingBodies { rigid: &mut self.rigid, beams: &mut self.beams }
     }
 
-    /// The drag rate of what does not change (1/s), and the bodies, to be placed while that is read. [`Self::paint`] paints
-    /// them again.
-    pub fn apart(&mut self) -> (Option<&[f64]>, Changing<'_>) {
+    /// Return the drag rate of still bodies (1/s), and the bodies, to be moved while the rate is read and then to be painted
+    /// with [`Self::paint`].
+    pub fn split_static(&mut self) -> (Option<&[f64]>, MovingBodies<'_>) {
         if let Some(rate) = &mut self.rate {
             self.painted.erase(rate);
         }
-        (self.rate.as_deref(), Changing { rigid: &mut self.rigid, beams: &mut self.beams })
+        (self.rate.as_deref(), MovingBodies { rigid: &mut self.rigid, beams: &mut self.beams })
     }
 
-    /// Find where the beams get to at `ahead`, to which they go on from `stations`.
-    pub fn look_ahead(&mut self, ahead: &[Stations], stations: &[Stations], grid: &Grid) {
-        for (beam, (ahead, stations)) in self.beams.iter_mut().zip(ahead.iter().zip(stations)) {
-            beam.look_ahead(ahead, stations, grid);
+    /// Return the beams at the stations `ahead`, to which they move from `stations`.
+    pub fn predict(&mut self, ahead: &[Stations], stations: &[Stations], grid: &Grid) -> PredictedBeams {
+        let room = || self.beams.iter().map(|beam| beam.pose.clone()).collect();
+        let mut poses: Vec<BeamPose> = self.spare.take().unwrap_or_else(room);
+        for ((beam, pose), (ahead, stations)) in self.beams.iter_mut().zip(&mut poses).zip(ahead.iter().zip(stations)) {
+            beam.find_cells(pose, ahead, stations, grid);
         }
+        PredictedBeams(poses)
     }
 
-    /// Put the beams there; [`Self::sample`] paints them.
-    pub fn go_ahead(&mut self) {
-        self.beams.iter_mut().for_each(Beam::go_ahead);
+    /// Move the beams to predicted stations; [`Self::sample`] paints them.
+    pub fn move_to_predicted(&mut self, PredictedBeams(mut poses): PredictedBeams) {
+        self.beams.iter_mut().zip(&mut poses).for_each(|(beam, pose)| swap(&mut beam.pose, pose));
+        self.spare = Some(poses);
     }
 
-    /// Paint the bodies whose drag changes: they move, or have a wall target.
+    /// Paint the bodies whose drag changes: those that move or have a wall target.
     pub fn paint(&mut self) {
         let Some(rate) = &mut self.rate else { return };
         self.painted.erase(rate);
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
-        for cells in rigid.chain(self.beams.iter().map(|beam| &beam.here.cells)) {
+        for cells in rigid.chain(self.beams.iter().map(|beam| &beam.pose.cells)) {
             self.painted.add(cells, rate);
         }
     }
@@ -185,7 +207,7 @@ impl Bodies {
     pub fn add_velocities<R: Real>(&self, weight: impl Fn(f64) -> f64, w: &mut [Field<R>; 2]) {
         let Some(rate) = &self.rate else { return };
         let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
-        let beams = self.beams.iter().map(|beam| &beam.here.cells);
+        let beams = self.beams.iter().map(|beam| &beam.pose.cells);
         for cell in rigid.chain(beams).flat_map(Cells::iter) {
             let weight = weight(rate[cell.index]) * cell.rate;
             for (w, velocity) in w.iter_mut().zip(cell.velocity) {
@@ -194,7 +216,7 @@ impl Bodies {
         }
     }
 
-    /// The displaced fluid of all bodies as they are, the rigid ones first, with no force yet.
+    /// Return the displaced fluid of all bodies, the rigid ones first, without a force.
     pub fn without_force(&self, stations: &[Stations]) -> Vec<BodyForce> {
         let rigid = self.rigid.iter().map(|rigid| rigid.displaced(self.density));
         let beams = self.beams.iter().zip(stations).map(|(beam, stations)| beam.displaced(stations, self.density));
@@ -203,8 +225,8 @@ impl Bodies {
 
     /// Sum up the forces of a step of size `dt` (s) from `drag`, the drag on a cell over the density, m/s².
     ///
-    /// The penalization integral lacks the rate of change of the momentum that the fluid displaced by a moving body
-    /// would have (thesis eq. 3.20). What acts on a beam where it goes on into its cylinder acts on that.
+    /// The penalization integral lacks the rate of change of the momentum that the fluid displaced by a moving body would
+    /// have (thesis eq. 3.20). The drag on the part of a beam inside its cylinder acts on the cylinder.
     pub fn sum_up_forces(
         &self,
         dt: f64,
@@ -227,10 +249,10 @@ impl Bodies {
                 if let Some([u, v]) = velocity {
                     sum.add(force, cell.arm);
                     power += force[0] * u + force[1] * v;
-                } else if let Some(holder) = beam.holder() {
-                    let center = self.rigid[holder].pose.position;
+                } else if let Some(support) = beam.support_cylinder() {
+                    let center = self.rigid[support].pose.position;
                     let arm = [0, 1].map(|axis| stations.position[axis][0] + cell.arm[axis] - center[axis]);
-                    on_rigid[holder].force.add(force, arm);
+                    on_rigid[support].force.add(force, arm);
                 }
             }
             exchange[k] = Exchange { force: sum.force, power, work: exchange[k].work + power * dt };
@@ -238,15 +260,15 @@ impl Bodies {
         }
     }
 
-    /// Bring the drag on each beam's cells to its stations.
+    /// Write the loads on the stations of each beam from the drag on its cells.
     ///
-    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it falls with the body's
-    /// velocity there (kg/(m s)), per axis.
+    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it decreases with the velocity of
+    /// the body (kg/(m s)), per axis.
     pub fn collect_loads(&self, drag: impl Fn(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut [Loads]) {
         self.beams.iter().zip(loads).for_each(|(beam, loads)| beam.collect(&drag, loads));
     }
 
-    /// Point on the upper (`side` = 1) or lower (−1) surface of a beam, numbered from 0, at station `k`, m.
+    /// Return the point on the upper (`side` = 1) or lower (−1) surface of a beam, numbered from 0, at station `k`, m.
     pub fn surface_point(&self, beam: usize, stations: &Stations, k: usize, side: f64) -> [f64; 2] {
         self.beams[beam].surface_point(stations, k, side)
     }

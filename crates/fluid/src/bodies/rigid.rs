@@ -2,23 +2,24 @@
 //!
 //! A point at `r` from the pivot, whose velocity is v, moves with `v + omega × r`.
 
-use scene::{Body, Mask};
-
-use super::cells::{Cells, Near};
-use super::shape::{Section, Shape};
+use super::cells::Cells;
+use super::measure::{Measure, Measured, Surface};
+use super::section::{Nearest, Section};
 use crate::force::Displaced;
 use crate::grid::Grid;
+use crate::parameters::{Body, Mask, Shape};
 use crate::wall::DragProfile;
 
 /// A body and the cells in which it drags the fluid.
 pub struct Rigid {
     body: Body,
-    shape: Shape,
     section: Section,
     profile: DragProfile,
-    /// Where it is now.
+    /// Present place and motion.
     pub pose: Pose,
-    /// Cells of the present position.
+    /// Sine and cosine of the angle.
+    direction: (f64, f64),
+    /// Cells at the present place.
     pub cells: Cells,
 }
 
@@ -27,7 +28,7 @@ pub struct Rigid {
 pub struct Pose {
     /// Position of the pivot, m.
     pub position: [f64; 2],
-    /// Angle from the x axis of the box to that of the body, rad.
+    /// Angle from the x axis of the domain to that of the body, rad.
     pub angle: f64,
     /// Velocity of the pivot, m/s.
     pub velocity: [f64; 2],
@@ -36,11 +37,11 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Where a body is at a time (s).
+    /// Return place and motion of a body at a time (s).
     fn of(body: &Body, t: f64) -> Self {
         let mut pose = Self { position: body.position, angle: body.angle, ..Self::default() };
         if let Some(motion) = &body.motion {
-            for (axis, law) in [&motion.x, &motion.y].into_iter().enumerate() {
+            for (axis, law) in motion.displacement.iter().enumerate() {
                 let (displacement, rate) = law.value_and_rate(t);
                 pose.position[axis] += displacement;
                 pose.velocity[axis] = rate;
@@ -54,33 +55,33 @@ impl Pose {
 }
 
 impl Rigid {
-    /// A body at its place at t = 0.
+    /// A body at t = 0.
     pub fn new(body: Body, grid: &Grid, mask: &Mask, nu: f64) -> Self {
-        let shape = Shape::new(&body.shape);
-        let profile = DragProfile::of_body(shape.thickness(), body.motion.is_some(), mask, nu, grid.cell_size());
-        let (section, pose, cells) = (shape.section(), Pose::default(), Cells::default());
-        let mut rigid = Self { body, shape, section, profile, pose, cells };
+        let body = Body { shape: body.shape.oriented(), ..body };
+        let profile = DragProfile::of_body(body.shape.thickness(), body.motion.is_some(), mask, nu, grid.cell_size());
+        let (section, pose, cells) = (body.shape.section(), Pose::default(), Cells::default());
+        let mut rigid = Self { body, section, profile, pose, direction: (0.0, 1.0), cells };
         rigid.place(0.0, grid);
         rigid
     }
 
-    /// Whether it moves at all.
+    /// Return whether it moves.
     pub fn moves(&self) -> bool {
         self.body.motion.is_some()
     }
 
-    /// Whether its drag on the fluid changes: it moves, or follows a wall target.
+    /// Return whether its drag on the fluid changes: it moves, or has a wall target.
     pub fn changes(&self) -> bool {
         self.moves() || self.cells.have_targets()
     }
 
-    /// The fluid of a density (kg/m³) that it displaces; moments are about the pivot.
+    /// Return the displaced fluid of a density (kg/m³); moments are about the pivot.
     pub fn displaced(&self, density: f64) -> Displaced {
         let Section { area, centroid, polar } = self.section;
         let Pose { angle, velocity, omega, .. } = self.pose;
         let mass = density * area;
         let arm = turned([centroid[0] - self.body.pivot[0], centroid[1] - self.body.pivot[1]], angle.sin_cos());
-        // The centroid's velocity is that of the pivot and this.
+        // Velocity of the centroid relative to the pivot.
         let swing = [-omega * arm[1], omega * arm[0]];
         let momentum = [0, 1].map(|axis| mass * (velocity[axis] + swing[axis]));
         let angular = arm[0] * momentum[1] - arm[1] * momentum[0] + density * polar * omega;
@@ -88,51 +89,59 @@ impl Rigid {
         Displaced { momentum, angular, transport }
     }
 
-    /// Power (W/m) of a force (N/m) and a moment about the pivot (N m/m) on it.
+    /// Return the power (W/m) of a force (N/m) and a moment about the pivot (N m/m).
     pub fn power(&self, force: [f64; 2], moment: f64) -> f64 {
         let Pose { velocity, omega, .. } = self.pose;
         force[0] * velocity[0] + force[1] * velocity[1] + moment * omega
     }
 
-    /// Move to where the prescribed motion has it at time `t` (s), and list its cells there.
+    /// Move to the place at time `t` (s), and list the cells.
     pub fn place(&mut self, t: f64, grid: &Grid) {
         self.pose = Pose::of(&self.body, t);
-        let Pose { position, angle, velocity, omega } = self.pose;
-        let (sin, cos) = angle.sin_cos();
-        let (cells, shape, profile, pivot) = (&mut self.cells, &self.shape, &self.profile, self.body.pivot);
-        let around = |axis: usize| {
-            // The axis of the box in those of the body.
+        self.direction = self.pose.angle.sin_cos();
+        let (Pose { position, .. }, (sin, cos), reach) = (self.pose, self.direction, self.profile.reach());
+        let around = [0, 1].map(|axis| {
+            // The axis of the domain in the axes of the body.
             let direction = [[cos, -sin], [sin, cos]][axis];
-            let from_pivot = direction[0] * pivot[0] + direction[1] * pivot[1];
-            let ahead = shape.extent(direction) - from_pivot + profile.reach();
-            let behind = shape.extent(direction.map(|component| -component)) + from_pivot + profile.reach();
+            let from_pivot = direction[0] * self.body.pivot[0] + direction[1] * self.body.pivot[1];
+            let ahead = self.body.shape.extent(direction) - from_pivot + reach;
+            let behind = self.body.shape.extent(direction.map(|component| -component)) + from_pivot + reach;
             [position[axis] - behind, position[axis] + ahead]
-        };
-        // A circle keeps all of the square around it.
-        let farthest = if matches!(shape, Shape::Circle(_)) { f64::INFINITY } else { profile.reach() };
+        });
+        // A circle keeps the whole square around it.
+        let farthest = if matches!(self.body.shape, Shape::Circle(_)) { f64::INFINITY } else { reach };
+        let mut cells = std::mem::take(&mut self.cells);
         cells.clear();
-        grid.for_each_in(around(0), around(1), |index, x, y| {
-            let arm = [x - position[0], y - position[1]];
-            let own = [cos * arm[0] + sin * arm[1] + pivot[0], cos * arm[1] - sin * arm[0] + pivot[1]];
-            let nearest = shape.nearest(own);
-            let rate = profile.rate(nearest.distance);
-            if rate > 0.0 && nearest.distance <= farthest {
-                let there = [velocity[0] - omega * arm[1], velocity[1] + omega * arm[0]];
-                cells.push(index, rate, there, arm);
-                if let Some(target) = profile.target(nearest.distance) {
-                    let [sx, sy] = turned([0, 1].map(|axis| nearest.surface[axis] - pivot[axis]), (sin, cos));
-                    let surface = [position[0] + sx, position[1] + sy];
-                    let normal = turned(nearest.normal, (sin, cos));
-                    let near = Near { distance: nearest.distance, surface, normal, share: 1.0 };
-                    cells.follow_last(target, near, there, grid);
-                    cells.turn_last(target, nearest.distance, omega);
-                }
+        grid.for_each_in(around, |index, x, y| {
+            let measure = self.measure(&[x, y]);
+            if measure.distance() <= farthest {
+                cells.add(index, [x - position[0], y - position[1]], &measure, &self.profile, grid);
             }
         });
+        self.cells = cells;
     }
 }
 
-/// A vector turned to the left by an angle, given by its sine and cosine.
+/// A place is a point, m.
+impl Measured<1> for Rigid {
+    type Place = [f64; 2];
+
+    #[inline(always)]
+    fn measure(&self, &[x, y]: &[f64; 2]) -> Measure<1> {
+        let (Pose { position, velocity, omega, .. }, pivot) = (self.pose, self.body.pivot);
+        let (sin, cos) = self.direction;
+        let arm = [x - position[0], y - position[1]];
+        let own = [cos * arm[0] + sin * arm[1] + pivot[0], cos * arm[1] - sin * arm[0] + pivot[1]];
+        let Nearest { distance, surface, normal } = self.body.shape.nearest(own);
+        let [fx, fy] = turned([0, 1].map(|axis| surface[axis] - pivot[axis]), (sin, cos));
+        let foot = [position[0] + fx, position[1] + fy];
+        let surfaces = [Surface { distance, foot, normal: turned(normal, (sin, cos)) }];
+        let velocity = [velocity[0] - omega * arm[1], velocity[1] + omega * arm[0]];
+        Measure { surfaces, velocity, velocity_before: velocity, spin: omega }
+    }
+}
+
+/// Turn a vector to the left by an angle, given by its sine and cosine.
 fn turned([x, y]: [f64; 2], (sin, cos): (f64, f64)) -> [f64; 2] {
     [cos * x - sin * y, cos * y + sin * x]
 }

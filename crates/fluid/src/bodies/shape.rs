@@ -1,88 +1,44 @@
-//! Outlines of rigid bodies in axes of their own: the nearest point of the surface, size, mass and moment of inertia.
+//! Outlines of rigid bodies in their own axes: nearest point of the surface, thickness, area and its moments.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::PI;
 
-use scene::Ends;
+use super::polygon;
+use super::section::{Nearest, Section};
+use crate::parameters::Shape;
 
-/// Iterations of Newton's method for the nearest point of an ellipse. It goes up to the root from one side and needs
-/// four to ten; more are needed only next to the middle of the long axis's focal points, where the drag is at its largest.
+/// Iterations of Newton's method for the nearest point of an ellipse. Four to ten are needed; more only near the middle
+/// of the line between the foci, where the drag has its largest value.
 const NEWTON_STEPS: usize = 40;
 
-/// How near to an axis of an ellipse a point is taken to be off it, by that semi-axis: on it the equation has a pole.
+/// Least distance from an axis of an ellipse, over that semi-axis: on the axis the equation has a pole.
 const OFF_AXIS: f64 = 1e-12;
 
-/// Points along each side of the bounding rectangle among which the search for the thickest place begins, and how often
-/// it halves its stride.
-const SEARCH: usize = 48;
-const HALVINGS: usize = 30;
-
-/// An outline.
-#[derive(Clone, Debug)]
-pub enum Shape {
-    /// Circle of a radius, m.
-    Circle(f64),
-    /// Ellipse of semi-axes, m.
-    Ellipse([f64; 2]),
-    /// Rectangle of half its size, m.
-    Rectangle([f64; 2]),
-    /// Rectangle whose ends are half circles: half the length of its straight sides, and half its thickness, m.
-    Capsule([f64; 2]),
-    /// Polygon whose corners, m, go round to the left.
-    Polygon(Vec<[f64; 2]>),
-}
-
-/// The nearest point of a surface.
-#[derive(Clone, Copy, Debug)]
-pub struct Nearest {
-    /// Signed distance to it, m, positive in the fluid. Outside of corners it is that to the lines of the sides, so that
-    /// lines of equal distance keep the corner.
-    pub distance: f64,
-    /// That point, or the one on the line of the side, m.
-    pub surface: [f64; 2],
-    /// Unit normal into the fluid.
-    pub normal: [f64; 2],
-}
-
-/// Area (m²), centroid (m) and polar second moment of area about the centroid (m⁴).
-#[derive(Clone, Copy, Debug)]
-pub struct Section {
-    pub area: f64,
-    pub centroid: [f64; 2],
-    pub polar: f64,
-}
-
 impl Shape {
-    /// The outline of a scene's body.
-    pub fn new(shape: &scene::Shape) -> Self {
-        match shape {
-            scene::Shape::Circle { radius } => Self::Circle(*radius),
-            scene::Shape::Ellipse { length, thickness } => Self::Ellipse([0.5 * length, 0.5 * thickness]),
-            scene::Shape::Rectangle { length, thickness, ends } => match ends {
-                Ends::Square => Self::Rectangle([0.5 * length, 0.5 * thickness]),
-                Ends::Round => Self::Capsule([0.5 * (length - thickness), 0.5 * thickness]),
-            },
-            scene::Shape::Polygon { corners } => {
-                let mut corners = corners.clone();
-                if signed_area(&corners) < 0.0 {
+    /// Return the outline with the corners of a polygon in left-hand order.
+    pub(super) fn oriented(self) -> Self {
+        match self {
+            Self::Polygon(mut corners) => {
+                if polygon::signed_area(&corners) < 0.0 {
                     corners.reverse();
                 }
                 Self::Polygon(corners)
             }
+            shape => shape,
         }
     }
 
-    /// Diameter of the largest circle inside, m.
-    pub fn thickness(&self) -> f64 {
+    /// Return the diameter of the largest circle inside, m.
+    pub(super) fn thickness(&self) -> f64 {
         match self {
             Self::Circle(radius) => 2.0 * radius,
             Self::Ellipse([a, b]) | Self::Rectangle([a, b]) => 2.0 * a.min(*b),
             Self::Capsule([_, radius]) => 2.0 * radius,
-            Self::Polygon(corners) => 2.0 * depth_of_polygon(corners),
+            Self::Polygon(corners) => 2.0 * polygon::depth(corners),
         }
     }
 
-    /// How far it goes from its origin in the direction of a unit vector, m.
-    pub fn extent(&self, direction: [f64; 2]) -> f64 {
+    /// Return the extent from the origin in the direction of a unit vector, m.
+    pub(super) fn extent(&self, direction: [f64; 2]) -> f64 {
         let [x, y] = direction;
         match self {
             Self::Circle(radius) => *radius,
@@ -93,8 +49,8 @@ impl Shape {
         }
     }
 
-    /// Its area and how that is distributed.
-    pub fn section(&self) -> Section {
+    /// Return the area and its moments.
+    pub(super) fn section(&self) -> Section {
         let middle = |area, polar| Section { area, centroid: [0.0; 2], polar };
         match self {
             Self::Circle(radius) => middle(PI * radius.powi(2), 0.5 * PI * radius.powi(4)),
@@ -107,12 +63,12 @@ impl Shape {
                 let polar = straight / 3.0 * (a * a + r * r) + caps * (0.5 * r * r - off * off + (a + off).powi(2));
                 middle(straight + caps, polar)
             }
-            Self::Polygon(corners) => section_of_polygon(corners),
+            Self::Polygon(corners) => polygon::section(corners),
         }
     }
 
-    /// The nearest point of the surface.
-    pub fn nearest(&self, point: [f64; 2]) -> Nearest {
+    /// Return the nearest point of the surface.
+    pub(super) fn nearest(&self, point: [f64; 2]) -> Nearest {
         match self {
             Self::Circle(radius) => nearest_of_circle(point, [0.0; 2], *radius),
             Self::Ellipse(semi_axes) => nearest_of_ellipse(point, *semi_axes),
@@ -123,7 +79,7 @@ impl Shape {
                 Nearest { distance, surface: [0, 1].map(|axis| point[axis] - distance * normal[axis]), normal }
             }
             Self::Capsule([a, radius]) => nearest_of_circle(point, [point[0].clamp(-a, *a), 0.0], *radius),
-            Self::Polygon(corners) => nearest_of_polygon(point, corners),
+            Self::Polygon(corners) => polygon::nearest(point, corners),
         }
     }
 }
@@ -136,11 +92,11 @@ fn nearest_of_circle(point: [f64; 2], center: [f64; 2], radius: f64) -> Nearest 
     Nearest { distance: from_center - radius, surface, normal }
 }
 
-/// The point (x, y) = (a² p/(t + a²), b² q/(t + b²)) of the ellipse is the nearest to (p, q) where t is the largest root of
-/// `F(t) = (a p/(t + a²))² + (b q/(t + b²))² − 1`, which is convex and falls there.
+/// Return the point (x, y) = (a² p/(t + a²), b² q/(t + b²)) of the ellipse nearest to (p, q). t is the largest root of
+/// `F(t) = (a p/(t + a²))² + (b q/(t + b²))² − 1`, which is convex and decreases there.
 fn nearest_of_ellipse(point: [f64; 2], [a, b]: [f64; 2]) -> Nearest {
     let (p, q) = (point[0].abs().max(OFF_AXIS * a), point[1].abs().max(OFF_AXIS * b));
-    // F is not negative here: Newton's method goes up to the root.
+    // F is not negative here, so Newton's method increases t up to the root.
     let mut t = (a * p - a * a).max(b * q - b * b);
     for _ in 0..NEWTON_STEPS {
         let (x, y) = (a * p / (t + a * a), b * q / (t + b * b));
@@ -162,112 +118,10 @@ fn nearest_of_ellipse(point: [f64; 2], [a, b]: [f64; 2]) -> Nearest {
     }
 }
 
-/// Twice the area, positive where the corners go round to the left.
-fn signed_area(corners: &[[f64; 2]]) -> f64 {
-    sides(corners).map(|([x0, y0], [x1, y1])| x0 * y1 - x1 * y0).sum()
-}
-
-/// The sides, each from a corner to the next.
-fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
-    (0..corners.len()).map(|i| (corners[i], corners[(i + 1) % corners.len()]))
-}
-
-fn section_of_polygon(corners: &[[f64; 2]]) -> Section {
-    // Green's theorem about the first corner, so that a place far from the origin costs no digits.
-    let [x0, y0] = corners[0];
-    let (mut area, mut first, mut second) = (0.0, [0.0; 2], 0.0);
-    for (a, b) in sides(corners) {
-        let [a, b] = [a, b].map(|[x, y]| [x - x0, y - y0]);
-        let cross = a[0] * b[1] - a[1] * b[0];
-        area += 0.5 * cross;
-        (0..2).for_each(|axis| first[axis] += cross / 6.0 * (a[axis] + b[axis]));
-        second += (0..2).map(|i| cross / 12.0 * (a[i] * a[i] + a[i] * b[i] + b[i] * b[i])).sum::<f64>();
-    }
-    let [cx, cy] = first.map(|moment| moment / area);
-    Section { area, centroid: [x0 + cx, y0 + cy], polar: second - area * (cx * cx + cy * cy) }
-}
-
-/// A side's inner points have fluid on one side of them. A corner that points outwards is near to points in the fluid alone,
-/// one that points inwards to points in the body alone.
-fn nearest_of_polygon(point: [f64; 2], corners: &[[f64; 2]]) -> Nearest {
-    let (mut least, mut nearest, mut corner) = (f64::INFINITY, 0, None);
-    for (i, (a, b)) in sides(corners).enumerate() {
-        let (along, offset) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
-        let fraction = (offset[0] * along[0] + offset[1] * along[1]) / (along[0] * along[0] + along[1] * along[1]);
-        let at = fraction.clamp(0.0, 1.0);
-        let distance = (offset[0] - at * along[0]).hypot(offset[1] - at * along[1]);
-        if distance < least {
-            // The corner at the begin of a side has its number.
-            corner = if fraction <= 0.0 {
-                Some(i)
-            } else if fraction >= 1.0 {
-                Some((i + 1) % corners.len())
-            } else {
-                None
-            };
-            (least, nearest) = (distance, i);
-        }
-    }
-    // Distance to the line of a side, and its normal.
-    let line = |i: usize| {
-        let (a, b) = (corners[i], corners[(i + 1) % corners.len()]);
-        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
-        let normal = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
-        ((point[0] - a[0]) * normal[0] + (point[1] - a[1]) * normal[1], normal)
-    };
-    let Some(corner) = corner else {
-        let (distance, normal) = line(nearest);
-        return Nearest { distance, surface: [0, 1].map(|axis| point[axis] - distance * normal[axis]), normal };
-    };
-    let before = (corner + corners.len() - 1) % corners.len();
-    let (one, other) = (line(before), line(corner));
-    let points_outwards = one.1[0] * other.1[1] - one.1[1] * other.1[0] >= 0.0;
-    if points_outwards {
-        let (distance, normal) = if one.0 > other.0 { one } else { other };
-        // A corner sharper than a right angle is cut, lest the lines of equal distance go far beyond it.
-        let distance = distance.max(least / SQRT_2);
-        Nearest { distance, surface: [0, 1].map(|axis| point[axis] - distance * normal[axis]), normal }
-    } else {
-        let surface = corners[corner];
-        let normal = [0, 1].map(|axis| (surface[axis] - point[axis]) / least.max(f64::MIN_POSITIVE));
-        Nearest { distance: -least, surface, normal }
-    }
-}
-
-/// Radius of the largest circle in a polygon, m: a pattern search from the deepest of a grid of points.
-fn depth_of_polygon(corners: &[[f64; 2]]) -> f64 {
-    let range = |axis: usize| {
-        let values = corners.iter().map(|corner| corner[axis]);
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-        [low, high - low]
-    };
-    let ([x0, width], [y0, height]) = (range(0), range(1));
-    let depth = |point: [f64; 2]| -nearest_of_polygon(point, corners).distance;
-    let (mut best, mut deepest) = (corners[0], 0.0);
-    let mut take = |point: [f64; 2], best: &mut [f64; 2]| {
-        let there = depth(point);
-        if there > deepest {
-            (*best, deepest) = (point, there);
-        }
-    };
-    for i in 0..SEARCH * SEARCH {
-        let share = |k: usize| (k as f64 + 0.5) / SEARCH as f64;
-        take([x0 + width * share(i / SEARCH), y0 + height * share(i % SEARCH)], &mut best);
-    }
-    let mut stride = [width, height].map(|size| 0.5 * size / SEARCH as f64);
-    for _ in 0..HALVINGS {
-        for (sx, sy) in
-            [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
-        {
-            take([best[0] + sx * stride[0], best[1] + sy * stride[1]], &mut best);
-        }
-        stride = stride.map(|s| 0.5 * s);
-    }
-    deepest
-}
-
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::SQRT_2;
+
     use super::*;
 
     fn close(found: [f64; 2], expected: [f64; 2]) -> bool {
@@ -275,7 +129,7 @@ mod tests {
     }
 
     fn polygon(corners: &[[f64; 2]]) -> Shape {
-        Shape::new(&scene::Shape::Polygon { corners: corners.to_vec() })
+        Shape::Polygon(corners.to_vec()).oriented()
     }
 
     /// From a point of the surface along its normal, inwards up to the centre of curvature and outwards, that point is

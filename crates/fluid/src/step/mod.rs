@@ -1,23 +1,26 @@
-//! The time schemes. Each makes the next flow where no present one stands, and takes it over only if it is one.
+//! The time schemes. A step makes the next flow in arrays of its own and swaps them with the present flow if it is finite.
 
 mod rk2;
 mod sbdf2;
+mod substep;
+mod work;
 
-use std::mem::take;
-
-use scene::TimeScheme;
-
-use crate::bodies::Stations;
-use crate::domain::Domain;
-use crate::error::Error;
-use crate::state::{Memory, Present};
 use line_fft::Real;
-use line_fft::Team;
+
+use crate::bodies::{Loads, PredictedBeams};
+use crate::error::Error;
+use crate::flow::Flow;
+use crate::parameters::TimeScheme;
+use crate::present::Present;
+use crate::problem::Problem;
+use crate::state::Memory;
 
 use rk2::Rk2;
 use sbdf2::Sbdf2;
+pub use substep::Substep;
+pub use work::Work;
 
-/// A time scheme with what it remembers of earlier steps.
+/// A time scheme with its memory of earlier steps.
 pub enum Scheme<R: Real> {
     /// Two-step backward differences.
     Sbdf2(Sbdf2<R>),
@@ -25,50 +28,16 @@ pub enum Scheme<R: Real> {
     Rk2(Rk2<R>),
 }
 
-/// One step of the fluid's own.
-#[derive(Clone, Copy)]
-pub struct Step<'a> {
-    /// Its length, s.
-    pub dt: f64,
-    /// Its end, s.
-    pub end: f64,
-    /// Stations of the beams at its end.
-    pub stations: &'a [Stations],
-    /// Where they go on to, if loads are predicted after it.
-    pub ahead: Option<&'a [Stations]>,
-    /// Largest CFL number.
-    pub max_cfl: f64,
-    /// The shortest step that the flow at its end may ask for, s.
-    pub shortest: f64,
-    /// Who makes it.
-    pub team: &'a Team,
-}
-
-impl Step<'_> {
-    /// Whether a flow with an advection rate (1/s) at the end is one.
-    fn check(&self, advection_rate: f64) -> Result<(), Error> {
-        let (needed, shortest) = (self.max_cfl / advection_rate, self.shortest);
-        // Not a number is no step either.
-        if needed >= shortest { Ok(()) } else { Err(Error::Diverged { time: self.end, needed, shortest }) }
-    }
-
-    /// Take the time and the stations of the end over.
-    fn finish<R: Real>(&self, present: &mut Present<R>, advection_rate: f64) {
-        (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
-        Stations::copy_all(&mut present.beams.stations, self.stations);
-    }
-}
-
 impl<R: Real> Scheme<R> {
-    /// A scheme at the beginning, from a uniform velocity (m/s).
-    pub fn new(scheme: TimeScheme, velocity: [f64; 2], domain: &Domain<R>) -> Self {
+    /// A scheme that begins with a uniform velocity (m/s).
+    pub fn new(scheme: TimeScheme, velocity: [f64; 2], problem: &Problem, work: &Work<R>) -> Self {
         match scheme {
-            TimeScheme::Sbdf2 => Self::Sbdf2(Sbdf2::new(domain)),
-            TimeScheme::Rk2 => Self::Rk2(Rk2::new(velocity, domain)),
+            TimeScheme::Sbdf2 => Self::Sbdf2(Sbdf2::new(problem)),
+            TimeScheme::Rk2 => Self::Rk2(Rk2::new(velocity, problem, work)),
         }
     }
 
-    /// What the scheme remembers.
+    /// Return a copy of the memory.
     pub fn memory(&self) -> Memory<R> {
         match self {
             Self::Sbdf2(scheme) => Memory::Sbdf2(scheme.memory.clone()),
@@ -76,11 +45,11 @@ impl<R: Real> Scheme<R> {
         }
     }
 
-    /// Whether `memory` is of this scheme and size, and its numbers are finite.
+    /// Return whether `memory` is of this scheme and size, and its numbers are finite.
     pub fn fits(&self, memory: &Memory<R>) -> bool {
         match (self, memory) {
             (Self::Sbdf2(scheme), Memory::Sbdf2(memory)) => {
-                memory.has_shape_of(&scheme.memory) && memory.per_tau.is_finite()
+                memory.has_shape_of(&scheme.memory) && memory.inv_tau.is_finite()
             }
             (Self::Rk2(scheme), Memory::Rk2(u_hat)) => {
                 u_hat.iter().zip(&scheme.u_hat).all(|(theirs, own)| theirs.len() == own.len())
@@ -89,7 +58,7 @@ impl<R: Real> Scheme<R> {
         }
     }
 
-    /// Copy what the scheme remembers into `memory`, which is of the same shape; allocates nothing.
+    /// Copy the memory to `memory`, which [`Self::fits`]; allocates nothing.
     pub fn save(&self, memory: &mut Memory<R>) {
         match (self, memory) {
             (Self::Sbdf2(scheme), Memory::Sbdf2(memory)) => memory.copy_from(&scheme.memory),
@@ -98,7 +67,7 @@ impl<R: Real> Scheme<R> {
         }
     }
 
-    /// The way back from [`Self::save`].
+    /// Copy the memory from `memory`, which [`Self::fits`].
     pub fn restore(&mut self, memory: &Memory<R>) {
         match (self, memory) {
             (Self::Sbdf2(scheme), Memory::Sbdf2(memory)) => scheme.memory.copy_from(memory),
@@ -107,64 +76,78 @@ impl<R: Real> Scheme<R> {
         }
     }
 
-    /// Longest step that the scheme can make through the bodies, s; none where it has no limit.
-    pub fn longest_step(&self, domain: &Domain<R>) -> Option<f64> {
+    /// Return the longest step that is stable with the bodies, s; none if there is no limit.
+    pub fn longest_step(&self, problem: &Problem) -> Option<f64> {
         match self {
             Self::Sbdf2(_) => None,
-            Self::Rk2(_) => Some(rk2::longest_step(&domain.bodies)),
+            Self::Rk2(_) => Some(rk2::longest_step(&problem.bodies)),
         }
     }
 
-    /// Start from the part without divergence of the velocity in `domain.w`.
-    pub fn start(&mut self, present: &mut Present<R>, domain: &mut Domain<R>) {
+    /// Start from the divergence-free part of the velocity in `work.w`.
+    pub fn start(&mut self, flow: &mut Flow<R>, present: &mut Present, problem: &mut Problem, work: &mut Work<R>) {
         present.step = 0.0;
         match self {
-            Self::Sbdf2(scheme) => scheme.start(present, domain),
-            Self::Rk2(scheme) => scheme.start(present, domain),
+            Self::Sbdf2(scheme) => scheme.start(flow, present, problem, work),
+            Self::Rk2(scheme) => scheme.start(flow, present, problem, work),
         }
     }
 
-    /// Make a step. On an error everything is as before but the bodies, which are where the step would have ended.
-    pub fn step(&mut self, step: Step, present: &mut Present<R>, domain: &mut Domain<R>) -> Result<(), Error> {
-        match self {
-            Self::Sbdf2(scheme) => scheme.step(step, present, domain),
-            Self::Rk2(scheme) => scheme.step(step, present, domain),
-        }
-    }
-
-    /// Loads on the stations in the coming step of the same size, were they to keep their velocities, with which they
-    /// get to the `ahead` of the last step.
+    /// Make a step, and return where the beams are predicted to be after it if that was asked for and found.
     ///
-    /// The mask is put there for it. With the mask where it is, the loads would be late by the way of a step, and the
-    /// exchange would feed the rod.
-    pub fn predict_loads(&self, present: &mut Present<R>, domain: &mut Domain<R>) {
-        if present.beams.loads.is_empty() {
-            return;
-        }
-        let mut loads = take(&mut present.beams.loads);
+    /// After an error only the bodies have changed: they are at the end of the step.
+    pub fn step(
+        &mut self,
+        step: Substep,
+        flow: &mut Flow<R>,
+        present: &mut Present,
+        problem: &mut Problem,
+        work: &mut Work<R>,
+    ) -> Result<Option<PredictedBeams>, Error> {
         match self {
-            Self::Sbdf2(scheme) => {
-                domain.bodies.go_ahead();
-                scheme.predict_loads(present, &mut domain.bodies, &mut loads);
-            }
-            // Its explicit drag is that of the mask where it is at the beginning of the step.
-            Self::Rk2(_) => rk2::predict_loads(present, &mut domain.bodies, &mut loads),
+            Self::Sbdf2(scheme) => scheme.step(step, flow, present, problem, work),
+            Self::Rk2(scheme) => scheme.step(step, flow, present, problem, work).map(|()| None),
         }
-        present.beams.loads = loads;
     }
 
-    /// Pi at the present time (m²/s²) into `domain.w[0]`: what makes the rate of change free of divergence.
-    pub fn make_total_pressure(&self, present: &Present<R>, domain: &mut Domain<R>) {
-        let cfl = present.advection_rate * present.step;
+    /// Write the loads on the stations in a coming step of the same length in which the stations keep their velocities.
+    ///
+    /// Implicit drag acts on the beams where that step ends, at `predicted`: at their present places the loads would be late
+    /// by a step, and the exchange would feed the rod. Explicit drag acts at their present places.
+    pub fn predict_loads(
+        &self,
+        predicted: Option<PredictedBeams>,
+        flow: &Flow<R>,
+        present: &Present,
+        problem: &mut Problem,
+        loads: &mut [Loads],
+    ) {
         match self {
-            Self::Sbdf2(scheme) => domain.spectral.solve_for_pressure(&scheme.memory.w, scheme.memory.per_tau, cfl),
-            Self::Rk2(_) => {
-                // The velocity itself has no divergence.
-                rk2::add_rate_of_change(present.time, &present.flow, 1.0, domain);
-                domain.spectral.solve_for_pressure(&domain.w, 1.0, cfl);
-            }
+            Self::Sbdf2(scheme) => scheme.predict_loads(predicted, flow, present, &mut problem.bodies, loads),
+            Self::Rk2(_) => rk2::predict_loads(flow, present, &mut problem.bodies, loads),
         }
-        domain.spectral.pressure(&mut domain.w[0]);
+    }
+
+    /// Return Pi at the present time (m²/s²), which makes the rate of change free of divergence.
+    pub fn total_pressure<'a>(
+        &self,
+        flow: &Flow<R>,
+        present: &Present,
+        problem: &mut Problem,
+        work: &'a mut Work<R>,
+    ) -> &'a [R] {
+        let cfl = present.cfl(present.step);
+        if let Self::Rk2(_) = self {
+            // The velocity in it has no divergence.
+            rk2::add_rate_of_change(present.time, flow, 1.0, problem, &mut work.w);
+        }
+        let Work { spectral, projection, w } = work;
+        let pressure = match self {
+            Self::Sbdf2(scheme) => spectral.pressure(projection, &scheme.memory.w, scheme.memory.inv_tau, cfl),
+            Self::Rk2(_) => spectral.pressure(projection, w, 1.0, cfl),
+        };
+        pressure.write(&mut w[0]);
+        &w[0]
     }
 }
 

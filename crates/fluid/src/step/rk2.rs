@@ -1,6 +1,6 @@
 //! Heun's method with the drag explicit and viscosity exact (thesis eq. 3.15 – 3.18, corrected).
 //!
-//! With `E = exp(−nu k² dt)`, P the projection and F the filter,
+//! With `E = exp(−nu k² dt)`, the projection P and the filter F,
 //!
 //! ```text
 //! f(t, u) = −omega × u − Σ a_b (u − u_b(t))                             point by point
@@ -8,22 +8,25 @@
 //! u^{n+1} = P F ½ [E u^n + u_1 + dt f(t^{n+1}, u_1)]                    wave by wave
 //! ```
 //!
-//! with `F = 1/(1 + dt r)`, r the rate of the filter. It is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n is kept, so a step takes ten real transforms: twice two
-//! forward and three inverse. The explicit drag is stable up to `dt Σ a = 2`; steps are divided to keep it at or below 1.
+//! with `F = 1/(1 + dt r)`, r being the rate of the filter. This is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n is
+//! kept, so a step takes ten real transforms: twice two forward and three inverse. The explicit drag is stable up to
+//! `dt Σ a = 2`; steps are divided to keep it at or below 1.
 
 use std::f64::consts::TAU;
 use std::mem::swap;
 
-use super::Step;
+use line_fft::{Arithmetic, Kernel, Pack, Real, Team, nothing, run};
+
+use super::substep::Substep;
+use super::work::Work;
 use crate::bodies::{Bodies, Cell, Loads};
-use crate::domain::Domain;
 use crate::error::Error;
+use crate::field::Field;
+use crate::flow::Flow;
 use crate::grid::Grid;
-use crate::projection::Projection;
-use crate::state::{Flow, Present};
-use line_fft::Pack;
-use line_fft::{Arithmetic, Kernel, Real, run};
-use line_fft::{Team, nothing};
+use crate::present::Present;
+use crate::problem::Problem;
+use crate::projection::Implicit;
 
 /// The scheme with its memory.
 pub struct Rk2<R: Real> {
@@ -35,22 +38,22 @@ pub struct Rk2<R: Real> {
     decay: Decay,
 }
 
-/// The exact decay by viscosity, as factors for each kx, and for each ky.
+/// Exact decay by viscosity: a factor for each kx and for each ky.
 struct Decay {
     kx2: Vec<f64>,
     ky2: Vec<f64>,
     x: Vec<f64>,
     y: Vec<f64>,
-    /// What the transforms make of a mode: the spectrum of u^n has not gone through them.
+    /// Gains of a round trip of the transforms, which the spectrum of u^n has not made.
     gains: [Vec<f64>; 2],
-    /// What they were made for, `nu dt`, m².
+    /// `nu dt` of the factors, m².
     nu_dt: f64,
 }
 
-/// What comes out of a solve wave by wave.
+/// Result of a solve wave by wave.
 #[derive(Clone, Copy, PartialEq)]
 enum Stage {
-    /// `P F w`, the beginning.
+    /// `P F w`, at the start.
     Start,
     /// `P F E w`.
     First,
@@ -59,39 +62,48 @@ enum Stage {
 }
 
 impl<R: Real> Rk2<R> {
-    /// From a uniform velocity, m/s.
-    pub fn new(velocity: [f64; 2], domain: &Domain<R>) -> Self {
-        let spectrum = domain.spectral.spectrum();
+    /// A scheme that begins with a uniform velocity, m/s.
+    pub fn new(velocity: [f64; 2], problem: &Problem, work: &Work<R>) -> Self {
+        let spectrum = work.spectral.spectrum();
         let uniform = |velocity: f64| {
             let mut spectrum = spectrum.clone();
             spectrum[0].re[0] = R::rounded(velocity);
             spectrum
         };
-        let decay = Decay::new(&domain.grid, domain.spectral.gains());
-        let next = Flow::uniform([0.0; 2], domain.grid.len());
+        let decay = Decay::new(&problem.grid, work.spectral.gains());
+        let next = Flow::uniform([0.0; 2], problem.grid.len());
         Self { u_hat: velocity.map(uniform), next, next_u_hat: [spectrum.clone(), spectrum], decay }
     }
 
-    pub fn start(&mut self, present: &mut Present<R>, domain: &mut Domain<R>) {
-        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), Stage::Start, present.time, 0.0, domain);
-        self.take_over(&mut present.flow);
+    /// Start from the velocity in `work.w`.
+    pub fn start(&mut self, flow: &mut Flow<R>, present: &mut Present, problem: &mut Problem, work: &mut Work<R>) {
+        let implicit = Implicit { tau_nu: 0.0, cfl: 0.0, mean: problem.mean_velocity(present.time) };
+        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), Stage::Start, implicit, problem, work);
+        self.take_over(flow);
     }
 
-    pub fn step(&mut self, step: Step, present: &mut Present<R>, domain: &mut Domain<R>) -> Result<(), Error> {
-        let cfl = present.advection_rate * step.dt;
-        self.decay.set_viscosity(step.dt * domain.nu);
-        add_rate_of_change(present.time, &present.flow, step.dt, domain);
-        domain.bodies.place(step.end, step.stations, &present.beams.stations, &domain.grid);
-        step.check(self.solve_wave_by_wave(step.team, Stage::First, step.end, cfl, domain))?;
-        add_rate_of_change(step.end, &self.next, step.dt, domain);
-        let advection_rate = self.solve_wave_by_wave(step.team, Stage::Second, step.end, cfl, domain);
+    pub fn step(
+        &mut self,
+        step: Substep,
+        flow: &mut Flow<R>,
+        present: &mut Present,
+        problem: &mut Problem,
+        work: &mut Work<R>,
+    ) -> Result<(), Error> {
+        let implicit = Implicit { tau_nu: 0.0, cfl: present.cfl(step.dt), mean: problem.mean_velocity(step.end) };
+        self.decay.set_viscosity(step.dt * problem.nu);
+        add_rate_of_change(present.time, flow, step.dt, problem, &mut work.w);
+        problem.bodies.place(step.end, step.stations, &present.beams.stations, &problem.grid);
+        step.check(self.solve_wave_by_wave(step.team, Stage::First, implicit, problem, work))?;
+        add_rate_of_change(step.end, &self.next, step.dt, problem, &mut work.w);
+        let advection_rate = self.solve_wave_by_wave(step.team, Stage::Second, implicit, problem, work);
         step.check(advection_rate)?;
 
-        self.take_over(&mut present.flow);
-        sample(&present.flow, &mut domain.bodies);
-        let drag = |cell: &Cell| present_drag(&present.flow, cell);
+        self.take_over(flow);
+        problem.bodies.sample(|point| flow.velocity_at(point));
+        let drag = |cell: &Cell| present_drag(flow, cell);
         let exchange = &mut present.beams.exchange;
-        domain.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
+        problem.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
         step.finish(present, advection_rate);
         Ok(())
     }
@@ -102,39 +114,44 @@ impl<R: Real> Rk2<R> {
         swap(&mut self.u_hat, &mut self.next_u_hat);
     }
 
-    /// From `domain.w` to `next`, the flow after a stage at a time (s) of a step with a CFL number, and its advection
-    /// rate, 1/s.
-    fn solve_wave_by_wave(&mut self, team: &Team, stage: Stage, time: f64, cfl: f64, domain: &mut Domain<R>) -> f64 {
-        domain.hold_mean_flow(time);
-        domain.spectral.projection.set_step(0.0, cfl);
-        let (nx, points) = (domain.grid.nx, domain.grid.len() as f64);
+    /// Make the flow after a stage from `work.w` in `next`, and return its advection rate, 1/s.
+    fn solve_wave_by_wave(
+        &mut self,
+        team: &Team,
+        stage: Stage,
+        implicit: Implicit,
+        problem: &mut Problem,
+        work: &mut Work<R>,
+    ) -> f64 {
+        let (nx, points) = (problem.grid.cells[0], problem.grid.len() as f64);
         let [u, v] = self.u_hat.each_ref().map(|u_hat| u_hat.chunks_exact(nx));
         let [next_u, next_v] = self.next_u_hat.each_mut().map(|u_hat| u_hat.chunks_exact_mut(nx));
         let rows = u.zip(v).zip(next_u.zip(next_v));
+        let Work { spectral, projection, w } = work;
         let decay = &self.decay;
-        let solve = |projection: &Projection<R>, row: usize, own: Row<R>, [u, v, omega]: [&mut [Pack<R>]; 3]| {
+        let solve = |row: usize, own: Row<R>, [u, v, omega]: [&mut [Pack<R>]; 3]| {
             let ((u_before, v_before), (u_after, v_after)) = own;
             decay.apply(stage, points, row, u, u_before);
             decay.apply(stage, points, row, v, v_before);
-            projection.project(row, u, v, omega);
+            projection.project(&implicit, row, [&mut *u, &mut *v, omega]);
             if stage != Stage::First {
                 u_after.copy_from_slice(u);
                 v_after.copy_from_slice(v);
             }
         };
-        domain.spectral.transform_along_y(team, &domain.w, &mut domain.clock);
-        domain.spectral.solve(team, rows, solve, &mut self.next, &mut domain.clock, nothing)
+        let along_y = spectral.transform_along_y(team, w, &mut problem.timer);
+        along_y.solve(team, rows, solve, &mut self.next, &mut problem.timer, nothing)
     }
 }
 
-/// A row of both components of u^n, and where that of u^{n+1} goes.
+/// A row of both components of u^n and of u^{n+1}.
 type Row<'a, R> = ((&'a [Pack<R>], &'a [Pack<R>]), (&'a mut [Pack<R>], &'a mut [Pack<R>]));
 
 impl Decay {
-    /// For transforms with these gains.
+    /// Prepare for transforms with these gains.
     fn new(grid: &Grid, gains: [Vec<f64>; 2]) -> Self {
         let modes = gains[1].len();
-        let Grid { nx, length, height, .. } = *grid;
+        let (nx, [length, height]) = (grid.cells[0], grid.size);
         let kx2 = |i: usize| (TAU / length * i.min(nx - i) as f64).powi(2);
         let ky2 = |j: usize| (TAU / height * j as f64).powi(2);
         Self {
@@ -157,7 +174,7 @@ impl Decay {
         self.y.iter_mut().zip(&self.ky2).for_each(|(y, k2)| *y = decay(*k2));
     }
 
-    /// From w to what a stage projects, in a row of one component; `before` is that of u^n over the number of points.
+    /// Turn w into what a stage projects, in a row of one component; `before` is the row of u^n over the number of points.
     fn apply<R: Real>(&self, stage: Stage, points: f64, row: usize, w: &mut [Pack<R>], before: &[Pack<R>]) {
         let [decay_y, gain_y] = [&self.y, &self.gains[1]].map(|of| &of[row * R::LANES..][..R::LANES]);
         for ((w, before), (decay_x, gain_x)) in w.iter_mut().zip(before).zip(self.x.iter().zip(&self.gains[0])) {
@@ -179,41 +196,36 @@ impl Decay {
     }
 }
 
-/// Longest step that the explicit drag allows, s.
+/// Return the longest step that the explicit drag allows, s.
 pub fn longest_step(bodies: &Bodies) -> f64 {
     let stiffest = bodies.rate().into_iter().flatten().fold(0.0_f64, |most, rate| most.max(*rate));
     1.0 / stiffest.max(f64::MIN_POSITIVE)
 }
 
-/// Let the bodies sample a flow.
-fn sample<R: Real>(flow: &Flow<R>, bodies: &mut Bodies) {
-    let [u, v] = &flow.velocity;
-    bodies.sample(|point| [u[point].to_f64(), v[point].to_f64()]);
-}
-
-/// `u + dt f` for a flow at a time (s), into `domain.w`.
-pub fn add_rate_of_change<R: Real>(time: f64, flow: &Flow<R>, dt: f64, domain: &mut Domain<R>) {
-    sample(flow, &mut domain.bodies);
+/// Write `u + dt f` for a flow at a time (s) to `w`.
+pub fn add_rate_of_change<R: Real>(time: f64, flow: &Flow<R>, dt: f64, problem: &mut Problem, w: &mut [Field<R>; 2]) {
+    problem.bodies.sample(|point| flow.velocity_at(point));
     let Flow { velocity: [u, v], vorticity: omega } = flow;
-    let rate = domain.bodies.rate();
-    let [wx, wy] = &mut domain.w;
+    let rate = problem.bodies.rate();
+    let [wx, wy] = &mut *w;
     run(Explicit { dt, u, other: v, omega, sign: -1.0, rate, w: wx });
     run(Explicit { dt, u: v, other: u, omega, sign: 1.0, rate, w: wy });
-    domain.add_velocities(time, |_| dt);
+    problem.add_velocities(time, |_| dt, w);
 }
 
-/// The drag as it is. A change of the body's velocity in the coming step moves the fluid along with `dt a_b/2`.
-pub fn predict_loads<R: Real>(present: &Present<R>, bodies: &mut Bodies, loads: &mut [Loads]) {
-    sample(&present.flow, bodies);
+/// Write the present drag on the beams. A change of a body's velocity in the coming step takes the fluid along by
+/// `dt a_b/2`.
+pub fn predict_loads<R: Real>(flow: &Flow<R>, present: &Present, bodies: &mut Bodies, loads: &mut [Loads]) {
+    bodies.sample(|point| flow.velocity_at(point));
     let weight = bodies.cell_mass;
     let drag = |cell: &Cell| {
-        let force = present_drag(&present.flow, cell).map(|drag| weight * drag);
+        let force = present_drag(flow, cell).map(|drag| weight * drag);
         (force, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - 0.5 * present.step * cell.rate)))
     };
     bodies.collect_loads(drag, loads);
 }
 
-/// Drag of a flow on a cell over the density, `a_b (u − u_b)`, m/s².
+/// Return the drag of a flow on a cell over the density, `a_b (u − u_b)`, m/s².
 fn present_drag<R: Real>(flow: &Flow<R>, cell: &Cell) -> [f64; 2] {
     [0, 1].map(|axis| cell.rate * (flow.velocity[axis][cell.index].to_f64() - cell.velocity[axis]))
 }

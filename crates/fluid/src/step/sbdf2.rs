@@ -1,7 +1,7 @@
 //! Two-step backward differences with extrapolated advection.
 //!
-//! The step is split so that what is local in space and what is local in wavenumber are each solved exactly
-//! (Douglas–Rachford in incremental form). With `c_0 … c_2` the difference coefficients, `e_1, e_2` the extrapolation,
+//! The step is split so that the terms local in space and the terms local in wavenumber are each solved exactly
+//! (Douglas–Rachford in incremental form). With the difference coefficients `c_0 … c_2`, the extrapolation `e_1, e_2`,
 //! `tau = 1/c_0`, `N = omega × u` and `G = ∇Pi − nu ∇²u + r u`, r being the rate of the filter,
 //!
 //! ```text
@@ -10,30 +10,32 @@
 //! G^{n+1} = c_0 (u* + tau G^n − u^{n+1})                                                  point by point
 //! ```
 //!
-//! The sum of the two is the scheme with both parts implicit but for `a tau (G^{n+1} − G^n)`, of second order. Both
-//! parts are monotone, so neither stiff drag nor viscosity bounds the step; advection does. A step takes five real
-//! transforms: two forward (u* + tau G) and three inverse (u, v, omega).
+//! The sum of both is the scheme with all terms implicit but `a tau (G^{n+1} − G^n)`, of second order. Both parts are
+//! monotone, so neither stiff drag nor viscosity bounds the step; advection does. A step takes five real transforms: two
+//! forward (u* + tau G) and three inverse (u, v, omega).
 //!
 //! The drag on the bodies in the step is `rho a_b (u* − u_b)`. It is linear in u_b with the slope
-//! `−rho a_b (1 − a_b/(c_0 + Σ a))`, which is what the impedance of the loads is.
+//! `−rho a_b (1 − a_b/(c_0 + Σ a))`, which gives the impedance of the loads.
 
 use std::iter::repeat;
 use std::mem::swap;
 use std::ops::Range;
 
-use super::Step;
-use crate::bodies::{Bodies, Cell, Loads};
-use crate::clock::Phase;
-use crate::domain::Domain;
+use line_fft::{Arithmetic, F64_LANES, Kernel, Pack, Real, Team, from_f64s, nothing, run, to_f64s};
+
+use super::substep::Substep;
+use super::work::Work;
+use crate::bodies::{Bodies, Cell, Loads, PredictedBeams};
 use crate::error::Error;
 use crate::field::Field;
-use crate::grid::Grid;
-use crate::projection::Projection;
-use crate::state::{Flow, Present, TwoStep};
-use line_fft::{Arithmetic, F64_LANES, Kernel, Real, from_f64s, run, to_f64s};
-use line_fft::{Team, nothing};
+use crate::flow::Flow;
+use crate::present::Present;
+use crate::problem::Problem;
+use crate::projection::Implicit;
+use crate::state::TwoStep;
+use crate::timer::Phase;
 
-/// Of `omega × u = (−omega v, omega u)`.
+/// Signs in `omega × u = (−omega v, omega u)`.
 const SIGNS: [f64; 2] = [-1.0, 1.0];
 
 /// The scheme with its memory.
@@ -42,109 +44,136 @@ pub struct Sbdf2<R: Real> {
 }
 
 impl<R: Real> Sbdf2<R> {
-    /// With no step before.
-    pub fn new(domain: &Domain<R>) -> Self {
-        let n = domain.grid.len();
+    /// A scheme without an earlier step.
+    pub fn new(problem: &Problem) -> Self {
+        let n = problem.grid.len();
         let before = Flow::uniform([0.0; 2], n);
         let field = || Field::uniform(R::zero(), n);
-        Self { memory: TwoStep { before, w: [field(), field()], per_tau: 0.0 } }
+        Self { memory: TwoStep { before, w: [field(), field()], inv_tau: 0.0 } }
     }
 
-    /// In no time viscosity does nothing: what is left of the solve wave by wave is the projection.
-    pub fn start(&mut self, present: &mut Present<R>, domain: &mut Domain<R>) {
-        domain.hold_mean_flow(present.time);
-        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), f64::MIN_POSITIVE, 0.0, domain, |_, _| {});
-        self.take_over(&mut present.flow, domain);
-        self.memory.per_tau = 0.0;
+    /// Start from the velocity in `work.w`. A step of no length leaves the projection of the solve wave by wave.
+    pub fn start(&mut self, flow: &mut Flow<R>, present: &mut Present, problem: &mut Problem, work: &mut Work<R>) {
+        let implicit =
+            Implicit { tau_nu: f64::MIN_POSITIVE * problem.nu, cfl: 0.0, mean: problem.mean_velocity(present.time) };
+        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), implicit, problem, work, |_| {});
+        self.take_over(flow, work);
+        self.memory.inv_tau = 0.0;
     }
 
-    pub fn step(&mut self, step: Step, present: &mut Present<R>, domain: &mut Domain<R>) -> Result<(), Error> {
+    pub fn step(
+        &mut self,
+        step: Substep,
+        flow: &mut Flow<R>,
+        present: &mut Present,
+        problem: &mut Problem,
+        work: &mut Work<R>,
+    ) -> Result<Option<PredictedBeams>, Error> {
         let scheme = Differences::new(step.dt, present.step);
-        self.place_and_solve(&step, &scheme, present, domain);
-        domain.add_velocities(step.end, |rate| 1.0 / (scheme.c[0] + rate));
-        domain.clock.mark(Phase::Velocities);
-        domain.hold_mean_flow(step.end);
-        let cfl = present.advection_rate * step.dt;
-        let advection_rate = self.solve_wave_by_wave(step.team, scheme.tau, cfl, domain, |bodies, grid| {
-            step.ahead.inspect(|ahead| bodies.look_ahead(ahead, step.stations, grid));
+        self.place_and_solve(&step, &scheme, flow, present, problem, &mut work.w);
+        problem.add_velocities(step.end, |rate| 1.0 / (scheme.c[0] + rate), &mut work.w);
+        problem.timer.mark(Phase::Velocities);
+        let implicit = Implicit {
+            tau_nu: scheme.tau * problem.nu,
+            cfl: present.cfl(step.dt),
+            mean: problem.mean_velocity(step.end),
+        };
+        let (mut predicted, grid) = (None, problem.grid);
+        let advection_rate = self.solve_wave_by_wave(step.team, implicit, problem, work, |bodies| {
+            predicted = step.ahead.map(|ahead| bodies.predict(ahead, step.stations, &grid));
         });
         step.check(advection_rate)?;
 
         let memory = &self.memory;
         let drag = |cell: &Cell| {
             [0, 1].map(|axis| {
-                let [u, w, w_next] =
-                    [&present.flow.velocity, &memory.w, &domain.w].map(|field| field[axis][cell.index].to_f64());
-                let g = memory.per_tau * (w - u);
+                let [u, w, w_next] = [&flow.velocity, &memory.w, &work.w].map(|field| field[axis][cell.index].to_f64());
+                let g = memory.inv_tau * (w - u);
                 let u_star = w_next - scheme.tau * g;
                 cell.rate * (u_star - cell.velocity[axis])
             })
         };
         let exchange = &mut present.beams.exchange;
-        domain.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
-        domain.clock.mark(Phase::Forces);
-        self.take_over(&mut present.flow, domain);
-        self.memory.per_tau = scheme.c[0];
+        problem.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
+        problem.timer.mark(Phase::Forces);
+        self.take_over(flow, work);
+        self.memory.inv_tau = scheme.c[0];
         step.finish(present, advection_rate);
-        Ok(())
+        Ok(predicted)
     }
 
-    /// Put the bodies where they are at the end of the step, and solve for u* + tau G without their velocities, into
-    /// `domain.w`. What has helpers solves around the bodies meanwhile, and again in them.
-    fn place_and_solve(&self, step: &Step, scheme: &Differences, present: &Present<R>, domain: &mut Domain<R>) {
-        let known = self.known(&present.flow);
-        let Domain { bodies, grid, w, clock, .. } = domain;
+    /// Put the bodies to the end of the step, and write u* + tau G without their velocities to `w`. With helpers the solve
+    /// around the bodies runs meanwhile, and is repeated in their cells.
+    fn place_and_solve(
+        &self,
+        step: &Substep,
+        scheme: &Differences,
+        flow: &Flow<R>,
+        present: &Present,
+        problem: &mut Problem,
+        w: &mut [Field<R>; 2],
+    ) {
+        let known = self.known(flow);
+        let Problem { bodies, grid, timer, .. } = problem;
         if step.team.is_alone() {
-            bodies.changing().place(step.end, step.stations, &present.beams.stations, grid);
-            clock.mark(Phase::Paint);
-            bodies.sample(self.extrapolated(scheme, &present.flow));
-            clock.mark(Phase::Sample);
+            bodies.moving().place(step.end, step.stations, &present.beams.stations, grid);
+            timer.mark(Phase::Paint);
+            bodies.sample(self.extrapolated(scheme, flow));
+            timer.mark(Phase::Sample);
             solve_locally(step.team, &known, scheme, bodies.rate(), w, nothing);
         } else {
-            let (rate, mut changing) = bodies.apart();
+            let (rate, mut moving) = bodies.split_static();
             solve_locally(step.team, &known, scheme, rate, w, || {
-                changing.place(step.end, step.stations, &present.beams.stations, grid);
-                changing.sample(self.extrapolated(scheme, &present.flow));
+                moving.place(step.end, step.stations, &present.beams.stations, grid);
+                moving.sample(self.extrapolated(scheme, flow));
             });
             bodies.paint();
             for (point, rate) in bodies.painted() {
                 [w[0][point], w[1][point]] = known.solve(scheme, rate, point);
             }
         }
-        clock.mark(Phase::Solve);
+        timer.mark(Phase::Solve);
     }
 
-    /// From `domain.w` to a new flow in the place of the one before, which is not needed any more; and its advection
-    /// rate, 1/s. Meanwhile the bodies may look where they go next.
+    /// Make a new flow from `work.w` in the place of the previous one, which is not needed any more, and return its
+    /// advection rate, 1/s. Meanwhile `predict` may run with the bodies.
     fn solve_wave_by_wave(
         &mut self,
         team: &Team,
-        tau: f64,
-        cfl: f64,
-        domain: &mut Domain<R>,
-        look_ahead: impl FnOnce(&mut Bodies, &Grid) + Send,
+        implicit: Implicit,
+        problem: &mut Problem,
+        work: &mut Work<R>,
+        predict: impl FnOnce(&mut Bodies) + Send,
     ) -> f64 {
-        domain.spectral.projection.set_step(tau * domain.nu, cfl);
-        let solve = |projection: &Projection<R>, row, (), [u, v, omega]: [&mut [_]; 3]| {
-            projection.project(row, u, v, omega);
-        };
-        let Domain { spectral, bodies, grid, w, clock, .. } = domain;
-        spectral.transform_along_y(team, w, clock);
-        spectral.solve(team, repeat(()), solve, &mut self.memory.before, clock, || look_ahead(bodies, grid))
+        let Work { spectral, projection, w } = work;
+        let Problem { bodies, timer, .. } = problem;
+        let solve = |row: usize, (), spectra: [&mut [Pack<R>]; 3]| projection.project(&implicit, row, spectra);
+        let along_y = spectral.transform_along_y(team, w, timer);
+        along_y.solve(team, repeat(()), solve, &mut self.memory.before, timer, || predict(bodies))
     }
 
-    /// Make the new flow the present one, that the one before, and keep w.
-    fn take_over(&mut self, flow: &mut Flow<R>, domain: &mut Domain<R>) {
+    /// Make the new flow the present one, the present one the previous, and keep w.
+    fn take_over(&mut self, flow: &mut Flow<R>, work: &mut Work<R>) {
         swap(flow, &mut self.memory.before);
-        swap(&mut self.memory.w, &mut domain.w);
+        swap(&mut self.memory.w, &mut work.w);
     }
 
-    /// The drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
-    pub fn predict_loads(&self, present: &Present<R>, bodies: &mut Bodies, loads: &mut [Loads]) {
+    /// Write the drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
+    pub fn predict_loads(
+        &self,
+        predicted: Option<PredictedBeams>,
+        flow: &Flow<R>,
+        present: &Present,
+        bodies: &mut Bodies,
+        loads: &mut [Loads],
+    ) {
+        if let Some(predicted) = predicted {
+            bodies.move_to_predicted(predicted);
+        }
         let scheme = Differences::new(present.step, present.step);
-        bodies.sample(self.extrapolated(&scheme, &present.flow));
+        bodies.sample(self.extrapolated(&scheme, flow));
         let Some(rate) = bodies.rate() else { return };
-        let known = self.known(&present.flow);
+        let known = self.known(flow);
         let weight = bodies.cell_mass;
         let drag = |cell: &Cell| {
             let share = cell.rate / (scheme.c[0] + rate[cell.index]);
@@ -158,28 +187,28 @@ impl<R: Real> Sbdf2<R> {
         bodies.collect_loads(drag, loads);
     }
 
-    /// Velocity (m/s) at a grid point as it is at the end of the step, by extrapolation.
+    /// Return the velocity (m/s) at a grid point, extrapolated to the end of the step.
     fn extrapolated(&self, &Differences { e, .. }: &Differences, flow: &Flow<R>) -> impl Fn(usize) -> [f64; 2] {
         let (now, before) = (&flow.velocity, &self.memory.before.velocity);
         move |point| [0, 1].map(|axis| e[0] * now[axis][point].to_f64() + e[1] * before[axis][point].to_f64())
     }
 
-    /// What the local solve reads.
+    /// Return what the local solve reads.
     fn known<'a>(&'a self, flow: &'a Flow<R>) -> Known<'a, R> {
-        let TwoStep { before, w, per_tau } = &self.memory;
+        let TwoStep { before, w, inv_tau } = &self.memory;
         Known {
             velocity: flow.velocity.each_ref().map(|u| &**u),
             vorticity: &flow.vorticity,
             velocity_before: before.velocity.each_ref().map(|u| &**u),
             vorticity_before: &before.vorticity,
             w: w.each_ref().map(|w| &**w),
-            per_tau: *per_tau,
+            inv_tau: *inv_tau,
         }
     }
 }
 
-/// u* + tau G without the velocities of the bodies, into `w`, where the drag rate is `rate` (1/s); `meanwhile` something
-/// else is done.
+/// Write u* + tau G without the velocities of the bodies to `w`, with the drag rate `rate` (1/s); one thread runs
+/// `meanwhile`.
 fn solve_locally<R: Real>(
     team: &Team,
     known: &Known<R>,
@@ -209,7 +238,7 @@ struct Differences {
 }
 
 impl Differences {
-    /// A step `dt` after one of `before` seconds; `before` = 0: the first step, by backward Euler.
+    /// Coefficients of a step `dt` after one of `before` seconds; backward Euler if `before` = 0.
     fn new(dt: f64, before: f64) -> Self {
         if before == 0.0 {
             return Self { c: [1.0 / dt, 1.0 / dt, 0.0], e: [1.0, 0.0], tau: dt };
@@ -221,22 +250,22 @@ impl Differences {
     }
 }
 
-/// What the local solve reads at each point.
+/// What the local solve reads.
 #[derive(Clone)]
 struct Known<'a, R> {
     velocity: [&'a [R]; 2],
     vorticity: &'a [R],
-    /// The same one step earlier.
+    /// Velocity and vorticity one step earlier.
     velocity_before: [&'a [R]; 2],
     vorticity_before: &'a [R],
     /// `w = u + tau G` of the last step.
     w: [&'a [R]; 2],
     /// `1/tau` of the last step.
-    per_tau: f64,
+    inv_tau: f64,
 }
 
 impl<'a, R: Real> Known<'a, R> {
-    /// The same for some of the points.
+    /// Return the part for some of the points.
     fn points(&self, points: Range<usize>) -> Self {
         let part = |field: &'a [R]| &field[points.clone()];
         Self {
@@ -249,18 +278,18 @@ impl<'a, R: Real> Known<'a, R> {
         }
     }
 
-    /// At point `i`: the right-hand side without the bodies, `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, and
-    /// G^n, of a component.
+    /// Return a component, at point `i`, of `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, the right-hand side without
+    /// the bodies, and of G^n.
     fn right_side(&self, &Differences { c, e, .. }: &Differences, axis: usize, i: usize) -> (f64, f64) {
         let [u, u_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[axis][i].to_f64());
         let [v, v_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[1 - axis][i].to_f64());
         let n = SIGNS[axis] * self.vorticity[i].to_f64() * v;
         let n_before = SIGNS[axis] * self.vorticity_before[i].to_f64() * v_before;
-        let g = self.per_tau * (self.w[axis][i].to_f64() - u);
+        let g = self.inv_tau * (self.w[axis][i].to_f64() - u);
         (c[1] * u + c[2] * u_before - e[0] * n - e[1] * n_before - g, g)
     }
 
-    /// u* + tau G at point `i` without the velocities of the bodies, whose drag rate there is `rate` (1/s).
+    /// Return u* + tau G at point `i` without the velocities of the bodies, with their drag rate `rate` (1/s).
     fn solve(&self, scheme: &Differences, rate: f64, i: usize) -> [R; 2] {
         [0, 1].map(|axis| {
             let (r, g) = self.right_side(scheme, axis, i);
@@ -269,9 +298,8 @@ impl<'a, R: Real> Known<'a, R> {
     }
 }
 
-/// [`Known::solve`] at points with the total drag rate `rate`, with the same bits.
-///
-/// Eleven arrays are read and written at once: most of the time is spent on that, not on the arithmetic.
+/// [`Known::solve`] at all points, with the same bits. Eleven arrays are read and written at once, which takes most of the
+/// time.
 struct LocalSolve<'a, R> {
     known: Known<'a, R>,
     scheme: &'a Differences,
@@ -286,7 +314,7 @@ impl<'a, R: Real> Kernel for LocalSolve<'a, R> {
     fn run(self, on: impl Arithmetic<f64>) {
         let Self { known, scheme, rate, w: [wx, wy] } = self;
         let ([c_0, c_1, c_2], [e_1, e_2]) = (scheme.c.map(f64::splat), scheme.e.map(f64::splat));
-        let [tau, per_tau] = [scheme.tau, known.per_tau].map(f64::splat);
+        let [tau, inv_tau] = [scheme.tau, known.inv_tau].map(f64::splat);
         let vectors = wx.len() / F64_LANES;
         let whole = |field: &'a [R]| &field.as_chunks::<F64_LANES>().0[..vectors];
         let ([u, v], omega) = (known.velocity.map(whole), whole(known.vorticity));
@@ -303,13 +331,13 @@ impl<'a, R: Real> Kernel for LocalSolve<'a, R> {
             let r = on.add(on.mul(c_1, u), on.mul(c_2, u_before));
             let r = on.add(r, on.mul(e_1, on.mul(omega, v)));
             let r = on.add(r, on.mul(e_2, on.mul(omega_before, v_before)));
-            let g = on.mul(per_tau, on.sub(to_f64s(&wx_last[i]), u));
+            let g = on.mul(inv_tau, on.sub(to_f64s(&wx_last[i]), u));
             wx_new[i] = from_f64s(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
 
             let r = on.add(on.mul(c_1, v), on.mul(c_2, v_before));
             let r = on.sub(r, on.mul(e_1, on.mul(omega, u)));
             let r = on.sub(r, on.mul(e_2, on.mul(omega_before, u_before)));
-            let g = on.mul(per_tau, on.sub(to_f64s(&wy_last[i]), v));
+            let g = on.mul(inv_tau, on.sub(to_f64s(&wy_last[i]), v));
             wy_new[i] = from_f64s(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
         }
         for i in vectors * F64_LANES..wx.len() {

@@ -1,5 +1,6 @@
-//! How a solid holds the fluid: the drag profile, and the wall target that corrects it at the surface.
+//! The drag of a solid: the profile across its surface, and the wall target that corrects the velocity there.
 
+mod calibration;
 mod growth;
 mod profile;
 mod target;

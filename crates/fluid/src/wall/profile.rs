@@ -1,17 +1,17 @@
 //! The drag rate a(d) as a function of the signed distance to the surface of a solid.
 //!
 //! The penalized momentum equation is `∂u/∂t + … = −a(d) (u − u_s)` with d > 0 in the fluid. A mask chi has
-//! a = chi / C_eta. Whatever the profile, no-slip has to hold at d = 0: the shifts below see to that in linear shear.
+//! a = chi / C_eta. No-slip must hold at d = 0 for every profile: the shifts make it hold in linear shear.
 
 use std::f64::consts::PI;
 
-use scene::Mask;
-
+use super::calibration::calibrate;
 use super::growth::Growth;
-use super::target::{MIRROR_DEPTH, WallTarget, calibrate};
+use super::target::{MIRROR_DEPTH, WallTarget};
+use crate::parameters::Mask;
 
-/// e-folds from the surface into the fluid beyond which the log-linear drag is left out (the other profiles end by
-/// themselves). In linear shear what is left out would move the wall by `e^{−2γ} (x² + 2x + 2) e^{−x} λ`, 1.7e-3 λ.
+/// Distance from the surface in decay lengths beyond which the log-linear drag is neglected. In linear shear the neglected
+/// part would move the wall by `e^{−2γ} (x² + 2x + 2) e^{−x} λ`, 1.7e-3 λ.
 const TAIL: f64 = 10.0;
 
 /// A drag profile on one grid, in one fluid.
@@ -21,7 +21,7 @@ pub enum DragProfile {
     Sharp {
         /// Largest rate, 1/s.
         rate: f64,
-        /// How far the mask reaches into the fluid, m.
+        /// Extent of the mask into the fluid, m.
         offset: f64,
     },
     /// `(1 + cos(π (d + shift + h)/(2h)))/2 / C_eta` for |d + shift| < h.
@@ -30,7 +30,7 @@ pub enum DragProfile {
         rate: f64,
         /// Half the width of the layer, m.
         half_width: f64,
-        /// How far the layer is moved into the solid, m.
+        /// Displacement of the layer into the solid, m.
         shift: f64,
     },
     /// `(ν/dx²) growth`, at most 1/C_eta.
@@ -43,16 +43,15 @@ pub enum DragProfile {
         growth: Growth,
         /// Size of a cell, m.
         cell: f64,
-        /// How far the profile is moved into the solid, m; 0 without a wall target.
+        /// Displacement of the profile into the solid, m; 0 without a wall target.
         shrink: f64,
-        /// What the fluid is drawn to at the surface; absent: the solid's own velocity.
+        /// Correction of the velocity to which the fluid is drawn at the surface; absent: none.
         target: Option<WallTarget>,
     },
 }
 
 impl DragProfile {
-    /// Profile of `mask` for a wall or a zone, along which the flow is fully resolved, with relaxation time `c_eta` (s) for
-    /// viscosity `nu` (m²/s) and cells of size `dx` (m).
+    /// Profile of a wall or a zone, with relaxation time `c_eta` (s), viscosity `nu` (m²/s) and cells of size `dx` (m).
     pub fn new(mask: &Mask, c_eta: f64, nu: f64, dx: f64) -> Self {
         let rate = 1.0 / c_eta;
         let eps = (nu * c_eta).sqrt();
@@ -73,7 +72,7 @@ impl DragProfile {
         }
     }
 
-    /// Profile of a body of some thickness (m), and whether it moves: one of less than two cells has no wall target.
+    /// Profile of a body with a thickness (m), still or moving. A body thinner than two cells has no wall target.
     pub fn of_body(thickness: f64, moves: bool, mask: &Mask, nu: f64, dx: f64) -> Self {
         let mut profile = Self::new(mask, mask.c_eta(), nu, dx);
         let (
@@ -101,7 +100,7 @@ impl DragProfile {
         profile
     }
 
-    /// The wall target, if at signed distance `d` (m) the solid does not draw the fluid to its own velocity.
+    /// Return the wall target that acts at signed distance `d` (m), if any.
     pub fn target(&self, d: f64) -> Option<&WallTarget> {
         match self {
             Self::LogLinear { target, .. } => target.as_ref().filter(|target| target.reaches(d)),
@@ -109,7 +108,7 @@ impl DragProfile {
         }
     }
 
-    /// Drag rate at signed distance `d` (m, positive in the fluid), 1/s.
+    /// Return the drag rate at signed distance `d` (m, positive in the fluid), 1/s.
     pub fn rate(&self, d: f64) -> f64 {
         match *self {
             Self::Sharp { rate, offset } => {
@@ -129,7 +128,7 @@ impl DragProfile {
         }
     }
 
-    /// Distance from the surface beyond which the fluid feels nothing, m.
+    /// Return the distance from the surface beyond which there is no drag, m.
     pub fn reach(&self) -> f64 {
         match *self {
             Self::Sharp { offset, .. } => offset,
@@ -139,14 +138,14 @@ impl DragProfile {
     }
 }
 
-/// Displacement of the no-slip wall by the cosine mask of half-width `h` (in units of eps = √(ν C_eta)), in the same
-/// unit, positive where the body is too fat: where the solution of u″ = chi u that decays into the solid and is linear
-/// in the fluid would vanish (Hester, Vasil & Burns 2021).
+/// Return the displacement of the no-slip wall by a cosine mask of half-width `h`, both in units of eps = √(ν C_eta),
+/// positive if the body is too thick: the zero of the solution of u″ = chi u that decays into the solid and is linear in
+/// the fluid (Hester, Vasil & Burns 2021).
 fn cosine_wall_displacement(h: f64) -> f64 {
     const STEPS: usize = 4000;
     let chi = |x: f64| 0.5 * (1.0 + (PI * (x + h) / (2.0 * h)).cos());
     let dx = 2.0 * h / STEPS as f64;
-    // Riccati form of the equation: r = u'/u, r' = chi - r²; it cannot overflow.
+    // The Riccati form, r = u'/u, r' = chi - r², cannot overflow.
     let slope = |x: f64, r: f64| chi(x) - r * r;
     let mut r = 1.0;
     for step in 0..STEPS {
@@ -163,6 +162,7 @@ fn cosine_wall_displacement(h: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::WallCorrection;
 
     /// Values of the displacement against half-width, both in eps, computed independently from the same equation.
     #[test]
@@ -202,7 +202,7 @@ mod tests {
                 c_eta: 1e-7,
                 decay_length_cells: 0.3,
                 core_depth: None,
-                wall_correction: scene::WallCorrection::None,
+                wall_correction: WallCorrection::None,
             },
             1e-7,
             nu,

@@ -1,6 +1,6 @@
 //! Runs that try the fluid's stability, and how they end. The stability table and a test share them.
 
-use nervure_fluid::Fluid;
+use nervure_fluid::{Fluid, Parameters};
 use scene::Scene;
 
 /// Faster than this (m/s) is no flow any more: the peak of the inflow is 1.5 m/s.
@@ -107,7 +107,7 @@ pub fn outcome(scene: Result<Scene, String>, steps: usize) -> Outcome {
         Ok(scene) => scene,
         Err(message) => return refused(message),
     };
-    let mut fluid = match Fluid::new(&scene) {
+    let mut fluid = match Parameters::try_from(&scene).and_then(|parameters| Fluid::new(&parameters)) {
         Ok(fluid) => fluid,
         Err(error) => return refused(error.to_string()),
     };

@@ -7,7 +7,7 @@ use nervure_fluid::Fluid;
 use rustfft::num_complex::Complex64;
 use scene::{Filter, Mask, TimeScheme, WallCorrection};
 
-use crate::common::{run, scene, spectrum};
+use crate::common::{fluid_of, run, scene, spectrum};
 
 pub const CYLINDER_IN_CHANNEL: &str = r#"
     "kinematic_viscosity": 1e-3,
@@ -29,7 +29,7 @@ pub fn taylor_green_error(scheme: TimeScheme, steps: usize, pattern: &[f64]) -> 
         format!(r#""kinematic_viscosity": {nu}, "box": {{ "x": [0, {TAU}], "y": [0, {TAU}], "cells": [16, 24] }}"#);
     let mut scene = scene(&text, "");
     scene.fluid.as_mut().expect("it has one").time_stepping.scheme = scheme;
-    let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene);
     fluid.set_velocity(|x, y| [0, 1].map(|axis| mean[axis] + vortex(x, y)[axis]));
     pattern.iter().cycle().take(steps).for_each(|length| run(&mut fluid, 1, length / steps as f64));
     let decay = (-2.0 * nu * fluid.time()).exp();
@@ -37,7 +37,10 @@ pub fn taylor_green_error(scheme: TimeScheme, steps: usize, pattern: &[f64]) -> 
     let mut largest = 0.0_f64;
     for axis in 0..2 {
         for (c, value) in fluid.velocity(axis).iter().enumerate() {
-            let (x, y) = (grid.x(c / grid.ny) - mean[0] * fluid.time(), grid.y(c % grid.ny) - mean[1] * fluid.time());
+            let (x, y) = (
+                grid.coordinate(0, c / grid.cells[1]) - mean[0] * fluid.time(),
+                grid.coordinate(1, c % grid.cells[1]) - mean[1] * fluid.time(),
+            );
             let exact = mean[axis] + decay * vortex(x, y)[axis];
             largest = largest.max((value - exact).abs());
         }
@@ -73,7 +76,7 @@ pub fn added_mass(half_box: f64, cells: usize) -> [f64; 2] {
         core_depth: None,
         wall_correction: WallCorrection::Curvature,
     };
-    let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene);
     let (h, per_period) = (1e-3, 200);
     run(&mut fluid, 2 * per_period, h);
     // The part of the force in phase with the displacement: F = −m_a x'' = m_a omega² x.
@@ -93,7 +96,7 @@ pub fn arrays() -> f64 {
     let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
     scene.fluid.as_mut().expect("it has one").r#box.cells = [320, 120];
     let counted = allocation_counter::measure(|| {
-        let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let mut fluid = fluid_of(&scene);
         run(&mut fluid, 2, 1e-3);
         fluid.pressure_jump();
     });
@@ -106,7 +109,7 @@ pub fn noise(filter: Filter) -> Fluid {
     let mut scene = scene(text, "");
     let part = scene.fluid.as_mut().expect("it has one");
     (part.filter, part.time_stepping.max_cfl) = (filter, 1e9);
-    let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene);
     let mut seed = 1_u32;
     let seed = std::cell::RefCell::new(&mut seed);
     fluid.set_velocity(|_, _| {
@@ -141,7 +144,7 @@ pub fn resolved_noise() -> Fluid {
     let (resolved, mut fluid) = (noise(Filter::TwoThirds), noise(Filter::Smooth));
     let grid = *resolved.grid();
     fluid.set_velocity(|x, y| {
-        let index = (x / grid.dx).round() as usize * grid.ny + (y / grid.dy).round() as usize;
+        let index = (x / grid.spacing[0]).round() as usize * grid.cells[1] + (y / grid.spacing[1]).round() as usize;
         [resolved.velocity(0)[index], resolved.velocity(1)[index]]
     });
     fluid
@@ -155,7 +158,7 @@ pub fn aliased(filter: Filter, waves: [[i32; 2]; 2]) -> f64 {
         format!(r#""kinematic_viscosity": 1e-30, "box": {{ "x": [0, {TAU}], "y": [0, {TAU}], "cells": [{n}, {n}] }}"#);
     let mut scene = scene(&text, "");
     scene.fluid.as_mut().expect("it has one").filter = filter;
-    let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene);
     fluid.set_velocity(|x, y| {
         waves.into_iter().fold([0.0, 0.0], |[u, v], [p, q]| {
             let slope = (f64::from(p) * x + f64::from(q) * y).sin();
@@ -185,7 +188,7 @@ fn poiseuille(cells: usize, offset: f64, mask: Mask) -> ([f64; 2], f64) {
     let mut scene = scene(&text, "");
     let part = scene.fluid.as_mut().expect("it has one");
     (part.mask, part.time_stepping.max_cfl) = (mask, 1e9);
-    let mut fluid = Fluid::new(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let mut fluid = fluid_of(&scene);
     run(&mut fluid, 1500, 1e-3);
     let (grid, velocity) = (*fluid.grid(), fluid.velocity(0));
     let u = &velocity[..cells];
@@ -193,7 +196,7 @@ fn poiseuille(cells: usize, offset: f64, mask: Mask) -> ([f64; 2], f64) {
     let middle = 0.5 * (low + high);
     let (mut moments, mut sums) = ([0.0; 5], [0.0; 3]);
     for (j, u) in u.iter().enumerate() {
-        let z = grid.y(j) - middle;
+        let z = grid.coordinate(1, j) - middle;
         if z.abs() < 0.5 - 8.0 * dx {
             (0..5).for_each(|p| moments[p] += z.powi(p as i32));
             (0..3).for_each(|p| sums[p] += u * z.powi(p as i32));
@@ -212,7 +215,7 @@ fn poiseuille(cells: usize, offset: f64, mask: Mask) -> ([f64; 2], f64) {
     let [c, b, a] = coefficients;
     let root = (b * b - 4.0 * a * c).sqrt();
     let walls = [(-b + root) / (2.0 * a), (-b - root) / (2.0 * a)];
-    let flux = u.iter().sum::<f64>() * grid.dy;
+    let flux = u.iter().sum::<f64>() * grid.spacing[1];
     ([(walls[0] + 0.5) / dx, (walls[1] - 0.5) / dx], flux / (-2.0 * a / 12.0) - 1.0)
 }
 

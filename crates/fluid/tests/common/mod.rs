@@ -1,11 +1,12 @@
-//! What the tests of the fluid share.
+//! Helpers of the tests of the fluid.
 
-use nervure_fluid::Fluid;
+use nervure_fluid::{Fluid, Parameters};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 use scene::Scene;
 
-/// A scene from the parts of its fluid and what else it has.
+/// A scene from the parts of its fluid and the other parts.
+#[allow(dead_code, reason = "not every test needs it")]
 pub fn scene(fluid: &str, rest: &str) -> Scene {
     let text = format!(
         r#"{{ "name": "test", "time": {{ "end": 1.0, "communication_step": 0.01 }}, "fluid": {{
@@ -15,7 +16,15 @@ pub fn scene(fluid: &str, rest: &str) -> Scene {
     Scene::from_json(&text).unwrap_or_else(|e| panic!("{e}"))
 }
 
+/// Make the fluid of a scene.
+#[allow(dead_code, reason = "not every test needs it")]
+pub fn fluid_of(scene: &Scene) -> Fluid {
+    let fluid = Parameters::try_from(scene).and_then(|parameters| Fluid::new(&parameters));
+    fluid.unwrap_or_else(|e| panic!("{e}"))
+}
+
 /// Make some steps of `h` seconds.
+#[allow(dead_code, reason = "not every test needs it")]
 pub fn run(fluid: &mut Fluid, steps: usize, h: f64) {
     for step in 0..steps {
         let t = fluid.time();

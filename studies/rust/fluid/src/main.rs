@@ -17,10 +17,10 @@ use std::time::{Duration, Instant};
 
 use cpu_time::ThreadTime;
 use libloading::Library;
-use nervure_fluid::Fluid;
-use nervure_fluid::internals::{Phase, Projection};
+use nervure_fluid::internals::{Implicit, Phase, Projection};
+use nervure_fluid::{Filter, Fluid, Parameters};
 use nervure_line_fft::{Fft2, Real, Scratch};
-use scene::{Filter, Precision, Scene};
+use scene::{Precision, Scene};
 
 use machine::{Clock, Fused};
 use roofline::Work;
@@ -59,6 +59,9 @@ const PHASES: [&str; 10] = [
     "step",
 ];
 const STEP: usize = PHASES.len() - 1;
+
+/// Coefficients of a solve wave by wave; its time does not depend on them.
+const STEP_COEFFICIENTS: Implicit = Implicit { tau_nu: 1e-8, cfl: 0.3, mean: None };
 
 /// Bytes of the streams that the machine is measured by: some for each of its caches, and for the memory.
 const STREAMS: [usize; 4] = [24_000, 500_000, 8_000_000, 200_000_000];
@@ -169,8 +172,10 @@ impl Flow {
         let mut scene = Scene::from_file(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
         let fluid = scene.fluid.as_mut().expect("the scene has a fluid");
         (fluid.r#box.cells, fluid.threads, fluid.precision) = (cells, threads, precision);
-        let (filter, amplitude) = (fluid.filter, scene.beam.as_ref().map_or(0.0, |beam| 0.086 * beam.length));
-        let fluid = Fluid::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+        let amplitude = scene.beam.as_ref().map_or(0.0, |beam| 0.086 * beam.length);
+        let parameters = Parameters::try_from(&scene).unwrap_or_else(|error| panic!("{error}"));
+        let filter = parameters.filter;
+        let fluid = Fluid::new(&parameters).unwrap_or_else(|error| panic!("{error}"));
         let mut flow = Self { fluid, filter, amplitude, step };
         (0..100).for_each(|_| flow.swing());
         flow
@@ -235,13 +240,13 @@ fn steps(library: &Library, table: &mut Table) {
 /// Processor times of the phases of a step and of all of it, s: means over the fastest quarter of the steps, so that the
 /// phases add up and what else runs on the machine counts little.
 fn phases_of(flow: &mut Flow, mut step: impl FnMut(&mut Flow)) -> [f64; PHASES.len()] {
-    flow.fluid.clock().now = Some(processor_time);
+    flow.fluid.timer().now = Some(processor_time);
     let mut steps: Vec<[f64; PHASES.len()]> = repeated(|| {
-        flow.fluid.clock().spent = [0.0; STEP];
+        flow.fluid.timer().spent = [0.0; STEP];
         let start = processor_time();
         step(flow);
         let whole = processor_time() - start;
-        from_fn(|phase| *flow.fluid.clock().spent.get(phase).unwrap_or(&whole))
+        from_fn(|phase| *flow.fluid.timer().spent.get(phase).unwrap_or(&whole))
     });
     steps.sort_by(|a, b| a[STEP].total_cmp(&b[STEP]));
     steps.truncate(steps.len().div_ceil(4));
@@ -266,12 +271,11 @@ fn phases<R: Real + Fused>(precision: Precision, [title, roofline]: [&str; 2], t
         let mut flow = Flow::new(name, cells, step, 1, precision);
         let mut spent = phases_of(&mut flow, Flow::swing);
         table.time("rest", spent[STEP] - spent[..STEP].iter().sum::<f64>());
-        let mut projection = Projection::<R>::new(flow.fluid.grid(), flow.filter);
-        projection.set_step(1e-8, 0.3);
+        let projection = Projection::<R>::new(flow.fluid.grid(), flow.filter);
         let fft = Fft2::<R>::new(cells[0], cells[1], projection.modes());
         let (mut scratch, rows) = (fft.scratch(), fft.spectrum().len() / cells[0]);
         let [u, v, omega] = &mut scratch.rows;
-        let mut all = || (0..rows).for_each(|row| projection.project(row, u, v, omega));
+        let mut all = || (0..rows).for_each(|row| projection.project(&STEP_COEFFICIENTS, row, [u, v, omega]));
         let [seconds] = table.compare(&processor_time, [("projection", &mut all)], &[]);
         let with_projection = spent;
         spent[Phase::Rows as usize] -= seconds;
@@ -334,7 +338,7 @@ fn in_cache<R: Real>(
             let Scratch { rows: [u, v, omega], line } = &mut scratch;
             for row in 0..modes.div_ceil(R::LANES) {
                 (0..2).for_each(|_| fft.x.forward::<false>(u, v, line));
-                projection.project(row, u, v, omega);
+                projection.project(&STEP_COEFFICIENTS, row, [u, v, omega]);
                 (0..3).for_each(|_| fft.x.forward::<true>(u, omega, line));
             }
         }),
@@ -353,7 +357,7 @@ fn motion(table: &mut Table) {
         table.begin("motion", name, cells);
         for jump in [0.0, 0.01, 0.03, 0.1, 0.3, 1.0] {
             let mut flow = Flow::new(name, cells, step, 1, Precision::Double);
-            let mut shift = jump * flow.fluid.grid().dy;
+            let mut shift = jump * flow.fluid.grid().spacing[1];
             let spent = phases_of(&mut flow, |flow| {
                 shift = -shift;
                 flow.advance(|_| 1.0, shift, 0.0);

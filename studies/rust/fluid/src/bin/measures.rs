@@ -7,7 +7,8 @@ mod measures;
 
 use measures::{made_by_advection, noise};
 use nervure_fluid::internals::DragProfile;
-use scene::{Filter, Mask, TimeScheme, WallCorrection};
+use nervure_fluid::{Mask, WallCorrection};
+use scene::{Filter, TimeScheme};
 
 fn main() -> Result<(), csv::Error> {
     let mut file = csv::Writer::from_path(std::env::args().nth(1).expect("the file to write"))?;

@@ -1,9 +1,9 @@
-//! Where the time of a step goes. Without the feature `internals` nothing of it is compiled in.
+//! Times of the phases of a step. Without the feature `internals` nothing is compiled in.
 
-/// Parts of a two-step step, in their order.
+/// Phases of a step of backward differences, in their order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// The moving bodies are painted where they are.
+    /// Moving bodies are painted.
     Paint,
     /// Bodies with a wall target sample the flow.
     Sample,
@@ -23,30 +23,30 @@ pub enum Phase {
     Loads,
 }
 
-/// Times the phases, by a clock that the measurement brings along.
+/// Times the phases with the clock of a benchmark.
 #[derive(Default)]
-pub struct Clock {
-    /// Gives the time, s; absent where nothing is measured.
+pub struct PhaseTimer {
+    /// Clock, s; absent: nothing is measured.
     #[cfg(feature = "internals")]
     pub now: Option<fn() -> f64>,
     /// Time at the last mark, s.
     #[cfg(feature = "internals")]
     last: f64,
-    /// Time spent in each phase, s, in their order.
+    /// Time spent in each phase, s.
     #[cfg(feature = "internals")]
     pub spent: [f64; Phase::Loads as usize + 1],
 }
 
 #[cfg(feature = "internals")]
-impl Clock {
-    /// Begin with the first phase.
+impl PhaseTimer {
+    /// Start the first phase.
     pub fn start(&mut self) {
         if let Some(now) = self.now {
             self.last = now();
         }
     }
 
-    /// A phase has ended.
+    /// End a phase and start the next.
     pub fn mark(&mut self, phase: Phase) {
         if let Some(now) = self.now {
             let time = now();
@@ -57,12 +57,12 @@ impl Clock {
 }
 
 #[cfg(not(feature = "internals"))]
-impl Clock {
-    /// Begin with the first phase.
+impl PhaseTimer {
+    /// Start the first phase.
     #[inline(always)]
     pub fn start(&mut self) {}
 
-    /// A phase has ended.
+    /// End a phase and start the next.
     #[inline(always)]
     pub fn mark(&mut self, _: Phase) {}
 }

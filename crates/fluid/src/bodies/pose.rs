@@ -1,0 +1,158 @@
+//! A beam at some stations: its cells, and their places in it.
+//!
+//! The beam is the band around the polyline of the stations, with a flat tip; its thickness is linear in each segment. At a
+//! station the tangent is the bisector of the segments beside it, and in between it turns linearly. A point belongs to the
+//! place on the polyline to which the tangent is at right angles. So place, height and everything that follows from them,
+//! the loads included, are continuous in the point and in the stations. At the fraction t of segment k and the height n
+//! above the centre line the beam moves with the section (shear-free):
+//!
+//! `u_s = (1 - t) v_k + t v_{k+1} - omega n e`, `omega = (1 - t) omega_k + t omega_{k+1}`
+//!
+//! with e the tangent. A station turns at the rate `omega_k = (v_j - v_i)·m / |x_j - x_i|` of the line from station i to j
+//! around it, with the normal m; the line is at least as long as the beam is thick. The rate over a segment alone would be
+//! large for stations that move up and down in turn: their drag would be more than twice the announced impedance, which is
+//! for sections that do not turn, and an explicit coupling would be unstable.
+
+use super::cells::{Cell, Cells};
+use super::frame::{Frame, Segment, StationSection};
+use super::mask::BeamMask;
+use super::measure::{Measure, Measured, Surface};
+use super::search::{Candidate, Search};
+use super::stations::Stations;
+use super::vector::{between, normal, unit};
+use crate::grid::Grid;
+use crate::parameters::Beam;
+
+/// A beam at some stations.
+#[derive(Clone)]
+pub struct BeamPose {
+    /// The cells in which it drags the fluid.
+    pub cells: Cells,
+    /// Places of the cells.
+    pub places: Vec<Place>,
+    /// Directions of segments and sections.
+    pub frame: Frame,
+}
+
+/// A place in a beam.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Number of the segment.
+    pub segment: usize,
+    /// Fraction along the segment.
+    pub fraction: f64,
+    /// Height above the centre line, m.
+    pub height: f64,
+    /// Unit tangent.
+    pub tangent: [f64; 2],
+    /// Whether it lies behind the root, where a cylinder bears the drag.
+    pub is_behind_root: bool,
+}
+
+/// A place of a [`Measured`] beam.
+struct BeamPoint {
+    /// The grid point, m.
+    point: [f64; 2],
+    place: Place,
+    /// Fraction along the segment, beyond the ends of the beam too.
+    fraction: f64,
+}
+
+/// A beam that moves from the stations `before` to `stations`.
+struct MovingBeam<'a> {
+    mask: &'a BeamMask,
+    frame: &'a Frame,
+    stations: &'a Stations,
+    before: &'a Stations,
+}
+
+impl Place {
+    /// Return the velocity of the section if stations turn at the rates `omega` (1/s), m/s.
+    fn velocity(&self, sections: &[StationSection], omega: impl Fn(&StationSection) -> f64, at: &Stations) -> [f64; 2] {
+        let (k, t) = (self.segment, self.fraction);
+        let [start, end] = [k, k + 1].map(|k| at.velocity.each_ref().map(|v| v[k]));
+        let omega = (1.0 - t) * omega(&sections[k]) + t * omega(&sections[k + 1]);
+        let center = between(start, end, t);
+        [0, 1].map(|axis| center[axis] - omega * self.height * self.tangent[axis])
+    }
+}
+
+/// The surfaces are the upper and the lower one and the end.
+impl Measured<3> for MovingBeam<'_> {
+    type Place = BeamPoint;
+
+    #[inline(always)]
+    fn measure(&self, BeamPoint { point, place, fraction }: &BeamPoint) -> Measure<3> {
+        let (k, sections) = (place.segment, &self.frame.sections);
+        let Segment { length, slope, stretch, .. } = self.frame.segments[k];
+        let beyond = if k == 0 {
+            -fraction * length - self.mask.anchor
+        } else if k == self.frame.segments.len() - 1 {
+            (fraction - 1.0) * length
+        } else {
+            f64::NEG_INFINITY
+        };
+        let [thickness, growth] = self.mask.thickness[k];
+        let half = 0.5 * (thickness + (place.fraction - 0.5) * growth);
+        let [above, below] = [place.height, -place.height].map(|height| (height - half) / stretch);
+        let (tangent, across) = (place.tangent, normal(place.tangent));
+        let [upper, lower] =
+            [1.0, -1.0].map(|side| [0, 1].map(|axis| (side * across[axis] - slope * tangent[axis]) / stretch));
+        let end = if k == 0 { tangent.map(|component| -component) } else { tangent };
+        let surface = |distance: f64, normal: [f64; 2]| {
+            let foot = [0, 1].map(|axis| point[axis] - distance * normal[axis]);
+            Surface { distance, foot, normal }
+        };
+        Measure {
+            surfaces: [surface(above, upper), surface(below, lower), surface(beyond, end)],
+            velocity: place.velocity(sections, |section| section.omega, self.stations),
+            velocity_before: place.velocity(sections, |section| section.omega_before, self.before),
+            spin: 0.0,
+        }
+    }
+}
+
+impl BeamPose {
+    /// A beam without a place yet.
+    pub fn new(beam: &Beam) -> Self {
+        Self { cells: Cells::default(), places: Vec::new(), frame: Frame::new(beam) }
+    }
+
+    /// List the cells at `stations`, to which the beam moves from `before`.
+    pub fn find_cells(
+        &mut self,
+        mask: &BeamMask,
+        search: &mut Search,
+        stations: &Stations,
+        before: &Stations,
+        grid: &Grid,
+    ) {
+        let Self { cells, places, frame } = self;
+        frame.orient(&mask.thickness, stations, before);
+        let frame = &*frame;
+        cells.clear();
+        places.clear();
+        let beam = MovingBeam { mask, frame, stations, before };
+        for Candidate { index, segment, fraction, height, arm, .. } in search.find(frame, mask, stations, grid) {
+            let is_behind_root = mask.support_cylinder.is_some() && fraction < 0.0;
+            let inside = fraction.clamp(0.0, 1.0);
+            let tangents = [segment, segment + 1].map(|k| frame.sections[k].tangent);
+            let tangent = unit(between(tangents[0], tangents[1], inside));
+            let place = Place { segment, fraction: inside, height, tangent, is_behind_root };
+            let measure = beam.measure(&BeamPoint { point: grid.point(index), place, fraction });
+            if cells.add(index, arm, &measure, &mask.profiles[segment], grid) {
+                places.push(place);
+            }
+        }
+    }
+
+    /// Return the cells, each with the velocity of its section (m/s) unless the cylinder bears its drag.
+    pub fn cells_and_velocities<'a>(
+        &'a self,
+        stations: &'a Stations,
+    ) -> impl Iterator<Item = (&'a Cell, Option<[f64; 2]>)> {
+        let velocity = |place: &Place| place.velocity(&self.frame.sections, |section| section.omega, stations);
+        let cells = self.cells.iter().zip(&self.places);
+        cells.map(move |(cell, place)| (cell, (!place.is_behind_root).then(|| velocity(place))))
+    }
+}

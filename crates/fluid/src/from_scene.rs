@@ -1,0 +1,132 @@
+//! Parameters of the fluid of a scene.
+//!
+//! This stands here behind the feature `scene`, and not in the FMU: tests, benchmarks and the FMU share it, and nothing can
+//! depend on the FMU's library. Without the feature the crate knows no scene files.
+
+use scene::{Ends, InflowProfile, Load, Root, Scene, TimeLaw};
+
+use crate::error::Error;
+use crate::parameters::{
+    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Parameters, Precision, Shape, TimeScheme, WallCorrection, Zone,
+};
+
+impl TryFrom<&Scene> for Parameters {
+    type Error = Error;
+
+    /// Fails for a scene without a fluid.
+    fn try_from(scene: &Scene) -> Result<Self, Error> {
+        let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
+        let zone = |x, profile, mean_velocity: &TimeLaw, c_eta| Zone {
+            x,
+            parabolic: profile == InflowProfile::Parabolic,
+            mean_velocity: law(mean_velocity),
+            c_eta,
+        };
+        let inflow = |inflow: &scene::Inflow| zone(inflow.x, inflow.profile, &inflow.mean_velocity, inflow.c_eta);
+        let sponge = |sponge: &scene::Sponge| zone(sponge.x, sponge.profile, &sponge.mean_velocity, sponge.c_eta);
+        Ok(Self {
+            domain: [fluid.r#box.x, fluid.r#box.y],
+            cells: fluid.r#box.cells,
+            density: fluid.density,
+            kinematic_viscosity: fluid.kinematic_viscosity,
+            initial_velocity: fluid.initial_velocity,
+            mean_flow: fluid.mean_flow.as_ref().map(|mean| [law(&mean.x), law(&mean.y)]),
+            channel: fluid.channel.as_ref().map(|channel| channel.y),
+            inflow: fluid.inflow.as_ref().map(inflow),
+            sponge: fluid.sponge.as_ref().map(sponge),
+            cylinders: fluid.cylinders.iter().map(cylinder).collect(),
+            bodies: fluid.bodies.iter().map(body).collect(),
+            beams: scene.beams().map(|of| beam(scene, of)).collect(),
+            mask: mask(&fluid.mask),
+            probes: fluid.probes.iter().map(|probe| probe.position).collect(),
+            filter: match fluid.filter {
+                scene::Filter::Smooth => Filter::Smooth,
+                scene::Filter::TwoThirds => Filter::TwoThirds,
+                scene::Filter::None => Filter::None,
+            },
+            precision: match fluid.precision {
+                scene::Precision::Double => Precision::Double,
+                scene::Precision::Single => Precision::Single,
+            },
+            threads: fluid.threads,
+            scheme: match fluid.time_stepping.scheme {
+                scene::TimeScheme::Sbdf2 => TimeScheme::Sbdf2,
+                scene::TimeScheme::Rk2 => TimeScheme::Rk2,
+            },
+            max_step: fluid.time_stepping.max_step,
+            max_cfl: fluid.time_stepping.max_cfl,
+            communication_step: scene.time.communication_step,
+            loads: scene.load().is_none_or(|load| load == Load::Momentum),
+            pressure_around: scene.axial_pressure_strain(),
+        })
+    }
+}
+
+fn law(law: &TimeLaw) -> Law {
+    let law = law.clone();
+    Law::new(move |t| law.value_and_rate(t))
+}
+
+fn cylinder(cylinder: &scene::Cylinder) -> Cylinder {
+    let motion = |motion: &scene::Motion| [law(&motion.x), law(&motion.y)];
+    Cylinder { center: cylinder.center, radius: cylinder.radius, motion: cylinder.motion.as_ref().map(motion) }
+}
+
+fn body(body: &scene::Body) -> Body {
+    let motion = |motion: &scene::BodyMotion| Motion {
+        displacement: [law(&motion.x), law(&motion.y)],
+        angle: law(&motion.angle),
+    };
+    Body {
+        shape: shape(&body.shape),
+        position: body.position,
+        pivot: body.pivot,
+        angle: body.angle,
+        motion: body.motion.as_ref().map(motion),
+    }
+}
+
+fn shape(shape: &scene::Shape) -> Shape {
+    match shape {
+        scene::Shape::Circle { radius } => Shape::Circle(*radius),
+        scene::Shape::Ellipse { length, thickness } => Shape::Ellipse([0.5 * length, 0.5 * thickness]),
+        scene::Shape::Rectangle { length, thickness, ends: Ends::Square } => {
+            Shape::Rectangle([0.5 * length, 0.5 * thickness])
+        }
+        scene::Shape::Rectangle { length, thickness, ends: Ends::Round } => {
+            Shape::Capsule([0.5 * (length - thickness), 0.5 * thickness])
+        }
+        scene::Shape::Polygon { corners } => Shape::Polygon(corners.clone()),
+    }
+}
+
+fn beam(scene: &Scene, beam: &scene::Beam) -> Beam {
+    Beam {
+        stations: scene.beam_stations(beam).into_iter().map(|[x, y, _]| [x, y]).collect(),
+        length: beam.length,
+        thickness: beam.places().map(|s| beam.thickness.at(s)).collect(),
+        support_cylinder: match beam.root {
+            Root::OnCylinder { cylinder, .. } => Some(cylinder),
+            Root::At { .. } => None,
+        },
+    }
+}
+
+fn mask(mask: &scene::Mask) -> Mask {
+    match *mask {
+        scene::Mask::Sharp { c_eta, displacement_corrected } => Mask::Sharp { c_eta, displacement_corrected },
+        scene::Mask::Cosine { c_eta, half_width, displacement_corrected } => {
+            Mask::Cosine { c_eta, half_width, displacement_corrected }
+        }
+        scene::Mask::LogLinear { c_eta, decay_length_cells, core_depth, wall_correction } => Mask::LogLinear {
+            c_eta,
+            decay_length_cells,
+            core_depth,
+            wall_correction: match wall_correction {
+                scene::WallCorrection::None => WallCorrection::None,
+                scene::WallCorrection::Shear => WallCorrection::Shear,
+                scene::WallCorrection::Curvature => WallCorrection::Curvature,
+            },
+        },
+    }
+}

@@ -1,0 +1,103 @@
+//! Limits of the steps and of the motion of the beams.
+
+use crate::bodies::Stations;
+use crate::error::Error;
+use crate::grid::Grid;
+use crate::parameters::Parameters;
+
+/// Flow and beams may shorten the usual step of the fluid by this factor. The usual step is the smaller of `max_step` and
+/// the usual communication step.
+const SMALLEST_STEP_DIVISOR: f64 = 100.0;
+
+/// Longest communication step, in usual communication steps.
+const LONGEST_COMMUNICATION_STEP: f64 = 1000.0;
+
+/// Largest number of usual steps in a communication step.
+const MAX_SUBSTEPS: f64 = 1e5;
+
+/// Largest number of steps in a communication step with explicit drag, whose limit depends on the bodies alone.
+const MAX_EXPLICIT_SUBSTEPS: f64 = 1e4;
+
+/// Limits of the steps of a fluid.
+pub struct StepLimits {
+    /// Largest step of the fluid, s.
+    max_step: f64,
+    /// Largest CFL number.
+    pub max_cfl: f64,
+    /// Shortest step that flow or beams may require, s.
+    pub shortest: f64,
+    /// Longest communication step, s.
+    longest: f64,
+}
+
+impl StepLimits {
+    pub fn new(parameters: &Parameters) -> Self {
+        let &Parameters { max_step, max_cfl, communication_step, .. } = parameters;
+        let usual_step = max_step.min(communication_step);
+        Self {
+            max_step,
+            max_cfl,
+            shortest: usual_step / SMALLEST_STEP_DIVISOR,
+            longest: (LONGEST_COMMUNICATION_STEP * communication_step).min(MAX_SUBSTEPS * usual_step),
+        }
+    }
+
+    /// Refuse a communication step from `t` to `t + h` (s) that is no positive number or too long.
+    pub fn check(&self, t: f64, h: f64) -> Result<(), Error> {
+        if !(t.is_finite() && h.is_finite() && h > 0.0) {
+            return Err(Error::Step { time: t, step: h });
+        }
+        if h > self.longest {
+            return Err(Error::Long { time: t, step: h, longest: self.longest });
+        }
+        Ok(())
+    }
+
+    /// Return the number of steps in a communication step, with an advection rate (1/s) and the longest step (s) of explicit
+    /// drag.
+    pub fn divide(&self, t: f64, h: f64, advection_rate: f64, explicit: Option<f64>) -> Result<f64, Error> {
+        let (needed, shortest) = (self.max_cfl / advection_rate, self.shortest);
+        if needed.is_nan() || needed < shortest {
+            return Err(Error::Diverged { time: t, needed, shortest });
+        }
+        let mut largest = self.max_step.min(needed);
+        if let Some(c_eta) = explicit {
+            let substeps = (h / c_eta - 1e-9).ceil();
+            if substeps > MAX_EXPLICIT_SUBSTEPS {
+                return Err(Error::Stiff { time: t, step: h, c_eta, substeps, most: MAX_EXPLICIT_SUBSTEPS });
+            }
+            largest = largest.min(c_eta);
+        }
+        Ok((h / largest - 1e-9).ceil().max(1.0))
+    }
+
+    /// Refuse stations that are not finite, far outside the domain, coincident or too fast.
+    pub fn check_beams(&self, beams: &[Stations], grid: &Grid) -> Result<(), Error> {
+        let name = |k| if beams.len() == 1 { "the beam".into() } else { format!("beam {}", k + 1) };
+        beams.iter().enumerate().try_for_each(|(k, stations)| self.check_beam(&|| name(k), stations, grid))
+    }
+
+    /// Check the stations of the beam with the name that `name` returns.
+    fn check_beam(&self, name: &dyn Fn() -> String, stations: &Stations, grid: &Grid) -> Result<(), Error> {
+        let Stations { position: [x, y], velocity: [vx, vy] } = stations;
+        let [dx, dy] = grid.spacing;
+        let middle = [0, 1].map(|axis| grid.coordinate(axis, grid.cells[axis] / 2));
+        let far = |p: f64, axis: usize| (p - middle[axis]).abs() > 1.5 * grid.size[axis];
+        for k in 0..x.len() {
+            let finite = [x[k], y[k], vx[k], vy[k]].iter().all(|c| c.is_finite());
+            if !finite || far(x[k], 0) || far(y[k], 1) {
+                let (beam, station) = (name(), k + 1);
+                return Err(Error::Station { beam, station, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
+            }
+            if k > 0 && x[k] == x[k - 1] && y[k] == y[k - 1] {
+                return Err(Error::Coincide { beam: name(), station: k, x: x[k], y: y[k] });
+            }
+            let needed = self.max_cfl / (vx[k].abs() / dx + vy[k].abs() / dy);
+            if needed < self.shortest {
+                let (beam, station, shortest) = (name(), k + 1, self.shortest);
+                return Err(Error::FastStation { beam, station, vx: vx[k], vy: vy[k], needed, shortest });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,56 @@
+//! The present time: bodies and beams as the fluid last saw them. All of it is in double precision.
+
+use serde::{Deserialize, Serialize};
+
+use crate::bodies::{Loads, Stations};
+use crate::force::{BodyForce, Exchange};
+
+/// What a fluid of any precision and scheme has at the present time, without the flow.
+#[derive(Clone, Debug)]
+pub struct Present {
+    /// Time, s.
+    pub time: f64,
+    /// Last step, s; 0 before the first.
+    pub step: f64,
+    /// Largest `|u|/dx + |v|/dy`, 1/s.
+    pub advection_rate: f64,
+    /// Forces on the cylinders, the other rigid bodies and the beams.
+    pub bodies: Vec<BodyForce>,
+    /// The beams.
+    pub beams: Beams,
+}
+
+/// The beams as the fluid last saw them; every list is empty without one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Beams {
+    /// Stations.
+    pub stations: Vec<Stations>,
+    /// Loads for the coming step; empty if no loads are predicted.
+    pub loads: Vec<Loads>,
+    /// Forces, powers and works of the fluid on the beams.
+    pub exchange: Vec<Exchange>,
+}
+
+impl Present {
+    /// Return the CFL number of the last step, or of a step of another length (s) in the present flow.
+    pub fn cfl(&self, step: f64) -> f64 {
+        self.advection_rate * step
+    }
+}
+
+impl Beams {
+    /// Copy `other`, which has the same shape; unlike `clone_from` this allocates nothing.
+    pub fn copy_from(&mut self, other: &Self) {
+        Stations::copy_all(&mut self.stations, &other.stations);
+        self.loads.iter_mut().zip(&other.loads).for_each(|(own, other)| own.copy_from(other));
+        self.exchange.copy_from_slice(&other.exchange);
+    }
+
+    /// Return whether `other` has as many beams with as many stations.
+    pub fn have_shape_of(&self, other: &Self) -> bool {
+        let lengths = |beams: &Self| [beams.stations.len(), beams.loads.len(), beams.exchange.len()];
+        lengths(self) == lengths(other)
+            && self.stations.iter().zip(&other.stations).all(|(a, b)| a.has_shape_of(b))
+            && self.loads.iter().zip(&other.loads).all(|(a, b)| a.has_shape_of(b))
+    }
+}

@@ -1,0 +1,93 @@
+//! Pressures at probes and beams, made on the first request after a step.
+
+use crate::bodies::{Bodies, Stations};
+use crate::grid::Grid;
+use crate::outlet::Outlet;
+use crate::probe::Probe;
+
+/// A value that is made on request and kept until it is stale. It cannot be read while it is stale.
+pub struct Cached<T> {
+    value: T,
+    is_current: bool,
+}
+
+impl<T> Cached<T> {
+    /// A stale value with room for the one to be made.
+    pub fn stale(value: T) -> Self {
+        Self { value, is_current: false }
+    }
+
+    /// Make the value stale.
+    pub fn invalidate(&mut self) {
+        self.is_current = false;
+    }
+
+    /// Return the value; `make` writes it if it is stale.
+    pub fn get(&mut self, make: impl FnOnce(&mut T)) -> &T {
+        if !self.is_current {
+            make(&mut self.value);
+            self.is_current = true;
+        }
+        &self.value
+    }
+}
+
+/// Pressures at the present time, Pa.
+pub struct Pressures {
+    /// At each probe.
+    pub probes: Vec<f64>,
+    /// Above less below each beam, at its stations.
+    pub jump: Vec<Vec<f64>>,
+    /// Around each beam at its stations, relative to the outlet; empty if not wanted.
+    pub around: Vec<Vec<f64>>,
+}
+
+impl Pressures {
+    /// Zeros.
+    pub fn new(probes: usize, stations: &[Stations], around: bool) -> Self {
+        let zeros = |stations: &Stations| vec![0.0; stations.len()];
+        Self {
+            probes: vec![0.0; probes],
+            jump: stations.iter().map(zeros).collect(),
+            around: stations.iter().filter(|_| around).map(zeros).collect(),
+        }
+    }
+}
+
+/// Where pressures are read.
+pub struct PressurePlaces<'a> {
+    /// The grid.
+    pub grid: &'a Grid,
+    /// Density of the fluid, kg/m³.
+    pub density: f64,
+    /// Probes.
+    pub probes: &'a [Probe],
+    /// Reference of the pressure around the beams.
+    pub outlet: Option<&'a Outlet>,
+    /// Bodies with the beams.
+    pub bodies: &'a Bodies,
+    /// Stations of the beams.
+    pub stations: &'a [Stations],
+}
+
+impl PressurePlaces<'_> {
+    /// Write the pressures from the static pressure over the density (m²/s²), given at a grid point.
+    pub fn read(&self, at: &dyn Fn(usize) -> f64, pressures: &mut Pressures) {
+        for (pressure, probe) in pressures.probes.iter_mut().zip(self.probes) {
+            *pressure = self.density * probe.pressure(at);
+        }
+        let level = self.outlet.map_or(0.0, |outlet| outlet.mean(at));
+        for (beam, (stations, jumps)) in self.stations.iter().zip(&mut pressures.jump).enumerate() {
+            for (k, jump) in jumps.iter_mut().enumerate() {
+                let [above, below] = [1.0, -1.0].map(|side| {
+                    let point = self.bodies.surface_point(beam, stations, k, side);
+                    self.grid.interpolation(point).iter().map(|&(c, weight)| weight * at(c)).sum::<f64>()
+                });
+                *jump = self.density * (above - below);
+                if let Some(around) = pressures.around.get_mut(beam) {
+                    around[k] = self.density * (0.5 * (above + below) - level);
+                }
+            }
+        }
+    }
+}
