@@ -81,7 +81,7 @@ doc: ## build the reference of all crates, without warnings
 
 deny: ## check licences, bans and sources of all crates; needs cargo-deny
 	for manifest in Cargo.toml studies/rust/Cargo.toml; do \
-	cargo deny --locked --manifest-path $$manifest check --config $(CURDIR)/deny.toml licenses bans sources || exit; done
+	cargo deny --locked --manifest-path $$manifest check licenses bans sources || exit; done
 
 bindings-check: $(READY_DEV) ## compare crates/fmi-export/src/sys.rs with the official headers
 	LIBCLANG_PATH=$$($(RUN) -c "import clang.native; print(*clang.native.__path__)") \

@@ -7,7 +7,10 @@ of different units therefore need different names.
 
 import json
 import math
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -24,20 +27,24 @@ BASE_UNITS = {
 """Powers of the SI units in each unit that the contract uses here."""
 
 
+Read = Callable[[], float]
+Write = Callable[[float], None]
+
+
 class ContractUnit(Fmi2Slave):
     """A unit of a scene: `resources` holds `scene.json`."""
 
     STATE: tuple[str, ...] = ()
     """Attributes that are the unit's whole state: arrays and numbers."""
 
-    def __init__(self, **keywords):
+    def __init__(self, **keywords: Any) -> None:
         super().__init__(**keywords)
         self.scene = json.loads(Path(self.resources, "scene.json").read_text(encoding="utf-8"))
         if (self.scene.get("coupling") or {}).get("load") != "momentum":
             raise ValueError("coupling.load of the scene must be `momentum`, the only load that this unit knows")
         self.units: dict[str, str] = {}
 
-    def register(self, name: str, unit: str, causality: Fmi2Causality, read, write=None) -> None:
+    def register(self, name: str, unit: str, causality: Fmi2Causality, read: Read, write: Write | None = None) -> None:
         """Register a Real variable in `unit`."""
         parameter = causality == Fmi2Causality.parameter
         variable = Real(
@@ -58,26 +65,28 @@ class ContractUnit(Fmi2Slave):
                 f"{name}[{k + 1}]",
                 unit,
                 causality,
-                lambda k=k: values[k],
-                lambda value, k=k: values.__setitem__(k, value),
+                partial(values.item, k),
+                partial(values.__setitem__, k),
             )
 
-    def to_xml(self, model_options=None) -> Element:
+    def to_xml(self, model_options: dict[str, str] | None = None) -> Element:
         """The model description, with units."""
-        root = super().to_xml(model_options or {})
+        root: Element = super().to_xml(model_options or {})
         definitions = Element("UnitDefinitions")
         for name in sorted(set(self.units.values())):
             powers = {base: str(power) for base, power in BASE_UNITS[name].items()}
             SubElement(SubElement(definitions, "Unit", name=name), "BaseUnit", powers)
-        root.insert(list(root).index(root.find("CoSimulation")) + 1, definitions)
+        places = [child.tag for child in root]
+        root.insert(places.index("CoSimulation") + 1, definitions)
         for variable in root.iter("ScalarVariable"):
-            variable.find("Real").set("unit", self.units[variable.get("name")])
+            for real in variable.iter("Real"):
+                real.set("unit", self.units[variable.attrib["name"]])
         return root
 
-    def _get_fmu_state(self) -> dict:
+    def _get_fmu_state(self) -> dict[str, Any]:
         return {name: np.array(getattr(self, name)).tolist() for name in self.STATE}
 
-    def _set_fmu_state(self, state: dict) -> None:
+    def _set_fmu_state(self, state: dict[str, Any]) -> None:
         for name, value in state.items():
             if isinstance(value, list):
                 getattr(self, name)[:] = value
@@ -94,14 +103,14 @@ def backward_differences(h: float, before: float) -> tuple[float, float, float]:
     return (1 + 2 * ratio) / (h * (1 + ratio)), (1 + ratio) / h, ratio**2 / (h * (1 + ratio))
 
 
-def station_lengths(beam: dict) -> np.ndarray:
+def station_lengths(beam: dict[str, Any]) -> np.ndarray:
     """The length of the beam that each station stands for, m: half a segment at root and tip."""
     lengths = np.full(beam["segments"] + 1, beam["length"] / beam["segments"])
     lengths[[0, -1]] /= 2
     return lengths
 
 
-def root_of(scene: dict) -> tuple[np.ndarray, np.ndarray]:
+def root_of(scene: dict[str, Any]) -> tuple[np.ndarray, np.ndarray]:
     """Position of the beam's root at rest, m, and its unit direction there."""
     root = scene["beam"]["root"]
     if "at" in root:

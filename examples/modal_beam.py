@@ -17,6 +17,7 @@ by two-step backward differences, everything at the end of the step.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from contract import ContractUnit, backward_differences, root_of
@@ -38,7 +39,7 @@ class ModalBeam(ContractUnit):
     description = "Euler-Bernoulli cantilever by its first modes"
     STATE = ("q", "v", "q_before", "v_before", "h_before", "x", "y", "vx", "vy", "force_x", "force_y", "impedance")
 
-    def __init__(self, **keywords):
+    def __init__(self, **keywords: Any) -> None:
         super().__init__(**keywords)
         beam, rod = self.scene["beam"], self.scene["rod"]
         unknown = [f"rod.{key}" for key in ("damping", "root_motion") if rod.get(key)]
@@ -62,7 +63,10 @@ class ModalBeam(ContractUnit):
 
         def modes(s: np.ndarray) -> np.ndarray:
             z = np.outer(s / length, b)
-            return np.cosh(z) - np.cos(z) - sigma * (np.sinh(z) - np.sin(z)) + 2 * b * setback * np.sinh(z)
+            shapes: np.ndarray = (
+                np.cosh(z) - np.cos(z) - sigma * (np.sinh(z) - np.sin(z)) + 2 * b * setback * np.sinh(z)
+            )
+            return shapes
 
         self.phi = modes(self.s)  # [stations, modes]
         points, weights = np.polynomial.legendre.leggauss(QUADRATURE)

@@ -15,6 +15,7 @@ In other masters than `nervure`, run it with OPENBLAS_NUM_THREADS=1: its matrice
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from contract import ContractUnit, backward_differences, root_of
@@ -41,7 +42,16 @@ class Bar:
     `h_before`, s.
     """
 
-    def __init__(self, length, thickness, segments, density, youngs_modulus, poisson_ratio, arc_radius=math.inf):
+    def __init__(
+        self,
+        length: float,
+        thickness: float,
+        segments: int,
+        density: float,
+        youngs_modulus: float,
+        poisson_ratio: float,
+        arc_radius: float = math.inf,
+    ) -> None:
         lame = youngs_modulus * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))
         shear = youngs_modulus / (2 * (1 + poisson_ratio))
         self.law = np.array([[lame + 2 * shear, lame, 0.0], [lame, lame + 2 * shear, 0.0], [0.0, 0.0, shear]])
@@ -84,17 +94,17 @@ class Bar:
         self.u, self.v, self.u_before, self.v_before = (np.zeros((basis.N // self.clamped, NODES, 2)) for _ in range(4))
         self.h_before = 0.0
 
-    def _place(self, rows, columns):
+    def _place(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
         """Where the entries of the upper half of a matrix are in its flat band."""
-        return (self.width + rows - columns) * self.forcing.shape[0] + columns
+        return np.asarray((self.width + rows - columns) * self.forcing.shape[0] + columns)
 
-    def _assemble(self, blocks):
+    def _assemble(self, blocks: np.ndarray) -> np.ndarray:
         """Band `[width + 1, dofs]` of the sum of the elements' matrices."""
         size = self.forcing.shape[0]
         flat = np.bincount(self.band, blocks.reshape(len(blocks), -1)[self.upper], (self.width + 1) * size)
         return flat.reshape(self.width + 1, size)
 
-    def elastic(self, u):
+    def elastic(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Elastic force on each degree of freedom, N/m, and the elements' stiffness; points of an element come last."""
         f = np.einsum("ej,ejabp->eabp", u.reshape(-1)[self.dofs], self.gradients, optimize=True)
         f[:, [0, 1], [0, 1]] += 1.0
@@ -114,16 +124,17 @@ class Bar:
         blocks += self.gradients.reshape(by_element) @ np.swapaxes(stressed.reshape(by_element), 1, 2)
         return np.bincount(self.dofs.ravel(), force.ravel(), self.forcing.shape[0]), blocks
 
-    def times_mass(self, a):
+    def times_mass(self, a: np.ndarray) -> np.ndarray:
         """Mass times the accelerations of the nodes, N/m."""
-        a, product = a.reshape(-1), self.mass[-1] * a.reshape(-1)
+        a = a.reshape(-1)
+        product: np.ndarray = self.mass[-1] * a
         for off in range(1, self.width + 1):
             entries = self.mass[-1 - off, off:]
             product[:-off] += entries * a[off:]
             product[off:] += entries * a[:-off]
         return product
 
-    def step(self, h, force, impedance, gravity):
+    def step(self, h: float, force: np.ndarray, impedance: np.ndarray, gravity: np.ndarray) -> None:
         """Step by `h` s under the loads `force` `[stations, 2]`, N/m, on stations that keep their velocity, with the
         impedance `[stations]`, kg/(m s), and `gravity` `[2]`, m/s²; raises `ArithmeticError` where there is no shape.
         """
@@ -153,9 +164,9 @@ class Bar:
         self.u_before[:], self.v_before[:], self.h_before = self.u, self.v, h
         self.u[:], self.v[:] = u, c0 * u + known_v
 
-    def sections(self, field):
+    def sections(self, field: np.ndarray) -> np.ndarray:
         """Mean of a field of the nodes over the section of each station, `[stations, 2]`."""
-        return SIMPSON @ field[self.stations]
+        return np.asarray(SIMPSON @ field[self.stations])
 
 
 class SolidBar(ContractUnit):
@@ -164,7 +175,7 @@ class SolidBar(ContractUnit):
     description = "Saint Venant-Kirchhoff bar in plane strain by quadratic finite elements"
     STATE = ("u", "v", "u_before", "v_before", "h_before", "x", "y", "vx", "vy", "force_x", "force_y", "impedance")
 
-    def __init__(self, **keywords):
+    def __init__(self, **keywords: Any) -> None:
         super().__init__(**keywords)
         beam, rod, fluid = self.scene["beam"], self.scene["rod"], self.scene["fluid"]
         unknown = [f"rod.{key}" for key in ("damping", "root_motion") if rod.get(key)]

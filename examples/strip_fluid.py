@@ -19,6 +19,7 @@ the rod solves for the added mass implicitly, however light it is. The coming st
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from contract import ContractUnit, backward_differences, station_lengths
@@ -31,7 +32,7 @@ class StripFluid(ContractUnit):
     description = "Added mass and linear drag per station"
     STATE = ("x", "y", "vx", "vy", "now", "before", "h_before", "load", "impedance", "total", "linear_drag")
 
-    def __init__(self, **keywords):
+    def __init__(self, **keywords: Any) -> None:
         super().__init__(**keywords)
         beam, density = self.scene["beam"], self.scene["fluid"]["density"]
         self.lengths = station_lengths(beam)

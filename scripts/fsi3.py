@@ -34,7 +34,7 @@ class Unit:
         self.fmu.enterInitializationMode()
 
     def get(self, names: list[str]) -> list[float]:
-        return self.fmu.getReal([self.references[name] for name in names])
+        return list(self.fmu.getReal([self.references[name] for name in names]))
 
     def set(self, names: list[str], values: list[float]) -> None:
         self.fmu.setReal([self.references[name] for name in names], values)
@@ -70,10 +70,10 @@ if __name__ == "__main__":
     parser.add_argument("--end", type=float, default=8.0, help="end of the run, s (8)")
     parser.add_argument("--step", type=float, default=4e-4, help="communication step, s (4e-4)")
     given = parser.parse_args()
-    units = [Unit(given.rod, given.end), Unit(given.fluid, given.end)]
+    rod, fluid = Unit(given.rod, given.end), Unit(given.fluid, given.end)
     with open(given.csv, "w", encoding="utf-8", newline="") as file:
         rows = csv.writer(file, lineterminator="\n")
         rows.writerow(["time", *TIP])
-        rows.writerows([f"{value:.10g}" for value in row] for row in couple(*units, given.end, given.step))
-    for unit in units:
+        rows.writerows([f"{value:.10g}" for value in row] for row in couple(rod, fluid, given.end, given.step))
+    for unit in (rod, fluid):
         unit.close()

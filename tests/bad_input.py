@@ -342,7 +342,7 @@ def rows() -> Iterator[Row]:
     with tempfile.TemporaryDirectory() as folder, chdir(folder):
         path = Path("my-scene.json")
         for name, text in FILES.items():
-            path.write_bytes(text if isinstance(text, bytes) else text.encode())
+            path.write_bytes(text if isinstance(text, bytes) else str(text).encode())
             yield row("Files", name, faults(str(path)), "run", str(path))
         path.unlink()
         for arguments in ARGUMENTS:

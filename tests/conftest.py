@@ -195,7 +195,7 @@ def nervure(*arguments, cwd=".", env=os.environ) -> subprocess.CompletedProcess:
     ):
         main()
         sys.exit(0)
-    return subprocess.CompletedProcess(argv, ended.value.code or 0, out.getvalue(), errors.getvalue())
+    return subprocess.CompletedProcess(argv, int(ended.value.code or 0), out.getvalue(), errors.getvalue())
 
 
 def run_scene(scene: Path, *arguments, **keywords) -> subprocess.CompletedProcess:

@@ -84,7 +84,7 @@ def test_a_quantity_that_was_not_recorded_is_said(falling, tmp_path):
 
 def test_a_run_that_failed_gives_what_there_was_before(small_fsi3, tmp_path):
     scene = validate(small_fsi3)
-    scene.coupling = {"load": "pressure_jump", "scheme": {"iterated": {"tolerance": 1e-15, "max_iterations": 2}}}
+    scene.coupling = {"load": "pressure_jump", "scheme": {"iterated": {"tolerance": 1e-15, "max_iterations": 2}}}  # type: ignore[assignment]
     with pytest.raises(nervure.RunError, match="did not converge in 2 iterations") as failed:
         nervure.run(scene, tmp_path, quiet=True)
     assert not failed.value.run.summary.completed

@@ -192,7 +192,8 @@ def test_a_damaged_or_cut_file_is_refused(saved):
 
 def test_a_full_disk_leaves_the_checkpoint_before(saved):
     """The limit on a file's size stands for the disk: a write fails in the middle of the new checkpoint."""
-    good, said = saved.path.read_bytes(), []
+    good = saved.path.read_bytes()
+    said: list[str] = []
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (len(good) // 2, hard))
     try:

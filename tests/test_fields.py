@@ -4,6 +4,7 @@ import json
 import signal
 import subprocess
 import time
+from typing import Any
 
 import h5py
 import numpy as np
@@ -80,7 +81,7 @@ def test_a_rod_in_space_is_a_line(rod_only, tmp_path):
 
 def test_a_scene_without_anything_to_show_is_refused(fluid_only, tmp_path):
     with Session(validate(fluid_only), tmp_path) as session:
-        session.units["fluid"].shown_field = lambda _name: None
+        session.units["fluid"].shown_field = lambda name: None
         with pytest.raises(SceneError, match="--fields-every needs a beam or a fluid that shows its fields"):
             fields.Fields(session, 0.1, pytest.fail)
 
@@ -131,8 +132,8 @@ def test_an_animation_shows_the_frames_of_the_times_asked_for(small_fsi3, tmp_pa
     done = nervure("animate", tmp_path / "results", "--begin", "0.009", "--end", "0.017")
     assert done.returncode == 0, done.stderr
     with Image.open(tmp_path / "results" / "vorticity.gif") as film, Image.open(tmp_path / "results" / "phases.png"):
-        assert film.n_frames == 4 and film.info["loop"] == 0
-        colours = {colour for _, colour in film.convert("RGB").getcolors(1 << 20)}
+        assert film.n_frames == 4 and film.info["loop"] == 0  # type: ignore[attr-defined]
+        colours: list[Any] = [colour for _, colour in film.convert("RGB").getcolors(1 << 20) or []]
     assert any(r > b + 50 for r, _, b in colours) and any(b > r + 50 for r, _, b in colours), "both signs are seen"
 
     none = nervure("animate", tmp_path / "results", "--begin", "7", "--end", "8")

@@ -2,6 +2,7 @@
 
 import json
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -96,12 +97,12 @@ def test_what_is_outside_of_the_tried_ranges_is_warned_of(assignments, said):
 def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     """A beam of 1 m in a stream along y with 1.2 m/s, or driven at 0.4 π m/s in still fluid of 1 kg/m³."""
     known, window = known_signal()
-    scene = read("vein-hover-288x256")
-    override(scene, 'rod.root_motion.laws.y={"sine": {"amplitude": 0.1, "frequency": 2.0}}')
+    document = read("vein-hover-288x256")
+    override(document, 'rod.root_motion.laws.y={"sine": {"amplitude": 0.1, "frequency": 2.0}}')
     if kind == "stream":
-        override(scene, "fluid.initial_velocity=[0, 1.2]")
-        override(scene, 'fluid.mean_flow={"y": {"constant": 1.2}}')
-    scene = validate(scene)
+        override(document, "fluid.initial_velocity=[0, 1.2]")
+        override(document, 'fluid.mean_flow={"y": {"constant": 1.2}}')
+    scene = validate(document)
     of_scene = dimensionless.evaluate(scene)
     velocity = 1.2 if kind == "stream" else 0.1 * 4 * np.pi
     assert of_scene.velocity == pytest.approx(velocity)
@@ -121,7 +122,7 @@ def test_pace_counts_steps_after_the_first_and_those_of_the_fluid_to_come():
     """Steps of 30 ms, 20 of them in the fluid, which will have to divide each into 2: (30 + 20) ms for each of 100."""
     scene = read("vein-pitching-320x240")
     override(scene, "time.end=0.04")
-    fluid = SimpleNamespace(seconds=0.0)
+    fluid: Any = SimpleNamespace(seconds=0.0)
     pace = forecast.Pace(Facts.of(validate(scene)), fluid)
     assert pace.factor == 2 and pace.steps == 100
     wall, found = 0.0, []

@@ -74,7 +74,7 @@ class FMU2Oscillator(FMU2Slave):
             modelIdentifier=description.coSimulation.modelIdentifier,
             instanceName=name,
         )
-        self.messages = []
+        self.messages: list[str] = []
         logger = fmi2CallbackLoggerTYPE(
             lambda environment, instance, status, category, message: self.messages.append(message.decode())
         )

@@ -105,7 +105,7 @@ def test_a_rod_alone_moves_in_its_frame(rod_only, tmp_path):
     written = {path.name for path in run.animate()}
     assert {"motion.png", "motion.gif"} <= written
     with Image.open(tmp_path / "motion.gif") as film:
-        assert film.n_frames == 11
+        assert film.n_frames == 11  # type: ignore[attr-defined]
         ink = [np.asarray(film.convert("L")) < 200 for _ in [film.seek(n) for n in (0, 10)]]
     frames = animation.render_rod(animation.Frames(tmp_path), list(range(11)))
     assert (frames[0] != frames[10]).any() and ink[0].any()

@@ -4,6 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
+from nervure.resources import ROOT
 from studies import catalogue, engine, fluid, fsi3, roofline, same, show, speed
 from studies.engine import Case, Study
 from studies.store import Data, Record
@@ -25,6 +26,13 @@ STUDY = Study(
 )
 
 
+def take(data: Data, study: Study, case: Case) -> None:
+    """Record what a case found."""
+    run = study.run_of(case)
+    assert run
+    data.take(study, case, run)
+
+
 @pytest.fixture
 def small(tmp_path, monkeypatch):
     """Return a function that runs what is missing of a study with two sources, and returns the data."""
@@ -42,12 +50,12 @@ def small(tmp_path, monkeypatch):
             record = data.get(f"small/{case.name}")
             if again or record is None or record.stale:
                 engine.execute(case, STUDY.folder(case))
-                data.take(STUDY, case, STUDY.run_of(case))
+                take(data, STUDY, case)
         data.save(tmp_path)
         return data
 
-    run.folder = tmp_path
-    run.ran = lambda: (tmp_path / "results" / "small" / "ran").read_text().split()
+    run.folder = tmp_path  # type: ignore[attr-defined]
+    run.ran = lambda: (tmp_path / "results" / "small" / "ran").read_text().split()  # type: ignore[attr-defined]
     yield run
     engine.source_digest.cache_clear()
 
@@ -124,13 +132,13 @@ def test_units_that_give_other_bits_are_told_apart(monkeypatch):
     case = fluid.cylinder("2D-2", 100, "grid/same", 2e-3)
     thicker = fluid.cylinder("2D-2", 100, "grid/same", 2e-3)
     thicker.changes["fluid.kinematic_viscosity"] = 1e-3 * (1 + 1e-15)
-    assert same.first_steps(case, engine.ROOT) == same.first_steps(case, engine.ROOT)
-    assert same.first_steps(case, engine.ROOT) != same.first_steps(thicker, engine.ROOT)
+    assert same.first_steps(case, ROOT) == same.first_steps(case, ROOT)
+    assert same.first_steps(case, ROOT) != same.first_steps(thicker, ROOT)
 
 
 def test_every_source_has_files():
     for room in engine.SOURCES:
-        assert engine.source_digest(room, engine.ROOT), room
+        assert engine.source_digest(room, ROOT), room
 
 
 def test_cases_have_names_of_their_own():
@@ -158,7 +166,7 @@ def test_a_scene_is_run_and_one_that_is_refused_keeps_its_reason(tmp_path, monke
     data = Data([study])
     for case in study.cases():
         engine.execute(case, study.folder(case))
-        data.take(study, case, study.run_of(case))
+        take(data, study, case)
     found = data["fluid/grid/good"]
     assert found["cd_mean"] > 0 and found["flow_rate"] > 0 and found.times["runs"] == 3
     assert 0 < found.times["cpu_s"][0] <= found.times["cpu_s"][1] <= found.times["cpu_s"][2]

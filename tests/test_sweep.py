@@ -217,8 +217,9 @@ def test_on_this_machine_a_worker_that_is_killed_costs_a_row_and_not_the_sweep(s
 def test_ctrl_c_ends_a_sweep_without_a_traceback(moment, scene, tmp_path):
     """It goes to all processes of the terminal, at any moment, and none of them stays."""
     command = [*TOOL, "sweep", scene, "--output", tmp_path / "sweep", "--vary", "time.end=1e4,1e5"]
-    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
-    process = subprocess.Popen(command, **pipes)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
     children = psutil.Process(process.pid).children
     reached = (lambda: running(process)) if moment == "in a run" else (lambda: len(children(recursive=True)) > 1)
     deadline = time.monotonic() + 60

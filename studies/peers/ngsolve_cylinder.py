@@ -11,6 +11,7 @@ one JSON object; wall and CPU time are those of the solution, with mesh and fact
 import json
 import sys
 from time import perf_counter, process_time
+from typing import Any
 
 import ngsolve as ng
 import numpy as np
@@ -33,11 +34,11 @@ def space_of(size: float) -> ng.FESpace:
     return ng.VectorH1(mesh, order=3, dirichlet="wall|cylinder|inlet") * ng.H1(mesh, order=2)
 
 
-def stokes(u, p, v, q):
+def stokes(u: Any, p: Any, v: Any, q: Any) -> Any:
     return NU * InnerProduct(ng.Grad(u), ng.Grad(v)) - ng.div(u) * q - ng.div(v) * p
 
 
-def unit_fields(space: ng.FESpace) -> list:
+def unit_fields(space: ng.FESpace) -> list[Any]:
     """Vectors of the test velocities (1, 0) and (0, 1) on the cylinder."""
     fields = [GridFunction(space), GridFunction(space)]
     for field, direction in zip(fields, ((1, 0), (0, 1)), strict=True):
@@ -52,7 +53,7 @@ def started(space: ng.FESpace, peak: float) -> GridFunction:
     return field
 
 
-def steady(size: float) -> dict:
+def steady(size: float) -> dict[str, Any]:
     space = space_of(size)
     (u, p), (v, q) = space.TnT()
     form = BilinearForm(space)
@@ -68,7 +69,7 @@ def steady(size: float) -> dict:
     return {"dofs": space.ndof, "values": {"cd_mean": cd, "cl_mean": cl, "dp_mean": dp}}
 
 
-def periodic(size: float) -> dict:
+def periodic(size: float) -> dict[str, Any]:
     space, step = space_of(size), STEP_BY_SIZE * size
     (u, p), (v, q) = space.TnT()
     linear, mass, implicit = BilinearForm(space), BilinearForm(space), BilinearForm(space)

@@ -9,6 +9,7 @@ metre of depth. The step is 0.3 of the time in which a wave passes an element. P
 import json
 import sys
 from time import perf_counter, process_time
+from typing import Any
 
 import elastica as ea
 import numpy as np
@@ -34,7 +35,7 @@ def rod_of(elements: int) -> ea.CosseratRod:
     return rod
 
 
-def solve(case: str, elements: int) -> dict:
+def solve(case: str, elements: int) -> dict[str, Any]:
     system, rod = System(), rod_of(elements)
     system.append(rod)
     system.constrain(rod).using(ea.OneEndFixedBC, constrained_position_idx=(0,), constrained_director_idx=(0,))

@@ -59,7 +59,7 @@ def words(schema: object) -> set[str]:
 
 def run(target: str, seconds: str) -> dict[str, Any]:
     """Fuzz a target with libFuzzer and return the row of its results; pass on the messages as they come."""
-    command = [*COMMAND, "run", "--fuzz-dir", FUZZ, "--target-dir", BUILD, target, "--", *OPTIONS]
+    command = [*COMMAND, "run", "--fuzz-dir", str(FUZZ), "--target-dir", str(BUILD), target, "--", *OPTIONS]
     said = ""
     with subprocess.Popen(
         [*command, f"-max_total_time={seconds}"], stderr=subprocess.PIPE, text=True, errors="replace"

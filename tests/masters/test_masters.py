@@ -68,7 +68,7 @@ every_scene = pytest.mark.parametrize("scene", ["pair", "rod", "fluid"], indirec
 
 def ours(units: dict[str, Unit], order: type[coupling.Explicit] = coupling.ParallelExplicit) -> dict[str, np.ndarray]:
     """Real outputs by `unit.name` at the end of the run."""
-    scheme = order([units["rod"]], units["fluid"]) if len(units) == 2 else coupling.Single(*units.values())
+    scheme = order([units["rod"]], units["fluid"]) if len(units) == 2 else coupling.Single(next(iter(units.values())))
     scheme.start()
     for i in range(STEPS):
         scheme.step(i * H, H)
@@ -220,14 +220,14 @@ def test_container_of_array_ports_agrees_with_the_explicit_scheme(fsi3, units_in
     units = units_in(fsi3)
     files = {kind: f"{fsi3['name']}-{kind}.fmu" for kind in units}
     table = ["rule;from_fmu;from_port;to_fmu;to_port", *(f"FMU;{file};;;" for file in files.values())]
-    places = {}
+    places: dict[str, list[str]] = {}
     for source, target, name, element in links(units):
         if element == 0:  # each array is one port
             table.append(f"LINK;{files[source.name]};{name};{files[target.name]};{name}")
         column = f"{Path(files[source.name]).stem}.{name}[{element + 1}]"
         places.setdefault(f"{source.name}.{name}", []).append(column)
     (tmp_path / "pair.csv").write_text("\n".join(table) + "\n", encoding="utf-8")
-    command = [Path(sys.executable).parent / "fmucontainer", "-container", f"pair.csv:{H}", "-sequential"]
+    command = [str(Path(sys.executable).parent / "fmucontainer"), "-container", f"pair.csv:{H}", "-sequential"]
     command += ["-no-auto-link", "-no-auto-input", "-no-auto-output"]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, timeout=60)
 

@@ -32,7 +32,7 @@ class Calls:
         self.progress: tuple[str, float, float | None] = (INSTANTIATED, 0.0, None)
         """State, time and stop time."""
         self.handles: dict[int | None, tuple] = {}
-        self.stored: list[tuple[bytes, tuple]] = []
+        self.stored: list[tuple[bytes, Any]] = []
         self.chosen: Any = None
         """The handle that is freed, or the progress at the stored state that is read."""
         self.freed, self.stepped = 1, False

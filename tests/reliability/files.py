@@ -14,6 +14,7 @@ from mmap import mmap
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 
@@ -48,7 +49,8 @@ class Run:
         session.scheme.start = lambda: None  # `restore` starts the units of a new session
         self.kept.save()
         self.start = checkpoint.read(folder)
-        self.outputs, self.tables = [self.unit.outputs.copy()], [{}]
+        self.outputs = [self.unit.outputs.copy()]
+        self.tables: list[dict[str, bytes]] = [{}]
         for _ in range(LONGEST + 1):
             session.step()
             self.write()
@@ -56,7 +58,7 @@ class Run:
             self.tables.append({name: data for name, data in contents(folder).items() if name in TABLES})
 
     def write(self) -> None:
-        summary = SimpleNamespace(document=lambda: {"steps": self.session.steps})
+        summary: Any = SimpleNamespace(document=lambda: {"steps": self.session.steps})
         recorder = self.session.recorder
         results.write(results.Results(self.session.scene, self.folder, summary, recorder.series, recorder.units), {})
 

@@ -124,7 +124,7 @@ def foreign(library: FMU2Unit, count: int) -> str:
     chance, unit, ends = random.Random(7), library.new(), Counter[str]()
     own = unit.serialize()
     scene = json.loads((library.folder / "resources" / "scene.json").read_text(encoding="utf-8"))
-    states = []
+    states: list[bytes] = []
     while len(states) < OTHERS:
         changed = dict(scene, name=f"{scene['name']}-{len(states)}") if len(states) % 2 else other_values(scene, chance)
         with TemporaryDirectory() as folder:

@@ -10,7 +10,8 @@ import sys
 MOST_STATES = 20_000
 
 library, guid, resources, limit = sys.argv[1:]
-unit, said = ctypes.CDLL(library), []
+unit = ctypes.CDLL(library)
+said: list[bytes] = []
 LOG = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 2, ctypes.c_int, *[ctypes.c_char_p] * 2)
 
 
@@ -18,7 +19,7 @@ class Callbacks(ctypes.Structure):
     _fields_ = [("logger", LOG)] + [(f"pointer{k}", ctypes.c_void_p) for k in range(4)]
 
 
-def log(_environment, _name, _status, _category, message):  # type: ignore[no-untyped-def]
+def log(_environment, _name, _status, _category, message):
     said[:] = [message]
 
 
@@ -41,7 +42,8 @@ if not component:
     end("an instance")
 for name in ("EnterInitializationMode", "ExitInitializationMode"):
     assert unit[f"fmi2{name}"](component) == 0, said
-states, size = [], ctypes.c_size_t()
+states: list[ctypes.c_void_p] = []
+size = ctypes.c_size_t()
 while len(states) < MOST_STATES:
     state = ctypes.c_void_p()
     if unit.fmi2GetFMUstate(component, ctypes.byref(state)) != 0:

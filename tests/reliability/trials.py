@@ -28,7 +28,7 @@ def header(state: bytes) -> int:
 
 def hostile(library: FMU2Unit, count: int) -> str:
     """Give NaN, infinite and huge inputs, parameters and steps: an error or finite outputs, each case in under 1 s."""
-    chance, ends, slowest, expected = random.Random(1), Counter(), 0.0, library.new().run(1)
+    chance, ends, slowest, expected = random.Random(1), Counter[str](), 0.0, library.new().run(1)
     everything = [v.valueReference for v in library.variables if v.type == "Real"]
     inputs, parameters = library.references("input"), library.references("parameter")
     for case in range(count):
@@ -68,7 +68,7 @@ def hostile(library: FMU2Unit, count: int) -> str:
 
 def damaged(library: FMU2Unit, count: int, forge: bool) -> tuple[int, Counter]:
     """Damage a state, with `forge` under a right length and checksum; return its size and the outcomes."""
-    chance, unit, ends = random.Random(3), library.new(), Counter()
+    chance, unit, ends = random.Random(3), library.new(), Counter[str]()
     unit.run(BEFORE)
     whole = unit.serialize()
     begin = header(whole)

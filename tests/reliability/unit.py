@@ -104,7 +104,7 @@ def tried(check: Callable[[FMU2Unit, int], str], kind: str, folder: Path, count:
 def child(method: str, timeout: float, target: Callable[..., object], *arguments: object) -> Any:
     """Return the value of `target` in a process of its own, started by `method` (fork, spawn). Raise AssertionError if
     it fails, crashes, or has not ended after `timeout` (s)."""
-    context = multiprocessing.get_context(method)
+    context: Any = multiprocessing.get_context(method)
     answers = context.SimpleQueue()
     process = context.Process(target=_answer, args=(answers, target, *arguments))
     process.start()
