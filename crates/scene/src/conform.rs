@@ -59,6 +59,9 @@ impl<'a> Checker<'a> {
                     return self.faults.push(Fault::length(key, parts.len(), &allowed));
                 }
                 for (i, part) in parts.iter().enumerate() {
+                    if self.faults.are_full() {
+                        return;
+                    }
                     self.check(&format!("{key}[{i}]"), part, &schema["items"]);
                 }
             }
@@ -83,6 +86,9 @@ impl<'a> Checker<'a> {
             }
         }
         for Member { name, value, .. } in members {
+            if self.faults.are_full() {
+                return;
+            }
             match properties.get(name) {
                 Some(schema) => self.check(&below(name), value, schema),
                 None => self.faults.push(unknown(&below(name), name, &known)),
