@@ -68,7 +68,7 @@ def test_a_foreign_guid_is_refused(kind, small_fsi3, tmp_path, steps_still):
         begin = data.index(b'guid="') + 6
         return data[:begin] + guid.encode() + data[data.index(b'"', begin) :]
 
-    with pytest.raises(UnitError, match="GUID .*0000-000000000000. is not one of this library"):
+    with pytest.raises(UnitError, match="GUID .*0000-000000000000. belongs to another library"):
         Unit(rewrite(fmu, tmp_path / "foreign.fmu", change), kind, 1.0)
     steps_still(kind)
 

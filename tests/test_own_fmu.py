@@ -89,7 +89,7 @@ def test_the_hinge_moves_as_the_exact_solution(fmu):
 @pytest.mark.parametrize(
     ("options", "parts"),
     [
-        (["pack"], ['there is no command "pack"', "Usage: cargo fmu package"]),
+        (["pack"], ['unknown command "pack"', "Usage: cargo fmu package"]),
         (["package", "--fmi", "1"], ['--fmi is "1", but must be 2 or 3']),
         (["package", "--target", "riscv64gc-unknown-linux-gnu"], ["FMI has no name", "riscv64gc"]),
         (["package", "--resources", "nowhere"], ["nowhere: No such file"]),

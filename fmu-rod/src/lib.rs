@@ -83,8 +83,8 @@ impl Model for RodUnit {
         let Statistics { iterations, substeps, halvings, rescues, negative_pivots } = self.body.statistics();
         if rescues > 0 || negative_pivots > 0 || halvings > 0 {
             log.info(format_args!(
-                "{rescues} solves needed shift and line search, {substeps} sub-steps after {halvings} halvings, {iterations} \
-                 Newton iterations, {negative_pivots} negative pivots, {}",
+                "{rescues} solves needed shift and line search, {substeps} sub-steps after {halvings} halvings, \
+                 {iterations} Newton iterations, {negative_pivots} negative pivots, {}",
                 span()
             ));
         }

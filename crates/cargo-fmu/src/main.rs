@@ -1,6 +1,6 @@
-//! `cargo fmu package`: builds a crate that uses `nervure-fmi-export` and packs it as an FMU.
+//! `cargo fmu package`: build a crate that uses `nervure-fmi-export` and pack it as an FMU.
 //!
-//! The library that is built for this system describes itself; nothing of the model is run.
+//! The library for this system writes its own model description; no step of the model runs.
 
 mod options;
 mod package;
@@ -10,7 +10,7 @@ use std::process::ExitCode;
 use options::{Options, USAGE};
 
 fn main() -> ExitCode {
-    // As `cargo fmu …` it is called with `fmu` in front.
+    // `cargo fmu …` passes `fmu` as the first argument.
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let arguments = arguments.strip_prefix(&["fmu".to_string()]).unwrap_or(&arguments);
     if arguments.iter().any(|argument| argument == "--help" || argument == "-h") {

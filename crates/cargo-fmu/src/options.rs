@@ -1,44 +1,44 @@
-//! What stands on the command line.
+//! Options of the command line.
 
 use std::path::PathBuf;
 
-/// What `--help` shows.
+/// Text of `--help`.
 pub const USAGE: &str = "\
-Builds a crate that uses nervure-fmi-export and packs it as an FMU.
+Build a crate that uses nervure-fmi-export and pack it as an FMU.
 
 Usage: cargo fmu package [--fmi 2|3] [--resources FOLDER] [--output FILE] [--target TRIPLE]... [OPTIONS OF CARGO BUILD]
 
   --fmi 2|3            version of FMI (2)
-  --resources FOLDER   becomes the folder `resources` of the FMU
-  --output FILE        the FMU (target/fmu/IDENTIFIER.fmu)
-  --target TRIPLE      also a library for this target; without it only one for this system
+  --resources FOLDER   folder to pack as `resources`
+  --output FILE        path of the FMU (target/fmu/IDENTIFIER.fmu)
+  --target TRIPLE      add a library for this target to the library for this system
 
 All other options go to `cargo build`: -p, --example, --features, --manifest-path, --locked, ...
 The profile is `release` unless --profile names another.";
 
-/// What is to be packed.
+/// Crate to build and FMU to write.
 #[derive(Debug, PartialEq)]
 pub struct Options {
-    /// 2 or 3
+    /// Version of FMI: 2 or 3.
     pub fmi: u8,
     /// Folder of the resources.
     pub resources: Option<PathBuf>,
     /// File to write.
     pub output: Option<PathBuf>,
-    /// Targets beside this system.
+    /// Targets in addition to this system.
     pub targets: Vec<String>,
     /// Options for `cargo build`.
     pub build: Vec<String>,
 }
 
 impl Options {
-    /// The options after `cargo fmu`.
+    /// Parse the arguments after `cargo fmu`.
     pub fn parse(arguments: &[String]) -> Result<Self, String> {
         let [command, arguments @ ..] = arguments else {
-            return Err(format!("a command is missing\n\n{USAGE}"));
+            return Err(format!("missing command\n\n{USAGE}"));
         };
         if command != "package" {
-            return Err(format!("there is no command {command:?}, only \"package\"\n\n{USAGE}"));
+            return Err(format!("unknown command {command:?}; the only command is \"package\"\n\n{USAGE}"));
         }
         let mut options = Options { fmi: 2, resources: None, output: None, targets: vec![], build: vec![] };
         let mut rest = arguments.iter();
@@ -96,8 +96,8 @@ mod tests {
     #[test]
     fn a_wrong_line_is_refused_with_what_is_wrong() {
         for (line, part) in [
-            ("", "a command is missing"),
-            ("pack", "\"pack\", only \"package\""),
+            ("", "missing command"),
+            ("pack", "\"pack\"; the only command is \"package\""),
             ("package --fmi 1", "\"1\", but must be 2 or 3"),
             ("package --target", "--target needs a value"),
         ] {

@@ -13,14 +13,14 @@ use zip::{CompressionMethod, ZipWriter};
 
 use crate::options::Options;
 
-/// A library that was built.
+/// Built library.
 struct Built {
     path: PathBuf,
-    /// Folder of cargo's output.
+    /// Output folder of cargo.
     target_folder: PathBuf,
 }
 
-/// Builds and packs what the options say; returns the path of the FMU.
+/// Build and pack an FMU; return its path.
 pub fn package(options: &Options) -> Result<PathBuf, String> {
     let own = build(&options.build, None)?;
     let description = describe(&own.path, options)?;
@@ -30,10 +30,10 @@ pub fn package(options: &Options) -> Result<PathBuf, String> {
     for target in &options.targets {
         let name = platform(target, options.fmi)?;
         if name == libraries[0].0 {
-            continue; // this system, which is there
+            continue; // the library for this system is there already
         }
         if libraries.iter().any(|(known, _)| *known == name) {
-            return Err(format!("the target {target} has the same folder as another one, binaries/{name}"));
+            return Err(format!("the target {target} and another target share the folder binaries/{name}"));
         }
         libraries.push((name, build(&options.build, Some(target))?.path));
     }
@@ -55,7 +55,7 @@ pub fn package(options: &Options) -> Result<PathBuf, String> {
     Ok(output)
 }
 
-/// Builds the one dynamic library of the crate, for a target or for this system.
+/// Build the dynamic library of the crate, for a target or for this system.
 fn build(options: &[String], target: Option<&String>) -> Result<Built, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
@@ -65,7 +65,7 @@ fn build(options: &[String], target: Option<&String>) -> Result<Built, String> {
     }
     let answer = command.output().map_err(|error| format!("cargo cannot be run: {error}"))?;
     if !answer.status.success() {
-        return Err("cargo says above why the library cannot be built".into());
+        return Err("the library cannot be built; the messages of cargo above say why".into());
     }
     let mut found = Vec::new();
     for line in answer.stdout.split(|byte| *byte == b'\n') {
@@ -85,18 +85,18 @@ fn build(options: &[String], target: Option<&String>) -> Result<Built, String> {
             let target_folder = folders.nth(1).unwrap_or(Path::new("target")).to_owned();
             Ok(Built { path: path.clone(), target_folder })
         }
-        [] => Err("there is no library of crate-type \"cdylib\" in what was built".into()),
+        [] => Err("the crate has no library of crate-type \"cdylib\"".into()),
         several => {
             let names: Vec<_> = several.iter().map(|path| path.display().to_string()).collect();
-            Err(format!("there are several libraries, choose one with -p or --example: {}", names.join(", ")))
+            Err(format!("the build has several libraries; choose one with -p or --example: {}", names.join(", ")))
         }
     }
 }
 
-/// `fmu_model_description` or `fmu_model_description_3`.
+/// Type of `fmu_model_description` and `fmu_model_description_3`.
 type Describe = unsafe extern "C" fn(*const c_char, *mut c_char, usize, *mut usize) -> c_int;
 
-/// The library's modelDescription.xml for the resources, or its reason why there is none.
+/// Return the `modelDescription.xml` of the library for the resources, or its error message.
 fn describe(library: &Path, options: &Options) -> Result<String, String> {
     let symbol = if options.fmi == 3 { "fmu_model_description_3" } else { "fmu_model_description" };
     let text = |path: &PathBuf| {
@@ -105,8 +105,8 @@ fn describe(library: &Path, options: &Options) -> Result<String, String> {
     };
     let resources = options.resources.as_ref().map(text).transpose()?;
     let pointer = resources.as_ref().map_or(std::ptr::null(), |path| path.as_ptr());
-    let unusable = |error| format!("{} is no library of nervure-fmi-export: {error}", library.display());
-    // SAFETY: what the library runs when it is loaded is the user's own; `export_fmu!` gives the symbol this type.
+    let unusable = |error| format!("{} is not a library of nervure-fmi-export: {error}", library.display());
+    // SAFETY: the user's own library may run code when it is loaded; `export_fmu!` gives the symbol this type.
     unsafe {
         let loaded = libloading::Library::new(library).map_err(unusable)?;
         let function: libloading::Symbol<Describe> = loaded.get(symbol).map_err(unusable)?;
@@ -124,13 +124,13 @@ fn describe(library: &Path, options: &Options) -> Result<String, String> {
     }
 }
 
-/// Value of an attribute that needs no escapes.
+/// Return the value of an attribute without escapes.
 fn attribute<'a>(xml: &'a str, name: &str) -> Result<&'a str, String> {
     let value = xml.split_once(&format!(" {name}=\"")).and_then(|(_, rest)| rest.split_once('"'));
     value.map(|(value, _)| value).ok_or_else(|| format!("the model description has no {name}"))
 }
 
-/// Name of the folder below `binaries` for a target, in that version of FMI.
+/// Return the folder below `binaries` for a target, in a version of FMI.
 fn platform(target: &str, fmi: u8) -> Result<String, String> {
     let processor = target.split('-').next().unwrap_or_default();
     let system = ["linux", "windows", "darwin", "macos"].into_iter().find(|name| target.contains(name));
@@ -138,14 +138,15 @@ fn platform(target: &str, fmi: u8) -> Result<String, String> {
         "x86_64" => ("x86_64", "64"),
         "i586" | "i686" | "x86" => ("x86", "32"),
         "aarch64" => ("aarch64", "64"),
-        _ => return Err(format!("FMI has no name for the processor of the target {target}")),
+        _ => return Err(format!("FMI defines no name for the processor of the target {target}")),
     };
     let system = match system {
         Some("macos") => "darwin",
         Some(name) => name,
-        None => return Err(format!("FMI has no name for the system of the target {target}")),
+        None => return Err(format!("FMI defines no name for the system of the target {target}")),
     };
-    // FMI 2.0 has no name for ARM but on macOS, where one library may be for both, and takes that of FMI 3.0.
+    // FMI 2.0 names ARM on macOS only, where a library may hold both architectures; elsewhere it uses the name of FMI
+    // 3.0.
     Ok(match (fmi, short, system) {
         (2, "x86_64" | "x86", "windows") => format!("win{bits}"),
         (2, "x86_64" | "x86", _) | (2, _, "darwin") => format!("{system}{bits}"),
@@ -157,7 +158,7 @@ fn read(path: &Path) -> Result<Vec<u8>, String> {
     fs::read(path).map_err(|error| format!("{} cannot be read: {error}", path.display()))
 }
 
-/// The FMU while it is written; the same files give the same bytes.
+/// FMU archive under construction; equal files give equal bytes.
 struct Archive(ZipWriter<File>);
 
 impl Archive {

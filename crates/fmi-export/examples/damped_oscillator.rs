@@ -1,4 +1,4 @@
-//! m x'' + c x' + k x = F, as an FMU. The force is held over a step, and the step is the exact solution.
+//! FMU of m x'' + c x' + k x = F. The force is constant over a step, and the step is the exact solution.
 
 use std::slice::{from_mut, from_ref};
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 type Real = nervure_fmi_export::Real<Oscillator>;
 type Variable = nervure_fmi_export::Variable<Oscillator>;
 
-/// A mass on a spring and a damper. All of it is state, so it saves itself.
+/// Mass on a spring and a damper; the whole struct is its state.
 #[derive(Clone, Serialize, Deserialize)]
 struct Oscillator {
     /// Mass, kg
@@ -23,7 +23,7 @@ struct Oscillator {
     x: f64,
     /// Velocity, m/s
     v: f64,
-    /// Where the simulation starts, m
+    /// Initial position, m
     x0: f64,
 }
 

@@ -1,26 +1,29 @@
-//! Panics must not cross the C interface, and must not print or collect backtraces on their way to it.
+//! Guard of the C interface against panics, without output or backtraces.
 
 use std::any::Any;
 use std::cell::{Cell, RefCell};
 use std::fmt::Write;
+use std::hint::black_box;
 use std::mem::ManuallyDrop;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
 use fpenv::Fast;
 
-// Neither has a destructor: a thread-local with one would keep the shared library from being unloaded.
+// A thread-local with a destructor would keep the shared library loaded, so these have none.
 thread_local! {
     static GUARDED: Cell<bool> = const { Cell::new(false) };
     static LOCATION: RefCell<ManuallyDrop<String>> = const { RefCell::new(ManuallyDrop::new(String::new())) };
 }
 
-/// Runs `body` in our floating-point modes, not the host's; a panic becomes its message and location.
+/// Run `body` in the floating-point modes of [`Fast`]; return a panic as its message and location.
 pub(crate) fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     install_hook();
     let _fast = Fast::enter();
     let before = GUARDED.replace(true);
-    let result = panic::catch_unwind(AssertUnwindSafe(body));
+    // The black boxes keep arithmetic of `body` between the changes of modes.
+    let body = black_box(body);
+    let result = black_box(panic::catch_unwind(AssertUnwindSafe(body)));
     GUARDED.set(before);
     result.map_err(|payload| {
         let location = LOCATION.with_borrow(|location| location.to_string());
@@ -28,7 +31,7 @@ pub(crate) fn catch<T>(body: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-/// Puts a hook before the present one that only notes where a guarded thread panicked.
+/// Install a panic hook that records the location in guarded threads and calls the present hook in others.
 fn install_hook() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
@@ -47,6 +50,7 @@ fn install_hook() {
     });
 }
 
+/// Return the message of a panic.
 fn text(payload: &(dyn Any + Send)) -> &str {
     let string = payload.downcast_ref::<String>().map(String::as_str);
     string.or_else(|| payload.downcast_ref().copied()).unwrap_or("no message")

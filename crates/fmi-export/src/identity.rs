@@ -1,12 +1,13 @@
-//! The GUID, in FMI 3.0 the instantiation token: what library, resources and model description belong together.
+//! GUID, or instantiation token in FMI 3.0, which binds library, resources and model description to each other.
 //!
 //! | bytes | digest of |
 //! |---|---|
-//! | 0 – 3 | the library: identifier, version and layout of its state |
-//! | 4 – 11 | the files in the resources that decide what the model is (less six bits that every UUID has) |
+//! | 0 – 3 | identifier, version and state layout of the library |
+//! | 4 – 11 | resources that define the model (less the six fixed bits of a UUID) |
 //! | 12 – 15 | the model description |
 //!
-//! The first two are known before a model is loaded, so that a foreign description is refused before that, by name.
+//! Library and resources are known before a model is loaded, so a foreign description is refused early, with the
+//! reason.
 
 use uuid::Uuid;
 
@@ -16,10 +17,10 @@ use crate::resource::Resources;
 /// Length of a GUID as text, `{8-4-4-4-12}`.
 pub(crate) const LENGTH: usize = 38;
 
-/// Hexadecimal digits of the parts.
+/// Hexadecimal digits of the three parts.
 const PARTS: [std::ops::Range<usize>; 3] = [0..8, 8..24, 24..32];
 
-/// The GUID of a model description, which was written without one.
+/// Return the GUID of a model description, written without a GUID.
 pub(crate) fn guid<M: Model>(resources: &Resources, description: &[u8]) -> String {
     let mut bytes = [0; 16];
     bytes[..4].copy_from_slice(&digest(maker::<M>().as_bytes())[..4]);
@@ -28,36 +29,36 @@ pub(crate) fn guid<M: Model>(resources: &Resources, description: &[u8]) -> Strin
     Uuid::new_v8(bytes).braced().to_string()
 }
 
-/// Identifier, version and state layout of the library.
+/// Return identifier, version and state layout of the library.
 pub(crate) fn maker<M: Model>() -> String {
-    format!("{} {} (layout {} of its state)", M::IDENTIFIER, M::VERSION, M::STATE_LAYOUT)
+    format!("{} {} (state layout {})", M::IDENTIFIER, M::VERSION, M::STATE_LAYOUT)
 }
 
-/// Refuses the GUID of another library or of other resources, before a model is loaded.
+/// Refuse the GUID of another library or of other resources, before a model is loaded.
 pub(crate) fn check_origin<M: Model>(theirs: &str, resources: &Resources) -> Result<(), String> {
     let own = guid::<M>(resources, &[]);
     match difference(theirs, &own) {
-        Some(Difference::Form) => Err(format!("the GUID {theirs:?} is not of the form {own}")),
-        Some(Difference::Library) => Err(format!("the GUID {theirs} is not one of this library, {}", maker::<M>())),
+        Some(Difference::Form) => Err(format!("the GUID {theirs:?} does not have the form {own}")),
+        Some(Difference::Library) => Err(format!("the GUID {theirs} belongs to another library than {}", maker::<M>())),
         Some(Difference::Resources) => Err(format!(
-            "the GUID {theirs} belongs to other resources: {} is not what the FMU was made with",
+            "the GUID {theirs} belongs to other resources: {} changed after the FMU was packed",
             resources.names()
         )),
         Some(Difference::Description) | None => Ok(()),
     }
 }
 
-/// The first part in which two GUIDs differ.
+/// First part in which two GUIDs differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Difference {
-    /// It is none at all.
+    /// The text is not a GUID.
     Form,
     Library,
     Resources,
     Description,
 }
 
-/// In what `theirs` differs first from a GUID of ours.
+/// Return the first difference between `theirs` and a GUID of this library.
 pub(crate) fn difference(theirs: &str, own: &str) -> Option<Difference> {
     let digits = |guid: &str| {
         let text = guid.strip_prefix('{')?.strip_suffix('}')?;

@@ -1,49 +1,53 @@
-//! One instance of an FMU: everything behind the C functions that touches no raw pointer.
+//! Instance of an FMU: the part of the C functions without raw pointers.
 //!
-//! A method that refuses its arguments leaves the instance as it was; one whose model fails puts it into the error
-//! state.
+//! A method that refuses its arguments leaves the instance unchanged. A failure of the model puts the instance into the
+//! error state.
 
 use std::collections::BTreeMap;
 use std::ffi::CString;
 use std::path::Path;
 
+use crate::access::Value;
 use crate::description::{self, Document};
 use crate::identity;
 use crate::log::Log;
 use crate::memory::require_memory;
-use crate::model::{Model, Span};
+use crate::model::Model;
 use crate::resource::Resources;
-use crate::snapshot::{Clock, Origin, Snapshot};
+use crate::snapshot::{InstanceTime, Origin, Snapshot};
 use crate::state_machine::{self, Function, Mode};
 use crate::table::{Run, Table};
-use crate::variable::{Causality, Value, Variability, Variable};
+use crate::variable::{Causality, Variability, Variable};
 use crate::version::Version;
 
+/// Instance of the model `M`.
 pub(crate) struct Instance<M: Model> {
     pub log: Log,
     resources: Resources,
     origin: Origin,
     model: M,
     table: Table<M>,
-    clock: Clock,
-    /// Whether outputs are still to be made from what was set during initialisation.
+    time: InstanceTime,
+    /// Whether outputs are older than the values set during initialisation.
     stale: bool,
-    /// The FMU states given out, by the number that a master holds as a pointer: the address of the snapshot, so that
-    /// the states of two instances never share a number.
+    /// FMU states by the handle that a master holds as a pointer.
+    ///
+    /// The handle is the address of the snapshot, so handles of two instances differ.
     snapshots: BTreeMap<usize, Box<Snapshot<M::State>>>,
-    /// What `GetString` returned last, kept alive until its next call.
+    /// Results of the last `GetString`, valid until its next call.
     pub strings: Vec<CString>,
 }
 
-/// Shape and values of a field to look at.
+/// Shape and values of a field.
 type Field = ([usize; 2], Vec<f64>);
 
-/// Masters add up their steps: times within this share of the larger of time and step are the same.
+/// Tolerance for the sums of steps in masters, relative to the larger of time and step.
 const TIME_TOLERANCE: f64 = 1e-9;
 
-const START: Clock = Clock { mode: Mode::Instantiated, time: 0.0, stop: None };
+/// Mode and time of a new instance.
+const START: InstanceTime = InstanceTime { mode: Mode::Instantiated, time: 0.0, stop: None };
 
-/// A model with its table and description.
+/// Load a model and return it with its table and description.
 pub(crate) fn load<M: Model>(resources: &Resources, version: Version) -> Result<(M, Table<M>, Document), String> {
     let mut model = M::load(resources)?;
     let table = Table::new(model.variables(), version)?;
@@ -51,7 +55,7 @@ pub(crate) fn load<M: Model>(resources: &Resources, version: Version) -> Result<
     Ok((model, table, document))
 }
 
-/// What an instance begins with.
+/// Contents of a new instance.
 pub(crate) struct Loaded<M: Model> {
     resources: Resources,
     origin: Origin,
@@ -59,7 +63,7 @@ pub(crate) struct Loaded<M: Model> {
     table: Table<M>,
 }
 
-/// The model in a folder of resources, which must be the one that the master read the description of.
+/// Load the model of a folder of resources; refuse the GUID of another description.
 pub(crate) fn load_described<M: Model>(
     folder: Option<&Path>,
     guid: &str,
@@ -69,38 +73,44 @@ pub(crate) fn load_described<M: Model>(
     identity::check_origin::<M>(guid, &resources)?;
     let (model, table, document) = load::<M>(&resources, version)?;
     if document.guid != guid {
-        return Err(format!("the GUID {guid} belongs to another model description than that of {}", document.guid));
+        return Err(format!(
+            "the GUID {guid} belongs to another model description, whose GUID is not {}",
+            document.guid
+        ));
     }
     let name = format!("{} by {}", model.description().model_name, identity::maker::<M>());
     if name.len() > usize::from(u16::MAX) {
-        return Err(format!("the name of the model has {} bytes, but may have {}", name.len(), u16::MAX));
+        return Err(format!("the name of the model has {} bytes, but at most {} are allowed", name.len(), u16::MAX));
     }
     Ok(Loaded { resources, origin: Origin { name, guid: guid.to_string() }, model, table })
 }
 
-/// Room for a state that grows while it is made, by the size of the state: the vector that it is written to doubles.
+/// Memory to serialize a state, relative to its size: the vector of bytes doubles as it grows.
 const SERIALIZED: usize = 4;
 
 impl<M: Model> Instance<M> {
+    /// Return a new instance.
     pub fn new(log: Log, Loaded { resources, origin, model, table }: Loaded<M>) -> Self {
         let (snapshots, strings) = (BTreeMap::new(), Vec::new());
-        Instance { log, resources, origin, model, table, clock: START, stale: true, snapshots, strings }
+        Instance { log, resources, origin, model, table, time: START, stale: true, snapshots, strings }
     }
 
+    /// Refuse a function that the mode does not allow.
     pub fn check_order(&self, function: Function) -> Result<(), String> {
-        state_machine::check(function, self.clock.mode)
+        state_machine::check(function, self.time.mode)
     }
 
-    /// The model is no longer to be trusted.
+    /// Mark the model as unusable after a panic.
     pub fn panicked(&mut self) {
-        self.clock.mode = Mode::Panicked;
+        self.time.mode = Mode::Panicked;
     }
 
-    /// Last communication point reached, s.
+    /// Return the last communication point, s.
     pub fn time(&self) -> f64 {
-        self.clock.time
+        self.time.time
     }
 
+    /// Set start and stop time, s.
     pub fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), String> {
         if !start.is_finite() {
             return Err(format!("startTime = {start:.3e} must be finite"));
@@ -110,40 +120,45 @@ impl<M: Model> Instance<M> {
         {
             return Err(format!("stopTime = {stop:.3e} must be finite and greater than startTime = {start:.3e}"));
         }
-        self.clock.time = start;
-        self.clock.stop = stop;
+        self.time.time = start;
+        self.time.stop = stop;
         Ok(())
     }
 
+    /// Enter the initialization mode.
     pub fn enter_initialization(&mut self) {
-        self.clock.mode = Mode::Initialization;
+        self.time.mode = Mode::Initialization;
     }
 
+    /// Initialise the model and leave the initialization mode.
     pub fn exit_initialization(&mut self) -> Result<(), String> {
         let result = self.refresh();
-        self.clock.mode = if result.is_ok() { Mode::StepComplete } else { Mode::Error };
+        self.time.mode = if result.is_ok() { Mode::StepComplete } else { Mode::Error };
         result
     }
 
-    /// Makes the outputs valid for what was set, where initialisation has not ended.
+    /// Initialise the model again, before the end of initialisation, if values were set.
     fn refresh(&mut self) -> Result<(), String> {
         if self.stale && !self.initialised() {
-            self.model.initialise(self.clock.time, &self.log)?;
+            self.model.initialise(self.time.time, &self.log)?;
             self.stale = false;
         }
         Ok(())
     }
 
+    /// End the simulation.
     pub fn terminate(&mut self) {
-        self.clock.mode = Mode::Terminated;
+        self.time.mode = Mode::Terminated;
     }
 
+    /// Return to the state after instantiation.
     pub fn reset(&mut self) -> Result<(), String> {
         self.reload()?;
-        self.clock = START;
+        self.time = START;
         Ok(())
     }
 
+    /// Load the model again.
     fn reload(&mut self) -> Result<(), String> {
         self.model = M::load(&self.resources)?;
         self.table = Table::new(self.model.variables(), self.table.version)?;
@@ -151,8 +166,9 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
+    /// Advance by `step`, s, from `time`, s.
     pub fn step(&mut self, time: f64, step: f64) -> Result<(), String> {
-        let now = self.clock.time;
+        let now = self.time.time;
         if !(step.is_finite() && step > 0.0) {
             return Err(format!("communicationStepSize = {step:.3e} must be finite and > 0"));
         }
@@ -160,27 +176,29 @@ impl<M: Model> Instance<M> {
         if !time.is_finite() || (time - now).abs() > tolerance {
             let off = time - now;
             return Err(format!(
-                "currentCommunicationPoint = {time:.3e} must be the instance's time {now:.3e}, but is off by {off:.3e}"
+                "currentCommunicationPoint = {time:.3e} must be the time of the instance, {now:.3e}, but differs by \
+                 {off:.3e}"
             ));
         }
         let end = time + step;
-        if let Some(stop) = self.clock.stop
+        if let Some(stop) = self.time.stop
             && end > stop + tolerance
         {
             let past = end - stop;
             return Err(format!(
-                "the step of {step:.3e} from {time:.3e} must not pass stopTime = {stop:.3e}, but does by {past:.3e}"
+                "the step of {step:.3e} from {time:.3e} must not pass stopTime = {stop:.3e}, but passes it by \
+                 {past:.3e}"
             ));
         }
         let result = self.model.step(time, step, &self.log);
         match result {
-            Ok(()) => self.clock.time = end,
-            Err(_) => self.clock.mode = Mode::Error,
+            Ok(()) => self.time.time = end,
+            Err(_) => self.time.mode = Mode::Error,
         }
         result
     }
 
-    /// Refuses references that are no variables of a type of FMI 3.0, or that have not `n` values together.
+    /// Refuse references to variables of another FMI 3.0 type, and a total number of values other than `n`.
     pub fn check_whole(&self, references: &[u32], type_name: &str, n: usize) -> Result<(), String> {
         let mut total = 0;
         for run in self.table.runs(references) {
@@ -193,10 +211,11 @@ impl<M: Model> Instance<M> {
         check_count("nValues", n, total)
     }
 
-    /// Reads values: `sink` receives them in pieces, each with its position in `references`. A Real that is not finite
-    /// is an error, so that no NaN passes silently.
+    /// Read values: `sink` receives pieces, each with its position in the array of values.
+    ///
+    /// A Real that is not finite is an error.
     pub fn get<T: Value>(&mut self, references: &[u32], mut sink: impl FnMut(usize, &[T])) -> Result<(), String> {
-        let clock = [self.clock.time];
+        let time = [self.time.time];
         if !self.initialised() && self.table.runs(references).flatten().any(|run| self.is_calculated(&run)) {
             self.refresh()?;
         }
@@ -204,7 +223,7 @@ impl<M: Model> Instance<M> {
             let run = run?;
             let values = self
                 .table
-                .read::<T>(run.variable, &mut self.model, &clock)?
+                .read::<T>(run.variable, &mut self.model, &time)?
                 .ok_or_else(|| self.table.wrong_type(&run, T::TYPE))?;
             let values = &values[run.elements.clone()];
             self.table.variables[run.variable].check_finite(values, run.elements.start)?;
@@ -213,13 +232,14 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
+    /// Whether a variable depends on values set during initialisation.
     fn is_calculated(&self, run: &Run) -> bool {
         let Variable { causality, variability, .. } = self.table.variables[run.variable];
         matches!(causality, Causality::Output | Causality::Local | Causality::CalculatedParameter)
             && variability != Variability::Constant
     }
 
-    /// Writes values: all or, if one is refused, none.
+    /// Write all values, or none if one is refused.
     pub fn set<T: Value + Clone>(&mut self, references: &[u32], values: &[T]) -> Result<(), String> {
         for run in self.table.runs(references) {
             let run = run?;
@@ -233,7 +253,7 @@ impl<M: Model> Instance<M> {
             let target = T::field(&variable.access)
                 .and_then(|field| field.write(&mut self.model))
                 .ok_or_else(|| format!("{} cannot be set", variable.name))?;
-            variable.checked_length(target.len())?;
+            variable.check_length(target.len())?;
             let length = run.elements.len();
             target[run.elements].clone_from_slice(&values[run.position..][..length]);
         }
@@ -241,6 +261,7 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
+    /// Refuse a variable of another type and a variable that the mode does not let a master set.
     fn check_settable<T: Value>(&self, run: &Run) -> Result<(), String> {
         let variable = &self.table.variables[run.variable];
         if T::TYPE != variable.access.type_name() {
@@ -259,137 +280,60 @@ impl<M: Model> Instance<M> {
         }
     }
 
+    /// Whether initialisation has ended.
     fn initialised(&self) -> bool {
-        !matches!(self.clock.mode, Mode::Instantiated | Mode::Initialization)
+        !matches!(self.time.mode, Mode::Instantiated | Mode::Initialization)
     }
 
-    /// `d unknown / d known` times `seed`: `n` values.
-    pub fn directional_derivative(
-        &mut self,
-        unknown: &[u32],
-        known: &[u32],
-        seed: &[f64],
-        n: usize,
-    ) -> Result<Vec<f64>, String> {
-        self.prepare_derivative()?;
-        let unknown = self.table.spans(unknown, Causality::Output)?;
-        let known = self.table.spans(known, Causality::Input)?;
-        check_count("nSeed", seed.len(), count(&known))?;
-        check_count("nSensitivity", n, count(&unknown))?;
-        let mut derivative = vec![0.0; n];
-        self.model.directional_derivative(&unknown, &known, seed, &mut derivative)?;
-        check_derivative(&derivative)?;
-        Ok(derivative)
-    }
-
-    /// `seed` times `d unknown / d known`: `n` values, each from the directional derivative along one known.
-    pub fn adjoint_derivative(
-        &mut self,
-        unknown: &[u32],
-        known: &[u32],
-        seed: &[f64],
-        n: usize,
-    ) -> Result<Vec<f64>, String> {
-        self.prepare_derivative()?;
-        let unknown = self.table.spans(unknown, Causality::Output)?;
-        let known = self.table.spans(known, Causality::Input)?;
-        check_count("nSeed", seed.len(), count(&unknown))?;
-        check_count("nSensitivity", n, count(&known))?;
-        let (mut column, mut direction, mut derivative) = (vec![0.0; seed.len()], vec![0.0; n], Vec::new());
-        for k in 0..n {
-            direction[k] = 1.0;
-            self.model.directional_derivative(&unknown, &known, &direction, &mut column)?;
-            direction[k] = 0.0;
-            derivative.push(seed.iter().zip(&column).map(|(seed, value)| seed * value).sum());
-        }
-        check_derivative(&derivative)?;
-        Ok(derivative)
-    }
-
-    fn prepare_derivative(&mut self) -> Result<(), String> {
-        if !M::DIRECTIONAL_DERIVATIVE {
-            return Err("directional derivatives are not provided".into());
-        }
-        self.refresh()
-    }
-
-    /// Time derivatives of outputs, `n` values.
-    pub fn output_derivatives(&mut self, outputs: &[u32], orders: &[i32], n: usize) -> Result<Vec<f64>, String> {
-        if !M::OUTPUT_DERIVATIVE {
-            return Err("output derivatives are not provided".into());
-        }
-        check_first_order(orders)?;
-        let spans = self.table.spans(outputs, Causality::Output)?;
-        check_count("nValues", n, count(&spans))?;
-        let mut derivative = vec![0.0; n];
-        let mut rest = &mut *derivative;
-        for span in spans {
-            let piece = rest.split_off_mut(..span.elements.len()).expect("as many values as elements");
-            self.model.output_derivative(&span, piece)?;
-        }
-        check_derivative(&derivative)?;
-        Ok(derivative)
-    }
-
-    pub fn set_input_derivatives(&mut self, inputs: &[u32], orders: &[i32], derivative: &[f64]) -> Result<(), String> {
-        if !M::INPUT_DERIVATIVE {
-            return Err("input derivatives are not used".into());
-        }
-        check_first_order(orders)?;
-        check_derivative(derivative)?;
-        let mut rest = derivative;
-        for span in self.table.spans(inputs, Causality::Input)? {
-            let piece = rest.split_off(..span.elements.len()).expect("one value per reference");
-            self.model.set_input_derivative(&span, piece)?;
-        }
-        Ok(())
-    }
-
-    /// Keeps the present state, in the place of `handle` if it is not zero. Returns its handle.
+    /// Store the present state and return its handle; a `handle` other than 0 is reused.
     pub fn save(&mut self, handle: usize) -> Result<usize, String> {
         require_memory(self.model.state_bytes())?;
-        let snapshot = Snapshot { clock: self.clock, model: self.model.save() };
+        let snapshot = Snapshot { instance: self.time, model: self.model.save() };
         self.keep(handle, snapshot)
     }
 
-    /// A field to look at.
+    /// Return a field of the model.
     pub fn field(&mut self, name: &str) -> Result<Option<Field>, String> {
         self.refresh()?;
         require_memory(self.model.state_bytes())?;
         Ok(self.model.field(name))
     }
 
+    /// Restore a stored state.
     pub fn restore(&mut self, handle: usize) -> Result<(), String> {
-        if self.clock.mode == Mode::Panicked {
+        if self.time.mode == Mode::Panicked {
             self.reload()?;
         }
         let snapshot = find(&self.snapshots, handle)?;
         self.stale = true;
         let result = self.model.restore(&snapshot.model);
-        self.clock = match &result {
-            Ok(()) => snapshot.clock,
-            Err(_) => Clock { mode: Mode::Panicked, ..self.clock },
+        self.time = match &result {
+            Ok(()) => snapshot.instance,
+            Err(_) => InstanceTime { mode: Mode::Panicked, ..self.time },
         };
         result.map_err(|message| format!("the state is refused: {message}"))
     }
 
+    /// Free a stored state.
     pub fn free(&mut self, handle: usize) -> Result<(), String> {
         find(&self.snapshots, handle)?;
         self.snapshots.remove(&handle);
         Ok(())
     }
 
+    /// Return a stored state as bytes.
     pub fn serialize(&self, handle: usize) -> Result<Vec<u8>, String> {
         require_memory(SERIALIZED * self.model.state_bytes())?;
         find(&self.snapshots, handle)?.to_bytes(&self.origin)
     }
 
-    /// Keeps a serialized state, in the place of `handle` if it is not zero. Returns its handle.
+    /// Store a serialized state and return its handle; a `handle` other than 0 is reused.
     pub fn deserialize(&mut self, bytes: &[u8], handle: usize) -> Result<usize, String> {
         require_memory(SERIALIZED * bytes.len())?;
         self.keep(handle, Snapshot::from_bytes(bytes, &self.origin)?)
     }
 
+    /// Store a snapshot under `handle`, or under a new handle for 0; return the handle.
     fn keep(&mut self, handle: usize, snapshot: Snapshot<M::State>) -> Result<usize, String> {
         if handle == 0 {
             let snapshot = Box::new(snapshot);
@@ -408,32 +352,13 @@ fn find<S>(snapshots: &BTreeMap<usize, Box<Snapshot<S>>>, handle: usize) -> Resu
 }
 
 fn unknown_state(handle: usize) -> String {
-    format!("FMU state {handle:#x} is not one of this instance")
+    format!("FMU state {handle:#x} does not belong to this instance")
 }
 
-/// Number of values of some variables.
-fn count(spans: &[Span]) -> usize {
-    spans.iter().map(|span| span.elements.len()).sum()
-}
-
-/// Refuses an array of another length than that of the variables; in FMI 2.0 both are the same.
+/// Refuse a number of values other than the total length of the variables.
 fn check_count(name: &str, n: usize, expected: usize) -> Result<(), String> {
     match n == expected {
         true => Ok(()),
-        false => Err(format!("{name} = {n} must be {expected}, the number of values of the variables")),
-    }
-}
-
-fn check_derivative(derivative: &[f64]) -> Result<(), String> {
-    match derivative.iter().find(|value| !value.is_finite()) {
-        None => Ok(()),
-        Some(value) => Err(format!("the derivative {value:.3e} is not finite")),
-    }
-}
-
-fn check_first_order(orders: &[i32]) -> Result<(), String> {
-    match orders.iter().find(|order| **order != 1) {
-        None => Ok(()),
-        Some(order) => Err(format!("the derivative's order {order} must be 1")),
+        false => Err(format!("{name} = {n} must be {expected}, the total number of values of the variables")),
     }
 }

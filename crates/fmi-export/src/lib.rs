@@ -1,9 +1,9 @@
-//! FMI 2.0 and 3.0 co-simulation export: a struct, one trait and one list of variables make an FMU of either.
+//! FMI 2.0 and 3.0 co-simulation export: a struct, a trait and a list of variables make an FMU of both versions.
 //!
 //! Implement [`Model`], list the variables with [`Real`], [`Integer`], [`Boolean`] and [`Text`], and call
-//! [`export_fmu!`] in a crate of type `cdylib`. The list makes the model description with its units, start values and
-//! GUID, the value references, and get and set. The glue keeps time and call order, checks every argument, catches
-//! panics, and stores, restores and serializes the FMU state. See also `examples/damped_oscillator.rs`.
+//! [`export_fmu!`] in a crate of type `cdylib`. The model description with units, start values and GUID, the value
+//! references and the access to values follow from the list. The export keeps time and call order, checks arguments,
+//! catches panics, and stores, restores and serializes the FMU state. See also `examples/damped_oscillator.rs`.
 //!
 //! ```
 //! use std::slice::{from_mut, from_ref};
@@ -33,7 +33,7 @@
 //!         type Real = nervure_fmi_export::Real<Tank>;
 //!         vec![
 //!             Real::input("inflow", "m3/s", "Flow into the tank", |tank| from_mut(&mut tank.inflow)).at_least(0.0),
-//!             Real::output("volume", "m3", "What is in it", |tank| from_ref(&tank.volume)).depends_on(&[]),
+//!             Real::output("volume", "m3", "Volume in the tank", |tank| from_ref(&tank.volume)).depends_on(&[]),
 //!         ]
 //!     }
 //!
@@ -59,6 +59,7 @@
 //! nervure_fmi_export::export_fmu!(Tank);
 //! ```
 
+mod access;
 mod description;
 #[doc(hidden)]
 pub mod export;
@@ -80,9 +81,8 @@ mod units;
 mod variable;
 mod version;
 
-pub use description::Description;
 pub use log::Log;
 pub use memory::require_memory;
-pub use model::{Model, Span};
+pub use model::{Description, Model};
 pub use resource::Resources;
 pub use variable::{Boolean, Integer, Real, Text, Variable};

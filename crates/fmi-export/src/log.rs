@@ -1,4 +1,4 @@
-//! Messages to the master's logger.
+//! Messages to the logger of the master.
 
 use std::cell::Cell;
 use std::ffi::{CStr, CString};
@@ -10,21 +10,19 @@ use crate::sys::{
 };
 use crate::version::Version;
 
-/// Log categories with their descriptions, as the model description lists them.
+/// Return the log categories with their descriptions.
 pub(crate) fn categories(version: Version) -> [(&'static CStr, &'static str); 4] {
     let [errors, warnings, events] = match version {
         Version::Fmi2 => [
-            "Why a call was refused or failed, always reported",
-            "What looks wrong but does not stop the simulation, always reported",
-            "What the model tells about its progress, reported when logging is on",
+            "Reasons of refused and failed calls, always reported",
+            "Problems that do not stop the simulation, always reported",
+            "Progress of the model, reported when logging is on",
         ],
-        Version::Fmi3 => [
-            "Why a call was refused or failed",
-            "What looks wrong but does not stop the simulation",
-            "What the model tells about its progress",
-        ],
+        Version::Fmi3 => {
+            ["Reasons of refused and failed calls", "Problems that do not stop the simulation", "Progress of the model"]
+        }
     };
-    [(ERROR, errors), (WARNING, warnings), (EVENT, events), (ALL, "All of these")]
+    [(ERROR, errors), (WARNING, warnings), (EVENT, events), (ALL, "All categories")]
 }
 
 const ERROR: &CStr = c"logStatusError";
@@ -32,8 +30,10 @@ const WARNING: &CStr = c"logStatusWarning";
 const EVENT: &CStr = c"logEvents";
 const ALL: &CStr = c"logAll";
 
-/// The way to the master's logger. In FMI 2.0 errors and warnings always pass, and information only when the master
-/// turned it on; in FMI 3.0 that goes for all of them.
+/// Connection to the logger of the master.
+///
+/// In FMI 2.0 errors and warnings always pass, and information passes if the master turned it on. In FMI 3.0 the master
+/// turns each category on or off.
 pub struct Log {
     logger: Logger,
     /// Whether errors, warnings and information pass.
@@ -65,27 +65,27 @@ impl Log {
         Log { logger: Logger::Fmi3 { call, environment }, passing: Cell::new([on; 3]) }
     }
 
-    /// A log that nobody reads, to call a model without a master.
+    /// Return a log without a reader, for a model without a master.
     pub fn silent() -> Self {
         Log { logger: Logger::Nobody, passing: Cell::new([false; 3]) }
     }
 
-    /// Tells progress. The message is formatted only if the master listens: pass `format_args!(...)`.
+    /// Report progress. The message is formatted only if the master reads it, so pass `format_args!(...)`.
     pub fn info(&self, message: impl Display) {
         self.send(2, fmi2Status::fmi2OK, EVENT, message);
     }
 
-    /// Tells what looks wrong but does not stop the simulation.
+    /// Report a problem that does not stop the simulation.
     pub fn warn(&self, message: impl Display) {
         self.send(1, fmi2Status::fmi2Warning, WARNING, message);
     }
 
-    /// Tells why a call fails. A model returns its errors instead, and the glue reports them.
+    /// Report the reason of a failed call. A model returns its errors, and the export reports them.
     pub(crate) fn error(&self, message: impl Display) {
         self.send(0, fmi2Status::fmi2Error, ERROR, message);
     }
 
-    /// Turns categories on or off. None means all; an unknown one is an error.
+    /// Turn categories on or off, all for an empty list; refuse an unknown category.
     pub(crate) fn set_debug_logging(&self, on: bool, chosen: &[&CStr]) -> Result<(), String> {
         let known = |category: &&CStr| categories(Version::Fmi3).iter().any(|(name, _)| name == category);
         if let Some(unknown) = chosen.iter().find(|category| !known(category)) {
@@ -107,14 +107,15 @@ impl Log {
         match &self.logger {
             Logger::Fmi2 { call: Some(call), environment, instance_name } => {
                 let message = escape(&message.to_string());
-                // SAFETY: `fmi2` was promised a logger that accepts this environment. The strings live through the
-                // call, and the message, its format string, has no conversion that would ask for further arguments.
+                // SAFETY: the caller of `fmi2` guarantees a logger that accepts this environment. The strings live
+                // through the call. The message is the format string, and without conversions it reads no further
+                // arguments.
                 unsafe { call(*environment, instance_name.as_ptr(), status, category.as_ptr(), message.as_ptr()) }
             }
             Logger::Fmi3 { call: Some(call), environment } => {
                 let message = without_nul(&message.to_string());
-                // SAFETY: `fmi3` was promised a logger that accepts this environment. The strings live through the
-                // call. The numbers of the statuses are those of FMI 2.0.
+                // SAFETY: the caller of `fmi3` guarantees a logger that accepts this environment. The strings live
+                // through the call. FMI 2.0 and 3.0 number the statuses alike.
                 unsafe { call(*environment, fmi3Status(status.0), category.as_ptr(), message.as_ptr()) }
             }
             _ => {}
@@ -122,12 +123,12 @@ impl Log {
     }
 }
 
-/// The message for C, where NUL would end it.
+/// Return the message for C, without NUL.
 fn without_nul(message: &str) -> CString {
     CString::new(message.replace('\0', "\u{fffd}")).expect("NUL was replaced")
 }
 
-/// The message as a format string: `%` and `#` have a meaning to loggers of FMI 2.0 and are doubled.
+/// Return the message as a format string, with `%` and `#` doubled, which have a meaning to loggers of FMI 2.0.
 fn escape(message: &str) -> CString {
     without_nul(&message.replace('%', "%%").replace('#', "##"))
 }

@@ -1,17 +1,17 @@
-//! Memory is asked for before it is taken: where there is not enough, a call fails and the process goes on.
+//! Check of the free memory before large allocations, so that a call fails and the process survives.
 
 use std::hint::black_box;
 
-/// Left over for what is small: messages, threads, and what the host does next, bytes.
+/// Reserve for small allocations, bytes: messages, threads and the host.
 const RESERVE: usize = 4 << 20;
 
-/// From this size on the machine's free memory counts as well, bytes: Linux promises more than it has.
+/// Size from which the free memory of the machine counts, bytes: Linux grants more memory than it has.
 const LARGE: usize = 64 << 20;
 
-/// Refuses work that takes about so many bytes where the system would not give them, or the machine has not got them.
+/// Refuse an allocation of about `bytes` that exceeds the limits of the process or the free memory of the machine.
 ///
-/// A model calls this before it makes something large. Rust ends the process where memory runs out, so that this has
-/// to be known before. On systems other than Linux only the process's own limits count.
+/// A model calls this function before a large allocation, because Rust ends the process when an allocation fails. The
+/// free memory counts on Linux only.
 pub fn require_memory(bytes: usize) -> Result<(), String> {
     let megabytes = |bytes: usize| bytes.div_ceil(1 << 20);
     if bytes >= LARGE
@@ -19,15 +19,15 @@ pub fn require_memory(bytes: usize) -> Result<(), String> {
         && available < bytes
     {
         let (needed, left) = (megabytes(bytes), megabytes(available));
-        return Err(format!("this takes about {needed} MB of memory, but the machine has {left} MB left"));
+        return Err(format!("about {needed} MB of memory are needed, but the machine has {left} MB left"));
     }
     let mut probe = Vec::<u8>::new();
     let given = probe.try_reserve_exact(bytes.saturating_add(RESERVE));
     black_box(&probe);
-    given.map_err(|_| format!("this takes about {} MB of memory, which the system does not give", megabytes(bytes)))
+    given.map_err(|_| format!("about {} MB of memory are needed, but the system refuses them", megabytes(bytes)))
 }
 
-/// What the machine can give without swapping, bytes.
+/// Return the free memory of the machine without swapping, bytes.
 fn available() -> Option<usize> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;

@@ -1,6 +1,6 @@
-//! The resources of an FMU: where they are, and the files among them that decide what the model is.
+//! Resources of an FMU: their folder, and the files that define the model.
 //!
-//! The location of `fmi2Instantiate` is a file URI, by the standard, or a plain path, in practice.
+//! The location in `fmi2Instantiate` is a file URI by the standard; some masters pass a plain path.
 
 use std::fs::File;
 use std::io::Read;
@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 
 use crate::memory::require_memory;
 
-/// Largest file that is read, bytes. A scene of 65536 segments with an angle each takes two megabytes.
+/// Maximum size of a file, bytes. A scene of 65536 segments with an angle each has two megabytes.
 const LARGEST_FILE: u64 = 16 << 20;
 
-/// The resources of an FMU: the folder, and the files of [`Model::RESOURCES`](crate::Model::RESOURCES) as they were when
-/// the FMU was instantiated.
+/// Folder of the resources, and the texts of the files of [`Model::RESOURCES`](crate::Model::RESOURCES) at
+/// instantiation.
 #[derive(Clone, Debug, Default)]
 pub struct Resources {
     folder: Option<PathBuf>,
@@ -20,53 +20,53 @@ pub struct Resources {
 }
 
 impl Resources {
-    /// Reads the named files, which have to be regular ones of no more than 16 MB in UTF-8.
+    /// Read the named files: regular files of at most 16 MB in UTF-8.
     pub fn read(folder: Option<&Path>, names: &[&'static str]) -> Result<Self, String> {
         let Some(folder) = folder else {
             return match names {
                 [] => Ok(Self::default()),
-                _ => Err(format!("the model needs its resources folder with {} in it", names.join(", "))),
+                _ => Err(format!("the model needs a resources folder with {}", names.join(", "))),
             };
         };
         let files = names.iter().map(|name| Ok((*name, file(&folder.join(name))?))).collect::<Result<_, String>>()?;
         Ok(Self { folder: Some(folder.to_owned()), files })
     }
 
-    /// The folder, if the master named one.
+    /// Return the folder, if the master named one.
     pub fn folder(&self) -> Option<&Path> {
         self.folder.as_deref()
     }
 
-    /// Text of a file of [`Model::RESOURCES`](crate::Model::RESOURCES).
+    /// Return the text of a file of [`Model::RESOURCES`](crate::Model::RESOURCES).
     pub fn text(&self, name: &str) -> Result<&str, String> {
         let file = self.files.iter().find(|(known, _)| *known == name);
-        file.map(|(_, text)| text.as_str()).ok_or_else(|| format!("{name} is none of the model's resources"))
+        file.map(|(_, text)| text.as_str()).ok_or_else(|| format!("{name} is not a resource of the model"))
     }
 
-    /// Paths of the files, for messages.
+    /// Return the paths of the files, for messages.
     pub(crate) fn names(&self) -> String {
         let folder = self.folder.as_deref().unwrap_or(Path::new(""));
         let names: Vec<_> = self.files.iter().map(|(name, _)| folder.join(name).display().to_string()).collect();
         names.join(", ")
     }
 
-    /// All files with their names and lengths, as one.
+    /// Return all files with their names and lengths as bytes.
     pub(crate) fn content(&self) -> Vec<u8> {
         let head = |name: &str, text: &str| format!("{name} {}\n", text.len());
         self.files.iter().flat_map(|(name, text)| [head(name, text).as_str(), text].concat().into_bytes()).collect()
     }
 }
 
-/// Text of a file; nothing is opened that could block or never end.
+/// Return the text of a file; refuse to open pipes and devices, which could block.
 fn file(path: &Path) -> Result<String, String> {
     let name = path.display();
     let unreadable = |error: std::io::Error| format!("the resource {name} cannot be read: {error}");
     let about = path.metadata().map_err(unreadable)?;
     if !about.is_file() {
-        return Err(format!("the resource {name} is no regular file"));
+        return Err(format!("the resource {name} is not a regular file"));
     }
     if about.len() > LARGEST_FILE {
-        return Err(format!("the resource {name} has {} bytes, but may have {LARGEST_FILE}", about.len()));
+        return Err(format!("the resource {name} has {} bytes, but at most {LARGEST_FILE} are allowed", about.len()));
     }
     require_memory(3 * about.len() as usize)?;
     let mut bytes = Vec::new();
@@ -77,7 +77,8 @@ fn file(path: &Path) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|error| format!("the resource {name} is not UTF-8: {error}"))
 }
 
-/// The folder that `location` names: `file:///a`, `file:/a`, `file://localhost/a` (percent-decoded) or `/a` as it is.
+/// Return the folder of a location: `file:///a`, `file:/a`, `file://localhost/a` (percent-decoded) or the plain path
+/// `/a`.
 pub(crate) fn folder(location: &str) -> Result<PathBuf, String> {
     let Some(rest) = strip_scheme(location) else {
         return Ok(PathBuf::from(location));
@@ -93,12 +94,13 @@ pub(crate) fn folder(location: &str) -> Result<PathBuf, String> {
     Ok(PathBuf::from(without_root_before_drive(&path)))
 }
 
-/// What follows `file:`, in any case.
+/// Return the text after `file:`, in upper or lower case.
 fn strip_scheme(location: &str) -> Option<&str> {
     let (scheme, rest) = location.split_once(':')?;
     scheme.eq_ignore_ascii_case("file").then_some(rest)
 }
 
+/// Decode `%20` and the like.
 fn percent_decode(text: &str) -> Option<String> {
     let mut bytes = Vec::with_capacity(text.len());
     let mut pieces = text.split('%');
@@ -111,7 +113,7 @@ fn percent_decode(text: &str) -> Option<String> {
     String::from_utf8(bytes).ok()
 }
 
-/// `/C:/a` is `C:/a`.
+/// Return `C:/a` for `/C:/a`.
 fn without_root_before_drive(path: &str) -> &str {
     match path.as_bytes() {
         [b'/', drive, b':', ..] if drive.is_ascii_alphabetic() => &path[1..],
@@ -149,7 +151,7 @@ mod tests {
         let named = Resources::read(Some(&folder), &["text"]).unwrap();
         assert_eq!(named.text("text"), Ok("a scene"));
         for (name, part) in
-            [("folder", "no regular file"), ("large", "16777216"), ("bytes", "UTF-8"), ("nothing", "cannot be read")]
+            [("folder", "not a regular file"), ("large", "16777216"), ("bytes", "UTF-8"), ("nothing", "cannot be read")]
         {
             let message = Resources::read(Some(&folder), &[name]).unwrap_err();
             assert!(message.contains(part) && message.contains(name), "{message}");
@@ -157,7 +159,7 @@ mod tests {
         #[cfg(unix)]
         {
             let endless = Resources::read(Some(Path::new("/dev")), &["zero"]).unwrap_err();
-            assert!(endless.contains("/dev/zero is no regular file"), "{endless}");
+            assert!(endless.contains("/dev/zero is not a regular file"), "{endless}");
         }
         std::fs::remove_dir_all(folder).unwrap();
     }

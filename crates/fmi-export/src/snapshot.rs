@@ -1,4 +1,4 @@
-//! The FMU state: the model's state with the glue's own clock and mode, in memory and as bytes.
+//! FMU state, in memory and as bytes: the state of the model with mode and time of the instance.
 //!
 //! | bytes | content |
 //! |---|---|
@@ -11,34 +11,34 @@
 //! | 60 + n – 63 + n | CRC-32 of the payload |
 //! | 64 + n – | payload, postcard |
 //!
-//! Integers are little-endian. Each byte is checked, so that damage is refused wherever it strikes.
+//! Integers are little-endian. The checks cover each byte, so any damage is refused.
 
 use serde::{Deserialize, Serialize};
 
 use crate::identity::{self, Difference};
 use crate::state_machine::Mode;
 
-/// What `fmi2GetFMUstate` keeps and `fmi2SetFMUstate` puts back.
+/// State that `fmi2GetFMUstate` stores and `fmi2SetFMUstate` restores.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Snapshot<S> {
-    pub clock: Clock,
+    pub instance: InstanceTime,
     pub model: S,
 }
 
-/// What the glue itself knows of an instance's progress.
+/// Mode and time of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Clock {
+pub(crate) struct InstanceTime {
     pub mode: Mode,
     /// Current communication point, s.
     pub time: f64,
-    /// Where the simulation ends, if the master told, s.
+    /// Stop time, if the master set one, s.
     pub stop: Option<f64>,
 }
 
 const MAGIC: &[u8; 8] = b"FMI2STAT";
 const VERSION: u32 = 2;
 
-/// What a state belongs to.
+/// Model to which a state belongs.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Origin {
     /// Model name, library and its version, at most 65535 bytes.
@@ -47,6 +47,7 @@ pub(crate) struct Origin {
 }
 
 impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
+    /// Serialize the state.
     pub fn to_bytes(&self, origin: &Origin) -> Result<Vec<u8>, String> {
         let payload = postcard::to_stdvec(self).map_err(|error| format!("the state cannot be serialized: {error}"))?;
         Ok([
@@ -62,6 +63,7 @@ impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
         .concat())
     }
 
+    /// Read a state of this origin; refuse damage and states of another origin.
     pub fn from_bytes(bytes: &[u8], origin: &Origin) -> Result<Self, String> {
         let mut rest = bytes;
         if take::<8>(&mut rest)? != *MAGIC {
@@ -69,7 +71,7 @@ impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
         }
         let version = u32::from_le_bytes(take(&mut rest)?);
         if version != VERSION {
-            return Err(format!("the serialized state has format version {version}, not {VERSION}"));
+            return Err(format!("the serialized state has the format version {version}, not {VERSION}"));
         }
         let length = u16::from_le_bytes(take(&mut rest)?).into();
         let Some((name, after)) = rest.split_at_checked(length) else {
@@ -84,12 +86,10 @@ impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
         if theirs != guid.as_bytes() {
             let theirs = String::from_utf8_lossy(&theirs);
             let what = match identity::difference(&theirs, guid) {
-                Some(Difference::Resources) => "the same name with other resources",
-                _ => "the same name with another description",
+                Some(Difference::Resources) => "with other resources",
+                _ => "with another model description",
             };
-            return Err(format!(
-                "the serialized state belongs to {own}, but of {what}: its GUID is {theirs}, not {guid}"
-            ));
+            return Err(format!("the serialized state belongs to {own} {what}: its GUID is {theirs}, not {guid}"));
         }
         let length = u64::from_le_bytes(take(&mut rest)?);
         let checksum = u32::from_le_bytes(take(&mut rest)?);
@@ -97,7 +97,7 @@ impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
             return Err(format!("the serialized state holds {} bytes, not {length}", rest.len()));
         }
         if checksum != crc32fast::hash(rest) {
-            return Err("the serialized state is damaged: its checksum is wrong".into());
+            return Err("the serialized state is damaged: the checksum is wrong".into());
         }
         match postcard::take_from_bytes(rest) {
             Ok((snapshot, [])) => Ok(snapshot),
@@ -107,6 +107,7 @@ impl<S: Serialize + for<'a> Deserialize<'a>> Snapshot<S> {
     }
 }
 
+/// Take `N` bytes off the front.
 fn take<const N: usize>(rest: &mut &[u8]) -> Result<[u8; N], String> {
     let (head, tail) =
         rest.split_first_chunk().ok_or_else(|| format!("the serialized state ends {} bytes early", N - rest.len()))?;
@@ -123,8 +124,8 @@ mod tests {
     }
 
     fn snapshot() -> Snapshot<Vec<f64>> {
-        let clock = Clock { mode: Mode::StepComplete, time: 0.1, stop: Some(2.0) };
-        Snapshot { clock, model: vec![-0.0, 1e-300, std::f64::consts::PI] }
+        let instance = InstanceTime { mode: Mode::StepComplete, time: 0.1, stop: Some(2.0) };
+        Snapshot { instance, model: vec![-0.0, 1e-300, std::f64::consts::PI] }
     }
 
     fn read(bytes: &[u8]) -> Result<Snapshot<Vec<f64>>, String> {
@@ -164,7 +165,7 @@ mod tests {
         for (state, parts) in [
             (Origin { name: other.clone(), guid: guid.clone() }, [&other[..], &name]),
             (Origin { name: name.clone(), guid: edited.clone() }, [&edited, "other resources"]),
-            (Origin { name: name.clone(), guid: guid.replace("def}", "d0f}") }, ["another description", &guid]),
+            (Origin { name: name.clone(), guid: guid.replace("def}", "d0f}") }, ["another model description", &guid]),
         ] {
             let message = read(&snapshot().to_bytes(&state).unwrap()).unwrap_err();
             assert!(parts.iter().all(|part| message.contains(part)), "{message}");

@@ -1,23 +1,22 @@
-//! Which function may be called when: the calling sequence of co-simulation (FMI 2.0.4, section 4.2.4; FMI 3.0.2,
-//! sections 2.3 and 4.2).
+//! Calling sequence of co-simulation (FMI 2.0.4, section 4.2.4; FMI 3.0.2, sections 2.3 and 4.2).
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// Where an instance is in its life.
+/// Mode of an instance.
 ///
-/// The standard's states "step in progress", "step canceled" and "step failed" belong to steps that run
-/// asynchronously or are discarded, "fatal" to instances that take others with them. None of these occurs here.
+/// The states "step in progress", "step canceled" and "step failed" of the standard belong to asynchronous or discarded
+/// steps, and "fatal" to failures that affect other instances. None of them occurs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Mode {
     Instantiated,
     Initialization,
     StepComplete,
     Terminated,
-    /// The model returned an error and is as it was before the call.
+    /// The model returned an error and is unchanged.
     Error,
-    /// The model panicked and may be in pieces: only a new beginning or a stored state helps.
+    /// The model panicked and may be inconsistent; only a reset or a stored state helps.
     Panicked,
 }
 
@@ -34,11 +33,11 @@ impl fmt::Display for Mode {
     }
 }
 
-/// Lists the functions in rows, each with one column per [`Mode`] in its order; `x` is allowed.
+/// Define the functions in rows with a column per [`Mode`]; `x` marks an allowed call.
 macro_rules! functions {
     ($($row:literal: $($function:ident)*;)*) => {
-        /// The functions that act on an instance, by their names in C.
-        #[allow(non_camel_case_types, reason = "the functions are named as in the standard")]
+        /// Functions of an instance, by their names in C.
+        #[allow(non_camel_case_types, reason = "the functions have the names of the standard")]
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum Function {
             $($($function,)*)*
@@ -88,12 +87,12 @@ impl fmt::Display for Function {
     }
 }
 
-/// Refuses a call that the instance's mode does not allow.
+/// Refuse a call that the mode does not allow.
 pub(crate) fn check(function: Function, mode: Mode) -> Result<(), String> {
     if row(function).as_bytes()[2 * mode as usize] == b'x' {
         return Ok(());
     }
-    Err(format!("not allowed in the state \"{mode}\""))
+    Err(format!("the state \"{mode}\" does not allow this call"))
 }
 
 #[cfg(test)]

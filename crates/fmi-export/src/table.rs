@@ -1,35 +1,36 @@
-//! The list of variables with its value references: one numbering for all types, arrays in a row, in list order.
+//! Variables with their value references: one numbering for all types, in the order of the list.
 //!
-//! In FMI 3.0 only the first reference of an array is one, and means the whole of it.
+//! In FMI 2.0 an array has consecutive references. In FMI 3.0 its first reference stands for the whole array.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
-use crate::model::Span;
+use crate::access::{Access, UNBOUNDED, Value};
 use crate::units::BaseUnit;
-use crate::variable::{Access, Causality, UNBOUNDED, Value, Variability, Variable};
+use crate::variable::{Causality, Variability, Variable};
 use crate::version::Version;
 
+/// Variables of a model with their value references.
 pub(crate) struct Table<M> {
     pub version: Version,
     pub variables: Vec<Variable<M>>,
     /// Value reference of each variable's first element.
     first: Vec<u32>,
-    /// Index of the variable that each value reference belongs to.
+    /// Index of the variable of each value reference.
     owner: Vec<u32>,
 }
 
-/// Elements in a row of one variable, which value references in a row stand for.
+/// Consecutive elements of one variable.
 pub(crate) struct Run {
     /// Index of the variable.
     pub variable: usize,
     pub elements: Range<usize>,
-    /// Where the caller's array of values holds the first of them.
+    /// Position of the first element in the caller's array of values.
     pub position: usize,
 }
 
 impl<M> Table<M> {
-    /// Numbers the variables and checks what can be checked without the model's values.
+    /// Number the variables and check the list.
     pub fn new(variables: Vec<Variable<M>>, version: Version) -> Result<Self, String> {
         let mut table = Table { version, first: Vec::with_capacity(variables.len()), owner: Vec::new(), variables };
         for (index, variable) in table.variables.iter().enumerate() {
@@ -40,10 +41,11 @@ impl<M> Table<M> {
         Ok(table)
     }
 
+    /// Refuse a list with contradictions.
     fn check(&self) -> Result<(), String> {
         let times = self.variables.iter().filter(|variable| variable.causality == Causality::Independent).count();
         if self.version == Version::Fmi3 && times != 1 {
-            return Err(format!("FMI 3.0 wants Real::time() in the list once, not {times} times"));
+            return Err(format!("FMI 3.0 requires Real::time() in the list once, not {times} times"));
         }
         let mut by_name = HashMap::new();
         for variable in &self.variables {
@@ -56,10 +58,10 @@ impl<M> Table<M> {
             let Variable { name, causality, variability, .. } = variable;
             if let Some((kind, items)) = &variable.enumeration {
                 if !matches!(variable.access, Access::Integer(_)) || items.is_empty() {
-                    return Err(format!("variable {name}: an enumeration is an Integer with at least one item"));
+                    return Err(format!("variable {name}: an enumeration must be an Integer with at least one item"));
                 }
                 if enumerations.insert(kind, items).is_some_and(|known| known != items) {
-                    return Err(format!("variable {name}: the enumeration {kind} has other items elsewhere"));
+                    return Err(format!("variable {name}: the enumeration {kind} has different items elsewhere"));
                 }
             }
             if let Some(unit) = &variable.unit {
@@ -67,7 +69,9 @@ impl<M> Table<M> {
                 if let Some(shown) = &variable.display_unit {
                     let other = BaseUnit::parse(shown).map_err(|error| format!("variable {name}: {error}"))?;
                     if other.powers != own.powers {
-                        return Err(format!("variable {name}: {shown:?} cannot show what is in {unit:?}"));
+                        return Err(format!(
+                            "variable {name}: the display unit {shown:?} does not fit the unit {unit:?}"
+                        ));
                     }
                 }
             } else if variable.display_unit.is_some() || variable.nominal.is_some() {
@@ -75,7 +79,7 @@ impl<M> Table<M> {
                 return Err(format!("variable {name}: a {type_name} has neither display unit nor nominal value"));
             }
             if variable.nominal.is_some_and(|nominal| !(nominal.is_finite() && nominal > 0.0)) {
-                return Err(format!("variable {name}: its nominal value must be finite and > 0"));
+                return Err(format!("variable {name}: the nominal value must be finite and > 0"));
             }
             let allowed = match variability {
                 Variability::Tunable => matches!(causality, Causality::Parameter | Causality::CalculatedParameter),
@@ -100,24 +104,24 @@ impl<M> Table<M> {
         Ok(())
     }
 
-    /// Number of value references.
+    /// Return the number of value references.
     pub fn len(&self) -> usize {
         self.owner.len()
     }
 
-    /// Value references of all elements of a variable.
+    /// Return the value references of all elements of a variable.
     pub fn references(&self, variable: usize) -> Range<u32> {
         let first = self.first[variable];
         first..first + self.variables[variable].len() as u32
     }
 
-    /// Value references of the variable of that name.
+    /// Return the value references of the variable with this name.
     pub fn references_of(&self, name: &str) -> Option<Range<u32>> {
         let variable = self.variables.iter().position(|variable| variable.name == name)?;
         Some(self.references(variable))
     }
 
-    /// Splits value references into runs, so that the common case, a whole array, is one slice.
+    /// Split value references into runs: a whole array, the usual case, is one slice.
     pub fn runs(&self, references: &[u32]) -> impl Iterator<Item = Result<Run, String>> {
         let (mut rest, mut position) = (references, 0);
         std::iter::from_fn(move || {
@@ -133,7 +137,7 @@ impl<M> Table<M> {
         })
     }
 
-    /// The variable that the first of the references belongs to, and its elements that they stand for.
+    /// Return the variable of the first reference, and its elements.
     fn run(&self, references: &[u32]) -> Option<(usize, Range<usize>)> {
         let variable = *self.owner.get(references[0] as usize)? as usize;
         let all = self.references(variable);
@@ -146,24 +150,7 @@ impl<M> Table<M> {
         Some((variable, element..element + length))
     }
 
-    /// The references as spans of Real variables of one causality.
-    pub fn spans(&self, references: &[u32], causality: Causality) -> Result<Vec<Span<'_>>, String> {
-        self.runs(references)
-            .map(|run| {
-                let run = run?;
-                let variable = &self.variables[run.variable];
-                if variable.access.type_name() != f64::TYPE {
-                    return Err(self.wrong_type(&run, f64::TYPE));
-                }
-                if variable.causality != causality {
-                    return Err(format!("{} is not an {}", self.name(&run), causality.name()));
-                }
-                Ok(Span { name: &variable.name, elements: run.elements })
-            })
-            .collect()
-    }
-
-    /// Name of what a run begins with, for messages: an element, or in FMI 3.0 the variable.
+    /// Return the name of the first element of a run, or in FMI 3.0 of the variable, for messages.
     pub fn name(&self, run: &Run) -> String {
         let variable = &self.variables[run.variable];
         match self.version {
@@ -172,7 +159,7 @@ impl<M> Table<M> {
         }
     }
 
-    /// What a call about another type says of a variable.
+    /// Return the message about a variable of another type.
     pub fn wrong_type(&self, run: &Run, wanted: &str) -> String {
         let reference = self.first[run.variable] as usize + run.elements.start;
         let variable = &self.variables[run.variable];
@@ -183,23 +170,23 @@ impl<M> Table<M> {
         format!("value reference {reference}, the {type_name} {}, is not of type {wanted}", self.name(run))
     }
 
-    /// All values of a variable.
+    /// Return all values of a variable; `None` for another type.
     pub fn read<'a, T: Value>(
         &self,
         variable: usize,
         model: &'a mut M,
-        clock: &'a [f64; 1],
+        time: &'a [f64; 1],
     ) -> Result<Option<&'a [T]>, String> {
         let variable = &self.variables[variable];
         let values = match &variable.access {
-            Access::Time => T::clock(clock),
+            Access::Time => T::time(time),
             access => T::field(access).map(|field| field.read(model)),
         };
-        values.map(|values| variable.checked_length(values.len()).map(|()| values)).transpose()
+        values.map(|values| variable.check_length(values.len()).map(|()| values)).transpose()
     }
 }
 
-/// How many references, from the first on, count up by one. Compared in blocks, which the compiler vectorises.
+/// Return the number of consecutive references at the beginning. The compiler vectorises the comparison of blocks.
 fn consecutive(references: &[u32]) -> usize {
     const BLOCK: usize = 32;
     let counts_up = |from: usize, block: &[u32]| {
@@ -210,16 +197,6 @@ fn consecutive(references: &[u32]) -> usize {
     let compared = BLOCK * blocks.take_while(|(index, block)| counts_up(index * BLOCK, block)).count();
     let rest = references[compared..].iter().zip(references[0] + compared as u32..);
     compared + rest.take_while(|(reference, expected)| **reference == *expected).count()
-}
-
-impl<M> Variable<M> {
-    /// The model must give as many values as the list declares.
-    pub(crate) fn checked_length(&self, length: usize) -> Result<(), String> {
-        if length == self.len() {
-            return Ok(());
-        }
-        Err(format!("variable {}: the model gives {length} values, the list declares {}", self.name, self.len()))
-    }
 }
 
 #[cfg(test)]
@@ -288,14 +265,14 @@ mod tests {
         for (list, parts) in [
             (vec![input("a"), input("a")], ["a", "twice"]),
             (vec![output("drag", "furlong")], ["drag", "furlong"]),
-            (vec![output("drag", "N").display_unit("kPa")], ["drag", "kPa\" cannot show what is in \"N"]),
-            (vec![output("drag", "N").enumeration("Mode", &["on"])], ["drag", "an enumeration is an Integer"]),
+            (vec![output("drag", "N").display_unit("kPa")], ["drag", "kPa\" does not fit the unit \"N"]),
+            (vec![output("drag", "N").enumeration("Mode", &["on"])], ["drag", "an enumeration must be an Integer"]),
             (
                 vec![
                     Integer::input("a", "", |_| &mut []).enumeration("Mode", &["on"]),
                     Integer::input("b", "", |_| &mut []).enumeration("Mode", &["off"]),
                 ],
-                ["b", "the enumeration Mode has other items"],
+                ["b", "the enumeration Mode has different items"],
             ),
             (vec![output("drag", "N").nominal(0.0)], ["drag", "nominal value must be finite and > 0"]),
             (vec![Boolean::input("on", "", |_| &mut []).nominal(1.0)], ["on", "neither display unit nor nominal"]),

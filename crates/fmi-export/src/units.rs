@@ -1,23 +1,22 @@
-//! Units by name: a product of symbols with exponents, then at most one `/` and a factor or a product in parentheses, as
-//! in `kg/(m.s)`, `m2/s`, `N.s/m2`, `s-1`, `W/(m.K)`.
+//! Units by name: `kg/(m.s)`, `m2/s`, `N.s/m2`, `s-1`, `W/(m.K)`.
 //!
-//! Symbols are those of the SI, its coherent derived units, and some that are in use beside it: g, L, min, h, d, deg, bar,
-//! degC, with prefixes from nano to giga (`mm`, `kPa`, `MHz`) where the symbol takes them. `degC` has an offset, so it stands
-//! alone.
+//! A unit is a product of symbols with exponents, and at most one `/` with a symbol or a product in parentheses. The
+//! symbols are the SI base units and coherent derived units, and g, L, min, h, d, deg, bar and degC. Prefixes reach
+//! from nano to giga (`mm`, `kPa`, `MHz`). `degC` has an offset and stands alone.
 
-/// A unit in base units: a value in it times the factor, plus the offset, is the value in base units.
+/// Unit in base units: value in base units = factor · value + offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BaseUnit {
-    /// Powers of kg, m, s, A, K, mol, cd, and of the radian, which FMI counts as one.
+    /// Powers of kg, m, s, A, K, mol, cd and rad; FMI treats the radian as a base unit.
     pub powers: [i32; 8],
     pub factor: f64,
     pub offset: f64,
 }
 
-/// Names of the powers in the model description.
+/// Names of the base units in the model description.
 pub(crate) const NAMES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
 
-/// Symbols that take prefixes, with their powers and factors.
+/// Symbols with prefixes, with their powers and factors.
 const PREFIXED: &[(&str, [i32; 8], f64)] = &[
     ("g", [1, 0, 0, 0, 0, 0, 0, 0], 1e-3),
     ("m", [0, 1, 0, 0, 0, 0, 0, 0], 1.0),
@@ -50,7 +49,7 @@ const PREFIXED: &[(&str, [i32; 8], f64)] = &[
     ("L", [0, 3, 0, 0, 0, 0, 0, 0], 1e-3),
 ];
 
-/// Symbols that take none.
+/// Symbols without prefixes.
 const WHOLE: &[(&str, [i32; 8], f64)] = &[
     ("1", [0; 8], 1.0),
     ("%", [0; 8], 1e-2),
@@ -74,7 +73,7 @@ impl BaseUnit {
         self.factor *= factor.powi(power);
     }
 
-    /// What `unit` is in base units, or what is wrong with it.
+    /// Return `unit` in base units; refuse an unknown unit with the reason.
     pub fn parse(unit: &str) -> Result<Self, String> {
         if unit == "degC" {
             return Ok(BaseUnit { powers: [0, 0, 0, 0, 1, 0, 0, 0], offset: ICE_POINT, ..Self::ONE });
@@ -108,7 +107,7 @@ impl BaseUnit {
     }
 }
 
-/// Powers and factor of a symbol, with or without a prefix: `min` is a minute, not a milli-inch.
+/// Return powers and factor of a symbol, with or without a prefix: `min` is a minute, not a milli-inch.
 fn find(symbol: &str) -> Option<([i32; 8], f64)> {
     let whole = WHOLE.iter().chain(PREFIXED).find(|(name, ..)| *name == symbol);
     if let Some((_, powers, factor)) = whole {
@@ -124,7 +123,7 @@ fn find(symbol: &str) -> Option<([i32; 8], f64)> {
     })
 }
 
-/// `m2` is `("m", Some(2))`; the power is `None` if it is not an integer.
+/// Return symbol and power: `m2` is `("m", Some(2))`, and a power that is not an integer is `None`.
 fn split_power(factor: &str) -> (&str, Option<i32>) {
     match factor.find(|c: char| c == '-' || c.is_ascii_digit()) {
         None | Some(0) => (factor, Some(1)),

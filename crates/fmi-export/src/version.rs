@@ -1,10 +1,10 @@
-//! The versions of the standard that a library speaks.
+//! Versions of the standard.
 
-/// Version of the standard that a master uses, and a description is written for.
+/// Version of the standard for a master or a model description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Version {
-    /// 2.0: an array is as many scalar variables, with value references in a row.
+    /// FMI 2.0: each element of an array is a scalar variable; value references are consecutive.
     Fmi2,
-    /// 3.0: an array is one variable. Its value reference is that of its first element in 2.0.
+    /// FMI 3.0: an array is one variable with the value reference of its first element in FMI 2.0.
     Fmi3,
 }

@@ -244,13 +244,13 @@ fn all_types_pass_and_each_only_as_itself() {
 #[test]
 fn what_is_not_there_is_refused_with_the_reason_and_changes_nothing() {
     let fmu = Fmu::initialised();
-    fmu.assert_refused(fmi3EnterEventMode(fmu.c), &["fmi3EnterEventMode: there is no event mode"]);
-    fmu.assert_refused(fmi3EnterStepMode(fmu.c), &["fmi3EnterStepMode: there is no event mode"]);
-    fmu.assert_refused(fmi3EvaluateDiscreteStates(fmu.c), &["there is no event mode"]);
-    fmu.assert_refused(fmi3EnterConfigurationMode(fmu.c), &["there are no structural parameters"]);
-    fmu.assert_refused(fmi3EnterContinuousTimeMode(fmu.c), &["for co-simulation only"]);
-    fmu.assert_refused(fmi3ActivateModelPartition(fmu.c, 0, 0.0), &["for co-simulation only"]);
-    fmu.assert_refused(fmi3GetShiftDecimal(fmu.c, null(), 0, null_mut()), &["there are no clocks"]);
+    fmu.assert_refused(fmi3EnterEventMode(fmu.c), &["fmi3EnterEventMode: the unit has no event mode"]);
+    fmu.assert_refused(fmi3EnterStepMode(fmu.c), &["fmi3EnterStepMode: the unit has no event mode"]);
+    fmu.assert_refused(fmi3EvaluateDiscreteStates(fmu.c), &["the unit has no event mode"]);
+    fmu.assert_refused(fmi3EnterConfigurationMode(fmu.c), &["the unit has no structural parameters"]);
+    fmu.assert_refused(fmi3EnterContinuousTimeMode(fmu.c), &["supports co-simulation only"]);
+    fmu.assert_refused(fmi3ActivateModelPartition(fmu.c, 0, 0.0), &["supports co-simulation only"]);
+    fmu.assert_refused(fmi3GetShiftDecimal(fmu.c, null(), 0, null_mut()), &["the unit has no clocks"]);
     fmu.assert_refused(fmi3GetNumberOfVariableDependencies(fmu.c, 0, &mut 0), &["modelDescription.xml"]);
     fmu.assert_refused(fmu.enter(0.0, None), &["fmi3EnterInitializationMode", "step complete"]);
     assert_eq!(fmu.step(0.0, 1.0).0, OK);
@@ -281,7 +281,7 @@ fn nothing_is_said_where_logging_is_off() {
     assert_eq!(fmu.step(0.0, 1.0), (ERROR, [0; 3], 0.0));
     assert_eq!(fmu.messages.borrow().len(), 1, "{:?}", fmu.messages);
     assert_eq!(fmi3SetDebugLogging(fmu.c, 1, 1, &c"logStatusError".as_ptr()), OK);
-    fmu.assert_refused(fmu.step(0.0, 1.0).0, &["not allowed in the state \"error\""]);
+    fmu.assert_refused(fmu.step(0.0, 1.0).0, &["the state \"error\" does not allow this call"]);
 
     let silent = Messages::default();
     let token = token(describe_3, "instantiationToken");
@@ -300,7 +300,7 @@ fn a_wrong_instantiation_returns_null_and_tells_why() {
     assert!(fmi3InstantiateModelExchange(name, token, null(), 0, 1, environment, Some(log)).is_null());
     let said = messages.borrow();
     for ((_, message), part) in
-        said.iter().zip(["belongs to another model description", "event", "no folder, 100 %", "co-simulation only"])
+        said.iter().zip(["belongs to another model description", "event", "not a folder, 100 %", "co-simulation only"])
     {
         assert!(message.starts_with("fmi3Instantiate") && message.contains(part), "{message}");
     }
@@ -323,7 +323,7 @@ fn after_a_failure_or_a_panic_a_stored_state_leads_on() {
     }
     assert_eq!([fmi3FreeFMUState(fmu.c, &mut state), fmi3Reset(fmu.c), fmu.enter(0.0, None)], [OK; 3]);
     assert!(state.is_null());
-    fmu.assert_refused(fmi3SetFMUState(fmu.c, 1 as _), &["not one of this instance"]);
+    fmu.assert_refused(fmi3SetFMUState(fmu.c, 1 as _), &["does not belong to this instance"]);
 }
 
 #[test]
@@ -357,44 +357,19 @@ fn bytes_carry_a_state_on_but_not_from_the_other_version() {
     assert_eq!(fmi2SerializeFMUstate(two, state, bytes.as_mut_ptr().cast(), size), fmi2Status::fmi2OK);
     fmi2FreeInstance(two);
     let status = fmi3DeserializeFMUState(fmu.c, bytes.as_ptr(), size, &mut copy);
-    fmu.assert_refused(status, &["the same name with another description", guid.to_str().unwrap()]);
+    fmu.assert_refused(status, &["with another model description", guid.to_str().unwrap()]);
 }
 
 #[test]
-fn derivatives_are_of_whole_arrays_and_the_adjoint_is_the_transposed() {
+fn derivatives_are_refused_as_the_description_says() {
     let fmu = Fmu::new();
-    assert_eq!([fmu.set(&[GAIN], &[2.0]), fmu.enter(0.0, None), fmu.exit()], [OK; 3]);
-    assert_eq!(fmu.set(&[U[0]], &[1.0, 2.0, 3.0]), OK);
-    let (y, u, mut values) = (&Y[0], &U[0], [f64::NAN; 3]);
-    let (seed, out) = ([1.0, 10.0, 100.0], values.as_mut_ptr());
-    type Derivative = extern "C" fn(
-        fmi3Instance,
-        References,
-        usize,
-        References,
-        usize,
-        *const f64,
-        usize,
-        *mut f64,
-        usize,
-    ) -> fmi3Status;
-    for derivative in [fmi3GetDirectionalDerivative as Derivative, fmi3GetAdjointDerivative] {
-        assert_eq!(derivative(fmu.c, y, 1, u, 1, seed.as_ptr(), 3, out, 3), OK, "{:?}", fmu.messages);
-        assert_eq!(values, [2.0, 20.0, 200.0]);
-        fmu.assert_refused(derivative(fmu.c, y, 1, u, 1, seed.as_ptr(), 2, out, 3), &["nSeed = 2 must be 3"]);
-        fmu.assert_refused(derivative(fmu.c, y, 1, u, 1, seed.as_ptr(), 3, out, 1), &["nSensitivity = 1 must be 3"]);
-        fmu.assert_refused(derivative(fmu.c, u, 1, u, 1, seed.as_ptr(), 3, out, 3), &["u is not an output"]);
-    }
-    let both = [TOTAL, Y[0]];
-    let seed = [1.0, 10.0, 100.0, 1000.0];
-    let mut four = [f64::NAN; 4];
-    let directional =
-        fmi3GetDirectionalDerivative(fmu.c, both.as_ptr(), 2, u, 1, seed.as_ptr(), 3, four.as_mut_ptr(), 4);
-    assert_eq!((directional, four), (OK, [222.0, 2.0, 20.0, 200.0]));
-    let adjoint = fmi3GetAdjointDerivative(fmu.c, both.as_ptr(), 2, u, 1, seed.as_ptr(), 4, out, 3);
-    assert_eq!((adjoint, values), (OK, [22.0, 202.0, 2002.0]));
-    assert_eq!(fmu.step(0.0, 1.0).0, OK);
-    assert_eq!(fmi3GetOutputDerivatives(fmu.c, y, 1, &1, out, 3), OK);
-    assert_eq!(values, [2.0, 4.0, 6.0]);
-    fmu.assert_refused(fmi3GetOutputDerivatives(fmu.c, y, 1, &1, out, 2), &["nValues = 2 must be 3"]);
+    assert_eq!([fmu.enter(0.0, None), fmu.exit()], [OK; 2]);
+    let (y, u, mut values) = (&Y[0], &U[0], [0.0; 3]);
+    let (seed, out) = ([1.0; 3], values.as_mut_ptr());
+    let status = fmi3GetDirectionalDerivative(fmu.c, y, 1, u, 1, seed.as_ptr(), 3, out, 3);
+    fmu.assert_refused(status, &["directional derivatives are not provided"]);
+    let status = fmi3GetAdjointDerivative(fmu.c, y, 1, u, 1, seed.as_ptr(), 3, out, 3);
+    fmu.assert_refused(status, &["adjoint derivatives are not provided"]);
+    fmu.assert_refused(fmi3GetOutputDerivatives(fmu.c, y, 1, &1, out, 3), &["output derivatives are not provided"]);
+    assert_eq!((fmu.step(0.0, 1.0).0, values), (OK, [0.0; 3]));
 }

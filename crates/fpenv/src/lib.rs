@@ -1,35 +1,44 @@
-//! The floating-point modes of a thread.
+//! Floating-point modes of a thread.
 //!
-//! The host's rounding, flush-to-zero and trap modes must not change a result, and numbers too small for full precision
-//! (below 2.2e-308) must not slow one down: where a flow comes to rest, all of them become so small. [`Fast`] rounds to
-//! nearest, takes such numbers for zero, masks all traps, and leaves the host's modes as they were. A thread begins in the
-//! modes of the thread that started it on Linux, and in default ones elsewhere: [`Modes::apply`] brings them along.
+//! [`Fast`] rounds to nearest, replaces denormal numbers (below 2.2e-308) by zero, masks all traps, and restores the
+//! modes of the host at the end. Results then do not depend on the modes of the host. A flow that comes to rest
+//! consists of denormal numbers, and arithmetic with them is slow. On Linux a thread inherits the modes of its parent,
+//! on other systems it starts with default modes; [`Modes::apply`] copies them.
 //!
-//! Rust itself calculates at compile time as if denormal numbers were kept. No result here depends on that.
+//! # Assumptions of the compiler
+//!
+//! Rust and LLVM assume the default modes: rounding to nearest, denormal numbers kept, traps masked. The documentation
+//! of `core::arch::x86_64::_mm_setcsr` calls arithmetic in other modes undefined behaviour. [`Fast`] differs from the
+//! default in the treatment of denormal numbers, so its users depend on what compilers do with the assumption:
+//!
+//! - The compiler evaluates constant expressions with denormal numbers kept. No result may depend on a constant
+//!   expression with denormal values.
+//! - The compiler may move arithmetic across a change of modes. A caller passes operands and results through
+//!   [`std::hint::black_box`] inside the scope of [`Fast`], as `nervure-fmi-export` does.
 
-/// Rounding, denormal numbers and traps of a thread, with the flags of what happened so far.
+/// Modes of rounding, denormal numbers and traps of a thread; on x86-64 with the exception flags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Modes(Control);
 
 impl Modes {
-    /// Those of this thread.
+    /// Return the modes of this thread.
     pub fn of_thread() -> Self {
         Modes(read())
     }
 
-    /// Make them those of this thread.
+    /// Set the modes of this thread.
     pub fn apply(self) {
         write(self.0);
     }
 }
 
-/// To nearest and without denormal numbers, in force until this is dropped; then the host's modes are back.
+/// Guard: rounding to nearest without denormal numbers, until its drop restores the modes of the host.
 pub struct Fast {
     host: Modes,
 }
 
 impl Fast {
-    /// Leave the host's modes.
+    /// Store the modes of the host and set the fast modes.
     pub fn enter() -> Self {
         let host = Modes::of_thread();
         Modes(FAST).apply();
@@ -45,53 +54,56 @@ impl Drop for Fast {
 
 use processor::{Control, FAST, read, write};
 
-/// MXCSR: what SSE and AVX obey, and with them all arithmetic on `f64`.
+/// MXCSR, the control register of SSE and AVX and so of all arithmetic on `f64`.
 #[cfg(target_arch = "x86_64")]
 mod processor {
     use std::arch::asm;
 
     pub type Control = u32;
 
-    /// To nearest and all traps masked (0x1f80), results (0x8000) and operands (0x40) that are denormal are zero.
+    /// Round to nearest with all traps masked (0x1f80); denormal results (0x8000) and operands (0x40) are zero.
     pub const FAST: Control = 0x1f80 | 0x8040;
 
     pub fn read() -> Control {
         let mut control: Control = 0;
-        // SAFETY: the instruction writes the four bytes that it is given.
+        // SAFETY: the instruction writes the four bytes of `control` and changes nothing else.
         unsafe { asm!("stmxcsr [{}]", in(reg) &raw mut control, options(nostack, preserves_flags)) };
         control
     }
 
     pub fn write(control: Control) {
-        // SAFETY: the value comes from `read` or is `FAST`, so no reserved bit is set.
-        unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const control, options(nostack, preserves_flags, readonly)) };
+        // SAFETY: the value comes from `read` or is `FAST`, so no reserved bit is set and the instruction does not
+        // fault. It overwrites the exception flags, so the block does not claim `preserves_flags`. Arithmetic in these
+        // modes relies on the assumptions in the documentation of this crate.
+        unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const control, options(nostack)) };
     }
 }
 
-/// FPCR: what scalar and vector arithmetic obey.
+/// FPCR, the control register of scalar and vector arithmetic.
 #[cfg(target_arch = "aarch64")]
 mod processor {
     use std::arch::asm;
 
     pub type Control = u64;
 
-    /// To nearest and no trap (0), operands and results that are denormal are zero (bit 24).
+    /// Round to nearest without traps (0); denormal operands and results are zero (bit 24).
     pub const FAST: Control = 1 << 24;
 
     pub fn read() -> Control {
         let control: Control;
-        // SAFETY: the register can be read by every program.
+        // SAFETY: each program may read the register.
         unsafe { asm!("mrs {}, fpcr", out(reg) control, options(nomem, nostack, preserves_flags)) };
         control
     }
 
     pub fn write(control: Control) {
-        // SAFETY: the value comes from `read` or is `FAST`; bits that the processor has not got read as zero.
+        // SAFETY: the value comes from `read` or is `FAST`, and bits that the processor lacks are ignored. Arithmetic
+        // in these modes relies on the assumptions in the documentation of this crate.
         unsafe { asm!("msr fpcr, {}", in(reg) control, options(nostack, preserves_flags)) };
     }
 }
 
-/// Other processors are left in the modes of the host.
+/// Other processors keep the modes of the host.
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
 mod processor {
     pub type Control = ();
@@ -112,13 +124,13 @@ mod tests {
 
     use super::*;
 
-    /// Upward, denormal numbers kept.
+    /// Round upward, keep denormal numbers.
     #[cfg(target_arch = "x86_64")]
     const UPWARD: Control = 0x1f80 | 0x4000;
     #[cfg(target_arch = "aarch64")]
     const UPWARD: Control = 1 << 22;
 
-    /// Without the flags of what happened, which are no modes.
+    /// Return the modes without the exception flags.
     fn modes() -> Control {
         read() & !0x3f
     }

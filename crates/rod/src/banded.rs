@@ -1,15 +1,15 @@
 //! Symmetric banded matrices and their LDLᵀ factors without pivoting, L unit lower triangular and D diagonal.
 //!
-//! A factorisation is O(order · half-bandwidth²) work. By Sylvester's law of inertia the number of negative entries of D
-//! equals the number of negative eigenvalues.
+//! A factorisation is O(order · half-bandwidth²) work. By Sylvester's law of inertia the number of negative entries of
+//! D equals the number of negative eigenvalues.
 
 /// Lower triangle of a symmetric banded matrix, or its factors after [`Banded::factorise`].
 #[derive(Clone)]
 pub struct Banded {
     order: usize,
     half_bandwidth: usize,
-    /// Columns from their diagonal down: `[order][half_bandwidth + 1]`, 0 below the last row. The factors are L with 1/D
-    /// on its diagonal.
+    /// Columns from their diagonal down: `[order][half_bandwidth + 1]`, 0 below the last row. The factors are L with
+    /// 1/D on its diagonal.
     columns: Vec<f64>,
 }
 

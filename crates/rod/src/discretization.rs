@@ -87,8 +87,8 @@ impl<const D: usize> Parameters<D> {
 
     /// Return the mass of each node less the mass of the fluid it displaces, kg: `[n + 1]`.
     ///
-    /// On a tapered rod it is ∫ μ N ds with the hat function N of the node, by Simpson's rule in each segment. Sum and centre
-    /// of the masses are exact.
+    /// On a tapered rod it is ∫ μ N ds with the hat function N of the node, by Simpson's rule in each segment. Sum and
+    /// centre of the masses are exact.
     pub(crate) fn masses(&self) -> Vec<f64> {
         let Taper { line_density, displaced, .. } = &self.taper;
         let tributary = self.tributary();

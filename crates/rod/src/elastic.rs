@@ -7,19 +7,21 @@
 //! κ² = 4 (1 − c)/(1 + c).
 //! ```
 //!
-//! κ is the discrete curvature of Bergou et al. (2008, *Discrete elastic rods*, ACM Trans. Graph. 27, 63), so the energy
-//! does not depend on the frame. With a straight rest shape the energy is a function of c alone. At the clamp, the
-//! direction of the clamp replaces t_1, and the stiffness is 2 EI/l0, because half a segment belongs to that vertex. With
-//! this spring and half a mass at the tip the rod is of second order in l0. Folding back, ψ → π, is an infinite barrier.
+//! κ is the discrete curvature of Bergou et al. (2008, *Discrete elastic rods*, ACM Trans. Graph. 27, 63), so the
+//! energy does not depend on the frame. With a straight rest shape the energy is a function of c alone. At the clamp,
+//! the direction of the clamp replaces t_1, and the stiffness is 2 EI/l0, because half a segment belongs to that
+//! vertex. With this spring and half a mass at the tip the rod is of second order in l0. Folding back, ψ → π, is an
+//! infinite barrier.
 //!
-//! In the plane κ has the sign of ψ: sin ψ and c give κ and its derivatives by ψ with one division. A curved rest shape has
-//! U = Σ ½ k_b (κ(ψ_j) − κ(ψ0_j))².
+//! In the plane κ has the sign of ψ: sin ψ and c give κ and its derivatives by ψ with one division. A curved rest shape
+//! has U = Σ ½ k_b (κ(ψ_j) − κ(ψ0_j))².
 //!
 //! With shear the bending energy is the energy of [`Shear`], a function of all κ.
 //!
-//! The projected model of the thesis (eqs. 2.1, 2.3, 2.4) has U = Σ ½ k_b (θ_j − θ_{j−1} − ψ0_j)², and the same sum for φ in
-//! three dimensions. θ and φ are the angles of the projections of the edges into the planes xy and xz. An angle jumps by π
-//! where the rod passes the vertical, so a vertex that turns by more than a right angle in a projection is refused.
+//! The projected model of the thesis (eqs. 2.1, 2.3, 2.4) has U = Σ ½ k_b (θ_j − θ_{j−1} − ψ0_j)², and the same sum for
+//! φ in three dimensions. θ and φ are the angles of the projections of the edges into the planes xy and xz. An angle
+//! jumps by π where the rod passes the vertical, so a vertex that turns by more than a right angle in a projection is
+//! refused.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -85,7 +87,8 @@ pub(crate) struct NodeDerivatives<const D: usize> {
     pub(crate) next: Matrix<D>,
     /// ∂²U/∂x_{k+2}∂x_k, N/m.
     pub(crate) next_but_one: Matrix<D>,
-    /// ∂κ/∂x_k of the vertices k − 1, k and k + 1, 1/m, with shear; the second derivatives then hold the moments constant.
+    /// ∂κ/∂x_k of the vertices k − 1, k and k + 1, 1/m, with shear; the second derivatives then hold the moments
+    /// constant.
     pub(crate) turns: [Vector<D>; 3],
 }
 
@@ -250,7 +253,8 @@ impl<const D: usize> Elastic<D> {
         }
     }
 
-    /// Return the reaction of the support to the shape `x`, `[n + 1]`: the force ∂U/∂x_0, N, and the moment e × ∂U/∂e, N m.
+    /// Return the reaction of the support to the shape `x`, `[n + 1]`: the force ∂U/∂x_0, N, and the moment e × ∂U/∂e,
+    /// N m.
     ///
     /// e is the edge along the direction of the support; `moments` is as in [`Elastic::gradient`].
     pub(crate) fn support_reaction(
@@ -285,7 +289,8 @@ impl<const D: usize> Elastic<D> {
         Ok((vertex.by_before, vertex.by_after))
     }
 
-    /// Return first and second derivatives of the energy of a vertex; with its `moment`, of the product of moment and κ.
+    /// Return first and second derivatives of the energy of a vertex; with its `moment`, of the product of moment and
+    /// κ.
     #[inline(always)]
     fn vertex(
         &self,

@@ -41,8 +41,8 @@ pub enum Error {
     },
     /// Newton's method does not converge, even in the smallest sub-step.
     #[error(
-        "Newton's method stopped at a residual of {residual:.3e} N, above {tolerance:.3e} N, after {iterations} iterations; \
-         rounding alone may leave {rounding:.3e} N"
+        "Newton's method stopped at a residual of {residual:.3e} N, above {tolerance:.3e} N, after {iterations} \
+         iterations; rounding alone may leave {rounding:.3e} N"
     )]
     NotConverged {
         /// Largest component of the residual, N.
@@ -56,9 +56,9 @@ pub enum Error {
     },
     /// The trapezoid or generalised-α gains energy under constant forces, even in the smallest sub-step.
     #[error(
-        "{} gains energy: under constant forces the energy of the rod less their work must not rise by more than {:.3e} J \
-         (1 % of the largest kinetic or elastic energy), but it rises from {reference:.6e} J to {energy:.6e} J, even in \
-         sub-steps of {dt:.3e} s; tr_bdf2 does not gain energy, {}a smaller step may help",
+        "{} gains energy: under constant forces the energy of the rod less their work must not rise by more than \
+         {:.3e} J (1 % of the largest kinetic or elastic energy), but it rises from {reference:.6e} J to \
+         {energy:.6e} J, even in sub-steps of {dt:.3e} s; tr_bdf2 does not gain energy, {}a smaller step may help",
         name(scheme), LARGEST_GAIN * largest, if *scheme == Scheme::Trapezoid { "" } else { "a smaller rho_inf or " }
     )]
     EnergyGain {
@@ -85,8 +85,8 @@ pub enum Error {
     },
     /// The projected bending model is singular in this shape.
     #[error(
-        "the projected bending angle in the plane x{axis} is singular at node {node}: the projection of a segment there \
-         vanishes or turns by more than a right angle; invariant bending has no such limit"
+        "the projected bending angle in the plane x{axis} is singular at node {node}: the projection of a segment \
+         there vanishes or turns by more than a right angle; invariant bending has no such limit"
     )]
     Projection {
         /// Node between the two segments.

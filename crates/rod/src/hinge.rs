@@ -1,14 +1,14 @@
 //! Torsion spring at the root, in the plane.
 //!
-//! The spring turns by θ, the half segment beside it by ψ − θ (plus the shear of the first segment). Both carry the same
-//! moment:
+//! The spring turns by θ, the half segment beside it by ψ − θ (plus the shear of the first segment). Both carry the
+//! same moment:
 //!
 //! ```text
 //! M = k_t (θ − θ0) + c_t θ' = k_h (ψ − θ).
 //! ```
 //!
-//! A stage of the time scheme has θ' = c_v (θ − θ_n) + r*, hence M = K θ + B. In series, spring and half segment resist ψ
-//! with the stiffness K k_h / (K + k_h) from the rest angle −B/K. Newton's matrix stays symmetric.
+//! A stage of the time scheme has θ' = c_v (θ − θ_n) + r*, hence M = K θ + B. In series, spring and half segment resist
+//! ψ with the stiffness K k_h / (K + k_h) from the rest angle −B/K. Newton's matrix stays symmetric.
 
 use crate::scheme::StepRule;
 use crate::state::HingeState;

@@ -4,11 +4,11 @@
 //! m_k x_k'' = f_k − c l_k x_k' − ∂U/∂x_k,      k = 1 … n, and k = 0 with a free root
 //! ```
 //!
-//! Nodes are numbered from the root, 0, to the tip, n. A node carries the mass m_k and the length l_k of the half segments
-//! beside it, so the tip of a uniform rod has half the mass of an inner node. The section may vary along the rod. U is the
-//! energy of extension, bending and shear (`elastic`), f the sum of gravity and [`Loads`], and c the damping. `scheme`
-//! describes the time schemes and `newton` the solver. All quantities are in SI units; in two dimensions mass, force and
-//! energy are per metre of depth.
+//! Nodes are numbered from the root, 0, to the tip, n. A node carries the mass m_k and the length l_k of the half
+//! segments beside it, so the tip of a uniform rod has half the mass of an inner node. The section may vary along the
+//! rod. U is the energy of extension, bending and shear (`elastic`), f the sum of gravity and [`Loads`], and c the
+//! damping. `scheme` describes the time schemes and `newton` the solver. All quantities are in SI units; in two
+//! dimensions mass, force and energy are per metre of depth.
 
 #![forbid(unsafe_code)]
 

@@ -13,8 +13,8 @@ pub struct Loads {
     pub force: Vec<f64>,
     /// Pressure jump across the rod, p_top − p_bottom, Pa: `[n + 1]`; in two dimensions only.
     ///
-    /// Top is the side of the left-hand normal n, and the load per length is −\[p\] n. The normal is the normal of the shape
-    /// at the beginning of the step.
+    /// Top is the side of the left-hand normal n, and the load per length is −\[p\] n. The normal is the normal of the
+    /// shape at the beginning of the step.
     pub pressure_jump: Vec<f64>,
     /// Impedance D of the nodal forces, kg/s, at least 0: `[n + 1]`.
     ///
@@ -23,8 +23,9 @@ pub struct Loads {
     pub impedance: Vec<f64>,
     /// Mean pressure around the section, Pa: `[n + 1]`.
     ///
-    /// It strains the rod by `strain_per_pressure` and exerts no force: nodal forces that follow from pressure differences
-    /// do not contain its level (docs/theory/coupling.md). The strain lags by the period of the first axial mode.
+    /// It strains the rod by `strain_per_pressure` and exerts no force: nodal forces that follow from pressure
+    /// differences do not contain its level (docs/theory/coupling.md). The strain lags by the period of the first axial
+    /// mode.
     pub pressure: Vec<f64>,
 }
 

@@ -6,9 +6,9 @@
 //! Π(u) = Σ_k (½ w_k |u_k|² − b_k · u_k) + s U(x_0 + u),      w u − b + s ∇U = 0,
 //! ```
 //!
-//! whose Hessian couples each node to two nodes on either side. Plain Newton comes first. If it does not converge, a shift
-//! of the diagonal makes all pivots positive, and Armijo's rule on Π limits the length of the update (Nocedal & Wright
-//! 2006, *Numerical Optimization*, 2nd ed., sections 3.1 and 3.4).
+//! whose Hessian couples each node to two nodes on either side. Plain Newton comes first. If it does not converge, a
+//! shift of the diagonal makes all pivots positive, and Armijo's rule on Π limits the length of the update (Nocedal &
+//! Wright 2006, *Numerical Optimization*, 2nd ed., sections 3.1 and 3.4).
 
 use crate::banded::{Banded, Singular};
 use crate::elastic::{BadShape, Elastic};

@@ -18,13 +18,13 @@
 //! (Hosea & Shampine 1996, Appl. Numer. Math. 20, 21).
 //!
 //! Generalised-α follows Chung & Hulbert (1993, J. Appl. Mech. 60, 371), and ρ is the spectral radius at infinite
-//! frequency. The scheme blends the forces of both ends of the step, so the elastic energy is always the energy of a shape
-//! at the end of a step.
+//! frequency. The scheme blends the forces of both ends of the step, so the elastic energy is always the energy of a
+//! shape at the end of a step.
 //!
 //! The trapezoid does not damp axial waves that the step leaves unresolved. The bar of CSM3 in 32 segments, with axial
-//! springs k_e and masses m, ran for 60 s at dt √(k_e/m) = 75 and gained energy from 370 on. Generalised-α with ρ = 0.5 and
-//! 0.8 and BDF2 lost energy up to 1.5e5, the stiffest case tried. Generalised-α may gain energy where a rod folds. A guard
-//! watches the energy of the trapezoid and of generalised-α ([`crate::Error::EnergyGain`]).
+//! springs k_e and masses m, ran for 60 s at dt √(k_e/m) = 75 and gained energy from 370 on. Generalised-α with ρ = 0.5
+//! and 0.8 and BDF2 lost energy up to 1.5e5, the stiffest case tried. Generalised-α may gain energy where a rod folds.
+//! A guard watches the energy of the trapezoid and of generalised-α ([`crate::Error::EnergyGain`]).
 //!
 //! The first step of BDF2 is backward Euler, with a local error of second order. So is each step more than
 //! [`LARGEST_RATIO`] times as long as the step before.

@@ -1,7 +1,7 @@
 //! Shear of the section in the plane: a shear spring GA_s/l0 in each segment, in series with the springs of bending.
 //!
-//! With the bending moment M_v at the vertex v, the shear force in a segment is Q = (M_v − M_{v−1})/l0. The angle between two
-//! segments is the turning angle of the section plus the difference of the shear angles of both segments:
+//! With the bending moment M_v at the vertex v, the shear force in a segment is Q = (M_v − M_{v−1})/l0. The angle
+//! between two segments is the turning angle of the section plus the difference of the shear angles of both segments:
 //!
 //! ```text
 //! κ_v − κ0_v = M_v/k_v + (M_v − M_{v−1}) c_{v−1} + (M_v − M_{v+1}) c_v,   c = 1/(GA_s l0)      (A M = κ − κ0).
@@ -25,8 +25,8 @@ pub(crate) struct Shear {
 }
 
 impl Shear {
-    /// Return A for segments of the length `l0` (m) with the springs `bending` (N m) at their beginnings, `[n]`, and the shear
-    /// stiffness GA_s (N) of each segment.
+    /// Return A for segments of the length `l0` (m) with the springs `bending` (N m) at their beginnings, `[n]`, and
+    /// the shear stiffness GA_s (N) of each segment.
     ///
     /// The moment of a first spring of 0 is always 0 and couples to nothing.
     pub(crate) fn new(l0: f64, bending: &[f64], shear_stiffness: impl Fn(usize) -> f64) -> Self {

@@ -36,8 +36,8 @@ pub struct State<const D: usize> {
     pub last_step: f64,
     /// Upper limit of the energy less the work of constant loads, J.
     ///
-    /// With generalised-α it is the lowest value since the loads changed. With the trapezoid it is the first value less the
-    /// energy lost by damping.
+    /// With generalised-α it is the lowest value since the loads changed. With the trapezoid it is the first value less
+    /// the energy lost by damping.
     pub reference_energy: f64,
     /// Largest kinetic or elastic energy since the loads changed, J; 0 without a reference.
     pub largest_energy: f64,

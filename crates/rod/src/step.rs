@@ -50,8 +50,9 @@ impl<const D: usize> Span<'_, D> {
 impl<const D: usize> Rod<D> {
     /// Advance by `duration`, s, under the present loads.
     ///
-    /// The rod takes equal sub-steps no longer than `max_step` and halves a failed sub-step up to six times. The loads are
-    /// the loads at the end of the step. Forces with an impedance refer to the velocity at the beginning of the step.
+    /// The rod takes equal sub-steps no longer than `max_step` and halves a failed sub-step up to six times. The loads
+    /// are the loads at the end of the step. Forces with an impedance refer to the velocity at the beginning of the
+    /// step.
     ///
     /// # Errors
     /// A step may fail to converge, gain energy or fold the rod. After an error the state is the state before the step.
@@ -118,8 +119,9 @@ impl<const D: usize> Rod<D> {
 
     /// Relax the pressure that strains the rod by the fraction `part` towards the pressure around the rod.
     ///
-    /// Without this lag a change of the pressure would move the tip at once, and the moving tip would change the pressure:
-    /// coupling once per step is unstable with short segments. Below the first axial mode the strain is in equilibrium.
+    /// Without this lag a change of the pressure would move the tip at once, and the moving tip would change the
+    /// pressure: coupling once per step is unstable with short segments. Below the first axial mode the strain is in
+    /// equilibrium.
     pub(crate) fn follow_pressure(&mut self, part: f64) {
         let Self { state: State { pressure, .. }, loads, elastic, parameters, .. } = self;
         if pressure.is_empty() {
@@ -210,10 +212,11 @@ impl<const D: usize> Rod<D> {
         Ok(())
     }
 
-    /// Make a sub-step by a `rule` that bounds the energy of linear problems only; a failure leaves the state unchanged.
+    /// Make a sub-step by a `rule` that bounds the energy of linear problems only; a failure leaves the state
+    /// unchanged.
     ///
-    /// The sub-step fails if the energy less the work of the loads rises under constant forces. The first sub-step after a
-    /// change of the loads blends old and new loads, so the comparison starts with the second.
+    /// The sub-step fails if the energy less the work of the loads rises under constant forces. The first sub-step
+    /// after a change of the loads blends old and new loads, so the comparison starts with the second.
     fn stage_with_energy_guard(&mut self, rule: StepRule, span: Span<D>) -> Result<(), Failure> {
         let constant = span.base.is_none()
             && self.state.last_step > 0.0
@@ -237,8 +240,8 @@ impl<const D: usize> Rod<D> {
 
     /// Refuse an energy less the work of the loads above its reference; otherwise update the reference.
     ///
-    /// The energy of the trapezoid oscillates about a constant, so its reference is the first energy less the energy lost by
-    /// damping. Generalised-α dissipates, so its reference is the lowest energy.
+    /// The energy of the trapezoid oscillates about a constant, so its reference is the first energy less the energy
+    /// lost by damping. Generalised-α dissipates, so its reference is the lowest energy.
     fn energy_guard(&mut self, span: Span<D>) -> Result<(), Failure> {
         let shape = self.elastic.energy(&self.state.positions)?;
         let elastic = shape.stretching + shape.bending;

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use common::{GENERALISED_ALPHA, SCHEMES, total_energy, turek_hron_bar, unit_rod};
 use nervure_rod::{BaseMotion, Error, Parameters, Rod, Scheme, Section};
 
-/// Roots of 1 + cos b cosh b = 0: natural frequencies of a cantilever are b² sqrt(EI/µ)/L².
+/// Roots of 1 + cos b cosh b = 0; the natural frequencies of a cantilever are b² sqrt(EI/µ)/L².
 const CANTILEVER: [f64; 3] = [1.875104068711961, 4.694091132974175, 7.854757438237613];
 
 /// Bend a rod along x into `amplitude` times a mode of the Euler–Bernoulli cantilever, at rest.
@@ -23,7 +23,7 @@ fn bend_into_mode(rod: &mut Rod<2>, b: f64, amplitude: f64) {
     rod.restore(&state).unwrap();
 }
 
-/// Frequency of the tip's y: from the first to the last crossing of its mean, interpolated.
+/// Return the frequency of y of the tip, between the first and the last interpolated crossing of its mean.
 fn frequency(dt: f64, y: &[f64]) -> f64 {
     let mean = 0.5 * (y.iter().copied().fold(f64::MIN, f64::max) + y.iter().copied().fold(f64::MAX, f64::min));
     let crossings: Vec<f64> = y
@@ -35,7 +35,7 @@ fn frequency(dt: f64, y: &[f64]) -> f64 {
     (crossings.len() - 1) as f64 / (crossings[crossings.len() - 1] - crossings[0])
 }
 
-/// Vertical tip displacements of `steps` steps of `dt`.
+/// Return the vertical displacements of the tip in `steps` steps of `dt`.
 fn tip_history(rod: &mut Rod<2>, dt: f64, steps: usize) -> Vec<[f64; 2]> {
     (0..steps)
         .map(|_| {
@@ -58,8 +58,8 @@ fn first_three_frequencies_of_small_vibrations_are_those_of_the_cantilever_withi
     }
 }
 
-/// CSM3 of Turek & Hron (2006): from rest under 2 m/s². Nothing damps the second mode, which beats with the first, so mean
-/// and amplitude, (max ± min)/2 of a period, are averaged over ten periods.
+/// CSM3 of Turek & Hron (2006): from rest under 2 m/s². The second mode is undamped and beats with the first mode. Mean
+/// and amplitude, (max ± min)/2 of a period, are therefore averages over ten periods.
 #[test]
 fn csm3_agrees_with_the_published_bar_within_a_percent() {
     let published = [-14.305, 14.305, -63.607, 65.160, 1.0995];
@@ -87,7 +87,8 @@ fn csm3(scheme: Scheme) -> Rod<2> {
     Rod::new(Parameters { scheme, ..turek_hron_bar(1.4e6, 2.0, 32) }).unwrap()
 }
 
-/// Change of the total energy in 60 s by its largest part, the energy in gravity, and halvings; ends where a gain reaches 0.34.
+/// Return the change of the energy in 60 s, relative to the energy in gravity, and the halvings; stop at a gain of
+/// 0.34.
 fn energy_drift(mut rod: Rod<2>, dt: f64) -> (f64, usize) {
     let (mut scale, mut drift, mut halvings) = (0.0_f64, 0.0, 0);
     for _ in 0..(60.0 / dt).round() as usize {
@@ -108,8 +109,8 @@ fn default_scheme_loses_less_than_a_percent_of_energy_in_a_minute_of_csm3() {
     assert!(-1e-2 < drift && drift <= 0.0, "{drift}");
 }
 
-/// Not for the thesis' rule: at twice that step it gains a third, and more if it is let go on. So it does here under a root
-/// that is driven, but to where it is: what else may work on such a rod is not known, and its energy is not guarded.
+/// The trapezoidal rule of the thesis gains a third of the energy at twice that step, and more later. A driven root
+/// that stays in place shows the gain, because the guard ignores a rod with a drive, whose work is unknown.
 #[test]
 fn trapezoid_gains_a_third_of_energy_in_a_minute_of_csm3() {
     let mut unguarded = csm3(Scheme::Trapezoid);
@@ -192,7 +193,7 @@ fn trapezoid_conserves_the_energy_of_small_motion() {
     }
 }
 
-/// The bar of CSM3 in units of its length, segments of 1e9 N/m, a step of 1e-2: the trapezoid fails here.
+/// Bar of CSM3 in units of its length, with segments of 1e9 N/m and a step of 1e-2, where the trapezoid fails.
 #[test]
 fn dissipative_schemes_never_gain_energy_on_a_stiff_rod() {
     let segments = 32;
@@ -217,8 +218,10 @@ fn dissipative_schemes_never_gain_energy_on_a_stiff_rod() {
     }
 }
 
-/// Largest rise, by the largest kinetic or elastic energy, of energy less the work of the present loads above the lowest
-/// since a call of the closure changed them, with the trapezoid above the first; counts from the third step after that.
+/// Return the largest rise of the energy less the work of the loads, relative to the largest kinetic or elastic energy.
+///
+/// The reference is the lowest value since the closure changed the loads, with the trapezoid the first value. The count
+/// starts with the third step after the change.
 fn largest_rise<const D: usize>(
     rod: &mut Rod<D>,
     dt: f64,
@@ -251,7 +254,7 @@ fn largest_rise<const D: usize>(
     Ok(rise)
 }
 
-/// The beam of the thesis, section 2.4.1, in units of its length, without weight.
+/// Return the beam of the thesis, section 2.4.1, in units of its length, without weight.
 fn calm_rod(scheme: Scheme) -> Rod<3> {
     let section =
         Section { line_density: 0.0571, bending_stiffness: 0.0259, axial_stiffness: 95.18, shear_stiffness: None };
@@ -260,8 +263,8 @@ fn calm_rod(scheme: Scheme) -> Rod<3> {
     rod
 }
 
-/// The tip is pushed through the root and let go, in steps that do not resolve its axial waves: unguarded, rho_inf = 0.8
-/// gained 77 % here, and the trapezoid as much as there was.
+/// A load pushes the tip through the root and ends, in steps that do not resolve axial waves. Without a guard, the
+/// energy rose by 77 % with rho_inf = 0.8 and doubled with the trapezoid.
 #[test]
 fn guarded_schemes_do_not_gain_energy_where_the_rod_folds_back() {
     let generalised_alpha = [0.5, 0.8, 0.95, 1.0].map(|rho_inf| Scheme::GeneralisedAlpha { rho_inf });
@@ -293,7 +296,7 @@ fn step_that_would_gain_energy_ends_with_an_error_and_the_state_as_it_was() {
     assert!(matches!(error, Error::EnergyGain { scheme: Scheme::GeneralisedAlpha { rho_inf: 0.9 }, .. }), "{error}");
 }
 
-/// A state that says it began with less than it has.
+/// A state with a reference energy below its energy.
 #[test]
 fn trapezoid_that_has_gained_energy_ends_with_an_error_that_gives_it() {
     let mut rod = csm3(Scheme::Trapezoid);
@@ -309,7 +312,7 @@ fn trapezoid_that_has_gained_energy_ends_with_an_error_that_gives_it() {
     }
 }
 
-/// What the damping takes is not there to be gained again.
+/// The guard subtracts the energy lost by damping from the reference.
 #[test]
 fn reference_of_the_trapezoid_follows_the_damping() {
     let damping = 0.4;
@@ -339,7 +342,7 @@ fn free_swing_with_little_dissipation_is_not_stopped() {
     }
 }
 
-/// A blow of 10 kN against the tip in one long step: the bar ends up turned over, in equilibrium.
+/// A blow of 10 kN on the tip in one long step turns the bar over into equilibrium.
 #[test]
 fn blow_within_one_long_step_ends_in_equilibrium() {
     let mut rod = Rod::new(turek_hron_bar(5.6e6, 2.0, 42)).unwrap();
@@ -354,7 +357,8 @@ fn blow_within_one_long_step_ends_in_equilibrium() {
     assert!(distance < 1e-5 && settled[0] < -0.5, "{moved:?} after steps, {settled:?} in equilibrium");
 }
 
-/// A rod from level in its weight, in steps of 0.1 s: iterations and sub-steps of the worst step, largest energy.
+/// Return iterations and sub-steps of the worst step, and the largest energy, of a level rod that falls in steps of 0.1
+/// s.
 fn fall_in_long_steps(segments: usize, k_e: f64, bending_stiffness: f64) -> (usize, usize, f64) {
     let section = Section {
         line_density: 0.0571,
@@ -375,7 +379,7 @@ fn fall_in_long_steps(segments: usize, k_e: f64, bending_stiffness: f64) -> (usi
     (iterations, substeps, largest)
 }
 
-/// A chain whose segments whip round within a step.
+/// Return a chain whose segments whip around within a step.
 #[test]
 fn step_too_long_is_taken_in_substeps() {
     let (_, substeps, largest) = fall_in_long_steps(32, 1e9, 1e-5);
@@ -394,7 +398,7 @@ fn long_steps_of_a_fine_rod_are_easy() {
     }
 }
 
-/// The bar of FSI3 in a gusty load that swings its tip by 4 cm.
+/// Bar of FSI3 in a gusty load that swings its tip by 4 cm.
 #[test]
 fn newton_takes_two_iterations_a_solve_at_the_step_of_fsi3() {
     let (dt, nodes) = (2e-4, 43);
@@ -420,7 +424,7 @@ fn newton_takes_two_iterations_a_solve_at_the_step_of_fsi3() {
     }
 }
 
-/// With no mass of its own but a load −M dv/dt, differenced like BDF2, the rod moves as one of mass M.
+/// A rod without mass under a load −M dv/dt, with the differences of BDF2, moves like a rod of the mass M.
 #[test]
 fn added_mass_through_the_impedance_is_mass() {
     let dt = 2e-2;
@@ -456,7 +460,7 @@ fn added_mass_through_the_impedance_is_mass() {
     assert!(heavy.tip_displacement()[1].abs() > 0.01, "it hardly moved: {:?}", heavy.tip_displacement());
 }
 
-/// The rod has no damping, numerical or other: what it has at the end is what the loads brought, up to the rectangle rule.
+/// Without damping, physical or numerical, the final energy is the work of the loads, up to the rectangle rule.
 #[test]
 fn energy_is_the_work_of_the_loads() {
     let imbalance = |dt: f64| {
@@ -492,7 +496,7 @@ fn rod_without_mass_works_in_every_scheme() {
         settled.solve_static().unwrap();
         rod.loads.force = force;
         rod.loads.impedance = vec![0.1; 17];
-        // D (v − v_ref) only slows the motion down, so it ends where the forces balance.
+        // D (v − v_ref) only slows the motion, which ends in the balance of forces.
         for _ in 0..20000 {
             rod.step(1e-2).unwrap();
         }
@@ -538,7 +542,7 @@ fn largest_step_divides_the_step_evenly() {
     assert!((found / expected - 1.0).abs() < 1e-9, "{found} against {expected}");
 }
 
-/// Damping c per length slows every mode alike: the amplitude falls as exp(−c t/2µ).
+/// Damping c per length damps all modes alike: the amplitude falls as exp(−c t/2µ).
 #[test]
 fn damping_takes_its_share() {
     let damping = 0.4;

@@ -74,7 +74,8 @@ fn curved_rest_shape_in_space_is_refused() {
     assert_names(&error, &["rest_angles is given for 4 segments", "material frame"]);
 }
 
-/// Upright from the start, or bent there by a load: past the vertical the thesis' angle about the other axis jumps.
+/// The rod starts upright or a load bends it upright; beyond the vertical the angle of the thesis about the other axis
+/// jumps.
 #[test]
 fn projected_bending_stops_at_its_singularity() {
     let projected = Parameters { bending: Bending::Projected, ..unit_rod::<3>(16, 1e3, Scheme::TrBdf2) };

@@ -1,4 +1,4 @@
-//! A clamp in prescribed motion.
+//! Prescribed motion of the root.
 
 mod common;
 
@@ -8,7 +8,7 @@ use common::{SCHEMES, total_energy, turek_hron_bar, unit_rod};
 use nervure_rod::{BaseMotion, Error, Parameters, Rod, Scheme, Section};
 use scene::{RootLaws, Rotation, TimeLaw};
 
-/// The root of a rod along x at the origin, moved by `laws`.
+/// Return the motion of the root of a rod along x at the origin.
 fn root_at<const D: usize>(laws: &RootLaws, t: f64) -> BaseMotion<D> {
     let ((position, velocity), (direction, rate)) = (laws.displacement(t), laws.direction(t, [1.0, 0.0, 0.0]));
     let [position, velocity, direction, direction_rate] =
@@ -16,13 +16,15 @@ fn root_at<const D: usize>(laws: &RootLaws, t: f64) -> BaseMotion<D> {
     BaseMotion { position, velocity, direction, direction_rate }
 }
 
-/// Amplitude of the response at `omega` over whole periods of samples `dt` apart, against sin(omega t) from `start` on.
+/// Return the amplitude of sin(omega t) in samples `dt` apart, over whole periods from `start`.
 fn amplitude(samples: &[f64], omega: f64, start: f64, dt: f64) -> f64 {
     let weighted = samples.iter().enumerate().map(|(k, y)| y * (omega * (start + dt * (k + 1) as f64)).sin());
     2.0 * weighted.sum::<f64>() / samples.len() as f64
 }
 
-/// Tip displacement across a unit rod by the amplitude of a base motion with b⁴ = mu omega² L⁴ / EI, along y or about z.
+/// Return the transverse amplitude of the tip of a unit rod, relative to a base motion along y or about z.
+///
+/// The frequency is b⁴ = mu omega² L⁴ / EI.
 fn transfer(b: f64, pitch: bool) -> f64 {
     const AMPLITUDE: f64 = 1e-4;
     let omega = b * b;
@@ -63,8 +65,8 @@ fn base_excitation_has_the_transfer_function_of_the_cantilever() {
     }
 }
 
-/// What the root puts in, less what the damping takes, is what the rod's energy gains: a soft rod of moderate extension
-/// that heaves and pitches widely, in the plane and in space, over its second period.
+/// The gain of energy is the work of the drive less the loss by damping. A soft rod of moderate extension heaves and
+/// pitches widely over its second period, in the plane and in space.
 #[test]
 fn power_at_the_root_becomes_energy_or_goes_into_damping() {
     fn missing<const D: usize>(scheme: Scheme, steps: u32, shear_stiffness: Option<f64>) -> f64 {
@@ -104,7 +106,7 @@ fn power_at_the_root_becomes_energy_or_goes_into_damping() {
     }
 }
 
-/// A nearly rigid rod: the force is that on its mass centre, the moment that on its inertia about the root.
+/// On a nearly rigid rod, the force accelerates the centre of mass and the moment the inertia about the root.
 #[test]
 fn drive_of_a_stiff_rod_is_that_of_a_rigid_one() {
     let (frequency, amplitude) = (1.0, 0.8);
@@ -138,7 +140,7 @@ fn drive_of_a_stiff_rod_is_that_of_a_rigid_one() {
     }
 }
 
-/// In the frame of a root that accelerates there is only its apparent weight. The trapezoid takes the parabola exactly.
+/// A constant acceleration of the root acts like a weight. The trapezoid is exact on the parabola.
 #[test]
 fn accelerated_root_is_gravity() {
     let (acceleration, dt) = (2.0, 1e-3);
@@ -164,7 +166,7 @@ fn accelerated_root_is_gravity() {
     assert!(weighed.tip_displacement()[1] < -0.1, "hardly moved: {:?}", weighed.tip_displacement());
 }
 
-/// Flapping about a slanted axis of space is flapping in the plane across it.
+/// Flapping about an oblique axis in space equals flapping in the plane at right angles to it.
 #[test]
 fn flapping_is_the_same_in_the_plane_and_in_space() {
     let sine = |amplitude| TimeLaw::Sine { mean: 0.0, amplitude, frequency: 0.25, phase: 0.0, ramp: 1.0 };
@@ -192,7 +194,7 @@ fn flapping_is_the_same_in_the_plane_and_in_space() {
     }
 }
 
-/// A step of its own length inside the caller's finds the root on the cubic between the ends.
+/// A sub-step inside a step finds the root on the cubic between the ends.
 #[test]
 fn substeps_follow_the_root_within_the_step() {
     let laws = RootLaws {
@@ -222,7 +224,7 @@ fn substeps_follow_the_root_within_the_step() {
     }
 }
 
-/// A rod that is placed lies along its new direction and stays there.
+/// A placed rod lies along its new direction and stays there.
 #[test]
 fn placed_rod_is_at_rest_where_it_was_put() {
     let mut rod = Rod::new(unit_rod::<3>(8, 1e3, Scheme::TrBdf2)).unwrap();

@@ -1,4 +1,4 @@
-//! Roots that are pinned, on a torsion spring, or free, against exact solutions and invariants.
+//! Pinned and free roots and torsion springs, against exact solutions and invariants.
 
 mod common;
 #[path = "common/modes.rs"]
@@ -14,7 +14,7 @@ fn spring(stiffness: f64) -> RootSupport {
     RootSupport::TorsionSpring { stiffness, damping: 0.0, rest_angle: 0.0 }
 }
 
-/// b of the frequencies b² sqrt(EI/µ)/L², by bisection around `guess`.
+/// Return b of the frequency b² sqrt(EI/µ)/L², by bisection around `guess`.
 fn characteristic(equation: impl Fn(f64) -> f64, guess: f64) -> f64 {
     let (mut low, mut high) = (guess - 0.05, guess + 0.05);
     assert!(equation(low) * equation(high) < 0.0, "no root around {guess}");
@@ -58,7 +58,7 @@ fn frequencies_are_those_of_the_characteristic_equations() {
     }
 }
 
-/// Taper and spring together, against Ritz's method.
+/// Taper and spring together, against the Ritz method.
 #[test]
 fn tapered_rod_on_a_spring_has_the_frequencies_of_the_ritz_method() {
     let thickness = |s: f64| 1.0 - 0.8 * s;
@@ -84,8 +84,9 @@ fn tapered_rod_on_a_spring_has_the_frequencies_of_the_ritz_method() {
     }
 }
 
-/// Period of a rigid rod of length 1 that swings by `amplitude` about a pin: 4 K(sin(a/2)) sqrt(2 L/(3 g)), K by the
-/// arithmetic-geometric mean.
+/// Return the period of a rigid rod of length 1 that swings by `amplitude` about a pin: 4 K(sin(a/2)) sqrt(2 L/(3 g)).
+///
+/// K follows from the arithmetic-geometric mean.
 fn pendulum_period(amplitude: f64, gravity: f64) -> f64 {
     let (mut a, mut b) = (1.0, (0.5 * amplitude).cos());
     for _ in 0..6 {
@@ -94,13 +95,13 @@ fn pendulum_period(amplitude: f64, gravity: f64) -> f64 {
     TAU / a * (2.0 / (3.0 * gravity)).sqrt()
 }
 
-/// Times at which `values`, `dt` apart, pass 0.
+/// Return the times at which `values`, `dt` apart, pass 0.
 fn crossings(values: &[f64], dt: f64) -> Vec<f64> {
     let pairs = values.windows(2).enumerate().filter(|(_, pair)| pair[0] * pair[1] < 0.0);
     pairs.map(|(i, pair)| dt * (i as f64 + pair[0] / (pair[0] - pair[1]))).collect()
 }
 
-/// A stiff rod pinned at 45° to gravity, in the plane and in space, in a plane and in an oblique one.
+/// A stiff rod pinned at 45° to gravity: in two dimensions, and in space in two planes, one of them oblique.
 #[test]
 fn pinned_stiff_rod_is_a_compound_pendulum() {
     fn period<const D: usize>(gravity: [f64; D], across: [f64; D], steps: usize) -> f64 {
@@ -179,7 +180,7 @@ fn stiff_rod_on_a_damped_spring_is_the_exact_oscillator() {
     }
 }
 
-/// What the spring's damping takes is what the energy loses.
+/// The loss of energy is the work of the damping of the spring.
 #[test]
 fn damping_of_the_spring_takes_the_energy() {
     let support = RootSupport::TorsionSpring { stiffness: 2.0, damping: 0.1, rest_angle: 0.9 };
@@ -199,7 +200,7 @@ fn damping_of_the_spring_takes_the_energy() {
     assert!(errors[1] < 5e-3 && errors[0] / errors[1] > 3.5, "{errors:?}");
 }
 
-/// In space the spring is the same in all directions: what happens in the plane happens in an oblique one too.
+/// The spring is isotropic in space: the motion in an oblique plane equals the motion in two dimensions.
 #[test]
 fn spring_in_space_is_that_of_the_plane() {
     let gravity = 9.0;
@@ -224,7 +225,7 @@ fn spring_in_space_is_that_of_the_plane() {
     }
 }
 
-/// Momentum, centre of mass times mass, and angular momentum about the origin.
+/// Return momentum, centre of mass times mass, and angular momentum about the origin.
 fn invariants(rod: &Rod<2>) -> ([f64; 2], [f64; 2], f64) {
     let (mut momentum, mut centre, mut angular) = ([0.0; 2], [0.0; 2], 0.0);
     let state = rod.state();
@@ -238,7 +239,7 @@ fn invariants(rod: &Rod<2>) -> ([f64; 2], [f64; 2], f64) {
     (momentum, centre, angular)
 }
 
-/// A free rod, bent and spun by a load that ends, keeps its momenta; its centre of mass falls as a point does.
+/// A free rod, bent and spun by a load that ends, conserves its momenta; its centre of mass falls like a point.
 #[test]
 fn free_rod_keeps_its_momenta_and_falls_as_a_point_does() {
     let drift = |steps: usize, gravity: [f64; 2], shear: Option<f64>| {
@@ -254,7 +255,7 @@ fn free_rod_keeps_its_momenta_and_falls_as_a_point_does() {
             rod.step(dt).unwrap();
         }
         rod.loads.force.fill(0.0);
-        // The scheme blends the load that ends with its end over one step.
+        // The scheme blends the last load with the unloaded state over one step.
         rod.step(dt).unwrap();
         let (momentum, centre, angular) = invariants(&rod);
         for step in 1..=steps {
@@ -278,7 +279,7 @@ fn free_rod_keeps_its_momenta_and_falls_as_a_point_does() {
     }
 }
 
-/// Towed along its own direction by a constant force, the rod follows with F/m and the drive does the work F x.
+/// A constant force along the rod tows it with the acceleration F/m, and the drive does the work F x.
 #[test]
 fn towed_rod_has_the_acceleration_of_the_force() {
     let mut rod = Rod::new(Parameters { support: RootSupport::Free, ..unit_rod::<3>(8, 1e5, Scheme::TrBdf2) }).unwrap();
@@ -298,7 +299,7 @@ fn towed_rod_has_the_acceleration_of_the_force() {
     );
 }
 
-/// A pinned rod whose root is moved along: the root is where it is taken, and the reaction moves the masses.
+/// A pinned root follows its prescribed motion, and the reaction moves the masses.
 #[test]
 fn moving_root_takes_a_pinned_rod_along() {
     for support in [RootSupport::Pinned, spring(0.5)] {

@@ -1,4 +1,4 @@
-//! The rod with shear against Timoshenko's beam.
+//! Rod with shear, against the beam of Timoshenko.
 
 mod common;
 
@@ -6,7 +6,7 @@ use common::unit_rod;
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector4};
 use nervure_rod::{Parameters, Rod, Scheme, Section};
 
-/// GA_s of a rod with length and bending stiffness 1 whose shear counts: a twentieth of the tip's deflection.
+/// GA_s of a rod with length and bending stiffness 1: shear is a twentieth of the deflection of the tip.
 const SHEAR: f64 = 60.0;
 
 fn sheared(segments: usize) -> Parameters<2> {
@@ -14,7 +14,7 @@ fn sheared(segments: usize) -> Parameters<2> {
     Parameters { section: Section { shear_stiffness: Some(SHEAR), ..rod.section }, ..rod }
 }
 
-/// A small force P at the tip bends it by P L³/(3 EI) + P L/GA_s, a set-back clamp by P L² d/EI more.
+/// A small force P deflects the tip by P L³/(3 EI) + P L/GA_s, and a clamp compliance length d adds P L² d/EI.
 #[test]
 fn tip_deflection_is_timoshenkos() {
     let (force, setback) = (1e-4, 0.01);
@@ -35,7 +35,7 @@ fn tip_deflection_is_timoshenkos() {
     assert!((3.8..4.2).contains(&ratio), "not of second order: {errors:?}");
 }
 
-/// The first three natural frequencies are those of Timoshenko's cantilever without rotary inertia, to second order.
+/// The first three natural frequencies agree with the cantilever of Timoshenko without rotary inertia, to second order.
 #[test]
 fn natural_frequencies_are_timoshenkos() {
     let [coarse, fine] = [30, 60].map(|segments| modes(segments).0);
@@ -47,8 +47,7 @@ fn natural_frequencies_are_timoshenkos() {
     }
 }
 
-/// The rod that is stepped vibrates at them too: its section has mass, but no inertia against turning, which would lower the
-/// third frequency by some per cent.
+/// The rod vibrates at these frequencies in time, too. Rotary inertia would lower the third frequency by some per cent.
 #[test]
 fn sheared_rod_vibrates_without_rotary_inertia() {
     const SEGMENTS: usize = 60;
@@ -61,7 +60,7 @@ fn sheared_rod_vibrates_without_rotary_inertia() {
             v[1] = 1e-4 * shapes[mode][k - 1];
         }
         rod.restore(&state).unwrap();
-        // Four periods in steps of which the trapezoid's own error is 1e-4.
+        // Four periods in steps with an error of the trapezoid of 1e-4.
         let period = std::f64::consts::TAU / exact;
         let (steps, dt) = (4 * 180, period / 180.0);
         let (mut last, mut crossings) = (0.0, Vec::new());
@@ -80,7 +79,7 @@ fn sheared_rod_vibrates_without_rotary_inertia() {
     }
 }
 
-/// The lowest zeros of `determinant`.
+/// Return the lowest zeros of `determinant`.
 fn exact_frequencies<const N: usize>() -> [f64; N] {
     let (mut low, mut found) = (0.5, 0);
     let mut exact = [0.0; N];
@@ -102,7 +101,8 @@ fn exact_frequencies<const N: usize>() -> [f64; N] {
     exact
 }
 
-/// Angular frequencies of small transverse vibrations about rest, the lowest first, and the shapes of the nodes from 1 on.
+/// Return the angular frequencies of small transverse vibrations, the lowest first, and the shapes of the nodes from 1
+/// on.
 fn modes(segments: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     let mut rod = Rod::new(sheared(segments)).unwrap();
     let banded = rod.stiffness().unwrap();
@@ -110,7 +110,7 @@ fn modes(segments: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
         let (row, column) = (i.max(j), i.min(j));
         banded.column(column).get(row - column).copied().unwrap_or(0.0)
     });
-    // Moments come first of the three unknowns of a node; y is the last.
+    // The three unknowns of a node are moment, x and y.
     let moments: Vec<_> = (0..segments).map(|k| 3 * k).collect();
     let y: Vec<_> = (0..segments).map(|k| 3 * k + 2).collect();
     let pick = |rows: &[usize], columns: &[usize]| full.select_rows(rows).select_columns(columns);
@@ -128,8 +128,9 @@ fn modes(segments: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
     (order.iter().map(|&i| eigen.eigenvalues[i].sqrt()).collect(), order.iter().map(|&i| shape(i)).collect())
 }
 
-/// Zero at the natural frequencies: of w = A cosh ax + B sinh ax + C cos bx + D sin bx with EI w'''' + (ω² EI/GA_s) w'' = ω² w the conditions
-/// w = φ = 0 at the clamp and M = Q = 0 at the tip, where M = EI (w'' + ω² w/GA_s), Q = −M' and φ = w' − Q/GA_s.
+/// Zero at the natural frequencies: of w = A cosh ax + B sinh ax + C cos bx + D sin bx with EI w'''' + (ω² EI/GA_s) w''
+/// = ω² w the conditions w = φ = 0 at the clamp and M = Q = 0 at the tip, where M = EI (w'' + ω² w/GA_s), Q = −M' and φ
+/// = w' − Q/GA_s.
 fn determinant(omega: f64) -> f64 {
     let square = omega * omega;
     let half = 0.5 * square / SHEAR;

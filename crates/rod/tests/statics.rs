@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use common::{elastica_tip, turek_hron_bar, unit_rod};
 use nervure_rod::{Bending, Calibration, Loads, Parameters, Rod, Scheme, Section};
 
-/// The bar of CSM1: 2 m/s² on 0.35 m.
+/// Return the bar of CSM1: 2 m/s² on 0.35 m.
 fn csm1(segments: usize) -> Parameters<2> {
     turek_hron_bar(1.4e6, 2.0, segments)
 }
@@ -63,7 +63,7 @@ fn diagonal_deflection_of_a_fine_rod_is_within_1e_4_of_the_elastica() {
     }
 }
 
-/// An EA of 1e7 N against an EI of 0.0259 N m²: what rounding does to the axial forces must not end Newton's method early.
+/// With an EA of 1e7 N and an EI of 0.0259 N m², rounding of the axial forces must not end Newton's method early.
 #[test]
 fn inextensible_elastica_is_met_with_second_order() {
     let (gravity, bending_stiffness) = (2.0, 0.0259);
@@ -83,8 +83,8 @@ fn inextensible_elastica_is_met_with_second_order() {
     assert!(errors[1] < 1e-4, "errors {errors:?}");
 }
 
-/// CSM1 of Turek & Hron (2006): (−7.1877, −66.1023) mm. The rod has no shear and no curved root, hence 0.75 % of the
-/// deflection; a clamp 0.64 mm further back makes up for both.
+/// CSM1 of Turek & Hron (2006): (−7.1877, −66.1023) mm. Without shear and the curved root the deflection differs by
+/// 0.75 %; a clamp compliance length of 0.64 mm replaces both.
 #[test]
 fn csm1_is_met_within_a_percent_and_with_the_clamp_set_back_within_0_15() {
     let published = [-7.1877e-3_f64, -66.1023e-3];
@@ -102,8 +102,11 @@ fn csm1_is_met_within_a_percent_and_with_the_clamp_set_back_within_0_15() {
     }
 }
 
-/// The calibration of the thesis, section 2.4.1, is of first order: the deflection is 10 % off with 32 segments, and the
-/// 0.01 % it reports is where the error of a constant k_e, EA falling with n, happens to cancel that of the mass.
+/// The calibration of the thesis, section 2.4.1, is of first order: the error of the deflection is 10 % with 32
+/// segments.
+///
+/// The thesis reports 0.01 %: there the error of a constant k_e, an EA that falls with n, cancels the error of the
+/// mass.
 #[test]
 fn calibration_of_the_thesis_is_of_first_order() {
     let exact = elastica_tip(1.0, 0.0571 * 0.7, 0.0259, f64::INFINITY)[1];
@@ -127,8 +130,8 @@ fn calibration_of_the_thesis_is_of_first_order() {
     }
 }
 
-/// In the plane both models bend alike; in the diagonal plane the projected one depends on the frame: 2.5 % off where the
-/// tip has turned by 14°, 12 % at 53°.
+/// Both models agree in a plane of the frame. In the diagonal plane the projected model depends on the frame: the error
+/// is 2.5 % at a tip angle of 14° and 12 % at 53°.
 #[test]
 fn projected_bending_is_right_in_the_plane_and_wrong_in_the_diagonal() {
     let Parameters { length, section, .. } = csm1(2);
@@ -149,7 +152,7 @@ fn projected_bending_is_right_in_the_plane_and_wrong_in_the_diagonal() {
     }
 }
 
-/// Half a circle is at rest as it is, and opens under a pressure on its inside.
+/// A rod curved to half a circle is at rest, and a pressure on its inside opens it.
 #[test]
 fn curved_rest_shape_is_in_equilibrium() {
     let segments = 64;
@@ -165,7 +168,7 @@ fn curved_rest_shape_is_in_equilibrium() {
     }
     let moved = rod.tip_displacement();
     assert!(moved[0].hypot(moved[1]) < 1e-12, "it moved by {moved:?} without a load");
-    // Curvature at rest plus M/EI with M = p/2 · chord²: the tip of a thin ring opens to first order by
+    // The curvature changes by M/EI, M = p/2 · chord². To first order the tip of a thin ring moves by the integral
     // ∫ (M/EI) (position of the tip − x) ds, turned by a right angle.
     let jump = -1e-3;
     rod.loads.pressure_jump = vec![jump; segments + 1];
@@ -238,8 +241,8 @@ fn pressure_on_top_pushes_down() {
     assert!((found - exact).abs() < 1e-3 * exact.abs(), "{found} against {exact}");
 }
 
-/// However it bends, the moment of a uniform pressure about the root is p/2 times the chord squared, and the clamp's
-/// spring of 2 EI/l0 carries it.
+/// In each shape the moment of a uniform pressure about the root is p/2 times the chord squared. The spring 2 EI/l0 of
+/// the clamp balances it.
 #[test]
 fn pressure_load_follows_the_shape() {
     let (jump, segments) = (5.0, 64);
@@ -271,7 +274,7 @@ fn strained_bar(youngs_modulus: f64, strain_per_pressure: f64) -> Rod<2> {
 }
 
 /// Bar of FSI1 under pressure from all sides, by Hooke's law in plane strain with σ_x = σ_y = −p in every section. The
-/// pressure falls along the bar; a bent bar shrinks along itself.
+/// pressure falls along the bar, and a bent bar shrinks along its axis.
 #[test]
 fn pressure_all_round_shrinks_the_bar_by_hookes_law() {
     let (young, nu) = (2.1e3, 0.4);
@@ -287,7 +290,7 @@ fn pressure_all_round_shrinks_the_bar_by_hookes_law() {
     let [x, y] = rod.tip_displacement();
     assert!((x / expected - 1.0).abs() < 1e-9 && y.abs() < 1e-12, "({x}, {y}) m against {expected} m");
 
-    // In time it comes to the same, and a state takes it along.
+    // A motion in time ends in the same shape, and a state contains it.
     let mut moving = bar();
     moving.loads.pressure.clone_from(&pressure);
     moving.loads.impedance.fill(5.0);
@@ -302,7 +305,7 @@ fn pressure_all_round_shrinks_the_bar_by_hookes_law() {
     }
     assert_eq!(moving.state(), other.state());
 
-    // A bent bar: the chord between neighbouring nodes, with 0.2 % of bending's own change of the tension left out.
+    // The chords of a bent bar, without the change of the tension by bending, 0.2 %.
     moving.loads.force[2 * 43 - 1] = -3e-3;
     moving.solve_static().unwrap();
     let lengths = (1..43).map(|k| {

@@ -1,4 +1,4 @@
-//! Each station by itself: where it is, what its load and impedance do to it, and what of that reaches the root.
+//! Single stations: position, effect of load and impedance, and reaction at the root.
 
 mod common;
 
@@ -8,7 +8,7 @@ use nervure_rod::{BaseMotion, Parameters, Rod, Scheme};
 const SEGMENTS: usize = 8;
 const NODES: usize = SEGMENTS + 1;
 
-/// Numbers without order between −1 and 1.
+/// Return irregular numbers between −1 and 1.
 fn numbers(seed: f64) -> Vec<f64> {
     (0..2 * NODES).map(|i| (seed + 7.3 * i as f64).sin()).collect()
 }
@@ -28,7 +28,7 @@ fn stations_lie_along_the_direction_of_the_root() {
     }
 }
 
-/// A load with impedance does what the same step does under f − D (v − v_before) without it, v at the step's end.
+/// A load with impedance has the effect of the force f − D (v − v_before), with v at the end of the step.
 #[test]
 fn impedance_of_each_station_is_a_force_against_its_own_change_of_velocity() {
     let impedance: Vec<_> = numbers(0.4)[..NODES].iter().map(|d| 2.0 * d.abs()).collect();
@@ -60,7 +60,7 @@ fn impedance_of_each_station_is_a_force_against_its_own_change_of_velocity() {
     assert!(difference < 1e-9, "loads taken: {} against {}", sum(&with), sum(&without));
 }
 
-/// In equilibrium the clamp holds against the loads of all stations: F = −Σ f_k and M = −Σ (x_k − x_0) × f_k.
+/// In equilibrium the reaction balances the loads of all stations: F = −Σ f_k and M = −Σ (x_k − x_0) × f_k.
 #[test]
 fn moment_at_the_root_is_that_of_each_stations_load() {
     for loaded in 1..NODES {

@@ -1,4 +1,4 @@
-//! Rods whose section changes along their length, against the exact tapered cantilever.
+//! Tapered rods, against the exact tapered cantilever.
 
 mod common;
 #[path = "common/modes.rs"]
@@ -8,15 +8,15 @@ use common::unit_rod;
 use modes::{RitzBeam, frequencies, gauss};
 use nervure_rod::{Parameters, Rod, Scheme, Section, Taper};
 
-/// Thickness at the tip by that at the root, of a vein.
+/// Thickness at the tip of a vein, relative to the root.
 const TIP: f64 = 0.2;
 
-/// By the thickness at the root.
+/// Return the thickness relative to the root.
 fn thickness(s: f64) -> f64 {
     1.0 - (1.0 - TIP) * s
 }
 
-/// A plate of length 1 whose thickness falls in a straight line, EI = 1, mass 1 and GA_s = 50 at the root.
+/// Return a plate of length 1 and linear thickness, with EI = 1, mass 1 and GA_s = 50 at the root.
 fn plate(segments: usize, shear: bool) -> Parameters<2> {
     let along =
         |value: &dyn Fn(f64) -> f64| (0..=2 * segments).map(|i| value(i as f64 / (2 * segments) as f64)).collect();
@@ -34,12 +34,12 @@ fn plate(segments: usize, shear: bool) -> Parameters<2> {
     }
 }
 
-/// ∫ of `f` from root to tip.
+/// Return the integral of `f` from root to tip.
 fn integral(f: impl Fn(f64) -> f64) -> f64 {
     gauss().into_iter().map(|(s, weight)| weight * f(s)).sum()
 }
 
-/// Errors for 32, 64 and 128 segments: order 2, and below `most` at the end.
+/// Assert that errors with 32, 64 and 128 segments have the order 2 and end below `most`.
 #[track_caller]
 fn assert_second_order(errors: [f64; 3], most: f64) {
     for pair in errors.windows(2) {
@@ -91,7 +91,7 @@ fn first_three_frequencies_are_those_of_the_tapered_cantilever() {
     }
 }
 
-/// Ritz's method itself: the uniform cantilever, b² with 1 + cos b cosh b = 0.
+/// The Ritz method itself, on the uniform cantilever: b² with 1 + cos b cosh b = 0.
 #[test]
 fn ritz_method_of_the_tests_has_the_frequencies_of_the_uniform_cantilever() {
     let found = RitzBeam { bending: &|_| 1.0, mass: &|_| 1.0, held: 2, spring: 0.0 }.frequencies();
@@ -100,7 +100,7 @@ fn ritz_method_of_the_tests_has_the_frequencies_of_the_uniform_cantilever() {
     }
 }
 
-/// Stretched by its own weight, to which every mass contributes with all segments above it.
+/// A hanging rod stretches under its weight: each mass stretches all segments above it.
 #[test]
 fn hanging_rod_is_stretched_like_the_tapered_bar() {
     let weight = |s: f64| (1.0 - s) * 0.5 * (thickness(s) + TIP);

@@ -26,7 +26,9 @@ fn scene(root: &str, load: Option<&str>) -> Scene {
         r#"{{
             "name": "flag", "time": {{ "end": 1, "communication_step": 0.1 }}, {coupled}
             "beam": {{ "root": {root}, "length": 0.5, "thickness": 0.02, "segments": 4 }},
-            "rod": {{ "material": {{ "plane_strain": {{ "density": 1000, "youngs_modulus": 5.6e6, "poisson_ratio": 0.4 }} }} }}
+            "rod": {{ "material": {{ "plane_strain": {{
+                "density": 1000, "youngs_modulus": 5.6e6, "poisson_ratio": 0.4
+            }} }} }}
         }}"#
     );
     Scene::from_json(&text).unwrap()
@@ -58,7 +60,8 @@ fn rod_has_the_loads_of_the_scene() {
     assert_eq!(rod.parameters().displaced, 0.0);
 }
 
-/// A linear thickness of root 0.1 and tip 0.02, by a law or by points, gives linear densities and a cubic bending stiffness.
+/// A linear thickness of root 0.1 and tip 0.02, by a law or by points, gives linear densities and a cubic bending
+/// stiffness.
 #[test]
 fn scene_gives_the_taper() {
     let scene = |thickness: &str, material: &str| {

@@ -1,4 +1,4 @@
-//! What only FMI 2.0 has: an element of an array is a variable of its own.
+//! Model description of FMI 2.0: each element of an array is a variable.
 
 use std::fmt::Write as _;
 use std::io;
@@ -6,28 +6,30 @@ use std::ops::Range;
 
 use quick_xml::Writer;
 
-use super::{Listed, boolean, enumerations, with_bounds, with_unit, write_items};
+use super::elements::{Listed, enumerations, with_bounds, with_unit, write_items};
 use crate::model::Model;
 use crate::table::Table;
 use crate::variable::Variable;
 use crate::version::Version;
 
+/// Write the capabilities of the unit.
 pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
     writer
         .create_element("CoSimulation")
         .with_attribute(("modelIdentifier", M::IDENTIFIER))
         .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
-        .with_attribute(("canInterpolateInputs", boolean(M::INPUT_DERIVATIVE)))
-        .with_attribute(("maxOutputDerivativeOrder", if M::OUTPUT_DERIVATIVE { "1" } else { "0" }))
+        .with_attribute(("canInterpolateInputs", "false"))
+        .with_attribute(("maxOutputDerivativeOrder", "0"))
         .with_attribute(("canBeInstantiatedOnlyOncePerProcess", "false"))
         .with_attribute(("canNotUseMemoryManagementFunctions", "true"))
         .with_attribute(("canGetAndSetFMUstate", "true"))
         .with_attribute(("canSerializeFMUstate", "true"))
-        .with_attribute(("providesDirectionalDerivative", boolean(M::DIRECTIONAL_DERIVATIVE)))
+        .with_attribute(("providesDirectionalDerivative", "false"))
         .write_empty()?;
     Ok(())
 }
 
+/// Write the enumerations.
 pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
     let enumerations = enumerations(table);
     if enumerations.is_empty() {
@@ -45,6 +47,7 @@ pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> 
     Ok(())
 }
 
+/// Write one variable for each element.
 pub(super) fn write_variable<M>(
     writer: &mut Writer<Vec<u8>>,
     variable: &Variable<M>,
@@ -78,7 +81,7 @@ pub(super) fn write_variable<M>(
     Ok(())
 }
 
-/// The standard counts `ScalarVariable` elements from one; value references count the same elements from zero.
+/// Write outputs and initial unknowns. The standard numbers `ScalarVariable` elements from 1, value references from 0.
 pub(super) fn write_structure<M>(
     writer: &mut Writer<Vec<u8>>,
     table: &Table<M>,
@@ -112,6 +115,7 @@ pub(super) fn write_structure<M>(
     Ok(())
 }
 
+/// Write the unknowns of one variable.
 fn write_unknowns(writer: &mut Writer<Vec<u8>>, references: Range<u32>, dependencies: Option<&str>) -> io::Result<()> {
     for reference in references {
         let mut unknown =

@@ -1,4 +1,4 @@
-//! What only FMI 3.0 has: an array is one variable, and its start values are a list.
+//! Model description of FMI 3.0: an array is one variable with a list of start values.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -6,27 +6,29 @@ use std::ops::Range;
 
 use quick_xml::Writer;
 
-use super::{Listed, boolean, enumerations, with_bounds, with_unit, write_items};
+use super::elements::{Listed, enumerations, with_bounds, with_unit, write_items};
+use crate::access::Access;
 use crate::model::Model;
 use crate::table::Table;
-use crate::variable::{Access, Variable};
+use crate::variable::Variable;
 use crate::version::Version;
 
+/// Write the capabilities of the unit.
 pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
     writer
         .create_element("CoSimulation")
         .with_attribute(("modelIdentifier", M::IDENTIFIER))
         .with_attribute(("canGetAndSetFMUState", "true"))
         .with_attribute(("canSerializeFMUState", "true"))
-        .with_attribute(("providesDirectionalDerivatives", boolean(M::DIRECTIONAL_DERIVATIVE)))
-        .with_attribute(("providesAdjointDerivatives", boolean(M::DIRECTIONAL_DERIVATIVE)))
+        .with_attribute(("providesDirectionalDerivatives", "false"))
+        .with_attribute(("providesAdjointDerivatives", "false"))
         .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
-        .with_attribute(("maxOutputDerivativeOrder", if M::OUTPUT_DERIVATIVE { "1" } else { "0" }))
+        .with_attribute(("maxOutputDerivativeOrder", "0"))
         .write_empty()?;
     Ok(())
 }
 
-/// Units stand in types, not at the variables: some readers know them only there.
+/// Write the types. They carry the units, because some readers ignore the units of variables.
 pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
     let variables = table.variables.iter();
     let reals: BTreeMap<_, _> = variables.filter_map(|variable| Some((real_type(variable)?, variable))).collect();
@@ -47,13 +49,14 @@ pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> 
     Ok(())
 }
 
-/// Name of the type of a Real, which no variable can have because of its space.
+/// Return the name of the type of a Real; its space keeps it apart from the names of variables.
 fn real_type<M>(variable: &Variable<M>) -> Option<String> {
     let shown = variable.display_unit.as_ref().map_or(String::new(), |unit| format!(", shown in {unit}"));
     let about = variable.nominal.map_or(String::new(), |nominal| format!(", about {nominal}"));
     variable.unit.as_ref().map(|unit| format!("in {unit}{shown}{about}"))
 }
 
+/// Write one variable.
 pub(super) fn write_variable<M>(
     writer: &mut Writer<Vec<u8>>,
     variable: &Variable<M>,
@@ -99,6 +102,7 @@ pub(super) fn write_variable<M>(
     Ok(())
 }
 
+/// Write outputs and initial unknowns with their dependencies.
 pub(super) fn write_structure<M>(
     writer: &mut Writer<Vec<u8>>,
     table: &Table<M>,

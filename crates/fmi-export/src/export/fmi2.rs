@@ -1,7 +1,16 @@
-//! The functions of FMI 2.0.
+//! Functions of FMI 2.0.
 
-use super::*;
+use std::ffi::{CStr, CString};
+use std::ptr;
+
+use super::call::*;
+use crate::instance::{self, Instance};
+use crate::log::Log;
+use crate::model::Model;
 use crate::resource;
+use crate::state_machine::Function;
+use crate::sys::*;
+use crate::version::Version;
 
 pub unsafe extern "C" fn fmi2GetTypesPlatform<M: Model>() -> fmi2String {
     c"default".as_ptr()
@@ -36,10 +45,10 @@ pub unsafe extern "C" fn fmi2Instantiate<M: Model>(
     };
     let instance_name = match name.is_null() {
         true => CString::default(),
-        // SAFETY: the name is not null, and a string by the module's precondition.
+        // SAFETY: the name is not null and a string by the module's precondition.
         false => unsafe { CStr::from_ptr(name) }.to_owned(),
     };
-    // SAFETY: the standard asks of the master that logger and environment outlive the instance.
+    // SAFETY: by the standard, logger and environment outlive the instance.
     let log = unsafe { Log::fmi2(functions.logger, functions.componentEnvironment, instance_name, logging != 0) };
     instantiate::<M>("fmi2Instantiate", log, || {
         // SAFETY: the module's precondition on strings.
@@ -92,7 +101,7 @@ without_arguments! {
     fmi2ExitInitializationMode = |instance| instance.exit_initialization();
     fmi2Terminate = |instance| { instance.terminate(); Ok(()) };
     fmi2Reset = |instance| instance.reset();
-    fmi2CancelStep = |_| Err("a step is never under way".into());
+    fmi2CancelStep = |_| Err("no step runs asynchronously".into());
 }
 
 macro_rules! getters {
@@ -192,57 +201,26 @@ state_functions! {
     fmi2SerializedFMUstateSize, fmi2SerializeFMUstate, fmi2DeSerializeFMUstate;
 }
 
-pub unsafe extern "C" fn fmi2GetDirectionalDerivative<M: Model>(
-    c: fmi2Component,
-    unknown: *const fmi2ValueReference,
-    n_unknown: usize,
-    known: *const fmi2ValueReference,
-    n_known: usize,
-    seed: *const fmi2Real,
-    derivative: *mut fmi2Real,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M, _>(c, Function::fmi2GetDirectionalDerivative, |instance| {
-            let (unknown, known) = (array("vUnknown_ref", unknown, n_unknown)?, array("vKnown_ref", known, n_known)?);
-            let seed = array("dvKnown", seed, n_known)?;
-            check_target("dvUnknown", derivative, n_unknown)?;
-            put("dvUnknown", &instance.directional_derivative(unknown, known, seed, n_unknown)?, derivative)
-        })
-    }
+/// Refuse the functions of capabilities that no unit has.
+macro_rules! not_provided {
+    ($($name:ident($($argument:ty),*) = $reason:literal;)*) => {
+        $(
+            pub unsafe extern "C" fn $name<M: Model>(c: fmi2Component, $(_: $argument),*) -> fmi2Status {
+                // SAFETY: the module's precondition.
+                unsafe { call::<M, _>(c, Function::$name, |_| Err($reason.into())) }
+            }
+        )*
+    };
 }
 
-pub unsafe extern "C" fn fmi2SetRealInputDerivatives<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    order: *const fmi2Integer,
-    value: *const fmi2Real,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M, _>(c, Function::fmi2SetRealInputDerivatives, |instance| {
-            let (references, orders) = (array("vr", vr, n)?, array("order", order, n)?);
-            instance.set_input_derivatives(references, orders, array("value", value, n)?)
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2GetRealOutputDerivatives<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    order: *const fmi2Integer,
-    value: *mut fmi2Real,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M, _>(c, Function::fmi2GetRealOutputDerivatives, |instance| {
-            let (references, orders) = (array("vr", vr, n)?, array("order", order, n)?);
-            check_target("value", value, n)?;
-            put("value", &instance.output_derivatives(references, orders, n)?, value)
-        })
-    }
+not_provided! {
+    fmi2GetDirectionalDerivative(
+        *const fmi2ValueReference, usize, *const fmi2ValueReference, usize, *const fmi2Real, *mut fmi2Real
+    ) = "directional derivatives are not provided";
+    fmi2SetRealInputDerivatives(*const fmi2ValueReference, usize, *const fmi2Integer, *const fmi2Real)
+        = "input derivatives are not used";
+    fmi2GetRealOutputDerivatives(*const fmi2ValueReference, usize, *const fmi2Integer, *mut fmi2Real)
+        = "output derivatives are not provided";
 }
 
 pub unsafe extern "C" fn fmi2DoStep<M: Model>(
@@ -255,8 +233,7 @@ pub unsafe extern "C" fn fmi2DoStep<M: Model>(
     unsafe { call::<M, _>(c, Function::fmi2DoStep, |instance| instance.step(time, step)) }
 }
 
-/// Answers a question about the simulation's status. The standard's answer to a question about asynchronous steps,
-/// which do not occur here, is `fmi2Discard`.
+/// Answer a question about the status. The answer about asynchronous steps, which no unit has, is `fmi2Discard`.
 ///
 /// # Safety
 /// The module's precondition; `value` is null or valid.

@@ -1,7 +1,15 @@
-//! The functions of FMI 3.0. Those that nothing here can answer are refused with the reason.
+//! Functions of FMI 3.0. Functions of absent capabilities return an error with the reason.
 
-use super::*;
+use std::ptr;
+
+use super::call::*;
+use crate::instance::{self, Instance};
+use crate::log::Log;
+use crate::model::Model;
 use crate::resource;
+use crate::state_machine::Function;
+use crate::sys::*;
+use crate::version::Version;
 
 pub unsafe extern "C" fn fmi3GetVersion<M: Model>() -> fmi3String {
     c"3.0".as_ptr()
@@ -31,7 +39,7 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation<M: Model>(
     log_message: fmi3LogMessageCallback,
     _intermediate_update: fmi3IntermediateUpdateCallback,
 ) -> fmi3Instance {
-    // SAFETY: the standard asks of the master that logger and environment outlive the instance.
+    // SAFETY: by the standard, logger and environment outlive the instance.
     let log = unsafe { Log::fmi3(log_message, environment, logging != 0) };
     instantiate::<M>("fmi3InstantiateCoSimulation", log, || {
         // SAFETY: the module's precondition on strings.
@@ -59,7 +67,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange<M: Model>(
     environment: fmi3InstanceEnvironment,
     log_message: fmi3LogMessageCallback,
 ) -> fmi3Instance {
-    // SAFETY: the standard asks of the master for a logger that accepts the environment.
+    // SAFETY: by the standard, the logger accepts the environment.
     let log = unsafe { Log::fmi3(log_message, environment, logging != 0) };
     instantiate::<M>("fmi3InstantiateModelExchange", log, || Err(ONLY_CO_SIMULATION.into()))
 }
@@ -76,7 +84,7 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution<M: Model>(
     _lock: fmi3LockPreemptionCallback,
     _unlock: fmi3UnlockPreemptionCallback,
 ) -> fmi3Instance {
-    // SAFETY: the standard asks of the master for a logger that accepts the environment.
+    // SAFETY: by the standard, the logger accepts the environment.
     let log = unsafe { Log::fmi3(log_message, environment, logging != 0) };
     instantiate::<M>("fmi3InstantiateScheduledExecution", log, || Err(ONLY_CO_SIMULATION.into()))
 }
@@ -122,7 +130,7 @@ without_arguments! {
     fmi3Reset = |instance| instance.reset();
 }
 
-/// The value references, if they are variables of that type with `n_values` values together.
+/// Return the value references; refuse variables of another type and a total of values other than `n_values`.
 ///
 /// # Safety
 /// The module's precondition on arrays.
@@ -160,9 +168,9 @@ macro_rules! getters {
     };
 }
 
-/// Items of enumerations, which the standard reads and writes as Int64.
+/// Return the items of enumerations, which the standard reads and writes as Int64.
 fn items(values: &[i64]) -> Result<Vec<i32>, String> {
-    let item = |value: &i64| i32::try_from(*value).map_err(|_| format!("no enumeration has an item {value}"));
+    let item = |value: &i64| i32::try_from(*value).map_err(|_| format!("no enumeration has the item {value}"));
     values.iter().map(item).collect()
 }
 
@@ -235,7 +243,7 @@ pub unsafe extern "C" fn fmi3SetString<M: Model>(
     }
 }
 
-/// Functions for types that no variable has: every reference is refused by name.
+/// Define the functions of types that no variable has: they refuse each reference by name.
 macro_rules! without_variables {
     ($($name:ident($type_name:literal, $($argument:ty),+);)*) => {
         $(
@@ -303,53 +311,29 @@ state_functions! {
     fmi3SerializedFMUStateSize, fmi3SerializeFMUState, fmi3DeserializeFMUState;
 }
 
-macro_rules! derivatives {
-    ($($name:ident = $method:ident;)*) => {
+/// Refuse the functions of capabilities that no unit has.
+macro_rules! not_provided {
+    ($($name:ident($($argument:ty),*) = $reason:literal;)*) => {
         $(
-            pub unsafe extern "C" fn $name<M: Model>(
-                c: fmi3Instance,
-                unknowns: *const fmi3ValueReference,
-                n_unknowns: usize,
-                knowns: *const fmi3ValueReference,
-                n_knowns: usize,
-                seed: *const fmi3Float64,
-                n_seed: usize,
-                sensitivity: *mut fmi3Float64,
-                n_sensitivity: usize,
-            ) -> fmi3Status {
+            pub unsafe extern "C" fn $name<M: Model>(c: fmi3Instance, $(_: $argument),*) -> fmi3Status {
                 // SAFETY: the module's precondition.
-                unsafe {
-                    call::<M, _>(c, Function::$name, |instance| {
-                        let unknowns = array("unknowns", unknowns, n_unknowns)?;
-                        let (knowns, seed) = (array("knowns", knowns, n_knowns)?, array("seed", seed, n_seed)?);
-                        put("sensitivity", &instance.$method(unknowns, knowns, seed, n_sensitivity)?, sensitivity)
-                    })
-                }
+                unsafe { call::<M, _>(c, Function::$name, |_| Err($reason.into())) }
             }
         )*
     };
 }
 
-derivatives! {
-    fmi3GetDirectionalDerivative = directional_derivative;
-    fmi3GetAdjointDerivative = adjoint_derivative;
-}
-
-pub unsafe extern "C" fn fmi3GetOutputDerivatives<M: Model>(
-    c: fmi3Instance,
-    vr: *const fmi3ValueReference,
-    n: usize,
-    orders: *const fmi3Int32,
-    values: *mut fmi3Float64,
-    n_values: usize,
-) -> fmi3Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M, _>(c, Function::fmi3GetOutputDerivatives, |instance| {
-            let (references, orders) = (array("valueReferences", vr, n)?, array("orders", orders, n)?);
-            put("values", &instance.output_derivatives(references, orders, n_values)?, values)
-        })
-    }
+not_provided! {
+    fmi3GetDirectionalDerivative(
+        *const fmi3ValueReference, usize, *const fmi3ValueReference, usize, *const fmi3Float64, usize,
+        *mut fmi3Float64, usize
+    ) = "directional derivatives are not provided";
+    fmi3GetAdjointDerivative(
+        *const fmi3ValueReference, usize, *const fmi3ValueReference, usize, *const fmi3Float64, usize,
+        *mut fmi3Float64, usize
+    ) = "adjoint derivatives are not provided";
+    fmi3GetOutputDerivatives(*const fmi3ValueReference, usize, *const fmi3Int32, *mut fmi3Float64, usize)
+        = "output derivatives are not provided";
 }
 
 pub unsafe extern "C" fn fmi3DoStep<M: Model>(
@@ -362,7 +346,7 @@ pub unsafe extern "C" fn fmi3DoStep<M: Model>(
     early_return: *mut fmi3Boolean,
     last_successful_time: *mut fmi3Float64,
 ) -> fmi3Status {
-    // SAFETY: the module's precondition; targets that are null are refused.
+    // SAFETY: the module's precondition; null targets are refused.
     unsafe {
         call::<M, _>(c, Function::fmi3DoStep, |instance| {
             let flags = [
@@ -372,7 +356,7 @@ pub unsafe extern "C" fn fmi3DoStep<M: Model>(
             ];
             flags.iter().try_for_each(|(name, flag)| check_target(name, *flag, 1))?;
             check_target("lastSuccessfulTime", last_successful_time, 1)?;
-            // Before the step, which may panic.
+            // The step may panic, so the targets are set before it.
             flags.iter().for_each(|(_, flag)| flag.write(0));
             last_successful_time.write(instance.time());
             instance.step(time, step)?;
@@ -382,13 +366,13 @@ pub unsafe extern "C" fn fmi3DoStep<M: Model>(
     }
 }
 
-const NO_EVENTS: &str = "there is no event mode";
-const NO_CLOCKS: &str = "there are no clocks";
-const NO_CONFIGURATION: &str = "there are no structural parameters";
-const NO_DEPENDENCIES: &str = "dependencies are those of whole variables, in modelDescription.xml";
-const ONLY_CO_SIMULATION: &str = "this is a unit for co-simulation only";
+const NO_EVENTS: &str = "the unit has no event mode";
+const NO_CLOCKS: &str = "the unit has no clocks";
+const NO_CONFIGURATION: &str = "the unit has no structural parameters";
+const NO_DEPENDENCIES: &str = "dependencies are listed for whole variables, in modelDescription.xml";
+const ONLY_CO_SIMULATION: &str = "the unit supports co-simulation only";
 
-/// Functions that would do something which is not there, whatever the state of the instance.
+/// Define the functions of absent capabilities: they return an error in each state.
 macro_rules! refused {
     ($($reason:ident => { $($name:ident($($argument:ty),*);)* })*) => {
         $($(

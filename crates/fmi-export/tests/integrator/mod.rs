@@ -3,7 +3,7 @@
 
 use std::slice::{from_mut, from_ref};
 
-use nervure_fmi_export::{Description, Log, Model, Resources, Span, Variable};
+use nervure_fmi_export::{Description, Log, Model, Resources, Variable};
 use serde::{Deserialize, Serialize};
 
 /// Inputs of this value make a step fail or panic.
@@ -19,7 +19,6 @@ pub struct Integrator {
     gain: f64,
     bias: f64,
     u: [f64; 3],
-    slope: [f64; 3],
     y: [f64; 3],
     order: i32,
     length: i32,
@@ -34,20 +33,16 @@ pub struct Integrator {
 impl Model for Integrator {
     const IDENTIFIER: &'static str = "integrator";
     const VERSION: &'static str = "1.0";
-    const DIRECTIONAL_DERIVATIVE: bool = true;
-    const OUTPUT_DERIVATIVE: bool = true;
-    const INPUT_DERIVATIVE: bool = true;
     type State = Self;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         if let Some(folder) = resources.folder().filter(|folder| !folder.is_dir()) {
-            return Err(format!("resources {} are no folder, 100 %", folder.display()));
+            return Err(format!("resources {} is not a folder, 100 %", folder.display()));
         }
         Ok(Integrator {
             gain: 1.0,
             bias: 0.0,
             u: [0.0; 3],
-            slope: [0.0; 3],
             y: [0.0; 3],
             order: 1,
             length: 3,
@@ -96,9 +91,9 @@ impl Model for Integrator {
         if self.u[0] == FAILING {
             return Err(format!("u[1] = {FAILING} must not be {FAILING}"));
         }
-        let [u, slope] = [self.u, std::mem::take(&mut self.slope)];
+        let u = self.u;
         for i in 0..3 {
-            self.y[i] += if self.hold { 0.0 } else { h * (self.gain * (u[i] + 0.5 * h * slope[i]) + self.bias) };
+            self.y[i] += if self.hold { 0.0 } else { h * (self.gain * u[i] + self.bias) };
             assert!(u[i] != PANICKING, "u[{}] = {PANICKING}", i + 1);
         }
         self.held = self.hold;
@@ -115,36 +110,6 @@ impl Model for Integrator {
         if state.u[0] == FOREIGN {
             return Err(format!("u[1] = {FOREIGN} is foreign"));
         }
-        Ok(())
-    }
-
-    /// d(dy/dt)/du = gain, and that of the total the sum.
-    fn directional_derivative(
-        &mut self,
-        unknown: &[Span],
-        known: &[Span],
-        seed: &[f64],
-        derivative: &mut [f64],
-    ) -> Result<(), String> {
-        let known = known.iter().flat_map(|span| span.elements.clone());
-        let unknown = unknown.iter().flat_map(|span| span.elements.clone().map(|element| (span.name, element)));
-        for ((name, y), target) in unknown.zip(derivative) {
-            let felt = known.clone().zip(seed).filter(|(u, _)| name == "total" || *u == y);
-            *target = felt.map(|(_, seed)| self.gain * seed).sum();
-        }
-        Ok(())
-    }
-
-    fn output_derivative(&mut self, outputs: &Span, derivative: &mut [f64]) -> Result<(), String> {
-        assert_eq!(outputs.name, "y");
-        for (i, target) in outputs.elements.clone().zip(derivative) {
-            *target = self.gain * self.u[i] + self.bias;
-        }
-        Ok(())
-    }
-
-    fn set_input_derivative(&mut self, inputs: &Span, derivative: &[f64]) -> Result<(), String> {
-        self.slope[inputs.elements.clone()].copy_from_slice(derivative);
         Ok(())
     }
 }

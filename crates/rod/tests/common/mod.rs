@@ -1,4 +1,4 @@
-//! Rods and exact solutions that several tests and the study share.
+//! Rods and exact solutions for several tests and the study.
 #![allow(dead_code, reason = "each of them uses its own part")]
 
 use nervure_rod::{Parameters, Rod, Scheme, Section};
@@ -26,19 +26,20 @@ pub fn unit_rod<const D: usize>(segments: usize, axial_stiffness: f64, scheme: S
     Parameters { scheme, ..Parameters::new(1.0, segments, section) }
 }
 
-/// Kinetic, elastic and gravity energy together, J.
+/// Return the sum of kinetic, elastic and gravity energy, J.
 pub fn total_energy<const D: usize>(rod: &Rod<D>) -> f64 {
     let energy = rod.energy().unwrap();
     energy.kinetic + energy.stretching + energy.bending + energy.gravity
 }
 
-/// Shape (x, y) of the exact elastica, clamped along x, under `weight` per length at rest along −y, at `points` + 1 equal
-/// distances from the root:
+/// Return the shape (x, y) of the exact elastica, clamped along x, under `weight` per length along −y.
+///
+/// The shape has `points` + 1 equidistant points and satisfies
 ///
 /// θ'' = (1 + ε) w (L − s) cos θ / EI, ε = −w (L − s) sin θ / EA, θ(0) = 0, θ'(L) = 0.
 ///
-/// An infinite EA is the inextensible elastica. Classical Runge–Kutta rule with 8000 steps and bisection for θ'(0): halving
-/// the steps moves the tip by less than 1e-12.
+/// An infinite EA is the inextensible elastica. The solution uses the classical Runge–Kutta rule with 8000 steps and
+/// bisection for θ'(0); half the step moves the tip by less than 1e-12.
 pub fn elastica(length: f64, weight: f64, bending: f64, axial: f64, points: usize) -> Vec<[f64; 2]> {
     const STEPS: usize = 8000;
     let ds = length / STEPS as f64;
@@ -74,7 +75,7 @@ pub fn elastica(length: f64, weight: f64, bending: f64, axial: f64, points: usiz
     march(middle).iter().step_by(STEPS / points).map(|y| [y[2], y[3]]).collect()
 }
 
-/// Displacement of its tip.
+/// Return the displacement of the tip of the elastica.
 pub fn elastica_tip(length: f64, weight: f64, bending: f64, axial: f64) -> [f64; 2] {
     let [x, y] = elastica(length, weight, bending, axial, 1)[1];
     [x - length, y]

@@ -1,24 +1,25 @@
-//! Vibrations of beams: of the rod's masses and springs, and by the Ritz method.
+//! Vibrations of a rod from its masses and springs, and of a beam by the Ritz method.
 #![allow(dead_code, reason = "each test uses its own part")]
 
 use nalgebra::{DMatrix, DVector};
 use nervure_rod::Rod;
 
-/// A beam whose vibrations the Ritz method finds: of length 1, in units of its own.
+/// Dimensionless beam of length 1 for the Ritz method.
 pub struct RitzBeam<'a> {
-    /// EI at the place s.
+    /// EI at s.
     pub bending: &'a dyn Fn(f64) -> f64,
-    /// Mass per length at the place s.
+    /// Mass per length at s.
     pub mass: &'a dyn Fn(f64) -> f64,
-    /// 0 for a free root, 1 for one that only turns, 2 for a clamped one.
+    /// 0 for a free root, 1 for a pinned root, 2 for a clamped root.
     pub held: usize,
     /// Stiffness of a torsion spring at the root.
     pub spring: f64,
 }
 
 impl RitzBeam<'_> {
-    /// Circular frequencies of the first modes, those of a rigid beam included: 18 Legendre polynomials times s^held, and Gauss's
-    /// rule; rounding leaves errors of 1e-9.
+    /// Return the circular frequencies of the first modes, rigid modes included.
+    ///
+    /// The basis is 18 Legendre polynomials times s^held, integrated by Gauss's rule; rounding errors are 1e-9.
     pub fn frequencies(&self) -> Vec<f64> {
         const TERMS: usize = 18;
         let (mut stiffness, mut inertia) = (DMatrix::zeros(TERMS, TERMS), DMatrix::zeros(TERMS, TERMS));
@@ -36,7 +37,7 @@ impl RitzBeam<'_> {
         generalised_frequencies(&stiffness, &inertia)
     }
 
-    /// Values, first and second derivatives of the basis at `s`.
+    /// Return values, first and second derivatives of the basis at `s`.
     fn basis(&self, s: f64, terms: usize) -> [Vec<f64>; 3] {
         let x = 2.0 * s - 1.0;
         let mut legendre = [vec![1.0, x], vec![0.0, 1.0], vec![0.0, 0.0]];
@@ -60,7 +61,7 @@ impl RitzBeam<'_> {
     }
 }
 
-/// Gauss's rule with 10 points on each of 20 parts of 0 … 1: places and weights.
+/// Return points and weights of Gauss's rule with 10 points on each of 20 parts of 0 … 1.
 pub fn gauss() -> Vec<(f64, f64)> {
     // The eigenvalues of Jacobi's matrix are the points (Golub & Welsch 1969).
     let beside = |k: usize| k as f64 / (4.0 * (k * k) as f64 - 1.0).sqrt();
@@ -74,7 +75,7 @@ pub fn gauss() -> Vec<(f64, f64)> {
     (0..20).flat_map(of_part).collect()
 }
 
-/// Circular frequencies of small vibrations across a straight rod along x, from the lowest.
+/// Return the circular frequencies of small transverse vibrations of a straight rod along x, the lowest first.
 pub fn frequencies(rod: &mut Rod<2>) -> Vec<f64> {
     let stiffness = rod.stiffness().unwrap();
     let free = stiffness.order() / 2;
