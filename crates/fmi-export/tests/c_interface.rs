@@ -375,7 +375,7 @@ fn a_step_of_wrong_size_or_time_is_refused_and_changes_nothing() {
         fmu.assert_refused(fmu.step(0.0, step), &["communicationStepSize", &format!("{step:.3e}"), "> 0"]);
     }
     for time in [0.1, -0.1, f64::NAN] {
-        fmu.assert_refused(fmu.step(time, 0.1), &["currentCommunicationPoint", &format!("{time:.3e}"), "time 0"]);
+        fmu.assert_refused(fmu.step(time, 0.1), &["currentCommunicationPoint", &format!("{time:.3e}"), "instance, 0"]);
     }
     fmu.assert_refused(fmu.step(0.0, 1.1), &["1.100e0", "stopTime = 1", "by 1.000e-1"]);
     assert_eq!(fmu.get([TIME]), [0.0]);

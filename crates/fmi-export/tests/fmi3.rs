@@ -222,7 +222,7 @@ fn all_types_pass_and_each_only_as_itself() {
     assert_eq!(fmi3SetBoolean(fmu.c, &HOLD, 1, &255, 1), OK, "a byte that is no bool");
     assert_eq!(fmi3SetString(fmu.c, &LABEL, 1, &label, 1), OK);
     fmu.assert_refused(fmi3SetInt64(fmu.c, &MODE, 1, &3, 1), &["mode = 3 must be >= 1 and <= 2"]);
-    fmu.assert_refused(fmi3SetInt64(fmu.c, &MODE, 1, &(1 << 40), 1), &["no enumeration has an item 1099511627776"]);
+    fmu.assert_refused(fmi3SetInt64(fmu.c, &MODE, 1, &(1 << 40), 1), &["no enumeration has the item 1099511627776"]);
     fmu.assert_refused(fmi3SetInt32(fmu.c, &MODE, 1, &1, 1), &["the Enumeration mode, is not of type Int32"]);
     fmu.assert_refused(fmi3SetInt64(fmu.c, &ORDER, 1, &1, 1), &["the Int32 order, is not of type Enumeration"]);
     assert_eq!([fmu.enter(0.0, None), fmu.exit()], [OK; 2]);
@@ -260,7 +260,7 @@ fn what_is_not_there_is_refused_with_the_reason_and_changes_nothing() {
 #[test]
 fn null_pointers_are_refused() {
     let fmu = Fmu::initialised();
-    fmu.assert_refused(fmi3GetFloat64(fmu.c, null(), 1, &mut 0.0, 1), &["valueReferences is NULL, not 1 values"]);
+    fmu.assert_refused(fmi3GetFloat64(fmu.c, null(), 1, &mut 0.0, 1), &["valueReferences is NULL, but needs 1 values"]);
     fmu.assert_refused(fmi3GetFloat64(fmu.c, &GAIN, 1, null_mut(), 1), &["value is NULL"]);
     fmu.assert_refused(fmi3SetFloat64(fmu.c, &BIAS, 1, null(), 1), &["values is NULL"]);
     fmu.assert_refused(fmi3GetFMUState(fmu.c, null_mut()), &["FMUstate is NULL"]);
