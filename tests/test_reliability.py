@@ -58,7 +58,7 @@ def test_without_a_resource_location_the_reason_is_logged(kind, folders):
     library = FMU2Unit(kind, folders[kind])
     for location in (None, b""):
         assert library.fmi2Instantiate(b"unit", 1, library.guid.encode(), location, library.log, 0, 0) is None
-        assert "needs its resources folder with scene.json" in library.messages[-1]
+        assert "needs a resources folder with scene.json" in library.messages[-1]
 
 
 @both
