@@ -41,8 +41,9 @@ fn advanced(order: [usize; 2], lifted: Option<usize>) -> Fluid {
 #[test]
 fn both_beams_get_the_momentum_that_the_fluid_loses() {
     let (mut fluid, h) = (fluid_of(&beams([0, 1])), 2e-3);
-    let momentum =
-        |fluid: &Fluid| [0, 1].map(|axis| 1000.0 * fluid.grid().cell_volume() * fluid.velocity(axis).iter().sum::<f64>());
+    let momentum = |fluid: &Fluid| {
+        [0, 1].map(|axis| 1000.0 * fluid.grid().cell_volume() * fluid.velocity(axis).iter().sum::<f64>())
+    };
     run(&mut fluid, 5, h);
     let first = momentum(&fluid);
     run(&mut fluid, 1, h);

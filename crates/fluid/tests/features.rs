@@ -36,8 +36,9 @@ fn three_bodies() -> Scene {
 fn the_bodies_get_the_momentum_that_the_fluid_loses() {
     let mut fluid = fluid_of(&three_bodies());
     let h = 2e-3;
-    let momentum =
-        |fluid: &Fluid| [0, 1].map(|axis| 1000.0 * fluid.grid().cell_volume() * fluid.velocity(axis).iter().sum::<f64>());
+    let momentum = |fluid: &Fluid| {
+        [0, 1].map(|axis| 1000.0 * fluid.grid().cell_volume() * fluid.velocity(axis).iter().sum::<f64>())
+    };
     run(&mut fluid, 3, h);
     let mut before = [momentum(&fluid); 2];
     for _ in 0..20 {
