@@ -30,9 +30,16 @@ REPEATED_BELOW = 20.0
 """Processor time up to which a case is repeated, s. The first run is then not timed."""
 
 
+@lru_cache
+def shipped(name: str) -> dict[str, Any]:
+    """Return a shipped scene, which callers must not change."""
+    scene: dict[str, Any] = scenes.read(name)
+    return scene
+
+
 def changed(name: str, changes: dict[str, Any]) -> dict[str, Any]:
     """Return the shipped scene `name` with other values by dotted key; "absent" removes a key."""
-    scene: dict[str, Any] = scenes.read(name)
+    scene = copy.deepcopy(shipped(name))
     for key, value in changes.items():
         if value != "absent":
             scenes.assign(scene, key, copy.deepcopy(value))
