@@ -72,10 +72,10 @@ print(load(100) - before)
 @both
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the memory of a process of Linux")
 def test_loading_checking_and_unloading_leaks_nothing(kind):
-    """In 100 loads less than 1 MB, in pages of 4 kB; the schema of scenes alone has a third of a MB."""
+    """100 loads grow by less than 500 pages of 4 kB: the loader keeps 50 to 60, a schema of scenes in each would be 8000."""
     arguments = [sys.executable, "-c", LOADS, str(library(kind)), str(ROOT / "scenes" / "csm1.json")]
     done = subprocess.run(arguments, capture_output=True, text=True, check=True)
-    assert int(done.stdout) < 256, done.stdout
+    assert int(done.stdout) < 500, done.stdout
 
 
 SYSTEM = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "libpthread.so.0", "libdl.so.2", "ld-linux-x86-64.so.2"}
