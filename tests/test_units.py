@@ -72,7 +72,7 @@ print(load(100) - before)
 @both
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the memory of a process of Linux")
 def test_loading_checking_and_unloading_leaks_nothing(kind):
-    """100 loads grow by less than 500 pages of 4 kB: the loader keeps 50 to 60, a schema of scenes in each would be 8000."""
+    """100 loads grow by less than 500 pages of 4 kB: the loader keeps some 60, a schema in each would be 8000."""
     arguments = [sys.executable, "-c", LOADS, str(library(kind)), str(ROOT / "scenes" / "csm1.json")]
     done = subprocess.run(arguments, capture_output=True, text=True, check=True)
     assert int(done.stdout) < 500, done.stdout
