@@ -14,6 +14,7 @@ from nervure import coupling
 from nervure.evaluate import flapping, statistics
 from nervure.evaluate.statistics import Series, Window
 from nervure.scene import validate
+from nervure.scene.facts import Facts
 from studies import simulate
 
 Scene = dict[str, Any]
@@ -95,7 +96,7 @@ def energy(run: Run) -> list[Found]:
     load these differ by the step."""
     scene = small_pitching()
     scene["time"]["communication_step"] = 4e-4
-    averages = flapping.evaluate(validate(scene), run(scene), Window(2.0, 3.0, 1))
+    averages = flapping.evaluate(Facts(validate(scene)), run(scene), Window(2.0, 3.0, 1))
     assert averages, "the root is driven"
     balance: dict[str, Any] = averages.energy_balance
     by_fluid = (balance["root"] + balance["fluid"] - balance["gained"]) / balance["root"]

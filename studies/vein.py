@@ -14,6 +14,7 @@ import numpy as np
 
 from nervure.evaluate import flapping, statistics
 from nervure.scene import validate
+from nervure.scene.facts import Facts
 from studies import limits, show, simulate
 from studies.engine import COUPLED, FLUID, Case, Run, Study
 from studies.limits import FORCE_WIDTH, FORCES, LIMITS, PITCHING, STIFF
@@ -101,7 +102,7 @@ def settled(case: Case, run: Run) -> dict[str, float]:
     """Return means over whole periods at the end, and the missing energy, by the loads and by the fluid's forces."""
     whole = statistics.Window(0.0, float(run.series["time"][-1]), 1)
     window = whole if case.name.startswith(("grid/", "dt/")) else simulate.window(run.found)
-    found = flapping.evaluate(validate(case.built()), run.series, window)
+    found = flapping.evaluate(Facts(validate(case.built())), run.series, window)
     assert found, f"{case.name} has no driven root"
     there = {name: getattr(found, name) for name in MEANS}
     balance: dict[str, Any] = found.energy_balance

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from nervure.evaluate import bodies, dimensionless, statistics
+from nervure.evaluate import bodies, statistics
 from nervure.output import plots
 from nervure.scene import override, read, validate
+from nervure.scene.facts import Facts
 from nervure.simulation.summary import main_signal, settling_signal
 from studies import flapping
 from tests.test_runs import run
@@ -44,14 +45,15 @@ def known_series():
 
 def test_coefficients_of_a_known_oscillation(swinging):
     scene, columns = validate(swinging), known_series()
-    numbers = dimensionless.evaluate(scene)
+    facts = Facts(scene)
+    numbers = facts.numbers
     speed = 0.1 * np.sqrt(2) * 4 * np.pi
     assert numbers.reynolds == pytest.approx(speed * 0.2 / 1e-2)
     assert numbers.bodies["body_2"].length == pytest.approx(0.2 * np.sqrt(2))
     assert main_signal(columns) == "body_1_x"
     window = statistics.find_window(columns["time"], columns["body_1_x"])
     assert window.periods == 3
-    found = bodies.evaluate(scene, [], numbers, columns, window, 0.0)
+    found = bodies.evaluate(facts, columns, window, 0.0)
     moving, still = found["body_1"], found["body_2"]
     assert moving.kc == pytest.approx(2 * np.pi * 0.1 * np.sqrt(2) / 0.2)
     assert (moving.morison.cd, moving.morison.ci) == pytest.approx((2.0, 1.5), rel=1e-6)
@@ -90,7 +92,7 @@ def test_no_morison_split_in_a_stream_or_of_another_motion(swinging, change):
         motion |= change
     scene, columns = validate(swinging), known_series()
     window = statistics.find_window(columns["time"], columns["body_1_x"])
-    found = bodies.evaluate(scene, [], dimensionless.evaluate(scene), columns, window, 0.0)["body_1"]
+    found = bodies.evaluate(Facts(scene), columns, window, 0.0)["body_1"]
     assert found.morison is None, found
 
 

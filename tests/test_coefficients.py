@@ -7,6 +7,7 @@ import pytest
 
 from nervure.evaluate import coefficients, statistics
 from nervure.scene import load, override, read, validate
+from nervure.scene.facts import Facts
 
 
 @pytest.fixture
@@ -16,7 +17,7 @@ def scene():
 
 def scale_of(scene: dict[str, Any]) -> coefficients.Scale:
     """Return the scale of a scene that has one."""
-    scale = coefficients.scale(validate(scene))
+    scale = coefficients.scale(Facts(validate(scene)))
     assert scale
     return scale
 
@@ -39,7 +40,7 @@ def test_the_scale_is_that_of_the_benchmark(scene):
 )
 def test_what_is_no_cylinder_alone_in_an_inflow_has_no_coefficients(scene, assignment):
     override(scene, assignment)
-    assert coefficients.scale(validate(scene)) is None
+    assert coefficients.scale(Facts(validate(scene))) is None
 
 
 def test_a_known_oscillation_gives_its_own_coefficients(scene):

@@ -7,7 +7,7 @@ from nervure import coupling
 from nervure.coupling.acceleration import WINDOWS_REUSED
 from nervure.scene import read
 from nervure.scene.types import Coupling, Guards
-from nervure.simulation.facts import TimeGrid
+from nervure.simulation.loop import TimeGrid
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.summary import interface
 from tests.conftest import FSI1, FSI3, output

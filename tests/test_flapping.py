@@ -7,6 +7,7 @@ import nervure
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
 from nervure.scene import validate
+from nervure.scene.facts import Facts
 from studies import flapping as cases, limits, simulate
 
 
@@ -78,7 +79,7 @@ def test_averages_of_a_known_signal(fluid_only):
     known, window = known_signal()
     del fluid_only["fluid"]["inflow"]
     fluid_only["fluid"] |= {"mean_flow": {"y": {"constant": 1.2}}, "initial_velocity": [0.0, 1.2]}
-    found = flapping.evaluate(validate(fluid_only), known, window)
+    found = flapping.evaluate(Facts(validate(fluid_only)), known, window)
     assert found.axis == "x"
     expected = {"power_in": 3.0, "thrust": 0.5, "lift": -0.5, "efficiency": 0.2, "tip_by_rigid_tip": 1.5}
     assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
@@ -90,7 +91,7 @@ def test_thrust_in_still_fluid_is_the_force_against_x(fluid_only):
     """The fluid pushes the beam with 0.25 N/m against x and 0.5 N/m against y."""
     known, window = known_signal()
     del fluid_only["fluid"]["inflow"]
-    found = flapping.evaluate(validate(fluid_only), known, window)
+    found = flapping.evaluate(Facts(validate(fluid_only)), known, window)
     expected = {"thrust": 0.25, "lift": -0.5, "thrust_by_power": 0.25 / 3.0}
     assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
     assert found.efficiency is None

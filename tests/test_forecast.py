@@ -7,16 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from nervure.evaluate import bodies, dimensionless, flapping
+from nervure.evaluate import bodies, flapping
 from nervure.output import forecast
-from nervure.scene import beams, override, read, validate
-from nervure.simulation.facts import Facts
+from nervure.scene import override, read, validate
+from nervure.scene.facts import Facts
+from nervure.simulation.loop import TimeGrid
 from tests.conftest import FSI3, run_scene
 from tests.test_flapping import known_signal
 
 
 def numbers(name, *overrides):
-    return dimensionless.evaluate(validate(read(name, overrides)))
+    return Facts(validate(read(name, overrides))).numbers
 
 
 @pytest.mark.parametrize(
@@ -58,11 +59,11 @@ def test_cells_in_diameter_thickness_and_layer():
 
 
 def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
-    assert dimensionless.evaluate(validate(read("csm1"))) is None
+    assert Facts(validate(read("csm1"))).numbers is None
     fluid_only["fluid"] |= {"initial_velocity": [0.0, 0.0], "inflow": None}
-    found = dimensionless.evaluate(validate(fluid_only))
+    found = Facts(validate(fluid_only)).numbers
     assert (found.velocity, found.reynolds, found.cfl) == (None, None, None)
-    assert list(forecast.warnings(Facts.of(validate(fluid_only)))) == []
+    assert list(forecast.warnings(Facts(validate(fluid_only)))) == []
 
 
 @pytest.mark.parametrize(
@@ -89,7 +90,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
     ],
 )
 def test_what_is_outside_of_the_tried_ranges_is_warned_of(assignments, said):
-    warnings = list(forecast.warnings(Facts.of(validate(read("fsi3-1300x288", assignments)))))
+    warnings = list(forecast.warnings(Facts(validate(read("fsi3-1300x288", assignments)))))
     assert len(warnings) == len(said) and all(part in text for part, text in zip(said, warnings, strict=True)), warnings
 
 
@@ -103,10 +104,10 @@ def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
         override(document, "fluid.initial_velocity=[0, 1.2]")
         override(document, 'fluid.mean_flow={"y": {"constant": 1.2}}')
     scene = validate(document)
-    of_scene = dimensionless.evaluate(scene)
+    facts = Facts(scene)
     velocity = 1.2 if kind == "stream" else 0.1 * 4 * np.pi
-    assert of_scene.velocity == pytest.approx(velocity)
-    found = bodies.evaluate(scene, beams(scene), of_scene, known, window, 0.0)["beam"]
+    assert facts.numbers.velocity == pytest.approx(velocity)
+    found = bodies.evaluate(facts, known, window, 0.0)["beam"]
     pressure = velocity**2 / 2
     assert found.cd_mean == pytest.approx(-0.25 / pressure, rel=1e-4)
     assert found.cl_amplitude == pytest.approx(1.0 / pressure, rel=1e-4)
@@ -115,7 +116,7 @@ def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     assert found.st == pytest.approx(2.0 / velocity, rel=1e-4)
     assert found.st_tip == pytest.approx(2.0 * 0.3 / velocity, rel=1e-4)
     if kind == "stream":
-        assert found.ct / found.cp == pytest.approx(flapping.evaluate(scene, known, window).efficiency, rel=1e-9)
+        assert found.ct / found.cp == pytest.approx(flapping.evaluate(facts, known, window).efficiency, rel=1e-9)
 
 
 def test_pace_counts_steps_after_the_first_and_those_of_the_fluid_to_come():
@@ -123,7 +124,8 @@ def test_pace_counts_steps_after_the_first_and_those_of_the_fluid_to_come():
     scene = read("vein-pitching-320x240")
     override(scene, "time.end=0.04")
     fluid: Any = SimpleNamespace(seconds=0.0)
-    pace = forecast.Pace(Facts.of(validate(scene)), fluid)
+    session: Any = SimpleNamespace(facts=Facts(validate(scene)), units={"fluid": fluid}, grid=TimeGrid(0.04, 4e-4))
+    pace = forecast.Pace(session)
     assert pace.factor == 2 and pace.steps == 100
     wall, found = 0.0, []
     for done in range(12):

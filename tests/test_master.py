@@ -7,8 +7,7 @@ import pytest
 
 from nervure import coupling
 from nervure.scene.types import Iterated
-from nervure.simulation.facts import TimeGrid
-from nervure.simulation.loop import TimeLoop
+from nervure.simulation.loop import TimeGrid, TimeLoop
 from nervure.simulation.recorder import Recorder
 from nervure.units.fmu import UnitError, Variable
 

@@ -13,7 +13,7 @@ from pythonfmu.builder import FmuBuilder
 
 from nervure import coupling
 from nervure.resources import KINDS, ROOT
-from nervure.simulation.facts import TimeGrid
+from nervure.simulation.loop import TimeGrid
 from nervure.units.fmu import Unit
 from tests.conftest import output, run_scene
 

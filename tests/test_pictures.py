@@ -77,7 +77,7 @@ def test_a_peak_at_the_start_does_not_set_the_scale(rod_only, tmp_path):
     summary = type(run.summary)(
         **vars(run.summary) | {"window_s": (window.begin, window.end), "periods": window.periods}
     )
-    made = nervure.Run(run.scene, run.folder, summary, {"time": time, "tip_uy": values}, run.units)
+    made = nervure.Run(run.facts, run.folder, summary, {"time": time, "tip_uy": values}, run.units)
     low, high = plots.over_time({"run": made}, ["tip_uy"]).axes[0].get_ylim()
     assert -1300 < low < -1000 and 1000 < high < 1300, (low, high)  # mm
     values[:20] = 2.0

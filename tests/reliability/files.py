@@ -60,7 +60,7 @@ class Run:
     def write(self) -> None:
         summary: Any = SimpleNamespace(document=lambda: {"steps": self.session.steps})
         recorder = self.session.recorder
-        results.write(results.Results(self.session.scene, self.folder, summary, recorder.series, recorder.units), {})
+        results.write(results.Results(self.session.facts, self.folder, summary, recorder.series, recorder.units), {})
 
     @property
     def folder(self) -> Path:

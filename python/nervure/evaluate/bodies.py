@@ -2,7 +2,7 @@
 
     c = 2 F / (rho U² L),   C_P = 2 P / (rho U³ L),   St = f L / U,   KC = U_m / (f L)
 
-with force F and power P per metre of depth, the velocity U of `evaluate.dimensionless`, the diameter or length L of the
+with force F and power P per metre of depth, the velocity U of `scene.facts`, the diameter or length L of the
 body, and the largest speed U_m of a body that oscillates. Thrust and power are averages over time; drag and lift have
 mean and amplitude from their extremes.
 
@@ -13,18 +13,17 @@ The force on a body that oscillates along a line in still fluid is split (Moriso
 with the velocity V of the body, by the Fourier averages of Keulegan & Carpenter (1958).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from nervure.evaluate import flapping, statistics
-from nervure.evaluate.dimensionless import Dimensionless
 from nervure.evaluate.rods import seen
 from nervure.evaluate.statistics import Series, Window
-from nervure.scene import Own, Scene
-from nervure.scene.types import BodyMotion, Motion, TimeLaw, TimeLawConstant, TimeLawSine
+from nervure.scene.facts import Facts
+from nervure.scene.types import BodyMotion, Fluid, Motion, TimeLaw, TimeLawConstant, TimeLawSine
 
 
 @dataclass(frozen=True)
@@ -62,25 +61,24 @@ class BodyCoefficients:
     morison: Morison | None = None
 
 
-def evaluate(
-    scene: Scene, beams: Sequence[Own], numbers: Dimensionless | None, series: Series, window: Window, width: float
-) -> dict[str, BodyCoefficients]:
+def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict[str, BodyCoefficients]:
     """Return the coefficients by body, with drag and lift filtered over `width` (s); none where nothing drives the
     flow."""
-    if scene.fluid is None or numbers is None or not numbers.velocity:
+    fluid, numbers = facts.scene.fluid, facts.numbers
+    if fluid is None or numbers is None or not numbers.velocity:
         return {}
     time, velocity = series["time"], numbers.velocity
-    stream = flapping.stream(scene, window)
+    stream = flapping.stream(facts, window)
     ahead = np.array([-1.0, 0.0]) if stream is None else -stream / np.linalg.norm(stream)
-    motions = {name: motion for name, motion in _motions(scene) if motion}
-    rods = {own.force: own for own in beams}
+    motions = {name: motion for name, motion in _motions(fluid) if motion}
+    rods = {own.force: own for own in facts.beams}
     found = {}
     for name, body in numbers.bodies.items():
         own = seen(series, rods[name]) if name in rods else None
         forces = [f"{name}_drag", f"{name}_lift"]
         if not series.keys() >= {*forces}:
             continue
-        pressure = scene.fluid.density * velocity**2 * body.length / 2
+        pressure = fluid.density * velocity**2 * body.length / 2
         drag, lift = (
             statistics.evaluate(time, statistics.box_filter(time, series[force], width), window) for force in forces
         )
@@ -103,7 +101,7 @@ def evaluate(
             st_tip=_tip(own, window, velocity) if own else None,
             kc=oscillation.largest_speed / (oscillation.frequency * body.length) if oscillation else None,
             cycles={key: cycle_mean(time, curve, window) for key, curve in curves.items()} if window.periods else None,
-            morison=oscillation.morison(name, scene, series, window, body.length) if oscillation else None,
+            morison=oscillation.morison(name, facts, series, window, body.length) if oscillation else None,
         )
     return found
 
@@ -142,10 +140,10 @@ class _Oscillation:
     def frequency(self) -> float:
         return self.law.sine.frequency
 
-    def morison(self, name: str, scene: Scene, series: Series, window: Window, length: float) -> Morison | None:
+    def morison(self, name: str, facts: Facts, series: Series, window: Window, length: float) -> Morison | None:
         """Split the force over `window`; None in a stream, while the motion grows, or where the body turns."""
-        sine, part, fluid = self.law.sine, window.of(series["time"]), scene.fluid
-        streaming = flapping.stream(scene, window) is not None or any(fluid.initial_velocity if fluid else ())
+        sine, part, fluid = self.law.sine, window.of(series["time"]), facts.scene.fluid
+        streaming = flapping.stream(facts, window) is not None or any(fluid.initial_velocity if fluid else ())
         if fluid is None or streaming or not self.still or window.periods == 0 or sine.ramp > window.begin:
             return None
         time, omega, speed = series["time"], 2 * np.pi * sine.frequency, self.largest_speed
@@ -158,11 +156,10 @@ class _Oscillation:
         return Morison(cd=cd, ci=ci, rest=float(np.std(rest[part]) / np.std(force[part])))
 
 
-def _motions(scene: Scene) -> Iterator[tuple[str, Motion | BodyMotion | None]]:
+def _motions(fluid: Fluid) -> Iterator[tuple[str, Motion | BodyMotion | None]]:
     """Yield the motions of the rigid bodies by the names of their forces."""
-    if scene.fluid:
-        yield from ((f"cylinder_{i}", cylinder.motion) for i, cylinder in enumerate(scene.fluid.cylinders, 1))
-        yield from ((f"body_{i}", body.motion) for i, body in enumerate(scene.fluid.bodies, 1))
+    yield from ((f"cylinder_{i}", cylinder.motion) for i, cylinder in enumerate(fluid.cylinders, 1))
+    yield from ((f"body_{i}", body.motion) for i, body in enumerate(fluid.bodies, 1))
 
 
 def _oscillation(motion: Motion | BodyMotion) -> _Oscillation | None:

@@ -11,8 +11,7 @@ import numpy as np
 
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series
-from nervure.scene import Scene
-from nervure.scene.facts import scene_facts
+from nervure.scene.facts import Facts
 from nervure.scene.types import Reference
 
 NAMES = ("cd_max", "cd_min", "cd_mean", "cl_max", "cl_min", "cl_mean", "cl_peak_to_peak", "st", "dp_mean")
@@ -30,12 +29,12 @@ class Scale:
     back: str | None  # Columns of the pressure at the front and the back of the cylinder; None without probes
 
 
-def scale(scene: Scene) -> Scale | None:
-    """Return the scale of `scene`; None unless it is one still cylinder in an inflow that becomes steady."""
-    fluid = scene.fluid
+def scale(facts: Facts) -> Scale | None:
+    """Return the scale of a scene; None unless it has one still cylinder in an inflow that becomes steady."""
+    scene, fluid = facts.scene, facts.scene.fluid
     if scene.beam or scene.rods or fluid is None or len(fluid.cylinders) != 1 or fluid.inflow is None:
         return None
-    (cylinder,), velocity = fluid.cylinders, scene_facts(scene).final_value("fluid.inflow.mean_velocity")
+    (cylinder,), velocity = fluid.cylinders, facts.final_value("fluid.inflow.mean_velocity")
     if cylinder.motion or not velocity:
         return None
     (x, y), radius = cylinder.center, cylinder.radius

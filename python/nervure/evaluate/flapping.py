@@ -11,8 +11,7 @@ import numpy as np
 
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series, Window
-from nervure.scene import Scene
-from nervure.scene.facts import scene_facts
+from nervure.scene.facts import Facts
 
 AXES = "xyz"
 
@@ -45,18 +44,19 @@ def main_axis(series: Series) -> str | None:
     return max(extents, key=extents.__getitem__) if extents else None
 
 
-def stream(scene: Scene, window: Window) -> np.ndarray | None:
+def stream(facts: Facts, window: Window) -> np.ndarray | None:
     """Return the velocity of the stream, m/s, `[2]`, if it is steady over `window`; else None."""
-    if scene.fluid and scene.fluid.mean_flow:
-        velocity = [scene_facts(scene).final_value(f"fluid.mean_flow.{axis}", window.begin) for axis in "xy"]
-    elif scene.fluid and scene.fluid.inflow:
-        velocity = [scene_facts(scene).final_value("fluid.inflow.mean_velocity", window.begin), 0.0]
+    fluid = facts.scene.fluid
+    if fluid and fluid.mean_flow:
+        velocity = [facts.final_value(f"fluid.mean_flow.{axis}", window.begin) for axis in "xy"]
+    elif fluid and fluid.inflow:
+        velocity = [facts.final_value("fluid.inflow.mean_velocity", window.begin), 0.0]
     else:
         return None
     return np.array(velocity) if None not in velocity and any(velocity) else None
 
 
-def evaluate(scene: Scene, series: Series, settled: Window) -> Flapping | None:
+def evaluate(facts: Facts, series: Series, settled: Window) -> Flapping | None:
     """Average over the last whole periods of the drive, as many as `settled` has; None without a drive or a whole
     period."""
     time, axis = series["time"], main_axis(series)
@@ -72,7 +72,7 @@ def evaluate(scene: Scene, series: Series, settled: Window) -> Flapping | None:
     power = mean("root_power")
     fluid: dict[str, Any] = {}
     if "beam_drag" in series:
-        force, velocity = np.array([mean("beam_drag"), mean("beam_lift")]), stream(scene, window)
+        force, velocity = np.array([mean("beam_drag"), mean("beam_lift")]), stream(facts, window)
         ahead = np.array([-1.0, 0.0]) if velocity is None else -velocity / np.linalg.norm(velocity)
         fluid = {"thrust": float(force @ ahead), "lift": float(force[1])}
         if velocity is None:

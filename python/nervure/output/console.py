@@ -30,12 +30,11 @@ class Terminal(Observer):
 
     def __init__(self, session: Session):
         self.console, self.session = Console(highlight=False), session
-        choice = session.scheme.choice
-        for name, value in [*forecast.rows(session.facts), *(forecast.coupling(choice) if choice else ())]:
+        for name, value in forecast.rows(session):
             self.console.print(f"{name}: {value}", markup=False, soft_wrap=True)
         for text in forecast.warnings(session.facts):
             warn(text)
-        self.pace: forecast.Pace | None = forecast.Pace(session.facts, session.units.get("fluid"))
+        self.pace: forecast.Pace | None = forecast.Pace(session)
         self.columns = next((names for names in SHOWN if names[0] in session.recorder.columns), ())
         self.in_place = self.console.is_terminal or self.console.is_jupyter
         self.interval = TERMINAL_INTERVAL if self.in_place else FILE_INTERVAL

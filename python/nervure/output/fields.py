@@ -12,7 +12,6 @@ import numpy as np
 
 from nervure.errors import SceneError
 from nervure.scene import Own, Scene, text
-from nervure.scene.facts import scene_facts
 from nervure.scene.types import Fluid
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
@@ -61,7 +60,7 @@ class Fields(Observer):
         if shows:
             self.files.append(Grid(folder / FLUID_FIELDS, scene, shows, units["fluid"], frames, known))
         for own in session.facts.beams:
-            self.files.append(Beam(folder / beam_file(own), scene, own, units, frames, known))
+            self.files.append(Beam(session, own, frames, known))
         session.stale_files -= {file.path for file in self.files}
 
     def step(self, loop: TimeLoop) -> None:
@@ -155,9 +154,10 @@ class Grid(Series):
 class Beam(Series):
     """A beam as PolyData: its outline in the plane, its centre line in space."""
 
-    def __init__(self, path: Path, scene: Scene, own: Own, units: dict[str, Unit], frames: int, known: int):
-        super().__init__(path, scene, frames, known)
-        self.units, self.own, self.thickness = units, own, scene_facts(scene).thickness[own.force]
+    def __init__(self, session: Session, own: Own, frames: int, known: int):
+        super().__init__(session.folder / beam_file(own), session.scene, frames, known)
+        units = session.units
+        self.units, self.own, self.thickness = units, own, session.facts.thickness[own.force]
         if not known:
             n = len(self._points())
             self.root.attrs["Type"] = np.bytes_("PolyData")

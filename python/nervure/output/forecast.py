@@ -9,12 +9,9 @@ from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
 
-from nervure.coupling import Choice
-from nervure.evaluate.dimensionless import Body
-from nervure.scene.facts import scene_facts
-from nervure.simulation.facts import Facts
+from nervure.scene.facts import Body, Facts
 from nervure.simulation.loop import Observer, TimeLoop
-from nervure.units.fmu import Unit
+from nervure.simulation.session import Session
 
 WARM_UP = 2  # Steps before the timing: the first has no history, the second no cached code
 TIMED = 0.5  # Wall time of the timed steps, s
@@ -29,9 +26,16 @@ SOFTNESS = 1e-3  # Largest C_eta U / L
 SEGMENT = 0.25  # Least length of a segment, in thicknesses
 
 
-def rows(facts: Facts) -> Iterator[tuple[str, str]]:
-    """Yield flow, beam, resolution and steps of a scene, by name."""
-    scene, numbers, grid = facts.scene, facts.numbers, facts.grid
+def rows(session: Session) -> Iterator[tuple[str, str]]:
+    """Yield flow, beam, resolution, steps, load and scheme of a session, by name."""
+    yield from _scene_rows(session)
+    if choice := session.scheme.choice:
+        yield "load", f"{choice.load}: {choice.load_reason}"
+        yield "scheme", f"{choice.scheme}: {choice.scheme_reason}"
+
+
+def _scene_rows(session: Session) -> Iterator[tuple[str, str]]:
+    scene, numbers, grid = session.scene, session.facts.numbers, session.grid
     steps = f"{grid.steps} of {grid.communication_step:g} s to {grid.end:g} s"
     if scene.fluid is None or numbers is None:
         yield "steps", steps
@@ -55,7 +59,7 @@ def rows(facts: Facts) -> Iterator[tuple[str, str]]:
         layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
         yield f"cells of {name}", f"{body.thickness_cells:.3g} in the {_across(name)}{layer}"
     if numbers.cfl is not None:
-        each, largest = scene_facts(scene).fluid_steps, scene.fluid.time_stepping.max_cfl
+        each, largest = session.facts.fluid_steps, scene.fluid.time_stepping.max_cfl
         divided = f", in which the fluid makes up to {each}" if each > 1 else ""
         steps += f"{divided}; CFL number about {min(numbers.cfl, largest):.2g}, at most {largest:g}"
     yield "steps", steps
@@ -90,7 +94,7 @@ def warnings(facts: Facts) -> Iterator[str]:
         if softness > SOFTNESS * (1 + ROUNDING):
             yield f"the mask is soft: C_eta U/L is {softness:.2g}; above {SOFTNESS:g} forces can be off by 10 %"
     for own in facts.beams:
-        ratio = own.beam.length / own.beam.segments / scene_facts(scene).thickness[own.force].max()
+        ratio = own.beam.length / own.beam.segments / facts.thickness[own.force].max()
         if ratio < SEGMENT * (1 - ROUNDING):
             whose = f"segments of the rod {own.unit}" if own.prefix else "segments"
             yield f"{whose} are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
@@ -121,20 +125,14 @@ def _within(value: float, limits: tuple[float, float]) -> bool:
     return limits[0] * (1 - ROUNDING) <= value <= limits[1] * (1 + ROUNDING)
 
 
-def coupling(choice: Choice) -> Iterator[tuple[str, str]]:
-    """Yield load and scheme of a coupled run, with the reasons."""
-    yield "load", f"{choice.load}: {choice.load_reason}"
-    yield "scheme", f"{choice.scheme}: {choice.scheme_reason}"
-
-
 class Pace(Observer):
     """Estimates the wall time of a whole run from its first steps.
 
     At the start the flow is slow: a step of the fluid that is expected to be divided later counts as often.
     """
 
-    def __init__(self, facts: Facts, fluid: Unit | None):
-        self.fluid, self.factor, self.steps = fluid, scene_facts(facts.scene).fluid_steps, facts.grid.steps
+    def __init__(self, session: Session):
+        self.fluid, self.factor, self.steps = session.units.get("fluid"), session.facts.fluid_steps, session.grid.steps
         self.first: int | None = None
         self.begin: tuple[int, float, float] | None = None  # Steps, wall time, and the time of the fluid, s
         self.timed = 0.0  # Wall time of the steps that were timed, s

@@ -12,7 +12,6 @@ from nervure.errors import InputError
 from nervure.output import fields, forecast
 from nervure.output.tables import print_table
 from nervure.scene import Scene
-from nervure.scene.facts import scene_facts
 from nervure.simulation import checkpoint, results
 from nervure.simulation.session import Session
 from nervure.units.fmu import UnitError, read_description, variables_of, version_of
@@ -85,7 +84,7 @@ def show_scene(console: Console, scene: Scene) -> None:
     """Print sizes, choices and forecast of a scene; for the wall time it makes steps for half a second."""
     before = forecast.resident()
     with Session(scene) as session:
-        pace = forecast.Pace(session.facts, session.units.get("fluid"))
+        pace = forecast.Pace(session)
         session.observers = [pace]
         status = session.run(stopping=lambda: pace.whole is not None and session.wall > forecast.TIMED)
         if status.error is not None:
@@ -102,11 +101,11 @@ def show_scene(console: Console, scene: Scene) -> None:
         rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     for own in session.facts.beams:
-        beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in scene_facts(scene).thickness[own.force][[0, -1]])
+        beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in session.facts.thickness[own.force][[0, -1]])
         size = f"{beam.length:g} x {' to '.join(ends)} m, {beam.segments} segments, {stations[own.unit]} stations"
         rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
-    choice, recorder = session.scheme.choice, session.recorder
-    rows += [*forecast.rows(session.facts), *(forecast.coupling(choice) if choice else ())]
+    recorder = session.recorder
+    rows += forecast.rows(session)
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
     if memory := resident and resident - before + recorder.table.nbytes:
         rows.append(("memory", f"about {memory / 1e6:.0f} MB for units and record, beside Python's own"))

@@ -21,7 +21,6 @@ from nervure.files import write_whole
 from nervure.output import shown_in, with_unit
 from nervure.output.fields import outline, stations
 from nervure.scene import Scene
-from nervure.scene.facts import scene_facts
 from nervure.scene.types import Body, Fluid, Reference, ShapeCircle, ShapeEllipse, ShapePolygon, ShapeRectangle
 from nervure.simulation.loop import Observer
 from nervure.simulation.results import Results
@@ -45,7 +44,7 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     run's scene; of a single run coefficients.png and flapping.png too. Several runs are labelled by the names of their
     folders, or by their paths where names are equal. Return the paths written."""
     first, *others = runs
-    tips = [column for run in runs for own in run.beams for column in (own.prefix + name for name in TIP)]
+    tips = [column for run in runs for own in run.facts.beams for column in (own.prefix + name for name in TIP)]
     named = {run.folder.resolve().name: run for run in runs}
     labelled = named if len(named) == len(runs) else {str(run.folder): run for run in runs}
     written = []
@@ -108,7 +107,7 @@ def _settled_range(run: Results, values: np.ndarray) -> tuple[float, float]:
 def cylinder(folder: Path, run: Results) -> list[Path]:
     """Write coefficients.png of a cylinder alone: cD and cL over time and, in a periodic flow, against each other, with
     published values. Return the paths written."""
-    scale = coefficients.scale(run.scene)
+    scale = coefficients.scale(run.facts)
     if scale is None or run.summary.window is None:
         return []
     time, curves = run.series["time"], coefficients.curves(scale, run.series)
@@ -142,7 +141,7 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
 
 def driven_roots(folder: Path, run: Results) -> list[Path]:
     """Write flapping.png, or of several rods flapping-NAME.png, of each driven root. Return the paths written."""
-    of = {own.unit: (own, f"flapping-{own.unit}.png") for own in run.beams}
+    of = {own.unit: (own, f"flapping-{own.unit}.png") for own in run.facts.beams}
     several = {name: rod.flapping for name, rod in (run.summary.rods or {}).items()}
     alone = {"rod": run.summary.flapping}
     pictures = []
@@ -220,7 +219,7 @@ def vorticity(session: Session) -> None:
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
-    corners = [outline(stations(units, own), scene_facts(scene).thickness[own.force]) for own in session.facts.beams]
+    corners = [outline(stations(units, own), session.facts.thickness[own.force]) for own in session.facts.beams]
     figure = Figure(figsize=size(scene, 12.0), layout="constrained")
     axis = figure.subplots()
     poses = [

@@ -1,7 +1,7 @@
-"""Facts of a scene from the units' libraries: the rules that give them stand in `crates/scene` alone."""
+"""Facts of a scene, computed by the libraries of the units: their rules stand in `crates/scene` alone (`facts.rs`)."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,37 +11,68 @@ from nervure.errors import SceneError
 from nervure.scene import Scene, beams, text
 
 
-@dataclass(frozen=True)
-class SceneFacts:
-    """Facts of a scene; arrays along a beam are `[segments + 1]`, from root to tip."""
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """Resolution of a body by the grid; cells are counted in the coarser direction."""
 
-    thickness: dict[str, np.ndarray]  # Of each beam by the name of its force, m
-    settles: dict[str, tuple[float, float]]  # By key: time from which a law of the flow is constant, s, and its value
-    dimensionless: dict[str, Any] | None  # Fields of `evaluate.dimensionless.Dimensionless`; None without a fluid
-    fluid_steps: int  # Steps that the fluid is expected to make in a communication step
+    length: float  # Diameter of a cylinder, length of a beam or a body, m
+    thickness_cells: float  # Cells in the diameter of a cylinder, in the thickness of a beam or a body
+    layer_cells: float | None  # Cells in the boundary layer at the front; None in still fluid and for a beam in a wake
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dimensionless:
+    """Dimensionless numbers of a scene with a fluid; numbers that the scene lacks are None."""
+
+    velocity: float | None  # U, m/s; None where nothing drives the flow
+    velocity_of: str | None
+    length: float | None  # L, m; None without a body
+    length_of: str | None
+    reynolds: float | None
+    reduced_frequency: float | None  # Of a sine that drives a body or the flow
+    mass_ratio: float | None  # mu / (rho L)
+    density_ratio: float | None  # Least mass of a rod by the mass of the fluid it displaces
+    added_mass_ratio: float | None  # Added mass of a plate by the mass of the beam
+    stiffness: float | None  # EI / (rho U² L³)
+    cfl: float | None  # CFL number of the longest step with twice the largest velocity, as beside a cylinder
+    bodies: dict[str, Body]  # By the names of their forces: cylinder_1, …, body_1, …, beam, or beam_1, …
+
+
+class Facts:
+    """A scene and everything that follows from it. The library is asked once, when the first fact is needed; it raises
+    `SceneError` with the faults of the scene."""
+
+    def __init__(self, scene: Scene):
+        self.scene, self.beams = scene, beams(scene)
+
+    @cached_property
+    def _found(self) -> dict[str, Any]:
+        source = text(self.scene)
+        if (found := library.facts(source)) is None:
+            faults = library.check(source)
+            raise SceneError("\n".join(fault.text for fault in faults), faults)
+        return found
+
+    @cached_property
+    def numbers(self) -> Dimensionless | None:
+        """The dimensionless numbers; None without a fluid."""
+        if (found := self._found["dimensionless"]) is None:
+            return None
+        return Dimensionless(**{**found, "bodies": {name: Body(**body) for name, body in found["bodies"]}})
+
+    @cached_property
+    def thickness(self) -> dict[str, np.ndarray]:
+        """Thickness of each beam, by the name of its force, from root to tip, m: `[segments + 1]`."""
+        each = zip(self.beams, self._found["beams"], strict=True)
+        return {own.force: np.array(found["thickness"]) for own, found in each}
+
+    @property
+    def fluid_steps(self) -> int:
+        """Number of steps that the fluid is expected to make in a communication step."""
+        return int(self._found["fluid_steps"])
 
     def final_value(self, key: str, by: float = np.inf) -> float | None:
-        """Return the value that the law `key` keeps from the time `by` (s) on; None if it still changes then."""
-        time, value = self.settles.get(key, (np.inf, 0.0))
-        return value if key in self.settles and time <= by else None
-
-
-def scene_facts(scene: Scene) -> SceneFacts:
-    """Return the facts of `scene`; raises `SceneError` with its faults where it has some."""
-    forces = tuple(own.force for own in beams(scene))
-    return _facts(text(scene), forces)
-
-
-@lru_cache(maxsize=8)
-def _facts(scene: str, forces: tuple[str, ...]) -> SceneFacts:
-    found = library.facts(scene)
-    if found is None:
-        faults = library.check(scene)
-        raise SceneError("\n".join(fault.text for fault in faults), faults)
-    each = zip(forces, found["beams"], strict=True)
-    return SceneFacts(
-        thickness={force: np.array(beam["thickness"]) for force, beam in each},
-        settles={key: tuple(law["settles"]) for key, law in found["laws"].items() if law["settles"]},
-        dimensionless=found["dimensionless"],
-        fluid_steps=found["fluid_steps"],
-    )
+        """Return the value that the law `key` of the flow keeps from the time `by` (s) on; None if it still changes."""
+        law = self._found["laws"].get(key)
+        time, value = (law and law["settles"]) or (np.inf, None)
+        return value if time <= by else None

@@ -1,17 +1,39 @@
 """The time loop of a run: a coupling scheme, stepped along a time grid, recorded and observed."""
 
+import math
 import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from time import perf_counter, process_time
 
 from nervure.coupling import CouplingError, Scheme
-from nervure.simulation.facts import TimeGrid
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import RunStatus
 from nervure.units.fmu import UnitError
+
+STEP_ROUNDING = 1e-9
+"""Part of a step by which the end time may exceed a whole number of steps without one more step."""
+
+
+@dataclass(frozen=True)
+class TimeGrid:
+    """Communication points i · H for i = 0 … steps - 1, and the end time, s; the last step may be shorter."""
+
+    end: float
+    communication_step: float
+
+    @property
+    def steps(self) -> int:
+        """Number of communication steps."""
+        return max(1, math.ceil(self.end / self.communication_step - STEP_ROUNDING))
+
+    def step(self, i: int) -> tuple[float, float]:
+        """Return the time at the beginning of step `i` and the length of the step, s."""
+        t = i * self.communication_step
+        return t, self.end - t if i == self.steps - 1 else self.communication_step
 
 
 class Observer:

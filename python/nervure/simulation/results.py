@@ -13,7 +13,8 @@ from pydantic import TypeAdapter, ValidationError
 from nervure.errors import InputError
 from nervure.evaluate.statistics import Series
 from nervure.files import write_together
-from nervure.scene import Document, Own, Scene, beams, document, text, unit_label, validate
+from nervure.scene import Document, Scene, document, text, unit_label, validate
+from nervure.scene.facts import Facts
 from nervure.simulation.summary import Summary
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
@@ -38,18 +39,18 @@ ABSENT, LONGEST_SHOWN = "absent", 60  # Word for a missing key in messages, and 
 
 @dataclass(frozen=True)
 class Results:
-    """A run: its scene, its summary, and every recorded output over time."""
+    """A run: the facts of its scene, its summary, and every recorded output over time."""
 
-    scene: Scene
+    facts: Facts
     folder: Path
     summary: Summary
     series: Series  # In full precision where the run was made in this process
     units: Mapping[str, str | None]  # Units of the columns; counts have none
 
     @property
-    def beams(self) -> list[Own]:
-        """The beams of the scene, in the order in which the fluid counts them."""
-        return beams(self.scene)
+    def scene(self) -> Scene:
+        """The scene of the run."""
+        return self.facts.scene
 
 
 def read(folder: Path) -> Results:
@@ -70,7 +71,7 @@ def read(folder: Path) -> Results:
         raise InputError(f"the results in {folder} are damaged: {error}") from error
     if table.shape[1] != len(columns):
         raise InputError(f"the results in {folder} are damaged: series.csv has rows of another length than its header")
-    return Results(scene, folder, known, dict(zip(columns, table.T, strict=True)), known.series)
+    return Results(Facts(scene), folder, known, dict(zip(columns, table.T, strict=True)), known.series)
 
 
 def _read_series(folder: Path) -> tuple[list[str], np.ndarray]:

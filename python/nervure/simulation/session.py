@@ -9,9 +9,9 @@ from typing import Self
 from nervure.coupling import Drive, Scheme, couple
 from nervure.errors import InputError
 from nervure.scene import Scene, unit_label
+from nervure.scene.facts import Facts
 from nervure.simulation import results
-from nervure.simulation.facts import Facts
-from nervure.simulation.loop import TimeLoop
+from nervure.simulation.loop import TimeGrid, TimeLoop
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import summarize
@@ -45,7 +45,8 @@ class Session(TimeLoop):
         scheme: Callable[[Units], Scheme] | None = None,
         series_every: float | None = None,
     ):
-        self.scene, self.facts = scene, Facts.of(scene)
+        self.scene, self.facts = scene, Facts(scene)
+        grid = TimeGrid(scene.time.end, scene.time.communication_step)
         self.folder = folder or Path("results") / scene.name
         self.stale_files = results.field_files(self.folder)
         """Files of an earlier run in the folder, which `finish` removes."""
@@ -56,11 +57,11 @@ class Session(TimeLoop):
                 fmus = {unit: package.lay_out(own, place) for unit, own in describe_all(scene).items()}
             self.fmus, self.foreign = fmus, foreign
             for unit, path in fmus.items():
-                self.units[unit] = Unit(path, unit_label(unit), self.facts.grid.end)
+                self.units[unit] = Unit(path, unit_label(unit), grid.end)
                 stack.callback(self.units[unit].close)
             made = scheme(self.units) if scheme else couple(self.units, scene.coupling, drive, foreign)
-            stride = max(1, round(series_every / self.facts.grid.communication_step)) if series_every else 1
-            super().__init__(made, self.facts.grid, Recorder(self.units, self.facts.grid.steps, stride))
+            stride = max(1, round(series_every / grid.communication_step)) if series_every else 1
+            super().__init__(made, grid, Recorder(self.units, grid.steps, stride))
             self._open = stack.pop_all()
 
     @classmethod
@@ -92,7 +93,7 @@ class Session(TimeLoop):
     def finish(self) -> Results:
         """Evaluate the run, write its results into the folder in place of earlier ones, and return them."""
         summary = summarize(self.facts, self.units, self.scheme, self.recorder, self.status())
-        made = Results(self.scene, self.folder, summary, self.recorder.series, self.recorder.units)
+        made = Results(self.facts, self.folder, summary, self.recorder.series, self.recorder.units)
         try:
             results.write(made, self.scheme.logs(), self.stale_files)
             for observer in self.observers:

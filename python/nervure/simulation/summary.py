@@ -16,13 +16,12 @@ from pydantic import TypeAdapter
 from nervure.coupling import Choice, Scheme
 from nervure.evaluate import bodies, coefficients, flapping, statistics
 from nervure.evaluate.bodies import BodyCoefficients
-from nervure.evaluate.dimensionless import Dimensionless
 from nervure.evaluate.rods import seen
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
 from nervure.provenance import Machine, Revision, git_revision, machine
 from nervure.scene import Own, Scene
-from nervure.simulation.facts import Facts
+from nervure.scene.facts import Dimensionless, Facts
 from nervure.simulation.recorder import Recorder
 from nervure.units.fmu import Unit
 
@@ -228,9 +227,9 @@ def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Re
         error=status.error,
         quantities=known,
         dimensionless=facts.numbers,
-        bodies=bodies.evaluate(scene, facts.beams, facts.numbers, series, window, width) if window else {},
-        coefficients=_coefficients(scene, series, window, width) if window else None,
-        flapping=flapping.evaluate(scene, series, window) if window else None,
+        bodies=bodies.evaluate(facts, series, window, width) if window else {},
+        coefficients=_coefficients(facts, series, window, width) if window else None,
+        flapping=flapping.evaluate(facts, series, window) if window else None,
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
         amplitude_drift=drift,
@@ -258,7 +257,7 @@ def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Re
         git=git_revision(),
         machine=machine(),
         rods={
-            name: OfRod(flapping.evaluate(scene, columns, window) if window else None, interface(columns))
+            name: OfRod(flapping.evaluate(facts, columns, window) if window else None, interface(columns))
             for name, columns in rods.items()
         }
         or None,
@@ -295,11 +294,11 @@ def _not_compared(
     return None
 
 
-def _coefficients(scene: Scene, series: Series, window: statistics.Window, width: float) -> Coefficients | None:
-    scale = coefficients.scale(scene)
+def _coefficients(facts: Facts, series: Series, window: statistics.Window, width: float) -> Coefficients | None:
+    scale, reference = coefficients.scale(facts), facts.scene.reference
     values = coefficients.evaluate(scale, series, window, width) if scale else {}
-    source = scene.reference.source if scene.reference else None
-    return Coefficients(values, coefficients.published(scene.reference), source) if values else None
+    source = reference.source if reference else None
+    return Coefficients(values, coefficients.published(reference), source) if values else None
 
 
 def interface(series: Series) -> Interface | None:

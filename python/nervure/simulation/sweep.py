@@ -29,8 +29,7 @@ from nervure.files import json_numbers, write_csv, write_whole
 from nervure.library import kind_of, library
 from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, validate
 from nervure.simulation import results
-from nervure.simulation.facts import TimeGrid
-from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
 from nervure.simulation.session import Session
 from nervure.simulation.summary import Summary
 
