@@ -139,8 +139,8 @@ fn exchange(name: &str, k: usize) -> [Variable; 4] {
     ]
 }
 
-/// Return the variables of the `n` stations of beam number `k`: motion, pressure jump, and loads and pressure around the beam
-/// if present.
+/// Return the variables of the `n` stations of beam number `k`: motion, pressure jump, and loads and pressure around
+/// the beam if present.
 fn station_variables(prefix: &str, k: usize, n: usize, [loads, pressure]: [bool; 2]) -> Vec<Variable> {
     let (position, velocity) =
         ("Position of the stations at the end of the step", "Velocity of the stations at the end of the step");

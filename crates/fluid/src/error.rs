@@ -37,8 +37,8 @@ pub enum Error {
     },
     /// A communication step that would take too many steps.
     #[error(
-        "the step from t = {time:.6e} s is {step:.3e} s, but it may be no longer than {longest:.3e} s: 1000 communication steps \
-         of the scene, or 1e5 of `max_step`"
+        "the step from t = {time:.6e} s is {step:.3e} s, but it may be no longer than {longest:.3e} s: 1000 \
+         communication steps of the scene, or 1e5 of `max_step`"
     )]
     Long {
         /// Beginning of the step, s.
@@ -50,8 +50,8 @@ pub enum Error {
     },
     /// A station of a beam that is not finite or far outside the domain.
     #[error(
-        "station {station} of {beam} is at ({x:.3e}, {y:.3e}) m with velocity ({vx:.3e}, {vy:.3e}) m/s, but it must be \
-         finite and within one box length of the box"
+        "station {station} of {beam} is at ({x:.3e}, {y:.3e}) m with velocity ({vx:.3e}, {vy:.3e}) m/s, but it must \
+         be finite and within one box length of the box"
     )]
     Station {
         /// Name of the beam: `the beam`, or `beam 2` of several.
@@ -69,8 +69,8 @@ pub enum Error {
     },
     /// Two neighbouring stations of a beam at one point.
     #[error(
-        "stations {station} and {} of {beam} coincide at ({x:.3e}, {y:.3e}) m, where no segment can be; a master has to give \
-         their places before the first step: the start values are those at rest", station + 1
+        "stations {station} and {} of {beam} coincide at ({x:.3e}, {y:.3e}) m, where no segment can be; a master has \
+         to give their places before the first step: the start values are those at rest", station + 1
     )]
     Coincide {
         /// Name of the beam: `the beam`, or `beam 2` of several.
@@ -85,8 +85,8 @@ pub enum Error {
     /// A station of a beam that is too fast for any reasonable step.
     #[error(
         "station {station} of {beam} has the velocity ({vx:.3e}, {vy:.3e}) m/s, for which `max_cfl` asks for steps of \
-         {needed:.3e} s, but they may be no shorter than {shortest:.3e} s, a hundredth of the usual step: the smaller of \
-         `max_step` and the scene's communication step"
+         {needed:.3e} s, but they may be no shorter than {shortest:.3e} s, a hundredth of the usual step: the smaller \
+         of `max_step` and the scene's communication step"
     )]
     FastStation {
         /// Name of the beam: `the beam`, or `beam 2` of several.
@@ -104,9 +104,9 @@ pub enum Error {
     },
     /// An explicit drag too stiff for any reasonable step.
     #[error(
-        "C_eta = {c_eta:.3e} s is too small for the scheme rk2: its steps may not be longer, which makes {substeps:.3e} of them \
-         in the communication step of {step:.3e} s from t = {time:.6e} s, but it may have {most:.0}; use sbdf2, a larger C_eta \
-         or a smaller communication step"
+        "C_eta = {c_eta:.3e} s is too small for the scheme rk2: its steps may not be longer, which makes \
+         {substeps:.3e} of them in the communication step of {step:.3e} s from t = {time:.6e} s, but it may have \
+         {most:.0}; use sbdf2, a larger C_eta or a smaller communication step"
     )]
     Stiff {
         /// Beginning of the step, s.
@@ -122,8 +122,9 @@ pub enum Error {
     },
     /// The flow became too fast for any reasonable step, or not a number.
     #[error(
-        "the flow diverged at t = {time:.6e} s: `max_cfl` asks for steps of {needed:.3e} s, but they may be no shorter than \
-         {shortest:.3e} s, a hundredth of the usual step; try a smaller `max_step`, communication step or `max_cfl`"
+        "the flow diverged at t = {time:.6e} s: `max_cfl` asks for steps of {needed:.3e} s, but they may be no \
+         shorter than {shortest:.3e} s, a hundredth of the usual step; try a smaller `max_step`, communication step or \
+         `max_cfl`"
     )]
     Diverged {
         /// Time reached, s.

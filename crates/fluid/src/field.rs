@@ -7,9 +7,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use line_fft::Real;
 
-/// Size of a way of the first cache, bytes: addresses at this distance share a set. A page has the same size, and large arrays
-/// begin a page. The local solve reads eleven fields at once, more than a set can hold, and takes twice as long on 325 x 72
-/// points if all begin in the same set.
+/// Size of a way of the first cache, bytes: addresses at this distance share a set. A page has the same size, and large
+/// arrays begin a page. The local solve reads eleven fields at once, more than a set can hold, and takes twice as long
+/// on 325 x 72 points if all begin in the same set.
 const CACHE_WAY: usize = 4096;
 
 /// Size of a cache line, bytes.

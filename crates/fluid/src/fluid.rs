@@ -19,8 +19,8 @@ use crate::state::State;
 use crate::step::Substep;
 use crate::timer::Phase;
 
-/// Memory of a fluid for each cell: numbers in its precision, of which 8 are the state and 8 a copy of it; and bytes that do
-/// not depend on the precision, with the roundings of the allocations.
+/// Memory of a fluid for each cell: numbers in its precision, of which 8 are the state and 8 a copy of it; and bytes
+/// that do not depend on the precision, with the roundings of the allocations.
 const NUMBERS_PER_CELL: usize = 27;
 const BYTES_PER_CELL: usize = 44;
 
@@ -131,8 +131,8 @@ impl Fluid {
     /// The steps are equal; if the flow becomes too fast for them, the remaining time is divided again.
     ///
     /// # Errors
-    /// Numbers that are not finite, and a flow or stations that need more than a hundred times the usual number of steps. An
-    /// error leaves everything unchanged; only after [`Error::Loads`] a state has to be restored.
+    /// Numbers that are not finite, and a flow or stations that need more than a hundred times the usual number of
+    /// steps. An error leaves everything unchanged; only after [`Error::Loads`] a state has to be restored.
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.problem.timer.start();
         self.limits.check(t, h)?;

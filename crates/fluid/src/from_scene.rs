@@ -1,7 +1,7 @@
 //! Parameters of the fluid of a scene.
 //!
-//! This stands here behind the feature `scene`, and not in the FMU: tests, benchmarks and the FMU share it, and nothing can
-//! depend on the FMU's library. Without the feature the crate knows no scene files.
+//! This stands here behind the feature `scene`, and not in the FMU: tests, benchmarks and the FMU share it, and nothing
+//! can depend on the FMU's library. Without the feature the crate knows no scene files.
 
 use scene::{Ends, InflowProfile, Load, Root, Scene, TimeLaw};
 

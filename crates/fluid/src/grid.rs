@@ -69,8 +69,8 @@ impl<const D: usize> Grid<D> {
 }
 
 impl Grid {
-    /// Call `visit(index, x, y)` for the points inside a rectangle, with the coordinates of the periodic image that lies
-    /// in it. A rectangle larger than the domain is cut to one period.
+    /// Call `visit(index, x, y)` for the points inside a rectangle, with the coordinates of the periodic image that
+    /// lies in it. A rectangle larger than the domain is cut to one period.
     pub fn for_each_in(&self, rectangle: [[f64; 2]; 2], mut visit: impl FnMut(usize, f64, f64)) {
         let [columns, rows] = [0, 1].map(|axis| {
             let [first, last] = rectangle[axis].map(|end| (end - self.origin[axis]) / self.spacing[axis]);

@@ -8,9 +8,9 @@
 //!
 //! are solved by a Fourier pseudo-spectral method; `a_b` is the drag rate of body b (1/s; chi/C_eta for a mask).
 //!
-//! A [`Fluid`] is made from [`Parameters`]. Each communication step sets the [`Stations`] of the beams, advances the fluid,
-//! and reads forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`, and `bodies` the
-//! beams and the rigid bodies. With the feature `scene` the parameters can be made from a scene.
+//! A [`Fluid`] is made from [`Parameters`]. Each communication step sets the [`Stations`] of the beams, advances the
+//! fluid, and reads forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`, and
+//! `bodies` the beams and the rigid bodies. With the feature `scene` the parameters can be made from a scene.
 
 mod bodies;
 mod error;

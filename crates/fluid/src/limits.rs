@@ -5,8 +5,8 @@ use crate::error::Error;
 use crate::grid::Grid;
 use crate::parameters::Parameters;
 
-/// Flow and beams may shorten the usual step of the fluid by this factor. The usual step is the smaller of `max_step` and
-/// the usual communication step.
+/// Flow and beams may shorten the usual step of the fluid by this factor. The usual step is the smaller of `max_step`
+/// and the usual communication step.
 const SMALLEST_STEP_DIVISOR: f64 = 100.0;
 
 /// Longest communication step, in usual communication steps.
@@ -53,8 +53,8 @@ impl StepLimits {
         Ok(())
     }
 
-    /// Return the number of steps in a communication step, with an advection rate (1/s) and the longest step (s) of explicit
-    /// drag.
+    /// Return the number of steps in a communication step, with an advection rate (1/s) and the longest step (s) of
+    /// explicit drag.
     pub fn divide(&self, t: f64, h: f64, advection_rate: f64, explicit: Option<f64>) -> Result<f64, Error> {
         let (needed, shortest) = (self.max_cfl / advection_rate, self.shortest);
         if needed.is_nan() || needed < shortest {

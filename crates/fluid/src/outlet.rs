@@ -3,8 +3,8 @@
 use crate::grid::Grid;
 use crate::parameters::Parameters;
 
-/// Distances from the inflow zone of the two columns from which the pressure is extrapolated to the outlet, cells. In the
-/// zone the pressure rises again, and the kink is smeared over the edge of the zone.
+/// Distances from the inflow zone of the two columns from which the pressure is extrapolated to the outlet, cells. In
+/// the zone the pressure rises again, and the kink is smeared over the edge of the zone.
 const COLUMNS_BEFORE: [f64; 2] = [8.0, 4.0];
 
 /// The upstream end of the inflow zone, across the channel.

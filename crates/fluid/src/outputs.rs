@@ -51,7 +51,8 @@ impl Fluid {
         self.pressures().probes[probe]
     }
 
-    /// Return the largest divergence of the velocity times the cell size over the largest speed. It takes three transforms.
+    /// Return the largest divergence of the velocity times the cell size over the largest speed. It takes three
+    /// transforms.
     pub fn divergence(&mut self) -> f64 {
         let [largest, fastest] = self.solver.divergence();
         largest * self.problem.grid.cell_size() / fastest.max(f64::MIN_POSITIVE)
@@ -141,14 +142,14 @@ impl Fluid {
         &mut self.motion.target
     }
 
-    /// Return the pressure above less the pressure below the stations of each beam, Pa. The first pressure after a step takes
-    /// three transforms.
+    /// Return the pressure above less the pressure below the stations of each beam, Pa. The first pressure after a step
+    /// takes three transforms.
     pub fn pressure_jump(&mut self) -> &[Vec<f64>] {
         &self.pressures().jump
     }
 
-    /// Return the mean of the pressures above and below the stations of each beam, less the mean over the outlet, Pa; empty if
-    /// not wanted. The first pressure after a step takes three transforms.
+    /// Return the mean of the pressures above and below the stations of each beam, less the mean over the outlet, Pa;
+    /// empty if not wanted. The first pressure after a step takes three transforms.
     pub fn pressure_around(&mut self) -> &[Vec<f64>] {
         &self.pressures().around
     }

@@ -209,8 +209,8 @@ pub enum TimeScheme {
 }
 
 impl Parameters {
-    /// Fluid at rest in a periodic domain: double precision, one thread, smooth filter, two-step backward differences with
-    /// CFL numbers up to 0.4, and a log-linear mask.
+    /// Fluid at rest in a periodic domain: double precision, one thread, smooth filter, two-step backward differences
+    /// with CFL numbers up to 0.4, and a log-linear mask.
     pub fn new(
         domain: [[f64; 2]; 2],
         cells: [usize; 2],

@@ -7,12 +7,12 @@ use crate::parameters::Parameters;
 
 /// Extrapolation of the pressure to a probe in the smeared surface of a still cylinder, where the pressure has a kink.
 ///
-/// The kink rings from cell to cell, most at the first. The mean of three neighbours by 1/4, 1/2, 1/4 removes the ringing,
-/// and a parabola through the means at points a cell apart extrapolates to the wall. The parabola holds over a length that
-/// scales with the radius: against finite elements on 2D-1, one over 1.4 radii is off by +0.5 to −0.5 % of the pressure
-/// difference between front and back on grids of 450 to 1100 points, one over 16 cells by +1.5 to −1.5 %. The points end
-/// before they are nearer to another still body than the first point is to this one; fewer than the least number give no
-/// parabola.
+/// The kink rings from cell to cell, most at the first. The mean of three neighbours by 1/4, 1/2, 1/4 removes the
+/// ringing, and a parabola through the means at points a cell apart extrapolates to the wall. The parabola holds over a
+/// length that scales with the radius: against finite elements on 2D-1, one over 1.4 radii is off by +0.5 to −0.5 % of
+/// the pressure difference between front and back on grids of 450 to 1100 points, one over 16 cells by +1.5 to −1.5 %.
+/// The points end before they are nearer to another still body than the first point is to this one; fewer than the
+/// least number give no parabola.
 const FIT_LENGTH_IN_RADII: f64 = 1.4;
 const LEAST_FIT_POINTS: usize = 6;
 const FIRST_POINT_IN_CELLS: f64 = 1.5;

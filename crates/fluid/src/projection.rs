@@ -1,7 +1,7 @@
 //! The spectral half of a step: viscosity, filter and projection onto divergence-free fields.
 //!
-//! Every mode is calculated in double precision, for any precision of the spectra: the rounding of `1 + tau nu k²` to single
-//! precision would be as large as what viscosity takes from a long wave in a step, and the same in every step.
+//! Every mode is calculated in double precision, for any precision of the spectra: the rounding of `1 + tau nu k²` to
+//! single precision would be as large as what viscosity takes from a long wave in a step, and the same in every step.
 
 use std::array::from_fn;
 use std::f64::consts::TAU;
@@ -148,8 +148,8 @@ impl<R: Real> Projection<R> {
         }
     }
 
-    /// Write the spectrum of `Pi = −i k·w / (tau k²)`. The filter damps its short waves as those of a velocity in a step with
-    /// a CFL number.
+    /// Write the spectrum of `Pi = −i k·w / (tau k²)`. The filter damps its short waves as those of a velocity in a
+    /// step with a CFL number.
     pub fn pressure(&self, wx: &[Pack<R>], wy: &[Pack<R>], inv_tau: f64, cfl: f64, pressure: &mut [Pack<R>]) {
         let cfl = cfl.max(f64::MIN_POSITIVE);
         let nx = self.kx.len();

@@ -11,8 +11,8 @@ use line_fft::{Arithmetic, Kernel, Real, run};
 use line_fft::{Block, Fft2, Pack, Scratch};
 use line_fft::{Team, nothing};
 
-/// Least bytes of a field for each thread. With a team on a busy machine, two threads with 94 kB each made a step of FSI3
-/// longer by a quarter.
+/// Least bytes of a field for each thread. With a team on a busy machine, two threads with 94 kB each made a step of
+/// FSI3 longer by a quarter.
 const LEAST_BYTES_PER_THREAD: usize = 320_000;
 
 /// Transforms of one grid, with room for the spectra.
@@ -69,9 +69,9 @@ impl<R: Real> Spectral<R> {
         AlongY(self)
     }
 
-    /// Return whether the flow of the spectra is finite, seen in the modes of the first column before the flow is made. A
-    /// transform along x spreads what is not a number over its row, and of a number above [`Real::OVERFLOW_GUARD`] at least
-    /// the rounding.
+    /// Return whether the flow of the spectra is finite, seen in the modes of the first column before the flow is made.
+    /// A transform along x spreads what is not a number over its row, and of a number above [`Real::OVERFLOW_GUARD`] at
+    /// least the rounding.
     fn is_finite(&self) -> bool {
         let [u_hat, v_hat, _] = &self.spectra;
         let nx = self.grid.cells[0];
@@ -119,9 +119,9 @@ impl<R: Real> PressureSpectrum<'_, R> {
 impl<R: Real> AlongY<'_, R> {
     /// Write `flow` and return its largest `|u|/dx + |v|/dy` (1/s). If that is not finite, return NaN and leave `flow`.
     ///
-    /// `solve(row, own, [u, v, omega])` makes the spectra of the flow from those of w in `u` and `v`, row by row; `own` is an
-    /// element of the iterator for each row. Each row goes through both transforms along x and through `solve` while it is
-    /// in the cache. One thread runs `meanwhile` while the helpers begin.
+    /// `solve(row, own, [u, v, omega])` makes the spectra of the flow from those of w in `u` and `v`, row by row; `own`
+    /// is an element of the iterator for each row. Each row goes through both transforms along x and through `solve`
+    /// while it is in the cache. One thread runs `meanwhile` while the helpers begin.
     pub fn solve<T: Send>(
         self,
         team: &Team,

@@ -164,8 +164,8 @@ fn each_station_is_announced_its_own_load_impedance_and_moment() {
         let arm = |axis: usize, k: usize| position[axis][k] - position[axis][0];
         let announced: f64 = (0..n).map(|k| arm(0, k) * force[1][k] - arm(1, k) * force[0][k]).sum();
         let exerted = fluid.force_on_beam(0).moment;
-        // The tail of the mask beyond the tip has a longer arm than the section that takes its load; with a wall target it
-        // drags more, as the flow goes through the surface there (found 5.7e-6, and 2.2e-6 with a core).
+        // The tail of the mask beyond the tip has a longer arm than the section that takes its load; with a wall target
+        // it drags more, as the flow goes through the surface there (found 5.7e-6, and 2.2e-6 with a core).
         assert!((exerted / announced - 1.0).abs() < 1e-5, "{mask:?}: announced {announced} N m/m, exerted {exerted}");
     }
 }

@@ -12,7 +12,8 @@ fn beams(order: [usize; 2]) -> Scene {
         format!(
             r#"{{ "name": "{name}", "beam": {{ "root": {{ "at": {{ "position": [-0.2, {y}], "direction": [1, 0.1] }} }},
                 "length": {length}, "thickness": 0.06, "segments": {segments} }},
-            "rod": {{ "material": {{ "section": {{ "line_density": 200, "bending_stiffness": 1, "axial_stiffness": 1e4 }} }} }} }}"#
+            "rod": {{ "material": {{ "section": {{ "line_density": 200, "bending_stiffness": 1,
+                "axial_stiffness": 1e4 }} }} }} }}"#
         )
     };
     let both = [beam("upper", 0.12, 0.3, 8), beam("lower", -0.1, 0.4, 6)];

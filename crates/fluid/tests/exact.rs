@@ -39,7 +39,8 @@ fn the_order_in_time_holds_with_unequal_steps() {
     }
 }
 
-/// Largest growth in a step, over all waves that the smooth filter leaves, of advection without viscosity at a CFL number.
+/// Largest growth in a step, over all waves that the smooth filter leaves, of advection without viscosity at a CFL
+/// number.
 fn growth(scheme: TimeScheme, cfl: f64) -> f64 {
     let waves = (1..=1000).map(|k| f64::from(k) / 1000.0);
     let grown = waves.map(|k| {
@@ -204,8 +205,8 @@ fn announced_loads_are_exerted() {
             // The unsteady term of the reported force is the displaced mass times the change of velocity.
             let exerted = fluid.force()[axis] - still.force()[axis] - displaced * change / 2e-3;
             let announced = -impedance * change;
-            // A wall target follows the body along and across the surface by different factors, of which the impedance has
-            // that for motion across the beam.
+            // A wall target follows the body along and across the surface by different factors, of which the impedance
+            // has that for motion across the beam.
             let limit = if axis == 0 && matches!(mask, Mask::LogLinear { .. }) { 0.1 } else { 1e-9 };
             assert!(
                 (exerted / announced - 1.0).abs() < limit,
@@ -215,8 +216,8 @@ fn announced_loads_are_exerted() {
     }
 }
 
-/// Where the stations go on with their velocities, what was announced to them is what is exerted: their sum is the drag on
-/// the beam, and their power that of the drag on the cells, rotation of the section included.
+/// Where the stations go on with their velocities, what was announced to them is what is exerted: their sum is the drag
+/// on the beam, and their power that of the drag on the cells, rotation of the section included.
 #[test]
 fn announced_station_loads_have_the_force_and_the_power_of_the_drag() {
     for mask in [
@@ -364,7 +365,8 @@ fn the_two_thirds_rule_leaves_products_unaliased() {
     assert!(found[1] > 0.1 && found[0] > 0.9 * found[1], "{found:?}");
 }
 
-/// With an e-fold of a quarter of a cell or more the wall keeps its place; below, the grid no longer resolves the profile.
+/// With an e-fold of a quarter of a cell or more the wall keeps its place; below, the grid no longer resolves the
+/// profile.
 #[test]
 fn the_wall_is_where_it_should_be_at_any_offset_of_the_grid() {
     for (decay_length_cells, limit) in [(0.2, 0.06), (0.25, 0.03), (0.3, 0.02)] {

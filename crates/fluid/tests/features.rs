@@ -228,7 +228,8 @@ fn bodies_may_touch() {
     for scheme in SCHEMES {
         let text = r#""kinematic_viscosity": 1e-3, "box": { "x": [-0.4, 1.2], "y": [-0.1, 0.5], "cells": [96, 36] },
             "channel": { "y": [0.0, 0.4] },
-            "inflow": { "x": [-0.4, -0.1], "profile": "parabolic", "c_eta": 2e-3, "mean_velocity": { "constant": 1.0 } },
+            "inflow": { "x": [-0.4, -0.1], "profile": "parabolic", "c_eta": 2e-3,
+                        "mean_velocity": { "constant": 1.0 } },
             "initial_velocity": [0.8, 0.0],
             "cylinders": [
                 { "center": [0.1, 0.03], "radius": 0.05 }, { "center": [0.21, 0.05], "radius": 0.06 },
@@ -290,7 +291,8 @@ fn both_schemes_agree_on_forces() {
 fn with_bodies(bodies: &str, rest: &str, cells: usize) -> Scene {
     let mut scene = scene(
         &format!(
-            r#""kinematic_viscosity": 2e-3, "box": {{ "x": [-0.5, 0.5], "y": [-0.5, 0.5], "cells": [{cells}, {cells}] }},
+            r#""kinematic_viscosity": 2e-3, "box": {{ "x": [-0.5, 0.5], "y": [-0.5, 0.5],
+                "cells": [{cells}, {cells}] }},
             "bodies": [{bodies}] {rest}"#
         ),
         "",

@@ -28,8 +28,8 @@ fn both(scene: &Scene) -> [Fluid; 2] {
     [Precision::Double, Precision::Single].map(|precision| fluid(scene.clone(), precision))
 }
 
-/// The Taylor–Green vortex in both schemes over a thousand steps. On these lengths the rounded roots of unity take 1.4e-7 of
-/// it in a step, unless the projection puts that back.
+/// The Taylor–Green vortex in both schemes over a thousand steps. On these lengths the rounded roots of unity take
+/// 1.4e-7 of it in a step, unless the projection puts that back.
 #[test]
 fn the_taylor_green_vortex_decays_as_it_should() {
     let vortex = |x: f64, y: f64| [x.sin() * y.cos(), -x.cos() * y.sin()];
@@ -59,8 +59,8 @@ fn the_taylor_green_vortex_decays_as_it_should() {
 }
 
 /// What is lost or won in a step, however little, would be seen after so many: the mean flow, and a wave without
-/// viscosity. That falls by 4e-9 in a step, which is what the rounded roots of unity of the transforms make; a rounded factor
-/// between them would make up to 6e-8.
+/// viscosity. That falls by 4e-9 in a step, which is what the rounded roots of unity of the transforms make; a rounded
+/// factor between them would make up to 6e-8.
 #[test]
 fn nothing_drifts_in_thirty_thousand_steps() {
     for scheme in [TimeScheme::Sbdf2, TimeScheme::Rk2] {

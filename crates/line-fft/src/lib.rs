@@ -1,7 +1,7 @@
 //! Fourier transforms of the lines of a grid along an axis.
 //!
-//! A vector holds one number of each of several lines ([`Pack`]), so a transform needs no shuffles ([`Lines`]). Real lines
-//! along the contiguous axis are transformed in pairs, as real and imaginary parts ([`RealLines`]); a spectrum is
+//! A vector holds one number of each of several lines ([`Pack`]), so a transform needs no shuffles ([`Lines`]). Real
+//! lines along the contiguous axis are transformed in pairs, as real and imaginary parts ([`RealLines`]); a spectrum is
 //! `[rows, lines]` of packs, a row for as many modes as a vector has lanes. [`Fft2`] joins both for two axes; a third
 //! axis would be another [`Lines`] over the same spectrum. [`Team`] shares the work of a phase among threads.
 

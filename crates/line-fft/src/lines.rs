@@ -88,7 +88,8 @@ impl<R: Real> Lines<R> {
 
     /// Return the gain of each mode in a round trip (inverse, then forward) over the length.
     ///
-    /// Rounded roots of unity do not have the absolute value 1. The excess is the same in every round trip, so it adds up.
+    /// Rounded roots of unity do not have the absolute value 1. The excess is the same in every round trip, so it adds
+    /// up.
     pub fn gains(&self) -> Vec<f64> {
         match self {
             Self::Smooth(smooth) => smooth.gains(),
@@ -106,8 +107,8 @@ impl<R: Real> Lines<R> {
 
     /// Write `to[k] = Σ_j from[j] exp(−2πi j k/n)`.
     ///
-    /// With `EXCHANGE` real and imaginary parts of the input are swapped: the output is the inverse transform, also with
-    /// its parts swapped.
+    /// With `EXCHANGE` real and imaginary parts of the input are swapped: the output is the inverse transform, also
+    /// with its parts swapped.
     pub fn forward<const EXCHANGE: bool>(&self, from: &[Pack<R>], to: &mut [Pack<R>], scratch: &mut [Complex<R>]) {
         match self {
             Self::Smooth(smooth) => smooth.forward::<EXCHANGE>(from, to),
@@ -155,9 +156,9 @@ impl<R: Real> Smooth<R> {
 impl<R: Real> Smooth<R> {
     /// Return [`Lines::gains`], to first order in the rounding.
     ///
-    /// The weight of an input in an output is a product with one factor for each pass. So the mean over the inputs of the
-    /// squared weight, less 1, is a sum over the passes; so is the mean over the outputs. A mode is an output of the
-    /// forward transform and an input of the inverse one: its gain is half of both sums.
+    /// The weight of an input in an output is a product with one factor for each pass. So the mean over the inputs of
+    /// the squared weight, less 1, is a sum over the passes; so is the mean over the outputs. A mode is an output of
+    /// the forward transform and an input of the inverse one: its gain is half of both sums.
     fn gains(&self) -> Vec<f64> {
         /// Gains nearer to 1 have no effect in any number of steps. In double precision all are nearer.
         const NO_EFFECT: f64 = 1e-12;

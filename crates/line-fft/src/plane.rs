@@ -1,8 +1,8 @@
 //! Real transforms of fields on two axes.
 //!
 //! Fields are `[nx, ny]`, y contiguous, and spectra `[rows, nx]` of [`Pack`]s, with modes in y in the lanes. Forward
-//! transforms are unnormalised. The halves along each axis are separate, so that work on a row of modes can be done between
-//! them, while the row is in the cache.
+//! transforms are unnormalised. The halves along each axis are separate, so that work on a row of modes can be done
+//! between them, while the row is in the cache.
 
 use std::array::from_fn;
 use std::slice::from_mut;
@@ -33,8 +33,8 @@ pub struct Scratch<R: Real> {
 }
 
 impl<R: Real> Fft2<R> {
-    /// Plan transforms of `[nx, ny]` fields that keep the first `modes` in y of `ny/2 + 1`; there must be at least 8 points
-    /// along y and two vectors along x.
+    /// Plan transforms of `[nx, ny]` fields that keep the first `modes` in y of `ny/2 + 1`; there must be at least 8
+    /// points along y and two vectors along x.
     pub fn new(nx: usize, ny: usize, modes: usize) -> Self {
         Self { x: Lines::new(nx), y: RealLines::new(nx, ny, modes), shape: [nx, ny] }
     }

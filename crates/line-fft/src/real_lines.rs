@@ -1,8 +1,8 @@
 //! Real transforms of lines along the contiguous axis.
 //!
-//! A field is `[lines, length]`. A block of twice as many lines as a vector has lanes is transformed together, two lines in
-//! each lane as the real and the imaginary part of one. The spectrum is `[rows, lines]` of [`Pack`]s: row j holds the modes
-//! LANES j … LANES (j + 1) − 1 of every line.
+//! A field is `[lines, length]`. A block of twice as many lines as a vector has lanes is transformed together, two
+//! lines in each lane as the real and the imaginary part of one. The spectrum is `[rows, lines]` of [`Pack`]s: row j
+//! holds the modes LANES j … LANES (j + 1) − 1 of every line.
 
 #![allow(clippy::needless_range_loop, reason = "loops over lanes are clearest, and surely unrolled, by index")]
 
@@ -35,8 +35,8 @@ pub struct Block<R: Real> {
 }
 
 impl<R: Real> RealLines<R> {
-    /// Plan transforms of `count` lines, at least a block, of `length` points, at least 8, that keep the first `modes` of
-    /// `length/2 + 1`.
+    /// Plan transforms of `count` lines, at least a block, of `length` points, at least 8, that keep the first `modes`
+    /// of `length/2 + 1`.
     pub fn new(count: usize, length: usize, modes: usize) -> Self {
         let fits = count >= block::<R>() && length >= 8 && modes <= length / 2 + 1;
         assert!(fits, "{count} lines of {length} points, {modes} modes");
@@ -63,7 +63,8 @@ impl<R: Real> RealLines<R> {
         (0..self.rows * R::LANES).map(gain).collect()
     }
 
-    /// Divide the lines into at most `parts` ranges. Transforms of the ranges have the same bits for any number of parts.
+    /// Divide the lines into at most `parts` ranges. Transforms of the ranges have the same bits for any number of
+    /// parts.
     pub fn shares(&self, parts: usize) -> impl Iterator<Item = Range<usize>> + use<R> {
         let (count, blocks) = (self.count, self.count / block::<R>());
         let parts = parts.min(blocks);
@@ -119,8 +120,8 @@ impl<R: Real> RealLines<R> {
         });
     }
 
-    /// Write the points of a block of `lines`, times the length, from a spectrum with real and imaginary parts swapped, as
-    /// [`Lines::forward`] with `EXCHANGE` writes it.
+    /// Write the points of a block of `lines`, times the length, from a spectrum with real and imaginary parts swapped,
+    /// as [`Lines::forward`] with `EXCHANGE` writes it.
     pub fn inverse(
         &self,
         spectrum: &[Pack<R>],

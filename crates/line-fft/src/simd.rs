@@ -21,8 +21,9 @@ use crate::transpose;
 
 /// The numbers of fields and spectra: `f64` or `f32`.
 ///
-/// Transforms calculate in it. All other arithmetic should be on `f64`, so that no coefficient has a rounding error that
-/// is the same in every step: [`Self::to_f64`] on reading and [`Self::rounded`] on storing leave an `f64` as it is.
+/// Transforms calculate in it. All other arithmetic should be on `f64`, so that no coefficient has a rounding error
+/// that is the same in every step: [`Self::to_f64`] on reading and [`Self::rounded`] on storing leave an `f64` as it
+/// is.
 pub trait Real: sealed::Sealed + FftNum + Default + PartialOrd + AddAssign + Serialize + DeserializeOwned {
     /// Numbers in a vector.
     const LANES: usize;
@@ -117,8 +118,8 @@ pub trait Arithmetic<R: Real>: Copy {
 
 /// A loop compiled for each kind of processor.
 ///
-/// `run` and every function that it calls with vectors must be `#[inline(always)]`: a call is slower by a factor of ten.
-/// Closures in `array::from_fn` and the like are not inlined.
+/// `run` and every function that it calls with vectors must be `#[inline(always)]`: a call is slower by a factor of
+/// ten. Closures in `array::from_fn` and the like are not inlined.
 pub trait Kernel {
     /// The numbers of its vectors.
     type Real: Real;

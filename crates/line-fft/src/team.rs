@@ -1,8 +1,8 @@
 //! A team of threads that shares the parts of a phase.
 //!
-//! A team lives as long as the call of [`Team::with`]: no thread is left when a library is unloaded or the process forks.
-//! Threads take parts as they come. No thread waits for one that has not taken a part: a thread that starts or wakes late
-//! does not delay the others.
+//! A team lives as long as the call of [`Team::with`]: no thread is left when a library is unloaded or the process
+//! forks. Threads take parts as they come. No thread waits for one that has not taken a part: a thread that starts or
+//! wakes late does not delay the others.
 
 use std::hint::spin_loop;
 use std::panic::{AssertUnwindSafe, catch_unwind};

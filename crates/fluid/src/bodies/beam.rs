@@ -1,7 +1,7 @@
 //! A beam: its mask, its present pose, and its loads.
 //!
-//! Loads go back to the stations through the transpose of the map from stations to cells ([`super::pose`]), so that the power
-//! of the loads is the power of the drag on the sections.
+//! Loads go back to the stations through the transpose of the map from stations to cells ([`super::pose`]), so that the
+//! power of the loads is the power of the drag on the sections.
 
 use super::cells::Cell;
 use super::frame::StationSection;
@@ -76,8 +76,8 @@ impl Beam {
 
     /// Write the loads on the stations from the drag on the cells.
     ///
-    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it decreases with the velocity of
-    /// the body (kg/(m s)), per axis. The impedance of a station is for motion across the beam.
+    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it decreases with the
+    /// velocity of the body (kg/(m s)), per axis. The impedance of a station is for motion across the beam.
     pub fn collect(&self, mut drag: impl FnMut(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut Loads) {
         loads.force.iter_mut().for_each(|f| f.fill(0.0));
         loads.impedance.fill(0.0);
@@ -181,8 +181,8 @@ mod tests {
         }
     }
 
-    /// A cell on the line where two surfaces are equally near draws the fluid to the same velocity on both sides of the line:
-    /// at a corner of the tip, outside and inside, and in the middle of a thin beam.
+    /// A cell on the line where two surfaces are equally near draws the fluid to the same velocity on both sides of the
+    /// line: at a corner of the tip, outside and inside, and in the middle of a thin beam.
     #[test]
     fn no_cell_switches_abruptly_from_one_surface_to_the_other() {
         let grid = Grid::new([[0.0, 1.0]; 2], [100; 2]);
@@ -196,7 +196,8 @@ mod tests {
         let mask = Mask::LogLinear { c_eta: 1e-5, decay_length_cells: 0.25, core_depth: None, wall_correction: target };
         let mut beam = Beam::new(&parameters, &grid, &mask, 1e-3);
         let flow: Vec<_> = (0..grid.len()).map(|i| grid.point(i)).map(|[x, y]| [y + x * y, x - 2.0 * y * y]).collect();
-        // A cell, and its position relative to the upper corner of the tip: on the bisector outside and inside, and far away.
+        // A cell, and its position relative to the upper corner of the tip: on the bisector outside and inside, and far
+        // away.
         let [x, y] = grid.point(60 * grid.cells[1] + 50);
         for [right, up] in [[0.003, 0.003], [-0.004, -0.004], [-0.1, -0.0125]] {
             let drawn = [-1e-10, 1e-10].map(|aside| {

@@ -19,9 +19,9 @@ pub struct Cell {
     pub gain: [f64; 2],
 }
 
-/// A surface whose wall target acts on a cell: the body draws the fluid to
-/// `u_b + (t W_t t + n W_n n)·(u(point) − u_b)`, summed over points, with t along the surface and n across. A cell between
-/// several surfaces has one of each, next to one another.
+/// A surface whose wall target acts on a cell: the body draws the fluid to `u_b + (t W_t t + n W_n n)·(u(point) −
+/// u_b)`, summed over points, with t along the surface and n across. A cell between several surfaces has one of each,
+/// next to one another.
 #[derive(Clone, Copy, Debug)]
 struct Targeted {
     /// Number of the cell.
@@ -34,8 +34,8 @@ struct Targeted {
     body: [f64; 2],
     /// Velocity of the body across the surface before the step, m/s.
     across_before: f64,
-    /// Velocity of the body along the surface at the points relative to that at the cell, times the weights, m/s: a body
-    /// that turns is faster farther away.
+    /// Velocity of the body along the surface at the points relative to that at the cell, times the weights, m/s: a
+    /// body that turns is faster farther away.
     turned: f64,
     /// Unit normal n of the surface.
     normal: [f64; 2],

@@ -2,9 +2,9 @@
 
 /// A body that can be measured.
 ///
-/// Everything that its drag on the fluid depends on follows from `measure`: the drag profile from the distance, the wall
-/// target from the surfaces, and the velocity to which the fluid is drawn. `N` is the number of surfaces that may be near a
-/// point.
+/// Everything that its drag on the fluid depends on follows from `measure`: the drag profile from the distance, the
+/// wall target from the surfaces, and the velocity to which the fluid is drawn. `N` is the number of surfaces that may
+/// be near a point.
 pub trait Measured<const N: usize> {
     /// A point near the body, with what is known of its place in the body.
     type Place;

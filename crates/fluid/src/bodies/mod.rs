@@ -102,8 +102,8 @@ impl Bodies {
         bodies
     }
 
-    /// Return the grid points in which changing bodies are painted, with the total drag rate, 1/s. A point that two bodies
-    /// share is there twice.
+    /// Return the grid points in which changing bodies are painted, with the total drag rate, 1/s. A point that two
+    /// bodies share is there twice.
     pub fn painted(&self) -> impl Iterator<Item = (usize, f64)> {
         let rate = self.rate.as_deref().unwrap_or_default();
         self.painted.points().map(|point| (point, rate[point]))
@@ -151,7 +151,8 @@ impl Bodies {
         self.rate.as_deref()
     }
 
-    /// Move the bodies to their places at a time (s) and the beams from the stations `before` to `stations`, and paint them.
+    /// Move the bodies to their places at a time (s) and the beams from the stations `before` to `stations`, and paint
+    /// them.
     pub fn place(&mut self, time: f64, stations: &[Stations], before: &[Stations], grid: &Grid) {
         self.moving().place(time, stations, before, grid);
         self.paint();
@@ -168,8 +169,8 @@ impl Bodies {
         MovingBodies { rigid: &mut self.rigid, beams: &mut self.beams }
     }
 
-    /// Return the drag rate of still bodies (1/s), and the bodies, to be moved while the rate is read and then to be painted
-    /// with [`Self::paint`].
+    /// Return the drag rate of still bodies (1/s), and the bodies, to be moved while the rate is read and then to be
+    /// painted with [`Self::paint`].
     pub fn split_static(&mut self) -> (Option<&[f64]>, MovingBodies<'_>) {
         if let Some(rate) = &mut self.rate {
             self.painted.erase(rate);
@@ -225,8 +226,8 @@ impl Bodies {
 
     /// Sum up the forces of a step of size `dt` (s) from `drag`, the drag on a cell over the density, m/s².
     ///
-    /// The penalization integral lacks the rate of change of the momentum that the fluid displaced by a moving body would
-    /// have (thesis eq. 3.20). The drag on the part of a beam inside its cylinder acts on the cylinder.
+    /// The penalization integral lacks the rate of change of the momentum that the fluid displaced by a moving body
+    /// would have (thesis eq. 3.20). The drag on the part of a beam inside its cylinder acts on the cylinder.
     pub fn sum_up_forces(
         &self,
         dt: f64,
@@ -262,8 +263,8 @@ impl Bodies {
 
     /// Write the loads on the stations of each beam from the drag on its cells.
     ///
-    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it decreases with the velocity of
-    /// the body (kg/(m s)), per axis.
+    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it decreases with the
+    /// velocity of the body (kg/(m s)), per axis.
     pub fn collect_loads(&self, drag: impl Fn(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut [Loads]) {
         self.beams.iter().zip(loads).for_each(|(beam, loads)| beam.collect(&drag, loads));
     }

@@ -36,8 +36,8 @@ pub fn section(corners: &[[f64; 2]]) -> Section {
     Section { area, centroid: [x0 + cx, y0 + cy], polar: second - area * (cx * cx + cy * cy) }
 }
 
-/// Return the nearest point of the outline. A convex corner is nearest to points in the fluid only, a concave one to points
-/// in the body only.
+/// Return the nearest point of the outline. A convex corner is nearest to points in the fluid only, a concave one to
+/// points in the body only.
 pub fn nearest(point: [f64; 2], corners: &[[f64; 2]]) -> Nearest {
     let (mut least, mut side, mut corner) = (f64::INFINITY, 0, None);
     for (i, (a, b)) in sides(corners).enumerate() {

@@ -1,17 +1,17 @@
 //! A beam at some stations: its cells, and their places in it.
 //!
-//! The beam is the band around the polyline of the stations, with a flat tip; its thickness is linear in each segment. At a
-//! station the tangent is the bisector of the segments beside it, and in between it turns linearly. A point belongs to the
-//! place on the polyline to which the tangent is at right angles. So place, height and everything that follows from them,
-//! the loads included, are continuous in the point and in the stations. At the fraction t of segment k and the height n
-//! above the centre line the beam moves with the section (shear-free):
+//! The beam is the band around the polyline of the stations, with a flat tip; its thickness is linear in each segment.
+//! At a station the tangent is the bisector of the segments beside it, and in between it turns linearly. A point
+//! belongs to the place on the polyline to which the tangent is at right angles. So place, height and everything that
+//! follows from them, the loads included, are continuous in the point and in the stations. At the fraction t of segment
+//! k and the height n above the centre line the beam moves with the section (shear-free):
 //!
 //! `u_s = (1 - t) v_k + t v_{k+1} - omega n e`, `omega = (1 - t) omega_k + t omega_{k+1}`
 //!
-//! with e the tangent. A station turns at the rate `omega_k = (v_j - v_i)·m / |x_j - x_i|` of the line from station i to j
-//! around it, with the normal m; the line is at least as long as the beam is thick. The rate over a segment alone would be
-//! large for stations that move up and down in turn: their drag would be more than twice the announced impedance, which is
-//! for sections that do not turn, and an explicit coupling would be unstable.
+//! with e the tangent. A station turns at the rate `omega_k = (v_j - v_i)·m / |x_j - x_i|` of the line from station i
+//! to j around it, with the normal m; the line is at least as long as the beam is thick. The rate over a segment alone
+//! would be large for stations that move up and down in turn: their drag would be more than twice the announced
+//! impedance, which is for sections that do not turn, and an explicit coupling would be unstable.
 
 use super::cells::{Cell, Cells};
 use super::frame::{Frame, Segment, StationSection};

@@ -3,8 +3,8 @@
 /// The nearest point of an outline.
 #[derive(Clone, Copy, Debug)]
 pub struct Nearest {
-    /// Signed distance, m, positive outside. Outside corners it is the distance to the lines of the sides, so that lines of
-    /// equal distance keep the corner.
+    /// Signed distance, m, positive outside. Outside corners it is the distance to the lines of the sides, so that
+    /// lines of equal distance keep the corner.
     pub distance: f64,
     /// That point, or the point on the line of the side, m.
     pub surface: [f64; 2],

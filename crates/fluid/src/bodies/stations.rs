@@ -65,8 +65,8 @@ impl Stations {
         lengths(self) == lengths(other)
     }
 
-    /// Become the stations at the fraction `s` of the time from `a` to `b`, which are `h` seconds apart: the velocity is
-    /// linear, the position is the cubic with the positions and velocities of both ends.
+    /// Become the stations at the fraction `s` of the time from `a` to `b`, which are `h` seconds apart: the velocity
+    /// is linear, the position is the cubic with the positions and velocities of both ends.
     pub(crate) fn interpolate(&mut self, a: &Self, b: &Self, s: f64, h: f64) {
         for axis in 0..2 {
             for k in 0..self.len() {

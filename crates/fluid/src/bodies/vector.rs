@@ -36,8 +36,8 @@ pub fn between(a: [f64; 2], b: [f64; 2], t: f64) -> [f64; 2] {
     [0, 1].map(|axis| (1.0 - t) * a[axis] + t * b[axis])
 }
 
-/// Return the unit tangent at station `k`: the bisector of the segments beside it, of which `along` gives the directions,
-/// from 0 to `last`.
+/// Return the unit tangent at station `k`: the bisector of the segments beside it, of which `along` gives the
+/// directions, from 0 to `last`.
 pub fn bisector(k: usize, last: usize, along: impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
     let [behind, ahead] = [k.saturating_sub(1), k.min(last)].map(along);
     unit([behind[0] + ahead[0], behind[1] + ahead[1]])

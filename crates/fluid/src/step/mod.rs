@@ -1,4 +1,5 @@
-//! The time schemes. A step makes the next flow in arrays of its own and swaps them with the present flow if it is finite.
+//! The time schemes. A step makes the next flow in arrays of its own and swaps them with the present flow if it is
+//! finite.
 
 mod rk2;
 mod sbdf2;
@@ -112,8 +113,8 @@ impl<R: Real> Scheme<R> {
 
     /// Write the loads on the stations in a coming step of the same length in which the stations keep their velocities.
     ///
-    /// Implicit drag acts on the beams where that step ends, at `predicted`: at their present places the loads would be late
-    /// by a step, and the exchange would feed the rod. Explicit drag acts at their present places.
+    /// Implicit drag acts on the beams where that step ends, at `predicted`: at their present places the loads would be
+    /// late by a step, and the exchange would feed the rod. Explicit drag acts at their present places.
     pub fn predict_loads(
         &self,
         predicted: Option<PredictedBeams>,

@@ -8,8 +8,8 @@
 //! u^{n+1} = P F ½ [E u^n + u_1 + dt f(t^{n+1}, u_1)]                    wave by wave
 //! ```
 //!
-//! with `F = 1/(1 + dt r)`, r being the rate of the filter. This is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n is
-//! kept, so a step takes ten real transforms: twice two forward and three inverse. The explicit drag is stable up to
+//! with `F = 1/(1 + dt r)`, r being the rate of the filter. This is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n
+//! is kept, so a step takes ten real transforms: twice two forward and three inverse. The explicit drag is stable up to
 //! `dt Σ a = 2`; steps are divided to keep it at or below 1.
 
 use std::f64::consts::TAU;
@@ -174,7 +174,8 @@ impl Decay {
         self.y.iter_mut().zip(&self.ky2).for_each(|(y, k2)| *y = decay(*k2));
     }
 
-    /// Turn w into what a stage projects, in a row of one component; `before` is the row of u^n over the number of points.
+    /// Turn w into what a stage projects, in a row of one component; `before` is the row of u^n over the number of
+    /// points.
     fn apply<R: Real>(&self, stage: Stage, points: f64, row: usize, w: &mut [Pack<R>], before: &[Pack<R>]) {
         let [decay_y, gain_y] = [&self.y, &self.gains[1]].map(|of| &of[row * R::LANES..][..R::LANES]);
         for ((w, before), (decay_x, gain_x)) in w.iter_mut().zip(before).zip(self.x.iter().zip(&self.gains[0])) {

@@ -11,8 +11,8 @@
 //! ```
 //!
 //! The sum of both is the scheme with all terms implicit but `a tau (G^{n+1} − G^n)`, of second order. Both parts are
-//! monotone, so neither stiff drag nor viscosity bounds the step; advection does. A step takes five real transforms: two
-//! forward (u* + tau G) and three inverse (u, v, omega).
+//! monotone, so neither stiff drag nor viscosity bounds the step; advection does. A step takes five real transforms:
+//! two forward (u* + tau G) and three inverse (u, v, omega).
 //!
 //! The drag on the bodies in the step is `rho a_b (u* − u_b)`. It is linear in u_b with the slope
 //! `−rho a_b (1 − a_b/(c_0 + Σ a))`, which gives the impedance of the loads.
@@ -102,8 +102,8 @@ impl<R: Real> Sbdf2<R> {
         Ok(predicted)
     }
 
-    /// Put the bodies to the end of the step, and write u* + tau G without their velocities to `w`. With helpers the solve
-    /// around the bodies runs meanwhile, and is repeated in their cells.
+    /// Put the bodies to the end of the step, and write u* + tau G without their velocities to `w`. With helpers the
+    /// solve around the bodies runs meanwhile, and is repeated in their cells.
     fn place_and_solve(
         &self,
         step: &Substep,
@@ -278,8 +278,8 @@ impl<'a, R: Real> Known<'a, R> {
         }
     }
 
-    /// Return a component, at point `i`, of `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, the right-hand side without
-    /// the bodies, and of G^n.
+    /// Return a component, at point `i`, of `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, the right-hand side
+    /// without the bodies, and of G^n.
     fn right_side(&self, &Differences { c, e, .. }: &Differences, axis: usize, i: usize) -> (f64, f64) {
         let [u, u_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[axis][i].to_f64());
         let [v, v_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[1 - axis][i].to_f64());
@@ -298,8 +298,8 @@ impl<'a, R: Real> Known<'a, R> {
     }
 }
 
-/// [`Known::solve`] at all points, with the same bits. Eleven arrays are read and written at once, which takes most of the
-/// time.
+/// [`Known::solve`] at all points, with the same bits. Eleven arrays are read and written at once, which takes most of
+/// the time.
 struct LocalSolve<'a, R> {
     known: Known<'a, R>,
     scheme: &'a Differences,

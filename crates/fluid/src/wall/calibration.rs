@@ -9,15 +9,15 @@ use super::target::{INERTIA, Sample, WallTarget};
 use crate::filter::smooth_damping;
 use crate::parameters::WallCorrection;
 
-/// Return the wall target for a growth of the drag (with cell and nu equal to 1), and the displacement of the profile into
-/// the solid (cells); none if there is no correction, or none that contracts.
+/// Return the wall target for a growth of the drag (with cell and nu equal to 1), and the displacement of the profile
+/// into the solid (cells); none if there is no correction, or none that contracts.
 ///
-/// Four numbers describe the effect of a profile on a flow `u = t d + g d²/2` along a wall: the zero of the shear t, the
-/// excess flux of the shear, and slip and excess flux of g. For the bare profile the zero is at 0, and flux and slip are
-/// (π²/6) λ² t and −(π²/6) λ² g, equal by the reciprocity of the operator `u″ − a u`. With the calibrated weights and depth
-/// the flux of the shear vanishes, and with [`WallCorrection::Curvature`] slip and flux of g as well. The displacement
-/// compensates for their effect on the zero, and for the position of the wall on a grid, as a mean over positions of the
-/// grid.
+/// Four numbers describe the effect of a profile on a flow `u = t d + g d²/2` along a wall: the zero of the shear t,
+/// the excess flux of the shear, and slip and excess flux of g. For the bare profile the zero is at 0, and flux and
+/// slip are (π²/6) λ² t and −(π²/6) λ² g, equal by the reciprocity of the operator `u″ − a u`. With the calibrated
+/// weights and depth the flux of the shear vanishes, and with [`WallCorrection::Curvature`] slip and flux of g as well.
+/// The displacement compensates for their effect on the zero, and for the position of the wall on a grid, as a mean
+/// over positions of the grid.
 pub fn calibrate(growth: Growth, wanted: WallCorrection) -> Option<(WallTarget, f64)> {
     let target = |[mirror, curvature, depth]: [f64; 3]| WallTarget {
         mirror,
@@ -41,7 +41,8 @@ pub fn calibrate(growth: Growth, wanted: WallCorrection) -> Option<(WallTarget, 
         let (slip, bent_flux) = bent_flow(growth, &target);
         Vector3::new(flux, slip, bent_flux)
     };
-    // Newton's method with differences and short strides from weak weights: the errors are nearly linear in the weights.
+    // Newton's method with differences and short strides from weak weights: the errors are nearly linear in the
+    // weights.
     let mut unknowns = [0.1, if count == 1 { 0.0 } else { 0.1 }, 1.0];
     for _ in 0..30 {
         const STEP: f64 = 1e-3;
@@ -60,7 +61,8 @@ pub fn calibrate(growth: Growth, wanted: WallCorrection) -> Option<(WallTarget, 
             break;
         }
     }
-    // Rounded, so that processors that differ in the last digit have the same wall: the search amplifies the difference.
+    // Rounded, so that processors that differ in the last digit have the same wall: the search amplifies the
+    // difference.
     let rounded = |number: f64| (number * 1e7).round() * 1e-7;
     let target = target(unknowns.map(rounded));
     let mut shift = shear_flow(growth, &target).0;
@@ -71,8 +73,9 @@ pub fn calibrate(growth: Growth, wanted: WallCorrection) -> Option<(WallTarget, 
     (shift.is_finite() && target.mirror + target.curvature < 1.0).then_some((target, shift))
 }
 
-/// Return the displacement (cells, outwards) of the wall on a grid, for a profile that is moved into the solid by `shift`:
-/// the mean over positions of the grid, from plane Poiseuille flow with spectral derivatives and the smooth filter.
+/// Return the displacement (cells, outwards) of the wall on a grid, for a profile that is moved into the solid by
+/// `shift`: the mean over positions of the grid, from plane Poiseuille flow with spectral derivatives and the smooth
+/// filter.
 fn wall_on_grid(growth: Growth, target: &WallTarget, shift: f64) -> Option<f64> {
     /// Points of the domain, cells between the walls and below the lower one, and positions of the grid.
     const POINTS: usize = 64;
@@ -129,8 +132,8 @@ fn shear_flow(growth: Growth, target: &WallTarget) -> (f64, f64) {
     (wall, flux - 0.5 * (end - wall).powi(2))
 }
 
-/// Return, for a flow of curvature 1 without shear along a wall at d = 0, the slip of the far field `d²/2 + slip` and the flux
-/// beyond it (cells).
+/// Return, for a flow of curvature 1 without shear along a wall at d = 0, the slip of the far field `d²/2 + slip` and
+/// the flux beyond it (cells).
 fn bent_flow(growth: Growth, target: &WallTarget) -> (f64, f64) {
     let half_spacing = 0.5 / POINTS_PER_CELL as f64;
     let (u, h, end) = flow_along_wall(growth, target, 1.0, REACH as f64 - half_spacing);
@@ -151,9 +154,9 @@ const REACH: usize = 6;
 const CONVERGED: f64 = 1e-14;
 const MAX_ITERATIONS: usize = 60;
 
-/// Solve `u″ = a (u − u_t) + g` by finite differences, with lengths in cells, nu = 1, u = 0 deep inside and a slope given half
-/// a spacing before the end. Return u from `d = −REACH`, the spacing, and the last d. The target u_t is weak and is
-/// iterated.
+/// Solve `u″ = a (u − u_t) + g` by finite differences, with lengths in cells, nu = 1, u = 0 deep inside and a slope
+/// given half a spacing before the end. Return u from `d = −REACH`, the spacing, and the last d. The target u_t is weak
+/// and is iterated.
 fn flow_along_wall(growth: Growth, target: &WallTarget, g: f64, slope: f64) -> (Vec<f64>, f64, f64) {
     let h = 1.0 / POINTS_PER_CELL as f64;
     let wall = REACH * POINTS_PER_CELL;
@@ -198,7 +201,8 @@ mod tests {
 
     use super::*;
 
-    /// The bare profile has the excess flux (π²/6) λ² and, by reciprocity, the slip −(π²/6) λ²; the wall target removes both.
+    /// The bare profile has the excess flux (π²/6) λ² and, by reciprocity, the slip −(π²/6) λ²; the wall target removes
+    /// both.
     #[test]
     fn the_wall_target_takes_out_displacement_fluxes_and_slip() {
         for decay_length_cells in [0.15, 0.2, 0.25, 0.3] {
@@ -246,8 +250,8 @@ mod tests {
         }
     }
 
-    /// Return the distance (cells) of the apparent wall inside its place in plane stagnation flow of a strain rate (nu/dx²), by
-    /// the displacement of the far field (0.6479 layers of √(nu/R) at a wall, Hiemenz 1911).
+    /// Return the distance (cells) of the apparent wall inside its place in plane stagnation flow of a strain rate
+    /// (nu/dx²), by the displacement of the far field (0.6479 layers of √(nu/R) at a wall, Hiemenz 1911).
     fn wall_in_stagnation_flow(strain: f64, target: &WallTarget, growth: Growth, shift: f64) -> f64 {
         const PER_CELL: usize = 20;
         let (h, wall) = (1.0 / PER_CELL as f64, 2 * PER_CELL + PER_CELL / 2);

@@ -6,24 +6,25 @@ const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
 /// Growth in the core of a body over the log-linear growth.
 const STEEPNESS: f64 = 3.0;
 
-/// Depth of the core below a wall without a target, decay lengths. The flow along the wall has decreased there to 0.7 % of λ
-/// times its shear, so the calibration of the surface is not affected.
+/// Depth of the core below a wall without a target, decay lengths. The flow along the wall has decreased there to 0.7 %
+/// of λ times its shear, so the calibration of the surface is not affected.
 const CORE_DEPTH: f64 = 3.0;
 
 /// Depth of the core below a wall with a target, decay lengths; the calibration includes the core. With a deeper core a
 /// cylinder would be porous under the pressure of a fast flow.
 const CORE_DEPTH_WITH_TARGET: f64 = 1.5;
 
-/// Exponent of the constant drag above a deep core: 61 ν/dx², which the grid resolves. With a larger drag towards a wall target
-/// the fluid makes waves that the grid does not resolve, and forces depend on C_eta.
+/// Exponent of the constant drag above a deep core: 61 ν/dx², which the grid resolves. With a larger drag towards a
+/// wall target the fluid makes waves that the grid does not resolve, and forces depend on C_eta.
 const PLATEAU: f64 = 2.5;
 
-/// Exponent that the drag of a body reaches at the depth where it has cells for every position of the grid. A bar of two or
-/// three cells would be porous otherwise: the pressure on a flapping bar is ten times the pressure of its stream.
+/// Exponent that the drag of a body reaches at the depth where it has cells for every position of the grid. A bar of
+/// two or three cells would be porous otherwise: the pressure on a flapping bar is ten times the pressure of its
+/// stream.
 const TIGHT_EXPONENT: f64 = 7.0;
 
-/// Largest depth of a deep core over the thickness of the body. The pressure jump across a body drives fluid through it at
-/// the speed of the jump over the density and the integral of the drag; the soft part adds little to that integral
+/// Largest depth of a deep core over the thickness of the body. The pressure jump across a body drives fluid through it
+/// at the speed of the jump over the density and the integral of the drag; the soft part adds little to that integral
 /// (docs/dev/wall-model.md).
 const LARGEST_SOFT_FRACTION: f64 = 0.2;
 
@@ -44,8 +45,8 @@ impl Growth {
         Self::still(decay_length_cells, f64::INFINITY, None, false)
     }
 
-    /// Growth in a still body with a thickness, with or without a wall target. The core begins at a depth, or at the default
-    /// depth; all in cells.
+    /// Growth in a still body with a thickness, with or without a wall target. The core begins at a depth, or at the
+    /// default depth; all in cells.
     pub fn still(decay_length_cells: f64, thickness: f64, core_depth: Option<f64>, with_target: bool) -> Self {
         let (usual, plateau) =
             if with_target { (CORE_DEPTH_WITH_TARGET, PLATEAU) } else { (CORE_DEPTH, f64::INFINITY) };
@@ -56,10 +57,10 @@ impl Growth {
 
     /// Growth in a moving body with a thickness (cells); it has a core only if it is thin.
     ///
-    /// Cells enter the body and leave it. A fluid that follows the body at the rate s has the velocity a/(a + s) of the body in
-    /// a cell. With an exponential a of the decay length λ this is a logistic function, whose sum over the cells ripples with
-    /// the position of the grid by `2 π λ/sinh(2 π² λ)` of a cell: 0.02 for a quarter of a cell, 0.2 in a core three times as
-    /// steep. So forces flicker with a core of any depth (docs/dev/wall-model.md).
+    /// Cells enter the body and leave it. A fluid that follows the body at the rate s has the velocity a/(a + s) of the
+    /// body in a cell. With an exponential a of the decay length λ this is a logistic function, whose sum over the
+    /// cells ripples with the position of the grid by `2 π λ/sinh(2 π² λ)` of a cell: 0.02 for a quarter of a cell, 0.2
+    /// in a core three times as steep. So forces flicker with a core of any depth (docs/dev/wall-model.md).
     pub fn moving(decay_length_cells: f64, thickness: f64) -> Self {
         Self::new(decay_length_cells, thickness, f64::INFINITY, f64::INFINITY)
     }
@@ -89,7 +90,8 @@ mod tests {
         (growth.drag(depth) / growth.drag(0.0)).ln()
     }
 
-    /// Above a deep core the drag is constant; a thin body has a hard core all the same, and the default depth is unchanged.
+    /// Above a deep core the drag is constant; a thin body has a hard core all the same, and the default depth is
+    /// unchanged.
     #[test]
     fn the_drag_waits_for_a_deep_core() {
         let deep = Growth::still(0.25, f64::INFINITY, Some(2.0), true);

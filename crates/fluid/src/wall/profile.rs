@@ -10,8 +10,8 @@ use super::growth::Growth;
 use super::target::{MIRROR_DEPTH, WallTarget};
 use crate::parameters::Mask;
 
-/// Distance from the surface in decay lengths beyond which the log-linear drag is neglected. In linear shear the neglected
-/// part would move the wall by `e^{−2γ} (x² + 2x + 2) e^{−x} λ`, 1.7e-3 λ.
+/// Distance from the surface in decay lengths beyond which the log-linear drag is neglected. In linear shear the
+/// neglected part would move the wall by `e^{−2γ} (x² + 2x + 2) e^{−x} λ`, 1.7e-3 λ.
 const TAIL: f64 = 10.0;
 
 /// A drag profile on one grid, in one fluid.
@@ -139,8 +139,8 @@ impl DragProfile {
 }
 
 /// Return the displacement of the no-slip wall by a cosine mask of half-width `h`, both in units of eps = √(ν C_eta),
-/// positive if the body is too thick: the zero of the solution of u″ = chi u that decays into the solid and is linear in
-/// the fluid (Hester, Vasil & Burns 2021).
+/// positive if the body is too thick: the zero of the solution of u″ = chi u that decays into the solid and is linear
+/// in the fluid (Hester, Vasil & Burns 2021).
 fn cosine_wall_displacement(h: f64) -> f64 {
     const STEPS: usize = 4000;
     let chi = |x: f64| 0.5 * (1.0 + (PI * (x + h) / (2.0 * h)).cos());

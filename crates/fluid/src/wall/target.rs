@@ -9,24 +9,28 @@ const OUTER_DISTANCE: f64 = 1.0;
 /// Largest difference of the distances of two surfaces that share a cell, cells.
 const SHARING_DISTANCE: f64 = 1.0;
 
-/// Drag that a flow through the surface adds, over the drag of the profile, per cell Reynolds number of that flow a cell away.
+/// Drag that a flow through the surface adds, over the drag of the profile, per cell Reynolds number of that flow a
+/// cell away.
 ///
-/// The log-linear profile is made for a viscous layer, with nu/dx² as the only rate. Where the flow approaches or leaves the
-/// wall, the fluid of the first cell changes in the time dx/u_n. If that time is shorter, the flow cuts into the profile: by
-/// half a cell in plane stagnation flow (Hiemenz 1911) at a cell Reynolds number of 16, and as much at the tip of a moving
-/// bar. With this value the bare profile keeps the wall of stagnation flow within 0.15 cells for cell Reynolds numbers from
-/// 1 to 32. Beside a plane wall the wall target compensates for a part, so that 0.25 would do; at corners it does not, and
-/// comparisons of a bar in prescribed motion with a moving mesh require the larger value.
+/// The log-linear profile is made for a viscous layer, with nu/dx² as the only rate. Where the flow approaches or
+/// leaves the wall, the fluid of the first cell changes in the time dx/u_n. If that time is shorter, the flow cuts into
+/// the profile: by half a cell in plane stagnation flow (Hiemenz 1911) at a cell Reynolds number of 16, and as much at
+/// the tip of a moving bar. With this value the bare profile keeps the wall of stagnation flow within 0.15 cells for
+/// cell Reynolds numbers from 1 to 32. Beside a plane wall the wall target compensates for a part, so that 0.25 would
+/// do; at corners it does not, and comparisons of a bar in prescribed motion with a moving mesh require the larger
+/// value.
 pub const INERTIA: f64 = 0.7;
 
-/// The velocity to which a solid with the log-linear profile draws the fluid at its surface, instead of its own velocity u_b:
+/// The velocity to which a solid with the log-linear profile draws the fluid at its surface, instead of its own
+/// velocity u_b:
 ///
 /// `u_b − mirror w(D/2) (u(D) − u_b) + curvature v (u(2) − 2 u(1) + u_b)`
 ///
-/// along the surface at the depth D, with lengths in cells. u(x) is the flow at the distance x outside; w decreases smoothly
-/// from 1 to 0; so does v, over `depth` inside and over one cell outside. Across the surface the velocity is the solid's own:
-/// a flow through the surface would be pumped against the drag. The drag is `1 + 0.7 |n·(u(1) − u_b)| dx/nu` times the drag
-/// of the profile, with the velocity u_b before the step, so that the load is linear in the velocity at its end.
+/// along the surface at the depth D, with lengths in cells. u(x) is the flow at the distance x outside; w decreases
+/// smoothly from 1 to 0; so does v, over `depth` inside and over one cell outside. Across the surface the velocity is
+/// the solid's own: a flow through the surface would be pumped against the drag. The drag is `1 + 0.7 |n·(u(1) − u_b)|
+/// dx/nu` times the drag of the profile, with the velocity u_b before the step, so that the load is linear in the
+/// velocity at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WallTarget {
     /// Weight of the mirror image at the surface.
@@ -71,9 +75,9 @@ impl WallTarget {
         -MIRROR_DEPTH.max(self.depth) * self.cell < d && d < OUTER_DISTANCE * self.cell
     }
 
-    /// Return the share of each surface in a cell, by the signed distances (m) of the cell from them. The nearest surface has
-    /// all of it; surfaces that are nearly as near share it, so that no cell switches from one surface to another abruptly as
-    /// a body moves.
+    /// Return the share of each surface in a cell, by the signed distances (m) of the cell from them. The nearest
+    /// surface has all of it; surfaces that are nearly as near share it, so that no cell switches from one surface to
+    /// another abruptly as a body moves.
     pub fn shares<const N: usize>(&self, distances: [f64; N]) -> [f64; N] {
         let nearest = distances.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let weights = distances.map(|distance| smoothstep_down((nearest - distance) / (SHARING_DISTANCE * self.cell)));

@@ -48,12 +48,12 @@ pub fn taylor_green_error(scheme: TimeScheme, steps: usize, pattern: &[f64]) -> 
     largest
 }
 
-/// Stokes (1851): a cylinder of radius a that oscillates in a still fluid carries the displaced mass times the real part
-/// of `1 + 4 K_1(z)/(z K_0(z))`, `z = a √(i omega/nu)`, as added mass.
+/// Stokes (1851): a cylinder of radius a that oscillates in a still fluid carries the displaced mass times the real
+/// part of `1 + 4 K_1(z)/(z K_0(z))`, `z = a √(i omega/nu)`, as added mass.
 ///
-/// In a square lattice with the share phi of the area and no mean pressure gradient each cylinder stands in the field of
-/// the others' dipoles: the tangential velocity at its surface falls by 1/(1 + phi), the 1 becomes (1 − phi)/(1 + phi)
-/// and the Stokes layer's part, which goes with the square of that velocity, is divided by (1 + phi)².
+/// In a square lattice with the share phi of the area and no mean pressure gradient each cylinder stands in the field
+/// of the others' dipoles: the tangential velocity at its surface falls by 1/(1 + phi), the 1 becomes (1 − phi)/(1 +
+/// phi) and the Stokes layer's part, which goes with the square of that velocity, is divided by (1 + phi)².
 ///
 /// Found and expected added mass over the displaced mass, in a box of twice `half_box` metres.
 pub fn added_mass(half_box: f64, cells: usize) -> [f64; 2] {
@@ -219,7 +219,8 @@ fn poiseuille(cells: usize, offset: f64, mask: Mask) -> ([f64; 2], f64) {
     ([(walls[0] + 0.5) / dx, (walls[1] - 0.5) / dx], flux / (-2.0 * a / 12.0) - 1.0)
 }
 
-/// Where the walls of the penalized channel are at several offsets of the grid: least and most, cells, outwards positive.
+/// Where the walls of the penalized channel are at several offsets of the grid: least and most, cells, outwards
+/// positive.
 pub fn walls(decay_length_cells: f64) -> [f64; 2] {
     let mask =
         Mask::LogLinear { c_eta: 1e-7, decay_length_cells, core_depth: None, wall_correction: WallCorrection::None };

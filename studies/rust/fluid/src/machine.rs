@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 /// How long each is measured: longer than what else runs on the machine is busy without a pause.
 const TIME: Duration = Duration::from_millis(1500);
-/// Bytes that are streamed between two looks at the clock, at least: a tenth of a millisecond. A clock of processor time
-/// may stand still for some microseconds.
+/// Bytes that are streamed between two looks at the clock, at least: a tenth of a millisecond. A clock of processor
+/// time may stand still for some microseconds.
 const STREAMED: usize = 40_000_000;
 /// Vectors of multiply-adds that do not wait for each other: more than a core has under way.
 const CHAINS: usize = 12;

@@ -206,7 +206,8 @@ impl Flow {
     }
 }
 
-/// A step in double and in single precision, beside FFTW's time for the five transforms that it has (two forward, three back).
+/// A step in double and in single precision, beside FFTW's time for the five transforms that it has (two forward, three
+/// back).
 fn steps(library: &Library, table: &mut Table) {
     let grids = [
         (0, [325, 72]),
@@ -237,8 +238,8 @@ fn steps(library: &Library, table: &mut Table) {
     }
 }
 
-/// Processor times of the phases of a step and of all of it, s: means over the fastest quarter of the steps, so that the
-/// phases add up and what else runs on the machine counts little.
+/// Processor times of the phases of a step and of all of it, s: means over the fastest quarter of the steps, so that
+/// the phases add up and what else runs on the machine counts little.
 fn phases_of(flow: &mut Flow, mut step: impl FnMut(&mut Flow)) -> [f64; PHASES.len()] {
     flow.fluid.timer().now = Some(processor_time);
     let mut steps: Vec<[f64; PHASES.len()]> = repeated(|| {
@@ -263,8 +264,8 @@ fn machine(table: &mut Table) {
     table.row("single", 1e-9 * f32::peak(&processor_time), "Gflop/s");
 }
 
-/// The phases of a step, the bars swinging; of FSI3 those that go through whole arrays beside what the machine does with as
-/// much. The projection is timed by itself, row by row in the cache as it runs between the transforms along x.
+/// The phases of a step, the bars swinging; of FSI3 those that go through whole arrays beside what the machine does
+/// with as much. The projection is timed by itself, row by row in the cache as it runs between the transforms along x.
 fn phases<R: Real + Fused>(precision: Precision, [title, roofline]: [&str; 2], table: &mut Table) {
     for (name, cells, step) in SCENES {
         table.begin(title, name, cells);
@@ -300,8 +301,8 @@ fn phases<R: Real + Fused>(precision: Precision, [title, roofline]: [&str; 2], t
     }
 }
 
-/// What the phases of [`roofline::of_step`] would take if nothing came from beyond the second cache, s: by a solve on a small
-/// grid, by one block of columns again and again, and by one row of modes.
+/// What the phases of [`roofline::of_step`] would take if nothing came from beyond the second cache, s: by a solve on a
+/// small grid, by one block of columns again and again, and by one row of modes.
 fn in_cache<R: Real>(
     precision: Precision,
     [nx, ny]: [usize; 2],

@@ -1,11 +1,11 @@
 //! What the phases of a step move and calculate, counted from what they do to arrays and lines.
 //!
 //! Moved is what a phase reads of arrays that are larger than a row or a block of columns, what it writes, and what it
-//! writes without having read, once more: a line comes into the cache before it is written to. The same is counted of the
-//! triad in `machine`. A fused multiply-add is two operations, a division, a comparison and a change of sign one.
+//! writes without having read, once more: a line comes into the cache before it is written to. The same is counted of
+//! the triad in `machine`. A fused multiply-add is two operations, a division, a comparison and a change of sign one.
 //!
-//! The phases that walk along lists of cells (painting, wall target, velocities of bodies and zones, forces, loads) have no
-//! count: how long the lists are is not known here.
+//! The phases that walk along lists of cells (painting, wall target, velocities of bodies and zones, forces, loads)
+//! have no count: how long the lists are is not known here.
 
 use nervure_fluid::internals::{Phase, Projection};
 use nervure_line_fft::{Fft2, Real};
@@ -19,13 +19,13 @@ pub struct Work {
     pub flops: f64,
 }
 
-/// The phases that go through whole arrays, and the bytes of all arrays of a step: the flow and w at two times, the drag
-/// rate, three spectra and the coefficients of their modes. In a step each is used once or twice, so what a phase reads comes
-/// from where as much as that has room.
+/// The phases that go through whole arrays, and the bytes of all arrays of a step: the flow and w at two times, the
+/// drag rate, three spectra and the coefficients of their modes. In a step each is used once or twice, so what a phase
+/// reads comes from where as much as that has room.
 pub fn of_step<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> ([Work; 4], f64) {
     let points = (nx * ny) as f64;
-    // Bytes of a field, of one in double precision whatever that of the others, and of a spectrum without the modes that are
-    // filtered away.
+    // Bytes of a field, of one in double precision whatever that of the others, and of a spectrum without the modes
+    // that are filtered away.
     let field = points * size_of::<R>() as f64;
     let wide = points * size_of::<f64>() as f64;
     let modes = projection.modes().div_ceil(R::LANES) * R::LANES;
@@ -55,8 +55,8 @@ pub fn of_step<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> ([W
             phase: Phase::Rows,
             // Reads two spectra and the coefficients; writes both over what was read, and a third.
             moved: 2.0 * spectrum + coefficients + 2.0 * spectrum + 2.0 * spectrum,
-            // Five transforms; the projection of a mode: its gain (7), both components times it (4), what is along the wave
-            // (8), taken out (8), the curl (7).
+            // Five transforms; the projection of a mode: its gain (7), both components times it (4), what is along the
+            // wave (8), taken out (8), the curl (7).
             flops: modes * (5.0 * along(nx) + 34.0 * nx as f64),
         },
         Work {
@@ -70,8 +70,8 @@ pub fn of_step<R: Real>([nx, ny]: [usize; 2], projection: &Projection<R>) -> ([W
     (phases, 10.0 * field + wide + 3.0 * spectrum + coefficients)
 }
 
-/// Operations of a complex transform of length n by passes of small factors, as the fluid does it. A length with another
-/// factor is counted as 5 n log2 n, by custom.
+/// Operations of a complex transform of length n by passes of small factors, as the fluid does it. A length with
+/// another factor is counted as 5 n log2 n, by custom.
 pub fn operations_of_line(n: usize) -> usize {
     let (mut rest, mut first, mut operations) = (n, true, 0);
     for factor in [13, 11, 7, 5, 4, 3, 2] {
@@ -91,8 +91,8 @@ fn operations_of_butterfly(factor: usize) -> usize {
         2 => 2 * 2,
         4 => 8 * 2,
         _ => {
-            // Of each pair of inputs sum, difference and a part of the first output (2 each). Of each pair of outputs two sums
-            // over the pairs by multiply-adds (4 each, one 2 less), and their sum and difference (2 each).
+            // Of each pair of inputs sum, difference and a part of the first output (2 each). Of each pair of outputs
+            // two sums over the pairs by multiply-adds (4 each, one 2 less), and their sum and difference (2 each).
             let half = factor / 2;
             half * 3 * 2 + half * (8 * half - 2 + 2 * 2)
         }
@@ -105,7 +105,8 @@ mod tests {
 
     #[test]
     fn small_transforms_have_the_operations_of_their_formulas() {
-        // Of 3: t = x1 + x2, y0 = x0 + t, m = x0 + cos t, s = sin (x1 − x2), y1, y2 = m ± i s: 2 + 2 + 4 + 2 + 2 + 2 · 2.
+        // Of 3: t = x1 + x2, y0 = x0 + t, m = x0 + cos t, s = sin (x1 − x2), y1, y2 = m ± i s: 2 + 2 + 4 + 2 + 2 + 2 ·
+        // 2.
         assert_eq!(operations_of_line(3), 16);
         // Of 8: two of 4 (8 complex sums each), three turned inputs with the one that is 1, and four pairs of sums.
         assert_eq!(operations_of_line(8), 2 * 16 + 4 * 6 + 4 * 4);
