@@ -17,7 +17,7 @@ from nervure import coupling, scene as scenes
 from nervure.evaluate import coefficients, statistics
 from nervure.files import json_numbers
 from nervure.output import plots
-from nervure.output.forecast import resident
+from nervure.output.forecast import resident_memory
 from nervure.scene import validate
 from nervure.simulation.session import Session
 from nervure.units.describe import describe_all
@@ -164,7 +164,7 @@ def timed(call: Callable[..., Any], seconds: dict[str, float], phase: str) -> Ca
 def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: bool = False) -> dict[str, Any]:
     """Run a scene into `folder` once. Return its summary, with wall times of FMI, Python and recording, and with the
     memory of units and record, MB, which is right only for the first run in a process."""
-    before = resident()
+    before = resident_memory()
     with session(scene, folder, rigid) as run:
         seconds = {"fmi": 0.0, "recording": 0.0}
         for unit in run.units.values():
@@ -172,7 +172,7 @@ def once(scene: dict[str, Any], folder: Path, rigid: bool = False, pictures: boo
                 setattr(unit, name, timed(getattr(unit, name), seconds, "fmi"))
         setattr(run.recorder, "record", timed(run.recorder.record, seconds, "recording"))  # noqa: B010
         status = run.run()
-        memory = resident() - before
+        memory = resident_memory() - before
         run.observers = [plots.Pictures(run)] if pictures else []
         made = run.finish()
         summary = made.summary.document()

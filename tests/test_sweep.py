@@ -152,7 +152,7 @@ def test_a_sweep_shows_its_values_and_replaces_no_other_scene(scene, tmp_path):
 
 def test_a_sweep_tells_how_many_steps_are_done(rod_only, tmp_path):
     rod_only["time"]["end"] = 0.3
-    cases, told = sweep.grid([rod_only], [sweep.values("beam.segments=8,32")]), []
+    cases, told = sweep.grid([rod_only], [sweep.variation("beam.segments=8,32")]), []
     with LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address="127.0.0.1:0") as cluster:
         sweep.run(cases, tmp_path, cluster.scheduler_address, progress=lambda *done: told.append(done))
     assert told[-1] == (2, 6000) and any(0 < steps < 6000 for _, steps in told), told
@@ -253,7 +253,7 @@ def test_ctrl_c_is_raised_where_the_sweep_asks_for_it():
 )
 def test_a_variation_that_leads_nowhere_is_said(variations, message, rod_only):
     with pytest.raises(SceneError, match=message):
-        sweep.grid([rod_only], [sweep.values(text) for text in variations])
+        sweep.grid([rod_only], [sweep.variation(text) for text in variations])
 
 
 @pytest.mark.parametrize(
@@ -267,12 +267,12 @@ def test_a_variation_that_leads_nowhere_is_said(variations, message, rod_only):
     ],
 )
 def test_a_folder_is_named_by_its_values(variation, folders, fluid_only):
-    cases = sweep.grid([fluid_only], [sweep.values(variation)])
+    cases = sweep.grid([fluid_only], [sweep.variation(variation)])
     assert all(case.folder.startswith(folder) and len(case.folder) <= 100 for case, folder in zip(cases, folders))
 
 
 def test_several_scenes_and_listed_values_make_one_grid(rod_only, fluid_only):
-    variations = [sweep.values("time.end=0.1,0.2"), sweep.values('name=["one", "two"]')]
+    variations = [sweep.variation("time.end=0.1,0.2"), sweep.variation('name=["one", "two"]')]
     cases = sweep.grid([rod_only, fluid_only], variations)
     assert len({case.folder for case in cases}) == len(cases) == 8
     assert cases[1].varied == {"time.end": 0.1, "name": "two"} and cases[1].scene["name"] == "two"

@@ -296,24 +296,24 @@ def sweep(
     from rich.console import Console
 
     from nervure.output import sweeps as shown
-    from nervure.output.console import counting
+    from nervure.output.console import sweep_progress
     from nervure.scene import read
     from nervure.simulation import sweep as sweeps
 
     scenes = [read(name, overrides or (), end_time) for name in scene_files]
-    cases = sweeps.grid(scenes, [sweeps.values(text) for text in vary or []])
-    folder = output or Path("results") / f"sweep-{sweeps.plain_name(scenes[0])}"
+    cases = sweeps.grid(scenes, [sweeps.variation(text) for text in vary or []])
+    folder = output or Path("results") / f"sweep-{sweeps.path_name(scenes[0])}"
     console = Console(quiet=quiet, highlight=False)
-    todo = sweeps.unknown(cases, folder, retry_failed)
+    todo = sweeps.missing_cases(cases, folder, retry_failed)
     console.print(f"{len(cases)} runs, {len(todo)} to do, into {folder}", markup=False, soft_wrap=True)
     if list_runs:
         for case in cases:
-            row = sweeps.known(case, folder)
+            row = sweeps.earlier_row(case, folder)
             told = f"{row['status']} {row['reason'] or ''}" if row else f"{case.steps} steps to do"
             console.print(f"{case.folder}: {told}", markup=False, soft_wrap=True)
         return
     try:
-        with counting(console, len(todo), sum(case.steps for case in todo)) as count:
+        with sweep_progress(console, len(todo), sum(case.steps for case in todo)) as count:
             say = partial(console.print, markup=False, soft_wrap=True)
             rows = sweeps.run(cases, folder, scheduler, todo, force, say, count)
     except KeyboardInterrupt:

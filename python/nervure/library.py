@@ -9,7 +9,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -96,13 +96,8 @@ def describe(kind: str, text: str, version: int = 2) -> str:
 
     Raises `SceneError` with the faults of the scene, or with the unit's words where only the unit refuses it.
     """
-    return _described(library(kind), text, version)
-
-
-@lru_cache(maxsize=4)  # A fluid takes a tenth of a second, and a run wants it twice: to check the scene and to pack it
-def _described(path: Path, text: str, version: int) -> str:
     name = {2: "fmu_model_description", 3: "fmu_model_description_3"}[version]
-    function = ctypes.CDLL(str(path))[name]
+    function = ctypes.CDLL(str(library(kind)))[name]
     function.argtypes = [ctypes.c_char_p, *BUFFER]
     with tempfile.TemporaryDirectory() as resources:
         Path(resources, "scene.json").write_bytes(text.encode("utf-8"))  # the GUID is of the bytes

@@ -20,7 +20,7 @@ from itertools import pairwise
 import numpy as np
 
 from nervure.evaluate import flapping, statistics
-from nervure.evaluate.rods import seen
+from nervure.evaluate.rods import rod_columns
 from nervure.evaluate.statistics import Series, Window
 from nervure.scene.facts import Facts
 from nervure.scene.types import BodyMotion, Fluid, Motion, TimeLaw, TimeLawConstant, TimeLawSine
@@ -74,7 +74,7 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
     rods = {own.force: own for own in facts.beams}
     found = {}
     for name, body in numbers.bodies.items():
-        own = seen(series, rods[name]) if name in rods else None
+        own = rod_columns(series, rods[name]) if name in rods else None
         forces = [f"{name}_drag", f"{name}_lift"]
         if not series.keys() >= {*forces}:
             continue

@@ -4,7 +4,7 @@ from nervure.evaluate.statistics import Series
 from nervure.scene import Own
 
 
-def seen(series: Series, own: Own) -> Series:
+def rod_columns(series: Series, own: Own) -> Series:
     """Return the columns of one rod, without its name in front, and the fluid's columns of its beam as `beam_…`; of a
     single rod all columns."""
     if not own.prefix:

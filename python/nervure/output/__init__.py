@@ -5,7 +5,7 @@ from nervure.scene.types import Display
 READ_IN = {"m": ("mm", 1e3)}  # Units that are shown in another scale
 
 
-def shown_in(unit: str | None, display: Display | None = None) -> tuple[str, float]:
+def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[str, float]:
     """Return the unit in which values in `unit` are shown, and the factor to it. With `display`, lengths and times are
     in a scene's own scales, and forces and energies have no unit."""
     if display is None:
@@ -19,6 +19,6 @@ def shown_in(unit: str | None, display: Display | None = None) -> tuple[str, flo
     return own.get(unit or "", ""), 1.0
 
 
-def with_unit(name: str, unit: str) -> str:
+def axis_label(name: str, unit: str) -> str:
     """Return the label of an axis."""
     return f"{name} [{unit}]" if unit else name

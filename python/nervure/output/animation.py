@@ -21,7 +21,7 @@ from nervure.errors import InputError
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
-from nervure.output import fields, plots, with_unit
+from nervure.output import axis_label, fields, plots
 from nervure.scene import beams, validate
 from nervure.simulation import results
 from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
@@ -159,7 +159,7 @@ def _rod_figure(frames: Frames, chosen: list[int]) -> tuple[Figure, list[Any], l
     axes = list(figure.subplots(1, len(views), squeeze=False)[0])
     metre = plots.unit("m", frames.scene)
     for axis, (across, up) in zip(axes, views, strict=True):
-        axis.set(xlabel=with_unit("xyz"[across], metre), ylabel=with_unit("xyz"[up], metre), aspect="equal")
+        axis.set(xlabel=axis_label("xyz"[across], metre), ylabel=axis_label("xyz"[up], metre), aspect="equal")
         axis.locator_params(nbins=5)
     middle = shapes.shape[1] // 2
     return figure, axes, views, shapes, shapes[:, -1] if in_space else shapes[:, middle - 1 : middle + 1].mean(axis=1)
@@ -196,7 +196,7 @@ def motion(frames: Frames, chosen: list[int], path: Path) -> None:
             colour = colormaps["viridis"](times(frames.times[chosen[number]]))
             axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
     key = ScalarMappable(times, "viridis")
-    figure.colorbar(key, ax=axes, label=with_unit("t", plots.unit("s", frames.scene)), pad=0.01)
+    figure.colorbar(key, ax=axes, label=axis_label("t", plots.unit("s", frames.scene)), pad=0.01)
     figure.suptitle("the rod, and in grey the path of its tip", fontsize="medium")
     figure.savefig(path, dpi=150)
 

@@ -8,7 +8,7 @@ from time import perf_counter
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from nervure.output import forecast, shown_in, tables
+from nervure.output import displayed_unit, forecast, tables
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import CHECKPOINT, Results
 from nervure.simulation.session import Session
@@ -57,7 +57,7 @@ class Terminal(Observer):
     def _show(self, loop: TimeLoop, wall: float) -> None:
         values = []
         for name in self.columns:
-            unit, scale = shown_in(loop.recorder.units[name])
+            unit, scale = displayed_unit(loop.recorder.units[name])
             values.append(f"{name} {loop.recorder.series[name][-1] * scale:.2f} {unit}")
         end, left = loop.grid.end, wall * (loop.grid.end - loop.time) / loop.time
         text = ", ".join([f"t {loop.time:.3f} of {end:g} s", f"wall {wall:.0f} s, {left:.0f} s left", *values])
@@ -92,7 +92,7 @@ def _bar(console: Console) -> Progress:
 
 
 @contextmanager
-def counting(console: Console, runs: int, steps: int) -> Iterator[Callable[[int, int], None]]:
+def sweep_progress(console: Console, runs: int, steps: int) -> Iterator[Callable[[int, int], None]]:
     """Yield a function that shows how many of `runs` and of their `steps` are done, and the time left; any thread may
     call it."""
     begin, due = perf_counter(), FILE_INTERVAL

@@ -28,7 +28,7 @@ def beam_file(own: Own) -> str:
     return f"beam-{own.unit}.vtkhdf" if own.prefix else BEAM_FIELDS
 
 
-def stations(units: dict[str, Unit], own: Own) -> np.ndarray:
+def station_positions(units: dict[str, Unit], own: Own) -> np.ndarray:
     """Return the present positions of a beam's stations, `[n, 2]`, or `[n, 3]` in space."""
     unit = units.get(own.unit) or units["fluid"]
     return np.column_stack([unit.read(name) for name in "xyz" if name in unit.variables])
@@ -163,7 +163,7 @@ class Beam(Series):
             self.root.attrs["Type"] = np.bytes_("PolyData")
             self.root["NumberOfPoints"] = np.full(1, n)
             self._place(self.root, "Points", (frames * n, 3))
-            shape = "Polygons" if stations(units, own).shape[1] == 2 else "Lines"
+            shape = "Polygons" if station_positions(units, own).shape[1] == 2 else "Lines"
             for kind in CELL_KINDS:
                 group, cells = self.root.create_group(kind), int(kind == shape)
                 group["NumberOfCells"] = np.full(1, cells)
@@ -178,7 +178,7 @@ class Beam(Series):
             self.file.flush()
 
     def _points(self) -> np.ndarray:
-        points = stations(self.units, self.own)
+        points = station_positions(self.units, self.own)
         return points if points.shape[1] == 3 else np.pad(outline(points, self.thickness), ((0, 0), (0, 1)))
 
     def write(self, frame: int, time: float) -> None:

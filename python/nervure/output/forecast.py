@@ -156,7 +156,7 @@ class Pace(Observer):
 
 def cost(wall: float) -> str:
     """Return wall time and memory in words."""
-    memory = resident()
+    memory = resident_memory()
     held = f", {memory / 1e6:.0f} MB of memory with Python's own" if memory else ""
     return f"about {duration(wall)} of wall time on this machine{held}"
 
@@ -169,7 +169,7 @@ def duration(seconds: float) -> str:
     return f"{seconds / 86400:.0f} days"
 
 
-def resident() -> int:
+def resident_memory() -> int:
     """Return the resident memory of this process, bytes; 0 on other systems than Linux."""
     pages = Path("/proc/self/statm")
     return int(pages.read_text(encoding="utf-8").split()[1]) * os.sysconf("SC_PAGE_SIZE") if pages.exists() else 0

@@ -82,7 +82,7 @@ def show_unit(console: Console, path: Path) -> None:
 
 def show_scene(console: Console, scene: Scene) -> None:
     """Print sizes, choices and forecast of a scene; for the wall time it makes steps for half a second."""
-    before = forecast.resident()
+    before = forecast.resident_memory()
     with Session(scene) as session:
         pace = forecast.Pace(session)
         session.observers = [pace]
@@ -90,8 +90,8 @@ def show_scene(console: Console, scene: Scene) -> None:
         if status.error is not None:
             raise UnitError(status.error)
         whole = status.wall if status.completed or pace.whole is None else pace.whole
-        resident = forecast.resident()
-        stations = {own.unit: len(fields.stations(session.units, own)) for own in session.facts.beams}
+        resident = forecast.resident_memory()
+        stations = {own.unit: len(fields.station_positions(session.units, own)) for own in session.facts.beams}
 
     rows = [("description", scene.description)] if scene.description else []
     *front, last = session.units

@@ -15,11 +15,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon
 
 from nervure.evaluate import coefficients, flapping, statistics
-from nervure.evaluate.rods import seen
+from nervure.evaluate.rods import rod_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
-from nervure.output import shown_in, with_unit
-from nervure.output.fields import outline, stations
+from nervure.output import axis_label, displayed_unit
+from nervure.output.fields import outline, station_positions
 from nervure.scene import Scene
 from nervure.scene.types import Body, Fluid, Reference, ShapeCircle, ShapeEllipse, ShapePolygon, ShapeRectangle
 from nervure.simulation.loop import Observer
@@ -57,7 +57,7 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
 
 def unit(name: str, scene: Scene) -> str:
     """Return the label of a unit in pictures of `scene`."""
-    return shown_in(name, scene.display)[0] if scene.display else name
+    return displayed_unit(name, scene.display)[0] if scene.display else name
 
 
 def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Reference | None = None) -> Figure:
@@ -69,7 +69,7 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
     for number, column in enumerate(columns):
         axis, colour = axes[number, 0], COLOURS[number % len(COLOURS)]
         having = {label: run for label, run in runs.items() if column in run.series}
-        named, scale = shown_in(next(iter(having.values())).units[column], display)
+        named, scale = displayed_unit(next(iter(having.values())).units[column], display)
         ranges = []
         for label, run in having.items():
             values = run.series[column] * scale
@@ -85,11 +85,11 @@ def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Re
             ranges.append((low, high))
         low, high = min(low for low, _ in ranges), max(high for _, high in ranges)
         margin = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
-        axis.set(ylabel=with_unit(column.replace("_", " "), named), ylim=(low - margin, high + margin))
+        axis.set(ylabel=axis_label(column.replace("_", " "), named), ylim=(low - margin, high + margin))
         axis.margins(x=0)
     if keys:
         figure.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=3, fontsize="small")
-    axes[-1, 0].set_xlabel(with_unit("time", shown_in("s", display)[0]))
+    axes[-1, 0].set_xlabel(axis_label("time", displayed_unit("s", display)[0]))
     return figure
 
 
@@ -127,7 +127,7 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
         margin = max(0.5 * (high - low), 0.02 * abs(high))
         axes[name].set(ylabel=label, ylim=(low - margin, high + margin), xlim=(0, time[-1]))
         axes[name].axvspan(window.begin, window.end, color="0.93", zorder=0)
-    axes["cl"].set_xlabel(with_unit("time", unit("s", run.scene)))
+    axes["cl"].set_xlabel(axis_label("time", unit("s", run.scene)))
     if window.periods:
         axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
         axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
@@ -148,7 +148,7 @@ def driven_roots(folder: Path, run: Results) -> list[Path]:
     for name, found in (several or alone).items():
         if found is not None:
             own, file = of[name]
-            picture = driven_root(run, found, seen(run.series, own))
+            picture = driven_root(run, found, rod_columns(run.series, own))
             pictures.append(_save(picture, folder / (file if several else "flapping.png")))
     return pictures
 
@@ -168,7 +168,7 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series) -> Figur
         axes["path"].plot(across, along, color=colour, linewidth=0.8, label=label)
         axes["tip"].plot(phase, along, color=colour, linewidth=0.8, label=label)
     length = unit("m", run.scene)
-    names = {"xlabel": with_unit(f"tip u{other}", length), "ylabel": with_unit(f"tip u{main}", length)}
+    names = {"xlabel": axis_label(f"tip u{other}", length), "ylabel": axis_label(f"tip u{main}", length)}
     axes["path"].set(**names, aspect="equal")
     axes["path"].set_adjustable("datalim")
     axes["path"].locator_params(nbins=6)
@@ -192,7 +192,7 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series) -> Figur
             for begin, end in pairwise(starts):
                 look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
                 axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
-        axes[place].set(xlabel="t/T", ylabel=with_unit(title, "" if run.scene.display else name + depth), xlim=(0, 1))
+        axes[place].set(xlabel="t/T", ylabel=axis_label(title, "" if run.scene.display else name + depth), xlim=(0, 1))
     for axis in axes.values():  # above the curves, not on them
         axis.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, fontsize="small", frameon=False, borderaxespad=0)
     first = f"t = {window.begin:.3g} {unit('s', run.scene)}"
@@ -219,7 +219,9 @@ def vorticity(session: Session) -> None:
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
-    corners = [outline(stations(units, own), session.facts.thickness[own.force]) for own in session.facts.beams]
+    corners = [
+        outline(station_positions(units, own), session.facts.thickness[own.force]) for own in session.facts.beams
+    ]
     figure = Figure(figsize=size(scene, 12.0), layout="constrained")
     axis = figure.subplots()
     poses = [
@@ -234,7 +236,7 @@ def vorticity(session: Session) -> None:
 
 def vorticity_label(scene: Scene) -> str:
     """Return the label of the colour scale of the vorticity."""
-    return with_unit("vorticity", unit("1/s", scene))
+    return axis_label("vorticity", unit("1/s", scene))
 
 
 def draw_vorticity(
@@ -262,7 +264,7 @@ def draw_vorticity(
         axis.add_patch(Polygon(each, color=SOLID))
     left, right, bottom, top = _view(fluid)
     metre = unit("m", scene)
-    axis.set(xlim=(left, right), ylim=(bottom, top), xlabel=with_unit("x", metre), ylabel=with_unit("y", metre))
+    axis.set(xlim=(left, right), ylim=(bottom, top), xlabel=axis_label("x", metre), ylabel=axis_label("y", metre))
     return picture
 
 

@@ -6,7 +6,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
-from nervure.output import shown_in, with_unit
+from nervure.output import axis_label, displayed_unit
 from nervure.scene.types import Display
 from nervure.simulation.summary import Published, Summary
 
@@ -26,10 +26,10 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
         table.add_row(escape(label), *[*cells, apart][: len(shown)])
 
     for name, quantity in summary.quantities.items():
-        unit, scale = shown_in(quantity.unit, display)
+        unit, scale = displayed_unit(quantity.unit, display)
         published = quantity.reference or Published()
-        row(with_unit(f"{name} mean", unit), quantity.mean, published.mean, 4, scale)
-        row(with_unit(f"{name} amplitude", unit), quantity.amplitude, published.amplitude, 4, scale)
+        row(axis_label(f"{name} mean", unit), quantity.mean, published.mean, 4, scale)
+        row(axis_label(f"{name} amplitude", unit), quantity.amplitude, published.amplitude, 4, scale)
         per_time = f"1/{display.time}" if display else "Hz"
         row(f"{name} frequency [{per_time}]", quantity.frequency_hz, published.frequency_hz, 4)
     if found := summary.coefficients:

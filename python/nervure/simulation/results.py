@@ -167,7 +167,7 @@ def _difference(there: Any, here: Any, key: str = "") -> tuple[str, str, str] | 
 
 def field_files(folder: Path) -> set[Path]:
     """Return the field files in `folder`."""
-    return {path for name in (FLUID_FIELDS, BEAM_FIELDS, "beam-*.vtkhdf") for path in folder.glob(name)}
+    return {path for name in (*FIELDS, "beam-*.vtkhdf") for path in folder.glob(name)}
 
 
 def write(run: Results, logs: Mapping[str, np.ndarray], stale_files: Iterable[Path] = ()) -> None:

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 from nervure.coupling import Choice, Scheme
 from nervure.evaluate import bodies, coefficients, flapping, statistics
 from nervure.evaluate.bodies import BodyCoefficients
-from nervure.evaluate.rods import seen
+from nervure.evaluate.rods import rod_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
 from nervure.provenance import Machine, Revision, git_revision, machine
@@ -199,7 +199,7 @@ def _quantity(
 def _main_column(facts: Facts, series: Series) -> str | None:
     """Return the main signal of a run; of several rods, the signal of the first."""
     for own in facts.beams[:1] if facts.scene.rods else ():
-        if found := main_signal(seen(series, own)):
+        if found := main_signal(rod_columns(series, own)):
             return own.prefix + found
     return main_signal(series)
 
@@ -218,7 +218,7 @@ def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Re
         for name in quantities(facts.beams)
         if window and name in series
     }
-    rods = {own.unit: seen(series, own) for own in facts.beams} if scene.rods else {}
+    rods = {own.unit: rod_columns(series, own) for own in facts.beams} if scene.rods else {}
     settling = settling_signal(series, main) if main else None
     drift = statistics.drift(time, series[settling], window) if settling and window else None
     return Summary(

@@ -65,7 +65,7 @@ class Case:
             return 0
 
 
-def plain_name(scene: Document) -> str:
+def path_name(scene: Document) -> str:
     """Return the name of an unchecked scene as a part of a path."""
     return re.sub(r"[^\w.-]", "_", str(scene.get("name"))).lstrip(".-")[:LONGEST_FOLDER] or "scene"
 
@@ -75,7 +75,7 @@ def _folder_name(scene: Document, varied: dict[str, Any], named: bool, taken: Co
     digest of the scene where the name is too long, or `taken`."""
     short = short_keys(varied)
     parts = [f"{short[key]}={_plain_value(value)}" for key, value in varied.items()]
-    name = ",".join([plain_name(scene), *parts] if named or not parts else parts)
+    name = ",".join([path_name(scene), *parts] if named or not parts else parts)
     if len(name) > LONGEST_FOLDER or name in taken:
         name = f"{name[: LONGEST_FOLDER - 9]}-{hashlib.sha256(text(scene).encode()).hexdigest()[:8]}"
     return name
@@ -109,7 +109,7 @@ def short_value(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value)
 
 
-def values(text: str) -> tuple[str, list[Any]]:
+def variation(text: str) -> tuple[str, list[Any]]:
     """Return the dotted key and the values of `key=v1,v2,…` or `key=[v1, v2, …]`."""
     key, equals, listed = text.partition("=")
     if not (key and equals and listed):
@@ -142,7 +142,7 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
     return list(cases.values())
 
 
-def known(case: Case, folder: Path) -> Row | None:
+def earlier_row(case: Case, folder: Path) -> Row | None:
     """Return the row of `case` from an earlier sweep into `folder`; None without one."""
     try:
         row: Row = json.loads((folder / case.folder / ROW).read_text(encoding="utf-8"))
@@ -151,9 +151,9 @@ def known(case: Case, folder: Path) -> Row | None:
     return row if row.get("key") == case.key else None
 
 
-def unknown(cases: list[Case], folder: Path, retry_failed: bool) -> list[Case]:
+def missing_cases(cases: list[Case], folder: Path, retry_failed: bool) -> list[Case]:
     """Return the `cases` without a row in `folder`; with `retry_failed`, without a row of a finished run."""
-    rows = [(case, known(case, folder)) for case in cases]
+    rows = [(case, earlier_row(case, folder)) for case in cases]
     return [case for case, row in rows if row is None or (retry_failed and row["status"] != FINISHED)]
 
 
@@ -214,8 +214,8 @@ def run(
 
     `say` is called with a line for each run that ends, `progress` at any time with the runs and steps done.
     """
-    rows = {case.folder: known(case, folder) for case in cases}
-    todo = unknown(cases, folder, False) if todo is None else todo
+    rows = {case.folder: earlier_row(case, folder) for case in cases}
+    todo = missing_cases(cases, folder, False) if todo is None else todo
     for case in [] if force else todo:
         if held := results.conflicting_results(folder / case.folder, case.scene, {}):
             raise InputError(
