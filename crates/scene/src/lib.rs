@@ -27,6 +27,7 @@ mod root;
 mod scene;
 mod schema;
 mod spanwise;
+mod spline;
 mod unit;
 
 pub use beam::{Beam, Root};
