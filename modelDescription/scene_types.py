@@ -39,6 +39,7 @@ class Writer:
     def __init__(self, schema: Schema):
         self.definitions: Schema = schema["$defs"]
         self.written: dict[str, str] = {}
+        self.unfinished: set[str] = set()
 
     def annotation(self, schema: Schema) -> str:
         """Type of the values that `schema` allows; what it refers to is written."""
@@ -60,10 +61,14 @@ class Writer:
         return SCALARS[schema["type"]]
 
     def define(self, schema: Schema) -> str:
-        """Write the class or the choice that `schema` describes; returns its name."""
+        """Write the class or choice that `schema` describes, and return its name; in quotes within its own parts."""
         name: str = schema["title"]
+        if name in self.unfinished:
+            return f'"{name}"'
         if name not in self.written:
+            self.unfinished.add(name)
             self.written[name] = self.choice(schema) if "oneOf" in schema else self.part(schema)
+            self.unfinished.remove(name)
         return name
 
     def choice(self, schema: Schema) -> str:

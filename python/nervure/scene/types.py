@@ -103,9 +103,37 @@ class TimeLawSine(Part):
     """`mean + amplitude · g(t) · sin(2 π frequency t + phase)`, where g is 1 or a cosine ramp from 0 at t = 0."""
 
 
+class Fourier(Part):
+    """`mean + g(t) Σ_k [cosines[k] cos(2 π k f t) + sines[k] sin(2 π k f t)]`, where f is the frequency, k counts from
+    1, and g is 1 or a cosine ramp from 0 at t = 0."""
+
+    mean: Real = 0.0
+    """Mean value."""
+
+    frequency: Real
+    """Fundamental frequency, Hz."""
+
+    cosines: list[Real] = Field(default_factory=list)
+    """Coefficients of the cosines, from the fundamental on."""
+
+    sines: list[Real] = Field(default_factory=list)
+    """Coefficients of the sines, from the fundamental on."""
+
+    ramp: Real = 0.0
+    """Length of the ramp of g, s; without a ramp 0."""
+
+
+class TimeLawFourier(Part):
+    """`mean + g(t) Σ_k [cosines[k] cos(2 π k f t) + sines[k] sin(2 π k f t)]`, where f is the frequency, k counts from
+    1, and g is 1 or a cosine ramp from 0 at t = 0."""
+
+    fourier: Fourier
+    """`mean + g(t) Σ_k [cosines[k] cos(2 π k f t) + sines[k] sin(2 π k f t)]`, where f is the frequency, k counts from
+    1, and g is 1 or a cosine ramp from 0 at t = 0."""
+
+
 class Table(Part):
-    """Cubic Hermite interpolation between points, with slopes by central differences; constant before the first point
-    and after the last."""
+    """Cubic spline of class C² through points; constant before the first point and after the last."""
 
     times: list[Real]
     """Times of the points, s, increasing; at least two."""
@@ -113,17 +141,28 @@ class Table(Part):
     values: list[Real]
     """Values at the points."""
 
+    end_slopes: tuple[Real, Real] | None = None
+    """Slopes at the first and the last point, per second; absent: those of the cubic through the points at the end."""
+
+    periodic: Flag = False
+    """Whether the points are one period of a law that repeats itself at all times; the last value equals the first."""
+
 
 class TimeLawTable(Part):
-    """Cubic Hermite interpolation between points, with slopes by central differences; constant before the first point
-    and after the last."""
+    """Spline through points."""
 
     table: Table
-    """Cubic Hermite interpolation between points, with slopes by central differences; constant before the first point
-    and after the last."""
+    """Spline through points."""
 
 
-TimeLaw = TimeLawConstant | TimeLawCosineRamp | TimeLawSine | TimeLawTable
+class TimeLawSum(Part):
+    """Sum of several laws."""
+
+    sum: list["TimeLaw"]
+    """Sum of several laws."""
+
+
+TimeLaw = TimeLawConstant | TimeLawCosineRamp | TimeLawSine | TimeLawFourier | TimeLawTable | TimeLawSum
 """A quantity as a function of time, in the unit of its key."""
 
 
