@@ -12,15 +12,13 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from multiprocessing import get_context
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from nervure.errors import InputError
 from nervure.resources import ROOT
-from studies import catalogue, engine, simulate
+from studies import engine, simulate
 from studies.engine import Case, simulated
 from studies.store import Data, Record
 
@@ -54,14 +52,36 @@ def first_steps(case: Case, checkout: Path) -> bytes:
         return str(error).encode()
 
 
+WHOLE = """
+import json, sys
+from dataclasses import replace
+from pathlib import Path
+from studies import catalogue, engine
+data = catalogue.load()
+study, case = data.cases[sys.argv[1]]
+with TemporaryDirectory() as folder:
+    engine.execute(replace(case, options=case.options | {"repeats": 0}), Path(folder))
+    run = engine.Run(Path(folder), **json.loads((Path(folder) / "run.json").read_text(encoding="utf-8")))
+    data.records.clear()
+    data.take(study, case, run)
+record = data.records[sys.argv[1]]
+print(json.dumps([record.values, record.tables, record.error]))
+"""
+"""Run the case of a name to its end, once, and print the values, tables and error of its record."""
+
+
+def environment(checkout: Path) -> dict[str, str]:
+    """Return the environment of a process that runs the code of a checkout."""
+    return os.environ | engine.THREADS | {"PYTHONPATH": f"{checkout / 'python'}{os.pathsep}{checkout}"}
+
+
 def hashes(digests: Iterable[str], checkout: Path, fresh: bool, jobs: int) -> dict[str, str]:
     """Return the hash of the first steps by recorded digest, from `checkout`; with `fresh` only if not stale there."""
-    environment = os.environ | engine.THREADS | {"PYTHONPATH": f"{checkout / 'python'}{os.pathsep}{checkout}"}
     ordered = sorted(digests)
 
     def probe(part: list[str]) -> str:
         return subprocess.run(
-            [sys.executable, "-c", PROBE], input=json.dumps([part, fresh]), env=environment, cwd=checkout,
+            [sys.executable, "-c", PROBE], input=json.dumps([part, fresh]), env=environment(checkout), cwd=checkout,
             stdout=subprocess.PIPE, text=True, check=True,
         ).stdout  # fmt: skip
 
@@ -89,17 +109,16 @@ def witnesses(records: Iterable[Record], everything: Data) -> dict[str, Record]:
     return found
 
 
-def comes_out(name: str, case: Case) -> dict[str, object]:
-    """Run a case to its end, once, and return the values of its record."""
-    data = catalogue.load()
-    study = data.cases[name][0]
-    with TemporaryDirectory() as folder:
-        once = replace(case, options=case.options | {"repeats": 0})
-        engine.execute(once, Path(folder))
-        run = engine.Run(Path(folder), **json.loads((Path(folder) / "run.json").read_text(encoding="utf-8")))
-        data.records.clear()
-        data.take(study, case, run)
-    return data.records[name].values
+def comes_out(record: Record) -> bool:
+    """Run the case of a record to its end, once, in a process of its own; return whether it gives the same values."""
+    done = subprocess.run(
+        [sys.executable, "-c", WHOLE, record.name], env=environment(ROOT), cwd=ROOT, stdout=subprocess.PIPE, text=True,
+        check=False,
+    )  # fmt: skip
+    found = json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else None
+    same = found == [record.values, record.tables, record.error]
+    print(f"{record.name}, to its end: {'the same' if same else 'not the same'} values", flush=True)
+    return same
 
 
 def carry_over(data: Data, names: list[str], checkout: Path, jobs: int) -> list[str]:
@@ -110,9 +129,9 @@ def carry_over(data: Data, names: list[str], checkout: Path, jobs: int) -> list[
     records = [record for record in records if there.get(record.digest, "") == here.get(record.digest)]
     stand_ins = witnesses(records, data)
     needed = {record.name: record for record in stand_ins.values()}
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        values = pool.map(comes_out, needed, [record.case for record in needed.values()])
-        good = {name for name, found in zip(needed, values) if found == needed[name].values}
+    print(f"{len(records)} cases give the same first steps; {len(needed)} of them stand for all", flush=True)
+    with ThreadPoolExecutor(jobs) as pool:
+        good = {name for name, same in zip(needed, pool.map(comes_out, needed.values())) if same}
     kept = [record for record in records if stand_ins[record.name].name in good]
     for record in kept:
         data.records[record.name] = replace(record, digest=record.case.digest, carried=True)
