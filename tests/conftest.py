@@ -17,9 +17,9 @@ import pytest
 from nervure import coupling
 from nervure.cli import main
 from nervure.resources import ROOT
-from nervure.scene import kinds, read, text, validate
+from nervure.scene import read, text, validate
 from nervure.units import package
-from nervure.units.describe import describe
+from nervure.units.describe import describe, unit_names
 from nervure.units.fmu import Unit
 
 FSI1, FSI3 = (ROOT / "scenes" / f"{name}.json" for name in ("fsi1-648x108", "fsi3-325x72"))
@@ -153,7 +153,7 @@ def instantiate(packed):
 
         def make(scene: dict, version: int = 2) -> dict[str, Unit]:
             units = {}
-            for kind in kinds(scene):
+            for kind in unit_names(scene):
                 units[kind] = Unit(packed(kind, scene, version), kind, scene["time"]["end"])
                 stack.callback(units[kind].close)
             return units

@@ -10,10 +10,10 @@ import scene_types
 from nervure.errors import SceneError
 from nervure.evaluate import coefficients
 from nervure.resources import ROOT
-from nervure.scene import beams, document, kinds, load, read, text, types
+from nervure.scene import beams, document, load, read, text, types
 from nervure.simulation.summary import quantities
 from nervure.units import package
-from nervure.units.describe import describe
+from nervure.units.describe import describe, unit_names
 from tests.conftest import SCENES
 
 every_scene = pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
@@ -33,7 +33,7 @@ def test_scene_is_named_like_its_file(path):
 @every_scene
 def test_scene_packs(path, tmp_path, libraries):
     scene = load(path)
-    for kind in kinds(scene):
+    for kind in unit_names(scene):
         assert package.pack(describe(kind, scene), tmp_path).is_file()
 
 

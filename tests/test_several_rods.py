@@ -12,9 +12,10 @@ from lxml import etree
 import nervure as api
 from nervure import coupling
 from nervure.errors import InputError
-from nervure.scene import kinds, validate
+from nervure.scene import validate
 from nervure.scene.types import Iterated
 from nervure.units import ssp
+from nervure.units.describe import unit_names
 from studies import flapping
 from studies.simulate import assignments
 from tests.conftest import nervure, output, run_scene
@@ -208,7 +209,7 @@ def test_both_versions_of_fmi_give_the_same(scene_file, tmp_path):
 
 
 def test_system_structure_connects_each_rod_with_its_beam(two_rods, packed):
-    fmus = {kind: packed(kind, two_rods) for kind in kinds(two_rods)}
+    fmus = {kind: packed(kind, two_rods) for kind in unit_names(two_rods)}
     root = etree.fromstring(ssp.structure("two", fmus, 1.0))
     found = {tuple(link.get(f"{end}{what}") for end in ("start", "end") for what in ("Element", "Connector"))
              for link in root.iter(f"{{{ssp.SSD}}}Connection")}  # fmt: skip

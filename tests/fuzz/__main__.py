@@ -14,7 +14,8 @@ from typing import Any
 from nervure.files import write_csv
 from nervure.library import KINDS, kind_of
 from nervure.resources import ROOT
-from nervure.scene import kinds, read, text
+from nervure.scene import read, text
+from nervure.units.describe import unit_names
 from tests.reliability.checks import unpack
 from tests.reliability.trials import header
 from tests.reliability.unit import SCENE, FMU2Unit
@@ -33,7 +34,9 @@ def write_seeds() -> None:
         for part, key, value in (("fluid", "box", {"cells": [32, 16]}), ("beam", "segments", 6)):
             if scene.get(part):
                 scene[part][key] = scene[part][key] | value if key == "box" else value
-        files |= {FUZZ / f"corpus/{kind_of(unit)}_scene/{path.stem}": text(scene).encode() for unit in kinds(scene)}
+        files |= {
+            FUZZ / f"corpus/{kind_of(unit)}_scene/{path.stem}": text(scene).encode() for unit in unit_names(scene)
+        }
     for kind in KINDS:
         files[FUZZ / f"corpus/{kind}_scene/flag"] = text(SCENE).encode()
         with TemporaryDirectory() as folder:

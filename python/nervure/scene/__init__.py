@@ -14,25 +14,11 @@ from typing import Any
 from pydantic import ValidationError
 
 from nervure.errors import Fault, SceneError
-from nervure.library import KINDS, check, is_built
+from nervure.library import check, is_built
 from nervure.resources import SCENES
-from nervure.scene.part import Part
 from nervure.scene.types import Beam, Rod, Scene
 
-__all__ = [
-    "Document",
-    "Own",
-    "Scene",
-    "assign",
-    "beams",
-    "document",
-    "kinds",
-    "load",
-    "override",
-    "scene_of_unit",
-    "unit_label",
-]
-__all__ += ["read", "text", "validate"]
+__all__ = ["Document", "Own", "Scene", "assign", "beams", "document", "load", "override", "read", "text", "validate"]
 
 Document = dict[str, Any]  # A scene as JSON has it, not necessarily checked
 
@@ -136,30 +122,6 @@ def document(scene: Scene | Document) -> Document:
 def text(scene: Scene | Document) -> str:
     """Return a scene as the text of a scene file."""
     return json.dumps(document(scene), indent=2, ensure_ascii=False) + "\n"
-
-
-def kinds(scene: Scene | Document) -> list[str]:
-    """Return the units of a scene in the order of their steps: the rod, or several by name, then the fluid. For a scene
-    without units it is the fluid, which refuses the scene."""
-    parts = vars(scene) if isinstance(scene, Scene) else scene
-    return [*_names(parts), *(kind for kind in KINDS if parts.get(kind) is not None)] or ["fluid"]
-
-
-def unit_label(kind: str) -> str:
-    """Return the name of a unit in messages: `rod`, `fluid`, or `rod NAME`."""
-    return kind if kind in KINDS else f"rod {kind}"
-
-
-def _names(parts: dict[str, Any]) -> list[str]:
-    """Return the names of several rods, as far as an unchecked scene has them."""
-    rods = parts.get("rods")
-    each = [vars(own) if isinstance(own, Part) else own for own in rods] if isinstance(rods, list) else []
-    return [own["name"] for own in each if isinstance(own, dict) and isinstance(own.get("name"), str)]
-
-
-def scene_of_unit(scene: Scene | Document, kind: str) -> str:
-    """Return the text of the scene that a unit carries; for one of several rods it has the key `this_rod`."""
-    return text(scene if kind in KINDS else {**document(scene), "this_rod": kind})
 
 
 @dataclass(frozen=True)

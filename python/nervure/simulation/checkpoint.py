@@ -16,11 +16,12 @@ import numpy as np
 
 from nervure.errors import InputError
 from nervure.files import write_whole
-from nervure.scene import unit_label, validate
+from nervure.scene import validate
 from nervure.simulation.loop import Observer, TimeLoop
 from nervure.simulation.results import CHECKPOINT, Results
 from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
+from nervure.units.describe import unit_label
 from nervure.units.fmu import UnitError
 
 FORMAT = 7

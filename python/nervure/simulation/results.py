@@ -13,9 +13,10 @@ from pydantic import TypeAdapter, ValidationError
 from nervure.errors import InputError
 from nervure.evaluate.statistics import Series
 from nervure.files import write_together
-from nervure.scene import Document, Scene, document, text, unit_label, validate
+from nervure.scene import Document, Scene, document, text, validate
 from nervure.scene.facts import Facts
 from nervure.simulation.summary import Summary
+from nervure.units.describe import unit_label
 
 FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lift.png", "vorticity.png")
 """Files of a coupled run in its folder, besides the FMUs."""

@@ -8,7 +8,7 @@ from typing import Self
 
 from nervure.coupling import Drive, Scheme, couple
 from nervure.errors import InputError
-from nervure.scene import Scene, unit_label
+from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.simulation import results
 from nervure.simulation.loop import TimeGrid, TimeLoop
@@ -16,7 +16,7 @@ from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import summarize
 from nervure.units import package
-from nervure.units.describe import describe_all
+from nervure.units.describe import describe_all, unit_label
 from nervure.units.fmu import Unit, read_description
 
 Units = dict[str, Unit]  # By name: `rod`, the names of several rods, `fluid`

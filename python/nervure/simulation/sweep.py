@@ -27,11 +27,12 @@ from typing import Any
 from nervure.errors import InputError, SceneError
 from nervure.files import json_numbers, write_csv, write_whole
 from nervure.library import kind_of, library
-from nervure.scene import Document, Scene, assign, document, json_or_text, kinds, text, validate
+from nervure.scene import Document, Scene, assign, document, json_or_text, text, validate
 from nervure.simulation import results
 from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
 from nervure.simulation.session import Session
 from nervure.simulation.summary import Summary
+from nervure.units.describe import unit_names
 
 ROW = "row.json"
 Row = dict[str, Any]  # A run in the table of a sweep, by column
@@ -133,7 +134,7 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
             for key, value in varied.items():
                 assign(scene, key, copy.deepcopy(value))
             digest = hashlib.sha256(text(scene).encode())
-            for kind in dict.fromkeys(map(kind_of, kinds(scene))):
+            for kind in dict.fromkeys(map(kind_of, unit_names(scene))):
                 digest.update(library_digest(kind))
             if digest.hexdigest() not in cases:
                 name = _folder_name(scene, varied, len(bases) > 1, folders)

@@ -8,9 +8,9 @@ from lxml import etree
 from lxml.builder import ElementMaker
 
 from nervure.errors import SceneError
-from nervure.scene import Scene, kinds
+from nervure.scene import Scene
 from nervure.units import package
-from nervure.units.describe import describe_all
+from nervure.units.describe import describe_all, unit_names
 from nervure.units.fmu import beam_prefixes
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
@@ -51,7 +51,7 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
 def pack(scene: Scene, folder: Path, fmus: dict[str, Path] | None = None) -> Path:
     """Write `NAME.ssp` with the units of `scene` into `folder` and return its path; `fmus` are the FMUs by unit, by
     default packed into `folder` first."""
-    units = kinds(scene)
+    units = unit_names(scene)
     if len(units) < 2:
         raise SceneError(f"the scene {scene.name} has only one unit, the {units[0]}: there is nothing to connect")
     fmus = fmus or {name: package.pack(unit, folder) for name, unit in describe_all(scene).items()}
