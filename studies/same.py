@@ -56,6 +56,7 @@ WHOLE = """
 import json, sys
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from studies import catalogue, engine
 data = catalogue.load()
 study, case = data.cases[sys.argv[1]]
