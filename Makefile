@@ -52,15 +52,16 @@ units: $(READY) ## pack the FMUs of SCENE=scenes/NAME.json into results/NAME
 build: ## build the libraries of both units
 	cargo build --release --locked
 
-test: lint rust-test bindings-check python-test ## run everything that has to pass
+test: ## run everything that has to pass: the tools of Python beside cargo, then pytest
+	$(MAKE) lint bindings-check & $(MAKE) build rust-test; rust=$$?; wait $$! && exit $$rust
+	$(MAKE) python-test
 
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy $(RUST_STUDIES) -p rod-study -p fluid-bench --target-dir target --all-targets -- -D warnings
+	cargo clippy $(RUST_STUDIES) -p rod-study -p fluid-bench --target-dir target --bins --examples -- -D warnings
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
-	cargo test $(RUST_STUDIES) -p fluid-bench --target-dir target --bin fluid-bench
 
 LINTED := python examples scripts site studies tests modelDescription hatch_build.py
 
