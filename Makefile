@@ -14,7 +14,7 @@ READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
 RUST_STUDIES := --locked --manifest-path studies/rust/Cargo.toml
 
-.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint python-test package-check doc deny bindings-check schema messages descriptions record lock clean
+.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint python-test coverage package-check doc deny bindings-check schema messages descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -74,6 +74,19 @@ lint: $(READY_DEV) ## check style, types and layers of the Python code
 python-test: build $(READY_DEV) ## run the Python tests in two processes
 	$(RUN) -m pytest --numprocesses 2 --dist loadfile
 
+COVERAGE_VENV := target/coverage/venv
+
+coverage: build $(COVERAGE_VENV)/.ready ## measure which lines of the Python package the tests run
+	$(COVERAGE_VENV)/bin/coverage run -m pytest --numprocesses 2 --dist loadfile
+	$(COVERAGE_VENV)/bin/coverage combine --quiet
+	$(COVERAGE_VENV)/bin/coverage report --skip-covered
+
+$(COVERAGE_VENV)/.ready: requirements/dev.lock requirements/coverage.lock
+	$(PYTHON) -m venv --clear $(COVERAGE_VENV)
+	$(COVERAGE_VENV)/bin/python $(LOCKED) requirements/dev.lock -r requirements/coverage.lock
+	$(COVERAGE_VENV)/bin/python $(PIP_INSTALL) --no-deps --no-build-isolation --editable .
+	touch $@
+
 package-check: ## package every crate as for a registry and build the packages (two minutes)
 	cargo package --workspace --allow-dirty --locked --target-dir target/package-check
 
@@ -110,7 +123,7 @@ COMPILE := pip-compile --quiet --generate-hashes --strip-extras --no-header --al
 lock: ## pin the packages of pyproject.toml and requirements/*.in; needs pip-tools
 	$(COMPILE) --build-deps-for wheel --extra run --extra sweep --output-file requirements/run.lock pyproject.toml
 	$(COMPILE) --build-deps-for wheel --extra dev --output-file requirements/dev.lock pyproject.toml
-	for name in bench masters dist peers site; do $(COMPILE) --output-file requirements/$$name.lock requirements/$$name.in || exit; done
+	for name in bench coverage masters dist peers site; do $(COMPILE) --output-file requirements/$$name.lock requirements/$$name.in || exit; done
 
 clean: ## remove everything that was built; results stay
 	cargo clean
