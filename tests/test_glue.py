@@ -198,7 +198,7 @@ other.doStep(0.3, 0.1)
 print(other["x"].hex())
 """
     output = subprocess.run(
-        [sys.executable, "-c", program], cwd=Path(__file__).parent, check=True, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", program], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True
     ).stdout
     assert output.strip() == oscillator["x"].hex()
 
@@ -263,6 +263,6 @@ instance.freeInstance()
 print("damped_oscillator" in open("/proc/self/maps").read())
 """
     output = subprocess.run(
-        [sys.executable, "-c", program], cwd=Path(__file__).parent, check=True, stdout=subprocess.PIPE, text=True
+        [sys.executable, "-c", program], cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True
     ).stdout
     assert output.strip() == "False"

@@ -91,7 +91,7 @@ def test_the_hinge_moves_as_the_exact_solution(fmu):
     [
         (["pack"], ['unknown command "pack"', "Usage: cargo fmu package"]),
         (["package", "--fmi", "1"], ['--fmi is "1", but must be 2 or 3']),
-        (["package", "--target", "riscv64gc-unknown-linux-gnu"], ["FMI has no name", "riscv64gc"]),
+        (["package", "--target", "riscv64gc-unknown-linux-gnu"], ["FMI defines no name", "riscv64gc"]),
         (["package", "--resources", "nowhere"], ["nowhere: No such file"]),
     ],
     ids=lambda value: value[-1] if isinstance(value, list) else "",
