@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use std::path::Path;
 use std::time::Instant;
 
-use nervure_rod::{BaseMotion, Bending, Calibration, Parameters, Rod, Scheme, Section};
+use nervure_rod::{BaseMotion, Bending, Calibration, Parameters, Scheme, Section};
 use scene::{Material, Scene};
 
 use crate::common::{elastica, total_energy, unit_rod};
