@@ -96,7 +96,9 @@ def energy(run: Run) -> list[Found]:
     load these differ by the step."""
     scene = small_pitching()
     scene["time"]["communication_step"] = 4e-4
-    averages = flapping.evaluate(Facts(validate(scene)), run(scene), Window(2.0, 3.0, 1))
+    facts = Facts(validate(scene))
+    assert facts.scene.beam, "the scene has a beam"
+    averages = flapping.evaluate(facts, facts.scene.beam, run(scene), Window(2.0, 3.0, 1))
     assert averages, "the root is driven"
     balance: dict[str, Any] = averages.energy_balance
     by_fluid = (balance["root"] + balance["fluid"] - balance["gained"]) / balance["root"]

@@ -100,9 +100,14 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
 
 def settled(case: Case, run: Run) -> dict[str, float]:
     """Return means over whole periods at the end, and the missing energy, by the loads and by the fluid's forces."""
-    whole = statistics.Window(0.0, float(run.series["time"][-1]), 1)
-    window = whole if case.name.startswith(("grid/", "dt/")) else simulate.window(run.found)
-    found = flapping.evaluate(Facts(validate(case.built())), run.series, window)
+    facts, time, rigid = Facts(validate(case.built())), run.series["time"], flapping.path(run.series, "rigid_tip")
+    assert facts.scene.beam is not None and rigid is not None, f"{case.name} has no driven root"
+    if case.name.startswith(("grid/", "dt/")):
+        drive = statistics.principal_direction(time, rigid) @ rigid
+        window = statistics.driven_window(time, drive, drive).last(1)
+    else:
+        window = simulate.window(run.found)
+    found = flapping.evaluate(facts, facts.scene.beam, run.series, window)
     assert found, f"{case.name} has no driven root"
     there = {name: getattr(found, name) for name in MEANS}
     balance: dict[str, Any] = found.energy_balance

@@ -7,7 +7,7 @@ from nervure.evaluate import bodies, statistics
 from nervure.output import plots
 from nervure.scene import override, read, validate
 from nervure.scene.facts import Facts
-from nervure.simulation.summary import main_signal, settling_signal
+from nervure.simulation.summary import main_signal
 from studies import flapping
 from tests.test_runs import run
 
@@ -50,9 +50,10 @@ def test_coefficients_of_a_known_oscillation(swinging):
     speed = 0.1 * np.sqrt(2) * 4 * np.pi
     assert numbers.reynolds == pytest.approx(speed * 0.2 / 1e-2)
     assert numbers.bodies["body_2"].length == pytest.approx(0.2 * np.sqrt(2))
-    assert main_signal(columns) == "body_1_x"
-    window = statistics.find_window(columns["time"], columns["body_1_x"])
-    assert window.periods == 3
+    main = main_signal(columns)
+    assert main.drive == pytest.approx(np.sqrt(2) * columns["body_1_x"])
+    window = statistics.driven_window(columns["time"], main.values, main.drive)
+    assert (window.periods, window.end) == (3, 2.0)
     found = bodies.evaluate(facts, columns, window, 0.0)
     moving, still = found["body_1"], found["body_2"]
     assert moving.kc == pytest.approx(2 * np.pi * 0.1 * np.sqrt(2) / 0.2)
@@ -96,11 +97,16 @@ def test_no_morison_split_in_a_stream_or_of_another_motion(swinging, change):
     assert found.morison is None, found
 
 
-def test_the_larger_force_says_whether_a_driven_body_has_settled():
-    columns = known_series()
-    columns["lift"] = 0 * columns["lift"]
-    assert settling_signal(columns, "body_1_x") == "drag"
-    assert settling_signal(columns, "lift") == "lift"
+@pytest.mark.parametrize("turn", [0.0, 0.3, np.pi / 2, 2.0])
+def test_the_main_signal_does_not_depend_on_the_orientation(turn):
+    """The path of a tip, and the force on a body at rest, turned in the plane."""
+    time = np.linspace(0, 4, 4001)
+    along, across = np.sin(4 * np.pi * time), 0.2 * np.cos(8 * np.pi * time)
+    x, y = np.cos(turn) * along - np.sin(turn) * across, np.sin(turn) * along + np.cos(turn) * across
+    for names in (("tip_ux", "tip_uy"), ("drag", "lift")):
+        main = main_signal(dict(zip(names, (x, y))) | {"time": time})
+        assert np.abs(main.values) == pytest.approx(np.abs(along), abs=1e-6), names
+        assert main.drive is None
 
 
 def test_outlines_are_where_the_bodies_are(swinging):

@@ -6,7 +6,7 @@ import pytest
 import nervure
 from nervure import coupling
 from nervure.evaluate import flapping, statistics
-from nervure.scene import validate
+from nervure.scene import types, validate
 from nervure.scene.facts import Facts
 from studies import flapping as cases, limits, simulate
 
@@ -71,7 +71,12 @@ def known_signal():
         "beam_lift": -0.5 + np.cos(omega * time),
     }
 
-    return columns, statistics.find_window(time, columns["tip_ux"])
+    return columns, statistics.driven_window(time, columns["tip_ux"], columns["rigid_tip_ux"])
+
+
+def beam(*direction: float) -> types.Beam:
+    root = types.RootAt(at=types.At(position=[0.0, 0.0], direction=list(direction)))
+    return types.Beam(root=root, length=1.0, thickness=0.1, segments=4)
 
 
 def test_averages_of_a_known_signal(fluid_only):
@@ -79,20 +84,25 @@ def test_averages_of_a_known_signal(fluid_only):
     known, window = known_signal()
     del fluid_only["fluid"]["inflow"]
     fluid_only["fluid"] |= {"mean_flow": {"y": {"constant": 1.2}}, "initial_velocity": [0.0, 1.2]}
-    found = flapping.evaluate(Facts(validate(fluid_only)), known, window)
+    found = flapping.evaluate(Facts(validate(fluid_only)), beam(1.0, 0.0), known, window)
     assert found.axis == "x"
-    expected = {"power_in": 3.0, "thrust": 0.5, "lift": -0.5, "efficiency": 0.2, "tip_by_rigid_tip": 1.5}
+    assert found.direction == (1.0,)
+    assert found.window_s == pytest.approx((0.5, 4.0)), "the last period of the record is in the window"
+    expected = {"power_in": 3.0, "thrust": 0.5, "lift": 0.25, "efficiency": 0.2, "tip_by_rigid_tip": 1.5}
     assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
     assert found.phase_lag_deg == pytest.approx(30, abs=0.01)
     assert found.energy_balance["missing"] == pytest.approx(0, abs=1e-4)
 
 
-def test_thrust_in_still_fluid_is_the_force_against_x(fluid_only):
+@pytest.mark.parametrize(
+    ("direction", "thrust", "lift"), [((2.0, 0.0), 0.25, -0.5), ((0.0, 1.0), 0.5, 0.25), ((-1.0, 0.0), -0.25, 0.5)]
+)
+def test_thrust_in_still_fluid_is_the_force_from_the_tip_to_the_root(fluid_only, direction, thrust, lift):
     """The fluid pushes the beam with 0.25 N/m against x and 0.5 N/m against y."""
     known, window = known_signal()
     del fluid_only["fluid"]["inflow"]
-    found = flapping.evaluate(Facts(validate(fluid_only)), known, window)
-    expected = {"thrust": 0.25, "lift": -0.5, "thrust_by_power": 0.25 / 3.0}
+    found = flapping.evaluate(Facts(validate(fluid_only)), beam(*direction), known, window)
+    expected = {"thrust": thrust, "lift": lift, "thrust_by_power": thrust / 3.0}
     assert {name: getattr(found, name) for name in expected} == pytest.approx(expected, rel=1e-4)
     assert found.efficiency is None
 

@@ -40,16 +40,81 @@ def test_start_up_stays_out_of_the_window():
     assert found.amplitude == pytest.approx(AMPLITUDE, rel=1e-5)
 
 
-def test_a_growing_oscillation_is_seen_as_one():
+@pytest.mark.parametrize("late", [2.0, 5.0, 7.2])
+def test_an_impulsive_start_and_the_silence_after_it_stay_out(late):
+    """However late the oscillation sets in: a spike, no signal, and then a sine that grows to its size."""
+    impulse = 20 * AMPLITUDE * np.exp(-TIME / 0.01)
+    values = impulse + MEAN + (SINE - MEAN) / (1 + np.exp(-(TIME - late) / 0.05))
+    window, found = evaluated(values)
+    assert window.begin > late, window
+    assert window.periods >= 3, window
+    assert found.frequency_hz == pytest.approx(FREQUENCY, rel=2e-3)
+    assert found.amplitude == pytest.approx(AMPLITUDE, rel=2e-2)
+
+
+def test_a_growing_oscillation_drifts():
     values = SINE * np.exp(0.3 * TIME)
     window, _ = evaluated(values)
-    assert 5 <= window.periods < 10, window
-    assert statistics.drift(TIME, values, window) > 0.05
+    assert 3 <= window.periods <= 5, window
+    found = statistics.character(TIME, values, window)
+    assert found.state == "drifting"
+    assert found.drift == pytest.approx(0.3 * (window.periods - 1) / FREQUENCY, rel=0.15)
+    assert found.remark() == f"drifts {found.drift:+.0%}"
 
 
-def test_a_steady_oscillation_does_not_drift():
+def test_a_signal_on_a_slope_drifts():
+    values = SINE + 2 * AMPLITUDE * TIME / TIME[-1]
+    window = statistics.find_window(TIME, SINE)
+    assert statistics.character(TIME, values, window).state == "drifting"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_signal_without_periods_is_irregular(seed):
+    """A sum of sines in no simple ratio, whose crossings are of unequal length."""
+    rates = np.random.default_rng(seed).uniform(0.5, 1.5, 6)
+    values = sum(np.sin(2 * np.pi * FREQUENCY * rate * TIME + k) for k, rate in enumerate(rates))
+    window = statistics.find_window(TIME, values)
+    found = statistics.character(TIME, values, window)
+    assert found.state in ("irregular", "drifting", "changing"), (window, found)
+    assert found.remark()
+
+
+def test_a_sine_is_periodic_and_has_no_remark():
     window, _ = evaluated(SINE)
-    assert statistics.drift(TIME, SINE, window) == pytest.approx(0, abs=1e-5)
+    found = statistics.character(TIME, SINE, window)
+    assert (found.state, found.remark()) == ("periodic", "")
+    assert abs(found.drift) < 1e-5
+    assert found.noise < 1e-3
+
+
+@pytest.mark.parametrize("share", [0.02, 0.2])
+def test_noise_is_what_lies_above_the_own_harmonics(share):
+    """Of white noise, the part between six times the frequency and half the sampling rate."""
+    noise = share * AMPLITUDE / np.sqrt(2) * np.random.default_rng(2).normal(size=TIME.size)
+    values = SINE + 0.3 * AMPLITUDE * np.sin(2 * np.pi * 4 * FREQUENCY * TIME) + noise
+    window = statistics.find_window(TIME, SINE)
+    found = statistics.character(TIME, values, window)
+    assert found.noise == pytest.approx(share / np.sqrt(1 + 0.3**2), rel=0.05)
+    assert found.state == "periodic"
+    assert ("noise" in found.remark()) == (share > statistics.NOISY)
+
+
+def test_rounding_has_no_periods_and_is_called_so():
+    """A lift of 5e-15 N beside a drag of 1 N."""
+    values = 5e-15 * np.sin(2 * np.pi * FREQUENCY * TIME)
+    smallest = statistics.ROUNDING["double"] * 1.0
+    window = statistics.find_window(TIME, values, smallest)
+    assert window.periods == 0
+    assert statistics.character(TIME, values, window, smallest).remark() == "rounding only"
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.7, np.pi])
+def test_a_record_that_ends_with_a_period_does_not_lose_it(phase):
+    """The first period of a record has no crossing before it."""
+    time = np.linspace(0, 4, 4001)
+    window = statistics.find_window(time, np.sin(2 * np.pi * time + phase))
+    assert window.periods == 3, window
+    assert window.end == pytest.approx(4 - phase / 2 / np.pi, abs=1e-5)
 
 
 def test_double_frequency_is_found_in_the_window_of_the_main_signal():

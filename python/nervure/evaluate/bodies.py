@@ -55,7 +55,7 @@ class BodyCoefficients:
     ct: float
     cp: float | None  # Of the power of the drive; None without a drive
     st: float | None  # From the frequency of the lift; None without an oscillation
-    st_tip: float | None  # f A / U, with the width A of the path of the tip along its main axis
+    st_tip: float | None  # f A / U, with the width A of the path of the tip along its principal direction
     kc: float | None = None  # Keulegan–Carpenter number of a body that oscillates
     cycles: dict[str, CycleMean] | None = None  # By coefficient; None without a whole cycle
     morison: Morison | None = None
@@ -184,8 +184,9 @@ def _rests(law: TimeLaw) -> bool:
 
 
 def _tip(series: Series, window: Window, velocity: float) -> float | None:
-    tip = f"tip_u{flapping.main_axis(series) or 'y'}"
-    if tip not in series or window.periods == 0:
+    """St of the tip's path along the direction in which the tip goes farthest."""
+    time, tip = series["time"], flapping.path(series, "tip")
+    if tip is None or window.periods == 0:
         return None
-    path = statistics.evaluate(series["time"], series[tip], window)
-    return path.frequency_hz * 2 * path.amplitude / velocity if path.frequency_hz else None
+    along = statistics.evaluate(time, statistics.principal_direction(time, tip) @ tip, window)
+    return along.frequency_hz * 2 * along.amplitude / velocity if along.frequency_hz else None

@@ -1,7 +1,8 @@
 """Cycle averages of a driven root and its rod: thrust, lift, power, efficiency, tip path and phase lag.
 
-Thrust is the force of the fluid on the beam against the stream, or against x in still fluid; lift is the force along y.
-The drive at the root puts power in. Averages are over whole periods of the drive, by the trapezoidal rule.
+Thrust is the force of the fluid on the beam against the stream, or in still fluid from the tip towards the root of the
+rod at rest. Lift is the force to its right, so that for a stream or a rod along x thrust is against x and lift along y.
+Power in comes from the drive at the root. Averages are over the window, by the trapezoidal rule.
 """
 
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ import numpy as np
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series, Window
 from nervure.scene.facts import Facts
+from nervure.scene.types import Beam, RootOnCylinder
 
 AXES = "xyz"
 
@@ -23,8 +25,9 @@ ENERGIES = ("energy_elastic", "energy_kinetic", "energy_gravity")
 class Flapping:
     """Cycle averages of a driven root and its rod; without a fluid, its values are None."""
 
-    axis: str  # Main axis of the tip
-    window_s: tuple[float, float]  # Whole periods of the drive, s
+    axis: str  # Coordinate nearest to `direction`
+    direction: tuple[float, ...]  # Along which the tip of a rigid rod goes farthest
+    window_s: tuple[float, float]  # The window of the run, s
     periods: int
     power_in: float  # W per metre of depth, or W in space
     thrust: float | None = None  # N/m
@@ -38,10 +41,20 @@ class Flapping:
     energy_balance: dict[str, float | None]  # Works, J per metre of depth, and the missing part
 
 
-def main_axis(series: Series) -> str | None:
-    """Return the axis along which the tip of a rigid rod goes farthest; None without a driven root."""
-    extents = {axis: np.ptp(series[name]) for axis in AXES if (name := f"rigid_tip_u{axis}") in series}
-    return max(extents, key=extents.__getitem__) if extents else None
+def path(series: Series, name: str) -> np.ndarray | None:
+    """Return the displacement of a tip, `[axes, samples]` (m), from the columns `NAME_ux` …; None without columns."""
+    columns = [series[column] for axis in AXES if (column := f"{name}_u{axis}") in series]
+    return np.array(columns) if columns else None
+
+
+def towards_tip(beam: Beam) -> np.ndarray:
+    """Return the unit vector from root to tip of a beam at rest, `[2]`."""
+    if isinstance(beam.root, RootOnCylinder):
+        angle = beam.root.on_cylinder.angle
+        return np.array([np.cos(angle), np.sin(angle)])
+    found = np.array(beam.root.at.direction[:2])
+    length = np.linalg.norm(found)
+    return found / length if length else np.array([1.0, 0.0])
 
 
 def stream(facts: Facts, window: Window) -> np.ndarray | None:
@@ -56,15 +69,13 @@ def stream(facts: Facts, window: Window) -> np.ndarray | None:
     return np.array(velocity) if None not in velocity and any(velocity) else None
 
 
-def evaluate(facts: Facts, series: Series, settled: Window) -> Flapping | None:
-    """Average over the last whole periods of the drive, as many as `settled` has; None without a drive or a whole
-    period."""
-    time, axis = series["time"], main_axis(series)
-    if axis is None or settled.periods == 0:
+def evaluate(facts: Facts, beam: Beam, series: Series, window: Window) -> Flapping | None:
+    """Return the averages over `window` for the rod of a beam, whose columns are `series`; None without a drive or a
+    whole period."""
+    time, rigid_path, tip_path = series["time"], path(series, "rigid_tip"), path(series, "tip")
+    if rigid_path is None or tip_path is None or window.periods == 0 or not np.ptp(rigid_path):
         return None
-    window = statistics.find_window(time, series[f"rigid_tip_u{axis}"]).last(settled.periods)
-    if window.periods == 0:
-        return None
+    direction = statistics.principal_direction(time, rigid_path)
 
     def mean(name: str) -> float:
         return average(time, series[name], window)
@@ -73,21 +84,23 @@ def evaluate(facts: Facts, series: Series, settled: Window) -> Flapping | None:
     fluid: dict[str, Any] = {}
     if "beam_drag" in series:
         force, velocity = np.array([mean("beam_drag"), mean("beam_lift")]), stream(facts, window)
-        ahead = np.array([-1.0, 0.0]) if velocity is None else -velocity / np.linalg.norm(velocity)
-        fluid = {"thrust": float(force @ ahead), "lift": float(force[1])}
+        ahead = -(towards_tip(beam) if velocity is None else velocity / np.linalg.norm(velocity))
+        fluid = {"thrust": float(force @ ahead), "lift": float(force @ [ahead[1], -ahead[0]])}
         if velocity is None:
             fluid["thrust_by_power"] = fluid["thrust"] / power if power else None
         else:
             fluid["stream"] = tuple(velocity.tolist())
             fluid["efficiency"] = float(-force @ velocity) / power if power else None
-    tip, rigid = (harmonic(time, series[f"{name}_u{axis}"], window) for name in ("tip", "rigid_tip"))
+    along = direction @ tip_path
+    tip, rigid = (harmonic(time, values, window) for values in (along, direction @ rigid_path))
     return Flapping(
-        axis=axis,
+        axis=AXES[int(np.argmax(np.abs(direction)))],
+        direction=tuple(direction.tolist()),
         window_s=(window.begin, window.end),
         periods=window.periods,
         power_in=power,
         **fluid,
-        tip_amplitude=statistics.extent(series[f"tip_u{axis}"][window.of(time)])[1],
+        tip_amplitude=statistics.extent(along[window.of(time)])[1],
         tip_by_rigid_tip=abs(tip) / abs(rigid),
         phase_lag_deg=float(-np.degrees(np.angle(tip / rigid))),
         energy_balance=balance(series, window),

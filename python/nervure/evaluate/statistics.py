@@ -7,21 +7,37 @@ after the start-up. A least-squares fit of harmonics is evaluated too: noise wid
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
 Series = Mapping[str, np.ndarray]  # Recorded values over time, by column
 
 MIN_PERIODS = 5  # Periods in a window, if the signal has as many
-DRIFT_PERIODS = 4  # Least number of periods for a drift of the amplitude
+EQUAL_LENGTH = 0.1  # Largest difference of a period's length from the median of the last three, relative
+EQUAL_SIZE = 0.25  # Largest difference of a period's amplitude from the median of the last three, relative
 SETTLED = 0.02
-"""Largest relative difference of the amplitude by which an earlier period still belongs to the window."""
+"""A period before the last `MIN_PERIODS` belongs to the window while its amplitude differs from their mean by less than
+this part of it."""
 
 HYSTERESIS = 0.5
 """Part of the amplitude by which a signal must fall below its mean before the next upward crossing counts."""
 
 OSCILLATING = 1e-3
 """Amplitude at the end, relative to the largest magnitude of the record, below which a signal is steady."""
+
+ROUNDING = {"double": 1e-10, "single": 1e-5}
+"""Amplitude relative to the largest comparable signal below which a signal is rounding, by the fluid's precision."""
+
+DRIFTING = 0.05
+"""Change of mean or amplitude over the window, relative to the amplitude, from which on a signal drifts."""
+
+IRREGULAR = 0.15
+"""Difference between the periods of a window, rms relative to the signal's own, from which on it is irregular."""
+
+NOISY = 0.1  # Noise of a force, relative to its variation, from which on a result is marked
+
+State = Literal["steady", "changing", "periodic", "drifting", "irregular", "rounding"]
 
 FORCE_FILTER = 5e-3  # Largest width of the box filter over forces, s
 FORCE_FILTER_PERIODS = 1 / 50
@@ -66,45 +82,142 @@ def extent(values: np.ndarray) -> tuple[float, float]:
 
 
 def upward_crossings(time: np.ndarray, values: np.ndarray, mean: float, amplitude: float) -> np.ndarray:
-    """Return the times at which `values` rise through `mean`, interpolated linearly; noise around it counts once."""
+    """Return the times at which `values` rise through `mean`, interpolated linearly; noise around it counts once. A
+    record that ends where it reaches the mean, to rounding, ends with a crossing."""
     above = values > mean
+    if values.size > 1 and values[-1] > values[-2] and values[-1] > mean - 1e-6 * amplitude:
+        above[-1] = True
     rising = np.flatnonzero(above[1:] & ~above[:-1])
     low = np.flatnonzero(values < mean - HYSTERESIS * amplitude)
     dips = np.searchsorted(low, rising, side="right")
     first = rising[np.diff(dips, prepend=0) > 0]
-    share = (mean - values[first]) / (values[first + 1] - values[first])
+    share = np.minimum((mean - values[first]) / (values[first + 1] - values[first]), 1.0)
     crossings: np.ndarray = time[first] + share * (time[first + 1] - time[first])
     return crossings
 
 
-def find_window(time: np.ndarray, values: np.ndarray) -> Window:
-    """Return the window of the main signal: the last five whole periods, or all of fewer, and earlier periods while
-    they are as large. Without a whole period, or for a steady signal, it is the last third of the record."""
-    last_third = Window(float(time[0] + (time[-1] - time[0]) * 2 / 3), float(time[-1]), 0)
-    mean, amplitude = extent(values[last_third.of(time)])
-    if amplitude <= OSCILLATING * np.abs(values).max():
-        return last_third
+def last_third(time: np.ndarray) -> Window:
+    """Return the window of a signal without periods."""
+    return Window(float(time[0] + (time[-1] - time[0]) * 2 / 3), float(time[-1]), 0)
+
+
+def find_window(time: np.ndarray, values: np.ndarray, smallest: float = 0.0) -> Window:
+    """Return the window of the main signal: its last five whole periods, and those before while they are as large.
+
+    The periods of a window agree in length (`EQUAL_LENGTH`) and size (`EQUAL_SIZE`), so that the start-up stays out.
+    Where fewer than three do, the last ones are taken as they are, and `character` says that they differ. A signal
+    whose amplitude at the end is at most `smallest`, that is steady there, or that never completes a period, is
+    evaluated over the last third of the record.
+    """
+    tail = last_third(time)
+    mean, amplitude = extent(values[tail.of(time)])
+    if amplitude <= max(smallest, OSCILLATING * np.abs(values).max()):
+        return tail
     crossings = upward_crossings(time, values, mean, amplitude)
     if crossings.size < 2:
-        return last_third
+        return tail
 
-    edges = np.searchsorted(time, crossings)
-    amplitudes = [extent(values[a : b + 1])[1] for a, b in pairwise(edges)]
-    first = max(0, len(amplitudes) - MIN_PERIODS)
-    settled = np.mean(amplitudes[first:])
-    while first > 0 and abs(amplitudes[first - 1] - settled) < SETTLED * settled:
-        first -= 1
-    return Window(float(crossings[first]), float(crossings[-1]), len(amplitudes) - first)
+    first = _first_settled(time, values, crossings)
+    return Window(float(crossings[first]), float(crossings[-1]), crossings.size - 1 - first)
 
 
-def drift(time: np.ndarray, values: np.ndarray, window: Window) -> float | None:
-    """Return the relative change of the amplitude between the halves of the window; None below `DRIFT_PERIODS`."""
-    if window.periods < DRIFT_PERIODS:
-        return None
-    middle = window.begin + (window.end - window.begin) / 2
-    halves = [Window(window.begin, middle, 0), Window(middle, window.end, 0)]
-    early, late = (extent(values[half.of(time)])[1] for half in halves)
-    return (late - early) / extent(values[window.of(time)])[1]
+def driven_window(time: np.ndarray, values: np.ndarray, drive: np.ndarray) -> Window:
+    """Return the window of a signal that a prescribed one drives: whole periods of `drive`, counted from the end of the
+    record, as many as `values` are settled for; that of `values` alone if the drive has no periods."""
+    own = find_window(time, drive)
+    if own.periods == 0:
+        return find_window(time, values)
+    period = (own.end - own.begin) / own.periods
+    count = int((time[-1] - own.begin) / period + 1e-6)
+    edges = time[-1] - period * np.arange(count, -1, -1)
+    first = _first_settled(time, values, edges)
+    return Window(float(edges[first]), float(edges[-1]), count - first)
+
+
+def _first_settled(time: np.ndarray, values: np.ndarray, edges: np.ndarray) -> int:
+    """Return the number of the first period between `edges` (s) that belongs to the window."""
+    places = np.searchsorted(time, edges)
+    amplitudes = np.array([extent(values[a : b + 1])[1] for a, b in pairwise(places)])
+    equal = [
+        np.abs(sizes - np.median(sizes[-3:])) <= part * np.median(sizes[-3:])
+        for sizes, part in ((np.diff(edges), EQUAL_LENGTH), (amplitudes, EQUAL_SIZE))
+    ]
+    differ = np.flatnonzero(~(equal[0] & equal[1]))
+    earliest = int(differ[-1]) + 1 if differ.size else 0
+    first = max(0, amplitudes.size - MIN_PERIODS)
+    if amplitudes.size - earliest >= min(3, amplitudes.size):
+        first = max(first, earliest)
+        settled = np.mean(amplitudes[first:])
+        while first > earliest and abs(amplitudes[first - 1] - settled) < SETTLED * settled:
+            first -= 1
+    return first
+
+
+def principal_direction(time: np.ndarray, path: np.ndarray) -> np.ndarray:
+    """Return the unit vector along which a path `[axes, samples]` goes farthest in the last third of the record. Its
+    largest component is positive."""
+    part = path[:, last_third(time).of(time)]
+    directions = np.linalg.svd(part - part.mean(axis=1, keepdims=True), full_matrices=False)[0]
+    first: np.ndarray = directions[:, 0] * np.sign(directions[np.argmax(np.abs(directions[:, 0])), 0])
+    return first
+
+
+@dataclass(frozen=True)
+class Character:
+    """Kind of the signal in a window."""
+
+    state: State
+    drift: float | None  # Change of mean or amplitude over the window, relative to the amplitude; None without periods
+    noise: float | None  # Rms above the signal's own harmonics, relative to its variation; None without periods
+
+    def remark(self) -> str:
+        """Return the remark of a table, empty for a periodic or a steady signal."""
+        words = {"changing": "still changes", "irregular": "not periodic", "rounding": "rounding only"}
+        said = f"drifts {self.drift:+.0%}" if self.state == "drifting" and self.drift else words.get(self.state, "")
+        noisy = f"noise {self.noise:.0%}" if self.noise and self.noise > NOISY and self.state != "rounding" else ""
+        return ", ".join(filter(None, (said, noisy)))
+
+
+def folded(time: np.ndarray, values: np.ndarray, window: Window, samples: int = 256) -> np.ndarray:
+    """Return the whole periods of `window` at equal phases, `[periods, samples]`."""
+    share = np.arange(window.periods * samples) / (window.periods * samples)
+    at = window.begin + share * (window.end - window.begin)
+    sampled: np.ndarray = np.interp(at, time, values).reshape(window.periods, samples)
+    return sampled
+
+
+def character(time: np.ndarray, values: np.ndarray, window: Window, smallest: float = 0.0) -> Character:
+    """Return state, drift and noise of `values` over `window`; an amplitude of at most `smallest` is rounding."""
+    mean, amplitude = extent(values[window.of(time)])
+    if amplitude <= smallest:
+        return Character("steady" if abs(mean) > smallest else "rounding", None, None)
+    if window.periods == 0:
+        return Character("steady" if amplitude <= OSCILLATING * abs(mean) else "changing", None, None)
+    if window.periods == 1:
+        return Character("changing", None, None)
+    periods = folded(time, values, window)
+    trend = _trend(periods.mean(axis=1)), _trend(np.ptp(periods, axis=1) / 2)
+    drift = max(trend, key=abs) / amplitude
+    cycle = periods.mean(axis=0)
+    variation = float(np.sqrt(np.mean((periods - periods.mean()) ** 2)))
+    noise = _noise(time, values, window)
+    apart = np.sqrt(max(np.mean((periods - cycle) ** 2) / variation**2 - noise**2, 0.0))
+    state: State = "drifting" if abs(drift) > DRIFTING else "irregular" if apart > IRREGULAR else "periodic"
+    return Character(state, float(drift), noise)
+
+
+def _trend(values: np.ndarray) -> float:
+    """Return the change from the first to the last of `values` by a straight line of least squares."""
+    return float(np.polyfit(np.arange(values.size), values, 1)[0] * (values.size - 1))
+
+
+def _noise(time: np.ndarray, values: np.ndarray, window: Window) -> float:
+    """Return the rms of `values` above `HARMONICS` times their own frequency, relative to the rms of the variation."""
+    part = values[window.of(time)]
+    power = np.abs(np.fft.rfft((part - part.mean()) * np.hanning(part.size))) ** 2
+    own = window.periods * max(1, round(np.argmax(power) / window.periods))
+    varying = power[max(1, window.periods // 2) :].sum()
+    return float(np.sqrt(power[int((HARMONICS + 0.5) * own) :].sum() / varying)) if varying else 0.0
 
 
 def evaluate(time: np.ndarray, values: np.ndarray, window: Window) -> Statistics:

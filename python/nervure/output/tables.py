@@ -6,9 +6,38 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
+from nervure.evaluate.statistics import NOISY, Character
 from nervure.output import axis_label, displayed_unit
 from nervure.scene.types import Display
-from nervure.simulation.summary import Published, Summary
+from nervure.simulation.summary import Published, Quantity, Summary
+
+NEAR_ZERO = 0.1  # Mean by amplitude below which the difference of a mean is given by the amplitude
+
+FLAPPING = {
+    "power_in": ("power in, cycle mean", "W/m"),
+    "thrust": ("thrust, cycle mean", "N/m"),
+    "lift": ("lift on the rod, cycle mean", "N/m"),
+    "efficiency": ("efficiency", ""),
+    "thrust_by_power": ("thrust by power", "s/m"),
+    "tip_amplitude": ("tip amplitude", "m"),
+    "tip_by_rigid_tip": ("tip by rigid tip", ""),
+    "phase_lag_deg": ("phase lag", "deg"),
+}
+"""Label and unit of the rows of a driven root; forces and power are per metre of depth in two dimensions."""
+
+
+def difference(value: float | None, expected: float | None, amplitude: float | None = None) -> str:
+    """Return the difference from a published value: relative to it, or where it is a mean near zero relative to the
+    published amplitude."""
+    if value is None or expected is None:
+        return ""
+    if amplitude and abs(expected) < NEAR_ZERO * abs(amplitude):
+        return f"{(value - expected) / abs(amplitude) * 100:+.1f} % of ampl."
+    return f"{(value / expected - 1) * 100:+.1f} %" if expected else ""
+
+
+def _remark(quantity: Quantity) -> str:
+    return Character(quantity.state, quantity.drift, quantity.noise).remark()
 
 
 def print_table(console: Console, summary: Summary, display: Display | None = None) -> None:
@@ -17,18 +46,29 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
     known |= any(quantity.reference is not None for quantity in summary.quantities.values())
     compared = known and summary.not_compared is None
     shown = ("computed", "reference", "difference") if compared else ("computed",)
-    headings = (Column(heading, justify="right") for heading in shown)
-    table = Table("quantity", *headings, title=summary.scene)
+    headings = [Column(heading, justify="right") for heading in shown]
+    remarks = {name: _remark(quantity) for name, quantity in summary.quantities.items()}
+    noted = any(remarks.values())
+    table = Table("quantity", *headings, *([Column("remark")] if noted else []), title=summary.scene)
 
-    def row(label: str, value: float | None, expected: float | None, digits: int, scale: float = 1.0) -> None:
+    def row(
+        label: str,
+        value: float | None,
+        expected: float | None,
+        digits: int,
+        scale: float = 1.0,
+        amplitude: float | None = None,
+        remark: str = "",
+    ) -> None:
         cells = [f"{v * scale:.{digits}g}" if v is not None else "–" for v in (value, expected)]
-        apart = f"{(value / expected - 1) * 100:+.1f} %" if value is not None and expected else ""
-        table.add_row(escape(label), *[*cells, apart][: len(shown)])
+        cells.append(difference(value, expected, amplitude))
+        table.add_row(escape(label), *cells[: len(shown)], *([escape(remark)] if noted else []))
 
     for name, quantity in summary.quantities.items():
         unit, scale = displayed_unit(quantity.unit, display)
         published = quantity.reference or Published()
-        row(axis_label(f"{name} mean", unit), quantity.mean, published.mean, 4, scale)
+        mean = axis_label(f"{name} mean", unit)
+        row(mean, quantity.mean, published.mean, 4, scale, published.amplitude, remark=remarks[name])
         row(axis_label(f"{name} amplitude", unit), quantity.amplitude, published.amplitude, 4, scale)
         per_time = f"1/{display.time}" if display else "Hz"
         row(f"{name} frequency [{per_time}]", quantity.frequency_hz, published.frequency_hz, 4)
@@ -37,12 +77,21 @@ def print_table(console: Console, summary: Summary, display: Display | None = No
             row(name.replace("_", " "), value, found.reference.get(name), 6)
     rods = {f"{name} ": (own.flapping, own.interface) for name, own in (summary.rods or {}).items()}
     rods = rods or {"": (summary.flapping, summary.interface)}
+    space = any(name.endswith("tip_uz") for name in summary.quantities)
     for name, (flapping, _) in rods.items():
         for field in fields(flapping) if flapping else ():
             value = getattr(flapping, field.name)
             if isinstance(value, float):
-                row(name + field.name.replace("_", " "), value, None, 4)
+                label, unit = FLAPPING[field.name]
+                unit, scale = displayed_unit(unit.removesuffix("/m") if space else unit, display)
+                row(axis_label(name + label, unit), value, None, 4, scale)
     console.print(table)
+    if any(quantity.noise and quantity.noise > NOISY for quantity in summary.quantities.values()):
+        console.print(
+            "noise is the part of a signal above six times its frequency; it raises amplitudes, not those of `fit` in "
+            "summary.json. At least five cells across each moving body lessen it",
+            soft_wrap=True,
+        )
     if summary.not_compared is not None:
         console.print(f"not compared with published values: {summary.not_compared}", markup=False, soft_wrap=True)
 

@@ -6,7 +6,7 @@ A field with the default None is left out of the file where it is None.
 import platform
 import re
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from typing import Any
 
@@ -31,8 +31,8 @@ TIP = ("tip_ux", "tip_uy", "tip_uz")
 PERIODIC = 0.1  # Largest `amplitude_drift` for a comparison with published values of a periodic state
 STEADY = 0.05  # Largest amplitude by mean for a comparison with published values of a steady state
 
-MAIN_SIGNALS = ("tip_uy", "lift")  # The first one that a run has decides on the periods
-MOTION = re.compile(r"body_\d+_(x|y|angle)")  # Columns of the prescribed motion of a rigid body
+COMPARED_PERIODS = 4  # Fewest periods for a comparison with published values of a periodic state
+MOTION = re.compile(r"(body_\d+)_(x|y|angle)")  # Columns of the prescribed motion of a rigid body
 FORCES = ("drag", "lift")  # Evaluated outputs of the fluid, under a box filter
 
 
@@ -68,6 +68,11 @@ class Quantity(statistics.Statistics):
     """A recorded output over the window."""
 
     unit: str
+    state: statistics.State
+    drift: float | None  # Change of mean or amplitude over the window, relative to the amplitude; None without periods
+    noise: (
+        float | None
+    )  # Rms above the own harmonics, before any filter, relative to the variation; None without periods
     fit: statistics.Statistics | None  # Statistics of the least-squares harmonics; None without an oscillation
     reference: Published | None = None
 
@@ -168,59 +173,122 @@ def quantities(beams: Sequence[Own]) -> list[str]:
     return [*(prefix + name for prefix in prefixes for name in TIP), *FORCES]
 
 
-def main_signal(series: Series) -> str | None:
-    """Return the column that decides on the periods: with a driven root the tip along the main axis, without a beam
-    the motion of a driven rigid body."""
-    axis = flapping.main_axis(series)
-    signals = (f"tip_u{axis}", MAIN_SIGNALS[0]) if axis else MAIN_SIGNALS[:1]
-    moving = (name for name in series if MOTION.fullmatch(name) and np.ptp(series[name][-series[name].size // 3 :]) > 0)
-    return next((signal for signal in (*signals, *moving, *MAIN_SIGNALS[1:]) if signal in series), None)
+@dataclass(frozen=True)
+class MainSignal:
+    """The signal that decides on the periods."""
+
+    name: str
+    values: np.ndarray
+    drive: np.ndarray | None = None  # The prescribed motion that it follows; None without a drive
+    smallest: float = 0.0  # Largest amplitude that is rounding
 
 
-def settling_signal(series: Series, main: str) -> str:
-    """Return the column that shows whether a run is periodic: the main one, or if it is prescribed the larger force."""
-    return max(FORCES, key=lambda name: np.ptp(series[name])) if MOTION.fullmatch(main) else main
+def main_signal(series: Series, rounding: float = statistics.ROUNDING["double"]) -> MainSignal | None:
+    """Return the signal that decides on the periods, along its principal direction: the path of the tip, or without a
+    rod the force. A driven root or a driven rigid body sets the period; `rounding` is the part of a signal's largest
+    value that rounding may move."""
+    time = series["time"]
+    names, forces = [name for name in FORCES if name in series], _forces(series)
+    tip, rigid = flapping.path(series, "tip"), flapping.path(series, "rigid_tip")
+    if tip is not None:
+        drive = _along(time, rigid) if rigid is not None and np.ptp(rigid) > 0 else None
+        smallest = statistics.ROUNDING["double"] * float(np.abs(tip).max())
+        return MainSignal("tip", _along(time, tip), drive, smallest)
+    if forces is None:
+        return None
+    values, smallest = (
+        _along(time, forces),
+        rounding * float(np.hypot(*forces)[statistics.last_third(time).of(time)].max()),
+    )
+    return MainSignal(names[0] if len(names) == 1 else "force", values, _motion(series), smallest)
+
+
+def _forces(series: Series) -> np.ndarray | None:
+    """Drag and lift, `[2, samples]`; None without a fluid."""
+    return np.array([series[name] for name in FORCES]) if series.keys() >= {*FORCES} else None
+
+
+def _along(time: np.ndarray, path: np.ndarray) -> np.ndarray:
+    """The component of a path along its principal direction."""
+    component: np.ndarray = statistics.principal_direction(time, path) @ path
+    return component
+
+
+def _motion(series: Series) -> np.ndarray | None:
+    """The prescribed motion of the first rigid body that moves at the end: of its pivot, or else its angle."""
+    moving: dict[str, list[str]] = {}
+    tail = statistics.last_third(series["time"]).of(series["time"])
+    for column in series:
+        if (found := MOTION.fullmatch(column)) and np.ptp(series[column][tail]) > 0:
+            moving.setdefault(found[1], []).append(column)
+    for columns in moving.values():
+        places = [name for name in columns if not name.endswith("angle")] or columns
+        return _along(series["time"], np.array([series[name] for name in places]))
+    return None
 
 
 def _quantity(
-    name: str, unit: str | None, series: Series, scene: Scene, window: statistics.Window, width: float
+    name: str, unit: str | None, series: Series, scene: Scene, window: statistics.Window, width: float, smallest: float
 ) -> Quantity:
-    """Evaluate the output `name` over `window`; forces are filtered over `width` (s)."""
+    """Evaluate the output `name` over `window`; forces are filtered over `width` (s), and an amplitude of at most
+    `smallest` is rounding."""
     time, values, reference = series["time"], series[name], None
+    found = statistics.character(time, values, window, smallest)
     if name in FORCES:
         values = statistics.box_filter(time, values, width)
     extremes = statistics.evaluate(time, values, window)
+    if found.state == "rounding" or extremes.amplitude <= smallest:
+        extremes = replace(extremes, frequency_hz=None)
     fit = statistics.fit(time, values, window) if extremes.frequency_hz is not None else None
-    if scene.reference and (found := scene.reference.quantities.get(name)):
-        reference = Published(found.mean, found.amplitude, found.frequency_hz, scene.reference.source)
-    return Quantity(**asdict(extremes), unit=unit or "", fit=fit, reference=reference)
+    if scene.reference and (known := scene.reference.quantities.get(name)):
+        reference = Published(known.mean, known.amplitude, known.frequency_hz, scene.reference.source)
+    return Quantity(**asdict(extremes), unit=unit or "", **asdict(found), fit=fit, reference=reference)
 
 
-def _main_column(facts: Facts, series: Series) -> str | None:
+def smallest_amplitudes(names: Sequence[str], series: Series, rounding: float) -> dict[str, float]:
+    """Return the amplitude of each column up to which it is rounding: a part of the largest force or displacement."""
+    tail = statistics.last_third(series["time"]).of(series["time"])
+    largest = {
+        kind: max((float(np.abs(series[name][tail]).max()) for name in names if (name in FORCES) == kind), default=0.0)
+        for kind in (False, True)
+    }
+    return {
+        name: (rounding if name in FORCES else statistics.ROUNDING["double"]) * largest[name in FORCES]
+        for name in names
+    }
+
+
+def _main_signal(facts: Facts, series: Series, rounding: float) -> MainSignal | None:
     """Return the main signal of a run; of several rods, the signal of the first."""
-    for own in facts.beams[:1] if facts.scene.rods else ():
-        if found := main_signal(rod_columns(series, own)):
-            return own.prefix + found
-    return main_signal(series)
+    if facts.scene.rods:
+        return main_signal(rod_columns(series, facts.beams[0]), rounding)
+    return main_signal(series, rounding)
 
 
 def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Recorder, status: RunStatus) -> Summary:
     """Evaluate a run."""
     scene, series = facts.scene, recorder.series
     time, iterations = series["time"], series["iterations"][1:]
-    main = _main_column(facts, series) if time.size > 2 else None
-    window = statistics.find_window(time, series[main]) if main else None
+    rounding = statistics.ROUNDING[scene.fluid.precision] if scene.fluid else statistics.ROUNDING["double"]
+    main = _main_signal(facts, series, rounding) if time.size > 2 else None
+    window, settled = None, None
+    if main and main.drive is not None:
+        window = statistics.driven_window(time, main.values, main.drive)
+    elif main:
+        window = statistics.find_window(time, main.values, main.smallest)
+    if main and window:
+        settled = statistics.character(time, main.values, window, main.smallest)
     width = statistics.force_filter_width(window) if window else 0.0
     inside = {name: unit.seconds for name, unit in units.items()}
     about = {name: unit.description for name, unit in units.items()}
+    names = [name for name in quantities(facts.beams) if window and name in series]
+    smallest = smallest_amplitudes(names, series, rounding) if window else {}
     known = {
-        name: _quantity(name, recorder.units[name], series, scene, window, width)
-        for name in quantities(facts.beams)
-        if window and name in series
+        name: _quantity(name, recorder.units[name], series, scene, window, width, smallest[name])
+        for name in names
+        if window
     }
     rods = {own.unit: rod_columns(series, own) for own in facts.beams} if scene.rods else {}
-    settling = settling_signal(series, main) if main else None
-    drift = statistics.drift(time, series[settling], window) if settling and window else None
     return Summary(
         scene=scene.name,
         completed=status.completed,
@@ -229,19 +297,19 @@ def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Re
         dimensionless=facts.numbers,
         bodies=bodies.evaluate(facts, series, window, width) if window else {},
         coefficients=_coefficients(facts, series, window, width) if window else None,
-        flapping=flapping.evaluate(facts, series, window) if window else None,
+        flapping=flapping.evaluate(facts, scene.beam, series, window) if window and scene.beam else None,
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
-        amplitude_drift=drift,
-        not_compared=_not_compared(scene, status, known, settling, window, drift),
+        amplitude_drift=settled.drift if settled else None,
+        not_compared=_not_compared(scene, status, known, main, window, settled),
         method=Method(
             coupling=scheme.choice,
             communication_step_s=scene.time.communication_step,
             statistics="mean = (max + min) / 2 and amplitude = (max - min) / 2 over the window, frequency by upward "
             f"crossings of the mean; forces under a box filter of {width * 1e3:.3g} ms; `fit`: the same of the "
             f"least-squares fit of {statistics.HARMONICS} harmonics",
-            amplitude_drift=f"change of the amplitude of {settling} from the first to the second half of the window, "
-            "relative",
+            amplitude_drift=f"change of mean or amplitude of the {main.name if main else 'signal'} along its principal "
+            "direction over the window, relative to its amplitude",
         ),
         interface=interface(series),
         simulated_s=status.simulated,
@@ -257,8 +325,12 @@ def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Re
         git=git_revision(),
         machine=machine(),
         rods={
-            name: OfRod(flapping.evaluate(facts, columns, window) if window else None, interface(columns))
-            for name, columns in rods.items()
+            own.unit: OfRod(
+                flapping.evaluate(facts, own.beam, rods[own.unit], window) if window else None,
+                interface(rods[own.unit]),
+            )
+            for own in facts.beams
+            if rods
         }
         or None,
     )
@@ -268,9 +340,9 @@ def _not_compared(
     scene: Scene,
     status: RunStatus,
     quantities: dict[str, Quantity],
-    settling: str | None,
+    main: MainSignal | None,
     window: statistics.Window | None,
-    drift: float | None,
+    settled: statistics.Character | None,
 ) -> str | None:
     """Return why a run cannot be compared with the published final state of its scene; None where it can."""
     reference = scene.reference
@@ -280,11 +352,11 @@ def _not_compared(
         return f"the run ended at t = {status.simulated:g} of {scene.time.end:g} s"
     given = reference.coefficients
     if any(q.amplitude or q.frequency_hz for q in reference.quantities.values()) or (given and given.st is not None):
-        if settling is None or window is None or window.periods < statistics.DRIFT_PERIODS:
-            periods, signal = window.periods if window else 0, settling or "the tip or the lift"
-            return f"the run has {periods} whole periods of {signal}, and {statistics.DRIFT_PERIODS} is the least"
-        if drift is not None and abs(drift) > PERIODIC:
-            return f"the amplitude of {settling} still changes by {drift:+.0%} over the window"
+        if main is None or window is None or window.periods < COMPARED_PERIODS:
+            periods, signal = window.periods if window else 0, main.name if main else "signal"
+            return f"the run has {periods} whole periods of the {signal}, and {COMPARED_PERIODS} is the least"
+        if settled and settled.drift is not None and abs(settled.drift) > PERIODIC:
+            return f"the {main.name} still drifts by {settled.drift:+.0%} of its amplitude over the window"
         return None
     shown = list(reference.quantities) or ["drag"]
     for name in shown:
