@@ -97,16 +97,17 @@ def test_no_morison_split_in_a_stream_or_of_another_motion(swinging, change):
     assert found.morison is None, found
 
 
-@pytest.mark.parametrize("turn", [0.0, 0.3, np.pi / 2, 2.0])
+@pytest.mark.parametrize("turn", [0.3, np.pi / 2, 2.0])
 def test_the_main_signal_does_not_depend_on_the_orientation(turn):
     """The path of a tip, and the force on a body at rest, turned in the plane."""
     time = np.linspace(0, 4, 4001)
     along, across = np.sin(4 * np.pi * time), 0.2 * np.cos(8 * np.pi * time)
     x, y = np.cos(turn) * along - np.sin(turn) * across, np.sin(turn) * along + np.cos(turn) * across
     for names in (("tip_ux", "tip_uy"), ("drag", "lift")):
-        main = main_signal(dict(zip(names, (x, y))) | {"time": time})
-        assert np.abs(main.values) == pytest.approx(np.abs(along), abs=1e-6), names
-        assert main.drive is None
+        straight, turned = (main_signal(dict(zip(names, path)) | {"time": time}) for path in ((along, across), (x, y)))
+        assert straight.values == pytest.approx(along, abs=0.01), names
+        assert np.abs(turned.values) == pytest.approx(np.abs(straight.values), abs=1e-12), names
+        assert turned.drive is None
 
 
 def test_outlines_are_where_the_bodies_are(swinging):

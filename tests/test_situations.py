@@ -1,0 +1,119 @@
+"""Situations that people reported of similar tools: the numbers that come out, and the words beside them."""
+
+import copy
+import math
+
+import numpy as np
+import pytest
+
+import nervure
+from nervure.scene import validate
+
+SQUARE = {
+    "name": "square",
+    "time": {"end": 60.0, "communication_step": 0.02},
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 0.01,
+        "box": {"x": [-4.0, 12.0], "y": [-5.0, 5.0], "cells": [192, 120]},
+        "mean_flow": {"x": {"constant": 1.0}},
+        "initial_velocity": [1.0, 0.0],
+        "sponge": {"x": [9.5, 12.0], "mean_velocity": {"constant": 1.0}, "c_eta": 0.1},
+        "bodies": [{"shape": {"rectangle": {"length": 1.0, "thickness": 1.0}}, "position": [0.0, 0.02]}],
+        "mask": {"log_linear": {"c_eta": 1e-4}},
+        "time_stepping": {"max_step": 0.02, "max_cfl": 0.4},
+    },
+}
+"""A square in a stream at Re 100, which sheds vortices after some 30 s."""
+
+CANTILEVER = {
+    "name": "cantilever",
+    "time": {"end": 20.0, "communication_step": 0.005},
+    "beam": {"root": {"at": {}}, "length": 1.0, "thickness": 0.02, "segments": 24},
+    "rod": {
+        "material": {"section": {"line_density": 1.0, "bending_stiffness": 1.0, "axial_stiffness": 1e4}},
+        "scheme": "trapezoid",
+    },
+}
+"""A rod in space that gravity bends."""
+
+DRIVEN = {
+    "name": "driven",
+    "time": {"end": 4.0, "communication_step": 0.002},
+    "beam": {
+        "root": {"at": {"position": [0.0, 0.0], "direction": [1.0, 0.0]}},
+        "length": 1.0,
+        "thickness": 0.05,
+        "segments": 20,
+    },
+    "rod": {"material": {"section": {"line_density": 0.5, "bending_stiffness": 2.0, "axial_stiffness": 1e3}}},
+}
+"""A rod in vacuo whose root heaves."""
+
+
+@pytest.fixture
+def run(tmp_path, libraries):
+    """Function that runs a scene and returns the run."""
+
+    def run(scene):
+        return nervure.run(validate(scene), tmp_path / scene["name"], quiet=True, force=True)
+
+    return run
+
+
+def test_an_impulsive_start_and_a_ramp_end_in_the_same_statistics(run):
+    """St 0.1445 and a mean cd of 1.757 at 60 s; with the first periods in the window 0.089 and 2.593."""
+    ramped = copy.deepcopy(SQUARE)
+    ramped["fluid"]["mean_flow"]["x"] = {"cosine_ramp": {"value": 1.0, "duration": 2.0}}
+    ramped["fluid"]["initial_velocity"] = [0.0, 0.0]
+    impulsive, smooth = (run(scene).summary for scene in (SQUARE, ramped))
+    for summary in (impulsive, smooth):
+        assert summary.window_s[0] > 25.0, summary.window_s
+        assert summary.quantities["lift"].state == "drifting", "the lift still grows by a tenth"
+    for name, value, share in (("lift", "frequency_hz", 0.015), ("drag", "mean", 0.01), ("lift", "amplitude", 0.01)):
+        found = [getattr(summary.quantities[name], value) for summary in (impulsive, smooth)]
+        assert found[0] == pytest.approx(found[1], rel=share), (name, value)
+
+
+def test_a_flow_that_stays_symmetric_has_a_lift_of_rounding(run):
+    scene = copy.deepcopy(SQUARE)
+    scene["fluid"]["bodies"] = [{"shape": {"circle": {"radius": 0.5}}, "position": [0.0, 0.0]}]
+    scene["time"]["end"] = 6.0
+    lift = run(scene).summary.quantities["lift"]
+    assert (lift.state, lift.frequency_hz) == ("rounding", None), lift
+
+
+@pytest.mark.parametrize("down", [(0.0, -1.0, 0.0), (0.0, 0.0, -1.0), (0.0, -0.6, -0.8)])
+def test_a_rod_in_space_has_the_same_frequency_in_every_direction(run, down):
+    """0.56 Hz, by the first mode of a cantilever."""
+    scene = copy.deepcopy(CANTILEVER)
+    scene["beam"]["root"]["at"] = {"position": [0.0, 0.0, 0.0], "direction": [1.0, 0.0, 0.0]}
+    scene["rod"]["gravity"] = [0.5 * g for g in down]
+    summary = run(scene).summary
+    assert summary.periods == 10
+    assert summary.periods / (summary.window_s[1] - summary.window_s[0]) == pytest.approx(
+        1.8751**2 / 2 / math.pi, rel=2e-3
+    )
+
+
+@pytest.mark.parametrize("points", [12, 20])
+def test_a_table_of_a_sine_drives_as_the_sine_does(run, points):
+    """Up to the first and the last interval, of which the ends are free."""
+
+    def root_force(law):
+        scene = copy.deepcopy(DRIVEN)
+        scene["rod"]["root_motion"] = {"laws": {"y": law}}
+        series = run(scene).series
+        return series["root_force_y"][series["time"] > 1.0]
+
+    sine = root_force({"sine": {"amplitude": 0.2, "frequency": 1.0}})
+    phases = np.arange(points + 1) / points
+    values = 0.2 * np.sin(2 * np.pi * phases)
+    values[-1] = values[0]
+    table = root_force({"table": {"times": phases.tolist(), "values": values.tolist(), "periodic": True}})
+    apart = np.sqrt(np.mean((table - sine) ** 2) / np.mean(sine**2))
+    assert apart < (0.06 if points == 12 else 0.02), apart
+    series = root_force(
+        {"sum": [{"fourier": {"frequency": 1.0, "sines": [0.3]}}, {"sine": {"amplitude": -0.1, "frequency": 1.0}}]}
+    )
+    assert series == pytest.approx(sine, abs=1e-6 * np.abs(sine).max())
