@@ -116,7 +116,10 @@ def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     assert found.st == pytest.approx(2.0 / velocity, rel=1e-4)
     assert found.st_tip == pytest.approx(2.0 * 0.3 / velocity, rel=1e-4)
     if kind == "stream":
-        assert found.ct / found.cp == pytest.approx(flapping.evaluate(facts, known, window).efficiency, rel=1e-9)
+        assert scene.beam
+        assert found.ct / found.cp == pytest.approx(
+            flapping.evaluate(facts, scene.beam, known, window).efficiency, rel=1e-9
+        )
 
 
 def test_pace_counts_steps_after_the_first_and_those_of_the_fluid_to_come():

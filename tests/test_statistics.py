@@ -83,7 +83,7 @@ def test_a_sine_is_periodic_and_has_no_remark():
     window, _ = evaluated(SINE)
     found = statistics.character(TIME, SINE, window)
     assert (found.state, found.remark()) == ("periodic", "")
-    assert abs(found.drift) < 1e-5
+    assert found.drift is not None and abs(found.drift) < 1e-5
     assert found.noise < 1e-3
 
 
