@@ -95,4 +95,5 @@ fn loads<const D: usize>(scene: &Scene, nodes: usize, strained: bool) -> Loads {
 }
 
 #[cfg(test)]
+#[path = "from_scene/tests.rs"] // the study of the rod includes this file by its path
 mod tests;
