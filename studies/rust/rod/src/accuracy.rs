@@ -159,7 +159,8 @@ pub fn csm3_energy() -> Table {
             if name == unwatched[0].0 {
                 // Its root is driven, but to where it is.
                 let &Parameters { attachment: position, direction, .. } = rod.parameters();
-                rod.base_motion = Some(BaseMotion { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
+                rod.base_motion =
+                    Some(BaseMotion { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] });
             }
             let (mut scale, mut highest, mut halvings, mut energies) = (0.0_f64, 0.0_f64, 0, Vec::new());
             for step in 1..=(60.0 / dt) as usize {
