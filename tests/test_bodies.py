@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from nervure.evaluate import bodies, statistics
-from nervure.output import plots
+from nervure.output import flow
 from nervure.scene import override, read, validate
 from nervure.scene.facts import Facts
 from nervure.simulation.summary import main_signal
@@ -112,14 +112,14 @@ def test_the_main_signal_does_not_depend_on_the_orientation(turn):
 
 def test_outlines_are_where_the_bodies_are(swinging):
     square = validate(swinging).fluid.bodies[1]
-    turned = plots.body_outline(square, 0.5, 0.2, np.pi / 2)
+    turned = flow.body_outline(square, 0.5, 0.2, np.pi / 2)
     assert turned == pytest.approx(np.array([[0.5, 0.2], [0.5, 0.4], [0.3, 0.4], [0.3, 0.2]]))
     swinging["fluid"]["bodies"] = [
         {"shape": {"rectangle": {"length": 0.4, "thickness": 0.1, "ends": ends}}, "position": [0, 0], "pivot": [0.1, 0]}
         for ends in ("square", "round")
     ]
     for body in validate(swinging).fluid.bodies:
-        corners = plots.body_outline(body, 0.0, 0.0, 0.0)
+        corners = flow.body_outline(body, 0.0, 0.0, 0.0)
         assert [*corners.min(0), *corners.max(0)] == pytest.approx([-0.3, -0.05, 0.1, 0.05], abs=1e-3), body
 
 

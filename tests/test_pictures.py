@@ -1,38 +1,36 @@
 """Pictures of runs: what sets a scale, what things are called, and that nothing lies on anything else."""
 
-from itertools import pairwise
+from itertools import combinations
 
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgba
 from PIL import Image
 
 import nervure
 from nervure.evaluate import statistics
-from nervure.output import animation, plots
+from nervure.output import animation, flow, in_words, layout, lengths_in, plots, sweeps, title
 from nervure.scene import validate
+from nervure.scene.types import PublishedQuantity, Reference
 from studies import limits
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
 
 @pytest.fixture
-def drawn(monkeypatch, tmp_path):
-    """Function that runs a scene and returns its pictures by name, laid out."""
+def figures(monkeypatch):
+    """Figures by the names of the files that are written, laid out."""
+    found = {}
 
-    def draw(scene):
-        figures = {}
+    def save(figure, path):
+        figure.set_dpi(plots.DPI)
+        FigureCanvasAgg(figure).draw()
+        found[path.name] = figure
+        return path
 
-        def save(figure, path):
-            FigureCanvasAgg(figure).draw()
-            figures[path.name] = figure
-            return path
-
-        monkeypatch.setattr(plots, "_save", save)
-        nervure.run(validate(scene), tmp_path / "run", quiet=True)
-        return figures
-
-    return draw
+    monkeypatch.setattr(plots, "save", save)
+    return found
 
 
 @pytest.fixture
@@ -44,45 +42,171 @@ def pitching():
     return scene
 
 
-def test_nothing_lies_on_anything_else_and_lengths_are_in_chords(drawn, pitching):
-    figures = drawn(pitching)
-    assert {"tip.png", "drag.png", "lift.png", "flapping.png", "vorticity.png"} == figures.keys()
+@pytest.fixture
+def periodic(fluid_only, tmp_path):
+    """Function that makes a run over 10 s whose tip and drag are given, with ten periods but for the start-up."""
+    run = nervure.run(validate(fluid_only), tmp_path, quiet=True)
+    time = np.linspace(0, 10, 5001)
+    window = statistics.find_window(time, np.sin(2 * np.pi * time))
+    around = {"window_s": (window.begin, window.end), "periods": window.periods}
+
+    def make(series, **other):
+        summary = type(run.summary)(**vars(run.summary) | around | other)
+        units = dict(run.units) | {"tip_uy": "m"}
+        return nervure.Run(run.facts, run.folder, summary, {"time": time, **series}, units)
+
+    return time, make
+
+
+def check_labels(figure, name):
+    """No label of a tick lies on another one of the picture, and no legend on an axis."""
+    legends = [*figure.legends, *(legend for axis in figure.axes if (legend := axis.get_legend()))]
+    shown = []
+    for axis in figure.axes:
+        for legend in legends:
+            assert not legend.get_window_extent().overlaps(axis.patch.get_window_extent().padded(-1)), name
+        for ticks in (axis.xaxis, axis.yaxis):
+            low, high = sorted(ticks.get_view_interval())
+            ticked = [tick for tick in ticks.get_major_ticks() if low <= tick.get_loc() <= high]
+            labels = [label for tick in ticked for label in (tick.label1, tick.label2)]
+            shown += [label for label in labels if axis.axison and label.get_visible() and label.get_text()]
+    for one, other in combinations(shown, 2):
+        overlap = one.get_window_extent().overlaps(other.get_window_extent())
+        assert not overlap, (name, one.get_text(), other.get_text())
+
+
+def check_bar(figure, name):
+    """The colour bar, the last axes, is as high as the other axes together."""
+    *axes, bar = figure.axes
+    outline = bar._colorbar.outline.get_window_extent()
+    low = min(axis.get_window_extent().y0 for axis in axes)
+    high = max(axis.get_window_extent().y1 for axis in axes)
+    assert outline.y0 == pytest.approx(low, abs=1) and outline.y1 == pytest.approx(high, abs=1), name
+
+
+def test_pictures_of_a_run(figures, pitching, tmp_path):
+    run = nervure.run(validate(pitching), tmp_path / "run", fields_every=0.05, quiet=True)
+    run.animate()
+    assert {"tip.png", "drag.png", "lift.png", "flapping.png", "vorticity.png", "phases.png"} == figures.keys()
     for name, figure in figures.items():
-        legends = [*figure.legends, *(legend for axis in figure.axes if (legend := axis.get_legend()))]
-        for axis in figure.axes:
-            for legend in legends:
-                assert not legend.get_window_extent().overlaps(axis.patch.get_window_extent().padded(-1)), name
-            for ticks in (axis.xaxis, axis.yaxis):
-                low, high = sorted(ticks.get_view_interval())
-                ticked = [tick for tick in ticks.get_major_ticks() if low <= tick.get_loc() <= high]
-                labels = [tick.label1 for tick in ticked if tick.label1.get_visible() and tick.label1.get_text()]
-                shown = [label.get_window_extent() for label in labels]
-                assert not any(one.overlaps(other) for one, other in pairwise(shown)), name
+        check_labels(figure, name)
+    for name in ("vorticity.png", "phases.png"):
+        check_bar(figures[name], name)
     path, tip, force, power = figures["flapping.png"].axes
-    assert path.get_xlabel() == "tip ux [chords]" and tip.get_xlabel() == force.get_xlabel() == "t/T"
+    assert path.get_xlabel() == "tip, along x [chords]" and tip.get_xlabel() == force.get_xlabel() == "t/T"
     assert [text.get_text() for text in tip.get_legend().get_texts()] == ["rigid", "flexible"]
     assert [text.get_text() for text in force.get_legend().get_texts()] == ["thrust", "lift"]
     assert power.get_ylabel() == "power"
     assert figures["vorticity.png"].axes[0].get_ylabel() == "y [chords]"
-    assert figures["vorticity.png"].axes[1].get_ylabel() == "vorticity [1/periods]"
+    assert figures["vorticity.png"].axes[-1].get_ylabel() == "vorticity [1/periods]"
     assert figures["tip.png"].axes[-1].get_xlabel() == "time [periods]"
+    with Image.open(tmp_path / "run" / "vorticity.gif") as film:
+        assert film.width >= 720 and (tmp_path / "run" / "vorticity.gif").stat().st_size < 3e6
 
 
-def test_a_peak_at_the_start_does_not_set_the_scale(rod_only, tmp_path):
-    run = nervure.run(validate(rod_only), tmp_path, quiet=True)
-    time = np.linspace(0, 10, 5001)
+def test_the_start_up_does_not_set_an_axis_and_is_said(periodic):
+    time, make = periodic
     values = np.sin(2 * np.pi * time)
-    window = statistics.find_window(time, values)
-    values[:20] = 40.0
-    summary = type(run.summary)(
-        **vars(run.summary) | {"window_s": (window.begin, window.end), "periods": window.periods}
-    )
-    made = nervure.Run(run.facts, run.folder, summary, {"time": time, "tip_uy": values}, run.units)
-    low, high = plots.over_time({"run": made}, ["tip_uy"]).axes[0].get_ylim()
-    assert -1300 < low < -1000 and 1000 < high < 1300, (low, high)  # mm
     values[:20] = 2.0
-    _, high = plots.over_time({"run": made}, ["tip_uy"]).axes[0].get_ylim()
-    assert high > 2000, "a peak that leaves the rest readable is shown"
+    axis = plots.over_time({"run": make({"tip_uy": values})}, ["tip_uy"]).axes[0]
+    low, high = axis.get_ylim()
+    assert -1200 < low < -1000 and 1000 < high < 1200, (low, high)  # mm
+    assert axis.get_title(loc="right") == "clipped: -1e+03 to 2e+03 mm"
+
+    axis = plots.over_time({"run": make({"tip_uy": values}, periods=0)}, ["tip_uy"]).axes[0]
+    assert axis.get_ylim()[1] > 2000 and not axis.get_title(loc="right"), "without periods all of the run is seen"
+
+
+def test_the_published_band_covers_the_window_only(periodic):
+    time, make = periodic
+    run = make({"tip_uy": np.sin(2 * np.pi * time)})
+    band = PublishedQuantity(unit="m", mean=0.0, amplitude=0.9)
+    reference = Reference(source="a paper", quantities={"tip_uy": band})
+    for axis in plots.over_time({"run": run}, ["tip_uy"], reference).axes:
+        (drawn,) = axis.collections
+        extent = drawn.get_paths()[0].get_extents()
+        assert (extent.x0, extent.x1) == run.summary.window_s and extent.y1 == pytest.approx(900)
+
+
+def test_a_force_is_drawn_filtered_over_the_raw_one(periodic):
+    time, make = periodic
+    smooth, hash_ = np.sin(2 * np.pi * time), 0.3 * np.sin(2 * np.pi * 50 * time)
+    figure = plots.over_time({"run": make({"drag": smooth + hash_})}, ["drag"])
+    raw, filtered = figure.axes[0].lines
+    assert raw.get_alpha() < 0.5 and filtered.get_alpha() is None
+    inside = (time > 0.1) & (time < 9.9)
+    assert np.abs(raw.get_ydata() - smooth)[inside].max() > 0.28
+    assert np.abs(filtered.get_ydata() - smooth)[inside].max() < 0.02
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["as computed", "mean over 0.04 s"]
+
+
+def test_walls_and_solids_do_not_set_the_colour_scale(small_fsi3):
+    scene = validate(small_fsi3)
+    (x0, x1), (y0, y1) = scene.fluid.box.x, scene.fluid.box.y
+    nx, ny = scene.fluid.box.cells
+    x, y = np.meshgrid(np.linspace(x0, x1, nx, False), np.linspace(y0, y1, ny, False), indexing="ij")
+    (cylinder,) = scene.fluid.cylinders
+    cell = max((x1 - x0) / nx, (y1 - y0) / ny)
+    from_cylinder = np.hypot(x - cylinder.center[0], y - cylinder.center[1]) - cylinder.radius
+    low, high = scene.fluid.channel.y
+    near = (from_cylinder < 1.9 * cell) | (y < low + 1.9 * cell) | (y > high - 1.9 * cell)
+    field = np.where(near, 1000.0, 1.0)
+    assert flow.colour_limit(scene, [(field, flow.outlines(scene, [], []))]) == 1.0
+    assert flow.colour_limit(scene, [(field, [])]) == 1000.0
+
+
+def test_a_solid_covers_the_field_inside_it(small_fsi3):
+    scene = validate(small_fsi3)
+    figure, axes = flow.panels(scene, plots.WIDTH)
+    figure.set_dpi(50)
+    picture = flow.Picture(axes[0, 0], scene, 1.0)
+    picture.show(np.ones(scene.fluid.box.cells), flow.outlines(scene, [], []))
+    (patch,) = picture.patches
+    (cylinder,) = scene.fluid.cylinders
+    ends, diameter = patch.get_path().get_extents(), 2e3 * cylinder.radius
+    assert (ends.width, ends.height) == pytest.approx((diameter, diameter), rel=1e-3)
+    assert patch.get_facecolor() == to_rgba(flow.SOLID) and patch.get_edgecolor() == to_rgba(flow.EDGE)
+    left, right, bottom, top = flow.view(scene.fluid)
+    box = axes[0, 0].get_window_extent()
+    assert box.width / box.height == pytest.approx((right - left) / (top - bottom)), "true proportions"
+
+
+def test_between_grid_points_the_fourier_series_is_averaged_over_two_cells():
+    n, ends, places = 32, (-1.0, 3.0), np.linspace(-1.0, 2.9, 57)
+    grid = np.linspace(*ends, n, endpoint=False)
+
+    def wave(x, order):
+        return np.cos(2 * np.pi * order * (x + 0.3) / 4)
+
+    cell = 4 / n
+    for order in (0, 1, 5, 11):
+        offsets = np.linspace(-cell, cell, 20001)
+        mean = np.trapezoid(wave(places[:, None] + offsets, order), offsets, axis=1) / (2 * cell)
+        assert flow.resample(wave(grid, order), ends, places) == pytest.approx(mean, abs=1e-7)
+    stripes = (-1.0) ** np.arange(n)
+    assert np.abs(flow.resample(stripes, ends, places)).max() < 1e-12, "what changes sign at each point is gone"
+
+
+def test_words_and_units_of_a_picture(small_fsi3, rod_only):
+    channel, alone = validate(small_fsi3), validate(rod_only)
+    assert in_words("tip_uy", channel) == "tip, across" and in_words("upper_tip_ux", channel) == "upper: tip, along"
+    assert in_words("tip_uz", alone) == "tip, along z" and in_words("root_power", alone) == "root power"
+    assert lengths_in(channel, 2.5) == ("mm", 1e3) and lengths_in(channel, 25.0) == ("m", 1.0)
+    told = channel.model_copy(update={"description": "A bar, which bends: in water.", "name": "bar-2"})
+    assert title(told, 9) == "A bar" and title(told.model_copy(update={"description": ""}), 9) == "bar 2"
+    assert len(title(told.model_copy(update={"description": "long " * 40}), 4.0)) <= 58
+
+
+@pytest.mark.parametrize("values", [[1.0, 1.1, 1.2, 40.0, 45.0], [float(n) for n in range(100000, 100040)]])
+def test_labels_of_a_sweep_do_not_overlap(figures, tmp_path, values):
+    rows = [
+        {"folder": f"{n}", "scene": "bar", "rod.damping": value, "status": sweeps.FINISHED, "tip_uy_mean": -0.01 * n}
+        for n, value in enumerate(values)
+    ]
+    sweeps.plot(tmp_path, rows)
+    (axis,) = figures["sweep.png"].axes
+    check_labels(figures["sweep.png"], "sweep.png")
+    assert axis.get_ylabel() == "tip, along y: mean [mm]" and axis.get_ylim()[0] < -10 * (len(values) - 1)
 
 
 @pytest.mark.filterwarnings("default")  # for the pipes that imageio-ffmpeg leaves to the garbage collector
@@ -108,4 +232,37 @@ def test_a_rod_alone_moves_in_its_frame(rod_only, tmp_path):
         assert film.n_frames == 11  # type: ignore[attr-defined]
         ink = [np.asarray(film.convert("L")) < 200 for _ in [film.seek(n) for n in (0, 10)]]
     frames = animation.render_rod(animation.Frames(tmp_path), list(range(11)))
-    assert (frames[0] != frames[10]).any() and ink[0].any()
+    assert (frames[0] != frames[10]).any() and ink[0].any() and frames[0].shape[1] >= 720
+
+
+def test_a_rod_in_space_is_seen_from_three_sides_to_one_scale(figures, rod_only, tmp_path):
+    rod_only["beam"]["root"]["at"] = {"position": [0.0, 0.0, 0.0], "direction": [1.0, 0.0, 0.0]}
+    rod_only["rod"]["gravity"] = [0.0, -1.0, -2.0]
+    run = nervure.run(validate(rod_only), tmp_path, fields_every=1e-3, quiet=True)
+    run.animate()
+    figure = figures["motion.png"]
+    check_labels(figure, "motion.png")
+    check_bar(figure, "motion.png")
+    views = [axis for axis in figure.axes[:-1] if axis.axison]
+    assert len(views) == 3
+    scales = []
+    for axis in views:
+        box = axis.get_window_extent()
+        scales += [box.width / np.ptp(axis.get_xlim()), box.height / np.ptp(axis.get_ylim())]
+        (path,) = axis.collections
+        assert len(path.get_segments()) == len(run.series["time"]) - 1, "over the whole run"
+        points = np.concatenate([*path.get_segments(), *(line.get_xydata() for line in axis.lines)])
+        low, high = np.transpose([axis.get_xlim(), axis.get_ylim()])
+        assert (points >= low).all() and (points <= high).all()
+    assert scales == pytest.approx([scales[0]] * 6)
+    bottom, tip = min(axis.get_ylim()[0] for axis in views), 1e3 * run.series["tip_uz"].min()
+    assert bottom < tip
+
+
+def test_axes_in_true_proportions_fit_into_the_width():
+    for columns, rows in (([1.0], [20.0]), ([30.0], [1.0]), ([1.0, 2.0], [2.0, 0.5])):
+        figure, axes = layout.grid(7.5, columns, rows)
+        assert figure.get_figwidth() == 7.5 and sum(axis.get_position().height for axis in axes[:, 0]) < 1
+        for (row, column), axis in np.ndenumerate(axes):
+            box = axis.get_window_extent()
+            assert box.width / box.height == pytest.approx(columns[column] / rows[row])

@@ -1,8 +1,14 @@
 """Output for people: pictures, fields, animations, tables, progress."""
 
-from nervure.scene.types import Display
+import re
+from textwrap import shorten
+
+from nervure.scene.types import Display, Scene
 
 READ_IN = {"m": ("mm", 1e3)}  # Units that are shown in another scale
+LONGEST_IN_MM = 10.0  # Longest length that a picture shows in mm, m
+TIP = re.compile(r"(?:(.+)_)?tip_u([xyz])")  # Columns of the motion of a tip; several rods have names
+CLAUSE = re.compile(r"[,;]|\.(?:\s|$)")  # End of the first clause of a description
 
 
 def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[str, float]:
@@ -19,6 +25,28 @@ def displayed_unit(unit: str | None, display: Display | None = None) -> tuple[st
     return own.get(unit or "", ""), 1.0
 
 
+def lengths_in(scene: Scene, longest: float) -> tuple[str, float]:
+    """Return the unit of lengths in a picture of lengths up to `longest` (m), and the factor from m to it."""
+    return ("m", 1.0) if scene.display is None and longest > LONGEST_IN_MM else displayed_unit("m", scene.display)
+
+
 def axis_label(name: str, unit: str) -> str:
     """Return the label of an axis."""
     return f"{name} [{unit}]" if unit else name
+
+
+def title(scene: Scene, inches: float) -> str:
+    """Return the first clause of the scene's description, or its name in words, cut to `inches` of small text."""
+    words = CLAUSE.split(scene.description or "")[0] or re.sub(r"[-_]", " ", scene.name)
+    return shorten(words, round(14.5 * inches), placeholder=" …")
+
+
+def in_words(column: str, scene: Scene) -> str:
+    """Return the words for a column of the series; a tip moves along and across the stream, or along an axis."""
+    found = TIP.fullmatch(column)
+    if not found:
+        return column.replace("_", " ")
+    rod, axis = found.groups()
+    streams = scene.fluid is not None and scene.fluid.inflow is not None
+    place = {"x": "along", "y": "across"}[axis] if streams else f"along {axis}"
+    return f"{rod.replace('_', ' ')}: tip, {place}" if rod else f"tip, {place}"

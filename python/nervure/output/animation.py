@@ -5,6 +5,7 @@ and phases.png has four phases of the last period. A rod alone has motion.png an
 """
 
 import json
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +13,15 @@ import h5py
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
+from matplotlib.colors import to_rgb
 from PIL import Image
 
 from nervure.errors import InputError
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
-from nervure.output import axis_label, fields, plots
+from nervure.output import fields, flow, layout, plots, title
+from nervure.output.motion import RodPicture
 from nervure.scene import beams, validate
 from nervure.simulation import results
 from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
@@ -30,15 +30,17 @@ PERIODS = 2  # Whole periods in the animation, unless times are given
 PHASES = 4
 FILM = 60  # Largest number of frames in motion.gif
 SHAPES = 24  # Largest number of shapes in motion.png
-WIDTH, DPI = 9.0, 100  # Width of the animation, in, and points an inch
+SAMPLES = 8  # Frames that set the colour scale
+WIDTH, DPI = 7.5, 100  # Width of the animation, in, and points an inch
 FRAME_MS = 60  # Duration of a frame, ms
-GREYS = 32  # Colours of the palette for text, axes and solids; the colour scale has the others
+COLOURS, GREYS = 95, 32  # Colours of the palette for the scale, and for text, axes and solids
 
 
 class Frames:
     """The frames in a result folder: times (s), vorticity, outlines of the beams."""
 
     def __init__(self, folder: Path):
+        self.folder = folder
         alone = not (folder / FLUID_FIELDS).exists() and (folder / BEAM_FIELDS).exists()
         self.fluid: Any = None if alone else h5py.File(folder / FLUID_FIELDS)
         first: Any = h5py.File(folder / BEAM_FIELDS) if alone else self.fluid
@@ -50,14 +52,8 @@ class Frames:
     def _moves(self, series: Series) -> list[np.ndarray]:
         """Return position and angle of each body at the times of the frames, `[frames, 3]`, m and rad."""
         bodies = range(1, len(self.scene.fluid.bodies) + 1) if self.scene.fluid else ()
-        of = [
-            [np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in plots.POSE] for i in bodies
-        ]
+        of = [[np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in flow.POSE] for i in bodies]
         return [np.transpose(parts) for parts in of]
-
-    def poses(self, frame: int) -> list[list[float]]:
-        """Return position and angle of each body."""
-        return [move[frame].tolist() for move in self.moves]
 
     def vorticity(self, frame: int) -> np.ndarray:
         return np.array(self.fluid["VTKHDF/PointData/vorticity"][frame]).T
@@ -70,8 +66,28 @@ class Frames:
     def title(self, frame: int) -> str:
         return f"t = {self.times[frame]:.3f} {plots.unit('s', self.scene)}"
 
-    def outlines(self, frame: int) -> list[np.ndarray]:
-        return [self.points(frame, beam)[:, :2] for beam in range(len(self.beams))]
+    def solids(self, frame: int) -> list[np.ndarray]:
+        """Return the outlines of the solids in the fluid, m, each `[n, 2]`."""
+        beams = [self.points(frame, beam)[:, :2] for beam in range(len(self.beams))]
+        return flow.outlines(self.scene, beams, [move[frame].tolist() for move in self.moves])
+
+    @cached_property
+    def shapes(self) -> np.ndarray:
+        """The points of a rod alone in each frame, m, `[frames, n, 3]`."""
+        return np.array([self.points(frame) for frame in range(len(self.times))])
+
+    @cached_property
+    def tip(self) -> tuple[np.ndarray, np.ndarray]:
+        """Times (s) and path of the tip of a rod alone, m, `[times, 3]`: from the series, or else from the frames."""
+        shapes, middle = self.shapes, self.shapes.shape[1] // 2
+        in_space = bool(np.ptp(shapes[..., 2]))
+        path = shapes[:, -1] if in_space else shapes[:, middle - 1 : middle + 1].mean(axis=1)
+        try:
+            series = results.read(self.folder).series
+        except InputError:
+            return self.times, path
+        moved = np.transpose([series.get(f"tip_u{axis}", np.zeros_like(series["time"])) for axis in "xyz"])
+        return series["time"], path[0] + moved - moved[0]
 
     def between(self, begin: float, end: float) -> list[int]:
         """Return the frames from `begin` to before `end` (s)."""
@@ -101,14 +117,14 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
         )
     if frames.fluid is None:
         shown = chosen if begin is not None or end is not None else frames.between(last.begin, last.end)
-        write_whole(folder / "motion.png", lambda path: motion(frames, shown, path))
+        motion(frames, shown, folder / "motion.png")
         return [folder / "motion.png", *_films(folder / "motion", render_rod(frames, shown))]
-    sampled = [frames.vorticity(frame) for frame in chosen[:: max(1, len(chosen) // 8)]]
-    limit = plots.vorticity_limit(frames.scene, sampled)
+    sampled = chosen[:: max(1, len(chosen) // SAMPLES)]
+    limit = flow.colour_limit(frames.scene, [(frames.vorticity(frame), frames.solids(frame)) for frame in sampled])
 
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
-    write_whole(folder / "phases.png", lambda path: phases(frames, nearest, limit, path))
+    phases(frames, nearest, limit, folder / "phases.png")
     return [folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
 
 
@@ -133,86 +149,61 @@ def _films(path: Path, pictures: list[np.ndarray]) -> list[Path]:
 
 
 def phases(frames: Frames, chosen: list[int], limit: float, path: Path) -> None:
-    """Draw four frames with one colour scale: below each other, or two by two where the box is high."""
-    columns = 2 if plots.size(frames.scene, WIDTH)[1] > WIDTH / 2 else 1
-    _, height = plots.size(frames.scene, WIDTH / columns)
-    rows = len(chosen) // columns
-    figure = Figure(figsize=(WIDTH, (height - 0.5) * rows + 0.5), layout="constrained")
-    axes = figure.subplots(rows, columns, sharex=True, sharey=True)
+    """Draw four frames below each other, or two by two where the box is high, with one colour scale."""
+    assert frames.scene.fluid is not None, "phases are pictures of a fluid"
+    left, right, bottom, top = flow.view(frames.scene.fluid)
+    columns = 2 if top - bottom > (right - left) / 2 else 1
+    figure, axes = flow.panels(frames.scene, plots.WIDTH, len(chosen) // columns, columns, 2 * layout.TOP)
+    figure.set_dpi(plots.DPI)
     for axis, frame in zip(axes.flat, chosen, strict=True):
-        picture = plots.draw_vorticity(
-            axis, frames.scene, frames.vorticity(frame), frames.outlines(frame), limit, frames.poses(frame)
-        )
-        axis.set_title(frames.title(frame), fontsize="medium")
-        axis.label_outer()
-    figure.colorbar(picture, ax=axes, label=plots.vorticity_label(frames.scene), extend="both", pad=0.01)
-    figure.savefig(path, dpi=150)
+        picture = flow.Picture(axis, frames.scene, limit)
+        picture.show(frames.vorticity(frame), frames.solids(frame))
+        axis.set_title(frames.title(frame), loc="right", fontsize="small")
+    layout.label_outer(axes)
+    figure.suptitle(title(frames.scene, plots.WIDTH), fontsize="medium")
+    flow.colour_bar(figure, axes, picture.image, frames.scene)
+    plots.save(figure, path)
 
 
-def _rod_figure(frames: Frames, chosen: list[int]) -> tuple[Figure, list[Any], list[tuple[int, int]], Any, Any]:
-    """Return a figure of a rod alone with axes for each view, one in the plane or three in space; the views as pairs of
-    coordinates; the shapes, `[frames, points, 3]`; and the path of the tip, `[frames, 3]`."""
-    shapes = np.array([frames.points(frame) for frame in chosen])
-    in_space = bool(np.ptp(shapes[..., 2]))
-    views = [(0, 1), (0, 2), (1, 2)] if in_space else [(0, 1)]
-    figure = Figure(figsize=(4.2 * len(views) + 1, 4.6), layout="constrained")
-    axes = list(figure.subplots(1, len(views), squeeze=False)[0])
-    metre = plots.unit("m", frames.scene)
-    for axis, (across, up) in zip(axes, views, strict=True):
-        axis.set(xlabel=axis_label("xyz"[across], metre), ylabel=axis_label("xyz"[up], metre), aspect="equal")
-        axis.locator_params(nbins=5)
-    middle = shapes.shape[1] // 2
-    return figure, axes, views, shapes, shapes[:, -1] if in_space else shapes[:, middle - 1 : middle + 1].mean(axis=1)
+def motion(frames: Frames, chosen: list[int], path: Path) -> None:
+    """Draw the path of the tip of a rod alone over the whole run, coloured by time, and its shapes at `chosen`."""
+    times, of_tip = frames.tip
+    picture = RodPicture(frames.scene, frames.shapes, of_tip, plots.WIDTH)
+    picture.draw_path(of_tip, times)
+    for number in np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int)):
+        picture.add(frames.shapes[chosen[number]], color="0.3", linewidth=0.7)
+    first, last = (f"{frames.times[chosen[end]]:.3g}" for end in (0, -1))
+    picture.said.set_text(f"rod from {first} to {last} {picture.clock}")
+    plots.save(picture.figure, path)
 
 
 def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
     """Return pictures of a rod alone with the path of its tip, `[height, width, 3]` of bytes; at most `FILM`."""
-    chosen = chosen[:: -(-len(chosen) // FILM)]
-    figure, axes, views, shapes, tip = _rod_figure(frames, chosen)
-    figure.set_dpi(DPI)
-    canvas, lines, pictures = FigureCanvasAgg(figure), [], []
-    for axis, (across, up) in zip(axes, views, strict=True):
-        axis.plot(tip[:, across], tip[:, up], color="0.7", linewidth=0.8)
-        (line,) = axis.plot(shapes[..., across].ravel(), shapes[..., up].ravel(), color=plots.BLUE, linewidth=1.5)
-        axis.set(xlim=axis.get_xlim(), ylim=axis.get_ylim())
-        lines.append(line)
-    for frame, shape in zip(chosen, shapes, strict=True):
-        for line, (across, up) in zip(lines, views, strict=True):
-            line.set_data(shape[:, across], shape[:, up])
-        figure.suptitle(frames.title(frame), fontsize="medium")
+    _, of_tip = frames.tip
+    picture = RodPicture(frames.scene, frames.shapes, of_tip, WIDTH)
+    picture.draw_path(of_tip)
+    picture.figure.set_dpi(DPI)
+    canvas, pictures = FigureCanvasAgg(picture.figure), []
+    lines = picture.add(frames.shapes[0], color=plots.BLUE, linewidth=1.5)
+    for frame in chosen[:: -(-len(chosen) // FILM)]:
+        for line, view in zip(lines, picture.views, strict=True):
+            line.set_data(*picture.line(frames.shapes[frame], view))
+        picture.said.set_text(frames.title(frame))
         canvas.draw()
         pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     return pictures
 
 
-def motion(frames: Frames, chosen: list[int], path: Path) -> None:
-    """Draw a rod alone in the frames `chosen`, coloured by time, with the path of its tip."""
-    figure, axes, views, shapes, tip = _rod_figure(frames, chosen)
-    shown = np.unique(np.linspace(0, len(chosen) - 1, SHAPES).round().astype(int))
-    times = Normalize(frames.times[chosen[0]], frames.times[chosen[-1]])
-    for axis, (across, up) in zip(axes, views, strict=True):
-        axis.plot(tip[:, across], tip[:, up], color="0.5", linewidth=0.8)
-        for number in shown:
-            colour = colormaps["viridis"](times(frames.times[chosen[number]]))
-            axis.plot(shapes[number][:, across], shapes[number][:, up], color=colour, linewidth=1.0)
-    key = ScalarMappable(times, "viridis")
-    figure.colorbar(key, ax=axes, label=axis_label("t", plots.unit("s", frames.scene)), pad=0.01)
-    figure.suptitle("the rod, and in grey the path of its tip", fontsize="medium")
-    figure.savefig(path, dpi=150)
-
-
 def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
-    """Return the frames as pictures, `[height, width, 3]` of bytes."""
-    figure = Figure(figsize=plots.size(frames.scene, WIDTH), dpi=DPI, layout="constrained")
-    canvas, axis = FigureCanvasAgg(figure), figure.subplots()
-    bar, pictures = None, []
+    """Return pictures of the fluid in the frames `chosen`, `[height, width, 3]` of bytes."""
+    figure, axes = flow.panels(frames.scene, WIDTH)
+    figure.set_dpi(DPI)
+    canvas, pictures = FigureCanvasAgg(figure), []
+    picture = flow.Picture(axes[0, 0], frames.scene, limit)
+    flow.colour_bar(figure, axes, picture.image, frames.scene)
     for frame in chosen:
-        axis.clear()
-        picture = plots.draw_vorticity(
-            axis, frames.scene, frames.vorticity(frame), frames.outlines(frame), limit, frames.poses(frame)
-        )
-        axis.set_title(frames.title(frame), fontsize="medium")
-        bar = bar or figure.colorbar(picture, label=plots.vorticity_label(frames.scene), extend="both", pad=0.01)
+        picture.show(frames.vorticity(frame), frames.solids(frame))
+        picture.say(float(frames.times[frame]), frames.scene)
         canvas.draw()
         pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     return pictures
@@ -220,10 +211,10 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
 
 def write_gif(pictures: list[np.ndarray], path: Path) -> None:
     """Write an endless GIF. One palette without dithering: still parts need no bytes."""
-    scale = colormaps[plots.COLOUR_MAP](np.linspace(0, 1, 256 - GREYS))[:, :3]
+    scale = colormaps[flow.COLOUR_MAP](np.linspace(0, 1, COLOURS))[:, :3]
     greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
     palette = Image.new("P", (1, 1))
-    palette.putpalette((255 * np.concatenate([scale, greys])).round().astype(np.uint8).tobytes())
+    palette.putpalette((255 * np.concatenate([scale, greys, [to_rgb(plots.BLUE)]])).round().astype(np.uint8).tobytes())
     images = [Image.fromarray(one).quantize(palette=palette, dither=Image.Dither.NONE) for one in pictures]
     images[0].save(path, "GIF", save_all=True, append_images=images[1:], duration=FRAME_MS, loop=0, optimize=True)
 

@@ -1,7 +1,7 @@
 """Pictures of a run: tip, drag and lift over time, and the vorticity around the solids at its end."""
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise, product
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -10,32 +10,33 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch, Polygon
+from matplotlib.patches import Patch
 
 from nervure.evaluate import coefficients, flapping, statistics
 from nervure.evaluate.rods import rod_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import write_whole
-from nervure.output import axis_label, displayed_unit
+from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title
 from nervure.output.fields import outline, station_positions
 from nervure.scene import Scene
-from nervure.scene.types import Body, Fluid, Reference, ShapeCircle, ShapeEllipse, ShapePolygon, ShapeRectangle
+from nervure.scene.types import Reference
 from nervure.simulation.loop import Observer
 from nervure.simulation.results import Results
 from nervure.simulation.session import Session
 from nervure.simulation.summary import TIP
 
 BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"  # Colours that colour-blind readers tell apart (Okabe & Ito 2008)
-VORTICITY_PERCENTILE = 99.0  # Percentage of the points whose vorticity lies within the colour scale
-COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 COLOURS = (BLUE, ORANGE, GREEN)
 CYCLE = (BLUE, ORANGE, GREEN, "#CC79A7", "#56B4E9", "#E69F00", "0.3")  # For runs over each other
 START_UP = 0.01  # Part of the record that a start-up peak may last
-SOLID = "0.55"
-POSE = ("x", "y", "angle")  # Outputs of the fluid for each rigid body
-ROUND = 90  # Corners of a round outline
+MARGIN = 0.08  # Part of an axis' range that stays free above and below
+CLOSER = 3  # Whole periods that a second column of axes shows
+FILTER_PERIODS = 1 / 25
+"""Width of the box filter over forces in pictures, periods: it takes 1 % from an oscillation at twice the frequency."""
+RAW, LIGHT = 0.6, 0.35  # Width and opacity of an unfiltered force
+WIDTH, DPI = 9.0, 150  # Width of a picture, in, and points an inch
+Ranges = Sequence[tuple[float, float]]  # Smallest and largest values of curves
 PNG = {"compress_level": 3}  # Files a sixth larger, and a tenth less time for the start of a run, than by default
 
 
@@ -51,57 +52,119 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     for file, wanted in (("tip", list(dict.fromkeys(tips))), ("drag", ("drag",)), ("lift", ("lift",))):
         columns = [column for column in wanted if any(column in run.series for run in runs)]
         if columns:
-            written.append(_save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.png"))
+            written.append(save(over_time(labelled, columns, first.scene.reference), folder / f"{file}.png"))
     return written if others else [*written, *cylinder(folder, first), *driven_roots(folder, first)]
 
 
 def unit(name: str, scene: Scene) -> str:
-    """Return the label of a unit in pictures of `scene`."""
-    return displayed_unit(name, scene.display)[0] if scene.display else name
+    """Return the name of a unit in pictures of `scene`."""
+    return displayed_unit(name, scene.display)[0]
 
 
 def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Reference | None = None) -> Figure:
-    """Draw `columns` over time below each other, with the published bands of `reference`."""
-    figure = Figure(figsize=(9, 1.5 + 2 * len(columns)), layout="constrained")
-    axes = figure.subplots(len(columns), sharex=True, squeeze=False)
+    """Draw `columns` over time below each other, and over the window of the first run the band that `reference` has. A
+    force is drawn as the statistics filter it, over the raw one in a light tone."""
+    first = next(iter(runs.values()))
+    figure = Figure(figsize=(WIDTH, 1.7 + 2 * len(columns)), layout="constrained")
+    figure.suptitle(title(first.scene, WIDTH), fontsize="medium")
+    window = first.summary.window
+    closer = window.last(CLOSER) if window and window.periods > CLOSER else None
+    ratios = (2, 1) if closer else (1,)
+    how: dict[str, Any] = {"squeeze": False, "sharex": "col", "sharey": "row", "width_ratios": ratios}
+    axes = figure.subplots(len(columns), len(ratios), **how)
     keys: dict[str, Any] = {}
-    display = next(iter(runs.values())).scene.display
     for number, column in enumerate(columns):
-        axis, colour = axes[number, 0], COLOURS[number % len(COLOURS)]
         having = {label: run for label, run in runs.items() if column in run.series}
-        named, scale = displayed_unit(next(iter(having.values())).units[column], display)
-        ranges = []
+        known = next(iter(having.values()))
+        named, scale = _read_in(known.scene, known.units[column], known.series[column])
+        ranges, extremes = [], []
         for label, run in having.items():
             values = run.series[column] * scale
-            look = {"color": colour} if len(runs) == 1 else {"color": CYCLE[list(runs).index(label) % len(CYCLE)]}
-            (line,) = axis.plot(run.series["time"], values, linewidth=0.8, **look)
-            ranges.append(_settled_range(run, values))
+            colour = COLOURS[number % len(COLOURS)] if len(runs) == 1 else CYCLE[list(runs).index(label) % len(CYCLE)]
+            shown = _filtered(run, column) * scale
+            force = bool((shown != values).any())
+            for axis in axes[number]:
+                raw = axis.plot(run.series["time"], values, color=colour, linewidth=RAW, alpha=LIGHT) if force else []
+                (line,) = axis.plot(run.series["time"], shown, color=colour, linewidth=1.0)
+            ranges.append(_settled_range(run, shown))
+            extremes.append((float(values.min()), float(values.max())))
             if len(runs) > 1:
                 keys[label] = line
+            elif force:
+                keys |= {"as computed": raw[0], _name_filter(run): line}
         band = reference.quantities.get(column) if reference else None
         if reference and band and band.mean is not None and band.amplitude is not None:
             low, high = (band.mean - band.amplitude) * scale, (band.mean + band.amplitude) * scale
-            keys[f"{reference.source}: mean ± amplitude"] = axis.axhspan(low, high, color="0.85", zorder=0)
+            over = (window.begin, window.end) if window else (first.series["time"][0], first.series["time"][-1])
+            for axis in axes[number]:
+                drawn = axis.fill_between(over, low, high, color="0.85", linewidth=0, zorder=0)
+            keys[f"{reference.source}: mean ± amplitude"] = drawn
             ranges.append((low, high))
-        low, high = min(low for low, _ in ranges), max(high for _, high in ranges)
-        margin = 0.05 * (high - low) or 0.05 * abs(high) or 1.0
-        axis.set(ylabel=axis_label(column.replace("_", " "), named), ylim=(low - margin, high + margin))
-        axis.margins(x=0)
+        axes[number, 0].set_ylabel(axis_label(in_words(column, known.scene), named))
+        axes[number, 0].margins(x=0)
+        _set_range(axes[number, 0], ranges, extremes, named)
     if keys:
-        figure.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=3, fontsize="small")
-    axes[-1, 0].set_xlabel(axis_label("time", displayed_unit("s", display)[0]))
+        figure.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=2, fontsize="small")
+    for axis in axes[-1]:
+        axis.set_xlabel(axis_label("time", displayed_unit("s", first.scene.display)[0]))
+    if closer:
+        axes[0, 1].set_xlim(closer.begin, closer.end)
+        axes[0, 1].locator_params(axis="x", nbins=4)
     return figure
 
 
+def _read_in(scene: Scene, unit: str | None, values: np.ndarray) -> tuple[str, float]:
+    """Return the unit in which a picture shows `values` in `unit`, and the factor to it."""
+    return lengths_in(scene, float(np.abs(values).max())) if unit == "m" else displayed_unit(unit, scene.display)
+
+
+def _filtered(run: Results, column: str) -> np.ndarray:
+    """Return a column; a force in a fluid under the filter of pictures, where the run has a window."""
+    values, window = run.series[column], run.summary.window
+    if window is None or run.scene.fluid is None or not (run.units[column] or "").startswith("N"):
+        return values
+    return statistics.box_filter(run.series["time"], values, filter_width(window))
+
+
+def filter_width(window: statistics.Window) -> float:
+    """Return the width of the box filter over forces in pictures, s; a surface that crosses grid points makes noise."""
+    if window.periods == 0:
+        return statistics.FORCE_FILTER
+    return FILTER_PERIODS * (window.end - window.begin) / window.periods
+
+
+def _name_filter(run: Results) -> str:
+    window = run.summary.window
+    width = f"{filter_width(window):.2g} {unit('s', run.scene)}" if window else ""
+    return f"mean over {width}"
+
+
 def _settled_range(run: Results, values: np.ndarray) -> tuple[float, float]:
-    """Return the range of `values` in a picture. A peak of the start-up, which is shorter than `START_UP` of the record
-    and exceeds the range of the rest by more than that range, is cut off."""
-    part = run.summary.window.of(run.series["time"]) if run.summary.window else slice(None)
+    """Return the smallest and the largest of `values` for an axis: from the window on where the run is periodic,
+    otherwise of the whole record. A peak shorter than `START_UP` of the record that exceeds the range of the rest by
+    more than that range is cut off."""
+    time, window = run.series["time"], run.summary.window
+    if window and window.periods:
+        settled = values[time >= window.begin]
+        return float(settled.min()), float(settled.max())
+    part = window.of(time) if window else slice(None)
     usual = np.r_[np.quantile(values, (START_UP, 1 - START_UP)), values[part].min(), values[part].max()]
     low, high = float(usual.min()), float(usual.max())
     lowest, highest = float(values.min()), float(values.max())
     span = high - low
     return low if low - lowest > span else lowest, high if highest - high > span else highest
+
+
+def _set_range(axis: Axes, ranges: Ranges, extremes: Ranges, named: str, margin: float = MARGIN) -> None:
+    """Set the y axis to `ranges` with a margin, and write above it how far curves with `extremes` leave the axis."""
+    (low, high), (lowest, highest) = (
+        (min(a for a, _ in found), max(b for _, b in found)) for found in (ranges, extremes)
+    )
+    room = margin * (high - low) or margin * abs(high) or 1.0
+    axis.set_ylim(low - room, high + room)
+    if lowest < low - room or highest > high + room:
+        beyond = f"clipped: {lowest:.3g} to {highest:.3g} {named}".rstrip()
+        axis.set_title(beyond, loc="right", fontsize="small", color="0.4", pad=3)
 
 
 def cylinder(folder: Path, run: Results) -> list[Path]:
@@ -110,33 +173,42 @@ def cylinder(folder: Path, run: Results) -> list[Path]:
     scale = coefficients.scale(run.facts)
     if scale is None or run.summary.window is None:
         return []
-    time, curves = run.series["time"], coefficients.curves(scale, run.series)
+    time, raw = run.series["time"], coefficients.curves(scale, run.series)
+    curves = coefficients.curves(scale, run.series, filter_width(run.summary.window))
     published = coefficients.published(run.scene.reference)
     window = run.summary.window.last(statistics.MIN_PERIODS)
     part = window.of(time)
     lines = ("max", "min") if window.periods else ("mean",)
     layout: list[Any] = [["cd", "orbit"], ["cl", "orbit"]] if window.periods else [["cd"], ["cl"]]
-    figure = Figure(figsize=(12 if window.periods else 8, 5), layout="constrained")
+    figure = Figure(figsize=(12 if window.periods else WIDTH, 5.4), layout="constrained")
+    figure.suptitle(title(run.scene, WIDTH), fontsize="medium")
     axes = figure.subplot_mosaic(layout, width_ratios=[1.6, 1] if window.periods else None)
     for name, label, colour in (("cd", "$c_D$", BLUE), ("cl", "$c_L$", ORANGE)):
-        axes[name].plot(time, curves[name], color=colour, linewidth=0.8)
+        axes[name].plot(time, raw[name], color=colour, linewidth=RAW, alpha=LIGHT)
+        axes[name].plot(time, curves[name], color=colour, linewidth=1.0)
         levels = [published[f"{name}_{what}"] for what in lines if f"{name}_{what}" in published]
-        for where, level in product([name, "orbit"] if window.periods and name == "cd" else [name], levels):
-            axes[where].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
+        axes[name].hlines(levels, window.begin, window.end, color="0.4", linestyle="--", linewidth=0.8)
+        if window.periods and name == "cd":
+            for level in levels:
+                axes["orbit"].axhline(level, color="0.4", linestyle="--", linewidth=0.8)
         low, high = min([curves[name][part].min(), *levels]), max([curves[name][part].max(), *levels])
-        margin = max(0.5 * (high - low), 0.02 * abs(high))
-        axes[name].set(ylabel=label, ylim=(low - margin, high + margin), xlim=(0, time[-1]))
+        room = max(0.5 * (high - low), 0.02 * abs(high)) / (high - low or abs(high) or 1.0)
+        axes[name].set(ylabel=label, xlim=(0, time[-1]))
+        _set_range(axes[name], [(low, high)], [(raw[name].min(), raw[name].max())], "", room)
         axes[name].axvspan(window.begin, window.end, color="0.93", zorder=0)
     axes["cl"].set_xlabel(axis_label("time", unit("s", run.scene)))
     if window.periods:
-        axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=0.8)
-        axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$", title=f"{window.periods} periods")
+        axes["orbit"].plot(curves["cl"][part], curves["cd"][part], color=GREEN, linewidth=1.0)
+        axes["orbit"].set(xlabel="$c_L$", ylabel="$c_D$")
+        axes["orbit"].set_title(f"{window.periods} periods", fontsize="medium")
+        axes["orbit"].locator_params(nbins=5)
     keys: list[Artist] = [Patch(color="0.93", label="window")]
+    keys.append(Line2D([], [], color="0.4", linewidth=RAW, alpha=LIGHT, label="as computed"))
     if published:
         source = run.scene.reference.source if run.scene.reference else ""
         keys.append(Line2D([], [], color="0.4", linestyle="--", linewidth=0.8, label=source))
-    figure.legend(handles=keys, loc="outside lower center", ncols=2, fontsize="small")
-    return [_save(figure, folder / "coefficients.png")]
+    figure.legend(handles=keys, loc="outside lower center", ncols=3, fontsize="small")
+    return [save(figure, folder / "coefficients.png")]
 
 
 def driven_roots(folder: Path, run: Results) -> list[Path]:
@@ -149,7 +221,7 @@ def driven_roots(folder: Path, run: Results) -> list[Path]:
         if found is not None:
             own, file = of[name]
             picture = driven_root(run, found, rod_columns(run.series, own))
-            pictures.append(_save(picture, folder / (file if several else "flapping.png")))
+            pictures.append(save(picture, folder / (file if several else "flapping.png")))
     return pictures
 
 
@@ -161,18 +233,19 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series) -> Figur
     phase = (time[part] - window.begin) * window.periods / (window.end - window.begin)
     other = max((axis for axis in flapping.AXES if axis != main and f"tip_u{axis}" in series),
                 key=lambda axis: np.ptp(series[f"tip_u{axis}"][part]))  # fmt: skip
-    figure = Figure(figsize=(11, 7.5), layout="constrained")
+    figure = Figure(figsize=(11, 7.7), layout="constrained")
     axes = figure.subplot_mosaic([["path", "tip"], ["force", "power"]])
+    reach = np.concatenate([series[f"{name}_u{axis}"][part] for name in ("tip", "rigid_tip") for axis in (main, other)])
+    length, scale = lengths_in(run.scene, float(np.abs(reach).max()))
     for name, colour, label in (("rigid_tip", "0.6", "rigid"), ("tip", BLUE, "flexible")):
-        along, across = (series[f"{name}_u{axis}"][part] for axis in (main, other))
+        along, across = (scale * series[f"{name}_u{axis}"][part] for axis in (main, other))
         axes["path"].plot(across, along, color=colour, linewidth=0.8, label=label)
         axes["tip"].plot(phase, along, color=colour, linewidth=0.8, label=label)
-    length = unit("m", run.scene)
-    names = {"xlabel": axis_label(f"tip u{other}", length), "ylabel": axis_label(f"tip u{main}", length)}
-    axes["path"].set(**names, aspect="equal")
+    names = [axis_label(in_words(f"tip_u{axis}", run.scene), length) for axis in (other, main)]
+    axes["path"].set(xlabel=names[0], ylabel=names[1], aspect="equal")
     axes["path"].set_adjustable("datalim")
-    axes["path"].locator_params(nbins=6)
-    axes["tip"].set(xlabel="t/T", ylabel=names["ylabel"])
+    axes["path"].locator_params(nbins=5)
+    axes["tip"].set(xlabel="t/T", ylabel=names[1])
 
     if "beam_drag" in series:
         forces, told = [("beam_drag", -1, "thrust"), ("beam_lift", 1, "lift")], "force of the fluid"
@@ -184,19 +257,30 @@ def driven_root(run: Results, found: flapping.Flapping, series: Series) -> Figur
         ("damping_power", -1, "by damping"),
     ]
     starts = np.searchsorted(phase, np.arange(window.periods + 1))
+    width = filter_width(window) if run.scene.fluid else 0.0
     depth = "" if "tip_uz" in series else "/m"
-    for place, curves, title, name in (("force", forces, told, "N"), ("power", powers, "power", "W")):
+    for place, curves, named, of in (("force", forces, told, "N"), ("power", powers, "power", "W")):
         shown = [curve for curve in curves if curve[0] in series and series[curve[0]].any()]
         for (column, sign, label), colour in zip(shown, COLOURS, strict=False):
-            values = sign * series[column][part]
+            raw = sign * series[column][part]
+            values = sign * statistics.box_filter(time, series[column], width)[part]
             for begin, end in pairwise(starts):
-                look = {"label": label} if end == starts[-1] else {"alpha": 0.3}
-                axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.8, **look)
-        axes[place].set(xlabel="t/T", ylabel=axis_label(title, "" if run.scene.display else name + depth), xlim=(0, 1))
+                last = end == starts[-1]
+                look = {"label": label} if last else {"alpha": 0.3}
+                axes[place].plot(phase[begin:end] % 1, values[begin:end], color=colour, linewidth=0.9, **look)
+                if last:
+                    light: dict[str, Any] = {"color": colour, "linewidth": RAW, "alpha": LIGHT}
+                    axes[place].plot(phase[begin:end] % 1, raw[begin:end], **light)
+        axes[place].set(xlabel="t/T", ylabel=axis_label(named, "" if run.scene.display else of + depth), xlim=(0, 1))
     for axis in axes.values():  # above the curves, not on them
         axis.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, fontsize="small", frameon=False, borderaxespad=0)
     first = f"t = {window.begin:.3g} {unit('s', run.scene)}"
-    figure.suptitle(f"{window.periods} periods from {first}, the last one dark", fontsize="small")
+    said = f"{window.periods} periods from {first}, the last one dark"
+    if width:
+        said += (
+            f"; forces and powers as a mean over T/{1 / FILTER_PERIODS:.0f}, of the last as computed in a light tone"
+        )
+    figure.suptitle(f"{title(run.scene, 11)}\n{said}", fontsize="medium")
     return figure
 
 
@@ -222,105 +306,24 @@ def vorticity(session: Session) -> None:
     corners = [
         outline(station_positions(units, own), session.facts.thickness[own.force]) for own in session.facts.beams
     ]
-    figure = Figure(figsize=size(scene, 12.0), layout="constrained")
-    axis = figure.subplots()
     poses = [
-        [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in POSE]
+        [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in flow.POSE]
         for i, _ in enumerate(scene.fluid.bodies, 1)
     ]
-    picture = draw_vorticity(axis, scene, field, corners, vorticity_limit(scene, [field]), poses)
-    axis.set_title(f"t = {session.time:.3f} {unit('s', scene)}")
-    figure.colorbar(picture, label=vorticity_label(scene), extend="both", pad=0.01)
-    _save(figure, session.folder / "vorticity.png")
+    solids = flow.outlines(scene, corners, poses)
+    limit = flow.colour_limit(scene, [(field, solids)])
+    figure, axes = flow.panels(scene, WIDTH)
+    figure.set_dpi(DPI)
+    picture = flow.Picture(axes[0, 0], scene, limit)
+    picture.show(field, solids)
+    picture.say(session.time, scene)
+    flow.colour_bar(figure, axes, picture.image, scene)
+    save(figure, session.folder / "vorticity.png")
 
 
-def vorticity_label(scene: Scene) -> str:
-    """Return the label of the colour scale of the vorticity."""
-    return axis_label("vorticity", unit("1/s", scene))
-
-
-def draw_vorticity(
-    axis: Axes,
-    scene: Scene,
-    field: np.ndarray,
-    corners: Sequence[np.ndarray],
-    limit: float,
-    poses: Sequence[Sequence[float]] = (),
-) -> AxesImage:
-    """Draw a vorticity `field`, `[nx, ny]`, colours from -`limit` to `limit` (1/s), with the solids: `corners` are the
-    outlines of the beams, `poses` position (m) and angle (rad) of the pivots of the bodies."""
-    fluid = _fluid(scene)
-    (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
-    half_x, half_y = (x1 - x0) / field.shape[0] / 2, (y1 - y0) / field.shape[1] / 2
-    extent = (x0 - half_x, x1 - half_x, y0 - half_y, y1 - half_y)
-    look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": -limit, "vmax": limit, "interpolation": "bilinear"}
-    picture = axis.imshow(field.T, origin="lower", extent=extent, **look)
-    for cylinder in fluid.cylinders:
-        if cylinder.motion is None:
-            axis.add_patch(Circle(cylinder.center, cylinder.radius, color=SOLID))
-    for body, pose in zip(fluid.bodies, poses, strict=False):
-        axis.add_patch(Polygon(body_outline(body, *pose), color=SOLID))
-    for each in corners:
-        axis.add_patch(Polygon(each, color=SOLID))
-    left, right, bottom, top = _view(fluid)
-    metre = unit("m", scene)
-    axis.set(xlim=(left, right), ylim=(bottom, top), xlabel=axis_label("x", metre), ylabel=axis_label("y", metre))
-    return picture
-
-
-def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
-    """Return the outline of a rigid body, m, `[n, 2]`, with its pivot at (x, y), turned by an angle (rad)."""
-    turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
-    circle = np.column_stack([np.cos(turn), np.sin(turn)])
-    match body.shape:
-        case ShapePolygon(polygon=polygon):
-            own = np.array(polygon.corners)
-        case ShapeCircle(circle=round):
-            own = circle * round.radius
-        case ShapeEllipse(ellipse=ellipse):
-            own = circle * [ellipse.length / 2, ellipse.thickness / 2]
-        case ShapeRectangle(rectangle=rectangle) if rectangle.ends == "square":
-            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [rectangle.length / 2, rectangle.thickness / 2]
-        case ShapeRectangle(rectangle=rectangle):
-            straight = (rectangle.length - rectangle.thickness) / 2 * np.sign(circle[:, :1])
-            own = circle * rectangle.thickness / 2 + np.pad(straight, ((0, 0), (0, 1)))
-    sin, cos = np.sin(angle), np.cos(angle)
-    placed: np.ndarray = (own - body.pivot) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
-    return placed
-
-
-def vorticity_limit(scene: Scene, vorticities: list[np.ndarray]) -> float:
-    """Return the end of the colour scale for `vorticities` of a run, 1/s; the largest, at the walls, saturate."""
-    fluid = _fluid(scene)
-    left, _, bottom, top = _view(fluid)
-    (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
-    nx, ny = vorticities[0].shape
-    columns, rows = np.linspace(x0, x1, nx, endpoint=False), np.linspace(y0, y1, ny, endpoint=False)
-    seen = np.ix_(columns >= left, (rows >= bottom) & (rows <= top))
-    return float(np.percentile(np.abs([field[seen] for field in vorticities]), VORTICITY_PERCENTILE)) or 1.0
-
-
-def size(scene: Scene, width: float) -> tuple[float, float]:
-    """Return the size of a figure of the fluid with a colour bar, in, for its width."""
-    left, right, bottom, top = _view(_fluid(scene))
-    return width, max(0.21 * width, 0.875 * width * (top - bottom) / (right - left) + 0.8)
-
-
-def _fluid(scene: Scene) -> Fluid:
-    assert scene.fluid is not None, "only a fluid has a vorticity"
-    return scene.fluid
-
-
-def _view(fluid: Fluid) -> tuple[float, float, float, float]:
-    """Return the view of a picture of the fluid, m: the channel behind the inflow zone, else the whole box."""
-    (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
-    left = fluid.inflow.x[1] if fluid.inflow else x0
-    bottom, top = fluid.channel.y if fluid.channel else (y0, y1)
-    return left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0, x1, bottom, top
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    figure.set_dpi(150)
+def save(figure: Figure, path: Path) -> Path:
+    """Write a picture as PNG; return `path`."""
+    figure.set_dpi(DPI)
     canvas = FigureCanvasAgg(figure)  # `savefig` would draw it twice
     write_whole(path, lambda unfinished: canvas.print_png(unfinished, pil_kwargs=PNG))
     return path

@@ -2,34 +2,40 @@
 
 import json
 from collections.abc import Iterable, Sequence
+from math import log
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
 from nervure.errors import InputError
-from nervure.files import write_whole
+from nervure.output import axis_label, displayed_unit, title
+from nervure.scene import Scene, validate
 from nervure.simulation.sweep import FINISHED, Row, short_keys, short_value
 
 SHOWN = (
-    ("thrust", "thrust [N/m]"),
-    ("efficiency", "efficiency"),
-    ("thrust_by_power", "thrust by power [s/m]"),
-    ("phase_lag_deg", "phase lag [°]"),
-    ("cd_mean", "$c_D$, mean"),
-    ("cl_peak_to_peak", "$c_L$, peak to peak"),
-    ("st", "St"),
-    ("tip_uy_amplitude", "tip uy, amplitude [m]"),
-    ("tip_uy_mean", "tip uy, mean [m]"),
-    ("tip_uy_frequency_hz", "tip uy, frequency [Hz]"),
-    ("drag_mean", "drag, mean [N/m]"),
-    ("lift_amplitude", "lift, amplitude [N/m]"),
+    ("thrust", "thrust", "N/m"),
+    ("efficiency", "efficiency", ""),
+    ("thrust_by_power", "thrust by power", "s/m"),
+    ("phase_lag_deg", "phase lag of the tip [°]", ""),
+    ("cd_mean", "$c_D$, mean", ""),
+    ("cl_peak_to_peak", "$c_L$, peak to peak", ""),
+    ("st", "St", ""),
+    ("tip_uy_amplitude", "tip, along y: amplitude", "m"),
+    ("tip_uy_mean", "tip, along y: mean", "m"),
+    ("tip_uy_frequency_hz", "tip, along y: frequency", "1/s"),
+    ("drag_mean", "drag, mean", "N/m"),
+    ("lift_amplitude", "lift, amplitude", "N/m"),
 )
-"""Columns of a sweep in table and picture, with the labels of their axes."""
+"""Columns of a sweep in table and picture, with their names and units in the picture."""
 
 PANELS = 4  # Largest number of quantities in table and picture
 DECADE = 10  # Ratio of the largest to the smallest value from which the axis is logarithmic
+NAMED = 8  # Largest number of names at an axis
+LABEL = 0.15  # Room for a label, part of an axis
+LINE: dict[str, Any] = {"linewidth": 0.9, "markersize": 4}
 MARKERS = "os^Dv*"
 
 
@@ -48,9 +54,9 @@ def varied(rows: Sequence[Row]) -> list[str]:
     return [key for key in keys if key not in ("folder", "scene")]
 
 
-def _quantities(rows: Sequence[Row]) -> list[tuple[str, str]]:
+def _quantities(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     """Return the first columns of `SHOWN` that a finished run has."""
-    return [(name, label) for name, label in SHOWN if any(isinstance(row.get(name), float) for row in rows)][:PANELS]
+    return [shown for shown in SHOWN if any(isinstance(row.get(shown[0]), float) for row in rows)][:PANELS]
 
 
 def print_table(console: Console, rows: Sequence[Row]) -> None:
@@ -58,11 +64,11 @@ def print_table(console: Console, rows: Sequence[Row]) -> None:
     keys, found = varied(rows), _quantities(rows)
     several = len({row["scene"] for row in rows}) > 1 or not keys
     headings = ["scene"] * several + [short_keys(keys)[key] for key in keys] + ["status"]
-    numbers = (Column(escape(name.replace("_", " ")), justify="right") for name in [*(n for n, _ in found), "wall s"])
+    numbers = (Column(escape(name.replace("_", " ")), justify="right") for name in [*(n for n, *_ in found), "wall s"])
     table = Table(*map(escape, headings), *numbers, box=None, padding=(0, 1))
     for row in rows:
         cells = [str(row["scene"])] * several + [short_value(row.get(key)) for key in keys] + [row["status"]]
-        table.add_row(*map(escape, cells), *(_digits(row.get(name)) for name, _ in found), _digits(row.get("wall_s")))
+        table.add_row(*map(escape, cells), *(_digits(row.get(name)) for name, *_ in found), _digits(row.get("wall_s")))
     console.print(table)
 
 
@@ -78,8 +84,9 @@ def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
     if len(rows) < 2 or not found:
         return None
     from matplotlib.figure import Figure
+    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
-    from nervure.output.plots import COLOURS
+    from nervure.output import plots
 
     keys = varied(rows)
     short = short_keys(keys)
@@ -98,24 +105,52 @@ def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
         curves.setdefault(label, []).append(row)
     for axis in axes.flat[len(found) :]:
         axis.set_visible(False)
-    for axis, (name, label) in zip(axes.flat, found, strict=False):
+    scene = _scene(folder, rows)
+    if scene:
+        figure.suptitle(title(scene, 5 * columns), fontsize="medium")
+    for axis, (name, words, unit) in zip(axes.flat, found, strict=False):
+        named, scale = displayed_unit(unit, scene.display if scene else None)
         for number, (curve, members) in enumerate(curves.items()):
             having = [row for row in members if row.get(name) is not None]
             x = [row[first] if numeric else places.index(short_value(row[first])) for row in having]
-            points = sorted(zip(x, (row[name] for row in having), strict=True))
-            look = {"color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)], "label": curve}
-            axis.plot(*zip(*points, strict=True), linewidth=0.9, markersize=4, **look) if points else None
+            points = sorted(zip(x, (scale * row[name] for row in having), strict=True))
+            colour, marker = plots.COLOURS[number % len(plots.COLOURS)], MARKERS[number % len(MARKERS)]
+            axis.plot(*zip(*points, strict=True), color=colour, marker=marker, label=curve, **LINE) if points else None
         if numeric and _spans_decade(row[first] for row in rows):
             axis.set_xscale("log")
-        elif not numeric:
-            axis.set_xticks(range(len(places)), places, rotation=20, ha="right")
+            axis.xaxis.set_major_locator(FixedLocator(_apart(sorted({row[first] for row in rows}))))
+            axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: short_value(float(value))))
+            axis.xaxis.set_minor_locator(NullLocator())
+        elif numeric:
+            axis.locator_params(axis="x", nbins=6)
+        else:
+            every = -(-len(places) // NAMED)
+            axis.set_xticks(range(0, len(places), every), places[::every], rotation=20, ha="right")
         axis.ticklabel_format(axis="y", scilimits=(-3, 4), useOffset=False)
-        axis.set(xlabel=short.get(first, first), ylabel=label)
+        axis.set(xlabel=short.get(first, first).replace("_", " "), ylabel=axis_label(words, named))
     if others:
         handles = axes.flat[0].get_legend_handles_labels()
         figure.legend(*handles, loc="outside lower center", ncols=3, fontsize="small")
-    write_whole(folder / "sweep.png", lambda path: figure.savefig(path, dpi=150))
-    return folder / "sweep.png"
+    return plots.save(figure, folder / "sweep.png")
+
+
+def _scene(folder: Path, rows: Sequence[Row]) -> Scene | None:
+    """Return the scene of the first run; None where the sweep has several scenes, or the file cannot be read."""
+    if len({row["scene"] for row in rows}) > 1:
+        return None
+    try:
+        return validate(json.loads((folder / str(rows[0]["folder"]) / "scene.json").read_text(encoding="utf-8")))
+    except (OSError, ValueError, InputError):
+        return None
+
+
+def _apart(values: Sequence[float]) -> list[float]:
+    """Return as many of the sorted `values` as have labels that do not overlap on a logarithmic axis."""
+    least, kept = LABEL * log(values[-1] / values[0]), [values[0]]
+    for value in values[1:]:
+        if log(value / kept[-1]) >= least:
+            kept.append(value)
+    return kept
 
 
 def _spans_decade(values: Iterable[float]) -> bool:

@@ -1,0 +1,168 @@
+"""Pictures of the fluid: its vorticity around the solids, with one colour bar as high as the axes.
+
+A picture has more points than the grid. Between grid points the solver's Fourier series is evaluated with Lanczos'
+sigma factors, as its mean over two cells (Lanczos, Applied Analysis, 1956): where the vorticity jumps, at a wall or at
+the seam of the periodic box, the bare series rings with a wavelength of two to three cells. Field files hold the bare
+values.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.image import AxesImage
+from matplotlib.patches import Polygon
+from matplotlib.path import Path
+
+from nervure.output import axis_label, displayed_unit, layout, lengths_in, title
+from nervure.scene import Scene
+from nervure.scene.types import Body, Fluid, ShapeCircle, ShapeEllipse, ShapePolygon, ShapeRectangle
+
+PERCENTILE = 99.5  # Part of the visible points outside of `LAYER`, in percent, inside the colour scale
+LAYER = 2.0  # Thickness of the layer at walls and solids that does not set the colour scale, cells
+COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
+SOLID, EDGE = "0.8", "0.15"  # Greys of a solid and of its outline
+POSE = ("x", "y", "angle")  # Outputs of the fluid for a rigid body
+ROUND = 90  # Corners of a round outline
+
+Solids = Sequence[np.ndarray]  # Outlines of the solids of a frame, m, each `[n, 2]`
+
+
+def outlines(scene: Scene, beams: Solids, poses: Sequence[Sequence[float]]) -> list[np.ndarray]:
+    """Return the outlines of the still cylinders, of the bodies at `poses` (m, m, rad) and of `beams`."""
+    fluid = _fluid(scene)
+    turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    still = [cylinder for cylinder in fluid.cylinders if cylinder.motion is None]
+    found = [np.array(cylinder.center) + cylinder.radius * circle for cylinder in still]
+    return [*found, *(body_outline(body, *pose) for body, pose in zip(fluid.bodies, poses, strict=False)), *beams]
+
+
+def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
+    """Return the outline of a rigid body, m, `[n, 2]`, with its pivot at (x, y), turned by an angle (rad)."""
+    turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    match body.shape:
+        case ShapePolygon(polygon=polygon):
+            own = np.array(polygon.corners)
+        case ShapeCircle(circle=round):
+            own = circle * round.radius
+        case ShapeEllipse(ellipse=ellipse):
+            own = circle * [ellipse.length / 2, ellipse.thickness / 2]
+        case ShapeRectangle(rectangle=rectangle) if rectangle.ends == "square":
+            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [rectangle.length / 2, rectangle.thickness / 2]
+        case ShapeRectangle(rectangle=rectangle):
+            straight = (rectangle.length - rectangle.thickness) / 2 * np.sign(circle[:, :1])
+            own = circle * rectangle.thickness / 2 + np.pad(straight, ((0, 0), (0, 1)))
+    sin, cos = np.sin(angle), np.cos(angle)
+    placed: np.ndarray = (own - body.pivot) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
+    return placed
+
+
+def panels(
+    scene: Scene, width: float, rows: int = 1, columns: int = 1, top: float = layout.TOP
+) -> tuple[Figure, np.ndarray]:
+    """Return a figure of `width` (in) with axes `[rows, columns]` for pictures of `scene` below `top` (in)."""
+    left, right, low, high = view(_fluid(scene))
+    return layout.grid(width, [right - left] * columns, [high - low] * rows, top)
+
+
+def colour_bar(figure: Figure, axes: np.ndarray, picture: AxesImage, scene: Scene) -> None:
+    """Add the colour bar of the vorticity, as high as all `axes` together."""
+    place, triangle, ticks = layout.bar(figure, axes)
+    label = axis_label("vorticity", displayed_unit("1/s", scene.display)[0])
+    figure.colorbar(picture, cax=place, label=label, extend="both", extendfrac=triangle, ticks=ticks)
+
+
+class Picture:
+    """The vorticity in `axis`, with colours from -`limit` to `limit` (1/s)."""
+
+    def __init__(self, axis: Axes, scene: Scene, limit: float):
+        self.axis, self.fluid = axis, _fluid(scene)
+        left, right, bottom, top = extent = view(self.fluid)
+        unit, scale = lengths_in(scene, max(map(abs, extent)))
+        self.scale, self.patches = scale, list[Polygon]()
+        pixels = axis.get_window_extent()
+        columns, rows = max(2, round(pixels.width)), max(2, round(pixels.height))
+        self.x = left + (np.arange(columns) + 0.5) / columns * (right - left)
+        self.y = bottom + (np.arange(rows) + 0.5) / rows * (top - bottom)
+        look: dict[str, Any] = {"cmap": COLOUR_MAP, "vmin": -limit, "vmax": limit, "origin": "lower", "aspect": "auto"}
+        look["extent"] = [scale * edge for edge in extent]
+        self.image = axis.imshow(np.zeros((2, 2)), **look)
+        axis.set(xlabel=axis_label("x", unit), ylabel=axis_label("y", unit))
+
+    def show(self, field: np.ndarray, solids: Solids) -> None:
+        """Show a vorticity `field` (1/s), `[nx, ny]`, and the solids over it."""
+        fine = resample(resample(field, self.fluid.box.x, self.x).T, self.fluid.box.y, self.y)
+        self.image.set_data(fine)
+        for patch in self.patches:
+            patch.remove()
+        look: dict[str, Any] = {"facecolor": SOLID, "edgecolor": EDGE, "linewidth": 0.6}
+        self.patches = [Polygon(self.scale * outline, **look) for outline in solids]
+        for patch in self.patches:
+            self.axis.add_patch(patch)
+
+    def say(self, time: float, scene: Scene) -> None:
+        """Write the title of the scene and the `time` (s) above the picture."""
+        clock = f"t = {time:.3f} {displayed_unit('s', scene.display)[0]}"
+        inches = self.axis.get_window_extent().width / self.axis.figure.dpi
+        self.axis.set_title(title(scene, inches - 1.2), loc="left", fontsize="small")
+        self.axis.set_title(clock, loc="right", fontsize="small")
+
+
+def resample(values: np.ndarray, ends: Sequence[float], places: np.ndarray) -> np.ndarray:
+    """Return the Fourier series of `values`, which are periodic along the first axis between `ends`, at `places` along
+    that axis, averaged over two cells."""
+    n, (begin, end) = len(values), ends
+    order = np.arange(n // 2 + 1)
+    weight = np.where(order == 0, 1.0, 2.0) * np.sinc(2 * order / n) / n
+    waves = weight * np.exp(2j * np.pi * np.outer((places - begin) / (end - begin), order))
+    found: np.ndarray = (waves @ np.fft.rfft(values, axis=0)).real
+    return found
+
+
+def colour_limit(scene: Scene, frames: Iterable[tuple[np.ndarray, Solids]]) -> float:
+    """Return the end of the colour scale for frames of vorticity and solids, 1/s; the layers at walls saturate."""
+    shown = [np.abs(field[_free(scene, field.shape, solids)]) for field, solids in frames]
+    return float(np.percentile(np.concatenate(shown), PERCENTILE)) or 1.0
+
+
+def _free(scene: Scene, shape: tuple[int, ...], solids: Solids) -> np.ndarray:
+    """Return which points of a grid of `shape` are seen outside of solids and of the layer at solids and walls."""
+    fluid = _fluid(scene)
+    left, _, bottom, top = view(fluid)
+    x, y = (np.linspace(*ends, n, endpoint=False) for ends, n in zip((fluid.box.x, fluid.box.y), shape, strict=True))
+    layer = LAYER * max(x[1] - x[0], y[1] - y[0])
+    wall = layer if fluid.channel else 0.0
+    free: np.ndarray = np.logical_and.outer(x >= left, (y >= bottom + wall) & (y <= top - wall))
+    for outline in solids:
+        near = np.ix_(*((at > low - layer) & (at < high + layer) for at, low, high in
+                        zip((x, y), outline.min(axis=0), outline.max(axis=0), strict=True)))  # fmt: skip
+        points = np.stack(np.broadcast_arrays(x[near[0]], y[near[1]]), axis=-1).reshape(-1, 2)
+        solid = Path(outline).contains_points(points) | (_distance(points, outline) < layer)
+        free[near] &= ~solid.reshape(free[near].shape)
+    return free
+
+
+def _distance(points: np.ndarray, outline: np.ndarray) -> np.ndarray:
+    """Return the distance of `points` from a closed `outline`, m."""
+    least = np.full(len(points), np.inf)
+    for begin, side in zip(outline, np.roll(outline, -1, axis=0) - outline, strict=True):
+        along = np.clip((points - begin) @ side / max(side @ side, np.finfo(float).tiny), 0, 1)
+        least = np.minimum(least, np.hypot(*(points - begin - along[:, None] * side).T))
+    return least
+
+
+def _fluid(scene: Scene) -> Fluid:
+    assert scene.fluid is not None, "only a fluid has a vorticity"
+    return scene.fluid
+
+
+def view(fluid: Fluid) -> tuple[float, float, float, float]:
+    """Return left, right, lower and upper end of a picture, m: the channel behind the inflow zone, or the box."""
+    (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
+    left = fluid.inflow.x[1] if fluid.inflow else x0
+    bottom, top = fluid.channel.y if fluid.channel else (y0, y1)
+    return left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0, x1, bottom, top
