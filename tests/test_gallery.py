@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 import pytest
+from PIL import Image
 
 from nervure.resources import ROOT
 
@@ -30,3 +31,10 @@ def test_a_script_of_the_gallery_runs(name, tmp_path):
 
 def test_every_script_of_the_gallery_is_tried():
     assert {path.name for path in GALLERY.glob("*.py")} == CASES.keys()
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "docs" / "pictures").glob("*.gif")), ids=lambda path: path.stem)
+def test_a_moving_picture_of_the_documents_is_wide_and_small(path):
+    with Image.open(path) as film:
+        assert film.width >= 720 and film.n_frames > 10  # type: ignore[attr-defined]
+    assert path.stat().st_size < 3e6

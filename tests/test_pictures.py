@@ -13,6 +13,7 @@ from nervure.evaluate import statistics
 from nervure.output import animation, flow, in_words, layout, lengths_in, plots, sweeps, title
 from nervure.scene import validate
 from nervure.scene.types import PublishedQuantity, Reference
+from nervure.simulation.sweep import FINISHED
 from studies import limits
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -157,6 +158,7 @@ def test_walls_and_solids_do_not_set_the_colour_scale(small_fsi3):
 
 def test_a_solid_covers_the_field_inside_it(small_fsi3):
     scene = validate(small_fsi3)
+    assert scene.fluid
     figure, axes = flow.panels(scene, plots.WIDTH)
     figure.set_dpi(50)
     picture = flow.Picture(axes[0, 0], scene, 1.0)
@@ -200,7 +202,7 @@ def test_words_and_units_of_a_picture(small_fsi3, rod_only):
 @pytest.mark.parametrize("values", [[1.0, 1.1, 1.2, 40.0, 45.0], [float(n) for n in range(100000, 100040)]])
 def test_labels_of_a_sweep_do_not_overlap(figures, tmp_path, values):
     rows = [
-        {"folder": f"{n}", "scene": "bar", "rod.damping": value, "status": sweeps.FINISHED, "tip_uy_mean": -0.01 * n}
+        {"folder": f"{n}", "scene": "bar", "rod.damping": value, "status": FINISHED, "tip_uy_mean": -0.01 * n}
         for n, value in enumerate(values)
     ]
     sweeps.plot(tmp_path, rows)
