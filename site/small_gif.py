@@ -1,43 +1,29 @@
-"""Copy the moving picture of a run into the gallery, with fewer colours, named after the run without its grid.
+"""Copy the moving picture of a run into the gallery, named after the run without its grid, or to a file.
 
-Two periods stay, or one where two would be too large.
-
-    python site/small_gif.py results/NAME docs/pictures
-    python site/small_gif.py results/NAME docs/pictures/OTHER.gif
+python site/small_gif.py results/NAME docs/pictures
+python site/small_gif.py results/NAME docs/pictures/OTHER.gif
 """
 
 import re
 import sys
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from matplotlib import colormaps
-from matplotlib.colors import to_rgb
 from PIL import Image, ImageSequence
 
-from nervure.output.flow import COLOUR_MAP
-from nervure.output.plots import BLUE
+from nervure.output import animation
 
-COLOURS, GREYS, FRAME_MS = 47, 16, 80
-LARGEST = 1_500_000  # Bytes of a picture of two periods
+LARGEST = 1_500_000  # Size of a picture of two periods from which one period is left out, bytes
 
 
 def shrink(source: Path, target: Path) -> None:
-    """Write `source` with `COLOURS` colours of the vorticity's scale, `GREYS` greys and the blue of a rod."""
+    """Write all frames of `source`, or their first half where the file would exceed `LARGEST`."""
     with Image.open(source) as film:
-        frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(film)]
-    colours = colormaps[COLOUR_MAP](np.linspace(0, 1, COLOURS))[:, :3]
-    greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
-    palette = Image.new("P", (1, 1))
-    palette.putpalette((255 * np.concatenate([colours, greys, [to_rgb(BLUE)]])).round().astype(np.uint8).tobytes())
-    small = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
-    for shown in (small, small[: len(small) // 2]):
-        gif = BytesIO()
-        shown[0].save(gif, "GIF", save_all=True, append_images=shown[1:], duration=FRAME_MS, loop=0, optimize=True)
-        if gif.tell() <= LARGEST:
+        frames = [np.asarray(frame.convert("RGB")) for frame in ImageSequence.Iterator(film)]
+    for shown in (frames, frames[: len(frames) // 2]):
+        animation.write_gif(shown, target)
+        if target.stat().st_size <= LARGEST:
             break
-    target.write_bytes(gif.getvalue())
 
 
 if __name__ == "__main__":

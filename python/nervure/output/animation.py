@@ -210,13 +210,24 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
 
 
 def write_gif(pictures: list[np.ndarray], path: Path) -> None:
-    """Write an endless GIF. One palette without dithering: still parts need no bytes."""
+    """Write the pictures as an endless GIF with one palette and without dithering, so that still parts cost nothing."""
     scale = colormaps[flow.COLOUR_MAP](np.linspace(0, 1, COLOURS))[:, :3]
     greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
-    palette = Image.new("P", (1, 1))
-    palette.putpalette((255 * np.concatenate([scale, greys, [to_rgb(plots.BLUE)]])).round().astype(np.uint8).tobytes())
-    images = [Image.fromarray(one).quantize(palette=palette, dither=Image.Dither.NONE) for one in pictures]
+    palette = (255 * np.concatenate([scale, greys, [to_rgb(plots.BLUE)]])).round().astype(np.uint8)
+    images = [Image.fromarray(_nearest(one, palette)) for one in pictures]
+    for image in images:
+        image.putpalette(palette.tobytes())
     images[0].save(path, "GIF", save_all=True, append_images=images[1:], duration=FRAME_MS, loop=0, optimize=True)
+
+
+def _nearest(picture: np.ndarray, palette: np.ndarray) -> np.ndarray:
+    """Return the number of the nearest colour of `palette` for each point. Pillow's own search tints white."""
+    packed = picture.astype(np.int32) @ np.array([1 << 16, 1 << 8, 1], np.int32)
+    found, places = np.unique(packed, return_inverse=True)
+    colours = np.stack([found >> 16, found >> 8 & 255, found & 255], axis=-1)
+    distances = ((colours[:, None] - palette.astype(np.int32)) ** 2).sum(axis=-1)
+    nearest: np.ndarray = distances.argmin(axis=1).astype(np.uint8)[places].reshape(packed.shape)
+    return nearest
 
 
 def write_mp4(pictures: list[np.ndarray], path: Path) -> None:
