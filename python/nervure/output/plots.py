@@ -63,7 +63,7 @@ def unit(name: str, scene: Scene) -> str:
 
 def over_time(runs: Mapping[str, Results], columns: Sequence[str], reference: Reference | None = None) -> Figure:
     """Draw `columns` over time below each other, and over the window of the first run the band that `reference` has. A
-    force is drawn as the statistics filter it, over the raw one in a light tone."""
+    force in a fluid is drawn as a running mean over the computed one in a light tone."""
     first = next(iter(runs.values()))
     figure = Figure(figsize=(WIDTH, 1.7 + 2 * len(columns)), layout="constrained")
     figure.suptitle(title(first.scene, WIDTH), fontsize="medium")
