@@ -285,9 +285,8 @@ impl Range {
 /// As the end of "a number …", with a space in front; empty without limits.
 impl fmt::Display for Range {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        match (self.least, self.most) {
-            (Some(least), Some(most)) => return write!(formatter, " from {least} to {most}"),
-            _ => (),
+        if let (Some(least), Some(most)) = (self.least, self.most) {
+            return write!(formatter, " from {least} to {most}");
         }
         let limits = [(">", self.above), (">=", self.least), ("<", self.below), ("<=", self.most)];
         let told: Vec<_> = limits.into_iter().filter_map(|(sign, limit)| Some(format!("{sign} {}", limit?))).collect();

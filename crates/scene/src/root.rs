@@ -11,6 +11,7 @@ use crate::law::TimeLaw;
 /// Support of the root of a rod.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[expect(clippy::large_enum_variant, reason = "a scene has one for each rod")]
 pub enum RootSupport {
     /// The root neither moves nor turns freely.
     #[default]
@@ -50,6 +51,7 @@ pub enum RootSupport {
 /// Prescribed motion of the root.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[expect(clippy::large_enum_variant, reason = "a scene has one for each rod")]
 pub enum RootMotion {
     /// The master sets position, direction and rates of the root at the end of each communication step.
     Master,

@@ -91,10 +91,9 @@ impl Model for Integrator {
         if self.u[0] == FAILING {
             return Err(format!("u[1] = {FAILING} must not be {FAILING}"));
         }
-        let u = self.u;
-        for i in 0..3 {
-            self.y[i] += if self.hold { 0.0 } else { h * (self.gain * u[i] + self.bias) };
-            assert!(u[i] != PANICKING, "u[{}] = {PANICKING}", i + 1);
+        for (i, (y, u)) in self.y.iter_mut().zip(self.u).enumerate() {
+            *y += if self.hold { 0.0 } else { h * (self.gain * u + self.bias) };
+            assert!(u != PANICKING, "u[{}] = {PANICKING}", i + 1);
         }
         self.held = self.hold;
         self.total = self.y.iter().sum();
