@@ -39,6 +39,8 @@ NOISY = 0.1  # Noise of a force, relative to its variation, from which on a resu
 
 State = Literal["steady", "changing", "periodic", "drifting", "irregular", "rounding"]
 
+ON_AXIS = 0.01  # Angle from a coordinate axis up to which a direction counts as the axis, rad
+
 FORCE_FILTER = 5e-3  # Largest width of the box filter over forces, s
 FORCE_FILTER_PERIODS = 1 / 50
 """Largest width of the box filter, in periods: at twice the frequency, an oscillation loses at most 0.3 %."""
@@ -155,11 +157,11 @@ def _first_settled(time: np.ndarray, values: np.ndarray, edges: np.ndarray) -> i
 
 def principal_direction(time: np.ndarray, path: np.ndarray) -> np.ndarray:
     """Return the unit vector along which a path `[axes, samples]` goes farthest in the last third of the record. Its
-    largest component is positive."""
+    largest component is positive, and within `ON_AXIS` of a coordinate axis it is that axis, as in the benchmarks."""
     part = path[:, last_third(time).of(time)]
     directions = np.linalg.svd(part - part.mean(axis=1, keepdims=True), full_matrices=False)[0]
     first: np.ndarray = directions[:, 0] * np.sign(directions[np.argmax(np.abs(directions[:, 0])), 0])
-    return first
+    return np.where(first == first.max(), 1.0, 0.0) if np.linalg.norm(first) - first.max() < ON_AXIS**2 / 2 else first
 
 
 @dataclass(frozen=True)
