@@ -29,7 +29,7 @@ def test_ten_lines_from_a_scene_to_a_figure(tmp_path):
     assert run.summary.quantities["tip_uy"].mean < 0 and run.units["tip_uy"] == "m"
     assert run.series["tip_uy"][-1] == pytest.approx(-0.5 * 4.0 * 0.02**2, rel=0.01)
     figure = run.plot("tip_uy", "tip_vy")
-    assert [axis.get_ylabel() for axis in figure.axes] == ["tip uy [mm]", "tip vy [m/s]"]
+    assert [axis.get_ylabel() for axis in figure.axes] == ["tip, along y [mm]", "tip vy [m/s]"]
     figure.savefig(tmp_path / "tip.pdf")
     assert json.loads((tmp_path / "scene.json").read_text())["rod"]["gravity"] == [0.0, -4.0]
 
