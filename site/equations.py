@@ -30,4 +30,5 @@ def on_post_build(config: dict[str, Any], **_: Any) -> None:
 
 def _converted(text: str) -> str:
     text = BLOCK.sub(lambda found: f'<div class="equation">{convert(found[1], display="block")}</div>', text)
-    return INLINE.sub(lambda found: convert(found[1]), text)
+    # Markdown takes a `math` at the beginning of a line for a block of its own.
+    return INLINE.sub(lambda found: f"<span>{convert(found[1])}</span>", text)
