@@ -1,11 +1,13 @@
 """The Python interface: `nervure.load`, `nervure.inspect`, `nervure.run`, `nervure.resume`, `nervure.read`."""
 
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from nervure.errors import InputError
+from nervure.extras import require
+from nervure.files import undone_on_error
 from nervure.scene import Scene, load
 from nervure.simulation import checkpoint, results
 from nervure.simulation.loop import interruptible
@@ -101,15 +103,18 @@ def run(
         raise InputError(f"fmi is {fmi!r}, but must be 2 or 3")
     if output == "":
         raise InputError("the output is empty, but it must be the path of a folder")
+    if fields_every is not None:
+        require("h5py", "writing fields")  # before units are packed
     folder, foreign = None if output is None else Path(output), _foreign(scene, rod_fmu, fluid_fmu)
     options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
-    session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=series_every)
-    return _run(session, options, quiet)
+    with undone_on_error(folder or Path("results") / scene.name) as keep:
+        session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=series_every)
+        return _run(session, options, quiet, keep)
 
 
 def resume(folder: str | Path, *, quiet: bool = False) -> Run:
     """Continue the interrupted run in `folder` from its checkpoint; raise what `run` raises."""
-    return _run(*checkpoint.resume(Path(folder)), quiet)
+    return _run(*checkpoint.resume(Path(folder)), quiet, started=lambda: None)
 
 
 def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu: Path | None) -> dict[str, Path]:
@@ -127,8 +132,8 @@ def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu:
     return foreign | ({"fluid": Path(fluid_fmu)} if fluid_fmu else {})
 
 
-def _run(session: Session, options: checkpoint.Options, quiet: bool) -> Run:
-    """Run a session to its end or an interruption, with everything that watches it."""
+def _run(session: Session, options: checkpoint.Options, quiet: bool, started: Callable[[], None]) -> Run:
+    """Run a session to its end or an interruption, with everything that watches it; call `started` before its start."""
     from nervure.output import console, fields, plots
 
     with session:
@@ -139,6 +144,7 @@ def _run(session: Session, options: checkpoint.Options, quiet: bool) -> Run:
             session.observers.append(checkpoint.Checkpoint(session, options, console.warn))
         if not quiet:
             session.observers.append(console.Terminal(session))
+        started()
         with interruptible() as stopping:
             session.run(stopping)
         done = Run(**vars(session.finish()))

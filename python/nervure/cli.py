@@ -6,9 +6,12 @@ Exit codes: 0 done, 1 a unit or a run failed, 2 input cannot be used, 130 interr
 
 import gc
 import importlib.metadata
+import json
 import os
+import shutil
 import subprocess
 import sys
+import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -34,11 +37,35 @@ def _folder(text: str) -> Path:
     return Path(text)
 
 
-SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help="Scene file, or the name of a shipped scene.")]
+def _complete_scene(incomplete: str) -> list[tuple[str, str]]:
+    """Return the shipped scenes and the scene files that begin with what was typed; without one, the shell offers its
+    files."""
+    from nervure.catalogue import shipped
+
+    files = sorted(str(path) for path in Path().glob("*.json") if str(path).startswith(incomplete))
+    return [(one.name, one.description) for one in shipped() if one.name.startswith(incomplete)] + [
+        (path, "file") for path in files
+    ]
+
+
+def _complete_key(incomplete: str) -> list[str]:
+    """Return the scene keys that begin with what was typed; values are not completed."""
+    from nervure.catalogue import complete_key
+
+    return [] if "=" in incomplete else complete_key(incomplete)
+
+
+SCENE_HELP = "Scene file, or the name of a shipped scene; `nervure scenes` lists them."
+SceneFile = Annotated[str, typer.Argument(metavar="SCENE", help=SCENE_HELP, autocompletion=_complete_scene)]
 Folder = Annotated[Path, typer.Argument(metavar="FOLDER", help="Result folder of a run.")]
 Overrides = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Override a scene key by its dotted path; repeatable."),
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Override a scene key by its dotted path; repeatable.",
+        autocompletion=_complete_key,
+    ),
 ]
 Output = Annotated[
     Path | None, typer.Option(metavar="FOLDER", parser=_folder, help="Result folder; default: results/NAME.")
@@ -57,7 +84,9 @@ RodFmus = Annotated[
 ]
 FmuPath = Annotated[Path | None, typer.Option(exists=True, dir_okay=False, help="Use this FMU in place of the fluid.")]
 
-app = typer.Typer(no_args_is_help=True, pretty_exceptions_enable=False)
+app = typer.Typer(
+    no_args_is_help=True, pretty_exceptions_enable=False, context_settings={"help_option_names": ["-h", "--help"]}
+)
 
 
 def _print_version(asked: bool) -> None:
@@ -73,6 +102,40 @@ def command(
     ] = False,
 ) -> None:
     """Build, run and inspect co-simulation units of an elastic rod and a fluid."""
+
+
+@app.command()
+def scenes(
+    as_json: Annotated[bool, typer.Option("--json", help="Print names, descriptions and paths as JSON.")] = False,
+) -> None:
+    """List the shipped scenes."""
+    from nervure.catalogue import shipped
+
+    found = shipped()
+    if as_json:
+        typer.echo(json.dumps([{**vars(one), "path": str(one.path)} for one in found], indent=2, ensure_ascii=False))
+        return
+    width, wide = max(len(one.name) for one in found), sys.stdout.isatty()
+    for one in found:
+        line = f"{one.name:<{width}}  {one.description}"
+        typer.echo(textwrap.shorten(line, shutil.get_terminal_size().columns, placeholder="…") if wide else line)
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new scene, or path of its file.")],
+    base: Annotated[
+        str,
+        typer.Option(
+            "--from", metavar="SCENE", help=f"Scene to begin with. {SCENE_HELP}", autocompletion=_complete_scene
+        ),
+    ],
+) -> None:
+    """Write NAME.json, a copy of a scene to edit; an existing file stays."""
+    from nervure.scene import write_copy
+
+    path = write_copy(name, base)
+    typer.echo(f"{path}: edit it, then `nervure run {path}`")
 
 
 @app.command()
@@ -264,13 +327,20 @@ def animate(
 @app.command()
 def sweep(
     scene_files: Annotated[
-        list[str], typer.Argument(metavar="SCENE...", help="Base scenes: files, or names of shipped scenes.")
+        list[str],
+        typer.Argument(
+            metavar="SCENE...",
+            help="Base scenes: files, or names of shipped scenes.",
+            autocompletion=_complete_scene,
+        ),
     ],
     vary: Annotated[
         list[str] | None,
         typer.Option(
             metavar="KEY=V1,V2,…",
-            help="Values of a scene key, or KEY=[V1, V2, …] in JSON; repeatable: all combinations run.",
+            help="Values of a scene key, or KEY=[V1, V2, …] in JSON; repeatable: all combinations run. "
+            "Keys of one option, 'KEY=V1,V2; KEY=W1,W2', change together.",
+            autocompletion=_complete_key,
         ),
     ] = None,
     overrides: Overrides = None,
@@ -278,6 +348,9 @@ def sweep(
     output: Annotated[
         Path | None,
         typer.Option(metavar="FOLDER", parser=_folder, help="Folder of the sweep; default: results/sweep-NAME."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help="Runs at a time on this machine; default: one for each core.")
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="Dask scheduler; default: one on this machine.")
@@ -300,6 +373,8 @@ def sweep(
     from nervure.scene import read
     from nervure.simulation import sweep as sweeps
 
+    if workers is not None and scheduler is not None:
+        raise InputError("--workers is for runs on this machine; those of --scheduler have their own workers")
     scenes = [read(name, overrides or (), end_time) for name in scene_files]
     cases = sweeps.grid(scenes, [sweeps.variation(text) for text in vary or []])
     folder = output or Path("results") / f"sweep-{sweeps.path_name(scenes[0])}"
@@ -315,7 +390,7 @@ def sweep(
     try:
         with sweep_progress(console, len(todo), sum(case.steps for case in todo)) as count:
             say = partial(console.print, markup=False, soft_wrap=True)
-            rows = sweeps.run(cases, folder, scheduler, todo, force, say, count)
+            rows = sweeps.run(cases, folder, scheduler, todo, force, say, count, workers)
     except KeyboardInterrupt:
         console.print("stopped; the same command continues with the missing runs")
         raise typer.Exit(INTERRUPTED) from None

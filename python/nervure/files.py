@@ -2,7 +2,8 @@
 
 import csv
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,30 @@ def write_together(folder: Path, writers: dict[str, Callable[[Path], object]]) -
 def write_whole(path: Path, writer: Callable[[Path], object]) -> None:
     """Write a file under another name, then rename it to `path`."""
     write_together(path.parent, {path.name: writer})
+
+
+@contextmanager
+def undone_on_error(folder: Path) -> Iterator[Callable[[], None]]:
+    """Remove the new files in `folder`, and the folders that did not exist, where an error leaves the block before the
+    function that this yields is called."""
+    before = set(folder.iterdir()) if folder.is_dir() else set()
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    kept = False
+
+    def keep() -> None:
+        nonlocal kept
+        kept = True
+
+    try:
+        yield keep
+    except BaseException:
+        if not kept:
+            for path in set(folder.iterdir()) - before if folder.is_dir() else ():
+                path.unlink() if path.is_file() else None
+            for path in missing:
+                with suppress(OSError):  # Another program may use it
+                    path.rmdir()
+        raise
 
 
 def write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:

@@ -9,7 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -19,6 +18,7 @@ from PIL import Image
 from nervure.errors import InputError
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series
+from nervure.extras import require
 from nervure.files import write_whole
 from nervure.output import fields, flow, layout, plots, title
 from nervure.output.motion import RodPicture
@@ -40,7 +40,10 @@ class Frames:
     """The frames in a result folder: times (s), vorticity, outlines of the beams."""
 
     def __init__(self, folder: Path):
+        h5py = require("h5py", "an animation")
         self.folder = folder
+        if not results.field_files(folder):
+            raise InputError(f"{folder} holds no fields: `nervure run` writes them with --fields-every")
         alone = not (folder / FLUID_FIELDS).exists() and (folder / BEAM_FIELDS).exists()
         self.fluid: Any = None if alone else h5py.File(folder / FLUID_FIELDS)
         first: Any = h5py.File(folder / BEAM_FIELDS) if alone else self.fluid
@@ -100,7 +103,7 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
-        raise InputError(f"{folder} holds no fields, which a run writes with --fields-every: {error}") from error
+        raise InputError(f"the fields in {folder} cannot be read: {error}") from error
     try:
         window = results.read(folder).summary.window
     except InputError:

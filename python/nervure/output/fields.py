@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from nervure.errors import SceneError
+from nervure.extras import require
 from nervure.scene import Own, Scene, text
 from nervure.scene.types import Fluid
 from nervure.simulation.loop import Observer, TimeLoop
@@ -81,8 +82,7 @@ class Series:
     """A VTKHDF file with room for `frames` frames, `known` of them filled."""
 
     def __init__(self, path: Path, scene: Scene, frames: int, known: int):
-        import h5py  # only here: a run without fields does not need it
-
+        h5py = require("h5py", "writing fields")
         self.path = path
         if not known:
             self.file = h5py.File(path, "w")
@@ -108,8 +108,7 @@ class Series:
 
     def _place(self, group: Any, name: str, shape: tuple[int, ...]) -> Any:
         """Return a dataset of single precision whose room is laid out now and filled later."""
-        import h5py
-
+        h5py = require("h5py", "writing fields")
         layout = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
         layout.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
         layout.set_fill_time(h5py.h5d.FILL_TIME_NEVER)

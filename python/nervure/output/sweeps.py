@@ -77,8 +77,9 @@ def _digits(value: float | None) -> str:
 
 
 def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
-    """Write sweep.png: the first quantities over the first varied key, a curve for each combination of the other keys.
-    Return its path; None where fewer than two runs are finished."""
+    """Write sweep.png: the first quantities over the first varied key, a curve for each combination of the other keys
+    that do not change together with it. Return its path; None where fewer than two runs are finished."""
+    planned = rows
     rows = [row for row in rows if row["status"] == FINISHED]
     found = _quantities(rows)
     if len(rows) < 2 or not found:
@@ -93,6 +94,7 @@ def plot(folder: Path, rows: Sequence[Row]) -> Path | None:
     first, others = (keys[0], keys[1:]) if keys else ("scene", [])
     if len({row["scene"] for row in rows}) > 1 and keys:
         others = ["scene", *others]
+    others = [key for key in others if not _together(planned, first, key)]
     numeric = all(isinstance(row[first], int | float) and not isinstance(row[first], bool) for row in rows)
     places = list(dict.fromkeys(short_value(row[first]) for row in rows))
     columns = min(2, len(found))
@@ -142,6 +144,12 @@ def _scene(folder: Path, rows: Sequence[Row]) -> Scene | None:
         return validate(json.loads((folder / str(rows[0]["folder"]) / "scene.json").read_text(encoding="utf-8")))
     except (OSError, ValueError, InputError):
         return None
+
+
+def _together(rows: Sequence[Row], first: str, key: str) -> bool:
+    """Return whether each value of `first` has one value of `key`."""
+    pairs = {(short_value(row.get(first)), short_value(row.get(key))) for row in rows}
+    return len(pairs) == len({of_first for of_first, _ in pairs})
 
 
 def _apart(values: Sequence[float]) -> list[float]:

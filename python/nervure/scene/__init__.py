@@ -5,22 +5,24 @@ the text has no defaults, which would otherwise become part of every result and 
 """
 
 import json
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
+from nervure.catalogue import hint
 from nervure.errors import Fault, SceneError
 from nervure.library import check, is_built
-from nervure.resources import SCENES
+from nervure.resources import ROOT, SCENES
+from nervure.scene.keys import Document, assign, json_or_text, override
 from nervure.scene.types import Beam, Rod, Scene
 
-__all__ = ["Document", "Own", "Scene", "assign", "beams", "document", "load", "override", "read", "text", "validate"]
-
-Document = dict[str, Any]  # A scene as JSON has it, not necessarily checked
+__all__ = [
+    "Document", "Own", "Scene", "assign", "beams", "document", "json_or_text", "load", "override", "read", "text",
+    "validate", "write_copy",
+]  # fmt: skip
 
 MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is not even read
 
@@ -62,16 +64,16 @@ def _open(name: str | Path) -> tuple[Path, str]:
         path = shipped
     if path.is_dir():
         inside = path / "scene.json"
-        hint = f"; `{inside}` is the scene of its run" if inside.is_file() else ""
-        raise SceneError(f"{path} is a folder, but a scene is a file or the name of a shipped scene{hint}")
+        instead = f"; `{inside}` is the scene of its run" if inside.is_file() else ""
+        raise SceneError(f"{path} is a folder, but a scene is a file or the name of a shipped scene{instead}")
     try:
         with path.open("rb") as file:
             content = file.read(MOST_BYTES + 1)
     except OSError as error:
         known = [found.stem for found in sorted(SCENES.glob("*.json"))]
-        near = [name for name in known if name.startswith(path.stem)] or get_close_matches(path.stem, known, 1)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"the shipped scenes are {', '.join(known)}"
-        raise SceneError(f"cannot read the scene file {path}: {error.strerror}; {hint}") from error
+        mine = [str(found) for found in sorted(path.parent.glob("*.json")) if str(found).startswith(str(path))]
+        meant = f"did you mean {' or '.join(mine)}?" if mine else hint(path.stem, known, "the shipped scenes are")
+        raise SceneError(f"cannot read the scene file {path}: {error.strerror}; {meant}") from error
     if len(content) > MOST_BYTES:
         raise SceneError(f"the scene file {path} is larger than {MOST_BYTES >> 20} MB")
     try:
@@ -97,8 +99,14 @@ def _parse(path: Path, source: str) -> tuple[Document, list[Fault]]:
 
 
 def _changed(scene: Document, overrides: Iterable[str], end_time: float | None) -> Document:
+    refused: list[str] = []
     for assignment in overrides:
-        override(scene, assignment)
+        try:
+            override(scene, assignment)
+        except SceneError as error:
+            refused.append(str(error))
+    if refused:
+        raise SceneError("\n".join(refused))
     if end_time is not None:
         assign(scene, "time.end", end_time)
     return scene
@@ -124,6 +132,34 @@ def text(scene: Scene | Document) -> str:
     return json.dumps(document(scene), indent=2, ensure_ascii=False) + "\n"
 
 
+def write_copy(name: str, base: str | Path) -> Path:
+    """Write a copy of the scene `base` under another name, as its author set it, and return the path `name`.json. Raise
+    `SceneError` where the file exists, or a scene cannot have the name."""
+    target = Path(name if name.endswith(".json") else f"{name}.json")
+    path, source = _open(base)
+    scene, faults = _parse(path, source)
+    if faults:
+        raise SceneError("\n".join(_line(fault, path, False) for fault in faults), faults)
+    changes = {"name": target.stem}
+    if "$schema" in scene:
+        changes["$schema"] = (ROOT / "modelDescription" / "scene.schema.json").resolve().as_uri()
+    copied = source
+    for key, value in changes.items():
+        there, here = (json.dumps(one, ensure_ascii=False) for one in (scene[key], value))
+        found = re.search(rf'"{re.escape(key)}"\s*:\s*({re.escape(there)})', copied)
+        copied = copied[: found.start(1)] + here + copied[found.end(1) :] if found else copied
+    if json.loads(copied) != scene | changes:  # The words of the file are not those that were sought
+        copied = text(scene | changes)
+    if is_built("rod") and (faults := check(copied)):
+        raise SceneError("\n".join(fault.text for fault in faults), faults)
+    try:
+        with target.open("x", encoding="utf-8") as file:
+            file.write(copied)
+    except OSError as error:
+        raise SceneError(f"cannot write {target}: {error.strerror}; `nervure new` replaces no file") from error
+    return target
+
+
 @dataclass(frozen=True)
 class Own:
     """A beam of a scene with its rod, and the beginnings of the names of its columns."""
@@ -140,44 +176,3 @@ def beams(scene: Scene) -> list[Own]:
     if scene.beam:
         return [Own("rod", scene.beam, scene.rod, "", "beam")]
     return [Own(own.name, own.beam, own.rod, f"{own.name}_", f"beam_{i}") for i, own in enumerate(scene.rods, 1)]
-
-
-def override(scene: Document, assignment: str) -> None:
-    """Set one value of `scene` from `key=value`, e.g. `fluid.box.cells.0=650`; the value is JSON, or else a string."""
-    key, equals, value = assignment.partition("=")
-    if not (key and equals):
-        raise SceneError(f"the override `{assignment}` must be of the form key=value")
-    assign(scene, key, json_or_text(value))
-
-
-def json_or_text(value: str) -> Any:
-    """Return the value of a JSON text, or else the text itself."""
-    try:
-        return json.loads(value, object_pairs_hook=_without_duplicates)
-    except (ValueError, RecursionError):
-        return value
-
-
-def _without_duplicates(members: list[tuple[str, Any]]) -> Document:
-    found = dict(members)
-    if len(found) < len(members):
-        names = [name for name, _ in members]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise SceneError(f"duplicate key `{twice}` in the value of an override")
-    return found
-
-
-def assign(scene: Document, key: str, value: Any) -> None:
-    """Set one value of `scene` by its dotted path, in which a number is an index into a list. A last key that does not
-    exist is added: whether it is allowed is for the units to say."""
-    path: list[Any] = [int(part) if part.isdecimal() else part for part in key.split(".")]
-    *parents, last = path
-    target: Any = scene
-    try:
-        for part in parents:
-            target = target[part]
-        if isinstance(target, list):
-            target[last]  # an index beyond the end is an error, not an addition
-        target[last] = value
-    except (KeyError, IndexError, TypeError) as error:
-        raise SceneError(f"the override of `{key}` names a key that the scene does not have") from error

@@ -25,8 +25,9 @@ from time import perf_counter, process_time
 from typing import Any
 
 from nervure.errors import InputError, SceneError
-from nervure.files import json_numbers, write_csv, write_whole
-from nervure.library import kind_of, library
+from nervure.extras import require
+from nervure.files import json_numbers, undone_on_error, write_csv, write_whole
+from nervure.library import check, kind_of, library
 from nervure.scene import Document, Scene, assign, document, json_or_text, text, validate
 from nervure.simulation import results
 from nervure.simulation.loop import Observer, TimeGrid, TimeLoop
@@ -36,6 +37,7 @@ from nervure.units.describe import unit_names
 
 ROW = "row.json"
 Row = dict[str, Any]  # A run in the table of a sweep, by column
+Variation = dict[str, list[Any]]  # Values by dotted key, of which the first ones belong together, and so on
 FINISHED, FAILED, KILLED = "finished", "failed", "killed"  # Status; killed: its worker died at every attempt
 CONNECT_S = 5  # Time within which a scheduler must answer, s
 LISTEN_S = 0.2  # Longest time until Ctrl-C is noticed, s
@@ -110,27 +112,38 @@ def short_value(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value)
 
 
-def variation(text: str) -> tuple[str, list[Any]]:
-    """Return the dotted key and the values of `key=v1,v2,…` or `key=[v1, v2, …]`."""
-    key, equals, listed = text.partition("=")
-    if not (key and equals and listed):
-        raise SceneError(f"the variation `{text}` must be of the form key=value,value,… or key=[value, …]")
-    whole = json_or_text(listed)
-    return key, whole if isinstance(whole, list) else [json_or_text(part) for part in listed.split(",")]
+def variation(text: str) -> Variation:
+    """Return the values of `key=v1,v2,…` or `key=[v1, v2, …]` by their dotted key; several keys, with a semicolon
+    between them, change together."""
+    values: Variation = {}
+    for part in re.split(r";(?=\s*[\w.]+=)", text):
+        key, equals, listed = (word.strip() for word in part.partition("="))
+        whole = json_or_text(listed)
+        if not (key and equals and listed) or whole == []:
+            raise SceneError(f"the variation `{part.strip()}` must be of the form key=value,value,… or key=[value, …]")
+        if key in values:
+            raise SceneError(f"the variations name a key twice: {key}")
+        values[key] = whole if isinstance(whole, list) else [json_or_text(one) for one in listed.split(",")]
+    return values
 
 
-def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[Any]]]) -> list[Case]:
-    """Return a case for each scene and each combination of the values."""
-    keys = [key for key, _ in variations]
+def grid(scenes: Iterable[Scene | Document], variations: Iterable[Variation]) -> list[Case]:
+    """Return a case for each scene and each combination of the `variations`; the keys of one change together."""
+    axes = list(variations)
+    keys = [key for axis in axes for key in axis]
     if len(set(keys)) < len(keys):
         raise SceneError(f"the variations name a key twice: {', '.join(keys)}")
+    for axis in axes:
+        if len({len(values) for values in axis.values()}) > 1:
+            counts = ", ".join(f"{key} has {len(values)}" for key, values in axis.items())
+            raise SceneError(f"keys that change together need equally many values: {counts}")
     library_digest = cache(lambda kind: hashlib.sha256(library(kind).read_bytes()).digest())
     cases: dict[str, Case] = {}
     folders: set[str] = set()
     bases = list(scenes)
     for base in bases:
-        for combination in itertools.product(*(listed for _, listed in variations)):
-            scene, varied = copy.deepcopy(document(base)), dict(zip(keys, combination, strict=True))
+        for combination in itertools.product(*(zip(*axis.values(), strict=True) for axis in axes)):
+            scene, varied = copy.deepcopy(document(base)), dict(zip(keys, itertools.chain(*combination), strict=True))
             for key, value in varied.items():
                 assign(scene, key, copy.deepcopy(value))
             digest = hashlib.sha256(text(scene).encode())
@@ -140,6 +153,9 @@ def grid(scenes: Iterable[Scene | Document], variations: list[tuple[str, list[An
                 name = _folder_name(scene, varied, len(bases) > 1, folders)
                 folders.add(name)
                 cases[digest.hexdigest()] = Case(scene, varied, digest.hexdigest(), name)
+    found = [fault for case in cases.values() for fault in check(text(case.scene)) if fault.kind == "unknown"]
+    if found:  # Other faults are results of the sweep; a key that no scene has is a slip
+        raise SceneError("\n".join(dict.fromkeys(fault.text for fault in found)), found)
     return list(cases.values())
 
 
@@ -209,9 +225,11 @@ def run(
     force: bool = False,
     say: Callable[[str], None] = lambda _: None,
     progress: Progress = lambda _runs, _steps: None,
+    workers: int | None = None,
 ) -> list[Row]:
     """Run `todo`, by default the `cases` without a row, write sweep.csv and sweep.json into `folder`, and return all
-    rows. Raise `InputError` where results of another scene would be replaced, unless `force` allows it.
+    rows. Raise `InputError` where results of another scene would be replaced, unless `force` allows it. Without a
+    `scheduler` the runs are on this machine, at most `workers` at a time, by default as many as it has cores.
 
     `say` is called with a line for each run that ends, `progress` at any time with the runs and steps done.
     """
@@ -233,6 +251,7 @@ def run(
         nonlocal ended
         row = {"folder": case.folder, "scene": case.scene.get("name"), **case.varied, **result, "key": case.key}
         rows[case.folder] = row
+        started()
         (folder / case.folder).mkdir(exist_ok=True)
         write_whole(folder / case.folder / ROW, partial(Path.write_text, data=json.dumps(row) + "\n"))
         _collect(folder, rows)
@@ -242,9 +261,10 @@ def run(
         say(f"{case.folder}: {row['status']} {told}")
 
     try:
-        _collect(folder, rows)
-        if todo:
-            _distribute(todo, folder, scheduler, reached, keep)
+        with undone_on_error(folder) as started:
+            _collect(folder, rows)
+            if todo:
+                _distribute(todo, folder, scheduler, workers, reached, keep)
     except OSError as error:
         raise InputError(f"cannot write into {folder}: {error.strerror or error}") from error
     return [row for row in rows.values() if row]
@@ -294,15 +314,14 @@ def _distribute(
     cases: Sequence[Case],
     folder: Path,
     scheduler: str | None,
+    workers: int | None,
     reached: Callable[[str, int], None],
     keep: Callable[[Case, Row], None],
 ) -> None:
     """Run `cases` on workers. `keep` is called with each case and its row, `reached` with the steps of the runs under
     way. There are never more runs than workers, so that a run that kills its worker ends no other run. The workers of
     this machine end with this function."""
-    import distributed
-    from distributed.scheduler import KilledWorker
-
+    distributed, killed = require("distributed", "a sweep"), require("distributed.scheduler", "a sweep").KilledWorker
     with ExitStack() as stack:
         check = stack.enter_context(_interruption())
         if scheduler is None:
@@ -310,9 +329,9 @@ def _distribute(
 
             # Critical messages too: at Ctrl-C the scheduler may write to a client that has gone.
             quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
-            workers = {"n_workers": min(CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
+            size = {"n_workers": min(workers or CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
             with _without_interrupts():
-                scheduler = stack.enter_context(distributed.LocalCluster(**workers, **quiet))
+                scheduler = stack.enter_context(distributed.LocalCluster(**size, **quiet))
         try:
             client = stack.enter_context(distributed.Client(scheduler, timeout=CONNECT_S))
         except (OSError, ValueError) as error:
@@ -357,7 +376,7 @@ def _distribute(
                 raise InputError(
                     f"the scheduler at {scheduler} was lost; the same command continues with the missing runs"
                 ) from lost
-            if isinstance(failure, KilledWorker):
+            if isinstance(failure, killed):
                 keep(case, {"status": KILLED, "reason": f"its worker died {failure.allowed_failures + 1} times"})
             elif failure is not None:
                 keep(case, {"status": FAILED, "reason": f"{type(failure).__name__}: {failure}"})
