@@ -93,7 +93,7 @@ impl Fluid {
             pressures: Cached::stale(Pressures::new(parameters.probes.len(), &stations, outlet.is_some())),
             outlet,
             motion: Motion { between: stations.clone(), target: stations.clone(), from: stations },
-            limits: StepLimits::new(parameters),
+            limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             bytes_per_number: parameters.precision.bytes(),
             undo: None,
             present,

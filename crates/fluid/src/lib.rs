@@ -1,4 +1,4 @@
-//! Two-dimensional incompressible flow around fixed and moving bodies.
+//! Incompressible flow around fixed and moving bodies.
 //!
 //! The penalized Navier–Stokes equations (thesis eq. 3.3) in a periodic domain,
 //!
@@ -10,7 +10,8 @@
 //!
 //! A [`Fluid`] is made from [`Parameters`]. Each communication step sets the [`Stations`] of the beams, advances the
 //! fluid, and reads forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`, and
-//! `bodies` the beams and the rigid bodies. With the feature `scene` the parameters can be made from a scene.
+//! `bodies` the beams and the rigid bodies. [`space`] has the flow in three dimensions. With the feature `scene` the
+//! parameters can be made from a scene.
 
 mod bodies;
 mod error;
@@ -32,6 +33,7 @@ mod probe;
 mod problem;
 mod projection;
 mod solver;
+pub mod space;
 mod spectral;
 mod state;
 mod step;

@@ -3,7 +3,6 @@
 use crate::bodies::Stations;
 use crate::error::Error;
 use crate::grid::Grid;
-use crate::parameters::Parameters;
 
 /// Flow and beams may shorten the usual step of the fluid by this factor. The usual step is the smaller of `max_step`
 /// and the usual communication step.
@@ -31,8 +30,8 @@ pub struct StepLimits {
 }
 
 impl StepLimits {
-    pub fn new(parameters: &Parameters) -> Self {
-        let &Parameters { max_step, max_cfl, communication_step, .. } = parameters;
+    /// Limits from the largest step (s), the largest CFL number and the usual communication step (s).
+    pub fn new(max_step: f64, max_cfl: f64, communication_step: f64) -> Self {
         let usual_step = max_step.min(communication_step);
         Self {
             max_step,

@@ -264,7 +264,7 @@ impl Parameters {
             }
         }
         let [nx, ny] = self.cells;
-        if nx < self.precision.least_cells_along_x() {
+        if nx < self.precision.least_block() {
             let allowed = "at least 8, or 16 in single precision";
             return Err(Error::Parameter { name: "number of cells along x", value: nx as f64, allowed });
         }
@@ -345,7 +345,7 @@ impl Precision {
     }
 
     /// Return the lines that a block of the transforms needs.
-    fn least_cells_along_x(self) -> usize {
+    pub(crate) fn least_block(self) -> usize {
         match self {
             Self::Double => 8,
             Self::Single => 16,

@@ -13,7 +13,7 @@ use line_fft::{Team, nothing};
 
 /// Least bytes of a field for each thread. With a team on a busy machine, two threads with 94 kB each made a step of
 /// FSI3 longer by a quarter.
-const LEAST_BYTES_PER_THREAD: usize = 320_000;
+pub const LEAST_BYTES_PER_THREAD: usize = 320_000;
 
 /// Transforms of one grid, with room for the spectra.
 pub struct Spectral<R: Real> {

@@ -17,6 +17,7 @@ use crate::problem::Problem;
 use crate::state::Memory;
 
 use rk2::Rk2;
+pub use sbdf2::Differences;
 use sbdf2::Sbdf2;
 pub use substep::Substep;
 pub use work::Work;

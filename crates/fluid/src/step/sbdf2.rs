@@ -228,18 +228,18 @@ fn solve_locally<R: Real>(
 
 /// Coefficients of the two-step backward differences with a step that may change.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Differences {
+pub struct Differences {
     /// `∂u/∂t ≈ c_0 u^{n+1} − c_1 u^n − c_2 u^{n−1}`, 1/s.
-    c: [f64; 3],
+    pub c: [f64; 3],
     /// Extrapolation to the new time: `e_1 N^n + e_2 N^{n−1}`.
-    e: [f64; 2],
+    pub e: [f64; 2],
     /// 1/c_0, s.
-    tau: f64,
+    pub tau: f64,
 }
 
 impl Differences {
     /// Coefficients of a step `dt` after one of `before` seconds; backward Euler if `before` = 0.
-    fn new(dt: f64, before: f64) -> Self {
+    pub fn new(dt: f64, before: f64) -> Self {
         if before == 0.0 {
             return Self { c: [1.0 / dt, 1.0 / dt, 0.0], e: [1.0, 0.0], tau: dt };
         }

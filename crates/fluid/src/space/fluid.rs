@@ -1,0 +1,234 @@
+//! A fluid in space: the communication step, and what can be read.
+
+use std::borrow::Cow;
+use std::hint::black_box;
+
+use line_fft::Team;
+use serde::{Deserialize, Serialize};
+
+use super::flow::ByPrecision;
+use super::parameters::Parameters;
+use super::problem::{Present, Problem};
+use super::solver::{FluidSolver, Step, new_solver};
+use crate::error::Error;
+use crate::grid::Grid;
+use crate::limits::StepLimits;
+
+/// Numbers of a state for each cell: velocity and vorticity at two times and `w`.
+const STATE_NUMBERS_PER_CELL: usize = 15;
+
+/// Numbers of a fluid for each cell: those of the state, `w`, and six spectra, which may be a row of a vector longer than
+/// the field.
+const NUMBERS_PER_CELL: usize = STATE_NUMBERS_PER_CELL + 3 + 7;
+
+/// A fluid in space. In single precision its fields and transforms are of `f32`; everything that is set and read is of
+/// `f64` in both.
+pub struct Fluid {
+    problem: Problem,
+    present: Present,
+    solver: Box<dyn FluidSolver>,
+    density: f64,
+    limits: StepLimits,
+    bytes_per_number: usize,
+    /// The state before a communication step of several steps, for errors within it; made when first needed.
+    undo: Option<State>,
+}
+
+/// A state of a fluid in space. It fits every fluid with the same parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    present: Present,
+    memory: ByPrecision,
+}
+
+impl Fluid {
+    /// A fluid at t = 0.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for parameters with which no step can be made.
+    pub fn new(parameters: &Parameters) -> Result<Self, Error> {
+        parameters.check()?;
+        let problem = Problem::new(parameters);
+        let velocity = parameters.initial_velocity.iter().zip(problem.grid.spacing);
+        let present =
+            Present { time: 0.0, step: 0.0, advection_rate: velocity.map(|(u, spacing)| u.abs() / spacing).sum() };
+        Ok(Self {
+            solver: new_solver(parameters, &problem),
+            density: parameters.density,
+            limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
+            bytes_per_number: parameters.precision.bytes(),
+            undo: None,
+            present,
+            problem,
+        })
+    }
+
+    /// Return the approximate memory of a fluid, bytes.
+    pub fn bytes(parameters: &Parameters) -> usize {
+        let cells = parameters.cells.iter().product::<usize>();
+        NUMBERS_PER_CELL * parameters.precision.bytes() * cells
+    }
+
+    /// Return the approximate memory of a state, bytes.
+    pub fn state_bytes(&self) -> usize {
+        STATE_NUMBERS_PER_CELL * self.bytes_per_number * self.problem.grid.len()
+    }
+
+    /// Start again from the divergence-free part of a velocity field (m/s at a point in m).
+    pub fn set_velocity(&mut self, velocity: impl Fn([f64; 3]) -> [f64; 3]) {
+        let grid = self.problem.grid;
+        let mean = self.problem.mean_velocity(self.present.time);
+        self.present.step = 0.0;
+        self.present.advection_rate = self.solver.start(&|index| velocity(grid.point(index)), mean);
+    }
+
+    /// Advance from `t` to `t + h` (s).
+    ///
+    /// The steps are equal; if the flow becomes too fast for them, the remaining time is divided again.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, and a flow that needs more than a hundred times the usual number of steps. After
+    /// [`Error::Diverged`] a state has to be restored.
+    pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
+        self.limits.check(t, h)?;
+        let substeps = self.limits.divide(t, h, self.present.advection_rate, None)?;
+        let several = substeps > 1.0;
+        if several {
+            self.save_for_undo()?;
+        }
+        let result = Team::with(self.solver.threads(), |team| self.make_steps(team, substeps, t, h));
+        match (&result, &self.undo) {
+            (Err(_), Some(undo)) if several => {
+                self.present.clone_from(&undo.present);
+                self.solver.restore(&undo.memory)?;
+            }
+            // The new flow has taken the place of the one before the last.
+            (Err(_), _) => self.present.advection_rate = f64::NAN,
+            (Ok(()), _) => {}
+        }
+        result
+    }
+
+    /// Make the steps of a communication step, at first `substeps`.
+    fn make_steps(&mut self, team: &Team, mut substeps: f64, t: f64, h: f64) -> Result<(), Error> {
+        // Shares of `h` that are done, and that were done when the rest was divided into `substeps`.
+        let (mut done, mut divided, mut substep) = (0.0, 0.0, 0.0);
+        let mut dt = h / substeps;
+        let StepLimits { max_cfl, shortest, .. } = self.limits;
+        while done < 1.0 {
+            let rate = self.present.advection_rate;
+            if substep > 0.0 && rate * dt > max_cfl {
+                let left = h * (1.0 - done);
+                (divided, substep, substeps) = (done, 0.0, (left * rate / max_cfl).ceil());
+                dt = left / substeps;
+            }
+            substep += 1.0;
+            done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
+            let step = Step { dt, end: t + done * h, team };
+            let rate = self.solver.step(&step, max_cfl / shortest, &mut self.present, &mut self.problem);
+            let needed = max_cfl / rate;
+            if needed.is_nan() || needed < shortest {
+                return Err(Error::Diverged { time: step.end, needed, shortest });
+            }
+            (self.present.time, self.present.step, self.present.advection_rate) = (step.end, dt, rate);
+        }
+        Ok(())
+    }
+
+    fn save_for_undo(&mut self) -> Result<(), Error> {
+        match &mut self.undo {
+            Some(undo) => {
+                undo.present.clone_from(&self.present);
+                self.solver.save(&mut undo.memory);
+            }
+            None => {
+                // Rust ends the process if memory runs out, so ask for it before.
+                let (bytes, mut probe) = (self.state_bytes(), Vec::<u8>::new());
+                probe.try_reserve_exact(bytes).map_err(|_| Error::Memory { bytes })?;
+                drop(black_box(probe));
+                self.undo = Some(self.state());
+            }
+        }
+        Ok(())
+    }
+
+    /// Return a copy of everything that the next step depends on.
+    pub fn state(&self) -> State {
+        State { present: self.present.clone(), memory: self.solver.memory() }
+    }
+
+    /// Go to a state of a fluid with the same parameters.
+    ///
+    /// # Errors
+    /// A state of other parameters, or with numbers that are not finite; it changes nothing.
+    pub fn restore(&mut self, state: &State) -> Result<(), Error> {
+        let Present { time, step, advection_rate, .. } = state.present;
+        if ![time, step, advection_rate].iter().all(|number| number.is_finite()) {
+            return Err(Error::State("the time or a step"));
+        }
+        self.solver.check(&state.memory)?;
+        self.solver.restore(&state.memory)?;
+        self.present.clone_from(&state.present);
+        Ok(())
+    }
+
+    /// Return the grid.
+    pub fn grid(&self) -> &Grid<3> {
+        &self.problem.grid
+    }
+
+    /// Return the time, s.
+    pub fn time(&self) -> f64 {
+        self.present.time
+    }
+
+    /// Return a velocity component (0: x, 1: y, 2: z), m/s, `[nx, ny, nz]`; in single precision a copy.
+    pub fn velocity(&self, axis: usize) -> Cow<'_, [f64]> {
+        self.solver.velocity(axis)
+    }
+
+    /// Return a vorticity component, 1/s, `[nx, ny, nz]`; in single precision a copy.
+    pub fn vorticity(&self, axis: usize) -> Cow<'_, [f64]> {
+        self.solver.vorticity(axis)
+    }
+
+    /// Return the static pressure p = rho (Pi − u²/2), Pa, `[nx, ny, nz]`; Pi has zero mean over the domain. It takes
+    /// four transforms.
+    pub fn pressure(&mut self) -> Vec<f64> {
+        let cfl = self.cfl();
+        let mut pressure = self.solver.pressure(cfl);
+        pressure.iter_mut().for_each(|pressure| *pressure *= self.density);
+        pressure
+    }
+
+    /// Return the largest divergence of the velocity times the cell size over the largest speed. It takes four
+    /// transforms.
+    pub fn divergence(&mut self) -> f64 {
+        let [largest, fastest] = self.solver.divergence();
+        largest * self.problem.grid.cell_size() / fastest.max(f64::MIN_POSITIVE)
+    }
+
+    /// Return the CFL number max(|u|/dx + |v|/dy + |w|/dz) dt of the last step.
+    pub fn cfl(&self) -> f64 {
+        self.present.advection_rate * self.present.step
+    }
+
+    /// Return the flow rate through the plane in the middle of the domain along x, m³/s.
+    pub fn flow_rate(&self) -> f64 {
+        let Grid { cells: [nx, ny, nz], spacing: [_, dy, dz], .. } = self.problem.grid;
+        let points = nx / 2 * ny * nz..(nx / 2 + 1) * ny * nz;
+        points.map(|point| self.solver.velocity_at(point)[0]).sum::<f64>() * dy * dz
+    }
+
+    /// Return the kinetic energy of the domain, J.
+    pub fn kinetic_energy(&self) -> f64 {
+        let [squares, _] = self.solver.squares();
+        0.5 * self.density * squares * self.problem.grid.cell_volume()
+    }
+
+    /// Return half the integral of the squared vorticity over the domain, m³/s².
+    pub fn enstrophy(&self) -> f64 {
+        let [_, squares] = self.solver.squares();
+        0.5 * squares * self.problem.grid.cell_volume()
+    }
+}

@@ -1,0 +1,44 @@
+//! What a step in space works with in any precision.
+
+use serde::{Deserialize, Serialize};
+
+use super::parameters::Parameters;
+use crate::grid::Grid;
+use crate::parameters::Law;
+
+/// The domain.
+pub struct Problem {
+    /// The grid.
+    pub grid: Grid<3>,
+    /// Kinematic viscosity, m²/s.
+    pub nu: f64,
+    /// Prescribed mean velocity; absent: free.
+    mean_flow: Option<[Law; 3]>,
+}
+
+/// The present time, without the flow.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Present {
+    /// Time, s.
+    pub time: f64,
+    /// Last step, s; 0 before the first.
+    pub step: f64,
+    /// Largest `|u|/dx + |v|/dy + |w|/dz`, 1/s.
+    pub advection_rate: f64,
+}
+
+impl Problem {
+    /// The domain at t = 0.
+    pub fn new(parameters: &Parameters) -> Self {
+        Self {
+            grid: Grid::new(parameters.domain, parameters.cells),
+            nu: parameters.kinematic_viscosity,
+            mean_flow: parameters.mean_flow.clone(),
+        }
+    }
+
+    /// Return the prescribed mean velocity at a time (s), m/s; none if it is free.
+    pub fn mean_velocity(&self, time: f64) -> Option<[f64; 3]> {
+        self.mean_flow.as_ref().map(|laws| laws.each_ref().map(|law| law.value(time)))
+    }
+}
