@@ -8,14 +8,14 @@ of different units therefore need different names.
 import json
 import math
 from collections.abc import Callable
-from functools import partial
+from functools import partial, wraps
 from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 from pythonfmu import Fmi2Slave, Real
-from pythonfmu.enums import Fmi2Causality, Fmi2Initial, Fmi2Variability
+from pythonfmu.enums import Fmi2Causality, Fmi2Initial, Fmi2Status, Fmi2Variability
 
 BASE_UNITS = {
     "m": {"m": 1},
@@ -27,8 +27,33 @@ BASE_UNITS = {
 """Powers of the SI units in each unit that the contract uses here."""
 
 
+CALLS = (
+    "setup_experiment",
+    "enter_initialization_mode",
+    "exit_initialization_mode",
+    "do_step",
+    "terminate",
+    "_get_fmu_state",
+    "_set_fmu_state",
+)
+"""Methods that FMI calls."""
+
 Read = Callable[[], float]
 Write = Callable[[float], None]
+
+
+def telling(call: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method that logs what it raises: PythonFMU passes on what is logged, not what is raised."""
+
+    @wraps(call)
+    def told(unit: Fmi2Slave, *arguments: Any) -> Any:
+        try:
+            return call(unit, *arguments)
+        except Exception as error:
+            unit.log(str(error) or type(error).__name__, Fmi2Status.error)
+            raise
+
+    return told
 
 
 class ContractUnit(Fmi2Slave):
@@ -43,6 +68,11 @@ class ContractUnit(Fmi2Slave):
         if (self.scene.get("coupling") or {}).get("load") != "momentum":
             raise ValueError("coupling.load of the scene must be `momentum`, the only load that this unit knows")
         self.units: dict[str, str] = {}
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        for name in CALLS:
+            setattr(cls, name, telling(getattr(cls, name)))
 
     def register(self, name: str, unit: str, causality: Fmi2Causality, read: Read, write: Write | None = None) -> None:
         """Register a Real variable in `unit`."""

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 from contract import ContractUnit, backward_differences, root_of
-from pythonfmu.enums import Fmi2Causality, Fmi2Status
+from pythonfmu.enums import Fmi2Causality
 
 MODES = 6
 """A uniform load bends the tip by 6e-6 less than with all of them."""
@@ -115,9 +115,7 @@ class ModalBeam(ContractUnit):
         deflection = abs(self.phi[-1] @ self.q)
         if not deflection < LARGEST_DEFLECTION * self.s[-1]:
             limit = LARGEST_DEFLECTION * self.s[-1]
-            reason = f"the tip is {deflection:g} m off, but this beam is linear: {limit:g} m at most"
-            self.log(reason, Fmi2Status.error)  # PythonFMU passes on what is logged, not what is raised
-            raise ValueError(reason)
+            raise ValueError(f"the tip is {deflection:g} m off, but this beam is linear: {limit:g} m at most")
         return True
 
 

@@ -6,12 +6,12 @@ import zipfile
 
 import pytest
 
-from nervure.errors import SceneError
+from nervure.errors import SceneError, UnitError
 from nervure.resources import KINDS
 from nervure.scene import load, override
 from nervure.units import package
 from nervure.units.describe import describe
-from nervure.units.fmu import Unit, UnitError
+from nervure.units.fmu import Unit
 from tests.conftest import FSI3, run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")

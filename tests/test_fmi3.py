@@ -11,11 +11,11 @@ from fmpy.validation import validate_fmu
 from lxml import etree
 
 from nervure import coupling, run
-from nervure.errors import InputError
+from nervure.errors import InputError, UnitError
 from nervure.resources import KINDS
 from nervure.scene import validate
 from nervure.units import delivery, package
-from nervure.units.fmu import Unit, UnitError, read_description, variables_of
+from nervure.units.fmu import Unit, read_description, variables_of
 from tests.conftest import nervure
 
 pytestmark = pytest.mark.usefixtures("libraries")

@@ -7,9 +7,9 @@ import pytest
 from fmpy import extract, read_model_description
 from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 
+from nervure.errors import UnitError
 from nervure.units import package
 from nervure.units.describe import describe
-from nervure.units.fmu import UnitError
 from tests.conftest import output
 
 H = 1e-3

@@ -1,5 +1,6 @@
 """The Python interface: `nervure.load`, `nervure.inspect`, `nervure.run`, `nervure.resume`, `nervure.read`."""
 
+import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -107,6 +108,9 @@ def run(
         require("h5py", "writing fields")  # before units are packed
     folder, foreign = None if output is None else Path(output), _foreign(scene, rod_fmu, fluid_fmu)
     options = {"checkpoint_every": checkpoint_every, "fields_every": fields_every, "series_every": series_every}
+    for name, value in options.items():
+        if value is not None and not (math.isfinite(value) and value >= 0):
+            raise InputError(f"{name} is {value}, but must be a finite number of at least 0")
     with undone_on_error(folder or Path("results") / scene.name) as keep:
         session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=series_every)
         return _run(session, options, quiet, keep)
@@ -124,11 +128,14 @@ def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu:
             raise InputError(f"rod_fmu is {rod_fmu}, but the scene has several rods: it must be a dict by their names")
         rod_fmu = {"rod": rod_fmu}
     foreign = {name: Path(path) for name, path in (rod_fmu or {}).items()}
-    names = [own.name for own in scene.rods] or ["rod"]
+    names = [own.name for own in scene.rods] or (["rod"] if scene.rod else [])
     for name in foreign:
         if name not in names:
-            known = f"the rods {', '.join(names)}" if scene.rods else "one rod, which needs no name"
+            one = "one rod, which needs no name" if names else "no rod"
+            known = f"the rods {', '.join(names)}" if scene.rods else one
             raise InputError(f"an FMU is given for the rod `{name}`, but the scene has {known}")
+    if fluid_fmu and not scene.fluid:
+        raise InputError(f"the FMU {fluid_fmu} is given for the fluid, but the scene has no fluid")
     return foreign | ({"fluid": Path(fluid_fmu)} if fluid_fmu else {})
 
 

@@ -20,7 +20,7 @@ from typing import Annotated
 
 import typer
 
-from nervure.errors import InputError
+from nervure.errors import InputError, UnitFailure
 from nervure.resources import SOURCE
 
 FAILED, REFUSED, INTERRUPTED = 1, 2, 130
@@ -405,7 +405,7 @@ def sweep(
 @app.command()
 def dist(
     scene_file: SceneFile,
-    folder: Annotated[Path, typer.Argument(help="Folder to write; an existing one is replaced.")],
+    folder: Annotated[Path, typer.Argument(help="Folder to write; one that `dist` wrote is replaced.")],
     fmi: Fmi = 2,
 ) -> None:
     """Write FMUs, SSP (FMI 2.0 only), checksums and manifest of a scene into a folder.
@@ -436,8 +436,14 @@ def main() -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # NumPy solves small systems only, and its threads spin
     try:
         app()
+    except UnitFailure as error:
+        _say_error(error)
+        sys.exit(FAILED)
     except InputError as error:
         _say_error(error)
+        sys.exit(REFUSED)
+    except OSError as error:  # a path that is too long, or a disk that takes nothing
+        _say_error(f"{error.filename or 'a file'}: {error.strerror or error}")
         sys.exit(REFUSED)
 
 

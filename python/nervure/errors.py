@@ -8,6 +8,14 @@ class InputError(Exception):
     """Input that nervure cannot use; the message says why and, if possible, what to do. Exit code 2."""
 
 
+class UnitError(InputError):
+    """A unit that cannot be used; the message is the unit's own where it logged one."""
+
+
+class UnitFailure(UnitError):
+    """A unit that failed in a call, or gave what no unit can use. Exit code 1."""
+
+
 @dataclass(frozen=True)
 class Fault:
     """A reason why a scene cannot be run, from the check in the units' libraries (`Fault` in `crates/scene`)."""

@@ -52,5 +52,6 @@ def couple(
     else:
         made = (Explicit if scheme == "explicit" else ParallelExplicit)(rods, fluid, drive, guards)
         name = scheme
+    made.foreign = [unit for name, unit in units.items() if name in foreign]
     made.choice = Choice(load, reason_of(rods) or "the rod has no other input", name, reason)
     return made

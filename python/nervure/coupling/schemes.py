@@ -14,12 +14,13 @@ until r is small; before each repetition all units return to t. Aitken's relaxat
 """
 
 from array import array
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from nervure.coupling.acceleration import Aitken, IqnIls
+from nervure.coupling.foreign import RepeatedSteps, StationWatch
 from nervure.coupling.guards import CouplingError, EnergyGuard, guarded_outputs, takes_momentum
 from nervure.scene.types import Guards, Iterated as Iteration
 from nervure.units.fmu import Unit, beam_prefixes
@@ -40,6 +41,15 @@ Drive = Callable[[float], Sequence[float]]
 def root_inputs(unit: Unit) -> list[str]:
     """Return the names of the inputs that drive the root of `unit`."""
     return [v.name for v in unit.variables.values() if v.causality == "input" and v.name.startswith("root.")]
+
+
+def check_drive(rod: Unit, drive: Drive | None) -> None:
+    """Raise `CouplingError` where the scene leaves the root of `rod` to the master, and there is no `drive`."""
+    if root_inputs(rod) and drive is None:
+        raise CouplingError(
+            "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of "
+            "time, or couple the units from Python with a drive"
+        )
 
 
 def connections(source: Unit, target: Unit, prefix_at_source: str = "", prefix_at_target: str = "") -> list[str]:
@@ -84,6 +94,7 @@ class Scheme:
     choice: Choice | None = None
     """The choice made for the scene; None for a single unit."""
     guards: Sequence[EnergyGuard] = ()
+    units: Sequence[Unit] = ()
 
     def start(self) -> None:
         """Exchange the start values and leave initialization."""
@@ -109,8 +120,10 @@ class Single(Scheme):
     """One unit alone: every input keeps its start value, except the motion of a root that `drive` gives."""
 
     def __init__(self, unit: Unit, drive: Drive | None = None):
-        unit.connect(root_inputs(unit) if drive else [], [])
+        check_drive(unit, drive)
+        unit.connect(root_inputs(unit), [])
         self.unit, self.drive, self.root = unit, drive, unit.inputs
+        self.units = [unit]
 
     def start(self) -> None:
         self.unit.get()
@@ -140,9 +153,13 @@ class Explicit(Scheme):
 
     parallel = False
     """Whether the fluid steps with the stations at the beginning of the step."""
+    foreign: Collection[Unit] = ()
+    """Units from elsewhere, which are watched."""
+    watches: Sequence[StationWatch] = ()
 
     def __init__(self, rods: Sequence[Unit], fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
         self.rods, self.fluid, self.drive = list(rods), fluid, drive
+        self.units = [*self.rods, fluid]
         self.links = self._connect(guards)
         if guards:
             several = len(self.rods) > 1
@@ -160,12 +177,8 @@ class Explicit(Scheme):
         for rod, beam in zip(self.rods, prefixes, strict=True):
             loads.append(connections(self.fluid, rod, prefix_at_source=beam))
             stations.append(connections(rod, self.fluid, prefix_at_target=beam))
+            check_drive(rod, self.drive)
             root = root_inputs(rod)
-            if root and self.drive is None:
-                raise CouplingError(
-                    "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of "
-                    "time, or couple the units from Python with a drive"
-                )
             on_rod, from_fluid = guarded_outputs(rod, beam or "beam.") if guards else ([], [])
             rod.connect(loads[-1] + root, stations[-1], [name for name in on_rod if name in rod.variables])
             powers += [name for name in from_fluid if name in self.fluid.variables]
@@ -207,6 +220,7 @@ class Explicit(Scheme):
     def start(self) -> None:
         for rod in self.rods:
             rod.get()
+        self.watches = [StationWatch(rod) for rod in self.rods if rod in self.foreign]
         self.give_stations()
         self.fluid.set()
         self.fluid.get()
@@ -216,13 +230,19 @@ class Explicit(Scheme):
             rod.start()
         self.fluid.start()
 
-    def step(self, t: float, h: float) -> int:
+    def step_rods(self, t: float, h: float) -> None:
+        """Step the rods from `t` to `t + h` (s) with the loads of the fluid."""
         self.take_loads()
         self.move_root(t + h)
-        if self.parallel:
-            self.give_stations()
         for rod in self.rods:
             rod.step(t, h)
+        for watch in self.watches:
+            watch.check(t + h)
+
+    def step(self, t: float, h: float) -> int:
+        if self.parallel:
+            self.give_stations()
+        self.step_rods(t, h)
         if not self.parallel:
             self.give_stations()
         self.fluid.step(t, h)
@@ -272,6 +292,7 @@ class Iterated(Explicit):
         self.acceleration = Aitken() if options.acceleration == "aitken" else newton
         self.last_stations: np.ndarray | None = None
         self.iterations, self.convergence = array("d"), array("d")
+        self.repeated: RepeatedSteps | None = None
 
     def gather(self) -> None:
         """Gather the stations of several rods in one array."""
@@ -290,15 +311,15 @@ class Iterated(Explicit):
 
         # The first guess is the straight line through the last two.
         given[:] = before if self.last_stations is None else 2 * before - self.last_stations
+        if self.foreign:
+            self.repeated = self.repeated or RepeatedSteps([unit for unit in self.units if unit in self.foreign])
+            self.repeated.test(t, h)
         for iteration in range(1, self.max_iterations + 1):
             if iteration > 1:
                 for unit in (*rods, fluid):
                     unit.restore()
             fluid.step(t, h)
-            self.take_loads()
-            self.move_root(t + h)
-            for rod in rods:
-                rod.step(t, h)
+            self.step_rods(t, h)
             self.gather()
             residual = (stations - given)[self.displacement]
             change = float(np.linalg.norm((stations - before)[self.displacement]))

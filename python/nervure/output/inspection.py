@@ -8,13 +8,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from nervure.errors import InputError
+from nervure.errors import InputError, UnitError
 from nervure.output import fields, forecast
 from nervure.output.tables import print_table
 from nervure.scene import Scene
 from nervure.simulation import checkpoint, results
 from nervure.simulation.session import Session
-from nervure.units.fmu import UnitError, read_description, variables_of, version_of
+from nervure.units.fmu import read_description, variables_of, version_of
 
 FLAGS = {
     2: (

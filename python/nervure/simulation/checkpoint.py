@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from nervure.errors import InputError
+from nervure.errors import InputError, UnitError
 from nervure.files import write_whole
 from nervure.scene import validate
 from nervure.simulation.loop import Observer, TimeLoop
@@ -22,7 +22,6 @@ from nervure.simulation.results import CHECKPOINT, Results
 from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
 from nervure.units.describe import unit_label
-from nervure.units.fmu import UnitError
 
 FORMAT = 7
 EXCHANGED = ("inputs", "outputs", "integers")  # Arrays of a unit that the next step or the next row may need

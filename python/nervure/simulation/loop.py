@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from time import perf_counter, process_time
 
 from nervure.coupling import CouplingError, Scheme
+from nervure.errors import UnitError
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import RunStatus
-from nervure.units.fmu import UnitError
 
 STEP_ROUNDING = 1e-9
 """Part of a step by which the end time may exceed a whole number of steps without one more step."""
@@ -75,6 +75,8 @@ class TimeLoop:
         """Exchange the start values and record them."""
         self._started, self._begin, self._cpu = True, perf_counter(), process_time()
         self.scheme.start()
+        for unit in self.scheme.units:
+            unit.check_outputs(0.0)
         self.recorder.record(0, 0.0, 0)
 
     def resume_at(self, steps: int, wall: float) -> None:
@@ -92,16 +94,21 @@ class TimeLoop:
         self.recorder.record(self.steps, self.time, iterations)
 
     def run(self, stopping: Callable[[], bool] = lambda: False) -> RunStatus:
-        """Step to the end of the grid, or until `stopping` returns True or a unit fails; return how it ended."""
-        steps, status = self.grid.steps, None
+        """Step to the end of the grid, or until `stopping` returns True or a unit fails; return how it ended. Raise
+        `UnitError` or `CouplingError` where a unit fails before the first step."""
+        steps, status, fresh = self.grid.steps, None, not self._started
         try:
+            if fresh:
+                self.start()
             try:
-                if not self._started:
-                    self.start()
+                if fresh:
                     self._notify()
                 while self.steps < steps and not stopping():
                     self.step()
                     self._notify()
+                if self.steps == steps:
+                    for unit in self.scheme.units:
+                        unit.terminate()
             except (UnitError, CouplingError) as failure:
                 self.error = str(failure)
             status = self.status()

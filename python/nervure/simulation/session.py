@@ -11,6 +11,7 @@ from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.simulation import results
+from nervure.simulation.fit import check_fit
 from nervure.simulation.loop import TimeGrid, TimeLoop
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
@@ -89,6 +90,10 @@ class Session(TimeLoop):
         session = cls(scene, folder, fmus, foreign=foreign.keys(), series_every=series_every)
         session.stale_files |= stale - {path.parent.resolve() / path.name for path in fmus.values()}
         return session
+
+    def start(self) -> None:
+        super().start()
+        check_fit(self.scene, self.units, self.foreign)
 
     def finish(self) -> Results:
         """Evaluate the run, write its results into the folder in place of earlier ones, and return them."""

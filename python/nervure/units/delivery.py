@@ -4,9 +4,10 @@ import hashlib
 import json
 import re
 import shutil
+import tempfile
 from pathlib import Path
 
-from nervure.errors import SceneError
+from nervure.errors import InputError, SceneError
 from nervure.library import library
 from nervure.provenance import git_revision
 from nervure.resources import BINARIES
@@ -43,6 +44,7 @@ NOTES = {
     "hold the same library for both processors, which was never run.",
 }
 """Notes of the README in the folder, by version of FMI."""
+MANIFEST, SUMS = "manifest.json", "SHA256SUMS"
 README = Path(__file__).with_name("dist.md").read_text(encoding="utf-8")
 
 
@@ -79,7 +81,10 @@ def existing(kind: str, version: int, folders: dict[str, Path]) -> dict[str, Pat
 
 
 def write(scene: Scene, folder: Path, version: int = 2) -> None:
-    """Write the folder, with units of that version of FMI; one that exists is replaced."""
+    """Write the folder, with units of that version of FMI; one that this function wrote is replaced."""
+    folder = folder.resolve()
+    if found := foreign_content(folder):
+        raise InputError(f"{folder} holds {found}, which `nervure dist` did not write: give a folder that is new")
     units, git = describe_all(scene, version), git_revision()
     libraries = {name: binaries(unit.kind, version) for name, unit in units.items()}
     needed = {
@@ -93,29 +98,48 @@ def write(scene: Scene, folder: Path, version: int = 2) -> None:
             raise SceneError(
                 f"the library of the {what} needs glibc {newer}, but {oldest} is to suffice; `make dist` builds it so"
             )
-    unfinished = folder.with_name(folder.name + ".unfinished")
-    shutil.rmtree(unfinished, ignore_errors=True)
-    fmus = {name: package.pack(unit, unfinished, libraries[name], notices(unit.kind)) for name, unit in units.items()}
-    files = list(fmus.values())
-    if len(units) > 1 and version == 2:  # SSP 1.0 has no arrays
-        files.append(ssp.pack(scene, unfinished, fmus))
-    platforms = sorted({name for found in libraries.values() for name in found})
-    readme = unfinished / "README.md"
-    text = README.format(
-        scene=scene.name, version=version, platforms=", ".join(platforms), ssp=SSP[version], notes=NOTES[version]
-    )
-    readme.write_text(text, encoding="utf-8")
-    files.append(readme)
-    manifest = {
-        "source_revision": git.revision + ("-dirty" if git.dirty else "") if git else None,
-        "scene": scene.name,
-        "fmi": f"{version}.0",
-        "platforms": platforms,
-        "glibc": ".".join(map(str, max(needed.values()))),
-        "files": {path.name: {"size": path.stat().st_size, "sha256": checksum(path)} for path in files},
-    }
-    (unfinished / "manifest.json").write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
-    sums = "".join(f"{checksum(path)}  {path.name}\n" for path in [*files, unfinished / "manifest.json"])
-    (unfinished / "SHA256SUMS").write_text(sums, encoding="utf-8")
-    shutil.rmtree(folder, ignore_errors=True)
-    unfinished.rename(folder)
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".nervure-", dir=folder.parent) as beside:
+        unfinished = Path(beside, folder.name)
+        fmus = {
+            name: package.pack(unit, unfinished, libraries[name], notices(unit.kind)) for name, unit in units.items()
+        }
+        files = list(fmus.values())
+        if len(units) > 1 and version == 2:  # SSP 1.0 has no arrays
+            files.append(ssp.pack(scene, unfinished, fmus))
+        platforms = sorted({name for found in libraries.values() for name in found})
+        readme = unfinished / "README.md"
+        text = README.format(
+            scene=scene.name, version=version, platforms=", ".join(platforms), ssp=SSP[version], notes=NOTES[version]
+        )
+        readme.write_text(text, encoding="utf-8")
+        files.append(readme)
+        manifest = {
+            "source_revision": git.revision + ("-dirty" if git.dirty else "") if git else None,
+            "scene": scene.name,
+            "fmi": f"{version}.0",
+            "platforms": platforms,
+            "glibc": ".".join(map(str, max(needed.values()))),
+            "files": {path.name: {"size": path.stat().st_size, "sha256": checksum(path)} for path in files},
+        }
+        (unfinished / MANIFEST).write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+        sums = "".join(f"{checksum(path)}  {path.name}\n" for path in [*files, unfinished / MANIFEST])
+        (unfinished / SUMS).write_text(sums, encoding="utf-8")
+        shutil.rmtree(folder, ignore_errors=True)
+        unfinished.rename(folder)
+
+
+def foreign_content(folder: Path) -> str | None:
+    """Return the name of something in `folder` that no earlier `write` left there as it is; None without one."""
+    if not folder.exists():
+        return None
+    if not folder.is_dir():
+        return "a file"
+    try:
+        known = dict(line.split("  ", 1)[::-1] for line in (folder / SUMS).read_text(encoding="utf-8").splitlines())
+    except (OSError, ValueError):
+        known = {}
+    for path in sorted(folder.iterdir()):
+        if not (path.name == SUMS and known) and (not path.is_file() or known.get(path.name) != checksum(path)):
+            return path.name
+    return None

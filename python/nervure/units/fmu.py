@@ -5,8 +5,10 @@ import math
 import re
 import shutil
 import tempfile
+import zipfile
 from collections import defaultdict
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,16 +22,16 @@ from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2Ca
 from fmpy.fmi3 import FMU3Slave
 from fmpy.logging import addLoggerProxy
 
-from nervure.errors import InputError
+from nervure.errors import UnitError, UnitFailure
 
 FMI_WARNING, FMI_FATAL = 1, 4
 ERROR_CATEGORIES = ("logStatusError", "logStatusFatal")  # Of the standard; some units log errors only in these
+LARGEST = 1e12  # Magnitude of an exchanged output, in SI units, that no unit may give
 KINDS = {"Float64": "Real", "Int32": "Integer"}  # Types of FMI 3.0 with their names in FMI 2.0
 ELEMENT = re.compile(r"(.+)\[(\d+)\]")
-
-
-class UnitError(InputError):
-    """A unit refused a call or failed; the message is the unit's own where it logged one."""
+OUTSIDE = re.compile(r"^[/\\]|^\w:|(^|[/\\])\.\.([/\\]|$)")  # Paths that leave the folder of an archive
+DESCRIPTION = "modelDescription.xml"
+MOST_FILES, MOST_BYTES, MOST_DESCRIPTION = 10_000, 2 << 30, 256 << 20  # Of an unpacked FMU
 
 
 @dataclass
@@ -77,10 +79,11 @@ class Unit:
     """
 
     def __init__(self, path: Path, name: str, stop_time: float):
-        self.name = name
+        self.name, self.stop_time = name, stop_time
         self.seconds = 0.0  # Wall time spent on steps and rollback
         self.fmu: Any = None
         self._folder: str | None = None
+        self._step: tuple[float, float] | None = None  # The last step: its time and its length, s
         self.state = ctypes.c_void_p()  # Handle of the state that `save` keeps
         _messages[name].clear()
         self.description = read_description(path)
@@ -93,17 +96,15 @@ class Unit:
         try:
             if not path.is_dir():
                 self._folder = tempfile.mkdtemp()
-                try:
-                    fmpy.extract(str(path), self._folder)
-                except OSError as error:
-                    raise UnitError(
-                        f"{path} cannot be unpacked into {tempfile.gettempdir()}: {error.strerror}"
-                    ) from error
+                unpack(path, self._folder)
             guid, model = self.description.guid, self.description.coSimulation.modelIdentifier
             place = {"unzipDirectory": self._folder or str(path), "instanceName": name}
             slave = FMU2Slave if self.version == 2 else FMU3Slave
-            self.fmu = self._call(slave, guid=guid, modelIdentifier=model, **place)
-            self._bind()
+            try:
+                self.fmu = slave(guid=guid, modelIdentifier=model, **place)
+                self._bind()
+            except Exception as error:  # fmpy raises plain exceptions where a library is missing or lacks a function
+                raise UnitError(f"the library of {path} cannot be used: {error}") from error
             categories = [c.name for c in self.description.logCategories if c.name in ERROR_CATEGORIES]
             if self.version == 2:
                 self._call(self.fmu.instantiate, callbacks=_callbacks)
@@ -178,21 +179,22 @@ class Unit:
 
     def set(self) -> None:
         """Set `inputs` in the unit."""
-        if (status := self._set_reals(*self._set_arguments)) > FMI_WARNING:
-            raise self._error("refused its inputs", status)
+        self._check(self._set_reals(*self._set_arguments), "refused its inputs")
 
     def get_exchanged(self) -> None:
         """Fetch the exchanged and watched `outputs` only: a scalar may cost as much as half a step."""
-        if (status := self._get_reals(*self._get_part_arguments)) > FMI_WARNING:
-            raise self._error("gave no outputs", status)
+        self._check(self._get_reals(*self._get_part_arguments), "gave no outputs")
 
     def get(self) -> None:
         """Fetch all `outputs` and `integers`."""
         status = self._get_reals(*self._get_arguments)
         if self.integers.size and status <= FMI_WARNING:
             status = self._get_integers(*self._get_integer_arguments)
+        self._check(status, "gave no outputs")
+
+    def _check(self, status: int, what: str) -> None:
         if status > FMI_WARNING:
-            raise self._error("gave no outputs", status)
+            raise self._error(what, status, self._step)
 
     def start(self) -> None:
         """Leave initialization mode."""
@@ -200,18 +202,37 @@ class Unit:
 
     def step(self, t: float, h: float) -> None:
         """Set the inputs, step from `t` to `t + h` (s), and fetch the outputs, all or only those for the next step."""
+        self._step = t, h
         self.set()
         start = perf_counter()
         status = self._do_step(self.fmu.component, t, h, 1, *self._step_results)
         self.seconds += perf_counter() - start
         if status > FMI_WARNING:
-            raise self._error(f"failed in the step from t = {t:g} s to {t + h:g} s", status)
+            raise self._error("failed", status, (t, h))
         if self._flags and any(flag.value for flag in self._flags):
-            raise self._error(f"wants an event, an early return or the end in the step from t = {t:g} s")
+            raise self._error("wants an event, an early return or the end", None, (t, h))
         if self.all_in_step:
             self.get()
         else:
             self.get_exchanged()
+        self.check_outputs(t + h)
+
+    def check_outputs(self, t: float) -> None:
+        """Raise `UnitFailure` where an output at `t` (s) is no finite number, or one that is exchanged is absurd."""
+        if self.outputs.dot(self.outputs) < LARGEST**2:
+            return
+        limits = np.full(self.outputs.size, np.finfo(float).max)
+        limits[: self.exchanged.size] = LARGEST
+        for place in np.flatnonzero(~(np.abs(self.outputs) <= limits))[:1].tolist():
+            name, where = next((name, s) for name, s in self.slices.items() if s.start <= place < s.stop)
+            variable = self.variables[name]
+            shown = f"{name}[{place - where.start + 1}]" if variable.size > 1 else name
+            value = f"{self.outputs[place]:g} {variable.unit or ''}".rstrip()
+            raise UnitFailure(f"{self.name}: its output {shown} is {value} at t = {t:g} s")
+
+    def terminate(self) -> None:
+        """End the simulation; values can still be read."""
+        self._call(self.fmu.terminate)
 
     def save(self) -> None:
         """Save the state of the unit, in place of the saved one."""
@@ -262,8 +283,9 @@ class Unit:
     def close(self) -> None:
         """Free the instance, unload the library and remove the unpacked files."""
         if self.fmu is not None and self.fmu.component is not None:
-            if self.state:
-                self.fmu.freeFMUState(self.state)
+            with suppress(Exception):  # a unit that refuses this has nothing left to say
+                if self.state:
+                    self.fmu.freeFMUState(self.state)
             self.fmu.freeInstance()
         if self._folder is not None:
             shutil.rmtree(self._folder, ignore_errors=True)
@@ -281,11 +303,14 @@ class Unit:
         except Exception as error:  # fmpy raises plain exceptions where a library or an instance cannot be made
             raise self._error(str(error)) from error
 
-    def _error(self, what: str, status: int | None = None) -> UnitError:
+    def _error(self, what: str, status: int | None = None, step: tuple[float, float] | None = None) -> UnitFailure:
+        """Return a failure in the unit's own words, or else as `what`, with the time (s) and length (s) of `step`."""
         if status == FMI_FATAL:
             self.fmu.component = None  # no function may be called for it any more, not even to free it
-        said = "; ".join(dict.fromkeys(_messages[self.name]))
-        return UnitError(f"{self.name}: {said or what}")
+        said = "; ".join(dict.fromkeys(_messages[self.name])) or what
+        if step and "t = " not in said:
+            said += f" in the step from t = {step[0]:g} s to {sum(step):g} s"
+        return UnitFailure(f"{self.name}: {said}")
 
 
 def beam_prefixes(rods: int) -> list[str]:
@@ -296,9 +321,45 @@ def beam_prefixes(rods: int) -> list[str]:
 def read_description(path: Path) -> Any:
     """Read the model description of an FMU with fmpy."""
     try:
-        return fmpy.read_model_description(str(path), validate=False)
+        fault = None
+        if not path.is_dir():
+            with zipfile.ZipFile(path) as archive:
+                fault = _archive_fault(archive)
+        if fault is None:
+            return fmpy.read_model_description(str(path), validate=False)
     except Exception as error:  # fmpy raises whatever zip and XML readers raise
-        raise UnitError(f"{path} cannot be read as an FMU: {error}") from error
+        fault = str(error)
+    raise UnitError(f"{path} cannot be read as an FMU: {fault}")
+
+
+def unpack(path: Path, folder: str) -> None:
+    """Unpack an FMU of bounded size into `folder`, and nothing outside of it."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            fault = _archive_fault(archive)
+            if fault is None:
+                archive.extractall(folder)
+    except Exception as error:  # whatever a damaged, encrypted or unknown archive raises, or a full disk
+        fault = str(error)
+    if fault is not None:
+        raise UnitError(f"{path} cannot be unpacked into {tempfile.gettempdir()}: {fault}")
+
+
+def _archive_fault(archive: zipfile.ZipFile) -> str | None:
+    """Return why an archive must not be unpacked; None for one that may be."""
+    entries = archive.infolist()
+    size = sum(entry.file_size for entry in entries)
+    if len(entries) > MOST_FILES or size > MOST_BYTES:
+        return (
+            f"it has {len(entries)} files of {size / 1e6:.0f} MB, but at most {MOST_FILES} files of "
+            f"{MOST_BYTES / 1e6:.0f} MB are allowed"
+        )
+    for entry in entries:
+        if entry.filename == DESCRIPTION and entry.file_size > MOST_DESCRIPTION:
+            return f"its {DESCRIPTION} has {entry.file_size / 1e6:.0f} MB, but at most {MOST_DESCRIPTION / 1e6:.0f}"
+        if OUTSIDE.search(entry.orig_filename):
+            return f"its entry `{entry.orig_filename}` lies outside of it"
+    return None
 
 
 def version_of(description: Any) -> int | None:
@@ -308,6 +369,13 @@ def version_of(description: Any) -> int | None:
 
 def variables_of(description: Any) -> dict[str, Variable]:
     """Return the variables of a model description by name; the elements of an array are one variable."""
+    try:
+        return _variables_of(description)
+    except (AttributeError, OverflowError, TypeError, ValueError) as error:
+        raise UnitError(f"the model description of {description.modelName} cannot be used: {error}") from error
+
+
+def _variables_of(description: Any) -> dict[str, Variable]:
     arrays: dict[str, dict[int, Any]] = defaultdict(dict)
     for scalar in description.modelVariables:
         element = ELEMENT.fullmatch(scalar.name)
@@ -320,9 +388,12 @@ def variables_of(description: Any) -> dict[str, Variable]:
         ordered = [elements[index] for index in sorted(elements)]
         first = ordered[0]
         unit = first.unit or (first.declaredType.unit if first.declaredType else None)
-        references = [scalar.valueReference for scalar in ordered]
+        references = np.array([scalar.valueReference for scalar in ordered], np.uintc).tolist()
         start = [value for scalar in ordered for value in _starts(scalar)]
         kind = KINDS.get(first.type, first.type)
+        if kind in ("Real", "Integer"):
+            for value in filter(None, start):
+                float(value)  # refuses a start value that is no number
         variables[name] = Variable(name, kind, first.causality, unit, references, start)
     return variables
 
