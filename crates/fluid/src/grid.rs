@@ -61,6 +61,27 @@ impl<const D: usize> Grid<D> {
         delta - self.size[axis] * (delta / self.size[axis]).round()
     }
 
+    /// Return the points along an axis between two coordinates (m), at most one period.
+    fn between(&self, axis: usize, ends: [f64; 2]) -> std::ops::Range<i64> {
+        let [first, last] = ends.map(|end| (end - self.origin[axis]) / self.spacing[axis]);
+        let (first, last) = (first.ceil() as i64, last.floor() as i64);
+        first..last.saturating_add(1).min(first.saturating_add(self.cells[axis] as i64))
+    }
+
+    /// Return the four points along an axis around a coordinate (m) and their weights in a cubic (Lagrange)
+    /// interpolation.
+    fn cubic(&self, axis: usize, coordinate: f64) -> [(usize, f64); 4] {
+        let (low, s) = self.split(axis, coordinate);
+        let weights = [
+            -s * (s - 1.0) * (s - 2.0) / 6.0,
+            (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
+            -(s + 1.0) * s * (s - 2.0) / 2.0,
+            (s + 1.0) * s * (s - 1.0) / 6.0,
+        ];
+        let place = |k: usize| wrap(low.saturating_add(k as i64 - 1), self.cells[axis]);
+        std::array::from_fn(|k| (place(k), weights[k]))
+    }
+
     /// Return the point below a coordinate (m) along an axis, and the distance from it in spacings.
     #[inline(always)] // as `interpolation`
     fn split(&self, axis: usize, coordinate: f64) -> (i64, f64) {
@@ -72,11 +93,7 @@ impl Grid {
     /// Call `visit(index, x, y)` for the points inside a rectangle, with the coordinates of the periodic image that
     /// lies in it. A rectangle larger than the domain is cut to one period.
     pub fn for_each_in(&self, rectangle: [[f64; 2]; 2], mut visit: impl FnMut(usize, f64, f64)) {
-        let [columns, rows] = [0, 1].map(|axis| {
-            let [first, last] = rectangle[axis].map(|end| (end - self.origin[axis]) / self.spacing[axis]);
-            let (first, last) = (first.ceil() as i64, last.floor() as i64);
-            first..last.saturating_add(1).min(first.saturating_add(self.cells[axis] as i64))
-        });
+        let [columns, rows] = [0, 1].map(|axis| self.between(axis, rectangle[axis]));
         let [nx, ny] = self.cells;
         for i in columns {
             let row = wrap(i, nx) * ny;
@@ -104,21 +121,48 @@ impl Grid {
 
     /// Return the sixteen points around a point (m) and their weights in a cubic (Lagrange) interpolation.
     pub fn cubic_interpolation(&self, point: [f64; 2]) -> [(usize, f64); 16] {
-        let [columns, rows] = [0, 1].map(|axis| {
-            let (low, s) = self.split(axis, point[axis]);
-            let weights = [
-                -s * (s - 1.0) * (s - 2.0) / 6.0,
-                (s + 1.0) * (s - 1.0) * (s - 2.0) / 2.0,
-                -(s + 1.0) * s * (s - 2.0) / 2.0,
-                (s + 1.0) * s * (s - 1.0) / 6.0,
-            ];
-            let place = |k: usize| wrap(low.saturating_add(k as i64 - 1), self.cells[axis]);
-            std::array::from_fn::<_, 4, _>(|k| (place(k), weights[k]))
-        });
+        let [columns, rows] = [0, 1].map(|axis| self.cubic(axis, point[axis]));
         std::array::from_fn(|k| {
             let ((i, a), (j, b)) = (columns[k / 4], rows[k % 4]);
             (i * self.cells[1] + j, a * b)
         })
+    }
+}
+
+impl Grid<3> {
+    /// Call `visit(index, point)` for the points inside a cuboid, with the coordinates (m) of the periodic image that
+    /// lies in it. A cuboid larger than the domain is cut to one period.
+    pub fn for_each_in(&self, cuboid: [[f64; 2]; 3], mut visit: impl FnMut(usize, [f64; 3])) {
+        let [along_x, along_y, along_z] = [0, 1, 2].map(|axis| self.between(axis, cuboid[axis]));
+        let [nx, ny, nz] = self.cells;
+        let coordinate = |axis: usize, i: i64| self.origin[axis] + i as f64 * self.spacing[axis];
+        for i in along_x {
+            for j in along_y.clone() {
+                let line = (wrap(i, nx) * ny + wrap(j, ny)) * nz;
+                let (x, y) = (coordinate(0, i), coordinate(1, j));
+                along_z.clone().for_each(|k| visit(line + wrap(k, nz), [x, y, coordinate(2, k)]));
+            }
+        }
+    }
+
+    /// Return the eight points around a point (m) and their weights in a trilinear interpolation.
+    pub fn interpolation(&self, point: [f64; 3]) -> [(usize, f64); 8] {
+        let along = [0, 1, 2].map(|axis| {
+            let (low, share) = self.split(axis, point[axis]);
+            let place = |i| wrap(i, self.cells[axis]);
+            [(place(low), 1.0 - share), (place(low.saturating_add(1)), share)]
+        });
+        std::array::from_fn(|n| self.product([along[0][n / 4], along[1][n / 2 % 2], along[2][n % 2]]))
+    }
+
+    /// Return the 64 points around a point (m) and their weights in a cubic (Lagrange) interpolation.
+    pub fn cubic_interpolation(&self, point: [f64; 3]) -> [(usize, f64); 64] {
+        let along = [0, 1, 2].map(|axis| self.cubic(axis, point[axis]));
+        std::array::from_fn(|n| self.product([along[0][n / 16], along[1][n / 4 % 4], along[2][n % 4]]))
+    }
+
+    fn product(&self, [(i, a), (j, b), (k, c)]: [(usize, f64); 3]) -> (usize, f64) {
+        ((i * self.cells[1] + j) * self.cells[2] + k, a * b * c)
     }
 }
 

@@ -29,7 +29,8 @@ impl Problem {
     /// The domain at t = 0.
     pub fn new(parameters: &Parameters) -> Self {
         let grid = Grid::new(parameters.domain, parameters.cells);
-        let zones = DrivingZone::all(parameters, &grid);
+        let Parameters { inflow, sponge, mask, kinematic_viscosity: nu, channel, .. } = parameters;
+        let zones = DrivingZone::all([inflow, sponge], mask, *nu, *channel, &grid);
         Self {
             nu: parameters.kinematic_viscosity,
             bodies: Bodies::new(parameters, &zones, &grid),

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::grid::Grid;
-use crate::parameters::{Law, Parameters, Zone};
+use crate::parameters::{Law, Mask, Zone};
 use crate::wall::DragProfile;
 
 /// A zone that draws the flow to `(shape(y) · mean_velocity(t), 0)`.
@@ -17,16 +17,22 @@ pub struct DrivingZone {
 }
 
 impl DrivingZone {
-    /// Return the inflow and the sponge, if present.
-    pub fn all(parameters: &Parameters, grid: &Grid) -> Vec<Self> {
-        let Parameters { inflow, sponge, mask, kinematic_viscosity: nu, .. } = parameters;
+    /// Return the inflow and the sponge, if present, in a fluid of viscosity `nu` (m²/s) with the walls of a `channel` at
+    /// two y, m.
+    pub fn all<const D: usize>(
+        [inflow, sponge]: [&Option<Zone>; 2],
+        mask: &Mask,
+        nu: f64,
+        channel: Option<[f64; 2]>,
+        grid: &Grid<D>,
+    ) -> Vec<Self> {
         let new = |zone: &Zone, rate: &dyn Fn(f64) -> f64| Self {
             mean_velocity: zone.mean_velocity.clone(),
             columns: columns(zone.x, grid, rate),
-            shape: shape(zone.parabolic, parameters.channel, grid),
+            shape: shape(zone.parabolic, channel, grid),
         };
         let inflow = inflow.as_ref().map(|zone| {
-            let profile = DragProfile::new(mask, zone.c_eta, *nu, grid.cell_size());
+            let profile = DragProfile::new(mask, zone.c_eta, nu, grid.cell_size());
             new(zone, &|depth| profile.rate(-depth))
         });
         let sponge = sponge.as_ref().map(|zone| {
@@ -38,7 +44,7 @@ impl DrivingZone {
 }
 
 /// Return the columns where `rate`, a function of the depth in the zone (m, negative outside), has an effect.
-fn columns([from, to]: [f64; 2], grid: &Grid, rate: &dyn Fn(f64) -> f64) -> Vec<(usize, f64)> {
+fn columns<const D: usize>([from, to]: [f64; 2], grid: &Grid<D>, rate: &dyn Fn(f64) -> f64) -> Vec<(usize, f64)> {
     /// Rate that changes no bit of a flow, 1/s: the tail of the log-linear profile is below it after 25 cells.
     const NO_EFFECT: f64 = 1e-40;
     let (center, half) = (0.5 * (from + to), 0.5 * (to - from));
@@ -49,7 +55,7 @@ fn columns([from, to]: [f64; 2], grid: &Grid, rate: &dyn Fn(f64) -> f64) -> Vec<
 }
 
 /// Return the velocity over its mean at each row.
-fn shape(parabolic: bool, channel: Option<[f64; 2]>, grid: &Grid) -> Vec<f64> {
+fn shape<const D: usize>(parabolic: bool, channel: Option<[f64; 2]>, grid: &Grid<D>) -> Vec<f64> {
     let rows = 0..grid.cells[1];
     match channel {
         Some([low, high]) if parabolic => {

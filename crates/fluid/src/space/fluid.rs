@@ -7,8 +7,10 @@ use line_fft::Team;
 use serde::{Deserialize, Serialize};
 
 use super::flow::ByPrecision;
+use super::force::Force;
 use super::parameters::Parameters;
 use super::problem::{Present, Problem};
+use super::rigid::Pose;
 use super::solver::{FluidSolver, Step, new_solver};
 use crate::error::Error;
 use crate::grid::Grid;
@@ -16,6 +18,9 @@ use crate::limits::StepLimits;
 
 /// Numbers of a state for each cell: velocity and vorticity at two times and `w`.
 const STATE_NUMBERS_PER_CELL: usize = 15;
+
+/// Bytes of the drag rate of solids for each cell.
+const RATE_BYTES_PER_CELL: usize = 8;
 
 /// Numbers of a fluid for each cell: those of the state, `w`, and six spectra, which may be a row of a vector longer than
 /// the field.
@@ -28,6 +33,9 @@ pub struct Fluid {
     present: Present,
     solver: Box<dyn FluidSolver>,
     density: f64,
+    /// Grid points and weights of the probes.
+    probes: Vec<[(usize, f64); 64]>,
+    pressure_is_current: bool,
     limits: StepLimits,
     bytes_per_number: usize,
     /// The state before a communication step of several steps, for errors within it; made when first needed.
@@ -50,11 +58,17 @@ impl Fluid {
         parameters.check()?;
         let problem = Problem::new(parameters);
         let velocity = parameters.initial_velocity.iter().zip(problem.grid.spacing);
-        let present =
-            Present { time: 0.0, step: 0.0, advection_rate: velocity.map(|(u, spacing)| u.abs() / spacing).sum() };
+        let present = Present {
+            time: 0.0,
+            step: 0.0,
+            advection_rate: velocity.map(|(u, spacing)| u.abs() / spacing).sum(),
+            bodies: problem.bodies.without_force(),
+        };
         Ok(Self {
             solver: new_solver(parameters, &problem),
             density: parameters.density,
+            probes: parameters.probes.iter().map(|probe| problem.grid.cubic_interpolation(*probe)).collect(),
+            pressure_is_current: false,
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             bytes_per_number: parameters.precision.bytes(),
             undo: None,
@@ -66,7 +80,7 @@ impl Fluid {
     /// Return the approximate memory of a fluid, bytes.
     pub fn bytes(parameters: &Parameters) -> usize {
         let cells = parameters.cells.iter().product::<usize>();
-        NUMBERS_PER_CELL * parameters.precision.bytes() * cells
+        (NUMBERS_PER_CELL * parameters.precision.bytes() + RATE_BYTES_PER_CELL) * cells
     }
 
     /// Return the approximate memory of a state, bytes.
@@ -79,6 +93,7 @@ impl Fluid {
         let grid = self.problem.grid;
         let mean = self.problem.mean_velocity(self.present.time);
         self.present.step = 0.0;
+        self.pressure_is_current = false;
         self.present.advection_rate = self.solver.start(&|index| velocity(grid.point(index)), mean);
     }
 
@@ -92,6 +107,7 @@ impl Fluid {
     pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
         self.limits.check(t, h)?;
         let substeps = self.limits.divide(t, h, self.present.advection_rate, None)?;
+        self.pressure_is_current = false;
         let several = substeps > 1.0;
         if several {
             self.save_for_undo()?;
@@ -101,6 +117,7 @@ impl Fluid {
             (Err(_), Some(undo)) if several => {
                 self.present.clone_from(&undo.present);
                 self.solver.restore(&undo.memory)?;
+                self.problem.bodies.place(self.present.time, &self.problem.grid);
             }
             // The new flow has taken the place of the one before the last.
             (Err(_), _) => self.present.advection_rate = f64::NAN,
@@ -166,9 +183,14 @@ impl Fluid {
         if ![time, step, advection_rate].iter().all(|number| number.is_finite()) {
             return Err(Error::State("the time or a step"));
         }
+        if state.present.bodies.len() != self.present.bodies.len() {
+            return Err(Error::State("the list of bodies"));
+        }
         self.solver.check(&state.memory)?;
         self.solver.restore(&state.memory)?;
         self.present.clone_from(&state.present);
+        self.problem.bodies.place(time, &self.problem.grid);
+        self.pressure_is_current = false;
         Ok(())
     }
 
@@ -195,10 +217,52 @@ impl Fluid {
     /// Return the static pressure p = rho (Pi − u²/2), Pa, `[nx, ny, nz]`; Pi has zero mean over the domain. It takes
     /// four transforms.
     pub fn pressure(&mut self) -> Vec<f64> {
-        let cfl = self.cfl();
-        let mut pressure = self.solver.pressure(cfl);
-        pressure.iter_mut().for_each(|pressure| *pressure *= self.density);
-        pressure
+        self.make_pressure();
+        (0..self.problem.grid.len()).map(|point| self.density * self.solver.pressure_at(point)).collect()
+    }
+
+    fn make_pressure(&mut self) {
+        if !self.pressure_is_current {
+            self.solver.make_pressure(self.cfl());
+            self.pressure_is_current = true;
+        }
+    }
+
+    /// Return the velocity at a probe, numbered from 0, m/s.
+    pub fn probe_velocity(&self, probe: usize) -> [f64; 3] {
+        let mut sum = [0.0; 3];
+        for (point, weight) in self.probes[probe] {
+            sum.iter_mut().zip(self.solver.velocity_at(point)).for_each(|(sum, u)| *sum += weight * u);
+        }
+        sum
+    }
+
+    /// Return the static pressure at a probe, Pa. The first pressure after a step takes four transforms.
+    pub fn probe_pressure(&mut self, probe: usize) -> f64 {
+        self.make_pressure();
+        let parts = self.probes[probe].iter().map(|&(point, weight)| weight * self.solver.pressure_at(point));
+        self.density * parts.sum::<f64>()
+    }
+
+    /// Return the force of the fluid on all bodies in the last step, N.
+    pub fn force(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.present.bodies.iter().map(|body| body.force.force[axis]).sum())
+    }
+
+    /// Return the force of the fluid on a body, numbered from 0, in the last step.
+    pub fn force_on_body(&self, body: usize) -> Force {
+        self.present.bodies[body].force
+    }
+
+    /// Return the power of [`Self::force_on_body`] at the end of the step, W.
+    pub fn power_on_body(&self, body: usize) -> f64 {
+        let (Force { force, moment }, Pose { velocity, omega, .. }) = (self.force_on_body(body), self.pose(body));
+        (0..3).map(|axis| force[axis] * velocity[axis] + moment[axis] * omega[axis]).sum()
+    }
+
+    /// Return place and motion of a body, numbered from 0.
+    pub fn pose(&self, body: usize) -> Pose {
+        self.problem.bodies.rigid[body].pose
     }
 
     /// Return the largest divergence of the velocity times the cell size over the largest speed. It takes four

@@ -3,14 +3,20 @@
 //! It solves the equations of the crate in a periodic box of three axes, by the same scheme, filter and wall as in two
 //! dimensions.
 
+mod bodies;
 mod flow;
 mod fluid;
+mod force;
 mod parameters;
 mod problem;
 mod projection;
+mod rigid;
+mod shape;
 mod solver;
 mod spectral;
 mod step;
 
 pub use fluid::{Fluid, State};
-pub use parameters::Parameters;
+pub use force::Force;
+pub use parameters::{Body, Motion, Parameters, Shape, Turn};
+pub use rigid::Pose;

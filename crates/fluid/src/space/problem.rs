@@ -2,16 +2,20 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::bodies::Bodies;
+use super::force::BodyForce;
 use super::parameters::Parameters;
 use crate::grid::Grid;
 use crate::parameters::Law;
 
-/// The domain.
+/// The domain with the bodies in it.
 pub struct Problem {
     /// The grid.
     pub grid: Grid<3>,
     /// Kinematic viscosity, m²/s.
     pub nu: f64,
+    /// Walls, zones and rigid bodies as drag.
+    pub bodies: Bodies,
     /// Prescribed mean velocity; absent: free.
     mean_flow: Option<[Law; 3]>,
 }
@@ -25,13 +29,17 @@ pub struct Present {
     pub step: f64,
     /// Largest `|u|/dx + |v|/dy + |w|/dz`, 1/s.
     pub advection_rate: f64,
+    /// Forces on the bodies.
+    pub bodies: Vec<BodyForce>,
 }
 
 impl Problem {
     /// The domain at t = 0.
     pub fn new(parameters: &Parameters) -> Self {
+        let grid = Grid::new(parameters.domain, parameters.cells);
         Self {
-            grid: Grid::new(parameters.domain, parameters.cells),
+            grid,
+            bodies: Bodies::new(parameters, &grid),
             nu: parameters.kinematic_viscosity,
             mean_flow: parameters.mean_flow.clone(),
         }

@@ -3,11 +3,13 @@
 use std::borrow::Cow;
 
 use line_fft::{Real, Team};
+use nalgebra::Vector3;
 
 use super::flow::{ByPrecision, Flow, Stored};
 use super::parameters::Parameters;
 use super::problem::{Present, Problem};
 use super::projection::Implicit;
+use super::rigid::Cell;
 use super::spectral::Spectral;
 use super::step::Solver;
 use crate::error::Error;
@@ -34,8 +36,11 @@ pub trait FluidSolver: Send {
     /// taken, and only the bodies have changed.
     fn step(&mut self, step: &Step, limit: f64, present: &mut Present, problem: &mut Problem) -> f64;
 
-    /// Return the static pressure over the density, `Pi − u²/2`, m²/s².
-    fn pressure(&mut self, cfl: f64) -> Vec<f64>;
+    /// Make the pressure that [`Self::pressure_at`] reads until the next step, with the CFL number of the last one.
+    fn make_pressure(&mut self, cfl: f64);
+
+    /// Return the static pressure over the density at a grid point, `Pi − u²/2`, m²/s².
+    fn pressure_at(&self, point: usize) -> f64;
 
     /// Return the largest divergence (1/s) and the largest speed (m/s).
     fn divergence(&mut self) -> [f64; 2];
@@ -94,7 +99,11 @@ impl<R: Stored> FluidSolver for Solver<R> {
 
     fn step(&mut self, step: &Step, limit: f64, present: &mut Present, problem: &mut Problem) -> f64 {
         let scheme = Differences::new(step.dt, present.step);
-        self.solve_locally(step.team, &scheme, None);
+        let Problem { bodies, grid, .. } = problem;
+        bodies.place(step.end, grid);
+        bodies.sample(self.extrapolated(&scheme));
+        self.solve_locally(step.team, &scheme, bodies.rate());
+        bodies.add_velocities(step.end, scheme.c[0], grid, &mut self.w);
         let implicit = Implicit {
             tau_nu: scheme.tau * problem.nu,
             cfl: present.advection_rate * step.dt,
@@ -102,20 +111,24 @@ impl<R: Stored> FluidSolver for Solver<R> {
         };
         let rate = self.solve_wave_by_wave(step.team, &implicit);
         if rate <= limit {
+            let drag = |cell: &Cell| cell.rate * (Vector3::from(self.u_star(&scheme, cell.index)) - cell.velocity);
+            problem.bodies.sum_up_forces(step.dt, drag, &mut present.bodies);
             self.take_over(scheme.c[0]);
         }
         rate
     }
 
-    fn pressure(&mut self, cfl: f64) -> Vec<f64> {
+    fn make_pressure(&mut self, cfl: f64) {
         let Self { memory, spectral, w: [pi, ..], .. } = self;
         spectral.pressure(&memory.w, memory.inv_tau, cfl, pi);
-        let at = |(point, pi): (usize, &R)| pi.to_f64() - 0.5 * square(memory.flow.velocity_at(point));
-        pi.iter().enumerate().map(at).collect()
+    }
+
+    fn pressure_at(&self, point: usize) -> f64 {
+        self.w[0][point].to_f64() - 0.5 * square(self.memory.flow.velocity_at(point))
     }
 
     fn divergence(&mut self) -> [f64; 2] {
-        let Self { memory, spectral, w: [divergence, ..], .. } = self;
+        let Self { memory, spectral, w: [_, divergence, _], .. } = self;
         spectral.divergence(&memory.flow.velocity, divergence);
         let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.to_f64().abs()));
         let speeds = (0..divergence.len()).map(|point| square(memory.flow.velocity_at(point)));

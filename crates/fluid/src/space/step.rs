@@ -40,7 +40,7 @@ impl<R: Real> Solver<R> {
     }
 
     /// Write u* + tau G without the velocities of the bodies to `w`, with their drag rate `rate` (1/s).
-    pub fn solve_locally(&mut self, team: &Team, scheme: &Differences, rate: Option<&[R]>) {
+    pub fn solve_locally(&mut self, team: &Team, scheme: &Differences, rate: Option<&[f64]>) {
         let (memory, plane) = (&self.memory, self.plane);
         let [x, y, z] = self.w.each_mut().map(|w| w.chunks_mut(plane));
         let parts = x.zip(y).zip(z).enumerate();
@@ -49,6 +49,24 @@ impl<R: Real> Solver<R> {
             let rate = rate.map(|rate| &rate[points.clone()]);
             run(LocalSolve { known: Known::of(memory, points), scheme, rate, w: [wx, wy, wz] });
         });
+    }
+
+    /// Return the velocity (m/s) at a grid point, extrapolated to the end of the step.
+    pub fn extrapolated(&self, &Differences { e, .. }: &Differences) -> impl Fn(usize) -> [f64; 3] {
+        let Memory { flow, before, .. } = &self.memory;
+        move |point| {
+            let (now, before) = (flow.velocity_at(point), before.velocity_at(point));
+            [0, 1, 2].map(|axis| e[0] * now[axis] + e[1] * before[axis])
+        }
+    }
+
+    /// Return u* (m/s) of the step in work at a grid point.
+    pub fn u_star(&self, scheme: &Differences, point: usize) -> [f64; 3] {
+        let Memory { flow, w, inv_tau, .. } = &self.memory;
+        [0, 1, 2].map(|axis| {
+            let [u, w, w_next] = [&flow.velocity, w, &self.w].map(|fields| fields[axis][point].to_f64());
+            w_next - scheme.tau * (inv_tau * (w - u))
+        })
     }
 
     /// Solve wave by wave for `w`, and return the advection rate of the new flow, 1/s. It takes the place of the flow
@@ -108,7 +126,7 @@ impl<'a, R: Real> Known<'a, R> {
 struct LocalSolve<'a, R> {
     known: Known<'a, R>,
     scheme: &'a Differences,
-    rate: Option<&'a [R]>,
+    rate: Option<&'a [f64]>,
     w: [&'a mut [R]; 3],
 }
 
@@ -124,7 +142,7 @@ impl<'a, R: Real> Kernel for LocalSolve<'a, R> {
         let whole = |field: &'a [R]| &field.as_chunks::<F64_LANES>().0[..vectors];
         let (velocity, vorticity, last) = (known.velocity.map(whole), known.vorticity.map(whole), known.w.map(whole));
         let (velocity_before, vorticity_before) = (known.velocity_before.map(whole), known.vorticity_before.map(whole));
-        let rates = rate.map(whole);
+        let rates = rate.map(|rate| &rate.as_chunks::<F64_LANES>().0[..vectors]);
         let new = [&mut *wx, &mut *wy, &mut *wz].map(|w| &mut w.as_chunks_mut::<F64_LANES>().0[..vectors]);
         for i in 0..vectors {
             let (mut u, mut omega, mut u_before, mut omega_before) = ([one; 3], [one; 3], [one; 3], [one; 3]);
@@ -144,7 +162,7 @@ impl<'a, R: Real> Kernel for LocalSolve<'a, R> {
             }
         }
         for i in vectors * F64_LANES..wx.len() {
-            [wx[i], wy[i], wz[i]] = known.solve(scheme, rate.map_or(0.0, |rate| rate[i].to_f64()), i);
+            [wx[i], wy[i], wz[i]] = known.solve(scheme, rate.map_or(0.0, |rate| rate[i]), i);
         }
     }
 }

@@ -1,0 +1,105 @@
+//! Rigid bodies in their own axes: nearest point of the surface, thickness, volume and moments of inertia.
+
+use nalgebra::Vector3;
+
+use super::parameters::Shape;
+
+/// Iterations of Newton's method for the nearest point of an ellipsoid; more than ten only near its middle.
+const NEWTON_STEPS: usize = 40;
+
+/// Least distance from a plane of symmetry of an ellipsoid, over that semi-axis: on the plane the equation has a pole.
+const OFF_PLANE: f64 = 1e-12;
+
+impl Shape {
+    /// Return the diameter of the largest sphere inside, m.
+    pub(super) fn thickness(&self) -> f64 {
+        match self {
+            Self::Sphere(radius) => 2.0 * radius,
+            Self::Ellipsoid(semi_axes) | Self::Cuboid(semi_axes) => {
+                2.0 * semi_axes.iter().copied().fold(f64::INFINITY, f64::min)
+            }
+            Self::Cylinder { radius, half_length, .. } => 2.0 * radius.min(*half_length),
+        }
+    }
+
+    /// Return the extent from the origin in the direction of a unit vector, m.
+    pub(super) fn extent(&self, direction: Vector3<f64>) -> f64 {
+        match *self {
+            Self::Sphere(radius) => radius,
+            Self::Ellipsoid(semi_axes) => direction.component_mul(&Vector3::from(semi_axes)).norm(),
+            Self::Cuboid(half) => direction.abs().dot(&Vector3::from(half)),
+            Self::Cylinder { axis, radius, half_length } => {
+                let along = direction[axis].abs();
+                let ends = if along == 0.0 { 0.0 } else { half_length * along };
+                radius * (1.0 - along * along).max(0.0).sqrt() + ends
+            }
+        }
+    }
+
+    /// Return the volume (m³) and the moments of inertia about the own axes for a density of 1 (m⁵). A cylinder without
+    /// ends has the `length` of the domain, m.
+    pub(super) fn inertia(&self, length: [f64; 3]) -> (f64, Vector3<f64>) {
+        use std::f64::consts::PI;
+        // Mean squares along the axes.
+        let (volume, square) = match *self {
+            Self::Sphere(radius) => (4.0 / 3.0 * PI * radius.powi(3), Vector3::repeat(radius * radius / 5.0)),
+            Self::Ellipsoid([a, b, c]) => (4.0 / 3.0 * PI * a * b * c, Vector3::new(a * a, b * b, c * c) / 5.0),
+            Self::Cuboid([a, b, c]) => (8.0 * a * b * c, Vector3::new(a * a, b * b, c * c) / 3.0),
+            Self::Cylinder { axis, radius, half_length } => {
+                let half = half_length.min(0.5 * length[axis]);
+                let mut square = Vector3::repeat(0.25 * radius * radius);
+                square[axis] = half * half / 3.0;
+                (2.0 * half * PI * radius * radius, square)
+            }
+        };
+        (volume, volume * (Vector3::repeat(square.sum()) - square))
+    }
+
+    /// Return the signed distance (m, positive outside) and the unit normal of the nearest point of the surface.
+    pub(super) fn nearest(&self, point: Vector3<f64>) -> (f64, Vector3<f64>) {
+        match *self {
+            Self::Sphere(radius) => {
+                let from_center = point.norm();
+                (from_center - radius, point / from_center.max(f64::MIN_POSITIVE))
+            }
+            Self::Ellipsoid(semi_axes) => nearest_of_ellipsoid(point, semi_axes.into()),
+            Self::Cuboid(half) => {
+                let beyond = point.abs() - Vector3::from(half);
+                let face = beyond.imax();
+                (beyond[face], Vector3::ith(face, 1_f64.copysign(point[face])))
+            }
+            Self::Cylinder { axis, radius, half_length } => {
+                let mut across = point;
+                across[axis] = 0.0;
+                let from_axis = across.norm();
+                let [side, end] = [from_axis - radius, point[axis].abs() - half_length];
+                if side > end {
+                    (side, across / from_axis.max(f64::MIN_POSITIVE))
+                } else {
+                    (end, Vector3::ith(axis, 1_f64.copysign(point[axis])))
+                }
+            }
+        }
+    }
+}
+
+/// Return the distance and the normal at the point `x_i = a_i² p_i/(t + a_i²)` of the ellipsoid nearest to p. t is the
+/// largest root of `F(t) = Σ (a_i p_i/(t + a_i²))² − 1`, which is convex and decreases there.
+fn nearest_of_ellipsoid(point: Vector3<f64>, a: Vector3<f64>) -> (f64, Vector3<f64>) {
+    let p = point.abs().sup(&(OFF_PLANE * a));
+    let squares = a.component_mul(&a);
+    // F is not negative here, so Newton's method increases t up to the root.
+    let mut t = (a.component_mul(&p) - squares).max();
+    for _ in 0..NEWTON_STEPS {
+        let x = a.component_mul(&p).component_div(&squares.add_scalar(t));
+        let slope = -2.0 * x.component_mul(&x).component_div(&squares.add_scalar(t)).sum();
+        let step = -(x.norm_squared() - 1.0) / slope;
+        t += step;
+        if step <= 1e-15 * squares.max() {
+            break;
+        }
+    }
+    let surface = squares.component_mul(&p).component_div(&squares.add_scalar(t));
+    let normal = surface.component_div(&squares).normalize();
+    ((p - surface).dot(&normal), normal.zip_map(&point, f64::copysign))
+}

@@ -1,0 +1,195 @@
+//! Bodies in three dimensions: the agreement with two dimensions, exact forces in Stokes layers, and symmetries.
+
+use std::f64::consts::{PI, TAU};
+
+use nervure_fluid::space::{self, Body, Motion, Parameters, Shape, Turn};
+use nervure_fluid::{Filter, Fluid, Law, Precision, Zone};
+
+fn sine(amplitude: f64, frequency: f64) -> Law {
+    let omega = TAU * frequency;
+    Law::new(move |t| (amplitude * (omega * t).sin(), amplitude * omega * (omega * t).cos()))
+}
+
+fn made(parameters: &Parameters) -> space::Fluid {
+    space::Fluid::new(parameters).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn still(shape: Shape, position: [f64; 3]) -> Body {
+    Body { shape, position, pivot: [0.0; 3], turn: Turn { axis: [0.0, 0.0, 1.0], angle: 0.0 }, motion: None }
+}
+
+/// A cylinder along z in a channel with inflow and sponge, which turns about a line beside its axis while it moves, has
+/// the flow, the force and the moment of a circle in two dimensions.
+#[test]
+fn a_long_cylinder_is_a_circle_in_two_dimensions() {
+    let (domain, cells, depth) = ([[-0.4, 1.2], [-0.1, 0.5]], [64, 24], 0.2);
+    let zone = |x: [f64; 2], parabolic: bool, c_eta: f64| {
+        Some(Zone { x, parabolic, mean_velocity: Law::constant(1.0), c_eta })
+    };
+    let mut flat = nervure_fluid::Parameters::new(domain, cells, 3.0, 2e-3, 0.01);
+    let mut deep = Parameters::new([domain[0], domain[1], [0.0, depth]], [64, 24, 8], 3.0, 2e-3, 0.01);
+    flat.channel = Some([0.0, 0.41]);
+    deep.walls[1] = flat.channel;
+    (flat.inflow, flat.sponge) = (zone([-0.4, -0.2], true, 1e-3), zone([0.9, 1.2], false, 0.2));
+    (deep.inflow, deep.sponge) = (flat.inflow.clone(), flat.sponge.clone());
+    (flat.initial_velocity, deep.initial_velocity) = ([1.0, 0.0], [1.0, 0.0, 0.0]);
+    let (x, y, angle) = (sine(0.02, 2.0), sine(0.03, 1.0), sine(0.5, 1.5));
+    flat.bodies = vec![nervure_fluid::Body {
+        // Of a circle two dimensions keep the whole square around it.
+        shape: nervure_fluid::Shape::Ellipse([0.08, 0.08]),
+        position: [0.2, 0.2],
+        pivot: [0.03, -0.02],
+        angle: 0.3,
+        motion: Some(nervure_fluid::Motion { displacement: [x.clone(), y.clone()], angle: angle.clone() }),
+    }];
+    deep.bodies = vec![Body {
+        shape: Shape::Cylinder { axis: 2, radius: 0.08, half_length: f64::INFINITY },
+        position: [0.2, 0.2, 0.07],
+        pivot: [0.03, -0.02, 0.0],
+        turn: Turn { axis: [0.0, 0.0, 2.0], angle: 0.3 },
+        motion: Some(Motion { displacement: [x, y, Law::constant(0.0)], axis: [0.0, 0.0, 5.0], angle }),
+    }];
+    // The smooth filter cuts more waves off in space.
+    (flat.filter, deep.filter) = (Filter::TwoThirds, Filter::TwoThirds);
+    let mut flat = Fluid::new(&flat).unwrap_or_else(|e| panic!("{e}"));
+    let mut deep = made(&deep);
+    for step in 0..12 {
+        let t = flat.time();
+        flat.advance(t, 0.01).and_then(|()| deep.advance(t, 0.01)).unwrap_or_else(|e| panic!("{step}: {e}"));
+    }
+    let (one, other) = (flat.force_on_body(0), deep.force_on_body(0));
+    let scale = depth * one.force[0].abs();
+    assert!(scale > 1e-3 && one.moment.abs() > 1e-3, "{one:?}");
+    for axis in 0..2 {
+        let difference = other.force[axis] - depth * one.force[axis];
+        assert!(difference.abs() < 1e-9 * scale, "force {axis}: {} beside {one:?}", other.force[axis]);
+    }
+    let difference = other.moment[2] - depth * one.moment;
+    assert!(difference.abs() < 1e-9 * scale, "moment: {other:?} beside {one:?}");
+    assert!((deep.power_on_body(0) - depth * flat.power_on_body(0)).abs() < 1e-9 * scale);
+    let (u, v) = (flat.velocity(1), deep.velocity(1));
+    let largest = (0..v.len()).map(|c| (v[c] - u[c / 8]).abs()).fold(0.0, f64::max);
+    assert!(largest < 1e-9, "{largest} m/s");
+}
+
+/// An ellipsoid that moves and turns obliquely feels the same with its axes in turn along others, between walls.
+#[test]
+fn axes_are_treated_alike_by_bodies() {
+    let runs = [0, 1, 2].map(|turn| {
+        let place = |own: [f64; 3]| {
+            let mut all = [0.0; 3];
+            (0..3).for_each(|axis| all[(axis + turn) % 3] = own[axis]);
+            all
+        };
+        let mut parameters = Parameters::new([[-0.5, 0.5]; 3], [20; 3], 2.0, 0.01, 0.01);
+        parameters.initial_velocity = place([0.5, 0.2, -0.3]);
+        parameters.walls[(2 + turn) % 3] = Some([-0.4, 0.45]);
+        let mut displacement = [0.05, 0.0, 0.02].map(|amplitude| sine(amplitude, 1.0));
+        displacement.rotate_right(turn);
+        parameters.bodies = vec![Body {
+            shape: Shape::Ellipsoid(place([0.3, 0.2, 0.15])),
+            position: place([0.05, -0.02, 0.03]),
+            pivot: place([0.05, 0.1, -0.03]),
+            turn: Turn { axis: place([1.0, 2.0, -1.0]), angle: 0.4 },
+            motion: Some(Motion { displacement, axis: place([2.0, -1.0, 1.0]), angle: sine(0.8, 1.0) }),
+        }];
+        let mut fluid = made(&parameters);
+        for _ in 0..10 {
+            let t = fluid.time();
+            fluid.advance(t, 0.01).unwrap_or_else(|e| panic!("{e}"));
+        }
+        let force = fluid.force_on_body(0);
+        let back = |all: [f64; 3]| [0, 1, 2].map(|axis| all[(axis + turn) % 3]);
+        [back(force.force), back(force.moment), [fluid.power_on_body(0), fluid.kinetic_energy(), 1.0]]
+    });
+    for (one, other) in runs[0].as_flattened().iter().zip(runs[1].as_flattened()) {
+        assert!((one - other).abs() < 1e-10, "{runs:?}");
+    }
+    for (one, other) in runs[0].as_flattened().iter().zip(runs[2].as_flattened()) {
+        assert!((one - other).abs() < 1e-10, "{runs:?}");
+    }
+}
+
+/// Stokes (1851; Landau & Lifshitz, Fluid mechanics, § 24 and its problems): a sphere of radius R that oscillates along a
+/// line or about a diameter, with the depth of penetration δ = √(2 nu/omega), q = R/δ:
+/// `F = −6 π rho nu R (1 + q) u − (3 π R² rho δ + ⅔ π R³ rho) u'`, and the moment
+/// `−(8/3) π rho nu R³ Re[(3 + 6q + 6q² + 2q³ − 2i q² (1 + q))/(1 + 2q + 2q²) Omega]`.
+#[test]
+fn an_oscillating_sphere_feels_the_forces_of_stokes() {
+    let (radius, nu, frequency, density) = (0.14, 3e-2, 4.0, 1.3);
+    let omega = TAU * frequency;
+    let depth = (2.0 * nu / omega).sqrt();
+    let q = radius / depth;
+    let motion = |along: bool| Motion {
+        displacement: [sine(if along { 1e-3 } else { 0.0 }, frequency), Law::constant(0.0), Law::constant(0.0)],
+        axis: [0.0, 1.0, 1.0],
+        angle: sine(if along { 0.0 } else { 1e-2 }, frequency),
+    };
+    let found = |along: bool| {
+        let mut parameters = Parameters::new([[-0.5, 0.5]; 3], [40; 3], density, nu, 5e-3);
+        parameters.bodies =
+            vec![Body { motion: Some(motion(along)), ..still(Shape::Sphere(radius), [0.01, 0.0, 0.0]) }];
+        let (mut fluid, h, period) = (made(&parameters), 5e-3, 50);
+        // The drag belongs to the end of a step, the momentum of the displaced fluid changes in it.
+        let volume = 4.0 / 3.0 * PI * radius.powi(3);
+        let (amplitude, displaced) =
+            if along { (1e-3, density * volume) } else { (1e-2, 0.4 * density * volume * radius * radius) };
+        // In phase with the displacement and with the velocity.
+        let mut phases = [-displaced * amplitude * omega * omega, 0.0];
+        for step in 0..2 * period {
+            let t = fluid.time();
+            fluid.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
+            let force = fluid.force_on_body(0);
+            let value = if along { force.force[0] } else { force.moment[2] * 2_f64.sqrt() };
+            let [before, after] = [omega * t, omega * (t + h)];
+            let drag = value - displaced * amplitude * omega * (after.cos() - before.cos()) / h;
+            if step >= period {
+                phases[0] += 2.0 / f64::from(period) * drag * after.sin();
+                phases[1] += 2.0 / f64::from(period) * drag * after.cos();
+            }
+        }
+        phases
+    };
+    let [inertia, friction] = found(true);
+    let mass = density * (3.0 * PI * radius.powi(2) * depth + 2.0 / 3.0 * PI * radius.powi(3));
+    let drag = 6.0 * PI * density * nu * radius * (1.0 + q);
+    // The layer has two cells. Bare walls, without the correction, have inertias of 0.90 and 0.82.
+    let [inertia, friction] = [inertia / (1e-3 * omega * omega * mass), -friction / (1e-3 * omega * drag)];
+    assert!((inertia - 1.0).abs() < 0.03 && (friction - 1.0).abs() < 0.08, "{inertia}, {friction}");
+
+    let [inertia, friction] = found(false);
+    let common = 8.0 / 3.0 * PI * density * nu * radius.powi(3) / (1.0 + 2.0 * q + 2.0 * q * q) * 1e-2 * omega;
+    let friction = -friction / (common * (3.0 + 6.0 * q + 6.0 * q * q + 2.0 * q.powi(3)));
+    let inertia = inertia / (common * 2.0 * q * q * (1.0 + q));
+    assert!((inertia - 1.0).abs() < 0.05 && (friction - 1.0).abs() < 0.08, "{inertia}, {friction}");
+}
+
+#[test]
+fn forces_and_states_of_moving_bodies_have_the_same_bits() {
+    let mut one = Parameters::new([[-0.5, 0.5]; 3], [48; 3], 2.0, 0.01, 0.01);
+    one.precision = Precision::Single;
+    one.initial_velocity = [1.0, 0.0, 0.0];
+    let motion =
+        Motion { displacement: [0.05, 0.02, 0.0].map(|a| sine(a, 1.0)), axis: [1.0; 3], angle: sine(0.5, 1.0) };
+    one.bodies = vec![
+        still(Shape::Sphere(0.15), [-0.2, 0.0, 0.0]),
+        Body { motion: Some(motion), ..still(Shape::Cuboid([0.1, 0.08, 0.2]), [0.2, 0.1, 0.0]) },
+    ];
+    let mut two = one.clone();
+    two.threads = 2;
+    let mut fluids = [made(&one), made(&two)];
+    let run = |fluid: &mut space::Fluid, steps: usize| {
+        (0..steps).for_each(|_| fluid.advance(fluid.time(), 0.004).unwrap_or_else(|e| panic!("{e}")));
+    };
+    fluids.iter_mut().for_each(|fluid| run(fluid, 3));
+    let state = fluids[0].state();
+    assert!(state == fluids[1].state(), "two threads have other bits");
+    run(&mut fluids[0], 2);
+    fluids[1].restore(&state).unwrap_or_else(|e| panic!("{e}"));
+    run(&mut fluids[1], 2);
+    assert!(fluids[0].state() == fluids[1].state(), "a step back has other bits");
+    let mut other = made(&one);
+    other.restore(&state).unwrap_or_else(|e| panic!("{e}"));
+    run(&mut other, 2);
+    assert!(fluids[0].state() == other.state(), "a state in another fluid has other bits");
+}
