@@ -1,16 +1,21 @@
 """The package as a Python program uses it: ten lines from a scene to a figure."""
 
+import doctest
 import json
+import pydoc
 import signal
+import sys
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 import nervure
 from nervure.scene import validate
+from nervure.scene.part import Part
 from nervure.simulation import checkpoint
 from nervure.units.fmu import Unit
+from tests.conftest import FLUID_ONLY
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -131,9 +136,126 @@ def test_an_interrupted_run_goes_on(falling, tmp_path, monkeypatch):
     assert all((parts.series[name] == values).all() for name, values in whole.series.items())
 
 
-def test_a_notebook_sees_one_line_that_moves(falling, tmp_path, capsys, monkeypatch):
+class Display:
+    """Stands for a notebook: keeps what is displayed, in the place of its handle."""
+
+    def __init__(self):
+        self.shown = []
+
+    def display(self, content, **_):
+        self.shown.append(content["text/plain"])
+        return SimpleNamespace(update=lambda content, **_: self.shown.__setitem__(-1, content["text/plain"]))
+
+
+def test_a_notebook_keeps_one_line_of_progress_and_plain_text(falling, tmp_path, capsys, monkeypatch):
+    notebook = Display()
+    modules = {"ipykernel": ModuleType("ipykernel"), "IPython": ModuleType("IPython"), "IPython.display": notebook}
+    for name, module in modules.items():
+        monkeypatch.setitem(sys.modules, name, module)
+    monkeypatch.setenv("FORCE_COLOR", "1")  # A kernel sets it
     monkeypatch.setattr("nervure.output.console.TERMINAL_INTERVAL", 0.0)
-    monkeypatch.setattr("nervure.output.console.Console", lambda **_: Console(force_jupyter=True))
     nervure.run(falling, tmp_path)
-    shown = capsys.readouterr().out
-    assert shown.count("\r") == 100 and "\rt 0.010 of 0.01 s" in shown and "tip_uy" in shown
+    assert len(notebook.shown) == 1 and notebook.shown[0].startswith("t 0.010 of 0.01 s"), notebook.shown
+    printed = capsys.readouterr().out
+    assert "\x1b" not in printed and "\r" not in printed and "tip_uy mean" in printed
+
+
+def test_a_run_shows_itself_in_ten_lines(falling, tmp_path):
+    lines = repr(nervure.run(falling, tmp_path, quiet=True)).splitlines()
+    assert len(lines) <= 10 and lines[0] == "Run of falling-rod, 100 steps to t = 0.01 s"
+    assert lines[1].startswith("  tip_ux: ") and f"  folder: {tmp_path}" in lines and len(max(lines, key=len)) < 120
+
+
+def test_the_package_names_its_interface():
+    names = [name for name in dir(nervure) if not name.startswith("_")]
+    assert names == sorted(nervure.__all__) and "__version__" in dir(nervure)
+    shown = pydoc.plain(pydoc.render_doc(nervure))
+    for name in ("run(scene", "sweep(", "class Run(", "plot_field("):
+        assert name in shown, name
+
+
+@pytest.mark.parametrize("thing", [nervure.run, nervure.sweep, Part.copy], ids=lambda thing: thing.__qualname__)
+def test_the_examples_of_a_docstring_hold(thing, tmp_path):
+    found = doctest.DocTestFinder().find(thing, globs={"nervure": nervure, "folder": tmp_path})
+    results = [doctest.DocTestRunner().run(one) for one in found]
+    assert sum(result.attempted for result in results) >= 2 and not any(result.failed for result in results)
+
+
+def test_a_copy_of_a_scene_is_changed_and_the_scene_stays(falling):
+    changed = falling.copy({"rod.gravity": [0.0, -3.0]}, time__end=0.5, beam__segments=8)
+    assert (changed.time.end, changed.beam.segments, changed.rod.gravity) == (0.5, 8, [0.0, -3.0])
+    assert (falling.time.end, falling.beam.segments) == (0.01, 16)
+    assert falling.rod.copy(damping=1.0).damping == 1.0
+    with pytest.raises(nervure.InputError, match="did you mean time"):
+        falling.copy({"tme.end": 1})
+    with pytest.raises(nervure.InputError, match="type of its key"):
+        falling.copy(time__end="soon")
+
+
+def test_a_function_sees_every_row_and_may_end_the_run(falling, tmp_path):
+    seen = []
+
+    def see(time, values):
+        seen.append((time, values["tip_uy"]))
+        return time > 0.00495
+
+    run = nervure.run(falling, tmp_path, quiet=True, on_step=see)
+    assert len(seen) == 51 == len(run.series["time"]) and seen[-1][1] == run.series["tip_uy"][-1]
+    assert not run.summary.completed and nervure.resume(tmp_path, quiet=True).summary.completed
+
+
+@pytest.fixture(scope="module")
+def with_fields(tmp_path_factory, libraries):
+    folder = tmp_path_factory.mktemp("fields")
+    return nervure.run(validate(FLUID_ONLY), folder, fields_every=5e-3, quiet=True)
+
+
+@pytest.mark.parametrize("name", ["vorticity", "pressure", "speed", "u"])
+def test_a_field_is_drawn_at_a_time(name, with_fields):
+    figure = with_fields.plot_field(name, 0.011)
+    assert figure.axes[0].get_title(loc="right") == "t = 0.010 s"
+    assert figure.axes[1].get_ylabel().startswith(f"{name} [")
+
+
+@pytest.mark.parametrize(
+    ("ask", "said"),
+    [
+        (lambda run: run.plot_field("vortcity"), "did you mean vorticity"),
+        (lambda run: run.plot("drg"), "did you mean drag"),
+        (lambda run: nervure.sweep("csm1", {("beam.segments", "time.end"): [1]}), "must be tuples of 2"),
+        (lambda run: nervure.sweep("csm1", {"beam.segmens": [1]}), "did you mean `segments`"),
+        (lambda run: nervure.sweep("csm1", {}, workers=1, scheduler="x"), "workers"),
+    ],
+)  # fmt: skip
+def test_a_slip_in_python_is_answered_with_what_was_meant(ask, said, with_fields):
+    with pytest.raises(nervure.InputError, match=said):
+        ask(with_fields)
+
+
+@pytest.mark.parametrize(("package", "ask"), [("pandas", "to_pandas"), ("xarray", "to_xarray"), ("xarray", "fields")])
+def test_a_table_needs_its_package(package, ask, with_fields, monkeypatch):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(nervure.InputError, match=f"-m pip install {package}`"):
+        getattr(with_fields, ask)()
+
+
+def test_series_become_tables_with_units(with_fields):
+    pytest.importorskip("pandas")
+    pytest.importorskip("xarray")
+    table, dataset = with_fields.to_pandas(), with_fields.to_xarray()
+    assert table.index.name == "time" and table.attrs["units"]["drag"] == "N/m" == dataset.drag.attrs["units"]
+    assert (table["drag"].to_numpy() == with_fields.series["drag"]).all()
+    assert dataset.time.attrs["units"] == "s" and (dataset.drag.values == with_fields.series["drag"]).all()
+
+
+def test_fields_become_a_dataset_with_places(with_fields):
+    pytest.importorskip("xarray")
+    found = with_fields.fields(0.004, 0.011)
+    assert found.vorticity.dims == ("time", "y", "x") and found.time.values == pytest.approx([0.005, 0.01])
+    assert found.u.attrs["units"] == "m/s" and found.x.attrs["units"] == "m"
+    waves = {axis: 2j * np.pi * np.fft.fftfreq(found.sizes[axis], found[axis].diff(axis).values[0]) for axis in "xy"}
+    curl = np.fft.ifft(waves["x"] * np.fft.fft(found.v.values, axis=2), axis=2)
+    curl -= np.fft.ifft(waves["y"][:, None] * np.fft.fft(found.u.values, axis=1), axis=1)
+    assert np.abs(curl.real - found.vorticity.values).max() < 1e-3 * np.abs(curl).max()
+    with pytest.raises(nervure.InputError, match="no frames in that time, but 5 elsewhere"):
+        with_fields.fields(5)

@@ -63,3 +63,15 @@ def test_a_line_means_the_same_to_bash_and_zsh(document, line, tmp_path):
     asked = [subprocess.run([shell, "-c", f"printf '<%s>\\n' {line}"], cwd=tmp_path, capture_output=True, text=True)
              for shell in shells]  # fmt: skip
     assert len({(done.returncode, done.stdout) for done in asked}) == 1 and asked[0].returncode == 0, asked
+
+
+@pytest.mark.parametrize("document", ["README.md", "docs/guide/python.md"])
+def test_the_python_of_a_document_has_right_types(document, tmp_path):
+    """Every attribute exists, and no value that may be None is used as if it were there."""
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / document).read_text(encoding="utf-8"), re.DOTALL)
+    code = "\n".join(block for block in blocks if "rod.set(" not in block)  # An excerpt of scripts/fsi3.py
+    assert "nervure.run(" in code
+    (tmp_path / "document.py").write_text(code, encoding="utf-8")
+    options = ["--config-file", "pyproject.toml", "--ignore-missing-imports", tmp_path / "document.py"]
+    done = subprocess.run([sys.executable, "-m", "mypy", *options], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout

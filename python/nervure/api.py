@@ -1,34 +1,82 @@
-"""The Python interface: `nervure.load`, `nervure.inspect`, `nervure.run`, `nervure.resume`, `nervure.read`."""
+"""The Python interface: the functions of `nervure`, and the class of a run."""
 
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from nervure.catalogue import hint
 from nervure.errors import InputError
 from nervure.extras import require
 from nervure.files import undone_on_error
-from nervure.scene import Scene, load
-from nervure.simulation import checkpoint, results
-from nervure.simulation.loop import interruptible
+from nervure.scene import Scene, load, read as read_scene
+from nervure.simulation import checkpoint, results, sweep as sweeps
+from nervure.simulation.loop import Observer, TimeLoop, interruptible
 from nervure.simulation.session import Session
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from pandas import DataFrame
+    from rich.console import Console
+    from xarray import Dataset
 
-__all__ = ["Run", "RunError", "compare", "inspect", "load", "read", "resume", "run"]
+__all__ = ["Run", "RunError", "compare", "inspect", "load", "read", "resume", "run", "sweep"]
+
+OnStep = Callable[[float, dict[str, float]], object]
+SHOWN = 7  # Quantities in the text of a run
 
 
 class Run(results.Results):
     """A run: `scene`, `folder`, `summary`, and its `series` by name, in `units`."""
 
+    def __repr__(self) -> str:
+        """Return about ten lines: how far the run came, its first quantities, its columns."""
+        summary, columns = self.summary, list(self.series)
+        how = "" if summary.completed else f", {summary.error or 'interrupted'}"
+        lines = [f"Run of {self.scene.name}, {summary.steps} steps to t = {summary.simulated_s:g} s{how}"]
+        for name, found in list(summary.quantities.items())[:SHOWN]:
+            frequency = f", {found.frequency_hz:.4g} Hz" if found.frequency_hz else ""
+            lines.append(f"  {name}: {found.mean:.4g} ± {found.amplitude:.4g} {found.unit}{frequency}")
+        if len(summary.quantities) > SHOWN:
+            lines.append(f"  and {len(summary.quantities) - SHOWN} more in run.summary.quantities")
+        shown = ", ".join(columns[:4]) + (" …" if len(columns) > 4 else "")
+        lines.append(f"  series: {len(self.series['time'])} rows of {len(columns)} columns, {shown}")
+        return "\n".join([*lines, f"  folder: {self.folder}"])
+
+    def to_pandas(self) -> "DataFrame":
+        """Return the series as a DataFrame over time (s); `attrs["units"]` has the unit of each column."""
+        table = require("pandas", "a table of pandas").DataFrame(dict(self.series)).set_index("time")
+        table.attrs["units"] = dict(self.units)
+        return table  # type: ignore[no-any-return, unused-ignore]
+
+    def to_xarray(self) -> "Dataset":
+        """Return the series as a Dataset over time; each variable has its unit as the attribute `units`."""
+        columns = {
+            name: ("time", values, {"units": self.units.get(name) or "1"}) for name, values in self.series.items()
+        }
+        return require("xarray", "a dataset of xarray").Dataset(columns)  # type: ignore[no-any-return, unused-ignore]
+
+    def fields(self, begin: float | None = None, end: float | None = None) -> "Dataset":
+        """Return velocity (`u`, `v`), vorticity and pressure from `begin` to `end` (s) as a Dataset over time, y and x.
+        The run needs `fields_every`."""
+        from nervure.output import fields
+
+        return fields.dataset(self.folder, begin, end)  # type: ignore[no-any-return, unused-ignore]
+
+    def plot_field(self, name: str = "vorticity", time: float | None = None) -> "Figure":
+        """Draw `vorticity`, `pressure`, `speed`, `u` or `v` at the frame nearest to `time` (s), by default the last.
+        The run needs `fields_every`."""
+        _prepare_notebook()
+        from nervure.output import animation
+
+        return animation.plot_field(self.folder, name, time)
+
     def plot(self, *names: str) -> "Figure":
         """Draw the columns `names` over time, below each other; `figure.savefig(path)` writes them."""
         self._require(names)
-        if "ipykernel" in sys.modules:
-            import matplotlib.pyplot  # noqa: F401  lets the notebook draw a figure that a cell gives
-
+        _prepare_notebook()
         from nervure.output import plots
 
         return plots.over_time({self.scene.name: self}, names, self.scene.reference)
@@ -37,7 +85,7 @@ class Run(results.Results):
         """Raise `InputError` where one of `names` was not recorded."""
         for name in names:
             if name not in self.series:
-                raise InputError(f"{name} was not recorded: there are {', '.join(self.series)}")
+                raise InputError(f"{name} was not recorded: {hint(name, self.series)}")
 
     def animate(self, begin: float | None = None, end: float | None = None) -> list[Path]:
         """Write vorticity.gif, vorticity.mp4 and phases.png of the times from `begin` to `end` (s), or of the last two
@@ -47,10 +95,24 @@ class Run(results.Results):
         return animation.write(self.folder, begin, end)
 
 
+def _prepare_notebook() -> None:
+    """Let a notebook draw a figure that a cell gives, unless it does already."""
+    if "ipykernel" not in sys.modules:
+        return
+    from IPython import get_ipython
+    from IPython.core.pylabtools import select_figure_formats
+    from matplotlib.figure import Figure
+
+    shell = get_ipython()
+    if shell is not None and not shell.display_formatter.format(Figure())[0].keys() & {"image/png", "image/svg+xml"}:
+        select_figure_formats(shell, {"png"})
+
+
 def compare(*runs: Run, names: Sequence[str] = ("tip_ux", "tip_uy")) -> "Figure":
     """Draw the columns `names` of several runs over each other, labelled by their folders."""
     for run in runs:
         run._require(names)
+    _prepare_notebook()
     from nervure.output import plots
 
     return plots.over_time({run.folder.name: run for run in runs}, names, runs[0].scene.reference)
@@ -67,11 +129,9 @@ class RunError(Exception):
 def inspect(scene: Scene | str | Path) -> None:
     """Print what `nervure inspect` prints of a scene, an object or a name; it makes steps for half a second. Raise
     `InputError` where the scene cannot be used."""
-    from rich.console import Console
+    from nervure.output import console, inspection
 
-    from nervure.output import inspection
-
-    inspection.show_scene(Console(highlight=False), scene if isinstance(scene, Scene) else load(scene))
+    inspection.show_scene(console.text_console(), scene if isinstance(scene, Scene) else load(scene))
 
 
 def run(
@@ -84,6 +144,7 @@ def run(
     checkpoint_every: float | None = None,
     fields_every: float | None = None,
     series_every: float | None = None,
+    on_step: OnStep | None = None,
     force: bool = False,
     quiet: bool = False,
     fmi: int = 2,
@@ -93,6 +154,14 @@ def run(
     The arguments are the options of `nervure run`: `overrides` (key=value), FMUs in the place of ours (`rod_fmu` by
     name where the scene has several rods), minutes between checkpoints, seconds between fields and between rows of the
     series, `force`, which replaces results of another scene, and `fmi`, the version of our units.
+
+    `on_step(time, values)` is called with each recorded row of the series, a dictionary by column; where it returns
+    True, the run ends there, and its checkpoint stays in the folder.
+
+    >>> run = nervure.run("csm3", folder / "csm3", overrides=["time.end=0.1"], quiet=True)
+    >>> run.summary.completed, len(run.series["tip_uy"])
+    (True, 101)
+
     Raise `InputError` where an argument cannot be used, `RunError` where the run failed and `KeyboardInterrupt` where
     it was interrupted; in the last two cases the results so far are written.
     """
@@ -113,7 +182,7 @@ def run(
             raise InputError(f"{name} is {value}, but must be a finite number of at least 0")
     with undone_on_error(folder or Path("results") / scene.name) as keep:
         session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=series_every)
-        return _run(session, options, quiet, keep)
+        return _run(session, options, quiet, keep, on_step)
 
 
 def resume(folder: str | Path, *, quiet: bool = False) -> Run:
@@ -139,10 +208,30 @@ def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu:
     return foreign | ({"fluid": Path(fluid_fmu)} if fluid_fmu else {})
 
 
-def _run(session: Session, options: checkpoint.Options, quiet: bool, started: Callable[[], None]) -> Run:
+class Caller(Observer):
+    """Calls a function with every recorded row; `stopped` is what it answered."""
+
+    def __init__(self, call: OnStep):
+        self.call, self.stopped = call, False
+
+    def step(self, loop: TimeLoop) -> None:
+        recorder = loop.recorder
+        if loop.steps % recorder.stride == 0:
+            values = dict(zip(recorder.columns, recorder.table[recorder.rows - 1].tolist(), strict=True))
+            self.stopped = self.call(loop.time, values) is True
+
+
+def _run(
+    session: Session,
+    options: checkpoint.Options,
+    quiet: bool,
+    started: Callable[[], None],
+    on_step: OnStep | None = None,
+) -> Run:
     """Run a session to its end or an interruption, with everything that watches it; call `started` before its start."""
     from nervure.output import console, fields, plots
 
+    caller = Caller(on_step or (lambda _time, _values: None))
     with session:
         if options["fields_every"] is not None:
             session.observers.append(fields.Fields(session, options["fields_every"], console.warn))
@@ -151,15 +240,88 @@ def _run(session: Session, options: checkpoint.Options, quiet: bool, started: Ca
             session.observers.append(checkpoint.Checkpoint(session, options, console.warn))
         if not quiet:
             session.observers.append(console.Terminal(session))
+        if on_step:
+            session.observers.append(caller)
         started()
         with interruptible() as stopping:
-            session.run(stopping)
+            session.run(lambda: caller.stopped or stopping())
         done = Run(**vars(session.finish()))
     if done.summary.error is not None:
         raise RunError(done)
-    if not done.summary.completed:
+    if not (done.summary.completed or caller.stopped):
         raise KeyboardInterrupt
     return done
+
+
+def sweep(
+    scenes: Scene | str | Path | Sequence[Scene | str | Path],
+    vary: Mapping[str | tuple[str, ...], Sequence[Any]],
+    output: str | Path | None = None,
+    *,
+    overrides: Iterable[str] = (),
+    workers: int | None = None,
+    scheduler: str | None = None,
+    retry_failed: bool = False,
+    force: bool = False,
+    quiet: bool = False,
+) -> list[sweeps.Row]:
+    """Run all combinations of the values of scene keys into the folder `output` or results/sweep-NAME; return a row
+    for each run. `pandas.DataFrame(rows)` makes a table of them.
+
+    The values of a tuple of keys are tuples: these keys change together. The arguments are the options of
+    `nervure sweep`; runs that are finished are not repeated.
+
+    >>> scene = nervure.load("csm3").copy(time__end=0.1)
+    >>> rows = nervure.sweep(scene, {"beam.segments": [8, 16]}, folder / "sweep", workers=1, quiet=True)
+    >>> [(row["beam.segments"], row["status"]) for row in rows]
+    [(8, 'finished'), (16, 'finished')]
+
+    Raise `InputError` where an argument cannot be used and `KeyboardInterrupt` where the sweep was interrupted.
+    """
+    if workers is not None and scheduler is not None:
+        raise InputError("workers are for runs on this machine; those of a scheduler are its own")
+    several = [scenes] if isinstance(scenes, Scene | str | Path) else scenes
+    bases = [one.document() if isinstance(one, Scene) else read_scene(one, overrides) for one in several]
+    cases = sweeps.grid(bases, [_variation(keys, values) for keys, values in vary.items()])
+    folder = Path(output) if output is not None else Path("results") / f"sweep-{sweeps.path_name(bases[0])}"
+    todo = sweeps.missing_cases(cases, folder, retry_failed)
+    from nervure.output.console import text_console
+
+    console = text_console(quiet)
+    console.print(f"{len(cases)} runs, {len(todo)} to do, into {folder}", markup=False, soft_wrap=True)
+    return run_cases(console, cases, todo, folder, scheduler=scheduler, workers=workers, force=force)
+
+
+def run_cases(
+    console: "Console",
+    cases: list[sweeps.Case],
+    todo: list[sweeps.Case],
+    folder: Path,
+    *,
+    scheduler: str | None,
+    workers: int | None,
+    force: bool,
+) -> list[sweeps.Row]:
+    """Run the cases `todo` of a sweep into `folder`, draw and print the table, and return its rows."""
+    from nervure.output import console as shown, sweeps as tables
+
+    say = partial(console.print, markup=False, soft_wrap=True)
+    with shown.sweep_progress(console, len(todo), sum(case.steps for case in todo)) as count:
+        rows = sweeps.run(cases, folder, scheduler, todo, force, say, count, workers)
+    tables.print_table(console, rows)
+    picture = tables.plot(folder, rows)
+    say(f"table in {folder / 'sweep.csv'}" + (f", picture in {picture}" if picture else ""))
+    return rows
+
+
+def _variation(keys: str | tuple[str, ...], values: Sequence[Any]) -> sweeps.Variation:
+    """Return the values of each key; raise `InputError` where a tuple of keys has values of another length."""
+    if isinstance(keys, str):
+        return {keys: list(values)}
+    for one in values:
+        if not isinstance(one, tuple | list) or len(one) != len(keys):
+            raise InputError(f"the values of {', '.join(keys)} must be tuples of {len(keys)}, but one is {one!r}")
+    return {key: list(column) for key, column in zip(keys, zip(*values, strict=True), strict=True)}
 
 
 def read(folder: str | Path) -> Run:

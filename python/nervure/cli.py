@@ -14,7 +14,6 @@ import sys
 import textwrap
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -368,8 +367,7 @@ def sweep(
     """
     from rich.console import Console
 
-    from nervure.output import sweeps as shown
-    from nervure.output.console import sweep_progress
+    from nervure import api
     from nervure.scene import read
     from nervure.simulation import sweep as sweeps
 
@@ -388,16 +386,10 @@ def sweep(
             console.print(f"{case.folder}: {told}", markup=False, soft_wrap=True)
         return
     try:
-        with sweep_progress(console, len(todo), sum(case.steps for case in todo)) as count:
-            say = partial(console.print, markup=False, soft_wrap=True)
-            rows = sweeps.run(cases, folder, scheduler, todo, force, say, count, workers)
+        rows = api.run_cases(console, cases, todo, folder, scheduler=scheduler, workers=workers, force=force)
     except KeyboardInterrupt:
         console.print("stopped; the same command continues with the missing runs")
         raise typer.Exit(INTERRUPTED) from None
-    shown.print_table(console, rows)
-    picture = shown.plot(folder, rows)
-    told = f"{folder / 'sweep.csv'}, picture in {picture}" if picture else str(folder / "sweep.csv")
-    console.print(f"table in {told}", markup=False, soft_wrap=True)
     if any(row["status"] != sweeps.FINISHED for row in rows):
         raise typer.Exit(FAILED)
 

@@ -13,8 +13,10 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
 from PIL import Image
 
+from nervure.catalogue import hint
 from nervure.errors import InputError
 from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series
@@ -33,6 +35,7 @@ SHAPES = 24  # Largest number of shapes in motion.png
 SAMPLES = 8  # Frames that set the colour scale
 WIDTH, DPI = 7.5, 100  # Width of the animation, in, and points an inch
 FRAME_MS = 60  # Duration of a frame, ms
+FIELDS = {"vorticity": "1/s", "pressure": "Pa", "speed": "m/s", "u": "m/s", "v": "m/s"}  # With their units
 COLOURS, GREYS = 95, 32  # Colours of the palette for the scale, and for text, axes and solids
 
 
@@ -59,7 +62,16 @@ class Frames:
         return [np.transpose(parts) for parts in of]
 
     def vorticity(self, frame: int) -> np.ndarray:
-        return np.array(self.fluid["VTKHDF/PointData/vorticity"][frame]).T
+        return self.field("vorticity", frame)
+
+    def field(self, name: str, frame: int) -> np.ndarray:
+        """Return one of `FIELDS` in a frame, `[nx, ny]`."""
+        data = self.fluid["VTKHDF/PointData"]
+        if name in data:
+            return np.array(data[name][frame]).T
+        u, v = np.array(data["velocity"][frame]).T[:2]
+        found: np.ndarray = {"u": u, "v": v, "speed": np.hypot(u, v)}[name]
+        return found
 
     def points(self, frame: int, beam: int = 0) -> np.ndarray:
         """Return the outline of a beam in the plane, or its centre line in space, `[n, 3]`."""
@@ -129,6 +141,26 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
     phases(frames, nearest, limit, folder / "phases.png")
     return [folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
+
+
+def plot_field(folder: Path, name: str, time: float | None) -> Figure:
+    """Draw one of `FIELDS` at the frame nearest to `time` (s), by default the last."""
+    if name not in FIELDS:
+        raise InputError(f"there is no field {name}: {hint(name, FIELDS)}")
+    frames = Frames(folder)
+    if frames.fluid is None:
+        raise InputError(f"{folder} holds no fields of a fluid")
+    frame = len(frames.times) - 1 if time is None else int(np.argmin(np.abs(frames.times - time)))
+    field, solids = frames.field(name, frame), frames.solids(frame)
+    limit = flow.colour_limit(frames.scene, [(field, solids)])
+    figure, axes = flow.panels(frames.scene, plots.WIDTH)
+    picture = flow.Picture(axes[0, 0], frames.scene, limit)
+    if name == "speed":
+        picture.image.set(cmap="viridis", clim=(0.0, limit))
+    picture.show(field, solids)
+    picture.say(float(frames.times[frame]), frames.scene)
+    flow.colour_bar(figure, axes, picture.image, frames.scene, name, FIELDS[name])
+    return figure
 
 
 def _has_ffmpeg() -> bool:

@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
+from typing import Any
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
@@ -16,28 +17,59 @@ from nervure.simulation.summary import RunStatus
 
 TERMINAL_INTERVAL = 0.2  # Wall time between two updates in a terminal or a notebook, s
 FILE_INTERVAL = 10.0  # Wall time between two lines where the output is no terminal, s
-NOTEBOOK_WIDTH = 100  # Characters of a notebook's line, which overwrites a longer line before
+NOTEBOOK_WIDTH = 100  # Characters of a line in a notebook
 SHOWN = (("tip_ux", "tip_uy"), ("drag", "lift"))  # Columns in a line of progress: the first pair that a run has
+
+
+def in_notebook() -> bool:
+    """Return whether a kernel runs this process."""
+    return "ipykernel" in sys.modules
+
+
+def text_console(quiet: bool = False, stderr: bool = False) -> Console:
+    """Return a console; in a notebook its lines are one text, where rich would make an output of each."""
+    if in_notebook():  # It asks for colours, which its saved form shows as signs
+        return Console(
+            highlight=False, quiet=quiet, force_jupyter=False, force_terminal=False, width=NOTEBOOK_WIDTH, stderr=stderr
+        )
+    return Console(highlight=False, quiet=quiet, stderr=stderr)
+
+
+class NotebookLine:
+    """A line in a notebook that is replaced: a display of its own, so that a saved notebook has the last one only."""
+
+    def __init__(self) -> None:
+        self.handle: Any = None
+
+    def show(self, text: str) -> None:
+        """Replace the line."""
+        from IPython.display import display
+
+        content = {"text/plain": text}
+        if self.handle is None:
+            self.handle = display(content, raw=True, display_id=True)
+        else:
+            self.handle.update(content, raw=True)
 
 
 def warn(message: str) -> None:
     """Print a warning to the standard error."""
-    Console(stderr=True, highlight=False, soft_wrap=True).print(f"warning: {message}", markup=False)
+    text_console(stderr=True).print(f"warning: {message}", markup=False, soft_wrap=True)
 
 
 class Terminal(Observer):
     """Prints the forecast of a session before and soon after its start, its progress, and its summary."""
 
     def __init__(self, session: Session):
-        self.console, self.session = Console(highlight=False), session
+        self.console, self.session, self.line = text_console(), session, NotebookLine()
         for name, value in forecast.rows(session):
             self.console.print(f"{name}: {value}", markup=False, soft_wrap=True)
         for text in forecast.warnings(session.facts):
             warn(text)
         self.pace: forecast.Pace | None = forecast.Pace(session)
         self.columns = next((names for names in SHOWN if names[0] in session.recorder.columns), ())
-        self.in_place = self.console.is_terminal or self.console.is_jupyter
-        self.interval = TERMINAL_INTERVAL if self.in_place else FILE_INTERVAL
+        in_place = self.console.is_terminal or in_notebook()
+        self.interval = TERMINAL_INTERVAL if in_place else FILE_INTERVAL
         self.due = self.interval
         self.bar = _bar(self.console)
         self.task = self.bar.add_task("", total=session.grid.end)
@@ -63,16 +95,13 @@ class Terminal(Observer):
         text = ", ".join([f"t {loop.time:.3f} of {end:g} s", f"wall {wall:.0f} s, {left:.0f} s left", *values])
         if self.console.is_terminal:
             self.bar.update(self.task, completed=loop.time, description=text)
-        elif self.console.is_jupyter:  # one line that is overwritten: the bar of rich needs ipywidgets there
-            sys.stdout.write(f"\r{text:<{NOTEBOOK_WIDTH}}")
-            sys.stdout.flush()
+        elif in_notebook():
+            self.line.show(text)
         else:
             self.console.print(text)
 
     def end(self, status: RunStatus | None) -> None:
         self.bar.stop()
-        if self.console.is_jupyter and self.interval < self.due:
-            sys.stdout.write("\n")
 
     def finish(self, results: Results) -> None:
         folder, summary = results.folder, results.summary

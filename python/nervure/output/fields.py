@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from nervure.errors import SceneError
+from nervure.errors import InputError, SceneError
 from nervure.extras import require
 from nervure.scene import Own, Scene, text
 from nervure.scene.types import Fluid
@@ -41,6 +41,32 @@ def outline(centre_line: np.ndarray, thickness: np.ndarray) -> np.ndarray:
     normal = np.column_stack([-tangent[:, 1], tangent[:, 0]]) / np.linalg.norm(tangent, axis=1, keepdims=True)
     side = thickness[:, None] / 2 * normal
     return np.concatenate([centre_line + side, (centre_line - side)[::-1]])
+
+
+def dataset(folder: Path, begin: float | None, end: float | None) -> Any:
+    """Return the frames of the fluid's fields from `begin` to `end` (s) as an xarray Dataset over time, y and x."""
+    xarray, h5py = require("xarray", "a dataset of fields"), require("h5py", "reading fields")
+    if not (folder / FLUID_FIELDS).exists():
+        raise InputError(f"{folder} holds no fields of a fluid: a run writes them with `fields_every`")
+    with h5py.File(folder / FLUID_FIELDS) as file:
+        root = file["VTKHDF"]
+        times = root["Steps/Values"][: root["Steps"].attrs["NSteps"]]
+        chosen = (times >= (-np.inf if begin is None else begin)) & (times <= (np.inf if end is None else end))
+        frames = np.flatnonzero(chosen)
+        if not frames.size:
+            raise InputError(f"{folder} has no frames in that time, but {len(times)} elsewhere")
+        part = slice(frames[0], frames[-1] + 1)
+        (x0, y0, _), (dx, dy, _) = root.attrs["Origin"], root.attrs["Spacing"]
+        read = {name: root["PointData"][name][part] for name in ("velocity", "vorticity", "pressure")}
+    u, v = read["velocity"][..., 0], read["velocity"][..., 1]
+    values = {"u": (u, "m/s"), "v": (v, "m/s")}
+    values |= {"vorticity": (read["vorticity"], "1/s"), "pressure": (read["pressure"], "Pa")}
+    _, ny, nx = u.shape
+    axes = {"time": (times[part], "s"), "y": (y0 + dy * np.arange(ny), "m"), "x": (x0 + dx * np.arange(nx), "m")}
+    return xarray.Dataset(
+        {name: (tuple(axes), field, {"units": unit}) for name, (field, unit) in values.items()},
+        {name: (name, places, {"units": unit}) for name, (places, unit) in axes.items()},
+    )
 
 
 class Fields(Observer):

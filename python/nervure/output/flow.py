@@ -69,10 +69,12 @@ def panels(
     return layout.grid(width, [right - left] * columns, [high - low] * rows, top)
 
 
-def colour_bar(figure: Figure, axes: np.ndarray, picture: AxesImage, scene: Scene) -> None:
-    """Add the colour bar of the vorticity, as high as all `axes` together."""
+def colour_bar(
+    figure: Figure, axes: np.ndarray, picture: AxesImage, scene: Scene, name: str = "vorticity", unit: str = "1/s"
+) -> None:
+    """Add the colour bar of a field, as high as all `axes` together."""
     place, triangle, ticks = layout.bar(figure, axes)
-    label = axis_label("vorticity", displayed_unit("1/s", scene.display)[0])
+    label = axis_label(name, displayed_unit(unit, scene.display)[0])
     figure.colorbar(picture, cax=place, label=label, extend="both", extendfrac=triangle, ticks=ticks)
 
 

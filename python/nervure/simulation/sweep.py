@@ -12,6 +12,7 @@ import json
 import logging
 import re
 import signal
+import sys
 import threading
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import CancelledError
@@ -22,6 +23,7 @@ from multiprocessing import resource_tracker
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from time import perf_counter, process_time
+from types import ModuleType
 from typing import Any
 
 from nervure.errors import InputError, SceneError
@@ -310,6 +312,17 @@ def _without_interrupts() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
+@contextmanager
+def _main_not_imported() -> Iterator[None]:
+    """Keep the workers of this machine from importing the program that runs the sweep, as spawned processes do: a
+    script without a guard would start the sweep again in each of them."""
+    main, sys.modules["__main__"] = sys.modules["__main__"], ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = main
+
+
 def _distribute(
     cases: Sequence[Case],
     folder: Path,
@@ -330,6 +343,7 @@ def _distribute(
             # Critical messages too: at Ctrl-C the scheduler may write to a client that has gone.
             quiet = {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL + 1}
             size = {"n_workers": min(workers or CPU_COUNT, len(cases)), "threads_per_worker": 1, "memory_limit": None}
+            stack.enter_context(_main_not_imported())
             with _without_interrupts():
                 scheduler = stack.enter_context(distributed.LocalCluster(**size, **quiet))
         try:
