@@ -40,7 +40,8 @@ cylinder-2d1: GRID := 450x90
 cylinder-2d1: build $(READY) ## run the cylinder 2D-1, the steady flow at Re 20, in the same way
 	$(NERVURE) run cylinder-2d1-450x90 $(call on_grid,cylinder-2d1-450x90,cylinder-2d1) $(ARGS)
 
-animation: $(READY) ## make vorticity.gif and phases.png of RESULTS=results/NAME, a run with --fields-every
+animation: $(READY) ## make vorticity.gif and phases.png of RESULTS=results/NAME; without fields there, run SCENE into it first
+	@ls $(RESULTS)/*.vtkhdf >/dev/null 2>&1 || $(MAKE) run ARGS="--fields-every 0.01 --output $(RESULTS) $(ARGS)"
 	$(NERVURE) animate $(RESULTS)
 
 run: build $(READY) ## run SCENE=scenes/NAME.json; more options in ARGS="--end-time 1 --set key=value"
@@ -245,7 +246,7 @@ gallery: build $(READY_DEV) ## make the GIFs of the gallery in docs/pictures (so
 	--output results/gallery/cfd3-325x72
 	for folder in results/gallery/*; do $(NERVURE) animate $$folder && $(RUN) site/small_gif.py $$folder docs/pictures || exit; done
 
-.PHONY: dist dist-libraries wheel foreign-test
+.PHONY: dist dist-libraries wheel wheel-told foreign-test
 
 DIST_TARGETS := x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu x86_64-pc-windows-gnu x86_64-apple-darwin aarch64-apple-darwin
 DIST_BUILDS := $(addsuffix .2.17,$(wordlist 1,2,$(DIST_TARGETS))) $(word 3,$(DIST_TARGETS)) universal2-apple-darwin
@@ -264,11 +265,15 @@ dist-libraries: $(DIST_VENV)/.ready ## build the libraries for Linux (glibc 2.17
 dist: dist-libraries $(READY) ## pack FMUs and SSP of SCENE=scenes/NAME.json for all systems, with checksums and manifest, into dist/; FMI=3
 	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist --fmi $(FMI)
 
-wheel: dist-libraries $(READY) ## make a wheel for each of these systems and the source archive in target/wheel
+wheel: wheel-told dist-libraries $(READY) ## make a wheel for each of these systems and the source archive in target/wheel
 	for target in $(wordlist 1,3,$(DIST_TARGETS)) universal2-apple-darwin; do \
 	NERVURE_LIBRARIES=$(CURDIR)/target/dist/$$target/release $(RUN) $(PIP) wheel --no-deps --no-build-isolation \
 	--wheel-dir target/wheel . || exit; done
 	$(RUN) -m hatchling build --target sdist --directory target/wheel
+	@ls -1 $(CURDIR)/target/wheel/*.whl $(CURDIR)/target/wheel/*.tar.gz
+
+wheel-told:
+	@echo "wheels go into target/wheel; the units are built for five systems, which takes five times as long as make build"
 
 foreign-test: dist $(READY_DEV) ## run dist/ under wine and qemu, and check the libraries for macOS; needs wine and qemu-user
 	for target in $(wordlist 1,3,$(DIST_TARGETS)); do \

@@ -45,6 +45,8 @@ class Units(BuildHookInterface):  # type: ignore[type-arg]
         if version == "editable":
             return
         files = {Path(self.root, name): name for name in SHIPPED}
+        scripts = [path for name in ("examples", "scripts") for path in Path(self.root, name).rglob("*.py")]
+        files |= {path: path.relative_to(self.root).as_posix() for path in scripts}
         if folder := os.environ.get("NERVURE_LIBRARIES"):
             libraries, platform = _delivered(Path(folder), Path(self.root, "target", "wheel"))
         else:

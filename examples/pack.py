@@ -9,7 +9,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-from pythonfmu.builder import FmuBuilder
+try:
+    from pythonfmu.builder import FmuBuilder
+except ImportError:
+    print(f"error: an FMU in Python needs pythonfmu: `{sys.executable} -m pip install pythonfmu`", file=sys.stderr)
+    sys.exit(2)
 
 
 def pack(unit: Path, scene: Path, fmu: Path) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 
 from nervure.catalogue import complete_key, shipped
 from nervure.files import undone_on_error
-from nervure.resources import SCENES
+from nervure.resources import ROOT, SCENES
 from nervure.scene import load, read
 from tests.conftest import FSI3, nervure
 
@@ -177,3 +178,24 @@ def test_only_what_is_new_is_undone(tmp_path):
     assert {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")} == {
         "mine", "mine/notes.txt", "half", "half/unit.fmu"
     }  # fmt: skip
+
+
+def test_examples_are_copied_as_the_documents_name_them(tmp_path):
+    done = nervure("examples", "tried", cwd=tmp_path)
+    assert done.returncode == 0 and "scripts/fsi3.py: Couple a rod FMU and a fluid FMU" in done.stdout, done.stderr
+    document = (ROOT / "docs" / "reference" / "own-solver.md").read_text()
+    for path in re.findall(r"python (\S+\.py) (\S+\.py) (\S+\.json)", document):
+        assert all((tmp_path / "tried" / part).is_file() for part in path), path
+    assert (tmp_path / "tried" / "scenes" / read(FSI3)["$schema"]).is_file()
+    again = nervure("examples", "tried", cwd=tmp_path)
+    assert again.returncode == 2 and "must be a new folder" in again.stderr
+
+
+@pytest.mark.parametrize("script", ["examples/pack.py", "scripts/gallery/own_solver.py"])
+def test_a_script_without_pythonfmu_names_the_line_that_installs_it(script, tmp_path):
+    (tmp_path / "pythonfmu.py").write_text("raise ImportError")
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
+    done = subprocess.run(
+        [sys.executable, ROOT / script], env=environment, cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 2 and f"`{sys.executable} -m pip install pythonfmu`" in done.stderr, done.stderr

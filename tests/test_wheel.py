@@ -60,6 +60,15 @@ def wheel(tmp_path_factory, targets):
     return build(targets, "linux64", tmp_path_factory.mktemp("wheel"))
 
 
+def test_it_has_the_examples_and_scripts(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        found = {name.removeprefix("nervure/data/") for name in archive.namelist() if name.endswith(".py")}
+    there = {
+        path.relative_to(ROOT).as_posix() for name in ("examples", "scripts") for path in (ROOT / name).rglob("*.py")
+    }
+    assert there <= found and "scripts/gallery/own_solver.py" in there
+
+
 def test_its_tag_is_of_its_system_and_its_glibc(wheel, targets, tmp_path):
     major, minor = max(delivery.OLDEST_GLIBC, *(delivery.glibc(library(kind)) for kind in KINDS))
     assert wheel.name.endswith(f"-py3-none-manylinux_{major}_{minor}_x86_64.whl")
@@ -90,6 +99,8 @@ def test_it_runs_and_packs_for_all_systems_where_there_is_no_compiler(wheel, tmp
 
     python("-m", "nervure", "run", "csm1", "--end-time", "0.1")
     assert (tmp_path / "results" / "csm1" / "tip.png").is_file()
+    python("-m", "nervure", "examples", "tried")
+    python("tried/scripts/gallery/fsi3.py", "--end", "0.02")
     python("-c", HAND_OUT)
     with zipfile.ZipFile(tmp_path / "handed-out" / "csm1-rod.fmu") as archive:
         found = {Path(name).parts[1] for name in archive.namelist() if name.startswith("binaries/")}

@@ -4,6 +4,7 @@ A subcommand imports its packages when it runs, so that help and errors come at 
 Exit codes: 0 done, 1 a unit or a run failed, 2 input cannot be used, 130 interrupted.
 """
 
+import ast
 import gc
 import importlib.metadata
 import json
@@ -135,6 +136,26 @@ def new(
 
     path = write_copy(name, base)
     typer.echo(f"{path}: edit it, then `nervure run {path}`")
+
+
+@app.command()
+def examples(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="New folder for the files.", parser=_folder)],
+) -> None:
+    """Copy the shipped scenes, scripts and solvers in Python into a folder, as the documents name them."""
+    from nervure.resources import EXAMPLES, ROOT
+
+    try:
+        folder.mkdir(parents=True)
+        left_out = shutil.ignore_patterns("__pycache__", "*.xml", "*.md", "scene_types.py")
+        for name in EXAMPLES:
+            shutil.copytree(ROOT / name, folder / name, ignore=left_out)
+    except OSError as error:
+        raise InputError(f"cannot write {folder}: {error.strerror or error}; it must be a new folder") from error
+    for path in sorted(folder.rglob("*.py")):
+        first = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+        typer.echo(f"{path}: {first.splitlines()[0]}")
+    typer.echo(f"{folder / 'scenes'}: the scenes")
 
 
 @app.command()

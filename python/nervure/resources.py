@@ -14,6 +14,8 @@ SOURCE = None if PACKAGED.is_dir() else Path(__file__).resolve().parents[2]
 
 ROOT = SOURCE or PACKAGED
 SCENES = ROOT / "scenes"
+EXAMPLES = ("examples", "modelDescription", "scenes", "scripts")
+"""Folders that `nervure examples` copies; a scene finds its schema beside it."""
 
 KINDS = ("rod", "fluid")  # Kinds of units; KIND has the library and the model identifier `fmu_KIND`
 PREFIX, SUFFIX = {"win32": ("", ".dll"), "darwin": ("lib", ".dylib")}.get(sys.platform, ("lib", ".so"))

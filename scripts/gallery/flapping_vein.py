@@ -51,6 +51,8 @@ for stiffness in stiffnesses:
     scene.rod.material.section.bending_stiffness = stiffness
     run = nervure.run(scene, given.output / f"stiffness-{stiffness:g}", quiet=True)
     found = run.summary.flapping
+    if found is None:
+        parser.error(f"argument --end: {given.end:g} is too short for a whole period after the start")
     thrusts.append(found.thrust)
     efficiencies.append(found.efficiency)
     print(f"EI = {stiffness:g}: thrust {found.thrust:.3f}, efficiency {found.efficiency:.1%}")
