@@ -74,7 +74,7 @@ def test_a_scene_without_flow_or_fluid_has_no_such_numbers(fluid_only):
             ["fluid.box.cells=[325, 72]"],
             [
                 "the front of cylinder_1 has 0.35 cells",
-                "2.43 cells in the thickness of beam are few: forces and motion",
+                "2.43 cells in the thickness of beam are few: a first look wants 2.5, forces within some per cent 5",
             ],
         ),
         (["fluid.box.cells=[1292, 286]"], ["three times as long; 1287 and 1296 have none"]),

@@ -18,7 +18,7 @@ TIMED = 0.5  # Wall time of the timed steps, s
 ROUNDING = 1e-9  # Relative tolerance of a limit
 
 FACTORS = (2, 3, 5, 7, 11, 13)  # Prime factors with a transform of their own
-THICKNESS_CELLS = 2.5  # Least cells in a thickness
+THICKNESS_CELLS, GOOD_CELLS = 2.5, 5  # Cells in a thickness: least, and for forces within some per cent
 LAYER_CELLS = 0.8  # Least cells in the boundary layer at the front of a cylinder
 REYNOLDS = (20.0, 200.0)  # Range with published values
 DENSITY_RATIO = (0.01, 1000.0)  # Range of the map of the coupling
@@ -111,7 +111,7 @@ def _is_fast(cells: int) -> bool:
 def _unresolved(name: str, body: Body) -> Iterator[str]:
     if body.thickness_cells < THICKNESS_CELLS:
         across = f"{body.thickness_cells:.3g} cells in the {_across(name)} of {name}"
-        yield f"{across} are few: forces and motion want {THICKNESS_CELLS:g} or more"
+        yield f"{across} are few: a first look wants {THICKNESS_CELLS:g}, forces within some per cent {GOOD_CELLS}"
     if not name.startswith("beam") and body.layer_cells is not None and body.layer_cells < LAYER_CELLS:
         layer = f"the boundary layer at the front of {name} has {body.layer_cells:.2g} cells"
         yield f"{layer}; with less than {LAYER_CELLS:g} drag can be off by some per cent and lift by ten"
@@ -157,7 +157,7 @@ class Pace(Observer):
 def cost(wall: float) -> str:
     """Return wall time and memory in words."""
     memory = resident_memory()
-    held = f", {memory / 1e6:.0f} MB of memory with Python's own" if memory else ""
+    held = f", {memory / 1e6:.0f} MB of memory with Python and its packages" if memory else ""
     return f"about {duration(wall)} of wall time on this machine{held}"
 
 

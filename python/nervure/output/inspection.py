@@ -1,5 +1,6 @@
 """Tables about FMUs, scenes and result folders, for `nervure inspect`."""
 
+import importlib
 import zipfile
 from collections.abc import Iterable
 from pathlib import Path
@@ -82,6 +83,7 @@ def show_unit(console: Console, path: Path) -> None:
 
 def show_scene(console: Console, scene: Scene) -> None:
     """Print sizes, choices and forecast of a scene; for the wall time it makes steps for half a second."""
+    importlib.import_module("nervure.output.plots")  # A run loads it, and its memory counts
     before = forecast.resident_memory()
     with Session(scene) as session:
         pace = forecast.Pace(session)
@@ -107,8 +109,9 @@ def show_scene(console: Console, scene: Scene) -> None:
     recorder = session.recorder
     rows += forecast.rows(session)
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))
-    if memory := resident and resident - before + recorder.table.nbytes:
-        rows.append(("memory", f"about {memory / 1e6:.0f} MB for units and record, beside Python's own"))
+    if resident:
+        total, pythons = (f"{size / 1e6:.0f} MB" for size in (resident + recorder.table.nbytes, before))
+        rows.append(("memory", f"about {total}, of which Python and its packages take {pythons}"))
     rows.append(("wall time", f"about {forecast.duration(whole)} on this machine"))
     rows += (("warning", text) for text in forecast.warnings(session.facts))
     _print(console, scene.name, rows)
