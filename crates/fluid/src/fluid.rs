@@ -1,5 +1,6 @@
 //! A fluid with its bodies and beams: the communication step.
 
+use std::f64::consts::PI;
 use std::hint::black_box;
 
 use line_fft::Team;
@@ -86,7 +87,7 @@ impl Fluid {
             },
         };
         let outlet = if parameters.pressure_around { Outlet::new(parameters, &problem.grid) } else { None };
-        Ok(Self {
+        let mut fluid = Self {
             solver: new_solver(parameters, &problem),
             density: parameters.density,
             probes: Probe::all(parameters, &problem.grid),
@@ -98,7 +99,17 @@ impl Fluid {
             undo: None,
             present,
             problem,
-        })
+        };
+        if let Some(amplitude) = parameters.disturbance {
+            fluid.disturb(parameters, amplitude);
+        }
+        Ok(fluid)
+    }
+
+    /// Start with a wave of each velocity along the other axis, m/s, which has no divergence and no mean.
+    fn disturb(&mut self, Parameters { domain, initial_velocity, .. }: &Parameters, amplitude: f64) {
+        let wave = |at: f64, [low, high]: [f64; 2]| amplitude * (2.0 * PI * (at - low) / (high - low)).sin();
+        self.set_velocity(|x, y| [initial_velocity[0] + wave(y, domain[1]), initial_velocity[1] + wave(x, domain[0])]);
     }
 
     /// Return the approximate memory of a fluid, bytes.

@@ -30,6 +30,7 @@ impl TryFrom<&Scene> for Parameters {
             density: fluid.density,
             kinematic_viscosity: fluid.kinematic_viscosity,
             initial_velocity: fluid.initial_velocity,
+            disturbance: fluid.disturbance,
             mean_flow: fluid.mean_flow.as_ref().map(|mean| [law(&mean.x), law(&mean.y)]),
             channel: fluid.channel.as_ref().map(|channel| channel.y),
             inflow: fluid.inflow.as_ref().map(inflow),

@@ -18,6 +18,8 @@ pub struct Parameters {
     pub kinematic_viscosity: f64,
     /// Uniform velocity at t = 0, m/s.
     pub initial_velocity: [f64; 2],
+    /// Amplitude of the disturbance of the initial velocity, m/s; absent: none.
+    pub disturbance: Option<f64>,
     /// Prescribed mean velocity of the domain, m/s; absent: free.
     pub mean_flow: Option<[Law; 2]>,
     /// y of the lower and the upper wall of a channel, m.
@@ -224,6 +226,7 @@ impl Parameters {
             density,
             kinematic_viscosity,
             initial_velocity: [0.0; 2],
+            disturbance: None,
             mean_flow: None,
             channel: None,
             inflow: None,

@@ -1,10 +1,13 @@
 //! Rigid bodies in the fluid: shape, place and motion.
 
+use std::f64::consts::PI;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
+use crate::plane::{Outline, Point, meet, within};
 
 /// A rigid body.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -90,6 +93,48 @@ pub struct BodyMotion {
     pub angle: TimeLaw,
 }
 
+/// Corners by which a circle is drawn.
+const CORNERS: usize = 64;
+
+impl Body {
+    /// Return the outline after the displacement `[x, y]` and the turn `angle` of the motion.
+    pub(crate) fn outline(&self, [x, y]: Point, angle: f64) -> Outline {
+        let (sin, cos) = (self.angle + angle).sin_cos();
+        Outline::new(self.shape.corners().into_iter().map(|[a, b]| {
+            let [a, b] = [a - self.pivot[0], b - self.pivot[1]];
+            [self.position[0] + x + a * cos - b * sin, self.position[1] + y + a * sin + b * cos]
+        }))
+    }
+
+    /// Return the outline at time `t` (s).
+    pub(crate) fn outline_at(&self, t: f64) -> Outline {
+        let Some(BodyMotion { x, y, angle }) = &self.motion else { return self.outline([0.0; 2], 0.0) };
+        self.outline([x.value(t), y.value(t)], angle.value(t))
+    }
+}
+
+impl Shape {
+    /// Return corners of the outline in the body's own axes; of a round one, points on it.
+    fn corners(&self) -> Vec<Point> {
+        let angles = |first: f64| (0..CORNERS).map(move |i| 2.0 * PI * (i as f64 + first) / CORNERS as f64);
+        let ellipse = |a: f64, b: f64| angles(0.0).map(|angle| [a * angle.cos(), b * angle.sin()]).collect();
+        match self {
+            Self::Circle { radius } => ellipse(*radius, *radius),
+            Self::Ellipse { length, thickness } => ellipse(length / 2.0, thickness / 2.0),
+            Self::Rectangle { length, thickness, ends: Ends::Round } => {
+                let (half, radius) = ((length - thickness) / 2.0, thickness / 2.0);
+                let cap = |angle: f64| [radius * angle.cos() + half.copysign(angle.cos()), radius * angle.sin()];
+                angles(0.5).map(cap).collect()
+            }
+            Self::Rectangle { length, thickness, ends: Ends::Square } => {
+                let (x, y) = (length / 2.0, thickness / 2.0);
+                vec![[-x, -y], [x, -y], [x, y], [-x, y]]
+            }
+            Self::Polygon { corners } => corners.clone(),
+        }
+    }
+}
+
 impl Check for Body {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.shape.check_at(&format!("{key}.shape"), faults);
@@ -142,21 +187,4 @@ fn check_corners(corners: &[[f64; 2]], key: &str, faults: &mut Faults) {
             format!("the side that begins there meets the side that begins at corner {j}, {:?}", corners[j])
         });
     }
-}
-
-/// Return twice the area of a triangle, positive if its corners go round counter-clockwise.
-fn turn(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-}
-
-/// Whether `c` lies on the side from `a` to `b`.
-fn within(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> bool {
-    turn(a, b, c) == 0.0
-        && [0, 1].iter().all(|&axis| a[axis].min(b[axis]) <= c[axis] && c[axis] <= a[axis].max(b[axis]))
-}
-
-/// Whether two sides have a point in common.
-fn meet(a: [f64; 2], b: [f64; 2], c: [f64; 2], d: [f64; 2]) -> bool {
-    let apart = |a, b, c, d| turn(a, b, c) * turn(a, b, d) < 0.0;
-    (apart(a, b, c, d) && apart(c, d, a, b)) || within(a, b, c) || within(a, b, d) || within(c, d, a) || within(c, d, b)
 }

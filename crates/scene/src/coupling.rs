@@ -78,7 +78,7 @@ pub enum CouplingScheme {
     Iterated {
         /// Residual of the interface displacement at which the step is accepted, relative to its change over the step.
         #[serde(default = "default_tolerance")]
-        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        #[schemars(extend("exclusiveMinimum" = 0.0, "exclusiveMaximum" = 1.0))]
         tolerance: f64,
         /// Largest number of iterations in a step; a step that needs more is an error.
         #[serde(default = "default_max_iterations")]

@@ -24,6 +24,7 @@ use crate::fluid::{Fluid, InflowProfile};
 use crate::law::TimeLaw;
 use crate::root::RootMotion;
 use crate::scene::{BeamWithRod, Scene};
+use crate::warnings::{Warning, warnings};
 
 /// Relative part by which a step may exceed a limit without being divided.
 const ROUNDING: f64 = 1e-9;
@@ -42,6 +43,8 @@ pub struct Facts {
     pub dimensionless: Option<Dimensionless>,
     /// Number of steps that the fluid is expected to make in a communication step.
     pub fluid_steps: u64,
+    /// What may be a mistake.
+    pub warnings: Vec<Warning>,
 }
 
 /// Facts of a beam at its stations, from root to tip.
@@ -119,7 +122,8 @@ impl Scene {
             (Some(fluid), Some(numbers)) => fluid_steps(self.time.communication_step, fluid, numbers.cfl),
             _ => 1,
         };
-        Facts { beams, laws: laws(self), dimensionless, fluid_steps }
+        let warnings = warnings(self, dimensionless.as_ref().and_then(|numbers| numbers.reynolds));
+        Facts { beams, laws: laws(self), dimensionless, fluid_steps, warnings }
     }
 }
 

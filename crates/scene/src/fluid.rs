@@ -23,6 +23,12 @@ pub struct Fluid {
     /// Uniform velocity at t = 0, m/s.
     #[serde(default)]
     pub initial_velocity: [f64; 2],
+    /// Amplitude a of a smooth disturbance of the initial velocity, m/s: the waves `a sin(2π (y − y_0)/L_y)` along x and
+    /// `a sin(2π (x − x_0)/L_x)` along y, in a box from x_0 and y_0 of the lengths L_x and L_y. Absent: none. A
+    /// symmetric flow needs one to shed vortices; a hundredth of the stream is enough.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub disturbance: Option<f64>,
     /// Solid walls below and above; absent in a periodic scene.
     #[serde(default)]
     pub channel: Option<Channel>,
@@ -239,11 +245,12 @@ impl Check for Fluid {
             faults.require(!twice, &format!("{key}.name"), format!("{:?}", probe.name), || {
                 "another probe has this name".into()
             });
-            self.check_place(&key, probe.position, faults);
+            self.check_place(&format!("{key}.position"), probe.position, faults);
         }
         for (i, body) in self.bodies.iter().enumerate() {
-            self.check_place(&format!("{key}.bodies[{i}]"), body.position, faults);
+            self.check_place(&format!("{key}.bodies[{i}].position"), body.position, faults);
         }
+        self.mask.check_at(&format!("{key}.mask"), self.r#box.cells, faults);
         self.time_stepping.check_at(&format!("{key}.time_stepping"), faults);
     }
 }
@@ -309,11 +316,11 @@ impl Fluid {
         }
     }
 
-    /// Check that the `position` of a part lies inside the box.
-    fn check_place(&self, key: &str, position: [f64; 2], faults: &mut Faults) {
+    /// Check that the `position` of a part, the value of `key`, lies inside the box.
+    pub(crate) fn check_place(&self, key: &str, position: [f64; 2], faults: &mut Faults) {
         for (axis, [low, high]) in [self.r#box.x, self.r#box.y].into_iter().enumerate() {
             let at = position[axis];
-            faults.require((low..=high).contains(&at), &format!("{key}.position[{axis}]"), at, || {
+            faults.require((low..=high).contains(&at), &format!("{key}[{axis}]"), at, || {
                 format!("it must lie inside the box, [{low}, {high}]")
             });
         }

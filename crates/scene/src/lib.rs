@@ -18,6 +18,8 @@ mod json;
 mod law;
 mod load;
 mod method;
+mod places;
+mod plane;
 mod read;
 mod reference;
 mod relations;
@@ -29,6 +31,7 @@ mod schema;
 mod spanwise;
 mod spline;
 mod unit;
+mod warnings;
 
 pub use beam::{Beam, Root};
 pub use body::{Body, BodyMotion, Ends, Shape};
@@ -45,6 +48,7 @@ pub use rods::NamedRod;
 pub use root::{RootLaws, RootMotion, RootSupport, Rotation};
 pub use scene::{BeamWithRod, Display, Scene, Time};
 pub use spanwise::{Spanwise, SpanwiseProfile};
+pub use warnings::Warning;
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

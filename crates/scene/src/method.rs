@@ -175,6 +175,29 @@ impl Mask {
     }
 }
 
+/// Largest thickness of a wall's layer by the cells of the shorter side of the box.
+const THICKEST_LAYER: f64 = 0.25;
+
+impl Mask {
+    /// Check that the layer of the wall fits a box of so many `cells`; the mask is the value of `key`.
+    pub(crate) fn check_at(&self, key: &str, cells: [usize; 2], faults: &mut Faults) {
+        let largest = THICKEST_LAYER * cells[0].min(cells[1]) as f64;
+        let lengths = match *self {
+            Self::Sharp { .. } => [None; 2],
+            Self::Cosine { half_width, .. } => [Some(("cosine.half_width", half_width)), None],
+            Self::LogLinear { decay_length_cells, core_depth, .. } => [
+                Some(("log_linear.decay_length_cells", decay_length_cells)),
+                core_depth.map(|d| ("log_linear.core_depth", d)),
+            ],
+        };
+        for (name, length) in lengths.into_iter().flatten() {
+            faults.require(length <= largest, &format!("{key}.{name}"), length, || {
+                format!("it is a number of cells, and the box has {} x {}: it must be <= {largest}", cells[0], cells[1])
+            });
+        }
+    }
+}
+
 impl Check for TimeStepping {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         let Self { max_cfl, scheme, .. } = self;

@@ -8,6 +8,7 @@ use crate::fault::{Check, Fault, Faults, list};
 use crate::law::TimeLaw;
 use crate::load::Weight;
 use crate::method::TimeStepping;
+use crate::places;
 use crate::rod::{Bending, Calibration, Material, Rod};
 use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Z_AXIS};
 use crate::scene::{BeamWithRod, Scene, Time};
@@ -38,7 +39,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     check_substeps(scene, faults);
     scene.reference.check_at("reference", faults);
     if faults.len() == 0 {
-        check_places(scene, faults);
+        places::check(scene, faults);
         check_coupling(scene, faults);
     }
 }
@@ -124,6 +125,10 @@ fn check_beam(scene: &Scene, own: &BeamWithRod, faults: &mut Faults) {
     if let (2, Some(RootMotion::Laws(laws))) = (dimension, &rod.root_motion) {
         check_planar_motion(laws, &format!("{key}rod.root_motion.laws"), faults);
     }
+    let (length, longest) = (rod.clamp_compliance_length, own.beam.length);
+    faults.require(length <= longest, &format!("{key}rod.clamp_compliance_length"), length, || {
+        format!("it must be at most the length of the beam, {longest}")
+    });
     check_support(rod, own.beam, dimension, &format!("{key}rod"), faults);
 }
 
@@ -193,10 +198,20 @@ fn check_substeps(scene: &Scene, faults: &mut Faults) {
         }
     }
     let Some(fluid) = &scene.fluid else { return };
-    let TimeStepping { max_step, max_cfl, .. } = fluid.time_stepping;
+    let TimeStepping { max_step, max_cfl, scheme } = fluid.time_stepping;
     reachable(faults, "fluid.time_stepping.max_step", max_step);
     let cfl = fluid.advection_rate() * step;
-    let fits = cfl / max_cfl <= MOST_SUBSTEPS;
+    let (fits, largest) = (cfl / max_cfl <= MOST_SUBSTEPS, scheme.largest_cfl());
+    if 1.001 * cfl / MOST_SUBSTEPS > largest {
+        let longest = 0.999 * step / cfl * MOST_SUBSTEPS * largest;
+        faults.require(fits, "time.communication_step", shown(&step), || {
+            format!(
+                "the flow has the CFL number {cfl:.3e} in it, more than {MOST_SUBSTEPS} steps of {largest}, the largest \
+                 of the scheme: it must be <= {longest:.3e}"
+            )
+        });
+        return;
+    }
     faults.require(fits, "fluid.time_stepping.max_cfl", shown(&max_cfl), || {
         let least = 1.001 * cfl / MOST_SUBSTEPS; // still enough after rounding to three digits
         format!(
@@ -204,29 +219,6 @@ fn check_substeps(scene: &Scene, faults: &mut Faults) {
              it must be >= {least:.3e}"
         )
     });
-}
-
-/// Check that the stations lie inside the box at rest, and that no two beams are the same.
-fn check_places(scene: &Scene, faults: &mut Faults) {
-    let Some(fluid) = &scene.fluid else { return };
-    let inside = |p: f64, [low, high]: [f64; 2]| (low..=high).contains(&p);
-    let mut known: Vec<([[f64; 3]; 2], &str)> = Vec::new();
-    for own in scene.beams_with_rods() {
-        let stations = scene.beam_stations(own.beam);
-        let key = format!("{}beam.root", own.key());
-        let out = stations.iter().find(|[x, y, _]| !(inside(*x, fluid.r#box.x) && inside(*y, fluid.r#box.y)));
-        if let Some([x, y, _]) = out {
-            let (box_x, box_y) = (fluid.r#box.x, fluid.r#box.y);
-            let reason = format!("outside the box x {box_x:?}, y {box_y:?}");
-            faults.push(Fault::consequence(&key, &format!("puts a station at ({x}, {y})"), &reason));
-        }
-        let ends = [stations[0], stations[stations.len() - 1]];
-        if let Some((_, other)) = known.iter().find(|(other, _)| *other == ends) {
-            let reason = "but no two beams may have the same root and tip";
-            faults.push(Fault::consequence(&key, &format!("puts the beam onto the beam of `{other}`"), reason));
-        }
-        known.push((ends, own.name.unwrap_or_default()));
-    }
 }
 
 /// Check that load and scheme suit the rods and each other.

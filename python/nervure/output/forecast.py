@@ -66,7 +66,9 @@ def _scene_rows(session: Session) -> Iterator[tuple[str, str]]:
 
 
 def warnings(facts: Facts) -> Iterator[str]:
-    """Yield where a scene is outside of the tested ranges of the method, or slower than it has to be."""
+    """Yield what may be a mistake in a scene, where it is outside of the tested ranges of the method, or slower than it
+    has to be."""
+    yield from facts.warnings
     scene, numbers = facts.scene, facts.numbers
     if scene.fluid is None:
         return

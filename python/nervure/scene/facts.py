@@ -71,6 +71,11 @@ class Facts:
         """Number of steps that the fluid is expected to make in a communication step."""
         return int(self._found["fluid_steps"])
 
+    @property
+    def warnings(self) -> list[str]:
+        """What may be a mistake in the scene, as sentences."""
+        return [warning["text"] for warning in self._found["warnings"]]
+
     def final_value(self, key: str, by: float = np.inf) -> float | None:
         """Return the value that the law `key` of the flow keeps from the time `by` (s) on; None if it still changes."""
         law = self._found["laws"].get(key)

@@ -476,6 +476,11 @@ class Fluid(Part):
     initial_velocity: tuple[Real, Real] = (0.0, 0.0)
     """Uniform velocity at t = 0, m/s."""
 
+    disturbance: Real | None = None
+    """Amplitude a of a smooth disturbance of the initial velocity, m/s: the waves `a sin(2π (y − y_0)/L_y)` along x and
+    `a sin(2π (x − x_0)/L_x)` along y, in a box from x_0 and y_0 of the lengths L_x and L_y. Absent: none. A symmetric
+    flow needs one to shed vortices; a hundredth of the stream is enough."""
+
     channel: Channel | None = None
     """Solid walls below and above; absent in a periodic scene."""
 

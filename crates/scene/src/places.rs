@@ -1,0 +1,316 @@
+//! Places of bodies, beams and zones that no scene can mean. What may be meant is a [warning](crate::warnings).
+
+use crate::beam::{Beam, Root};
+use crate::body::Body;
+use crate::fault::{Fault, Faults};
+use crate::fluid::Fluid;
+use crate::law::TimeLaw;
+use crate::plane::{Outline, Point, cross, distance, meet, sides};
+use crate::scene::{BeamWithRod, Scene};
+
+/// Least share of its area in an inflow zone or a sponge with which a body is refused.
+const IN_ZONE: f64 = 0.5;
+
+/// Least share of its area in another body or beyond a wall with which a body is refused.
+const HIDDEN: f64 = 0.95;
+
+/// Most stations of a beam at which it is looked at.
+const MOST_STATIONS: usize = 128;
+
+/// Relative tolerance of a limit.
+const ROUNDING: f64 = 1e-9;
+
+/// A rigid body of a scene, a cylinder or another one.
+pub(crate) struct Obstacle {
+    /// Path of the body, e.g. `fluid.bodies[0]`.
+    pub key: String,
+    /// Path of its place.
+    pub place: String,
+    pub body: Body,
+}
+
+/// A beam of a scene as a line, with half its thickness.
+pub(crate) struct Line {
+    /// Path of the beam, e.g. `rods[0].beam`.
+    pub key: String,
+    /// Some of the stations at rest, the first at the root and the last at the tip, m.
+    pub points: Vec<Point>,
+    /// Half the largest thickness, m.
+    pub half_thickness: f64,
+    /// Index of the cylinder that holds the beam.
+    pub support: Option<usize>,
+}
+
+/// Return the rigid bodies, cylinders first.
+pub(crate) fn obstacles(fluid: &Fluid) -> Vec<Obstacle> {
+    let cylinders = fluid.cylinders.iter().enumerate().map(|(i, cylinder)| Obstacle {
+        key: format!("fluid.cylinders[{i}]"),
+        place: format!("fluid.cylinders[{i}].center"),
+        body: cylinder.into(),
+    });
+    let bodies = fluid.bodies.iter().enumerate().map(|(i, body)| Obstacle {
+        key: format!("fluid.bodies[{i}]"),
+        place: format!("fluid.bodies[{i}].position"),
+        body: body.clone(),
+    });
+    cylinders.chain(bodies).collect()
+}
+
+/// Return the beams as lines.
+pub(crate) fn lines(scene: &Scene) -> Vec<Line> {
+    scene.beams_with_rods().map(|own| line(scene, &own)).collect()
+}
+
+fn line(scene: &Scene, own: &BeamWithRod) -> Line {
+    let beam: &Beam = own.beam;
+    let stations = scene.beam_stations(beam);
+    let stride = beam.segments.div_ceil(MOST_STATIONS);
+    let mut points: Vec<_> = stations.iter().step_by(stride).map(|&[x, y, _]| [x, y]).collect();
+    if !beam.segments.is_multiple_of(stride) {
+        points.extend(stations.last().map(|&[x, y, _]| [x, y]));
+    }
+    Line {
+        key: format!("{}beam", own.key()),
+        points,
+        half_thickness: beam.places().map(|s| beam.thickness.at(s)).fold(0.0, f64::max) / 2.0,
+        support: match beam.root {
+            Root::OnCylinder { cylinder, .. } => Some(cylinder),
+            Root::At { .. } => None,
+        },
+    }
+}
+
+impl Line {
+    /// Return the path of the place of the root.
+    pub fn place(&self) -> String {
+        match self.support {
+            Some(_) => format!("{}.root.on_cylinder.angle", self.key),
+            None => format!("{}.root.at.position", self.key),
+        }
+    }
+
+    /// Return the distance of a point from the line, m.
+    pub fn distance(&self, p: Point) -> f64 {
+        sides(&self.points).map(|(a, b)| distance(p, a, b)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Whether a stream passes the bodies along each axis, so that a closed section stops it.
+pub(crate) fn streams(fluid: &Fluid) -> [bool; 2] {
+    let flows = |law: &TimeLaw| law.largest() > 0.0;
+    let mean = fluid.mean_flow.as_ref();
+    let along_x = fluid.inflow.as_ref().is_some_and(|inflow| flows(&inflow.mean_velocity));
+    [along_x || mean.is_some_and(|mean| flows(&mean.x)), mean.is_some_and(|mean| flows(&mean.y))]
+}
+
+/// Return how far `at` lies outside `[low, high]`, m.
+pub(crate) fn beyond(at: f64, [low, high]: [f64; 2]) -> f64 {
+    (low - at).max(at - high).max(0.0)
+}
+
+/// Add the places that no scene can mean.
+pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
+    let Some(fluid) = &scene.fluid else { return };
+    check_widths(fluid, faults);
+    check_outside(scene, fluid, faults);
+    if faults.len() > 0 {
+        return;
+    }
+    let (obstacles, lines) = (obstacles(fluid), lines(scene));
+    let outlines: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.outline_at(0.0)).collect();
+    for (obstacle, outline) in obstacles.iter().zip(&outlines) {
+        if let Some(reason) = misplaced(fluid, outline) {
+            faults.push(refused(obstacle, &reason));
+        }
+    }
+    for (j, (obstacle, outline)) in obstacles.iter().zip(&outlines).enumerate() {
+        if let Some(i) = (0..j).find(|&i| outlines[i].shared(outline) > HIDDEN) {
+            let reason = format!("one of this body and `{}` lies inside the other", obstacles[i].key);
+            faults.push(refused(obstacle, &reason));
+        }
+    }
+    for line in &lines {
+        check_line(fluid, line, faults);
+        for (i, (obstacle, outline)) in obstacles.iter().zip(&outlines).enumerate() {
+            if line.support != Some(i) {
+                check_passage(fluid, line, obstacle, outline, faults);
+            }
+        }
+    }
+    for (j, line) in lines.iter().enumerate() {
+        if let Some((i, at)) = (0..j).find_map(|i| Some((i, crossing(&lines[i], line)?))) {
+            let reason = format!("the beam meets `{}` at {}", lines[i].key, shown(at));
+            faults.push(Fault::conflict(&line.place(), &shown(line.points[0]), &reason));
+        }
+    }
+}
+
+fn refused(Obstacle { place, body, .. }: &Obstacle, reason: &str) -> Fault {
+    Fault::conflict(place, &shown(body.position), reason)
+}
+
+/// Return a point with five digits.
+pub(crate) fn shown(point: Point) -> String {
+    let [x, y] = point.map(rounded);
+    format!("[{x}, {y}]")
+}
+
+/// Return a number with five digits behind its largest unit, without zeros at the end.
+pub(crate) fn rounded(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}
+
+/// Check that zones and the channel have a cell, and that zones leave fluid between them.
+fn check_widths(fluid: &Fluid, faults: &mut Faults) {
+    let [dx, dy] = fluid.r#box.spacing();
+    let [x0, x1] = fluid.r#box.x;
+    let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow", inflow.x));
+    let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
+    let mut free = x1 - x0;
+    for (name, [low, high]) in inflow.into_iter().chain(sponge) {
+        let (key, value) = (format!("fluid.{name}.x"), format!("[{low}, {high}]"));
+        faults.require(high - low >= dx * (1.0 - ROUNDING), &key, &value, || {
+            format!("the zone must be at least a cell wide, {dx} m")
+        });
+        free -= high - low;
+        faults.require(free >= dx * (1.0 - ROUNDING), &key, &value, || {
+            format!("the zones must leave at least a cell of the box, [{x0}, {x1}], to the flow")
+        });
+    }
+    if let Some(channel) = &fluid.channel {
+        let [low, high] = channel.y;
+        faults.require(high - low >= dy * (1.0 - ROUNDING), "fluid.channel.y", format!("[{low}, {high}]"), || {
+            format!("the channel must be at least a cell high, {dy} m")
+        });
+    }
+}
+
+/// Check that cylinders and stations lie inside the box at rest, and that no two beams are the same.
+fn check_outside(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
+    let inside = |p: f64, [low, high]: [f64; 2]| (low..=high).contains(&p);
+    for (i, cylinder) in fluid.cylinders.iter().enumerate() {
+        fluid.check_place(&format!("fluid.cylinders[{i}].center"), cylinder.center, faults);
+    }
+    let mut known: Vec<([[f64; 3]; 2], &str)> = Vec::new();
+    for own in scene.beams_with_rods() {
+        let stations = scene.beam_stations(own.beam);
+        let key = format!("{}beam.root", own.key());
+        let out = stations.iter().find(|[x, y, _]| !(inside(*x, fluid.r#box.x) && inside(*y, fluid.r#box.y)));
+        if let Some([x, y, _]) = out {
+            let (box_x, box_y) = (fluid.r#box.x, fluid.r#box.y);
+            let reason = format!("outside the box x {box_x:?}, y {box_y:?}");
+            faults.push(Fault::consequence(&key, &format!("puts a station at ({x}, {y})"), &reason));
+        }
+        let ends = [stations[0], stations[stations.len() - 1]];
+        if let Some((_, other)) = known.iter().find(|(other, _)| *other == ends) {
+            let reason = "but no two beams may have the same root and tip";
+            faults.push(Fault::consequence(&key, &format!("puts the beam onto the beam of `{other}`"), reason));
+        }
+        known.push((ends, own.name.unwrap_or_default()));
+    }
+}
+
+/// Return why a body with this outline cannot be at its place at t = 0.
+fn misplaced(fluid: &Fluid, outline: &Outline) -> Option<String> {
+    let bounds = [fluid.r#box.x, fluid.r#box.y];
+    let outside = |p: Point| (0..2).any(|axis| beyond(p[axis], bounds[axis]) > 0.0);
+    if outline.share(outside) > HIDDEN {
+        return Some(format!("the body lies outside the box, x {:?}, y {:?}", bounds[0], bounds[1]));
+    }
+    if let Some(channel) = &fluid.channel
+        && outline.share(|p| beyond(p[1], channel.y) > 0.0) > HIDDEN
+    {
+        return Some(format!("the body lies in a wall of the channel, whose fluid is at y {:?}", channel.y));
+    }
+    if let Some(reason) = blocked(fluid, outline) {
+        return Some(format!("the body {reason}"));
+    }
+    let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
+    let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
+    let (name, x) =
+        inflow.into_iter().chain(sponge).find(|(_, x)| outline.share(|p| beyond(p[0], *x) == 0.0) > IN_ZONE)?;
+    Some(format!("most of the body lies in the {name}, x {x:?}, whose velocity is imposed inside bodies too"))
+}
+
+/// Return what a body with this outline stops by leaving no way around it.
+pub(crate) fn blocked(fluid: &Fluid, outline: &Outline) -> Option<String> {
+    let (bounds, cell, streams) = ([fluid.r#box.x, fluid.r#box.y], fluid.r#box.spacing(), streams(fluid));
+    ["x", "y"].into_iter().enumerate().find_map(|(axis, name)| {
+        let across = 1 - axis;
+        let walls = fluid.channel.as_ref().filter(|_| axis == 0).map(|channel| channel.y);
+        let [low, high] = walls.unwrap_or(bounds[across]);
+        let gap = (outline.frame[across][0] - low).max(0.0) + (high - outline.frame[across][1]).max(0.0);
+        let what = if walls.is_some() { "channel" } else { "box" };
+        let stops = streams[axis] && gap < cell[across] * (1.0 - ROUNDING);
+        stops.then(|| format!("fills the {what} from {low} to {high} and stops the stream along {name}"))
+    })
+}
+
+/// Check that a beam neither passes through a wall of the channel nor lies in a zone.
+fn check_line(fluid: &Fluid, line: &Line, faults: &mut Faults) {
+    let [dx, dy] = fluid.r#box.spacing();
+    let root = shown(line.points[0]);
+    if let Some(channel) = &fluid.channel {
+        // A root may be embedded in a wall; what leaves the channel never comes from there.
+        let in_wall = |p: &Point| beyond(p[1], channel.y) > dy;
+        let free = line.points.iter().position(|p| !in_wall(p));
+        let reason = match free.map(|free| line.points[free..].iter().find(|p| in_wall(p))) {
+            None => Some("the beam lies in a wall of the channel".into()),
+            Some(Some(p)) => Some(format!("the beam passes through a wall of the channel at {}", shown(*p))),
+            Some(None) => None,
+        };
+        if let Some(reason) = reason {
+            let reason = format!("{reason}, whose fluid is at y {:?}", channel.y);
+            faults.push(Fault::conflict(&line.place(), &root, &reason));
+        }
+    }
+    let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
+    let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
+    for (name, [low, high]) in inflow.into_iter().chain(sponge) {
+        let inside = line.points.iter().filter(|p| low + dx < p[0] && p[0] < high - dx).count();
+        faults.require(inside as f64 <= IN_ZONE * line.points.len() as f64, &line.place(), &root, || {
+            format!("most of the beam lies in the {name}, x [{low}, {high}]")
+        });
+    }
+}
+
+/// Check that a beam does not pass through a body, and that its root is not inside a cylinder that does not hold it.
+fn check_passage(fluid: &Fluid, line: &Line, obstacle: &Obstacle, outline: &Outline, faults: &mut Faults) {
+    let [dx, dy] = fluid.r#box.spacing();
+    let size = outline.frame.iter().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
+    let deep = dx.max(dy).min(size / 4.0);
+    let key = &obstacle.key;
+    let inside = |p: &Point| outline.depth(*p) > deep;
+    let is_cylinder = key.starts_with("fluid.cylinders");
+    // A root may be embedded in a body, and a beam may begin at the surface of any.
+    let free = line.points.iter().position(|p| !inside(p));
+    let reason = match free {
+        None => format!("the beam lies inside `{key}`"),
+        Some(1..) if is_cylinder => format!("the root lies inside `{key}`; `on_cylinder` holds a beam at its surface"),
+        Some(free) => match line.points[free..].iter().find(|p| inside(p)) {
+            Some(p) => format!("the beam passes through `{key}` at {}", shown(*p)),
+            None => return,
+        },
+    };
+    faults.push(Fault::conflict(&line.place(), &shown(line.points[0]), &reason));
+}
+
+/// Return a point at which two beams cross, or from which on they lie on each other. An end of one may touch the other.
+fn crossing(a: &Line, b: &Line) -> Option<Point> {
+    let touches = |one: &Line, other: &Line| {
+        let ends = [one.points[0], one.points[one.points.len() - 1]];
+        ends.iter().any(|end| other.distance(*end) <= ROUNDING * one.half_thickness)
+    };
+    let touch = touches(a, b) || touches(b, a);
+    let pairs = sides(&a.points).flat_map(|one| sides(&b.points).map(move |other| (one, other)));
+    let crossed = |((p, q), (r, s)): &((Point, Point), (Point, Point))| {
+        if touch { cross(*p, *q, *r, *s) } else { meet(*p, *q, *r, *s) }
+    };
+    let first = pairs.into_iter().find(crossed).map(|((p, _), _)| p);
+    let lies_on = |one: &Line, other: &Line| {
+        let close = other.half_thickness.min(one.half_thickness) / 4.0;
+        let near: Vec<_> = one.points.iter().filter(|p| other.distance(**p) < close).copied().collect();
+        (near.len() * 10 > one.points.len().max(10)).then(|| near[0])
+    };
+    first.or_else(|| lies_on(a, b)).or_else(|| lies_on(b, a))
+}

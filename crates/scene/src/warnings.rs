@@ -1,0 +1,381 @@
+//! What may be a mistake in a scene, known before a run: places of its parts, the motions that laws prescribe, streams
+//! that meet their own wake, wakes that stay symmetric, weights that no rod carries.
+
+use serde::Serialize;
+
+use crate::body::Body;
+use crate::fluid::Fluid;
+use crate::law::TimeLaw;
+use crate::places::{self, Line, Obstacle, beyond, rounded, shown};
+use crate::plane::{Outline, Point};
+use crate::root::{RootLaws, RootMotion, RootSupport};
+use crate::scene::{BeamWithRod, Scene};
+
+/// Times at which motions are looked at, over the whole run and once more at its beginning.
+const TIMES: usize = 2000;
+
+/// Times in a period of the fastest motion, at its beginning.
+const TIMES_PER_PERIOD: f64 = 40.0;
+
+/// Least Reynolds number at which the wake of a body may shed vortices: 47 for a cylinder (Provansal et al. 1987).
+const SHEDDING: f64 = 45.0;
+
+/// Tips of clamped linear beams sink by this number of lengths, times 8, under a weight that is hardly meant.
+const HEAVIEST: f64 = 300.0;
+
+/// Weight by bending stiffness of a rod in a fluid that is a chain.
+const CHAIN: f64 = 1e5;
+
+/// Largest strain under the own weight.
+const STRETCH: f64 = 0.1;
+
+/// What may be a mistake in a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Warning {
+    /// Path of the key.
+    pub key: String,
+    /// Time from which it holds, s; absent where it holds from the start.
+    pub time: Option<f64>,
+    /// The whole as a sentence.
+    pub text: String,
+}
+
+/// Return what may be a mistake in a scene without faults.
+pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
+    let mut found = Vec::new();
+    if let Some(fluid) = &scene.fluid {
+        let parts = parts(scene, fluid);
+        meetings(scene, fluid, &parts, &mut found);
+        found.extend(own_wake(scene, fluid, &parts));
+        found.extend(symmetry(scene, fluid, &parts, reynolds));
+    }
+    found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
+    found
+}
+
+/// A body or a beam that the fluid sees; a beam that a law drives as if it were rigid.
+struct Part<'a> {
+    key: String,
+    motion: Motion<'a>,
+    /// Index of the cylinder that holds the beam, which is a part of this index too.
+    support: Option<usize>,
+    is_beam: bool,
+}
+
+/// The motion of a part over time.
+enum Motion<'a> {
+    Rigid(Box<Body>),
+    Still(Outline),
+    Root { points: Vec<Point>, half_thickness: f64, direction: [f64; 3], laws: &'a RootLaws },
+}
+
+impl Part<'_> {
+    fn at(&self, t: f64) -> Outline {
+        match &self.motion {
+            Motion::Rigid(body) => body.outline_at(t),
+            Motion::Still(outline) => outline.clone(),
+            Motion::Root { points, half_thickness, direction, laws } => {
+                let ([x, y, _], _) = laws.displacement(t);
+                let ([a, b, _], _) = laws.direction(t, *direction);
+                let (cos, sin) = (a * direction[0] + b * direction[1], b * direction[0] - a * direction[1]);
+                let root = points[0];
+                let moved = points.iter().map(|p| {
+                    let [u, v] = [p[0] - root[0], p[1] - root[1]];
+                    [root[0] + x + cos * u - sin * v, root[1] + y + sin * u + cos * v]
+                });
+                strip(&moved.collect::<Vec<_>>(), *half_thickness)
+            }
+        }
+    }
+
+    fn moves(&self) -> bool {
+        match &self.motion {
+            Motion::Rigid(body) => body.motion.is_some(),
+            Motion::Still(_) => false,
+            Motion::Root { .. } => true,
+        }
+    }
+
+    /// Return the laws of the motion.
+    fn laws(&self) -> Vec<&TimeLaw> {
+        match &self.motion {
+            Motion::Rigid(body) => {
+                body.motion.iter().flat_map(|motion| [&motion.x, &motion.y, &motion.angle]).collect()
+            }
+            Motion::Still(_) => Vec::new(),
+            Motion::Root { laws, .. } => {
+                [&laws.x, &laws.y].into_iter().chain(laws.rotations.iter().map(|turn| &turn.angle)).collect()
+            }
+        }
+    }
+
+    /// Return the name in a sentence.
+    fn name(&self) -> String {
+        let rigid = if self.is_beam && self.moves() { " (as a rigid beam)" } else { "" };
+        format!("`{}`{rigid}", self.key)
+    }
+}
+
+/// Return the outline of a line of that half thickness.
+fn strip(points: &[Point], half: f64) -> Outline {
+    let last = points.len() - 1;
+    let side = |sign: f64| {
+        (0..=last).map(move |i| {
+            let (a, b) = (points[i.saturating_sub(1)], points[(i + 1).min(last)]);
+            let length = f64::hypot(b[0] - a[0], b[1] - a[1]).max(f64::MIN_POSITIVE);
+            let normal = [(a[1] - b[1]) / length, (b[0] - a[0]) / length];
+            [points[i][0] + sign * half * normal[0], points[i][1] + sign * half * normal[1]]
+        })
+    };
+    Outline::new(side(-1.0).chain(side(1.0).rev()))
+}
+
+fn parts<'a>(scene: &'a Scene, fluid: &Fluid) -> Vec<Part<'a>> {
+    let rigid =
+        |Obstacle { key, body, .. }| Part { key, motion: Motion::Rigid(Box::new(body)), support: None, is_beam: false };
+    let beams = scene.beams_with_rods().zip(places::lines(scene)).map(|(own, line)| {
+        let Line { key, points, half_thickness, support } = line;
+        let motion = match own.rod.and_then(|rod| rod.root_motion.as_ref()) {
+            Some(RootMotion::Laws(laws)) => {
+                Motion::Root { points, half_thickness, direction: scene.beam_root(own.beam).1, laws }
+            }
+            _ => Motion::Still(strip(&points, half_thickness)),
+        };
+        Part { key, motion, support, is_beam: true }
+    });
+    places::obstacles(fluid).into_iter().map(rigid).chain(beams).collect()
+}
+
+/// Return times of the run, from 0 on: closely at the beginning, then over all of it.
+fn times(end: f64, parts: &[Part]) -> Vec<f64> {
+    let fastest = parts.iter().flat_map(|part| part.laws()).filter_map(TimeLaw::frequency).fold(0.0, f64::max);
+    let coarse = end / TIMES as f64;
+    let fine = if fastest > 0.0 { f64::min(1.0 / (TIMES_PER_PERIOD * fastest), coarse) } else { coarse };
+    let mut times: Vec<_> = (0..=TIMES).map(|i| i as f64 * fine).collect();
+    let begin = fine * TIMES as f64;
+    times.extend((0..=TIMES).map(|i| i as f64 * coarse).filter(|t| *t > begin));
+    times
+}
+
+/// Add where parts reach over the edge of the box, into walls or zones, or meet one another, each once.
+fn meetings(scene: &Scene, fluid: &Fluid, parts: &[Part], found: &mut Vec<Warning>) {
+    let start: Vec<_> = parts.iter().map(|part| part.at(0.0)).collect();
+    let known: Vec<Vec<String>> =
+        start.iter().zip(parts).map(|(outline, part)| told(fluid, outline, part, 0.0, None, found)).collect();
+    for (j, (part, outline)) in parts.iter().zip(&start).enumerate() {
+        for (i, other) in parts[..j].iter().enumerate() {
+            if !part.is_beam && !other.is_beam && start[i].overlaps(outline, 0.0) {
+                let at = between(&start[i], outline);
+                found.push(warning(part, 0.0, format!("{} overlaps `{}` near {at}", part.name(), other.key)));
+            }
+        }
+    }
+    if !parts.iter().any(Part::moves) {
+        return;
+    }
+    let [dx, dy] = fluid.r#box.spacing();
+    let depth = dx.min(dy) / 4.0;
+    let mut known = known;
+    let mut met: Vec<_> =
+        (0..parts.len()).map(|j| (0..j).map(|i| start[i].overlaps(&start[j], depth)).collect()).collect();
+    let met: &mut Vec<Vec<bool>> = &mut met;
+    for t in times(scene.time.end, parts).into_iter().skip(1) {
+        let now: Vec<_> = parts
+            .iter()
+            .zip(&start)
+            .map(|(part, still)| if part.moves() { part.at(t) } else { still.clone() })
+            .collect();
+        for (j, part) in parts.iter().enumerate() {
+            if part.moves() {
+                let more = told(fluid, &now[j], part, t, Some((&start[j], &known[j])), found);
+                known[j].extend(more);
+            }
+            for (i, other) in parts[..j].iter().enumerate() {
+                let apart = !met[j][i] && part.support != Some(i) && (part.moves() || other.moves());
+                if apart && now[i].overlaps(&now[j], depth) {
+                    met[j][i] = true;
+                    let at = between(&now[i], &now[j]);
+                    let (name, other) = (part.name(), other.name());
+                    found.push(warning(part, t, format!("{name} meets {other} near {at}")));
+                }
+            }
+        }
+    }
+}
+
+fn warning(part: &Part, t: f64, text: String) -> Warning {
+    let time = (t > 0.0).then_some(t);
+    let when = time.map_or("at the start".into(), |t| format!("at t = {} s", rounded(t)));
+    Warning { key: part.key.clone(), time, text: format!("{text} {when}") }
+}
+
+/// Return the middle of the place that two outlines share.
+fn between(a: &Outline, b: &Outline) -> String {
+    shown([0, 1].map(|axis| (a.frame[axis][0].max(b.frame[axis][0]) + a.frame[axis][1].min(b.frame[axis][1])) / 2.0))
+}
+
+/// Add what is to be told of the place of a part alone at time `t` (s), and return the names of it; what a part did at
+/// the start, or is known, is left out.
+fn told(
+    fluid: &Fluid,
+    outline: &Outline,
+    part: &Part,
+    t: f64,
+    before: Option<(&Outline, &Vec<String>)>,
+    found: &mut Vec<Warning>,
+) -> Vec<String> {
+    let cell = fluid.r#box.spacing();
+    let mut names = Vec::new();
+    let mut tell = |name: &str, text: String| {
+        if !before.is_some_and(|(_, known)| known.iter().any(|other| other == name)) {
+            names.push(name.to_string());
+            found.push(warning(part, t, text));
+        }
+    };
+    let (name, frame) = (part.name(), outline.frame);
+    for (axis, bounds) in [fluid.r#box.x, fluid.r#box.y].into_iter().enumerate() {
+        let over = beyond(frame[axis][0], bounds).max(beyond(frame[axis][1], bounds));
+        if over > 1e-9 * (bounds[1] - bounds[0]) {
+            let axis = ["x", "y"][axis];
+            tell(
+                "edge",
+                format!(
+                    "{name} reaches {} m over the edge of the box along {axis} and comes in at the other side",
+                    rounded(over)
+                ),
+            );
+        }
+    }
+    if let Some(channel) = &fluid.channel {
+        let depth = |outline: &Outline| outline.frame[1].iter().map(|&y| beyond(y, channel.y)).fold(0.0, f64::max);
+        let (now, start) = (depth(outline), before.map_or(0.0, |(start, _)| depth(start)));
+        // A beam may be embedded in a wall.
+        if now > start + cell[1] && (before.is_some() || !part.is_beam) {
+            tell("wall", format!("{name} reaches {} m into a wall of the channel", rounded(now)));
+        }
+    }
+    if before.is_some()
+        && let Some(reason) = places::blocked(fluid, outline)
+    {
+        tell("stream", format!("{name} {reason}"));
+    }
+    let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
+    let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
+    for (zone, [low, high]) in inflow.into_iter().chain(sponge) {
+        let shared = frame[0][1].min(high) - frame[0][0].max(low);
+        if shared > cell[0] * (1.0 + 1e-9) {
+            tell(zone, format!("{name} reaches {} m into the {zone}, x [{low}, {high}],", rounded(shared)));
+        }
+    }
+    names
+}
+
+/// Return what is to be told of a stream that meets its own wake.
+fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
+    if fluid.inflow.is_some() || fluid.sponge.is_some() || parts.is_empty() {
+        return None;
+    }
+    let steps = TIMES as f64;
+    let h = scene.time.end / steps;
+    for (axis, [low, high]) in [fluid.r#box.x, fluid.r#box.y].into_iter().enumerate() {
+        let velocity = |t: f64| match &fluid.mean_flow {
+            Some(mean) => [&mean.x, &mean.y][axis].value(t),
+            None => fluid.initial_velocity[axis],
+        };
+        let mut way = 0.0;
+        for i in 0..TIMES {
+            way += h * velocity((i as f64 + 0.5) * h);
+            if way.abs() >= high - low {
+                let (key, time) = ("fluid.sponge".to_string(), (i + 1) as f64 * h);
+                let name = parts[0].name();
+                let text = format!(
+                    "the stream along {} passes the periodic box without a `sponge`: {name} is in its own wake from \
+                     t = {:.3} s on, and forces are off by tens of per cent",
+                    ["x", "y"][axis],
+                    rounded(time)
+                );
+                return Some(Warning { key, time: Some(time), text });
+            }
+        }
+    }
+    None
+}
+
+/// Return what is to be told of a scene whose wake stays symmetric.
+fn symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], reynolds: Option<f64>) -> Option<Warning> {
+    let driven = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.root_motion.is_some()));
+    if parts.is_empty() || driven || fluid.disturbance.is_some() || reynolds.is_none_or(|re| re < SHEDDING) {
+        return None;
+    }
+    let streams = places::streams(fluid);
+    let axis = (0..2).find(|&axis| streams[axis] || fluid.initial_velocity[axis] != 0.0)?;
+    let across = 1 - axis;
+    let free = parts.iter().flat_map(|part| match &part.motion {
+        Motion::Rigid(body) => {
+            body.motion.iter().flat_map(|motion| [[&motion.x, &motion.y][across], &motion.angle]).collect()
+        }
+        _ => Vec::new(),
+    });
+    let moved = free.into_iter().any(|law| law.largest_rate() > 0.0);
+    let pulled = scene.beams_with_rods().filter_map(|own| own.rod?.gravity.get(across)).any(|&g| g != 0.0);
+    if streams[across] || fluid.initial_velocity[across] != 0.0 || moved || pulled {
+        return None;
+    }
+    let outlines: Vec<_> = parts.iter().map(|part| part.at(0.0)).collect();
+    let middle = outlines.iter().map(|outline| outline.middle()[across]).sum::<f64>() / outlines.len() as f64;
+    let size = outlines.iter().map(|outline| outline.frame[across][1] - outline.frame[across][0]).fold(0.0, f64::max);
+    let close = 1e-9 * size;
+    let box_ = [fluid.r#box.x, fluid.r#box.y][across];
+    let walls = fluid.channel.as_ref().filter(|_| axis == 0).map(|channel| (channel.y[0] + channel.y[1]) / 2.0);
+    // The grid is symmetric at its lines and halfway between them.
+    let halves = 2.0 * (middle - box_[0]) / fluid.r#box.spacing()[across];
+    if walls.is_some_and(|walls| (walls - middle).abs() > close) || (halves - halves.round()).abs() > 1e-6 {
+        return None;
+    }
+    let mirrored = |p: &Point| {
+        let mut image = *p;
+        image[across] = 2.0 * middle - p[across];
+        image
+    };
+    let near = |p: Point, q: &Point| f64::hypot(p[0] - q[0], p[1] - q[1]) <= close;
+    let is_image =
+        |a: &Outline, b: &Outline| a.corners().iter().map(mirrored).all(|p| b.corners().iter().any(|q| near(p, q)));
+    let symmetric = outlines.iter().all(|outline| outlines.iter().any(|other| is_image(outline, other)));
+    symmetric.then(|| Warning {
+        key: "fluid.disturbance".into(),
+        time: None,
+        text: format!(
+            "bodies and stream are mirror images at {} = {}: the wake may never shed vortices, and drag and lift are \
+             then too small; `fluid.disturbance` makes the start asymmetric",
+            ["x", "y"][across],
+            rounded(middle)
+        ),
+    })
+}
+
+/// Return what is to be told of a rod that is too heavy for its stiffness.
+fn weight(scene: &Scene, own: &BeamWithRod) -> Option<Warning> {
+    let rod = own.rod?;
+    let (_, direction) = scene.beam_root(own.beam);
+    let g = rod.gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+    let along: f64 = rod.gravity.iter().zip(direction).map(|(g, d)| g * d).sum();
+    let section = rod.material.section(&own.beam.thickness, 0.0);
+    let length = own.beam.length;
+    let bending = section.line_density * length.powi(3) / section.bending_stiffness;
+    let stretch = section.line_density * g * length / section.axial_stiffness;
+    let held = matches!(rod.root, RootSupport::Clamped | RootSupport::TorsionSpring { .. });
+    let sinks = bending * (g * g - along * along).max(0.0).sqrt();
+    let key = format!("{}rod.gravity", own.key());
+    let effect = if stretch > STRETCH {
+        format!("its weight stretches it by {:.2} of its length", stretch)
+    } else if held && sinks > HEAVIEST {
+        format!("as a linear beam it would sink by {:.0} lengths", sinks / 8.0)
+    } else if scene.fluid.is_some() && bending * g > CHAIN {
+        format!("its weight is {:.1e} of its bending stiffness", bending * g)
+    } else {
+        return None;
+    };
+    let name = own.name.map_or(String::new(), |name| format!(" `{name}`"));
+    let text = format!("the rod{name} is too heavy for its stiffness: under `{key}`, {} m/s², {effect}", rounded(g));
+    Some(Warning { key, time: None, text })
+}

@@ -1,0 +1,543 @@
+"""Scenes that cannot be meant are refused, and what may be a mistake is said, by name, place and time."""
+
+import copy
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+
+from nervure.library import check, facts
+from nervure.scene import assign, read, text, validate
+from nervure.simulation.session import Session
+from tests.conftest import SCENES
+
+CHANNEL: dict[str, Any] = {
+    "name": "channel",
+    "time": {"end": 1.0, "communication_step": 0.01},
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 0.01,
+        "box": {"x": [-2.0, 4.0], "y": [-1.5, 1.5], "cells": [120, 60]},
+        "channel": {"y": [-1.0, 1.0]},
+        "inflow": {"x": [-2.0, -1.5], "profile": "parabolic", "mean_velocity": {"constant": 1.0}, "c_eta": 1e-3},
+        "mask": {"log_linear": {"c_eta": 1e-4}},
+        "time_stepping": {"max_step": 0.01, "max_cfl": 0.4},
+    },
+}
+"""A channel of 40 cells with an inflow, in a box whose cells are 0.05 m."""
+
+STREAM: dict[str, Any] = {
+    "name": "stream",
+    "time": {"end": 60.0, "communication_step": 0.015},
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 0.01,
+        "box": {"x": [-6.0, 14.0], "y": [-6.0, 6.0], "cells": [320, 192]},
+        "mean_flow": {"x": {"constant": 1.0}},
+        "initial_velocity": [1.0, 0.0],
+        "sponge": {"x": [11.0, 14.0], "mean_velocity": {"constant": 1.0}, "c_eta": 0.1},
+        "mask": {"log_linear": {"c_eta": 1e-4}},
+        "time_stepping": {"max_step": 0.015, "max_cfl": 0.4},
+    },
+}
+"""A stream through a periodic box, with a sponge."""
+
+
+def circle(x: float, y: float, radius: float, **more: Any) -> dict[str, Any]:
+    """Return a circular body."""
+    return {"shape": {"circle": {"radius": radius}}, "position": [x, y], **more}
+
+
+def bar(x: float, y: float, length: float, thickness: float, **more: Any) -> dict[str, Any]:
+    """Return a rectangular body."""
+    return {"shape": {"rectangle": {"length": length, "thickness": thickness}}, "position": [x, y], **more}
+
+
+def beam(x: float, y: float, direction: tuple[float, float], length: float = 1.0, **more: Any) -> dict[str, Any]:
+    """Return a beam whose root is at a point."""
+    root = {"at": {"position": [x, y], "direction": list(direction)}}
+    return {"root": root, "length": length, "thickness": 0.1, "segments": 20, **more}
+
+
+ROD: dict[str, Any] = {"material": {"section": {"line_density": 1.0, "bending_stiffness": 0.1, "axial_stiffness": 1e3}}}
+
+
+def rods(*beams: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return rods with these beams."""
+    return [{"name": f"r{i}", "beam": own, "rod": ROD} for i, own in enumerate(beams)]
+
+
+def changed(scene: dict[str, Any], **changes: Any) -> dict[str, Any]:
+    """Return the scene with other values of keys, in which `__` stands for a point."""
+    scene = copy.deepcopy(scene)
+    for key, value in changes.items():
+        assign(scene, key.replace("__", "."), value)
+    return scene
+
+
+def bodies(*each: dict[str, Any]) -> dict[str, Any]:
+    """Return the channel with these bodies."""
+    return changed(CHANNEL, fluid__bodies=list(each))
+
+
+def cylinder(x: float, y: float, radius: float) -> list[dict[str, Any]]:
+    """Return a list of one cylinder."""
+    return [{"center": [x, y], "radius": radius}]
+
+
+TRIANGLE = {"shape": {"polygon": {"corners": [[2.2, 0.0], [3.0, 0.0], [3.0, 0.5]]}}, "position": [3.9, 0.0]}
+"""A body whose position is in the box, and whose outline is not."""
+
+ITERATED = {"load": "pressure_jump", "scheme": {"iterated": {"tolerance": 1.0}}}
+
+REFUSED = {
+    # in the inflow zone or a sponge
+    "in-inflow": (bodies(circle(-1.7, 0.0, 0.3)), "fluid.bodies[0].position", "in the inflow zone, x [-2.0, -1.5]"),
+    "square in the inflow": (bodies(bar(-1.75, 0.4, 0.4, 0.4)), "fluid.bodies[0].position", "in the inflow zone"),
+    "cylinder in the inflow": (
+        changed(CHANNEL, fluid__cylinders=cylinder(-1.75, 0.0, 0.1)),
+        "fluid.cylinders[0].center",
+        "in the inflow zone",
+    ),
+    "body that a law moves into the inflow at once": (
+        bodies(circle(0.0, 0.0, 0.2, motion={"x": {"constant": -1.7}})),
+        "fluid.bodies[0].position",
+        "in the inflow zone",
+    ),
+    "in the sponge": (
+        changed(STREAM, fluid__bodies=[circle(12.5, 0.0, 0.5)]),
+        "fluid.bodies[0].position",
+        "in the sponge, x [11.0, 14.0]",
+    ),
+    "beam in the inflow": (
+        changed(CHANNEL, beam=beam(-1.9, 0.0, (1.0, 0.0), 0.3)),
+        "beam.root.at.position",
+        "most of the beam lies in the inflow zone",
+    ),
+    # walls of the channel
+    "in a wall": (bodies(circle(1.0, 1.2, 0.15)), "fluid.bodies[0].position", "lies in a wall of the channel"),
+    "in the lower wall": (bodies(bar(1.0, -1.3, 0.5, 0.3)), "fluid.bodies[0].position", "lies in a wall"),
+    "cylinder beyond a wall": (
+        changed(CHANNEL, fluid__cylinders=cylinder(1.0, 1.3, 0.1)),
+        "fluid.cylinders[0].center",
+        "lies in a wall",
+    ),
+    "beam through the upper wall": (
+        changed(CHANNEL, beam=beam(0.0, 0.5, (0.0, 1.0), 0.8)),
+        "beam.root.at.position",
+        "passes through a wall of the channel at [0, 1.06]",
+    ),
+    "slanted beam through the lower wall": (
+        changed(CHANNEL, beam=beam(0.0, 0.0, (1.0, -1.0), 1.8)),
+        "beam.root.at.position",
+        "passes through a wall",
+    ),
+    "beam from wall to wall": (
+        changed(CHANNEL, beam=beam(0.0, -1.0, (0.0, 1.0), 2.2)),
+        "beam.root.at.position",
+        "passes through a wall",
+    ),
+    "beam in a wall": (changed(CHANNEL, beam=beam(0.0, 1.2, (1.0, 0.0))), "beam.root.at.position", "lies in a wall"),
+    # outside the box
+    "cylinder outside": (
+        changed(STREAM, fluid__cylinders=cylinder(0.0, 9.0, 0.5)),
+        "fluid.cylinders[0].center[1]",
+        "[-6, 6]",
+    ),
+    "cylinder before the box": (
+        changed(STREAM, fluid__cylinders=cylinder(-7.0, 0.0, 0.5)),
+        "fluid.cylinders[0].center[0]",
+        "[-6, 14]",
+    ),
+    "outline outside": (bodies(TRIANGLE), "fluid.bodies[0].position", "lies outside the box"),
+    # bodies on bodies
+    "twice": (bodies(circle(0.0, 0.0, 0.3), circle(0.0, 0.0, 0.3)), "fluid.bodies[1].position", "`fluid.bodies[0]`"),
+    "one in another": (bodies(circle(0.0, 0.0, 0.5), bar(0.1, 0.0, 0.3, 0.2)), "fluid.bodies[1].position", "inside"),
+    "larger around smaller": (bodies(bar(0.0, 0.0, 0.2, 0.2), circle(0.0, 0.0, 0.4)), "fluid.bodies[1].position", "in"),
+    "cylinder and body": (
+        changed(bodies(circle(0.0, 0.0, 0.3)), fluid__cylinders=cylinder(0.0, 0.0, 0.3)),
+        "fluid.bodies[0].position",
+        "`fluid.cylinders[0]`",
+    ),
+    # no way around
+    "blocked": (bodies(circle(0.0, 0.0, 1.2)), "fluid.bodies[0].position", "fills the channel from -1 to 1"),
+    "plate across": (bodies(bar(0.0, 0.0, 0.1, 1.98)), "fluid.bodies[0].position", "fills the channel"),
+    "slanted plate across": (bodies(bar(0.0, 0.0, 3.0, 0.1, angle=0.8)), "fluid.bodies[0].position", "fills the"),
+    "plate across the box": (
+        changed(STREAM, fluid__bodies=[bar(0.0, 0.0, 0.5, 12.0)]),
+        "fluid.bodies[0].position",
+        "fills the box from -6 to 6 and stops the stream along x",
+    ),
+    # beams and bodies
+    "root in a cylinder": (
+        changed(CHANNEL, fluid__cylinders=cylinder(0.0, 0.0, 0.3), beam=beam(0.0, 0.0, (1.0, 0.0))),
+        "beam.root.at.position",
+        "`on_cylinder` holds a beam at its surface",
+    ),
+    "root behind the surface of a cylinder": (
+        changed(CHANNEL, fluid__cylinders=cylinder(0.0, 0.0, 0.3), beam=beam(-0.1, 0.1, (0.0, 1.0), 0.5)),
+        "beam.root.at.position",
+        "the root lies inside `fluid.cylinders[0]`",
+    ),
+    "beam through a body": (
+        changed(bodies(bar(0.5, 0.0, 0.4, 0.4)), beam=beam(0.0, 0.0, (1.0, 0.0))),
+        "beam.root.at.position",
+        "passes through `fluid.bodies[0]`",
+    ),
+    "beam through another cylinder": (
+        changed(
+            CHANNEL,
+            fluid__cylinders=cylinder(0.0, 0.0, 0.3) + cylinder(1.0, 0.0, 0.2),
+            beam={"root": {"on_cylinder": {"cylinder": 0}}, "length": 1.0, "thickness": 0.1, "segments": 20},
+        ),
+        "beam.root.on_cylinder.angle",
+        "passes through `fluid.cylinders[1]`",
+    ),
+    "beam in a body": (
+        changed(bodies(circle(0.0, 0.0, 0.8)), beam=beam(-0.2, 0.0, (1.0, 0.0), 0.4)),
+        "beam.root.at.position",
+        "lies inside `fluid.bodies[0]`",
+    ),
+    # rods on rods
+    "rods that cross": (
+        changed(CHANNEL, rods=rods(beam(0.0, 0.0, (1.0, 0.0)), beam(0.5, -0.5, (0.0, 1.0)))),
+        "rods[1].beam.root.at.position",
+        "meets `rods[0].beam`",
+    ),
+    "rods half on each other": (
+        changed(CHANNEL, rods=rods(beam(0.0, 0.0, (1.0, 0.0)), beam(0.5, 0.0, (1.0, 0.0)))),
+        "rods[1].beam.root.at.position",
+        "meets `rods[0].beam` at [0.5, 0]",
+    ),
+    "rods head to head": (
+        changed(CHANNEL, rods=rods(beam(0.0, 0.0, (1.0, 0.0)), beam(1.0, 0.0, (-1.0, 0.0)))),
+        "rods[1].beam.root.at.position",
+        "meets `rods[0].beam`",
+    ),
+    "curved rods that cross": (
+        changed(
+            CHANNEL,
+            rods=rods(
+                beam(0.0, 0.0, (1.0, 0.0), rest_angles=[0.05 * i for i in range(20)]), beam(0.3, 0.5, (0.3, -1.0))
+            ),
+        ),
+        "rods[1].beam.root.at.position",
+        "meets `rods[0].beam`",
+    ),
+    # zones and the channel on the grid
+    "narrow inflow": (changed(CHANNEL, fluid__inflow__x=[-2.0, -1.96]), "fluid.inflow.x", "at least a cell wide"),
+    "narrow sponge": (changed(STREAM, fluid__sponge__x=[13.99, 14.0]), "fluid.sponge.x", "at least a cell wide"),
+    "sponge over the box": (changed(STREAM, fluid__sponge__x=[-6.0, 14.0]), "fluid.sponge.x", "leave at least a cell"),
+    "sponge wider than the box": (changed(STREAM, fluid__sponge__x=[-6.0, 15.0]), "fluid.sponge.x", "inside the box"),
+    "zones over the box": (
+        changed(CHANNEL, fluid__sponge={"x": [-1.5, 4.0], "mean_velocity": {"constant": 1.0}, "c_eta": 0.1}),
+        "fluid.sponge.x",
+        "leave at least a cell",
+    ),
+    "thin channel": (changed(CHANNEL, fluid__channel__y=[0.0, 0.01]), "fluid.channel.y", "at least a cell high"),
+    # absurd numbers
+    "clamp longer than the beam": (
+        changed(CHANNEL, beam=beam(0.0, 0.0, (1.0, 0.0)), rod={**ROD, "clamp_compliance_length": 1.5}),
+        "rod.clamp_compliance_length",
+        "at most the length of the beam, 1",
+    ),
+    "layer as thick as the box": (
+        changed(CHANNEL, fluid__mask={"cosine": {"c_eta": 1e-3, "half_width": 50.0}}),
+        "fluid.mask.cosine.half_width",
+        "must be <= 15",
+    ),
+    "decay over the box": (
+        changed(CHANNEL, fluid__mask={"log_linear": {"c_eta": 1e-3, "decay_length_cells": 40.0}}),
+        "fluid.mask.log_linear.decay_length_cells",
+        "must be <= 15",
+    ),
+    "deep core": (
+        changed(CHANNEL, fluid__mask={"log_linear": {"c_eta": 1e-3, "core_depth": 1e3}}),
+        "fluid.mask.log_linear.core_depth",
+        "must be <= 15",
+    ),
+    "tolerance of a whole step": (
+        changed(CHANNEL, beam=beam(0.0, 0.0, (1.0, 0.0)), rod=ROD, coupling=ITERATED),
+        "coupling.scheme.iterated.tolerance",
+        "not > 0 and < 1",
+    ),
+}
+"""Scene, key and a part of the sentence."""
+
+
+@pytest.mark.parametrize("scene, key, words", REFUSED.values(), ids=REFUSED)
+def test_what_cannot_be_meant_is_refused_by_key(scene, key, words, libraries):
+    faults = check(json.dumps(scene))
+    assert [fault.key for fault in faults] == [key], faults
+    assert words in faults[0].text and faults[0].allowed
+
+
+STEP = bodies(bar(-1.0, -0.75, 2.0, 0.5))
+"""A step that begins in the inflow zone, on the lower wall."""
+
+MEANT = {
+    "a step that begins in the inflow": STEP,
+    "half a circle on the wall": bodies(circle(1.0, -1.0, 0.3)),
+    "a cylinder with a plate behind it": bodies(circle(0.0, 0.0, 0.3), bar(0.6, 0.0, 0.8, 0.06)),
+    "a piston in a channel without a stream": changed(bodies(bar(0.0, 0.0, 0.5, 2.0)), fluid__inflow=None),
+    "a flap on the wall": changed(CHANNEL, beam=beam(0.0, -1.0, (0.0, 1.0), 0.8)),
+    "a flap in the wall": changed(CHANNEL, beam=beam(0.0, -1.2, (0.0, 1.0), 0.8)),
+    "two rods from one root": changed(CHANNEL, rods=rods(beam(0.0, 0.0, (1.0, 0.3)), beam(0.0, 0.0, (1.0, -0.3)))),
+    "a rod at the tip of another": changed(CHANNEL, rods=rods(beam(0.0, 0.0, (1.0, 0.0)), beam(1.0, 0.0, (0.0, 0.9)))),
+    "a rod on a body": changed(bodies(circle(0.0, 0.0, 0.3)), beam=beam(0.25, 0.0, (1.0, 0.0))),
+    "a row of cylinders through the edge of the box": changed(STREAM, fluid__cylinders=cylinder(0.0, 6.0, 0.5)),
+}
+
+
+@pytest.mark.parametrize("scene", MEANT.values(), ids=MEANT)
+def test_what_may_be_meant_is_not_refused(scene, libraries):
+    assert check(json.dumps(scene)) == []
+
+
+def test_advice_for_the_cfl_number_does_not_lead_back(libraries):
+    """With `max_cfl` at its largest value no step is allowed: only a shorter communication step helps."""
+    scene = changed(CHANNEL, fluid__inflow__mean_velocity__constant=1e6)
+    for max_cfl in (1e-9, 0.4):
+        scene["fluid"]["time_stepping"]["max_cfl"] = max_cfl
+        (fault,) = check(json.dumps(scene))
+        assert fault.key == "time.communication_step", fault
+    scene["time"]["communication_step"] = float(fault.text.rsplit(" ", 1)[1])
+    assert check(json.dumps(scene)) == []
+
+
+def beat(amplitude: float, frequency: float = 0.5) -> dict[str, Any]:
+    """Return a law of a sine."""
+    return {"sine": {"amplitude": amplitude, "frequency": frequency}}
+
+
+WEIGHT = {**ROD, "gravity": [0.0, -981.0]}
+HEAVING = {**ROD, "root_motion": {"laws": {"y": beat(1.2)}}}
+SPINNING = {**ROD, "root_motion": {"laws": {"rotations": [{"angle": beat(2.0)}]}}}
+WARNED = {
+    # motions
+    "bodies-collide": (
+        bodies(circle(-0.5, 0.0, 0.3, motion={"x": beat(1.0)}), circle(0.6, 0.0, 0.3)),
+        "`fluid.bodies[1]` meets `fluid.bodies[0]`",
+        (0.166, 0.175),
+    ),
+    "a cylinder driven through a body": (
+        changed(
+            bodies(bar(1.0, 0.0, 0.2, 0.2)),
+            fluid__cylinders=[
+                {"center": [0.0, 0.0], "radius": 0.2, "motion": {"x": {"constant": 0.0}, "y": beat(0.0)}}
+            ],
+            fluid__bodies__0__motion={"x": beat(-0.9)},
+        ),
+        "`fluid.bodies[0]` meets `fluid.cylinders[0]`",
+        (0.28, 0.295),
+    ),
+    "a bar that turns into another": (
+        bodies(
+            bar(0.0, 0.0, 1.6, 0.1, motion={"angle": {"table": {"times": [0.0, 1.0], "values": [0.0, 1.571]}}}),
+            circle(0.0, 0.6, 0.1),
+        ),
+        "`fluid.bodies[1]` meets `fluid.bodies[0]`",
+        (0.85, 0.95),
+    ),
+    "a body driven through a wall": (
+        bodies(circle(0.0, 0.5, 0.3, motion={"y": beat(0.5)})),
+        "`fluid.bodies[0]` reaches 0.05",
+        (0.16, 0.18),
+    ),
+    "a body driven into the inflow": (
+        bodies(circle(-0.8, 0.0, 0.3, motion={"x": beat(-0.8)})),
+        "into the inflow zone",
+        (0.15, 0.25),
+    ),
+    "a body that leaves the box": (
+        bodies(circle(3.0, 0.0, 0.3, motion={"x": beat(1.0)})),
+        "over the edge of the box along x and comes in at the other side",
+        (0.24, 0.26),
+    ),
+    "a fast sine in a long run": (
+        changed(
+            bodies(circle(3.0, 0.0, 0.3, motion={"x": beat(1.0, 40.0)})), time={"end": 1e3, "communication_step": 1e-3}
+        ),
+        "over the edge of the box",
+        (0.003, 0.0035),
+    ),
+    "a bar that turns across the channel": (
+        bodies(bar(0.0, 0.0, 2.1, 0.1, motion={"angle": beat(1.6)})),
+        "fills the channel from -1 to 1 and stops the stream along x",
+        (0.245, 0.26),
+    ),
+    "a rod driven through a wall": (
+        changed(CHANNEL, beam=beam(0.0, 0.0, (1.0, 0.0)), rod=HEAVING),
+        "`beam` (as a rigid beam) reaches",
+        (0.3, 0.35),
+    ),
+    "a rod that turns into a body": (
+        changed(bodies(circle(0.2, 0.7, 0.1)), beam=beam(0.0, 0.0, (1.0, 0.0), 0.9), rod=SPINNING),
+        "`beam` (as a rigid beam) meets `fluid.bodies[0]`",
+        (0.1, 0.3),
+    ),
+    "a rod driven through another": (
+        changed(
+            CHANNEL,
+            rods=[
+                rods(beam(0.0, 0.0, (1.0, 0.0)))[0],
+                {
+                    "name": "moved",
+                    "beam": beam(0.2, 0.5, (1.0, 0.0)),
+                    "rod": {**ROD, "root_motion": {"laws": {"y": beat(-0.6)}}},
+                },
+            ],
+        ),
+        "`rods[1].beam` (as a rigid beam) meets `rods[0].beam`",
+        (0.2, 0.3),
+    ),
+    # places that may be meant
+    "a body half in another": (
+        bodies(circle(0.0, 0.0, 0.3), circle(0.4, 0.0, 0.3)),
+        "`fluid.bodies[1]` overlaps `fluid.bodies[0]`",
+        None,
+    ),
+    "half a circle on the wall": (bodies(circle(1.0, -1.0, 0.3)), "reaches 0.3 m into a wall of the channel", None),
+    "a step that begins in the inflow": (STEP, "`fluid.bodies[0]` reaches 0.5 m into the inflow zone", None),
+    "a body over the edge": (
+        changed(STREAM, fluid__cylinders=cylinder(0.3, 5.8, 0.5)),
+        "over the edge of the box along y",
+        None,
+    ),
+    # streams
+    "nosponge": (
+        changed(STREAM, fluid__sponge=None, fluid__bodies=[circle(0.0, 0.02, 0.5)]),
+        "is in its own wake",
+        (20.0, 20.1),
+    ),
+    "a start without a sponge": (
+        changed(STREAM, fluid__sponge=None, fluid__mean_flow=None, fluid__bodies=[circle(0.0, 0.02, 0.5)]),
+        "is in its own wake",
+        (20.0, 20.1),
+    ),
+    "a ramp and a beam without a sponge": (
+        changed(
+            STREAM,
+            fluid__sponge=None,
+            fluid__initial_velocity=[0.0, 0.0],
+            fluid__mean_flow={"x": {"cosine_ramp": {"value": 2.0, "duration": 2.0}}},
+            beam=beam(0.0, 0.02, (1.0, 0.0)),
+        ),
+        "`beam` is in its own wake",
+        (10.9, 11.1),
+    ),
+    # wakes that stay symmetric
+    "sym-cylinder": (changed(STREAM, fluid__bodies=[circle(0.0, 0.0, 0.5)]), "mirror images at y = 0:", None),
+    "a cylinder anywhere in a periodic box": (
+        changed(STREAM, fluid__cylinders=cylinder(0.3, 1.0, 0.5)),
+        "mirror images at y = 1:",
+        None,
+    ),
+    "two bars side by side": (
+        changed(STREAM, fluid__bodies=[bar(0.0, 1.0, 1.0, 0.5, angle=0.3), bar(0.0, -1.0, 1.0, 0.5, angle=-0.3)]),
+        "mirror images at y = 0:",
+        None,
+    ),
+    "a flag in the middle of a channel": (
+        changed(CHANNEL, fluid__kinematic_viscosity=1e-3, beam=beam(0.0, 0.0, (1.0, 0.0)), rod=ROD),
+        "mirror images at y = 0:",
+        None,
+    ),
+    # weights
+    "gravity a hundred times too large": (
+        {"name": "rod", "time": CHANNEL["time"], "beam": beam(0.0, 0.0, (1.0, 0.0)), "rod": WEIGHT},
+        "981 m/s², its weight stretches it by 0.98 of its length",
+        None,
+    ),
+    "a soft rod across gravity": (
+        {
+            "name": "rod",
+            "time": CHANNEL["time"],
+            "beam": beam(0.0, 0.0, (1.0, 0.0)),
+            "rod": {**ROD, "gravity": [0.0, -60.0]},
+        },
+        "as a linear beam it would sink by 75 lengths",
+        None,
+    ),
+    "a chain in a fluid": (
+        changed(
+            CHANNEL,
+            beam=beam(0.0, 0.0, (1.0, 0.0)),
+            rod={
+                "material": {"section": {"line_density": 1.0, "bending_stiffness": 1e-3, "axial_stiffness": 1e5}},
+                "gravity": [500.0, 0.0],
+                "root": "pinned",
+            },
+        ),
+        "its weight is 5.0e5 of its bending stiffness",
+        None,
+    ),
+}
+"""Scene, a part of the sentence, and an interval of the time, s; None where it holds from the start."""
+
+
+@pytest.mark.parametrize("scene, words, time", WARNED.values(), ids=WARNED)
+def test_what_may_be_a_mistake_is_said_with_its_time(scene, words, time, libraries):
+    found = facts(json.dumps(scene))["warnings"]
+    told = [warning for warning in found if words in warning["text"]]
+    assert len(told) == 1, found
+    assert told[0]["time"] is None if time is None else time[0] <= told[0]["time"] <= time[1], told
+
+
+SOUND = {
+    "a body beside the axis of the grid": changed(STREAM, fluid__bodies=[circle(0.0, 0.02, 0.5)]),
+    "a start that is disturbed": changed(STREAM, fluid__bodies=[circle(0.0, 0.0, 0.5)], fluid__disturbance=0.01),
+    "a Reynolds number without shedding": changed(
+        STREAM, fluid__bodies=[circle(0.0, 0.0, 0.5)], fluid__kinematic_viscosity=0.03
+    ),
+    "a body that swings where there is place": bodies(
+        circle(0.0, 0.05, 0.2, motion={"x": beat(0.5)}), circle(1.0, 0.0, 0.2)
+    ),
+    "a body that turns in a stream and back": changed(
+        STREAM, fluid__sponge=None, fluid__mean_flow={"x": beat(1.0)}, fluid__initial_velocity=[0.0, 0.0],
+        fluid__bodies=[circle(0.0, 0.02, 0.5)],
+    ),
+    "bodies that move together": bodies(
+        circle(0.0, 0.05, 0.2, motion={"x": beat(0.5)}), circle(0.5, 0.05, 0.2, motion={"x": beat(0.5)})
+    ),
+    "a rod on its cylinder": changed(
+        CHANNEL,
+        fluid__cylinders=cylinder(0.0, 0.02, 0.2),
+        beam={"root": {"on_cylinder": {"cylinder": 0}}, "length": 1.0, "thickness": 0.1, "segments": 20},
+        rod={**ROD, "root_motion": {"laws": {"rotations": [{"angle": beat(0.3)}]}}},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("scene", SOUND.values(), ids=SOUND)
+def test_a_sound_scene_is_not_warned_of(scene, libraries):
+    assert facts(json.dumps(scene))["warnings"] == []
+
+
+@pytest.mark.parametrize("name", [path.stem for path in SCENES])
+def test_no_shipped_scene_is_warned_of(name, libraries):
+    assert facts(text(read(name)))["warnings"] == []
+
+
+def test_a_disturbance_starts_the_lift_of_a_symmetric_flow(libraries):
+    """A hundredth of the stream; without the key the lift is rounding."""
+
+    def lift(**more: Any) -> float:
+        coarse = {"x": [-2.0, 4.0], "y": [-2.0, 2.0], "cells": [48, 32]}
+        sponge = {"x": [3.0, 4.0], "mean_velocity": {"constant": 1.0}, "c_eta": 0.1}
+        scene = changed(
+            STREAM,
+            fluid__bodies=[circle(0.0, 0.0, 0.5)],
+            fluid__box=coarse,
+            fluid__sponge=sponge,
+            time={"end": 0.6, "communication_step": 0.015},
+            **more,
+        )
+        with Session(validate(scene)) as session:
+            assert session.run().error is None
+            return float(np.abs(session.recorder.series["lift"][-20:]).max())
+
+    still, disturbed, twice = lift(), lift(fluid__disturbance=0.01), lift(fluid__disturbance=0.02)
+    assert still < 1e-12 < 1e-3 < disturbed, (still, disturbed, twice)
+    assert twice == pytest.approx(2 * disturbed, rel=0.01)
