@@ -54,7 +54,7 @@ impl Hinge {
     /// Return the spring in a stage by `rule` from `state`.
     pub(crate) fn stage(&self, rule: &StepRule, state: &HingeState) -> StageSpring {
         let Self { stiffness, damping, rest_angle, half_segment } = *self;
-        let (rate, _) = rule.scalar_at_no_displacement(state);
+        let (rate, _) = rule.at_no_displacement(state.motion());
         let slope = stiffness + damping * rule.c_v;
         let offset = damping * (rate - rule.c_v * state.angle) - stiffness * rest_angle;
         StageSpring { slope, offset, half_segment }
@@ -75,7 +75,7 @@ impl StageSpring {
 
 /// Advance `state` to the angle `angle` in a stage by `rule`.
 pub(crate) fn advance(state: &mut HingeState, rule: &StepRule, angle: f64) {
-    let (rate, acceleration) = rule.scalar_at_no_displacement(state);
+    let (rate, acceleration) = rule.at_no_displacement(state.motion());
     let turned = angle - state.angle;
     (state.previous_angle, state.previous_rate) = (state.angle, state.rate);
     state.angle = angle;

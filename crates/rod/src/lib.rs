@@ -39,7 +39,9 @@ pub use crate::model::{Bending, Calibration, RootSupport, Scheme, Section, Taper
 pub use crate::newton::Statistics;
 pub use crate::parameters::Parameters;
 pub use crate::rod::{Energy, Rod};
+pub use crate::scheme::{Motion, StepRule, TRAPEZOID_PART};
 pub use crate::state::{Drive, Exchange, HingeState, State};
+pub use crate::vertex::{CosineSlope, Edge, VertexDerivatives};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

@@ -29,28 +29,44 @@
 //! The first step of BDF2 is backward Euler, with a local error of second order. So is each step more than
 //! [`LARGEST_RATIO`] times as long as the step before.
 
-use crate::state::{HingeState, State};
-use crate::vector::Vector;
+use std::ops::{Add, Mul, Sub};
 
 /// Largest ratio of neighbouring BDF2 steps; the limit of zero-stability is 1 + √2.
 const LARGEST_RATIO: f64 = 2.4;
 
 /// Share of a step in the trapezoidal stage of TR-BDF2.
-pub(crate) const TRAPEZOID_PART: f64 = 2.0 - std::f64::consts::SQRT_2;
+pub const TRAPEZOID_PART: f64 = 2.0 - std::f64::consts::SQRT_2;
+
+/// Motion of one unknown at the beginning of a step: a position, or an angle.
+#[derive(Clone, Copy)]
+pub struct Motion<V> {
+    /// Position.
+    pub x: V,
+    /// Velocity.
+    pub v: V,
+    /// Acceleration.
+    pub a: V,
+    /// Position one step earlier.
+    pub previous_x: V,
+    /// Velocity one step earlier.
+    pub previous_v: V,
+}
 
 /// Maps of one step or stage.
 #[derive(Clone, Copy)]
-pub(crate) struct StepRule {
+pub struct StepRule {
     /// dv/du, 1/s.
-    pub(crate) c_v: f64,
+    pub c_v: f64,
     /// da/du, 1/s².
-    pub(crate) c_a: f64,
-    /// Weights of the new and old acceleration, 1 − α_m and α_m.
-    pub(crate) new_mass: f64,
-    pub(crate) old_mass: f64,
-    /// Weights of the new and old force, 1 − α_f and α_f.
-    pub(crate) new_force: f64,
-    pub(crate) old_force: f64,
+    pub c_a: f64,
+    /// Weight of the new acceleration, 1 − α_m.
+    pub new_mass: f64,
+    /// Weight of the old acceleration, α_m.
+    pub old_mass: f64,
+    /// Weight of the new force, 1 − α_f.
+    pub new_force: f64,
+    /// Weight of the old force, α_f.
+    pub old_force: f64,
     history: History,
 }
 
@@ -65,17 +81,17 @@ enum History {
 
 impl StepRule {
     /// Return the trapezoid over `dt`, s.
-    pub(crate) fn trapezoid(dt: f64) -> Self {
+    pub fn trapezoid(dt: f64) -> Self {
         Self::newmark(0.0, 0.0, dt)
     }
 
     /// Return generalised-α over `dt`, s.
-    pub(crate) fn generalised_alpha(rho_inf: f64, dt: f64) -> Self {
+    pub fn generalised_alpha(rho_inf: f64, dt: f64) -> Self {
         Self::newmark((2.0 * rho_inf - 1.0) / (rho_inf + 1.0), rho_inf / (rho_inf + 1.0), dt)
     }
 
     /// Return BDF2 over `dt` after a step of `last_step`, s; 0 for the first step.
-    pub(crate) fn bdf2(dt: f64, last_step: f64) -> Self {
+    pub fn bdf2(dt: f64, last_step: f64) -> Self {
         let (b_0, b_2) = if dt <= LARGEST_RATIO * last_step {
             let ratio = dt / last_step;
             ((1.0 + 2.0 * ratio) / (1.0 + ratio), ratio * ratio / (1.0 + ratio))
@@ -108,27 +124,18 @@ impl StepRule {
         }
     }
 
-    /// Return the velocity v* and the acceleration a* of node `k` at the end of a step without displacement, u = 0.
+    /// Return the velocity v* and the acceleration a* at the end of a step without displacement, u = 0.
     #[inline(always)]
-    pub(crate) fn at_no_displacement<const D: usize>(&self, state: &State<D>, k: usize) -> (Vector<D>, Vector<D>) {
-        let (v, a) = (state.velocities[k], state.accelerations[k]);
+    pub fn at_no_displacement<V>(&self, now: Motion<V>) -> (V, V)
+    where
+        V: Copy + Add<Output = V> + Sub<Output = V> + Mul<f64, Output = V>,
+    {
+        let Motion { x, v, a, previous_x, previous_v } = now;
         match self.history {
             History::Newmark { v_by_v, v_by_a, a_by_v, a_by_a } => (v * v_by_v + a * v_by_a, v * a_by_v + a * a_by_a),
             History::Differences { new, old } => {
-                let v_star = (state.positions[k] - state.previous_positions[k]) * -old;
-                (v_star, (v_star - v) * new - (v - state.previous_velocities[k]) * old)
-            }
-        }
-    }
-
-    /// Return v* and a* of the angle of a hinge.
-    pub(crate) fn scalar_at_no_displacement(&self, state: &HingeState) -> (f64, f64) {
-        let HingeState { angle, rate: v, acceleration: a, previous_angle, previous_rate } = *state;
-        match self.history {
-            History::Newmark { v_by_v, v_by_a, a_by_v, a_by_a } => (v * v_by_v + a * v_by_a, v * a_by_v + a * a_by_a),
-            History::Differences { new, old } => {
-                let v_star = (angle - previous_angle) * -old;
-                (v_star, (v_star - v) * new - (v - previous_rate) * old)
+                let v_star = (x - previous_x) * -old;
+                (v_star, (v_star - v) * new - (v - previous_v) * old)
             }
         }
     }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::base_motion::BaseState;
+use crate::scheme::Motion;
 use crate::vector::Vector;
 
 /// Tolerance of the length of a unit vector, for rounding.
@@ -91,6 +92,12 @@ pub struct Drive<const D: usize> {
 }
 
 impl HingeState {
+    /// Return the motion of the angle.
+    pub(crate) fn motion(&self) -> Motion<f64> {
+        let Self { angle, rate, acceleration, previous_angle, previous_rate } = *self;
+        Motion { x: angle, v: rate, a: acceleration, previous_x: previous_angle, previous_v: previous_rate }
+    }
+
     fn is_finite(&self) -> bool {
         let Self { angle, rate, acceleration, previous_angle, previous_rate } = *self;
         [angle, rate, acceleration, previous_angle, previous_rate].iter().all(|number| number.is_finite())
@@ -132,6 +139,18 @@ impl<const D: usize> State<D> {
             drive: Drive::none(),
             pressure: Vec::new(),
             hinge,
+        }
+    }
+
+    /// Return the motion of node `k`.
+    #[inline(always)]
+    pub(crate) fn motion(&self, k: usize) -> Motion<Vector<D>> {
+        Motion {
+            x: self.positions[k],
+            v: self.velocities[k],
+            a: self.accelerations[k],
+            previous_x: self.previous_positions[k],
+            previous_v: self.previous_velocities[k],
         }
     }
 

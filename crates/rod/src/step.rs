@@ -286,7 +286,7 @@ impl<const D: usize> Rod<D> {
         let StepRule { new_mass, old_mass, new_force, old_force, .. } = rule;
         self.balance.elastic_weight = new_force;
         for k in self.elastic.first..self.rest.len() {
-            let (v_star, a_star) = rule.at_no_displacement(&self.state, k);
+            let (v_star, a_star) = rule.at_no_displacement(self.state.motion(k));
             let m = self.masses[k];
             let c = self.parameters.damping * self.tributary[k];
             let d = self.loads.impedance.get(k).copied().unwrap_or(0.0);
@@ -343,7 +343,7 @@ impl<const D: usize> Rod<D> {
         let per_new_force = 1.0 / new_force;
         for k in self.elastic.first..self.rest.len() {
             let m = self.masses[k];
-            let (v_star, a_star) = rule.at_no_displacement(&self.state, k);
+            let (v_star, a_star) = rule.at_no_displacement(self.state.motion(k));
             let state = &mut self.state;
             let u = self.guess[k] - state.positions[k];
             let a = u * rule.c_a + a_star;

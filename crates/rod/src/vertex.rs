@@ -11,12 +11,13 @@ const SMALL_ANGLE: f64 = 1e-2;
 
 /// Unit tangent and length of an edge.
 #[derive(Clone, Copy)]
-pub(crate) struct Edge<const D: usize> {
-    pub(crate) t: Vector<D>,
+pub struct Edge<const D: usize> {
+    /// Unit tangent.
+    pub t: Vector<D>,
     /// Length, m.
-    pub(crate) l: f64,
+    pub l: f64,
     /// 1/l, 1/m.
-    pub(crate) inverse_l: f64,
+    pub inverse_l: f64,
 }
 
 /// Value of a function of ψ, with its first and second derivative.
@@ -29,26 +30,34 @@ pub(crate) struct ProjectedAngle {
 }
 
 /// Derivatives of the energy of a vertex by the edges `before` and `after` it: gradient, N, and Hessian, N/m.
-pub(crate) struct VertexDerivatives<const D: usize> {
-    pub(crate) by_before: Vector<D>,
-    pub(crate) by_after: Vector<D>,
-    pub(crate) before_before: Matrix<D>,
-    pub(crate) before_after: Matrix<D>,
-    pub(crate) after_after: Matrix<D>,
+pub struct VertexDerivatives<const D: usize> {
+    /// Gradient by the edge before.
+    pub by_before: Vector<D>,
+    /// Gradient by the edge after.
+    pub by_after: Vector<D>,
+    /// Hessian by the edge before.
+    pub before_before: Matrix<D>,
+    /// Hessian by the edge before (rows) and the edge after (columns).
+    pub before_after: Matrix<D>,
+    /// Hessian by the edge after.
+    pub after_after: Matrix<D>,
 }
 
 /// Derivatives of the energy of a vertex by c, and of c by the two edges.
-pub(crate) struct CosineSlope<const D: usize> {
+pub struct CosineSlope<const D: usize> {
     c: f64,
-    pub(crate) by_c: f64,
+    /// Derivative of the energy by c, J.
+    pub by_c: f64,
     by_c_twice: f64,
-    pub(crate) c_by_before: Vector<D>,
-    pub(crate) c_by_after: Vector<D>,
+    /// Derivative of c by the edge before, 1/m.
+    pub c_by_before: Vector<D>,
+    /// Derivative of c by the edge after, 1/m.
+    pub c_by_after: Vector<D>,
 }
 
 impl<const D: usize> Edge<D> {
     /// Return the edge from `start` to `end`.
-    pub(crate) fn between(start: Vector<D>, end: Vector<D>) -> Self {
+    pub fn between(start: Vector<D>, end: Vector<D>) -> Self {
         let e = end - start;
         // The root and the division run in parallel.
         let square = e.norm_squared();
@@ -81,8 +90,8 @@ impl<const D: usize> Edge<D> {
 }
 
 impl<const D: usize> CosineSlope<D> {
-    /// Return the derivatives of 2 k_b (1 − c)/(1 + c).
-    pub(crate) fn new(before: Edge<D>, after: Edge<D>, above_fold: f64, k_b: f64) -> Self {
+    /// Return the derivatives of 2 k_b (1 − c)/(1 + c) from `above_fold` = 1 + c.
+    pub fn new(before: Edge<D>, after: Edge<D>, above_fold: f64, k_b: f64) -> Self {
         let c = above_fold - 1.0;
         let inverse = 1.0 / above_fold;
         let by_c = -4.0 * k_b * inverse * inverse;
@@ -123,7 +132,7 @@ impl<const D: usize> VertexDerivatives<D> {
     }
 
     /// Return the derivatives of an energy of c from its `slope`.
-    pub(crate) fn straight(before: Edge<D>, after: Edge<D>, slope: &CosineSlope<D>) -> Self {
+    pub fn straight(before: Edge<D>, after: Edge<D>, slope: &CosineSlope<D>) -> Self {
         let CosineSlope { c, by_c, by_c_twice, c_by_before, c_by_after } = *slope;
         // ∂²c/∂e∂e = [c (3 t tᵀ − 1) − t_1 t_2ᵀ − t_2 t_1ᵀ] / l².
         let mixed = before.t * after.t.transpose();

@@ -1,0 +1,335 @@
+//! Elastic energy of the wing with gradient, in the order membrane, plate, veins.
+
+use nalgebra::Matrix3;
+
+use crate::face::{Face, FaceShape};
+use crate::mesh::{Mesh, Vector};
+use crate::parameters::{Parameters, Support, Vein};
+use crate::plate::{Hinge, Side, Turn, compliance};
+use crate::sparse::Symmetric;
+use crate::vein::{Segment, Vertex};
+use crate::{Energy, Error};
+
+/// Largest turn of a vein at rest, rad: an angle from coordinates in single precision.
+const STRAIGHT: f64 = 1e-6;
+
+/// Springs of the wing, with the scratch of the last evaluation.
+pub(crate) struct Elastic {
+    pub(crate) faces: Vec<Face>,
+    pub(crate) hinges: Vec<Hinge>,
+    /// Hinge at the edge opposite to each corner.
+    pub(crate) face_hinges: Vec<[Option<usize>; 3]>,
+    pub(crate) segments: Vec<Segment>,
+    pub(crate) vertices: Vec<Vertex>,
+    /// Inverse of C_T among the edges of a triangle that have a hinge, N m; 0 for other edges.
+    pub(crate) bending: Vec<Matrix3<f64>>,
+    /// Compliance of the torsion spring of each hinge, rad/(N m); 0 without a spring.
+    pub(crate) springs: Vec<f64>,
+    /// Factors of C; `None` without hinges.
+    compliance: Option<Symmetric>,
+    /// τ, s.
+    pub(crate) relaxation_time: f64,
+    /// Rotation of the support from rest, and its angular velocity, rad/s.
+    pub(crate) support: Matrix3<f64>,
+    pub(crate) omega: Vector,
+    pub(crate) shapes: Vec<FaceShape>,
+    pub(crate) turns: Vec<Turn>,
+    /// Moments of the hinges, N m.
+    pub(crate) moments: Vec<f64>,
+}
+
+/// Shape without a finite energy.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BadShape {
+    pub(crate) nodes: [usize; 2],
+    pub(crate) what: &'static str,
+}
+
+impl From<BadShape> for Error {
+    fn from(BadShape { nodes, what }: BadShape) -> Self {
+        Self::Fold { nodes, what }
+    }
+}
+
+impl Elastic {
+    /// Return the springs at rest; `held` tells the held nodes.
+    pub(crate) fn new(parameters: &Parameters, held: &[bool]) -> Result<Self, Error> {
+        let mesh = &parameters.mesh;
+        let corners = |t: usize| mesh.triangles[t].map(|k| mesh.node(k));
+        let triangles = 0..mesh.triangles.len();
+        let faces: Vec<_> =
+            triangles.clone().map(|t| Face::new(mesh.triangles[t], corners(t), parameters.membrane(t))).collect();
+        let shapes: Vec<_> = triangles.clone().filter_map(|t| FaceShape::new(corners(t))).collect();
+        let (hinges, face_hinges) = hinges(parameters, held, &shapes)?;
+        let mut compliances = Vec::new();
+        let mut bending = vec![Matrix3::zeros(); faces.len()];
+        for t in triangles.filter(|&t| face_hinges[t].iter().any(Option::is_some)) {
+            let &crate::Membrane { bending_stiffness, poisson_ratio, .. } = parameters.membrane(t);
+            let own = compliance(&faces[t], corners(t), bending_stiffness, poisson_ratio).ok_or(Error::Singular)?;
+            // The moment of an edge without a hinge is 0, so its rows and columns are left out.
+            let on = face_hinges[t].map(|hinge| hinge.is_some());
+            let among = Matrix3::from_fn(|i, j| if on[i] && on[j] { own[(i, j)] } else { f64::from(i == j) });
+            let inverse = among.try_inverse().ok_or(Error::Singular)?;
+            bending[t] = Matrix3::from_fn(|i, j| if on[i] && on[j] { inverse[(i, j)] } else { 0.0 });
+            for (i, hinge_i) in face_hinges[t].iter().enumerate() {
+                for (j, hinge_j) in face_hinges[t].iter().enumerate() {
+                    if let (&Some(row), &Some(column)) = (hinge_i, hinge_j)
+                        && row >= column
+                    {
+                        compliances.push((row, column, own[(i, j)]));
+                    }
+                }
+            }
+        }
+        let mut springs = vec![0.0; hinges.len()];
+        if let Support::TorsionSpring { stiffness } = parameters.root.support {
+            let length = |hinge: &Hinge| (mesh.node(hinge.nodes[1]) - mesh.node(hinge.nodes[0])).norm();
+            let held = |hinge: &&Hinge| matches!(hinge.second, Side::Support(_));
+            let whole: f64 = hinges.iter().filter(held).map(length).sum();
+            for (e, hinge) in hinges.iter().enumerate().filter(|(_, hinge)| held(hinge)) {
+                springs[e] = whole / (stiffness * length(hinge));
+                compliances.push((e, e, springs[e]));
+            }
+        }
+        let mut compliance = None;
+        if !hinges.is_empty() {
+            let places = compliances.iter().map(|&(i, j, _)| (j as u32, i as u32)).collect();
+            let mut matrix = Symmetric::new(hinges.len(), places)?;
+            for &(i, j, value) in &compliances {
+                let place = matrix.place(i, j);
+                matrix.values[place] += value;
+            }
+            if !matrix.factorise() {
+                return Err(Error::Singular);
+            }
+            compliance = Some(matrix);
+        }
+        let (mut segments, mut vertices) = (Vec::new(), Vec::new());
+        for vein in &parameters.veins {
+            add_vein(vein, mesh, held, parameters.root.support, &mut segments, &mut vertices)?;
+        }
+        let mut elastic = Self {
+            moments: vec![0.0; hinges.len()],
+            turns: Vec::with_capacity(hinges.len()),
+            faces,
+            hinges,
+            face_hinges,
+            segments,
+            vertices,
+            bending,
+            springs,
+            compliance,
+            relaxation_time: parameters.relaxation_time,
+            support: Matrix3::identity(),
+            omega: Vector::zeros(),
+            shapes,
+        };
+        // The rest angles of the hinges are still 0.
+        let rest: Vec<_> = (0..mesh.nodes.len()).map(|k| mesh.node(k)).collect();
+        elastic.update(&rest, None)?;
+        for (hinge, turn) in elastic.hinges.iter_mut().zip(&elastic.turns) {
+            hinge.rest = turn.angle;
+        }
+        Ok(elastic)
+    }
+
+    /// Find normals, angles and moments of the shape `x`, with velocities if they matter.
+    pub(crate) fn update(&mut self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> Result<(), BadShape> {
+        for (shape, face) in self.shapes.iter_mut().zip(&self.faces) {
+            let [a, b, _] = face.nodes;
+            let lost = BadShape { nodes: [a, b], what: "a triangle there has lost its area" };
+            *shape = FaceShape::new(face.nodes.map(|k| x[k])).ok_or(lost)?;
+        }
+        self.turns.clear();
+        for (hinge, moment) in self.hinges.iter().zip(&mut self.moments) {
+            let [a, b, ..] = hinge.nodes;
+            let folded = BadShape { nodes: [a, b], what: "the triangles beside this edge turn by more than 160°" };
+            let turn = hinge.turn(&self.shapes, &self.support).ok_or(folded)?;
+            *moment = turn.angle - hinge.rest;
+            if let Some((v, tau)) = rates {
+                *moment += tau * hinge.rate(&turn, v, &self.shapes, &self.omega);
+            }
+            self.turns.push(turn);
+        }
+        if let Some(compliance) = &mut self.compliance {
+            compliance.solve(&mut self.moments);
+        }
+        Ok(())
+    }
+
+    /// Return the elastic energies of the shape `x`; the others are 0.
+    pub(crate) fn energy(&mut self, x: &[Vector]) -> Result<Energy, BadShape> {
+        self.update(x, None)?;
+        let stretching: f64 = self.faces.iter().map(|face| face.energy(x)).sum();
+        let turns = self.turns.iter().zip(&self.hinges).zip(&self.moments);
+        let bending = turns.map(|((turn, hinge), moment)| 0.5 * moment * (turn.angle - hinge.rest)).sum();
+        let mut veins = 0.0;
+        for Segment { nodes, length, stiffness, .. } in &self.segments {
+            veins += 0.5 * stiffness * ((x[nodes[1]] - x[nodes[0]]).norm() - length).powi(2);
+        }
+        for vertex in &self.vertices {
+            veins += vertex.energy(x, self.support * vertex.direction).ok_or_else(|| folded(vertex))?;
+        }
+        Ok(Energy { stretching, bending, veins, ..Energy::default() })
+    }
+
+    /// Write ∂U/∂x plus the viscous forces in the shape `x` that moves at `v` to `gradient`, N: `[nodes]`.
+    pub(crate) fn gradient(&mut self, x: &[Vector], v: &[Vector], gradient: &mut [Vector]) -> Result<(), BadShape> {
+        let rates = self.rates(v);
+        self.update(x, rates)?;
+        gradient.fill(Vector::zeros());
+        for face in &self.faces {
+            for (&k, force) in face.nodes.iter().zip(face.gradient(x, rates)) {
+                gradient[k] += force;
+            }
+        }
+        for ((hinge, turn), moment) in self.hinges.iter().zip(&self.turns).zip(&self.moments) {
+            for (j, &k) in hinge.nodes[..hinge.count()].iter().enumerate() {
+                gradient[k] += turn.gradient.column(j) * *moment;
+            }
+        }
+        for &Segment { nodes: [a, b], length, stiffness, .. } in &self.segments {
+            let edge = x[b] - x[a];
+            let l = edge.norm();
+            let rate = rates.map_or(0.0, |(v, tau)| tau * edge.dot(&(v[b] - v[a])) / l);
+            let force = edge * (stiffness * (l - length + rate) / l);
+            gradient[a] -= force;
+            gradient[b] += force;
+        }
+        for vertex in &self.vertices {
+            let [before, after] = vertex.gradient(x, self.support * vertex.direction).ok_or_else(|| folded(vertex))?;
+            let [node, next] = vertex.nodes;
+            if let Some(k) = vertex.before {
+                gradient[k] -= before;
+                gradient[node] += before;
+            }
+            gradient[node] -= after;
+            gradient[next] += after;
+        }
+        Ok(())
+    }
+
+    /// Return the velocities with τ, if there is damping.
+    pub(crate) fn rates<'a>(&self, v: &'a [Vector]) -> Option<(&'a [Vector], f64)> {
+        (self.relaxation_time > 0.0).then_some((v, self.relaxation_time))
+    }
+
+    /// Write M y to `product` with the consistent mass matrix M.
+    pub(crate) fn mass_times(&self, y: &[Vector], product: &mut [Vector]) {
+        product.fill(Vector::zeros());
+        for face in &self.faces {
+            let part = face.mass / 12.0;
+            let sum: Vector = face.nodes.iter().map(|&k| y[k]).sum();
+            face.nodes.iter().for_each(|&k| product[k] += (sum + y[k]) * part);
+        }
+        for &Segment { nodes: [a, b], mass, .. } in &self.segments {
+            let part = mass / 6.0;
+            product[a] += (y[a] * 2.0 + y[b]) * part;
+            product[b] += (y[b] * 2.0 + y[a]) * part;
+        }
+    }
+}
+
+pub(crate) fn folded(vertex: &Vertex) -> BadShape {
+    BadShape { nodes: vertex.nodes, what: "a vein folds back there" }
+}
+
+/// Return the edges with moments, and the hinge opposite to each corner of each triangle.
+#[allow(clippy::type_complexity)]
+fn hinges(
+    parameters: &Parameters,
+    held: &[bool],
+    shapes: &[FaceShape],
+) -> Result<(Vec<Hinge>, Vec<[Option<usize>; 3]>), Error> {
+    let mesh = &parameters.mesh;
+    let bends = |t: usize| parameters.membrane(t).bending_stiffness > 0.0;
+    let rigid = |t: usize| mesh.triangles[t].iter().all(|&k| held[k]);
+    let supported = parameters.root.support != Support::Pinned;
+    let mut hinges = Vec::new();
+    let mut face_hinges = vec![[None; 3]; mesh.triangles.len()];
+    for edge in mesh.edges()? {
+        let ends_held = edge.nodes.iter().all(|&k| held[k]);
+        // The first triangle of a hinge always bends; the second does, or it is part of the support.
+        let (first, second) = match (edge.first, edge.second) {
+            (first, Some(second)) if rigid(first.0) => (second, Some(first)),
+            (first, second) => (first, second),
+        };
+        if rigid(first.0) || !bends(first.0) {
+            continue;
+        }
+        let side = match second {
+            Some((t, _)) if rigid(t) && supported => Side::Support(shapes[t].normal),
+            Some((t, i)) if !rigid(t) && bends(t) => Side::Face(t, i),
+            None if ends_held && supported => Side::Support(shapes[first.0].normal),
+            _ => continue,
+        };
+        let corner = |(t, i): (usize, usize), k: usize| mesh.triangles[t][(i + k) % 3];
+        let opposite = match side {
+            Side::Face(t, i) => corner((t, i), 0),
+            Side::Support(_) => usize::MAX,
+        };
+        let place = Some(hinges.len());
+        face_hinges[first.0][first.1] = place;
+        if let Side::Face(t, i) = side {
+            face_hinges[t][i] = place;
+        }
+        let nodes = [corner(first, 1), corner(first, 2), corner(first, 0), opposite];
+        hinges.push(Hinge { nodes, first, second: side, rest: 0.0 });
+    }
+    Ok((hinges, face_hinges))
+}
+
+/// Add the springs of a vein.
+fn add_vein(
+    vein: &Vein,
+    mesh: &Mesh,
+    held: &[bool],
+    support: Support,
+    segments: &mut Vec<Segment>,
+    vertices: &mut Vec<Vertex>,
+) -> Result<(), Error> {
+    let edges: Vec<_> = vein.nodes.windows(2).map(|ends| mesh.node(ends[1]) - mesh.node(ends[0])).collect();
+    let rigid = |j: usize| held[vein.nodes[j]] && held[vein.nodes[j + 1]];
+    for (j, edge) in edges.iter().enumerate() {
+        let length = edge.norm();
+        if !length.is_normal() {
+            return Err(Error::value(format!("veins.{}.nodes", vein.name), &vein.nodes, "nodes at different places"));
+        }
+        // Simpson's rule for μ and the diameter at the middle for EA.
+        let [start, end] = [vein.diameter_at(j), vein.diameter_at(j + 1)];
+        let middle = 0.5 * (start + end);
+        segments.push(Segment {
+            nodes: [vein.nodes[j], vein.nodes[j + 1]],
+            length,
+            stiffness: vein.axial_stiffness * middle * middle / length,
+            mass: vein.line_density * length * (start * start + 4.0 * middle * middle + end * end) / 6.0,
+        });
+    }
+    if vein.bending_stiffness == 0.0 {
+        return Ok(());
+    }
+    // Half of each segment that bends belongs to the vertex.
+    let half = |j: usize| if rigid(j) { 0.0 } else { 0.5 * edges[j].norm() };
+    let stiffness = |i: usize, length: f64| vein.bending_stiffness * vein.diameter_at(i).powi(4) / length;
+    for i in 0..edges.len() {
+        let after = [vein.nodes[i], vein.nodes[i + 1]];
+        let direction = edges[i].normalize();
+        if i == 0 {
+            if held[after[0]] && !rigid(0) && support == Support::Clamped {
+                vertices.push(Vertex { before: None, nodes: after, direction, stiffness: stiffness(0, half(0)) });
+            }
+            continue;
+        }
+        let turn = edges[i - 1].normalize().cross(&direction).norm();
+        if !(turn <= STRAIGHT && edges[i - 1].dot(&direction) > 0.0) {
+            let allowed = "a straight line at rest: a curved vein needs a material frame; split it where it turns";
+            return Err(Error::value(format!("veins.{}.nodes", vein.name), after[0], allowed));
+        }
+        let length = half(i - 1) + half(i);
+        if length > 0.0 {
+            let before = Some(vein.nodes[i - 1]);
+            vertices.push(Vertex { before, nodes: after, direction, stiffness: stiffness(i, length) });
+        }
+    }
+    Ok(())
+}

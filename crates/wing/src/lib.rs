@@ -1,0 +1,48 @@
+//! Elastic wing: a network of veins and a triangulated membrane, in space.
+//!
+//! ```text
+//! M x'' = f − ∂U/∂x − τ d(∂U/∂x)/dt,      U = U_membrane + U_plate + U_veins
+//! ```
+//!
+//! x are the positions of the nodes and M is the consistent mass matrix of linear elements. The membrane strains by
+//! constant-strain triangles with the law of St. Venant–Kirchhoff and an isotropic pretension ([`Membrane`]). It bends
+//! as a plate of Kirchhoff with constant moments in each triangle and hinges at the edges (`plate`). Veins are chains
+//! of nodes with the springs of the elastic rod ([`rod`]). The root is free, or it is held and moves as a rigid body
+//! ([`Pose`]). Time schemes are the schemes of the rod. All quantities are in SI units.
+
+#![forbid(unsafe_code)]
+
+mod elastic;
+mod error;
+mod face;
+mod generate;
+mod loads;
+mod mesh;
+mod modes;
+mod newton;
+mod parameters;
+mod plate;
+mod pose;
+mod sparse;
+mod state;
+mod statics;
+mod step;
+mod system;
+mod vein;
+mod wing;
+
+pub use crate::error::Error;
+pub use crate::generate::{ellipse, insect_wing, rectangle};
+pub use crate::loads::Loads;
+pub use crate::mesh::{Chain, Mesh};
+pub use crate::newton::Statistics;
+pub use crate::parameters::{Membrane, Parameters, Root, Support, Vein};
+pub use crate::pose::Pose;
+pub use crate::state::State;
+pub use crate::wing::{Energy, Wing};
+pub use rod::Scheme;
+
+/// The example of the README, as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

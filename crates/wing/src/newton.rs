@@ -1,0 +1,309 @@
+//! Newton's method for a stage or for equilibrium.
+//!
+//! With velocities eliminated the displacement u = x − x_0 solves
+//!
+//! ```text
+//! r(u) = b − w M u − d u − s F(x_0 + u, c_v u + v*) = 0,
+//! ```
+//!
+//! where F are the elastic and viscous forces. One factorisation serves as long as each iteration shrinks r enough. If
+//! that fails, the matrix is made positive definite and a line search limits the update: it looks for a point where r
+//! has lost its component along the update.
+
+use crate::elastic::{BadShape, Elastic};
+use crate::mesh::Vector;
+use crate::system::{System, Weights};
+
+/// Maximum number of plain iterations: 4 … 10 are usual.
+const PLAIN_ITERATIONS: usize = 30;
+/// Maximum number of guarded iterations; beyond it smaller steps cost less.
+const GUARDED_ITERATIONS: usize = 100;
+/// Largest ratio of two residuals with the same factors; beyond it a new factorisation costs less.
+const SLOW: f64 = 0.2;
+/// Tolerance of the residual, relative to the largest force on a node.
+const RELATIVE_RESIDUAL: f64 = 1e-8;
+/// Tolerance of the last update, relative to the size of the wing.
+const RELATIVE_UPDATE: f64 = 1e-13;
+/// Rounding error of a position, relative to the largest coordinate.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Largest change of an edge, relative to its length, after which a residual counts as rounding.
+const SETTLED_UPDATE: f64 = 1e-4;
+/// Share of the component of r along the update that a line search leaves.
+const REMAINDER: f64 = 0.9;
+/// Maximum number of halvings in the line search.
+const BACKTRACKS: usize = 30;
+
+/// Terms of r that do not change in the iteration.
+#[derive(Clone, Debug)]
+pub(crate) struct Problem {
+    /// b, N: `[nodes]`.
+    pub(crate) load: Vec<Vector>,
+    /// d, N/m: `[nodes]`.
+    pub(crate) own: Vec<f64>,
+    /// w, 1/s².
+    pub(crate) mass: f64,
+    /// s.
+    pub(crate) elastic: f64,
+    /// c_v, 1/s.
+    pub(crate) rate: f64,
+    /// v*, m/s: `[nodes]`; the velocity itself at a held node.
+    pub(crate) velocity: Vec<Vector>,
+}
+
+/// Effort of the last step or of the last search for equilibrium.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Newton iterations, including failed attempts.
+    pub iterations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Sub-steps.
+    pub substeps: usize,
+    /// Halvings of sub-steps that failed.
+    pub halvings: usize,
+    /// Solves that needed a line search.
+    pub rescues: usize,
+}
+
+/// Reason of a failed solve.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Failure {
+    NotConverged(Imbalance),
+    BadShape(BadShape),
+}
+
+/// Residual of a shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Imbalance {
+    /// Largest component of r, N.
+    pub(crate) residual: f64,
+    /// Tolerance, N.
+    pub(crate) tolerance: f64,
+}
+
+impl From<Imbalance> for Failure {
+    fn from(imbalance: Imbalance) -> Self {
+        Self::NotConverged(imbalance)
+    }
+}
+
+impl From<BadShape> for Failure {
+    fn from(shape: BadShape) -> Self {
+        Self::BadShape(shape)
+    }
+}
+
+/// Solver with its scratch.
+pub(crate) struct Newton {
+    pub(crate) system: System,
+    /// r, N: `[nodes]`.
+    residual: Vec<Vector>,
+    /// u, m, and M u: `[nodes]`.
+    moved: Vec<Vector>,
+    inertia: Vec<Vector>,
+    /// v, m/s: `[nodes]`.
+    velocity: Vec<Vector>,
+    /// Positions before a solve and before a line search, m: `[nodes]`.
+    before: Vec<Vector>,
+    start: Vec<Vector>,
+    /// Whether `system` holds the factors of the last matrix that was not guarded.
+    factorised: bool,
+    /// Largest diagonal entry of the last matrix, N/m.
+    stiffness: f64,
+    /// Size of the wing, m.
+    pub(crate) size: f64,
+    /// Ends of the edges whose length limits an update.
+    edges: Vec<[usize; 2]>,
+}
+
+impl Newton {
+    pub(crate) fn new(system: System, elastic: &Elastic, nodes: usize, size: f64) -> Self {
+        let zeros = || vec![Vector::zeros(); nodes];
+        let of_faces = elastic.faces.iter().flat_map(|face| (0..3).map(|i| [face.nodes[i], face.nodes[(i + 1) % 3]]));
+        let mut edges: Vec<_> = of_faces.chain(elastic.segments.iter().map(|segment| segment.nodes)).collect();
+        edges.iter_mut().for_each(|ends| ends.sort_unstable());
+        edges.sort_unstable();
+        edges.dedup();
+        Self {
+            system,
+            residual: zeros(),
+            moved: zeros(),
+            inertia: zeros(),
+            velocity: zeros(),
+            before: zeros(),
+            start: zeros(),
+            factorised: false,
+            stiffness: 0.0,
+            size,
+            edges,
+        }
+    }
+
+    /// Forget the factors: results must not depend on earlier steps.
+    pub(crate) fn forget(&mut self) {
+        self.factorised = false;
+    }
+
+    /// Move `x` from its first guess to the solution near `origin`; a failure leaves `x` undefined.
+    pub(crate) fn solve(
+        &mut self,
+        elastic: &mut Elastic,
+        problem: &Problem,
+        origin: &[Vector],
+        x: &mut [Vector],
+        statistics: &mut Statistics,
+    ) -> Result<(), Failure> {
+        self.start.copy_from_slice(x);
+        let Err(plain) = self.iterate(elastic, problem, origin, x, statistics, false) else { return Ok(()) };
+        statistics.rescues += 1;
+        x.copy_from_slice(&self.start);
+        let guarded = self.iterate(elastic, problem, origin, x, statistics, true);
+        self.factorised = false;
+        guarded.map_err(|guarded| match plain {
+            Failure::BadShape(_) => plain,
+            Failure::NotConverged(_) => guarded,
+        })
+    }
+
+    fn iterate(
+        &mut self,
+        elastic: &mut Elastic,
+        problem: &Problem,
+        origin: &[Vector],
+        x: &mut [Vector],
+        statistics: &mut Statistics,
+        guarded: bool,
+    ) -> Result<(), Failure> {
+        let limit = if guarded { GUARDED_ITERATIONS } else { PLAIN_ITERATIONS };
+        let mut imbalance = self.find_residual(elastic, problem, origin, x)?;
+        let mut stale = !self.factorised;
+        for _ in 0..limit {
+            statistics.iterations += 1;
+            if stale || guarded {
+                self.factorise(elastic, problem, x, guarded)?;
+                statistics.factorisations += 1;
+            }
+            self.system.solve(&self.residual);
+            // Share of the update that changes no edge by more than its own length.
+            let allowed = 1.0 / self.edge_change(x);
+            let before = imbalance.residual;
+            if guarded {
+                imbalance = self.search(elastic, problem, origin, x, allowed.min(1.0))?;
+            } else if allowed > 1.0 {
+                x.iter_mut().enumerate().for_each(|(k, x)| *x += self.system.update_of(k));
+                imbalance = self.find_residual(elastic, problem, origin, x)?;
+            } else {
+                return Err(imbalance.into());
+            }
+            let settled = allowed * SETTLED_UPDATE >= 1.0;
+            let rounding = if settled { ROUNDING * self.extent(x) * self.stiffness } else { 0.0 };
+            let update = self.system.update[..self.system.positions].iter().fold(0.0_f64, |l, c| c.abs().max(l));
+            if imbalance.residual <= imbalance.tolerance + rounding || update <= RELATIVE_UPDATE * self.size {
+                return Ok(());
+            }
+            stale = imbalance.residual > SLOW * before;
+        }
+        Err(imbalance.into())
+    }
+
+    /// Assemble and factorise the matrix in the shape `x`.
+    fn factorise(
+        &mut self,
+        elastic: &mut Elastic,
+        problem: &Problem,
+        x: &[Vector],
+        guarded: bool,
+    ) -> Result<(), Failure> {
+        let &Problem { mass, elastic: weight, rate, .. } = problem;
+        let weights = Weights { mass, own: &problem.own, elastic: weight, rate };
+        self.factorised = false;
+        // Compression before the first update, of a guess that stretches or compresses the wing, makes no solution.
+        for safe in [false, true].into_iter().skip(usize::from(guarded)) {
+            self.system.assemble(elastic, x, &self.velocity, &weights, safe)?;
+            self.stiffness = self.system.stiffness();
+            self.factorised = if safe { self.system.factorise_shifted() } else { self.system.matrix.factorise() };
+            if self.factorised {
+                return Ok(());
+            }
+        }
+        Err(Imbalance { residual: f64::INFINITY, tolerance: 0.0 }.into())
+    }
+
+    /// Write r in the shape `x` to `residual`.
+    fn find_residual(
+        &mut self,
+        elastic: &mut Elastic,
+        problem: &Problem,
+        origin: &[Vector],
+        x: &[Vector],
+    ) -> Result<Imbalance, BadShape> {
+        let Self { system, residual, moved, inertia, velocity, .. } = self;
+        for (k, first) in system.unknowns.iter().enumerate() {
+            moved[k] = if first.is_some() { x[k] - origin[k] } else { Vector::zeros() };
+            velocity[k] = moved[k] * problem.rate + problem.velocity[k];
+        }
+        elastic.mass_times(moved, inertia);
+        elastic.gradient(x, velocity, residual)?;
+        // `f64::max` skips NaN, a sum does not.
+        let (mut largest, mut outer, mut sum) = (0.0_f64, 0.0_f64, 0.0);
+        for (k, r) in residual.iter_mut().enumerate() {
+            if system.unknowns[k].is_none() {
+                continue;
+            }
+            let of_node = problem.load[k] - inertia[k] * problem.mass - moved[k] * problem.own[k];
+            *r = of_node - *r * problem.elastic;
+            largest = largest.max(r.amax());
+            outer = outer.max(of_node.amax()).max(problem.load[k].amax());
+            sum += r.sum();
+        }
+        let residual = if sum.is_nan() { f64::INFINITY } else { largest };
+        Ok(Imbalance { residual, tolerance: RELATIVE_RESIDUAL * outer })
+    }
+
+    /// Return the largest change of an edge by the update, relative to its length.
+    fn edge_change(&self, x: &[Vector]) -> f64 {
+        let (mut largest, mut sum) = (0.0_f64, 0.0);
+        for &[a, b] in &self.edges {
+            let change = (self.system.update_of(b) - self.system.update_of(a)).norm_squared();
+            let length = (x[b] - x[a]).norm_squared();
+            largest = largest.max(change / length);
+            sum += change;
+        }
+        // `max` skips NaN, a sum does not.
+        if sum.is_nan() { f64::INFINITY } else { largest.sqrt() }
+    }
+
+    /// Add the share of the update, at most `share`, after which r has lost enough of its component along the update.
+    fn search(
+        &mut self,
+        elastic: &mut Elastic,
+        problem: &Problem,
+        origin: &[Vector],
+        x: &mut [Vector],
+        mut share: f64,
+    ) -> Result<Imbalance, Failure> {
+        self.before.copy_from_slice(x);
+        let along = |newton: &Self| -> f64 {
+            newton.residual.iter().enumerate().map(|(k, r)| r.dot(&newton.system.update_of(k))).sum()
+        };
+        let first = along(self);
+        let mut last = Failure::NotConverged(Imbalance { residual: f64::INFINITY, tolerance: 0.0 });
+        for _ in 0..BACKTRACKS {
+            for (k, x) in x.iter_mut().enumerate() {
+                *x = self.before[k] + self.system.update_of(k) * share;
+            }
+            match self.find_residual(elastic, problem, origin, x) {
+                // A component that stays positive means that the minimum lies further on.
+                Ok(imbalance) if along(self) >= -REMAINDER * first => return Ok(imbalance),
+                Ok(imbalance) => last = imbalance.into(),
+                Err(shape) => last = shape.into(),
+            }
+            share *= 0.5;
+        }
+        Err(last)
+    }
+
+    fn extent(&self, x: &[Vector]) -> f64 {
+        x.iter().fold(self.size, |largest, x| largest.max(x.amax()))
+    }
+}

@@ -1,0 +1,222 @@
+//! Parameters of a wing.
+
+use rod::Scheme;
+use serde::{Deserialize, Serialize};
+
+use crate::mesh::Mesh;
+use crate::{Error, Wing};
+
+/// Material of a region of the membrane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Membrane {
+    /// Mass per area, kg/m².
+    pub areal_density: f64,
+    /// Stiffness E h in its plane, N/m.
+    pub stretching_stiffness: f64,
+    /// Bending stiffness D = E h³/(12 (1 − ν²)), N m; 0 bends freely.
+    pub bending_stiffness: f64,
+    /// Poisson's ratio ν.
+    pub poisson_ratio: f64,
+    /// Tension in the rest shape, N/m, equal in all directions.
+    pub tension: f64,
+}
+
+/// Vein along a chain of nodes; its rest shape is straight.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vein {
+    /// Name.
+    pub name: String,
+    /// Nodes from base to tip.
+    pub nodes: Vec<usize>,
+    /// Mass per length at the base, kg/m.
+    pub line_density: f64,
+    /// Bending stiffness EI at the base, N m².
+    pub bending_stiffness: f64,
+    /// Axial stiffness EA at the base, N.
+    pub axial_stiffness: f64,
+    /// Diameter at each node by the diameter at the base; empty for a uniform vein.
+    ///
+    /// Mass and EA follow its square, EI its fourth power.
+    pub diameter: Vec<f64>,
+}
+
+/// Support of the root.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Support {
+    /// The membrane at edges between root nodes, and veins that begin there, keep their direction.
+    #[default]
+    Clamped,
+    /// The root nodes are held, and the wing turns freely about them.
+    Pinned,
+    /// The membrane turns about the edges between root nodes against springs along them; veins turn freely.
+    TorsionSpring {
+        /// Stiffness of all springs together, N m/rad.
+        stiffness: f64,
+    },
+}
+
+/// Nodes that move with the base.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Root {
+    /// Held nodes; empty for a free wing.
+    pub nodes: Vec<usize>,
+    /// Support.
+    pub support: Support,
+    /// Centre of the rotations of the base, m.
+    pub origin: [f64; 3],
+}
+
+/// Parameters of a wing, in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameters {
+    /// Nodes and triangles at rest.
+    pub mesh: Mesh,
+    /// Materials of the membrane.
+    pub membranes: Vec<Membrane>,
+    /// Material of each triangle, as an index of `membranes`; empty if all have the first.
+    pub regions: Vec<usize>,
+    /// Veins.
+    pub veins: Vec<Vein>,
+    /// Root.
+    pub root: Root,
+    /// Gravity, m/s².
+    pub gravity: [f64; 3],
+    /// Relaxation time τ of strain, curvature and the length of veins, s.
+    ///
+    /// Forces are those of the strain plus τ times its rate (Kelvin–Voigt), so a rigid motion is not damped. A mode of
+    /// circular frequency ω has the damping ratio τ ω/2. Bending of veins is not damped.
+    pub relaxation_time: f64,
+    /// Time scheme.
+    pub scheme: Scheme,
+    /// Longest sub-step, s.
+    pub max_step: Option<f64>,
+}
+
+impl Membrane {
+    /// Return the membrane of an isotropic plate of thickness h.
+    pub fn plate(youngs_modulus: f64, poisson_ratio: f64, thickness: f64, density: f64) -> Self {
+        let stretching_stiffness = youngs_modulus * thickness;
+        Self {
+            areal_density: density * thickness,
+            stretching_stiffness,
+            bending_stiffness: stretching_stiffness * thickness * thickness / (12.0 * (1.0 - poisson_ratio.powi(2))),
+            poisson_ratio,
+            tension: 0.0,
+        }
+    }
+}
+
+impl Vein {
+    /// Return a uniform vein.
+    pub fn new(name: &str, nodes: &[usize], line_density: f64, bending_stiffness: f64, axial_stiffness: f64) -> Self {
+        let (name, nodes, diameter) = (name.into(), nodes.to_vec(), Vec::new());
+        Self { name, nodes, line_density, bending_stiffness, axial_stiffness, diameter }
+    }
+
+    /// Return the diameter at the place `i`, by the diameter at the base.
+    pub(crate) fn diameter_at(&self, i: usize) -> f64 {
+        self.diameter.get(i).copied().unwrap_or(1.0)
+    }
+}
+
+impl Parameters {
+    /// Return a free wing of one material, without veins and gravity.
+    pub fn new(mesh: Mesh, membrane: Membrane) -> Self {
+        Self {
+            mesh,
+            membranes: vec![membrane],
+            regions: Vec::new(),
+            veins: Vec::new(),
+            root: Root::default(),
+            gravity: [0.0; 3],
+            relaxation_time: 0.0,
+            scheme: Scheme::default(),
+            max_step: None,
+        }
+    }
+
+    /// Return the material of triangle `t`.
+    pub(crate) fn membrane(&self, t: usize) -> &Membrane {
+        &self.membranes[self.regions.get(t).copied().unwrap_or(0)]
+    }
+
+    /// Return the wing of these parameters.
+    pub fn build(self) -> Result<Wing, Error> {
+        Wing::new(self)
+    }
+
+    /// Refuse a parameter outside its range.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.mesh.check()?;
+        let positive = |name: String, value: f64| match value.is_finite() && value > 0.0 {
+            true => Ok(()),
+            false => Err(Error::value(name, value, "a finite number above 0")),
+        };
+        let not_negative = |name: String, value: f64| match value.is_finite() && value >= 0.0 {
+            true => Ok(()),
+            false => Err(Error::value(name, value, "a finite number of at least 0")),
+        };
+        for (i, membrane) in self.membranes.iter().enumerate() {
+            positive(format!("membranes[{i}].areal_density"), membrane.areal_density)?;
+            positive(format!("membranes[{i}].stretching_stiffness"), membrane.stretching_stiffness)?;
+            not_negative(format!("membranes[{i}].bending_stiffness"), membrane.bending_stiffness)?;
+            not_negative(format!("membranes[{i}].tension"), membrane.tension)?;
+            if !(membrane.poisson_ratio > -1.0 && membrane.poisson_ratio < 1.0) {
+                let name = format!("membranes[{i}].poisson_ratio");
+                return Err(Error::value(name, membrane.poisson_ratio, "between −1 and 1"));
+            }
+        }
+        let triangles = self.mesh.triangles.len();
+        if !self.regions.is_empty() && self.regions.len() != triangles {
+            return Err(Error::Length { name: "regions".into(), length: self.regions.len(), expected: triangles });
+        }
+        if let Some(t) = self.regions.iter().position(|&region| region >= self.membranes.len()) {
+            return Err(Error::value(format!("regions[{t}]"), self.regions[t], "the number of a material, from 0"));
+        }
+        if triangles > 0 && self.membranes.is_empty() {
+            return Err(Error::value("membranes", "empty", "at least one material"));
+        }
+        let nodes = self.mesh.nodes.len();
+        for vein in &self.veins {
+            let name = |key: &str| format!("veins.{}.{key}", vein.name);
+            positive(name("line_density"), vein.line_density)?;
+            positive(name("axial_stiffness"), vein.axial_stiffness)?;
+            not_negative(name("bending_stiffness"), vein.bending_stiffness)?;
+            if vein.nodes.len() < 2 || vein.nodes.iter().any(|&k| k >= nodes) {
+                return Err(Error::value(name("nodes"), &vein.nodes, "at least two numbers of nodes, counted from 0"));
+            }
+            if !vein.diameter.is_empty() && vein.diameter.len() != vein.nodes.len() {
+                let (length, expected) = (vein.diameter.len(), vein.nodes.len());
+                return Err(Error::Length { name: name("diameter"), length, expected });
+            }
+            for (i, &ratio) in vein.diameter.iter().enumerate() {
+                positive(name(&format!("diameter[{i}]")), ratio)?;
+            }
+        }
+        if let Some(&k) = self.root.nodes.iter().find(|&&k| k >= nodes) {
+            return Err(Error::value("root.nodes", k, "the number of a node, counted from 0"));
+        }
+        if let Support::TorsionSpring { stiffness } = self.root.support {
+            positive("root.support.stiffness".into(), stiffness)?;
+        }
+        if self.root.origin.iter().chain(&self.gravity).any(|number| !number.is_finite()) {
+            return Err(Error::value("root.origin and gravity", (self.root.origin, self.gravity), "finite"));
+        }
+        not_negative("relaxation_time".into(), self.relaxation_time)?;
+        if let Some(longest) = self.max_step {
+            positive("max_step".into(), longest)?;
+        }
+        if let Scheme::GeneralisedAlpha { rho_inf } = self.scheme
+            && !(0.0..=1.0).contains(&rho_inf)
+        {
+            return Err(Error::value("scheme.generalised_alpha.rho_inf", rho_inf, "between 0 and 1"));
+        }
+        let mut used = vec![false; nodes];
+        let corners = self.mesh.triangles.iter().flatten();
+        corners.chain(self.veins.iter().flat_map(|vein| &vein.nodes)).for_each(|&k| used[k] = true);
+        match used.iter().position(|&used| !used) {
+            Some(k) => Err(Error::value(format!("mesh.nodes[{k}]"), "in no triangle and no vein", "part of the wing")),
+            None => Ok(()),
+        }
+    }
+}

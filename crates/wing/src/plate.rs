@@ -1,0 +1,136 @@
+//! Bending of the membrane: constant moments in each triangle, hinges at the edges.
+//!
+//! The normals of two triangles turn at their edge e by the angle θ_e. The moment M_e across the edge, per length, is
+//! the same on both sides. Three such moments make the moment tensor of a triangle, and its compliance turns each edge
+//! by (C_T M)_e out of the normal:
+//!
+//! ```text
+//! C M = θ − θ_rest,     C = Σ_T C_T,     C_T⁻¹ = D A (l_i l_j/A²) [(1 − ν) (n_i · n_j)² + ν],
+//! U = ½ (θ − θ_rest) · C⁻¹ (θ − θ_rest).
+//! ```
+//!
+//! With small angles this is the lowest-order method of Hellan, Herrmann and Johnson for the plate of Kirchhoff, which
+//! converges on any regular mesh and has free edges as natural conditions, M_e = 0 (Comodi 1989, Math. Comp. 52, 17).
+//! Splitting θ_e into halves, as rotation-free elements do, saves the moments, but is not consistent: the second
+//! frequency of a cantilever plate is then 48 % off on a mesh with alternating diagonals.
+//!
+//! A held edge has one triangle and turns from the normal of the support; a torsion spring there adds its compliance.
+//! C⁻¹ is full, so Newton's matrix has the turn of each edge as an unknown beside the nodes (`system`).
+
+use nalgebra::{Matrix3, Matrix3x4};
+
+use crate::face::{EdgeFrame, Face, FaceShape};
+use crate::mesh::Vector;
+
+/// Limit of cos θ: an edge that turns further counts as folded.
+const FOLD: f64 = -0.95;
+
+/// Edge with a moment.
+pub(crate) struct Hinge {
+    /// Ends in the direction of the first triangle, then the opposite corners of both; one at a held edge.
+    pub(crate) nodes: [usize; 4],
+    /// Triangle and corner opposite to the edge.
+    pub(crate) first: (usize, usize),
+    pub(crate) second: Side,
+    /// Angle at rest, rad.
+    pub(crate) rest: f64,
+}
+
+/// Second side of an edge.
+pub(crate) enum Side {
+    Face(usize, usize),
+    /// Support with this normal at rest.
+    Support(Vector),
+}
+
+/// Angle of a hinge and its derivatives by the nodes of the hinge.
+pub(crate) struct Turn {
+    pub(crate) angle: f64,
+    /// 1/m, in columns.
+    pub(crate) gradient: Matrix3x4<f64>,
+}
+
+impl Hinge {
+    /// Return the number of nodes.
+    pub(crate) fn count(&self) -> usize {
+        match self.second {
+            Side::Face(..) => 4,
+            Side::Support(_) => 3,
+        }
+    }
+
+    /// Return θ with its gradient in the shapes of the triangles, with the `support` turned; `None` at a fold.
+    pub(crate) fn turn(&self, shapes: &[FaceShape], support: &Matrix3<f64>) -> Option<Turn> {
+        let first = &shapes[self.first.0];
+        let frame = first.edge(self.first.1);
+        let mut gradient = Matrix3x4::zeros();
+        add(&mut gradient, [0, 1, 2], self.first.1, first, &frame);
+        let other = match self.second {
+            Side::Face(t, i) => {
+                let second = &shapes[t];
+                // The second triangle runs through the edge from end to begin.
+                add(&mut gradient, [1, 0, 3], i, second, &second.edge(i));
+                second.normal
+            }
+            Side::Support(normal) => support * normal,
+        };
+        let (sin, cos) = (other.cross(&first.normal).dot(&frame.along), other.dot(&first.normal));
+        (cos > FOLD).then(|| Turn { angle: sin.atan2(cos), gradient })
+    }
+
+    /// Return the rate of θ for the velocities `v` and the angular velocity of the support, rad/s.
+    pub(crate) fn rate(&self, turn: &Turn, v: &[Vector], shapes: &[FaceShape], omega: &Vector) -> f64 {
+        let nodes = self.nodes[..self.count()].iter().enumerate();
+        let of_nodes: f64 = nodes.map(|(j, &k)| turn.gradient.column(j).dot(&v[k])).sum();
+        match self.second {
+            Side::Face(..) => of_nodes,
+            Side::Support(_) => of_nodes - omega.dot(&shapes[self.first.0].edge(self.first.1).along),
+        }
+    }
+}
+
+/// Add the gradient of one side of the edge opposite to corner `i`: begin, end and opposite corner go to `columns`.
+fn add(gradient: &mut Matrix3x4<f64>, columns: [usize; 3], i: usize, shape: &FaceShape, frame: &EdgeFrame) {
+    for (column, corner) in columns.into_iter().zip([(i + 1) % 3, (i + 2) % 3, i]) {
+        let sum = gradient.column(column) + shape.normal * frame.by_across[corner];
+        gradient.set_column(column, &sum);
+    }
+}
+
+/// Add Σ M_i ∂²θ_i/∂x∂x of the edges i of one triangle to its blocks (j, k) of [`crate::face::PAIRS`].
+///
+/// The part of one triangle is not symmetric, and the difference cancels with the triangle beyond the edge. So each
+/// contributes its symmetric part.
+pub(crate) fn add_hessian(blocks: &mut [Matrix3<f64>; 6], shape: &FaceShape, moments: [f64; 3]) {
+    let n = shape.normal;
+    for (i, moment) in moments.into_iter().enumerate().filter(|(_, moment)| *moment != 0.0) {
+        let EdgeFrame { along, across, by_along, by_across } = shape.edge(i);
+        for (block, (j, k)) in blocks.iter_mut().zip(crate::face::PAIRS) {
+            let both = by_across[j] * by_across[k] + 0.5 * by_along[j] * by_along[k];
+            let row = (across * both + along * (by_across[k] * by_along[j])) * moment;
+            let column = (across * both + along * (by_across[j] * by_along[k])) * moment;
+            *block -= n * row.transpose() + column * n.transpose();
+        }
+    }
+}
+
+/// Return Σ π_ij Q_il π_lk of the turns of the edges i and l of a triangle by its corners j and k, and Σ Q_il π_lk.
+pub(crate) fn stiffness(shape: &FaceShape, bending: &Matrix3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
+    let by_across = Matrix3::from_fn(|i, j| {
+        let gradient = &shape.gradients[i];
+        gradient.dot(&shape.gradients[j]) / gradient.norm()
+    });
+    let moments = bending * by_across;
+    (by_across.transpose() * moments, moments)
+}
+
+/// Return C_T of a triangle of bending stiffness D, rad/(N m).
+pub(crate) fn compliance(face: &Face, corners: [Vector; 3], bending_stiffness: f64, nu: f64) -> Option<Matrix3<f64>> {
+    let edges: [Vector; 3] = std::array::from_fn(|i| corners[(i + 2) % 3] - corners[(i + 1) % 3]);
+    Matrix3::from_fn(|i, j| {
+        let lengths = edges[i].norm() * edges[j].norm();
+        let cosine = edges[i].dot(&edges[j]) / lengths;
+        bending_stiffness * lengths / face.area * ((1.0 - nu) * cosine * cosine + nu)
+    })
+    .try_inverse()
+}

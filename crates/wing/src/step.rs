@@ -1,0 +1,299 @@
+//! Steps in time: loads, sub-steps and stages.
+
+use rod::{Drive, Exchange, Scheme, StepRule, TRAPEZOID_PART};
+
+use crate::mesh::Vector;
+use crate::newton::{Failure, Statistics};
+use crate::{Error, Pose, Wing};
+
+/// Maximum number of halvings of a failed sub-step.
+pub(crate) const HALVINGS: u32 = 6;
+/// Maximum number of sub-steps of `max_step` in a step.
+const MAX_STEPS: f64 = 1e4;
+/// Maximum number of iterations for the first accelerations; the mass matrix needs about twenty.
+const MASS_ITERATIONS: usize = 200;
+/// Tolerance of the first accelerations.
+const MASS_TOLERANCE: f64 = 1e-13;
+
+/// Part of a step.
+#[derive(Clone, Copy)]
+struct Span {
+    /// Begin and end, as fractions of the step.
+    from: f64,
+    to: f64,
+    /// Length, s.
+    dt: f64,
+    /// Length of the whole step, s.
+    duration: f64,
+    /// Pose of the base at the end of the whole step.
+    base: Pose,
+}
+
+impl Span {
+    /// Return the first `part` and the rest.
+    fn split(self, part: f64) -> (Self, Self) {
+        let middle = self.from + part * (self.to - self.from);
+        (Self { to: middle, dt: part * self.dt, ..self }, Self { from: middle, dt: (1.0 - part) * self.dt, ..self })
+    }
+}
+
+impl Wing {
+    /// Advance by `duration`, s, under the present loads.
+    ///
+    /// The wing takes equal sub-steps no longer than `max_step` and halves a failed sub-step up to six times. The loads
+    /// are the loads at the end of the step. Forces with an impedance refer to the velocity at the beginning of the
+    /// step.
+    ///
+    /// # Errors
+    /// A step may fail to converge or fold the wing. After an error the state is the state before the step.
+    pub fn step(&mut self, duration: f64) -> Result<(), Error> {
+        if !(duration.is_finite() && duration > 0.0) {
+            return Err(Error::value("duration", duration, "a finite number of seconds above 0"));
+        }
+        // A duration that exceeds a multiple of `max_step` by rounding needs no extra sub-step.
+        let steps = self.parameters.max_step.map_or(1.0, |longest| (duration / longest - 1e-9).ceil().max(1.0));
+        if steps > MAX_STEPS {
+            return Err(Error::value("duration", duration, "at most 10000 times max_step"));
+        }
+        let base =
+            self.base_motion.unwrap_or(Pose { velocity: [0.0; 3], angular_velocity: [0.0; 3], ..self.state.pose });
+        base.check()?;
+        self.collect_loads()?;
+        self.before.copy_from(&self.state);
+        self.statistics = Statistics::default();
+        self.newton.forget();
+        if self.state.last_step == 0.0 {
+            self.start()?;
+        }
+        let whole = 1_u64 << HALVINGS;
+        let total = steps as u64 * whole;
+        let (mut size, mut remaining) = (whole, total);
+        while remaining > 0 {
+            let span = Span {
+                from: (total - remaining) as f64 / total as f64,
+                to: (total - remaining + size) as f64 / total as f64,
+                dt: duration * (size as f64 / total as f64),
+                duration,
+                base,
+            };
+            match self.substep(span) {
+                Ok(()) => {
+                    remaining -= size;
+                    if size < whole && remaining.is_multiple_of(2 * size) {
+                        size *= 2;
+                        self.newton.forget();
+                    }
+                }
+                Err(_) if size > 1 => {
+                    self.statistics.halvings += 1;
+                    size /= 2;
+                    self.newton.forget();
+                }
+                Err(failure) => {
+                    self.state.copy_from(&self.before);
+                    self.align_support();
+                    return Err(self.error(failure));
+                }
+            }
+        }
+        self.state.pose = base;
+        self.align_support();
+        self.sum_up(duration)?;
+        self.publish();
+        Ok(())
+    }
+
+    /// Record force, power and work of the loads and of the base in the step of `duration` seconds just made.
+    fn sum_up(&mut self, duration: f64) -> Result<(), Error> {
+        let gravity = Vector::from(self.parameters.gravity);
+        let (mut force, mut power) = (Vector::zeros(), 0.0);
+        for (k, v) in self.state.velocities.iter().enumerate() {
+            let load = self.force[k] - gravity * self.masses[k] - self.resistance(k, v);
+            force += load;
+            power += load.dot(v);
+        }
+        let work = self.state.exchange.work + power * duration;
+        self.state.exchange = Exchange { force, power, work };
+        if self.parameters.root.nodes.is_empty() {
+            return Ok(());
+        }
+        self.elastic.mass_times(&self.state.accelerations, &mut self.guess);
+        let (x, v) = (&self.state.positions, &self.state.velocities);
+        self.elastic.gradient(x, v, &mut self.product)?;
+        let centre = Vector::from(self.parameters.root.origin) + Vector::from(self.state.pose.displacement);
+        let omega = Vector::from(self.state.pose.angular_velocity);
+        // The support turns the edges that it holds by the couple that the nodes alone do not balance.
+        let couple: Vector = x.iter().zip(&self.product).map(|(x, elastic)| elastic.cross(&(x - centre))).sum();
+        let (mut force, mut moment, mut power) = (Vector::zeros(), couple, couple.dot(&omega));
+        for k in (0..self.rest.len()).filter(|&k| self.held[k]) {
+            let reaction = self.guess[k] + self.product[k] - self.force[k] + self.resistance(k, &v[k]);
+            force += reaction;
+            moment += (x[k] - centre).cross(&reaction);
+            power += reaction.dot(&v[k]);
+        }
+        let work = self.state.drive.work + power * duration;
+        self.state.drive = Drive { force, moment: moment.into(), power, work };
+        Ok(())
+    }
+
+    /// Return the force of the impedance of node `k` against the velocity `v`, N.
+    fn resistance(&self, k: usize, v: &Vector) -> Vector {
+        let impedance = self.loads.impedance.get(k).copied().unwrap_or(0.0);
+        (v - self.before.velocities[k]) * impedance
+    }
+
+    /// Make a sub-step by the time scheme; a failure leaves the state unchanged.
+    fn substep(&mut self, span: Span) -> Result<(), Failure> {
+        let last_step = self.state.last_step;
+        match self.parameters.scheme {
+            Scheme::Trapezoid => self.stage(StepRule::trapezoid(span.dt), 1.0, span)?,
+            Scheme::GeneralisedAlpha { rho_inf } => {
+                self.stage(StepRule::generalised_alpha(rho_inf, span.dt), 1.0, span)?;
+            }
+            Scheme::Bdf2 => self.stage(StepRule::bdf2(span.dt, last_step), 1.0, span)?,
+            Scheme::TrBdf2 => {
+                self.before_substep.copy_from(&self.state);
+                let (first, second) = span.split(TRAPEZOID_PART);
+                self.stage(StepRule::trapezoid(first.dt), TRAPEZOID_PART, first)?;
+                let second_stage = self.stage(StepRule::bdf2(second.dt, first.dt), 1.0, second);
+                if second_stage.is_err() {
+                    self.state.copy_from(&self.before_substep);
+                    self.align_support();
+                    return second_stage;
+                }
+            }
+        }
+        self.state.loads.copy_from_slice(&self.force);
+        self.statistics.substeps += 1;
+        Ok(())
+    }
+
+    /// Solve for one stage over `span.dt` by `rule`; a failure leaves the state unchanged.
+    ///
+    /// The loads lie at the fraction `load_part` between the loads of the last step and the present loads.
+    fn stage(&mut self, rule: StepRule, load_part: f64, span: Span) -> Result<(), Failure> {
+        let dt = span.dt;
+        let StepRule { c_v, c_a, new_mass, old_mass, new_force, old_force, .. } = rule;
+        let placement = self.before.pose.towards(&span.base, span.to, span.duration);
+        let origin = Vector::from(self.parameters.root.origin);
+        for k in 0..self.rest.len() {
+            let state = &self.state;
+            let (v, a) = (state.velocities[k], state.accelerations[k]);
+            let (guess, v_star, a_star) = if self.held[k] {
+                let [x, v, a] = placement.node(origin, self.rest[k] - origin);
+                (x, v, a)
+            } else {
+                let (v_star, a_star) = rule.at_no_displacement(state.motion(k));
+                (state.positions[k] + v * dt + a * (0.5 * dt * dt), v_star, a_star)
+            };
+            self.guess[k] = guess;
+            self.problem.velocity[k] = v_star;
+            self.acceleration[k] = a_star;
+            self.blend[k] = a_star * new_mass + a * old_mass;
+        }
+        self.elastic.mass_times(&self.blend, &mut self.product);
+        for k in 0..self.rest.len() {
+            let d = self.loads.impedance.get(k).copied().unwrap_or(0.0);
+            let force = self.force[k] * load_part + self.state.loads[k] * (1.0 - load_part);
+            let resistance = self.resistance(k, &self.problem.velocity[k]);
+            self.problem.own[k] = new_force * d * c_v;
+            self.problem.load[k] =
+                (force - resistance) * new_force + self.state.net_forces[k] * old_force - self.product[k];
+        }
+        (self.problem.mass, self.problem.elastic, self.problem.rate) = (new_mass * c_a, new_force, c_v);
+        self.elastic.support = placement.rotation;
+        self.elastic.omega = vee(&(placement.rate * placement.rotation.transpose()));
+        let Self { newton, elastic, problem, state, guess, statistics, .. } = self;
+        if let Err(failure) = newton.solve(elastic, problem, &state.positions, guess, statistics) {
+            self.align_support();
+            return Err(failure);
+        }
+
+        for k in 0..self.rest.len() {
+            let state = &mut self.state;
+            let u = self.guess[k] - state.positions[k];
+            let (mut v, mut a) = (self.problem.velocity[k], self.acceleration[k]);
+            if !self.held[k] {
+                (v, a) = (u * c_v + v, u * c_a + a);
+            }
+            self.blend[k] = a * new_mass + state.accelerations[k] * old_mass;
+            state.previous_positions[k] = state.positions[k];
+            state.previous_velocities[k] = state.velocities[k];
+            state.positions[k] = self.guess[k];
+            state.velocities[k] = v;
+            state.accelerations[k] = a;
+        }
+        if old_force != 0.0 {
+            self.elastic.mass_times(&self.blend, &mut self.product);
+            for (net, blended) in self.state.net_forces.iter_mut().zip(&self.product) {
+                *net = (blended - *net * old_force) / new_force;
+            }
+        }
+        self.state.pose = Pose {
+            displacement: placement.displacement.into(),
+            velocity: placement.velocity.into(),
+            rotation: std::array::from_fn(|i| std::array::from_fn(|j| placement.rotation[(i, j)])),
+            angular_velocity: self.elastic.omega.into(),
+        };
+        self.state.last_step = dt;
+        Ok(())
+    }
+
+    /// Set accelerations and net forces before the first step: M a = F on the free nodes, by conjugate gradients.
+    fn start(&mut self) -> Result<(), Error> {
+        let Self { elastic, state, force, problem, guess, product, held, masses, .. } = self;
+        let (residual, direction) = (&mut problem.load, guess);
+        elastic.gradient(&state.positions, &state.velocities, product)?;
+        for k in 0..held.len() {
+            state.net_forces[k] = force[k] - product[k];
+        }
+        state.loads.copy_from_slice(force);
+        elastic.mass_times(&state.accelerations, product);
+        let mut square = 0.0;
+        for k in 0..held.len() {
+            residual[k] = if held[k] { Vector::zeros() } else { state.net_forces[k] - product[k] };
+            direction[k] = residual[k] / masses[k];
+            square += residual[k].dot(&direction[k]);
+        }
+        let first = square;
+        for _ in 0..MASS_ITERATIONS {
+            if square <= MASS_TOLERANCE * MASS_TOLERANCE * first {
+                break;
+            }
+            elastic.mass_times(direction, product);
+            let length = square / direction.iter().zip(&*product).map(|(d, p)| d.dot(p)).sum::<f64>();
+            let mut next = 0.0;
+            for k in (0..held.len()).filter(|&k| !held[k]) {
+                state.accelerations[k] += direction[k] * length;
+                residual[k] -= product[k] * length;
+                next += residual[k].norm_squared() / masses[k];
+            }
+            for k in (0..held.len()).filter(|&k| !held[k]) {
+                direction[k] = residual[k] / masses[k] + direction[k] * (next / square);
+            }
+            square = next;
+        }
+        Ok(())
+    }
+
+    /// Check the loads and add them to gravity.
+    pub(crate) fn collect_loads(&mut self) -> Result<(), Error> {
+        let nodes = self.rest.len();
+        self.loads.check(nodes)?;
+        let gravity = Vector::from(self.parameters.gravity);
+        for k in 0..nodes {
+            self.force[k] = gravity * self.masses[k];
+        }
+        if !self.loads.force.is_empty() {
+            for (d, component) in self.loads.force.chunks_exact(nodes).enumerate() {
+                self.force.iter_mut().zip(component).for_each(|(sum, force)| sum[d] += force);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Return the angular velocity of a rate of rotation.
+fn vee(rate: &nalgebra::Matrix3<f64>) -> Vector {
+    Vector::new(rate[(2, 1)] - rate[(1, 2)], rate[(0, 2)] - rate[(2, 0)], rate[(1, 0)] - rate[(0, 1)]) * 0.5
+}

@@ -1,0 +1,76 @@
+//! Newton's matrix against differences of the forces.
+
+use super::{System, Weights};
+use crate::elastic::Elastic;
+use crate::mesh::Vector;
+use crate::{Membrane, Parameters, Root, Support, Vein, rectangle};
+
+/// Return a wing with all kinds of springs, in a shape bent, stretched and sheared by some percent.
+fn wing(support: Support) -> (Parameters, Vec<bool>, Vec<Vector>) {
+    let mesh = rectangle(1.0, 0.8, 4);
+    let root = Root { nodes: mesh.chain("root").expect("a root").to_vec(), support, origin: [0.0; 3] };
+    let vein = Vein::new("vein", mesh.chain("right").expect("a side"), 0.1, 0.02, 50.0);
+    let membrane = Membrane { tension: 3.0, ..Membrane::plate(1e4, 0.3, 1e-2, 100.0) };
+    let mut held = vec![false; mesh.nodes.len()];
+    root.nodes.iter().for_each(|&k| held[k] = true);
+    let shape = (0..mesh.nodes.len()).map(|k| {
+        let [x, y, _]: [f64; 3] = mesh.nodes[k];
+        let bend = if held[k] { 0.0 } else { 0.2 * x * x + 0.1 * x * (5.0 * y).sin() };
+        Vector::new(x + 0.03 * x * y, y + 0.02 * x * (3.0 * x).sin(), bend)
+    });
+    let shape = shape.collect();
+    (Parameters { root, veins: vec![vein], ..Parameters::new(mesh, membrane) }, held, shape)
+}
+
+#[test]
+fn the_tangent_is_the_derivative_of_the_forces() {
+    for support in [Support::Clamped, Support::Pinned, Support::TorsionSpring { stiffness: 0.3 }] {
+        let (parameters, held, x) = wing(support);
+        let mut elastic = Elastic::new(&parameters, &held).expect("springs");
+        let mut system = System::new(&elastic, &held).expect("a matrix");
+        let still = vec![Vector::zeros(); x.len()];
+        let own = vec![0.0; x.len()];
+        let weights = Weights { mass: 0.0, own: &own, elastic: 1.0, rate: 0.0 };
+        system.assemble(&mut elastic, &x, &still, &weights, false).expect("a good shape");
+        assert!(system.matrix.factorise(), "a positive definite matrix");
+        // The matrix has unknowns beside the nodes, so compare its inverse: K⁻¹ (K p) = p.
+        let direction: Vec<_> = (0..x.len())
+            .map(|k| if held[k] { Vector::zeros() } else { Vector::from_fn(|d, _| ((7 * k + 3 * d) as f64).sin()) })
+            .collect();
+        let mut forces = |sign: f64| {
+            let moved: Vec<_> = x.iter().zip(&direction).map(|(x, p)| x + p * (sign * 1e-6)).collect();
+            let mut gradient = still.clone();
+            elastic.gradient(&moved, &still, &mut gradient).expect("a good shape");
+            gradient
+        };
+        let (ahead, behind) = (forces(1.0), forces(-1.0));
+        let product: Vec<_> = ahead.iter().zip(&behind).map(|(a, b)| (a - b) / 2e-6).collect();
+        system.solve(&product);
+        let worst = (0..x.len()).map(|k| (system.update_of(k) - direction[k]).amax()).fold(0.0, f64::max);
+        assert!(worst < 1e-6, "{support:?}: off by {worst:.1e} of 1");
+    }
+}
+
+#[test]
+fn the_forces_are_the_derivative_of_the_energy() {
+    for support in [Support::Clamped, Support::Pinned] {
+        let (parameters, held, x) = wing(support);
+        let mut elastic = Elastic::new(&parameters, &held).expect("springs");
+        let still = vec![Vector::zeros(); x.len()];
+        let mut gradient = still.clone();
+        elastic.gradient(&x, &still, &mut gradient).expect("a good shape");
+        let largest = gradient.iter().map(|g| g.amax()).fold(0.0, f64::max);
+        for k in 0..x.len() {
+            for d in 0..3 {
+                let mut energy = |step: f64| {
+                    let mut moved = x.clone();
+                    moved[k][d] += step;
+                    let energy = elastic.energy(&moved).expect("a good shape");
+                    energy.stretching + energy.bending + energy.veins
+                };
+                let slope = (energy(1e-6) - energy(-1e-6)) / 2e-6;
+                assert!((slope - gradient[k][d]).abs() < 1e-7 * largest, "node {k}: {slope} and {}", gradient[k][d]);
+            }
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Steps in time: invariants, order, motion of the base, and the contract of a step.
+
+use nervure_wing::{Membrane, Parameters, Pose, Root, Scheme, Support, Wing, rectangle};
+
+fn free_wing(scheme: Scheme) -> Wing {
+    let mesh = rectangle(0.2, 0.1, 4);
+    let mut wing = Parameters { scheme, ..Parameters::new(mesh, Membrane::plate(1e8, 0.3, 1e-3, 1000.0)) }
+        .build()
+        .expect("a wing");
+    let velocities: Vec<_> = wing
+        .parameters()
+        .mesh
+        .nodes
+        .iter()
+        .map(|[x, y, _]| [0.3 - 0.5 * y, 0.5 * x, 4.0 * (30.0 * x).cos() * y + 20.0 * (x - 0.1) * (x - 0.1)])
+        .collect();
+    wing.set_velocities(&velocities).expect("velocities");
+    wing
+}
+
+#[test]
+fn a_free_wing_keeps_its_momentum_in_each_scheme() {
+    for scheme in [Scheme::TrBdf2, Scheme::Bdf2, Scheme::Trapezoid, Scheme::GeneralisedAlpha { rho_inf: 0.8 }] {
+        let mut wing = free_wing(scheme);
+        let [before, turning] = wing.momentum();
+        (0..50).for_each(|_| wing.step(1e-4).expect("a step"));
+        let [after, turned] = wing.momentum();
+        let scale = before.iter().map(|p| p * p).sum::<f64>().sqrt();
+        let change = before.iter().zip(after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale;
+        let scale = turning.iter().map(|p| p * p).sum::<f64>().sqrt();
+        let turn = turning.iter().zip(turned).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / scale;
+        println!("{scheme:?}: momentum {change:.1e}, angular momentum {turn:.1e}");
+        assert!(change < 1e-10 && turn < 2e-3);
+    }
+}
+
+#[test]
+fn damping_takes_energy_but_no_momentum() {
+    let mesh = rectangle(0.2, 0.1, 4);
+    let membrane = Membrane::plate(1e8, 0.3, 1e-3, 1000.0);
+    let mut wing = Parameters { relaxation_time: 1e-3, ..Parameters::new(mesh, membrane) }.build().expect("a wing");
+    let bend: Vec<_> = wing.parameters().mesh.nodes.iter().map(|[x, _, _]| [0.0, 0.02, (30.0 * x).cos()]).collect();
+    wing.set_velocities(&bend).expect("velocities");
+    let [before, _] = wing.momentum();
+    let (mut energy, mut lost, dt) = (wing.energy().expect("an energy").total(), 0.0, 2e-4);
+    let first = energy;
+    let mut power = wing.damping_power().expect("a power");
+    for _ in 0..200 {
+        wing.step(dt).expect("a step");
+        let now = wing.energy().expect("an energy").total();
+        let next = wing.damping_power().expect("a power");
+        assert!(now <= energy * (1.0 + 1e-9) && next >= 0.0);
+        lost += 0.5 * dt * (power + next);
+        (energy, power) = (now, next);
+    }
+    let [after, _] = wing.momentum();
+    println!("{first} {energy} {lost}");
+    assert!(before.iter().zip(after).all(|(a, b)| (a - b).abs() < 1e-12));
+    assert!(lost > 0.05 * first && ((first - energy) / lost - 1.0).abs() < 0.05);
+}
+
+#[test]
+fn steps_are_of_second_order() {
+    for scheme in [Scheme::TrBdf2, Scheme::Bdf2, Scheme::GeneralisedAlpha { rho_inf: 0.5 }] {
+        let end = |steps: usize| {
+            let mut wing = free_wing(scheme);
+            (0..steps).for_each(|_| wing.step(2e-3 / steps as f64).expect("a step"));
+            let k = wing.nodes() - 1;
+            [0, 1, 2].map(|d| wing.positions(d)[k])
+        };
+        let shapes = [160, 320, 640].map(end);
+        let off = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let ratio = off(shapes[0], shapes[1]) / off(shapes[1], shapes[2]);
+        println!("{scheme:?}: {ratio}");
+        assert!((3.2..5.5).contains(&ratio), "{scheme:?}: {ratio}");
+    }
+}
+
+/// Return the pose of a base that turns about z by `angle` at the rate `omega`.
+fn turned(angle: f64, omega: f64) -> Pose {
+    let (sin, cos) = angle.sin_cos();
+    Pose {
+        rotation: [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]],
+        angular_velocity: [0.0, 0.0, omega],
+        ..Pose::rest()
+    }
+}
+
+#[test]
+fn a_base_at_constant_rate_turns_a_stiff_wing_without_power_and_balances_its_centrifugal_force() {
+    let mesh = rectangle(0.2, 0.1, 4);
+    let root = Root { nodes: mesh.chain("root").expect("a root").to_vec(), ..Root::default() };
+    let membrane = Membrane::plate(1e9, 0.3, 2e-3, 1000.0);
+    let parameters = Parameters { root, relaxation_time: 1e-4, ..Parameters::new(mesh, membrane) };
+    let mut wing = parameters.build().expect("a wing");
+    let (omega, dt) = (5.0, 2e-3);
+    wing.place(turned(0.0, omega)).expect("a pose");
+    for step in 1..=200 {
+        wing.base_motion = Some(turned(omega * dt * f64::from(step), omega));
+        wing.step(dt).expect("a step");
+    }
+    let drive = wing.state().drive;
+    let mass: f64 = wing.masses().iter().sum();
+    let pull = drive.force.norm() / (mass * omega * omega * 0.1);
+    println!("{pull} {} {}", drive.power, drive.work);
+    assert!((pull - 1.0).abs() < 1e-2);
+    assert!(drive.power.abs() < 1e-3 * mass * omega.powi(3) * 0.01);
+}
+
+#[test]
+fn the_work_of_the_drive_is_the_energy_of_a_flapping_wing() {
+    let mesh = rectangle(0.2, 0.1, 4);
+    let root = Root { nodes: mesh.chain("root").expect("a root").to_vec(), ..Root::default() };
+    let membrane = Membrane::plate(1e8, 0.3, 1e-3, 1000.0);
+    let parameters = Parameters { root, ..Parameters::new(mesh, membrane) };
+    let mut wing = parameters.build().expect("a wing");
+    let dt = 1e-3;
+    // About y, so the wing bends.
+    let pose = |t: f64| {
+        let (angle, omega) = (0.3 * (1.0 - (20.0 * t).cos()), 6.0 * (20.0 * t).sin());
+        let (sin, cos) = angle.sin_cos();
+        let rotation = [[cos, 0.0, sin], [0.0, 1.0, 0.0], [-sin, 0.0, cos]];
+        Pose { rotation, angular_velocity: [0.0, omega, 0.0], ..Pose::rest() }
+    };
+    wing.place(pose(0.0)).expect("a pose");
+    let (mut largest, mut work, mut power) = (0.0_f64, 0.0, 0.0);
+    for step in 1..=300 {
+        wing.base_motion = Some(pose(dt * f64::from(step)));
+        wing.step(dt).expect("a step");
+        let energy = wing.energy().expect("an energy").total();
+        largest = largest.max(energy);
+        // The trapezoid of the power; the unit's work is a sum of first order.
+        let now = wing.state().drive.power;
+        work += 0.5 * dt * (power + now);
+        power = now;
+        assert!((energy - work).abs() < 0.03 * largest.max(1e-4), "step {step}: {energy} and {work}");
+    }
+    assert!(largest > 1e-4);
+}
+
+#[test]
+fn a_torsion_spring_turns_by_moment_over_stiffness() {
+    let mesh = rectangle(0.2, 0.1, 4);
+    let stiffness = 1e-2;
+    let root = Root {
+        nodes: mesh.chain("root").expect("a root").to_vec(),
+        support: Support::TorsionSpring { stiffness },
+        ..Root::default()
+    };
+    let membrane = Membrane::plate(1e13, 0.3, 2e-3, 1000.0);
+    let mut wing = Parameters { root, ..Parameters::new(mesh, membrane) }.build().expect("a wing");
+    let (nodes, force) = (wing.nodes(), 1e-4);
+    wing.loads.force = vec![0.0; 3 * nodes];
+    let tip = wing.parameters().mesh.chain("tip").expect("a tip").to_vec();
+    tip.iter().for_each(|&k| wing.loads.force[2 * nodes + k] = force / tip.len() as f64);
+    wing.solve_static().expect("an equilibrium");
+    let angle = wing.positions(2)[tip[2]].atan2(wing.positions(0)[tip[2]]);
+    let expected = force * 0.2 * angle.cos() / stiffness;
+    assert!((angle / expected - 1.0).abs() < 1e-4, "{angle} and {expected}");
+}
+
+#[test]
+fn a_step_allocates_nothing_and_repeats_its_bits_from_a_state() {
+    let mesh = rectangle(0.2, 0.1, 6);
+    let root = Root { nodes: mesh.chain("root").expect("a root").to_vec(), ..Root::default() };
+    let membrane = Membrane::plate(1e8, 0.3, 1e-3, 1000.0);
+    let parameters = Parameters { root, gravity: [0.0, 0.0, -9.81], ..Parameters::new(mesh, membrane) };
+    let mut wing = parameters.build().expect("a wing");
+    (0..3).for_each(|_| wing.step(1e-3).expect("a step"));
+    let state = wing.state().clone();
+    let counted = allocation_counter::measure(|| (0..3).for_each(|_| wing.step(1e-3).expect("a step")));
+    assert_eq!(counted.count_total, 0);
+    let ahead = wing.state().clone();
+    wing.step(1e-2).expect("a step");
+    wing.restore(&state).expect("a state");
+    (0..3).for_each(|_| wing.step(1e-3).expect("a step"));
+    assert_eq!(*wing.state(), ahead);
+}
+
+#[test]
+fn a_stiff_wing_takes_long_steps() {
+    // The step is 10⁵ times the shortest period of the membrane.
+    let mesh = rectangle(0.2, 0.1, 6);
+    let root = Root { nodes: mesh.chain("root").expect("a root").to_vec(), ..Root::default() };
+    let membrane = Membrane::plate(1e8, 0.3, 1e-3, 1000.0);
+    let parameters = Parameters { root, gravity: [0.0, 0.0, -9.81], ..Parameters::new(mesh, membrane) };
+    let mut wing = parameters.build().expect("a wing");
+    for _ in 0..50 {
+        wing.step(5e-3).expect("a step");
+    }
+    assert!(wing.energy().expect("an energy").total() < 1e-6);
+}

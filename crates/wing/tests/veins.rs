@@ -1,0 +1,77 @@
+//! Veins against the rod and against exact solutions.
+
+use nervure_wing::{Mesh, Parameters, Root, Scheme, Support, Vein, Wing};
+use rod::{Rod, Section};
+
+fn chain(vein: Vein, count: usize, length: f64, root: Root) -> Wing {
+    let nodes = (0..=count).map(|k| [length * k as f64 / count as f64, 0.0, 0.0]).collect();
+    let parameters = Parameters {
+        mesh: Mesh { nodes, ..Mesh::default() },
+        membranes: Vec::new(),
+        regions: Vec::new(),
+        veins: vec![vein],
+        root,
+        gravity: [0.0, 0.0, -9.81],
+        relaxation_time: 0.0,
+        scheme: Scheme::default(),
+        max_step: None,
+    };
+    parameters.build().expect("a chain")
+}
+
+#[test]
+fn a_vein_alone_is_the_rod_at_a_large_deflection() {
+    let (count, section) =
+        (16, Section { line_density: 0.1, bending_stiffness: 0.05, axial_stiffness: 1e3, shear_stiffness: None });
+    let nodes: Vec<_> = (0..=count).collect();
+    let vein = Vein::new("vein", &nodes, section.line_density, section.bending_stiffness, section.axial_stiffness);
+    let mut wing = chain(vein, count, 1.0, Root { nodes: vec![0], ..Root::default() });
+    wing.solve_static().expect("an equilibrium");
+    let mut rod =
+        Rod::<3>::new(rod::Parameters { gravity: [0.0, 0.0, -9.81], ..rod::Parameters::new(1.0, count, section) })
+            .expect("a rod");
+    rod.solve_static().expect("an equilibrium");
+    assert!(rod.tip_displacement()[2] < -0.5);
+    for k in 0..=count {
+        for d in 0..3 {
+            let (own, other) = (wing.positions(d)[k], rod.positions(d)[k]);
+            assert!((own - other).abs() < 1e-9, "node {k}: {own} and {other}");
+        }
+    }
+}
+
+#[test]
+fn a_hanging_chain_is_a_catenary() {
+    // A chain of length 1 between supports 0.8 apart: sag and span give the parameter a, 2 a sinh(0.4/a) = 1.
+    let (count, mut a) = (80, 0.5_f64);
+    for _ in 0..50 {
+        let (f, slope) = (2.0 * a * (0.4 / a).sinh() - 1.0, 2.0 * (0.4 / a).sinh() - 0.8 / a * (0.4 / a).cosh());
+        a -= f / slope;
+    }
+    let sag = a * ((0.4 / a).cosh() - 1.0);
+    let nodes: Vec<_> = (0..=count).collect();
+    let root = Root { nodes: vec![0, count], support: Support::Pinned, ..Root::default() };
+    let vein = Vein::new("chain", &nodes, 0.1, 0.0, 1e5);
+    // At rest the chain lies in a V between its supports.
+    let nodes = (0..=count).map(|k| {
+        let s = k as f64 / count as f64;
+        [0.8 * s, 0.0, -0.3 * (1.0 - (2.0 * s - 1.0).abs())]
+    });
+    let mesh = Mesh { nodes: nodes.collect(), ..Mesh::default() };
+    let parameters = Parameters {
+        mesh,
+        membranes: Vec::new(),
+        regions: Vec::new(),
+        veins: vec![vein],
+        root,
+        gravity: [0.0, 0.0, -9.81],
+        relaxation_time: 0.0,
+        scheme: Scheme::default(),
+        max_step: None,
+    };
+    let mut wing = parameters.build().expect("a chain");
+    wing.solve_static().expect("an equilibrium");
+    let deepest = wing.positions(2).iter().fold(0.0_f64, |deepest, z| deepest.max(-z));
+    println!("{deepest} {sag}");
+    assert!((deepest / sag - 1.0).abs() < 1e-3);
+}
