@@ -152,7 +152,8 @@ def plot_field(folder: Path, name: str, time: float | None) -> Figure:
         raise InputError(f"{folder} holds no fields of a fluid")
     frame = len(frames.times) - 1 if time is None else int(np.argmin(np.abs(frames.times - time)))
     field, solids = frames.field(name, frame), frames.solids(frame)
-    limit = flow.colour_limit(frames.scene, [(field, solids)])
+    percentile = flow.PERCENTILE if name == "vorticity" else 100.0
+    limit = flow.colour_limit(frames.scene, [(field, solids)], percentile)
     figure, axes = flow.panels(frames.scene, plots.WIDTH)
     picture = flow.Picture(axes[0, 0], frames.scene, limit)
     if name == "speed":

@@ -125,10 +125,10 @@ def resample(values: np.ndarray, ends: Sequence[float], places: np.ndarray) -> n
     return found
 
 
-def colour_limit(scene: Scene, frames: Iterable[tuple[np.ndarray, Solids]]) -> float:
-    """Return the end of the colour scale for frames of vorticity and solids, 1/s; the layers at walls saturate."""
+def colour_limit(scene: Scene, frames: Iterable[tuple[np.ndarray, Solids]], percentile: float = PERCENTILE) -> float:
+    """Return the end of the colour scale for frames of a field and solids; the layers at walls saturate."""
     shown = np.concatenate([np.abs(field[_free(scene, field.shape, solids)]) for field, solids in frames])
-    return float(np.percentile(shown, PERCENTILE)) or 1.0 if shown.size else 1.0
+    return float(np.percentile(shown, percentile)) or 1.0 if shown.size else 1.0
 
 
 def _free(scene: Scene, shape: tuple[int, ...], solids: Solids) -> np.ndarray:
