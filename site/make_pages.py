@@ -182,12 +182,20 @@ def python_page() -> str:
 def _describe(name: str, thing: Any) -> Iterator[str]:
     if inspect.isclass(thing):
         yield f"## {name}\n\n{inspect.getdoc(thing)}\n"
-        for method, function in vars(thing).items():
-            if inspect.isfunction(function) and not method.startswith("_") and thing.__module__ == "nervure.api":
-                yield f"### {method}\n\n```python\nrun.{method}{_signature(function)}\n```\n"
-                yield f"{inspect.getdoc(function)}\n"
+        methods = {"copy": nervure.Scene.copy} if thing is nervure.Scene else vars(thing)
+        for method, function in methods.items():
+            if inspect.isfunction(function) and not method.startswith("_"):
+                owner = name.rpartition(".")[2].lower()
+                yield f"### {method}\n\n```python\n{owner}.{method}{_signature(function)}\n```\n"
+                yield f"{_told(function)}\n"
     else:
-        yield f"## {name}\n\n```python\n{name}{_signature(thing)}\n```\n\n{inspect.getdoc(thing)}\n"
+        yield f"## {name}\n\n```python\n{name}{_signature(thing)}\n```\n\n{_told(thing)}\n"
+
+
+def _told(thing: Any) -> str:
+    """Return a docstring with its examples as code."""
+    paragraphs = (inspect.getdoc(thing) or "").split("\n\n")
+    return "\n\n".join(f"```pycon\n{part}\n```" if part.startswith(">>>") else part for part in paragraphs)
 
 
 def _signature(function: Any) -> str:

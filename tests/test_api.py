@@ -174,7 +174,9 @@ def test_the_package_names_its_interface():
         assert name in shown, name
 
 
-@pytest.mark.parametrize("thing", [nervure.run, nervure.sweep, Part.copy], ids=lambda thing: thing.__qualname__)
+@pytest.mark.parametrize(
+    "thing", [nervure.load, nervure.run, nervure.read, nervure.sweep, Part.copy], ids=lambda thing: thing.__qualname__
+)
 def test_the_examples_of_a_docstring_hold(thing, tmp_path):
     found = doctest.DocTestFinder().find(thing, globs={"nervure": nervure, "folder": tmp_path})
     results = [doctest.DocTestRunner().run(one) for one in found]

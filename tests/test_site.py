@@ -92,3 +92,8 @@ def test_no_equation_is_left_open():
     for path in (ROOT / "docs").rglob("*.md"):
         lines = path.read_text(encoding="utf-8").splitlines()
         assert sum(line == "$$" for line in lines) % 2 == 0, path
+
+
+def test_examples_of_docstrings_are_code(site):
+    text = (site / "reference" / "python.md").read_text(encoding="utf-8")
+    assert "```pycon\n>>> " in text and ">>>" not in re.sub("```.*?```", "", text, flags=re.DOTALL)

@@ -14,6 +14,7 @@ import pytest
 from distributed import Client, LocalCluster
 
 from nervure.errors import SceneError
+from nervure.output import sweeps
 from nervure.simulation import sweep
 from tests.conftest import TOOL
 
@@ -249,6 +250,10 @@ def test_ctrl_c_is_raised_where_the_sweep_asks_for_it():
         (["beam.segments="], "must be of the form key=value,value"),
         (["beam.segments=8", "beam.segments=16"], "name a key twice"),
         (["fluid.cylinders.0.radius=1"], "names a key that the scene does not have"),
+        (["beam.segments=[]"], "must be of the form key=value,value"),
+        (["beam.segments=8,16; time.end=1"], "equally many values: beam.segments has 2, time.end has 1"),
+        (["beam.segments=8; beam.segments=16"], "name a key twice"),
+        (["beam.segments=8", "beam.segmens=3,4"], "did you mean `segments`"),
     ],
 )
 def test_a_variation_that_leads_nowhere_is_said(variations, message, rod_only):
@@ -277,3 +282,24 @@ def test_several_scenes_and_listed_values_make_one_grid(rod_only, fluid_only):
     assert len({case.folder for case in cases}) == len(cases) == 8
     assert cases[1].varied == {"time.end": 0.1, "name": "two"} and cases[1].scene["name"] == "two"
     assert rod_only["name"] == "falling-rod", "the scene that is varied stays as it was"
+
+
+def test_keys_of_one_variation_change_together(rod_only):
+    together = sweep.variation("beam.segments=8,16; time.communication_step=[1e-4, 5e-5]")
+    cases = sweep.grid([rod_only], [together, sweep.variation("rod.damping=0,1")])
+    assert [tuple(case.varied.values()) for case in cases] == [
+        (8, 1e-4, 0), (8, 1e-4, 1), (16, 5e-5, 0), (16, 5e-5, 1)
+    ]  # fmt: skip
+    assert sweep.variation('description=["a; b", "c"]') == {"description": ["a; b", "c"]}
+
+
+@pytest.mark.parametrize(
+    ("pairs", "curves"), [([(1, 10), (2, 20), (3, 30)], [3]), ([(1, 10), (1, 20), (2, 10), (2, 20)], [2, 2])]
+)
+def test_a_key_that_changes_with_the_first_makes_no_curves(pairs, curves, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr("nervure.output.plots.save", lambda figure, path: drawn.append(figure))
+    rows = [{"scene": "s", "folder": "f", "a.x": x, "a.y": y, "status": "finished", "drag_mean": 1.0 * x}
+            for x, y in pairs]  # fmt: skip
+    sweeps.plot(tmp_path, rows)
+    assert [len(line.get_xdata()) for line in drawn[0].axes[0].lines] == curves

@@ -325,5 +325,10 @@ def _variation(keys: str | tuple[str, ...], values: Sequence[Any]) -> sweeps.Var
 
 
 def read(folder: str | Path) -> Run:
-    """Read the run in `folder`."""
+    """Read the run in `folder`.
+
+    >>> run = nervure.run("csm3", folder / "short", overrides=["time.end=0.02"], quiet=True)
+    >>> nervure.read(folder / "short").summary.steps
+    20
+    """
     return Run(**vars(results.read(Path(folder))))
