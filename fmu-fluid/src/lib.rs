@@ -5,7 +5,7 @@ mod variables;
 
 use std::slice::from_ref;
 
-use fluid::{Fluid, Stations};
+use fluid::{Fluid, Pose, Stations};
 use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -25,6 +25,7 @@ struct FluidUnit {
 struct State {
     parameters: Parameters,
     stations: Vec<Stations>,
+    displacements: Vec<Pose>,
     fluid: fluid::State,
 }
 
@@ -42,6 +43,7 @@ impl FluidUnit {
         match checked.and_then(|()| new_fluid(&self.scene)) {
             Ok(mut fluid) => {
                 fluid.stations_mut().iter_mut().zip(self.fluid.stations()).for_each(|(own, set)| own.copy_from(set));
+                fluid.displacements_mut().copy_from_slice(self.fluid.displacements());
                 self.fluid = fluid;
             }
             Err(message) => {
@@ -70,7 +72,7 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    const STATE_LAYOUT: u32 = 2;
+    const STATE_LAYOUT: u32 = 3;
     type State = State;
 
     fn load(resources: &Resources) -> Result<Self, String> {
@@ -117,7 +119,12 @@ impl Model for FluidUnit {
     }
 
     fn save(&self) -> State {
-        State { parameters: self.parameters, stations: self.fluid.stations().to_vec(), fluid: self.fluid.state() }
+        State {
+            parameters: self.parameters,
+            stations: self.fluid.stations().to_vec(),
+            displacements: self.fluid.displacements().to_vec(),
+            fluid: self.fluid.state(),
+        }
     }
 
     fn restore(&mut self, state: &State) -> Result<(), String> {
@@ -128,6 +135,11 @@ impl Model for FluidUnit {
             return Err("its stations are not as many as those of this beam".into());
         }
         own.iter_mut().zip(known).for_each(|(own, known)| own.copy_from(known));
+        let (own, known) = (self.fluid.displacements_mut(), &state.displacements);
+        if own.len() != known.len() {
+            return Err("its bodies are not as many as those of this fluid".into());
+        }
+        own.copy_from_slice(known);
         Ok(())
     }
 

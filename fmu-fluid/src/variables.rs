@@ -2,7 +2,7 @@
 
 use std::slice::from_mut;
 
-use fluid::{Fluid, Force};
+use fluid::{Fluid, Force, Pose};
 
 use super::FluidUnit;
 
@@ -28,6 +28,12 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
         let (name, body) = (format!("body[{}]", k + 1), format!("body {}", k + 1));
         list.extend(force(&name, &body, "its pivot", move |fluid| fluid.force_on_body(k)));
         list.extend(motion(&name, &body, k));
+        if part.bodies[k].is_driven() {
+            list.extend(displacement(&name, &body, k));
+        }
+        if part.bodies[k].mount.is_some() {
+            list.extend(velocity(&name, &body, k));
+        }
     }
     for k in 0..beams {
         // One beam has the names without a number.
@@ -123,6 +129,34 @@ fn motion(name: &str, body: &str, k: usize) -> [Variable; 4] {
         output(format!("{name}.x"), "m", position("x"), move |fluid| fluid.pose(k).position[0]),
         output(format!("{name}.y"), "m", position("y"), move |fluid| fluid.pose(k).position[1]),
         output(format!("{name}.angle"), "rad", angle, move |fluid| fluid.pose(k).angle),
+    ]
+}
+
+/// Return the motion of body number `k`, which the master moves, as inputs.
+fn displacement(name: &str, body: &str, k: usize) -> [Variable; 6] {
+    let input = |part: &str, unit: &str, what: &str, of: fn(&mut Pose) -> &mut f64| {
+        let text = format!("{what} of {body} at the end of the step");
+        Real::input(format!("{name}.motion.{part}"), unit, text, move |m: &mut FluidUnit| {
+            from_mut(of(m.fluid.displacement_mut(k)))
+        })
+    };
+    [
+        input("x", "m", "Displacement along x", |pose| &mut pose.position[0]),
+        input("y", "m", "Displacement along y", |pose| &mut pose.position[1]),
+        input("angle", "rad", "Angle, added to that of the scene,", |pose| &mut pose.angle),
+        input("vx", "m/s", "Velocity along x", |pose| &mut pose.velocity[0]),
+        input("vy", "m/s", "Velocity along y", |pose| &mut pose.velocity[1]),
+        input("omega", "rad/s", "Rate of the angle", |pose| &mut pose.omega),
+    ]
+}
+
+/// Return the velocities of body number `k`, which is on springs.
+fn velocity(name: &str, body: &str, k: usize) -> [Variable; 3] {
+    let text = |axis| format!("Velocity of the pivot of {body} along {axis}");
+    [
+        output(format!("{name}.vx"), "m/s", text("x"), move |fluid| fluid.pose(k).velocity[0]),
+        output(format!("{name}.vy"), "m/s", text("y"), move |fluid| fluid.pose(k).velocity[1]),
+        output(format!("{name}.omega"), "rad/s", format!("Rate of the angle of {body}"), move |f| f.pose(k).omega),
     ]
 }
 

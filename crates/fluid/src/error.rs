@@ -13,6 +13,44 @@ pub enum Error {
         /// Allowed values, as the end of the sentence "but it must be …".
         allowed: &'static str,
     },
+    /// A body on springs in a fluid with the explicit scheme.
+    #[error("a body on springs needs the scheme sbdf2: the explicit drag of rk2 does not hold it")]
+    MountScheme,
+    /// A body on springs that is no circle and lighter than the fluid it displaces.
+    #[error(
+        "the {name} of a body on springs is {value:.6e}, but that of the fluid it displaces is {displaced:.6e}, and \
+         only a circle may be lighter"
+    )]
+    LightBody {
+        /// Mass or moment of inertia.
+        name: &'static str,
+        /// Its value, kg/m or kg m.
+        value: f64,
+        /// That of the displaced fluid.
+        displaced: f64,
+    },
+    /// A place of a body, set from outside, that is not finite or far outside the domain.
+    #[error(
+        "body {body} is moved by ({x:.3e}, {y:.3e}) m and {angle:.3e} rad with ({vx:.3e}, {vy:.3e}) m/s and \
+         {omega:.3e} rad/s, but all must be finite, and its place no farther from the middle of the box than one and \
+         a half times the box"
+    )]
+    Displacement {
+        /// Number of the body, from 1.
+        body: usize,
+        /// Displacement, m.
+        x: f64,
+        /// Displacement, m.
+        y: f64,
+        /// Angle, rad.
+        angle: f64,
+        /// Velocity, m/s.
+        vx: f64,
+        /// Velocity, m/s.
+        vy: f64,
+        /// Rate of the angle, rad/s.
+        omega: f64,
+    },
     /// The scene has no fluid.
     #[error("the scene `{0}` has no fluid")]
     NoFluid(String),

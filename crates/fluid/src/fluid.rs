@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use line_fft::Team;
 
-use crate::bodies::{Loads, PredictedBeams, Stations};
+use crate::bodies::{Carried, Loads, Pose, PredictedBeams, Stations};
 use crate::error::Error;
 use crate::force::Exchange;
 use crate::limits::StepLimits;
@@ -53,7 +53,8 @@ pub struct Fluid {
     undo: Option<State>,
 }
 
-/// Stations of the beams in a communication step; every list is empty without a beam.
+/// Stations of the beams and displacements of the bodies that laws do not move, in a communication step; every list is
+/// empty without a beam or such a body.
 pub(crate) struct Motion {
     /// At the beginning of the step.
     from: Vec<Stations>,
@@ -61,6 +62,12 @@ pub(crate) struct Motion {
     between: Vec<Stations>,
     /// At the end of the step, set from outside.
     pub target: Vec<Stations>,
+    /// Displacements at the beginning of the step.
+    displaced_from: Vec<Pose>,
+    /// Displacements at the end of a step of the fluid.
+    displaced: Vec<Pose>,
+    /// Displacements at the end of the step, set from outside; of a body on springs unused.
+    pub displaced_to: Vec<Pose>,
 }
 
 impl Fluid {
@@ -72,7 +79,9 @@ impl Fluid {
         parameters.check()?;
         let mut problem = Problem::new(parameters);
         let stations: Vec<_> = parameters.beams.iter().map(|beam| Stations::at_rest(&beam.stations)).collect();
-        problem.bodies.place(0.0, &stations, &stations, &problem.grid);
+        problem.bodies.place(0.0, &[], &stations, &stations, &problem.grid);
+        let carried = vec![Carried::default(); problem.bodies.carried().count()];
+        let displaced = vec![Pose::default(); carried.len()];
         let [u, v] = parameters.initial_velocity;
         let [dx, dy] = problem.grid.spacing;
         let present = Present {
@@ -80,6 +89,7 @@ impl Fluid {
             step: 0.0,
             advection_rate: u.abs() / dx + v.abs() / dy,
             bodies: problem.bodies.without_force(&stations),
+            carried,
             beams: Beams {
                 stations: stations.clone(),
                 loads: stations.iter().filter(|_| parameters.loads).map(|s| Loads::none(s.len())).collect(),
@@ -93,7 +103,14 @@ impl Fluid {
             probes: Probe::all(parameters, &problem.grid),
             pressures: Cached::stale(Pressures::new(parameters.probes.len(), &stations, outlet.is_some())),
             outlet,
-            motion: Motion { between: stations.clone(), target: stations.clone(), from: stations },
+            motion: Motion {
+                between: stations.clone(),
+                target: stations.clone(),
+                from: stations,
+                displaced_from: displaced.clone(),
+                displaced: displaced.clone(),
+                displaced_to: displaced,
+            },
             limits: StepLimits::new(parameters.max_step, parameters.max_cfl, parameters.communication_step),
             bytes_per_number: parameters.precision.bytes(),
             undo: None,
@@ -148,9 +165,15 @@ impl Fluid {
         self.problem.timer.start();
         self.limits.check(t, h)?;
         self.limits.check_beams(&self.motion.target, &self.problem.grid)?;
+        self.limits.check_bodies(&self.problem.bodies, &self.motion.displaced_to, &self.problem.grid)?;
         let explicit = self.solver.longest_step(&self.problem);
         let substeps = self.limits.divide(t, h, self.present.advection_rate, explicit)?;
         Stations::copy_all(&mut self.motion.from, &self.present.beams.stations);
+        self.motion
+            .displaced_from
+            .iter_mut()
+            .zip(&self.present.carried)
+            .for_each(|(from, carried)| *from = carried.now);
         // A single step changes nothing before it is known to be good.
         let several = substeps > 1.0;
         if several {
@@ -194,7 +217,19 @@ impl Fluid {
             substep += 1.0;
             done = if substep == substeps { 1.0 } else { divided + (1.0 - divided) * (substep / substeps) };
             let is_last = done == 1.0;
-            let Motion { from, between, target } = &mut self.motion;
+            let Motion { from, between, target, displaced_from, displaced, displaced_to } = &mut self.motion;
+            let (carried, ends) = (&self.present.carried, displaced_from.iter().zip(&*displaced_to));
+            for (((_, on_springs), placed), (carried, (a, b))) in
+                self.problem.bodies.carried().zip(&mut *displaced).zip(carried.iter().zip(ends))
+            {
+                *placed = if on_springs {
+                    carried.predicted(dt, self.present.step)
+                } else if is_last {
+                    *b
+                } else {
+                    Pose::interpolated(a, b, done, h)
+                };
+            }
             let (stations, ahead) = if is_last {
                 between.iter_mut().zip(&*target).for_each(|(ahead, target)| ahead.extrapolate(target, h));
                 (&*target, (!self.present.beams.loads.is_empty()).then_some(&**between))
@@ -203,7 +238,8 @@ impl Fluid {
                 between.iter_mut().zip(ends).for_each(|(now, (a, b))| now.interpolate(a, b, done, h));
                 (&*between, None)
             };
-            let step = Substep { dt, end: t + done * h, stations, ahead, max_cfl, shortest, team };
+            let step =
+                Substep { dt, end: t + done * h, stations, displacements: displaced, ahead, max_cfl, shortest, team };
             let predicted = self.solver.step(step, &mut self.present, &mut self.problem)?;
             if is_last {
                 return Ok(predicted);
@@ -214,7 +250,9 @@ impl Fluid {
     /// Put the bodies to their present places.
     fn place_at_present(&mut self) {
         let (stations, Problem { bodies, grid, .. }) = (&self.present.beams.stations, &mut self.problem);
-        bodies.place(self.present.time, stations, stations, grid);
+        let displaced = &mut self.motion.displaced;
+        displaced.iter_mut().zip(&self.present.carried).for_each(|(now, carried)| *now = carried.now);
+        bodies.place(self.present.time, displaced, stations, stations, grid);
     }
 
     fn save_for_undo(&mut self) -> Result<(), Error> {
@@ -245,6 +283,7 @@ impl Fluid {
         self.limits.check_beams(stations, &self.problem.grid)?;
         self.solver.restore(state, &mut self.present)?;
         Stations::copy_all(&mut self.motion.target, &self.present.beams.stations);
+        self.motion.displaced_to.iter_mut().zip(&self.present.carried).for_each(|(to, carried)| *to = carried.now);
         self.pressures.invalidate();
         self.place_at_present();
         Ok(())

@@ -43,7 +43,11 @@ pub struct BodyForce {
 impl BodyForce {
     /// Become the force of a step of size `dt` (s), from the drag and from the displaced fluid at its end.
     pub fn update(&mut self, drag: Force, displaced: Displaced, dt: f64) {
-        let unsteady = displaced.rate_of_change(&self.displaced, dt);
+        self.update_with(drag, displaced.rate_of_change(&self.displaced, dt), displaced);
+    }
+
+    /// Become the force of a step from the drag, the unsteady term, and the displaced fluid at its end.
+    pub fn update_with(&mut self, drag: Force, unsteady: Force, displaced: Displaced) {
         let force = [0, 1].map(|axis| drag.force[axis] + unsteady.force[axis]);
         *self = Self { force: Force { force, moment: drag.moment + unsteady.moment }, displaced };
     }

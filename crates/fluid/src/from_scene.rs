@@ -3,11 +3,12 @@
 //! This stands here behind the feature `scene`, and not in the FMU: tests, benchmarks and the FMU share it, and nothing
 //! can depend on the FMU's library. Without the feature the crate knows no scene files.
 
-use scene::{Ends, InflowProfile, Load, Root, Scene, TimeLaw};
+use scene::{BodyDrive, Ends, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
 use crate::parameters::{
-    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Parameters, Precision, Shape, TimeScheme, WallCorrection, Zone,
+    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, TimeScheme,
+    WallCorrection, Zone,
 };
 
 impl TryFrom<&Scene> for Parameters {
@@ -74,16 +75,22 @@ fn cylinder(cylinder: &scene::Cylinder) -> Cylinder {
 }
 
 fn body(body: &scene::Body) -> Body {
-    let motion = |motion: &scene::BodyMotion| Motion {
-        displacement: [law(&motion.x), law(&motion.y)],
-        angle: law(&motion.angle),
+    let motion = |drive: &BodyDrive| match drive {
+        BodyDrive::Master(_) => Motion::Master,
+        BodyDrive::Laws(laws) => Motion::Laws { displacement: [law(&laws.x), law(&laws.y)], angle: law(&laws.angle) },
+    };
+    let support = |scene::Support { stiffness, damping, rest }| Support { stiffness, damping, rest };
+    let mount = |mount: &scene::Mount| Mount {
+        mass: mount.mass,
+        inertia: mount.inertia.unwrap_or_default(),
+        supports: mount.supports().map(|own| own.map(support)),
     };
     Body {
         shape: shape(&body.shape),
         position: body.position,
         pivot: body.pivot,
         angle: body.angle,
-        motion: body.motion.as_ref().map(motion),
+        motion: body.motion.as_ref().map(motion).or(body.mount.as_ref().map(mount).map(Motion::Mount)),
     }
 }
 

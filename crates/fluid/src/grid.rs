@@ -46,6 +46,11 @@ impl<const D: usize> Grid<D> {
         self.origin[axis] + i as f64 * self.spacing[axis]
     }
 
+    /// Return the coordinate of the middle point along an axis, m.
+    pub fn middle(&self, axis: usize) -> f64 {
+        self.coordinate(axis, self.cells[axis] / 2)
+    }
+
     /// Return the position of the point with an index, m.
     pub fn point(&self, mut index: usize) -> [f64; D] {
         let mut point = self.origin;

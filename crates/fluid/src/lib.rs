@@ -47,7 +47,8 @@ pub use fluid::Fluid;
 pub use force::{Exchange, Force};
 pub use grid::Grid;
 pub use parameters::{
-    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Parameters, Precision, Shape, TimeScheme, WallCorrection, Zone,
+    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, TimeScheme,
+    WallCorrection, Zone,
 };
 pub use state::State;
 

@@ -1,6 +1,6 @@
 //! Limits of the steps and of the motion of the beams.
 
-use crate::bodies::Stations;
+use crate::bodies::{Bodies, Pose, Stations};
 use crate::error::Error;
 use crate::grid::Grid;
 
@@ -70,6 +70,20 @@ impl StepLimits {
         Ok((h / largest - 1e-9).ceil().max(1.0))
     }
 
+    /// Refuse `displacements` of the bodies that laws do not move which are not finite or lead far outside the domain.
+    pub fn check_bodies(&self, bodies: &Bodies, displacements: &[Pose], grid: &Grid) -> Result<(), Error> {
+        for ((rigid, _), displacement) in bodies.carried().zip(displacements) {
+            let finite = displacement.places().iter().chain(&displacement.rates()).all(|value| value.is_finite());
+            let position = bodies.displaced_pose(rigid, displacement).position;
+            let far = (0..2).any(|axis| (position[axis] - grid.middle(axis)).abs() > 1.5 * grid.size[axis]);
+            if !finite || far {
+                let &Pose { position: [x, y], angle, velocity: [vx, vy], omega } = displacement;
+                return Err(Error::Displacement { body: rigid + 1 - bodies.cylinders(), x, y, angle, vx, vy, omega });
+            }
+        }
+        Ok(())
+    }
+
     /// Refuse stations that are not finite, far outside the domain, coincident or too fast.
     pub fn check_beams(&self, beams: &[Stations], grid: &Grid) -> Result<(), Error> {
         let name = |k| if beams.len() == 1 { "the beam".into() } else { format!("beam {}", k + 1) };
@@ -80,8 +94,7 @@ impl StepLimits {
     fn check_beam(&self, name: &dyn Fn() -> String, stations: &Stations, grid: &Grid) -> Result<(), Error> {
         let Stations { position: [x, y], velocity: [vx, vy] } = stations;
         let [dx, dy] = grid.spacing;
-        let middle = [0, 1].map(|axis| grid.coordinate(axis, grid.cells[axis] / 2));
-        let far = |p: f64, axis: usize| (p - middle[axis]).abs() > 1.5 * grid.size[axis];
+        let far = |p: f64, axis: usize| (p - grid.middle(axis)).abs() > 1.5 * grid.size[axis];
         for k in 0..x.len() {
             let finite = [x[k], y[k], vx[k], vy[k]].iter().all(|c| c.is_finite());
             if !finite || far(x[k], 0) || far(y[k], 1) {

@@ -110,6 +110,27 @@ impl Fluid {
         self.problem.bodies.pose(self.rigid(body))
     }
 
+    /// Return the displacement of a body, numbered from 0, at the end of the coming step, to be set before
+    /// [`Self::advance`]; only for a body that the master moves.
+    ///
+    /// # Panics
+    /// For a body that moves otherwise.
+    pub fn displacement_mut(&mut self, body: usize) -> &mut Pose {
+        let rigid = self.rigid(body);
+        let place = self.problem.bodies.carried().position(|(own, on_springs)| own == rigid && !on_springs);
+        &mut self.motion.displaced_to[place.expect("the master moves the body")]
+    }
+
+    /// Return the displacements of the bodies that laws do not move at the end of the coming step.
+    pub fn displacements(&self) -> &[Pose] {
+        &self.motion.displaced_to
+    }
+
+    /// Return the same, to be set.
+    pub fn displacements_mut(&mut self) -> &mut [Pose] {
+        &mut self.motion.displaced_to
+    }
+
     /// Return the number of a body among all rigid ones; the cylinders are the first.
     fn rigid(&self, body: usize) -> usize {
         let (cylinders, all) = (self.problem.bodies.cylinders(), self.problem.bodies.rigid());

@@ -97,17 +97,46 @@ pub struct Body {
     pub pivot: [f64; 2],
     /// Angle from the x axis to the body's, rad, positive to the left.
     pub angle: f64,
-    /// Prescribed motion; absent: still.
+    /// How it moves; absent: still.
     pub motion: Option<Motion>,
 }
 
-/// Prescribed motion of a body.
+/// How a body moves.
 #[derive(Clone, Debug)]
-pub struct Motion {
-    /// Displacement of the pivot, m.
-    pub displacement: [Law; 2],
-    /// Angle that is added, rad.
-    pub angle: Law,
+pub enum Motion {
+    /// By laws of time.
+    Laws {
+        /// Displacement of the pivot, m.
+        displacement: [Law; 2],
+        /// Angle that is added, rad.
+        angle: Law,
+    },
+    /// As set from outside for the end of each communication step.
+    Master,
+    /// On springs and dampers, under the force of the fluid.
+    Mount(Mount),
+}
+
+/// A body on springs and dampers. Its centre of mass is the pivot.
+#[derive(Clone, Copy, Debug)]
+pub struct Mount {
+    /// Mass, kg per metre of depth.
+    pub mass: f64,
+    /// Moment of inertia about the pivot, kg m²/m.
+    pub inertia: f64,
+    /// Spring and damper along x and y and about the pivot; absent in a direction in which the body cannot move.
+    pub supports: [Option<Support>; 3],
+}
+
+/// A spring and a damper in parallel.
+#[derive(Clone, Copy, Debug)]
+pub struct Support {
+    /// Stiffness, N/m or N m/rad, per metre of depth.
+    pub stiffness: f64,
+    /// Damping, N s/m or N m s/rad, per metre of depth.
+    pub damping: f64,
+    /// Displacement or angle at which the spring has no force, m or rad.
+    pub rest: f64,
 }
 
 /// Outline of a body, about the origin of its axes.
@@ -274,6 +303,30 @@ impl Parameters {
         if ny < 8 {
             return Err(Error::Parameter { name: "number of cells along y", value: ny as f64, allowed: "at least 8" });
         }
+        for body in &self.bodies {
+            let Some(Motion::Mount(mount)) = &body.motion else { continue };
+            if self.scheme != TimeScheme::Sbdf2 {
+                return Err(Error::MountScheme);
+            }
+            for (name, value, used) in [
+                ("mass of a body on springs", mount.mass, true),
+                ("moment of inertia of a body on springs", mount.inertia, mount.supports[2].is_some()),
+            ] {
+                if used && !(value.is_finite() && value > 0.0) {
+                    return Err(Error::Parameter { name, value, allowed: "a finite number above 0" });
+                }
+            }
+            let round = matches!(body.shape, Shape::Circle(_));
+            let [mass, inertia] = body.displaced(self.density);
+            for (name, value, displaced, used) in [
+                ("mass", mount.mass, mass, mount.supports[0].or(mount.supports[1]).is_some()),
+                ("moment of inertia", mount.inertia, inertia, mount.supports[2].is_some()),
+            ] {
+                if used && !round && value < displaced {
+                    return Err(Error::LightBody { name, value, displaced });
+                }
+            }
+        }
         for beam in &self.beams {
             let segments = beam.stations.len().saturating_sub(1);
             if segments < 2 || beam.thickness.len() != 2 * segments + 1 {
@@ -359,7 +412,8 @@ impl Precision {
 /// A cylinder is a circle that does not turn.
 impl From<&Cylinder> for Body {
     fn from(cylinder: &Cylinder) -> Self {
-        let motion = |displacement: &[Law; 2]| Motion { displacement: displacement.clone(), angle: Law::constant(0.0) };
+        let motion =
+            |displacement: &[Law; 2]| Motion::Laws { displacement: displacement.clone(), angle: Law::constant(0.0) };
         Self {
             shape: Shape::Circle(cylinder.radius),
             position: cylinder.center,

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::bodies::{Loads, Stations};
+use crate::bodies::{Carried, Loads, Stations};
 use crate::force::{BodyForce, Exchange};
 
 /// What a fluid of any precision and scheme has at the present time, without the flow.
@@ -16,6 +16,8 @@ pub struct Present {
     pub advection_rate: f64,
     /// Forces on the cylinders, the other rigid bodies and the beams.
     pub bodies: Vec<BodyForce>,
+    /// Displacements of the bodies that laws do not move.
+    pub carried: Vec<Carried>,
     /// The beams.
     pub beams: Beams,
 }

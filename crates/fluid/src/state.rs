@@ -3,7 +3,7 @@
 use line_fft::{Pack, Real};
 use serde::{Deserialize, Serialize};
 
-use crate::bodies::Stations;
+use crate::bodies::{Carried, Stations};
 use crate::error::Error;
 use crate::field::Field;
 use crate::flow::Flow;
@@ -29,6 +29,7 @@ pub struct SolverState<R: Real> {
     pub flow: Flow<R>,
     advection_rate: f64,
     bodies: Vec<BodyForce>,
+    carried: Vec<Carried>,
     beams: Beams,
     pub memory: Memory<R>,
 }
@@ -95,8 +96,8 @@ stored!(f32, Single, "single", Double, "double");
 impl<R: Real> SolverState<R> {
     /// Copy the present time, its flow and the memory of the scheme.
     pub fn new(present: &Present, flow: &Flow<R>, memory: Memory<R>) -> Self {
-        let Present { time, step, advection_rate, bodies, beams } = present.clone();
-        Self { time, step, flow: flow.clone(), advection_rate, bodies, beams, memory }
+        let Present { time, step, advection_rate, bodies, carried, beams } = present.clone();
+        Self { time, step, flow: flow.clone(), advection_rate, bodies, carried, beams, memory }
     }
 
     /// Overwrite all but the memory of the scheme; allocates nothing.
@@ -104,6 +105,7 @@ impl<R: Real> SolverState<R> {
         (self.time, self.step, self.advection_rate) = (present.time, present.step, present.advection_rate);
         self.flow.copy_from(flow);
         self.bodies.copy_from_slice(&present.bodies);
+        self.carried.copy_from_slice(&present.carried);
         self.beams.copy_from(&present.beams);
     }
 
@@ -112,6 +114,7 @@ impl<R: Real> SolverState<R> {
         (present.time, present.step, present.advection_rate) = (self.time, self.step, self.advection_rate);
         flow.copy_from(&self.flow);
         present.bodies.copy_from_slice(&self.bodies);
+        present.carried.copy_from_slice(&self.carried);
         present.beams.copy_from(&self.beams);
     }
 
@@ -122,7 +125,8 @@ impl<R: Real> SolverState<R> {
         let parts = [
             ("the time or a step", numbers.iter().all(|number| number.is_finite())),
             ("a field", self.flow.has_shape_of(flow) && memory_fits),
-            ("the list of bodies", self.bodies.len() == own.bodies.len()),
+            ("the list of bodies", self.bodies.len() == own.bodies.len() && self.carried.len() == own.carried.len()),
+            ("the place of a body", self.carried.iter().all(Carried::is_finite)),
             ("the list of beams", self.beams.have_shape_of(&own.beams)),
         ];
         match parts.into_iter().find(|(_, fits)| !fits) {

@@ -1,11 +1,11 @@
-//! Rigid bodies in the fluid: shape, place and motion.
+//! Rigid bodies in the fluid: shape, place, motion and mount.
 
 use std::f64::consts::PI;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::fault::{Check, Faults};
+use crate::fault::{Check, Fault, Faults};
 use crate::law::TimeLaw;
 use crate::plane::{Outline, Point, meet, within};
 
@@ -15,17 +15,79 @@ use crate::plane::{Outline, Point, meet, within};
 pub struct Body {
     /// Outline in the body's own axes.
     pub shape: Shape,
-    /// Place of the pivot, m; the motion is added to it.
+    /// Place of the pivot, m; motion and mount displace it from there.
     pub position: [f64; 2],
     /// Pivot in the body's own axes, m, about which the body turns and its moment is taken; by default their origin.
     #[serde(default)]
     pub pivot: [f64; 2],
-    /// Angle from the x axis of the box to the body's own, rad, counter-clockwise; the motion is added to it.
+    /// Angle from the x axis of the box to the body's own, rad, counter-clockwise; motion and mount turn it from there.
     #[serde(default)]
     pub angle: f64,
-    /// Prescribed motion; absent for a still body.
+    /// Prescribed motion; absent for a body that is still or has a mount.
     #[serde(default)]
-    pub motion: Option<BodyMotion>,
+    pub motion: Option<BodyDrive>,
+    /// Springs and dampers on which the fluid moves the body; absent for one that is still or has a motion.
+    #[serde(default)]
+    pub mount: Option<Mount>,
+}
+
+/// What prescribes the motion of a body: laws, or the word `master`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(inline)]
+#[expect(clippy::large_enum_variant, reason = "a body has one")]
+pub enum BodyDrive {
+    /// Laws of time.
+    Laws(BodyMotion),
+    /// The master.
+    Master(ByMaster),
+}
+
+/// Motion from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ByMaster {
+    /// The master sets displacement, angle and their rates at the end of each communication step.
+    Master,
+}
+
+/// Mass of a body, whose centre is the pivot, and its supports. It is held in the directions that are absent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Mount {
+    /// Mass, kg per metre of depth.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub mass: f64,
+    /// Moment of inertia about the pivot, kg m² per metre of depth; needed with `angle`, and absent without it.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub inertia: Option<f64>,
+    /// Support along x; absent where the body is held.
+    #[serde(default)]
+    pub x: Option<Support>,
+    /// Support along y; absent where the body is held.
+    #[serde(default)]
+    pub y: Option<Support>,
+    /// Support about the pivot; absent where the body is held.
+    #[serde(default)]
+    pub angle: Option<Support>,
+}
+
+/// Spring and damper in parallel, per metre of depth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Support {
+    /// Stiffness, N/m, about the pivot N m/rad.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub stiffness: f64,
+    /// Damping, N s/m, about the pivot N m s/rad.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub damping: f64,
+    /// Displacement, m, or angle, rad, at which the spring has no force. The body starts at 0.
+    #[serde(default)]
+    pub rest: f64,
 }
 
 /// Outline of a body. The origin of its axes is its middle, except for a polygon.
@@ -108,7 +170,7 @@ impl Body {
 
     /// Return the outline at time `t` (s).
     pub(crate) fn outline_at(&self, t: f64) -> Outline {
-        let Some(BodyMotion { x, y, angle }) = &self.motion else { return self.outline([0.0; 2], 0.0) };
+        let Some(BodyMotion { x, y, angle }) = self.laws() else { return self.outline([0.0; 2], 0.0) };
         self.outline([x.value(t), y.value(t)], angle.value(t))
     }
 }
@@ -138,10 +200,71 @@ impl Shape {
 impl Check for Body {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.shape.check_at(&format!("{key}.shape"), faults);
-        let Some(motion) = &self.motion else { return };
+        if let Some(mount) = &self.mount {
+            let key = format!("{key}.mount");
+            faults.forbid(self.motion.is_some(), &key, || {
+                "`motion` moves the body already; remove one of the two".into()
+            });
+            mount.check_at(&key, faults);
+        }
+        let Some(motion) = self.laws() else { return };
         motion.x.check_at(&format!("{key}.motion.x"), faults);
         motion.y.check_at(&format!("{key}.motion.y"), faults);
         motion.angle.check_at(&format!("{key}.motion.angle"), faults);
+    }
+}
+
+impl Body {
+    /// Return the laws that move the body, if there are any.
+    pub fn laws(&self) -> Option<&BodyMotion> {
+        if let Some(BodyDrive::Laws(laws)) = &self.motion { Some(laws) } else { None }
+    }
+
+    /// Whether the master moves the body.
+    pub fn is_driven(&self) -> bool {
+        matches!(self.motion, Some(BodyDrive::Master(_)))
+    }
+}
+
+impl Mount {
+    /// Return the supports along x and y and about the pivot.
+    pub fn supports(&self) -> [Option<Support>; 3] {
+        [self.x, self.y, self.angle]
+    }
+}
+
+impl Shape {
+    /// Return the area, m².
+    pub fn area(&self) -> f64 {
+        match self {
+            Self::Circle { radius } => PI * radius.powi(2),
+            Self::Ellipse { length, thickness } => 0.25 * PI * length * thickness,
+            Self::Rectangle { length, thickness, ends: Ends::Square } => length * thickness,
+            Self::Rectangle { length, thickness, ends: Ends::Round } => {
+                (length - thickness) * thickness + 0.25 * PI * thickness.powi(2)
+            }
+            Self::Polygon { corners } => {
+                let next = corners.iter().cycle().skip(1);
+                0.5 * corners.iter().zip(next).map(|([x0, y0], [x1, y1])| x0 * y1 - x1 * y0).sum::<f64>().abs()
+            }
+        }
+    }
+}
+
+impl Check for Mount {
+    fn check_at(&self, key: &str, faults: &mut Faults) {
+        if self.supports().iter().all(Option::is_none) {
+            faults.push(Fault::needed(&format!("{key}.y"), "a mount leaves a direction free: `x`, `y` or `angle`"));
+        }
+        match (self.angle, self.inertia) {
+            (Some(_), None) => {
+                faults.push(Fault::needed(&format!("{key}.inertia"), "a body that turns has a moment of inertia"));
+            }
+            (None, Some(_)) => {
+                faults.forbid(true, &format!("{key}.inertia"), || "the body does not turn: it has no `angle`".into());
+            }
+            _ => (),
+        }
     }
 }
 

@@ -181,13 +181,19 @@ fn resolve<'a>(definitions: &'a Value, schema: &'a Value) -> &'a Value {
     }
 }
 
-/// The schema that `schema` refers to for this value: that of objects, or that of numbers.
+/// The schema that `schema` refers to for this value: that of objects, or that of numbers or words.
 fn resolve_for<'a>(definitions: &'a Value, node: &Node, schema: &'a Value) -> &'a Value {
     let schema = resolve(definitions, schema);
     let Some(Value::Array(either)) = schema.get("anyOf") else { return schema };
     let is_object = matches!(node.content, Content::Object(_));
     let mut parts = either.iter().map(|part| resolve(definitions, part));
-    parts.find(|part| part.get("oneOf").is_some() == is_object).unwrap_or(schema)
+    parts.find(|part| takes_objects(part) == is_object).unwrap_or(schema)
+}
+
+/// Whether a value of `schema` is an object: with properties, or with one of several keys.
+fn takes_objects(schema: &Value) -> bool {
+    let variants = schema.get("oneOf").and_then(Value::as_array).into_iter().flatten();
+    variants.chain([schema]).any(|part| part.get("properties").is_some())
 }
 
 /// Values that `schema` allows, for "must be …".

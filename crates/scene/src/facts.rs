@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 use serde::Serialize;
 
 use crate::beam::Beam;
-use crate::body::{Body, Shape};
+use crate::body::{Body, Shape, Support};
 use crate::fluid::{Fluid, InflowProfile};
 use crate::law::TimeLaw;
 use crate::root::RootMotion;
@@ -92,6 +92,28 @@ pub struct Dimensionless {
     pub cfl: Option<f64>,
     /// Resolution of the bodies by the name of their force, in the order of the fluid.
     pub bodies: Vec<(String, Resolution)>,
+    /// Bodies on springs by the name of their force.
+    pub mounts: Vec<(String, MountFacts)>,
+}
+
+/// Numbers of a body on springs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MountFacts {
+    /// Mass by that of the displaced fluid, m*.
+    pub mass_ratio: f64,
+    /// The directions in which it moves: `x`, `y` and `angle`.
+    pub supports: Vec<(&'static str, SupportFacts)>,
+}
+
+/// Numbers of a spring and a damper.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SupportFacts {
+    /// Natural frequency f_n without a fluid, Hz.
+    pub natural_frequency: f64,
+    /// Damping by the critical damping without a fluid; absent without a spring.
+    pub damping_ratio: Option<f64>,
+    /// Reduced velocity U/(f_n L), with the length of the body; absent without a spring or a drive.
+    pub reduced_velocity: Option<f64>,
 }
 
 /// Resolution of a body by the grid; cells are counted in the coarser direction.
@@ -215,7 +237,35 @@ fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(St
         ),
         cfl: number((fastest > 0.0).then(|| SPEED_UP * fastest * step / dx.min(dy))),
         bodies: bodies.collect(),
+        mounts: (1..)
+            .zip(&fluid.bodies)
+            .filter_map(|(i, body)| Some((format!("body_{i}"), mount(fluid, body, velocity)?)))
+            .collect(),
     }
+}
+
+/// Numbers of a body if it is on springs, in a flow of a velocity.
+fn mount(fluid: &Fluid, body: &Body, velocity: Option<f64>) -> Option<MountFacts> {
+    let mount = body.mount.as_ref()?;
+    let [length, _] = body.shape.size();
+    let number = |value: f64| Some(value).filter(|value| value.is_finite());
+    let inertias = [mount.mass, mount.mass, mount.inertia.unwrap_or_default()];
+    let supports = ["x", "y", "angle"].into_iter().zip(mount.supports()).zip(inertias);
+    let supports = supports.filter_map(|((name, support), inertia)| {
+        let Support { stiffness, damping, .. } = support?;
+        let omega = (stiffness / inertia).sqrt();
+        let natural_frequency = omega / (2.0 * PI);
+        Some((
+            name,
+            SupportFacts {
+                natural_frequency,
+                damping_ratio: number(0.5 * damping / (omega * inertia)),
+                reduced_velocity: velocity.and_then(|u| number(u / (natural_frequency * length))),
+            },
+        ))
+    });
+    let mass_ratio = mount.mass / (fluid.density * body.shape.area());
+    Some(MountFacts { mass_ratio, supports: supports.collect() })
 }
 
 /// Strain rate at the front of the body `i` by U and its length: 4 for a circle, 2 for a plate.
@@ -257,7 +307,7 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
         });
     }
     for (i, body) in (1..).zip(&fluid.bodies) {
-        let Some(motion) = &body.motion else { continue };
+        let Some(motion) = body.laws() else { continue };
         let speed = f64::hypot(motion.x.largest_rate(), motion.y.largest_rate());
         motions.push(Drive {
             speed: if speed > 0.0 { speed } else { motion.angle.largest_rate() * reach(body) },
@@ -311,12 +361,10 @@ impl Shape {
             Self::Circle { radius } => [2.0 * radius; 2],
             Self::Ellipse { length, thickness } | Self::Rectangle { length, thickness, .. } => [*length, *thickness],
             Self::Polygon { corners } => {
-                let next = corners.iter().cycle().skip(1);
-                let area: f64 = corners.iter().zip(next).map(|([x0, y0], [x1, y1])| x0 * y1 - x1 * y0).sum();
                 let distances =
                     corners.iter().flat_map(|a| corners.iter().map(|b| f64::hypot(a[0] - b[0], a[1] - b[1])));
                 let length = distances.fold(0.0, f64::max);
-                [length, area.abs() / 2.0 / length]
+                [length, self.area() / length]
             }
         }
     }

@@ -3,10 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::body::{Body, BodyMotion, Shape};
+use crate::body::{Body, BodyDrive, BodyMotion, Shape};
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
-use crate::method::{Filter, Mask, Precision, TimeStepping};
+use crate::method::{Filter, Mask, Precision, TimeScheme, TimeStepping};
 
 /// A two-dimensional incompressible fluid in a periodic box.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -44,7 +44,7 @@ pub struct Fluid {
     /// Circular cylinders, still or in prescribed motion.
     #[serde(default)]
     pub cylinders: Vec<Cylinder>,
-    /// Rigid bodies of any shape, still or in prescribed motion.
+    /// Rigid bodies of any shape: still, in prescribed motion, or on springs.
     #[serde(default)]
     pub bodies: Vec<Body>,
     /// Drag rate of solids on the grid.
@@ -194,13 +194,14 @@ fn at_rest() -> TimeLaw {
 /// A cylinder is a circle that does not turn.
 impl From<&Cylinder> for Body {
     fn from(cylinder: &Cylinder) -> Self {
-        let motion = |Motion { x, y }: Motion| BodyMotion { x, y, angle: TimeLaw::default() };
+        let motion = |Motion { x, y }: Motion| BodyDrive::Laws(BodyMotion { x, y, angle: TimeLaw::default() });
         Self {
             shape: Shape::Circle { radius: cylinder.radius },
             position: cylinder.center,
             pivot: [0.0; 2],
             angle: 0.0,
             motion: cylinder.motion.clone().map(motion),
+            mount: None,
         }
     }
 }
@@ -248,7 +249,22 @@ impl Check for Fluid {
             self.check_place(&format!("{key}.position"), probe.position, faults);
         }
         for (i, body) in self.bodies.iter().enumerate() {
-            self.check_place(&format!("{key}.bodies[{i}].position"), body.position, faults);
+            let key = format!("{key}.bodies[{i}]");
+            self.check_place(&format!("{key}.position"), body.position, faults);
+            let holds = body.mount.is_none() || self.time_stepping.scheme == TimeScheme::Sbdf2;
+            faults.require(holds, &format!("{key}.mount"), "with the scheme rk2", || {
+                "its explicit drag cannot hold a body on springs; use sbdf2".into()
+            });
+            if let Some(mount) = &body.mount {
+                let displaced = self.density * body.shape.area();
+                let round = matches!(body.shape, Shape::Circle { .. }) || mount.x.or(mount.y).is_none();
+                faults.require(round || mount.mass >= displaced, &format!("{key}.mount.mass"), mount.mass, || {
+                    format!(
+                        "a body on springs that is no circle must weigh at least as much as the fluid it displaces, \
+                         {displaced:.6}"
+                    )
+                });
+            }
         }
         self.mask.check_at(&format!("{key}.mask"), self.r#box.cells, faults);
         self.time_stepping.check_at(&format!("{key}.time_stepping"), faults);

@@ -34,7 +34,7 @@ mod unit;
 mod warnings;
 
 pub use beam::{Beam, Root};
-pub use body::{Body, BodyMotion, Ends, Shape};
+pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Ends, Mount, Shape, Support};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution};
 pub use fault::{Fault, FaultKind, SceneError};

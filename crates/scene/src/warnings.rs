@@ -90,7 +90,7 @@ impl Part<'_> {
 
     fn moves(&self) -> bool {
         match &self.motion {
-            Motion::Rigid(body) => body.motion.is_some(),
+            Motion::Rigid(body) => body.laws().is_some(),
             Motion::Still(_) => false,
             Motion::Root { .. } => true,
         }
@@ -100,7 +100,7 @@ impl Part<'_> {
     fn laws(&self) -> Vec<&TimeLaw> {
         match &self.motion {
             Motion::Rigid(body) => {
-                body.motion.iter().flat_map(|motion| [&motion.x, &motion.y, &motion.angle]).collect()
+                body.laws().into_iter().flat_map(|motion| [&motion.x, &motion.y, &motion.angle]).collect()
             }
             Motion::Still(_) => Vec::new(),
             Motion::Root { laws, .. } => {
@@ -312,11 +312,16 @@ fn symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], reynolds: Option<f64>)
     let across = 1 - axis;
     let free = parts.iter().flat_map(|part| match &part.motion {
         Motion::Rigid(body) => {
-            body.motion.iter().flat_map(|motion| [[&motion.x, &motion.y][across], &motion.angle]).collect()
+            body.laws().into_iter().flat_map(|motion| [[&motion.x, &motion.y][across], &motion.angle]).collect()
         }
         _ => Vec::new(),
     });
-    let moved = free.into_iter().any(|law| law.largest_rate() > 0.0);
+    let released = fluid.bodies.iter().filter_map(|body| body.mount.as_ref()).any(|mount| {
+        let supports = mount.supports();
+        [supports[across], supports[2]].into_iter().flatten().any(|support| support.rest * support.stiffness != 0.0)
+    });
+    let driven = fluid.bodies.iter().any(Body::is_driven);
+    let moved = driven || released || free.into_iter().any(|law| law.largest_rate() > 0.0);
     let pulled = scene.beams_with_rods().filter_map(|own| own.rod?.gravity.get(across)).any(|&g| g != 0.0);
     if streams[across] || fluid.initial_velocity[across] != 0.0 || moved || pulled {
         return None;

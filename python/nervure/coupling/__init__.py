@@ -27,7 +27,8 @@ def couple(
 ) -> Scheme:
     """Connect the units of a scene under its `coupling`; `choice` of the scheme says what the scene left open.
 
-    `drive` moves the roots that the scene leaves to the master: it returns the inputs of one rod after the other.
+    `drive` moves the roots and bodies that the scene leaves to the master: it returns the inputs of one rod after the
+    other, then those of the bodies.
     Guards that the scene does not set are on, unless a unit is `foreign`: its powers need not mean the same.
 
     The load was chosen when the units were packed. The scheme follows from it: explicit under the momentum load, which

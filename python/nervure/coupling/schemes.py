@@ -13,6 +13,7 @@ Iterated: from a guess of the stations x at t + H,
 until r is small; before each repetition all units return to t. Aitken's relaxation or IQN-ILS makes the next guess.
 """
 
+import re
 from array import array
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
@@ -35,19 +36,25 @@ COARSEST_TOLERANCE = 1e-2
 """Largest residual, relative to the displacement in the step, that a user may want to accept."""
 
 Drive = Callable[[float], Sequence[float]]
-"""Motion of a driven root: the rod's inputs `root.*` at a time (s), in order."""
+"""Motion of driven roots and bodies: the rods' inputs `root.*` and the fluid's `body[k].motion.*` at a time (s), in
+order."""
+
+BODY_MOTION = re.compile(r"body\[\d+\]\.motion\.")
 
 
-def root_inputs(unit: Unit) -> list[str]:
-    """Return the names of the inputs that drive the root of `unit`."""
-    return [v.name for v in unit.variables.values() if v.causality == "input" and v.name.startswith("root.")]
+def driven_inputs(unit: Unit) -> list[str]:
+    """Return the names of the inputs that drive the root or the bodies of `unit`."""
+    names = (v.name for v in unit.variables.values() if v.causality == "input")
+    return [name for name in names if name.startswith("root.") or BODY_MOTION.match(name)]
 
 
-def check_drive(rod: Unit, drive: Drive | None) -> None:
-    """Raise `CouplingError` where the scene leaves the root of `rod` to the master, and there is no `drive`."""
-    if root_inputs(rod) and drive is None:
+def check_drive(unit: Unit, drive: Drive | None) -> None:
+    """Raise `CouplingError` where the scene leaves a root or a body of `unit` to the master, and there is no `drive`."""
+    if (driven := driven_inputs(unit)) and drive is None:
+        root = driven[0].startswith("root.")
+        part, key = ("the root", "rod.root_motion") if root else ("a body", "fluid.bodies[k].motion")
         raise CouplingError(
-            "the scene leaves the root to the master (rod.root_motion), but nothing drives it: give laws of "
+            f"the scene leaves {part} to the master ({key}), but nothing drives it: give laws of "
             "time, or couple the units from Python with a drive"
         )
 
@@ -117,12 +124,12 @@ class Scheme:
 
 
 class Single(Scheme):
-    """One unit alone: every input keeps its start value, except the motion of a root that `drive` gives."""
+    """One unit alone: every input keeps its start value, except the motion of a root or bodies that `drive` gives."""
 
     def __init__(self, unit: Unit, drive: Drive | None = None):
         check_drive(unit, drive)
-        unit.connect(root_inputs(unit), [])
-        self.unit, self.drive, self.root = unit, drive, unit.inputs
+        unit.connect(driven_inputs(unit), [])
+        self.unit, self.drive, self.driven = unit, drive, unit.inputs
         self.units = [unit]
 
     def start(self) -> None:
@@ -131,7 +138,7 @@ class Single(Scheme):
 
     def step(self, t: float, h: float) -> int:
         if self.drive:
-            self.root[:] = self.drive(t + h)
+            self.driven[:] = self.drive(t + h)
         self.unit.step(t, h)
         return 1
 
@@ -178,23 +185,26 @@ class Explicit(Scheme):
             loads.append(connections(self.fluid, rod, prefix_at_source=beam))
             stations.append(connections(rod, self.fluid, prefix_at_target=beam))
             check_drive(rod, self.drive)
-            root = root_inputs(rod)
+            root = driven_inputs(rod)
             on_rod, from_fluid = guarded_outputs(rod, beam or "beam.") if guards else ([], [])
             rod.connect(loads[-1] + root, stations[-1], [name for name in on_rod if name in rod.variables])
             powers += [name for name in from_fluid if name in self.fluid.variables]
         here = [[beam + name for name in names] for beam, names in zip(prefixes, stations, strict=True)]
         there = [[beam + name for name in names] for beam, names in zip(prefixes, loads, strict=True)]
         known = [name for names in here for name in names]
+        check_drive(self.fluid, self.drive)
+        bodies = driven_inputs(self.fluid)
         inputs = [v.name for v in self.fluid.variables.values() if v.causality == "input"]
-        if lost := next((name for name in inputs if name not in known), None):
+        if lost := next((name for name in inputs if name not in [*known, *bodies]), None):
             raise CouplingError(f"the {self.fluid.name} has the input `{lost}`, but there is no rod for it")
-        self.fluid.connect(known, [name for names in there for name in names], powers)
+        self.fluid.connect(known + bodies, [name for names in there for name in names], powers)
 
         def parts(values: np.ndarray, names: list[list[str]]) -> list[np.ndarray]:
             sizes = [sum(self.fluid.variables[name].size for name in part) for part in names]
             return np.split(values, np.cumsum(sizes)[:-1])
 
-        pairs = zip(self.rods, parts(self.fluid.inputs, here), parts(self.fluid.exchanged, there), strict=True)
+        self.fluid_stations, self.bodies = np.split(self.fluid.inputs, [self.fluid.inputs.size - len(bodies)])
+        pairs = zip(self.rods, parts(self.fluid_stations, here), parts(self.fluid.exchanged, there), strict=True)
         return [
             Link(rod, rod.exchanged, stations, loads, *np.split(rod.inputs, [loads.size]))
             for rod, stations, loads in pairs
@@ -210,12 +220,13 @@ class Explicit(Scheme):
         for link in self.links:
             link.rod_loads[:] = link.loads
 
-    def move_root(self, t: float) -> None:
-        """Move the roots that `drive` drives to their place at `t` (s)."""
+    def move_driven(self, t: float) -> None:
+        """Move the roots and bodies that `drive` drives to their place at `t` (s)."""
         if self.drive:
-            ends = np.cumsum([link.root.size for link in self.links])[:-1]
-            for link, values in zip(self.links, np.split(np.asarray(self.drive(t)), ends), strict=True):
-                link.root[:] = values
+            driven = [*(link.root for link in self.links), self.bodies]
+            ends = np.cumsum([part.size for part in driven])[:-1]
+            for part, values in zip(driven, np.split(np.asarray(self.drive(t)), ends), strict=True):
+                part[:] = values
 
     def start(self) -> None:
         for rod in self.rods:
@@ -233,7 +244,7 @@ class Explicit(Scheme):
     def step_rods(self, t: float, h: float) -> None:
         """Step the rods from `t` to `t + h` (s) with the loads of the fluid."""
         self.take_loads()
-        self.move_root(t + h)
+        self.move_driven(t + h)
         for rod in self.rods:
             rod.step(t, h)
         for watch in self.watches:
@@ -282,7 +293,7 @@ class Iterated(Explicit):
             )
         self.tolerance, self.max_iterations = options.tolerance, options.max_iterations
         # The stations of one rod are its outputs; of several rods they are gathered.
-        self.stations = self.rods[0].exchanged if len(self.rods) == 1 else np.zeros(fluid.inputs.size)
+        self.stations = self.rods[0].exchanged if len(self.rods) == 1 else np.zeros(self.fluid_stations.size)
         sizes = [link.stations.size for link in self.links]
         places = [np.r_[rod.slices["x"], rod.slices["y"]] for rod in self.rods]
         self.displacement = np.concatenate(
@@ -300,7 +311,7 @@ class Iterated(Explicit):
             np.concatenate([link.stations for link in self.links], out=self.stations)
 
     def step(self, t: float, h: float) -> int:
-        rods, fluid, stations, given, a = self.rods, self.fluid, self.stations, self.fluid.inputs, self.acceleration
+        rods, fluid, stations, given, a = self.rods, self.fluid, self.stations, self.fluid_stations, self.acceleration
         self.gather()
         before = stations.copy()
         rounding = STATION_ROUNDING * float(np.linalg.norm(before[self.displacement]))
@@ -318,6 +329,7 @@ class Iterated(Explicit):
             if iteration > 1:
                 for unit in (*rods, fluid):
                     unit.restore()
+            self.move_driven(t + h)
             fluid.step(t, h)
             self.step_rods(t, h)
             self.gather()

@@ -70,7 +70,7 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
     time, velocity = series["time"], numbers.velocity
     stream = flapping.stream(facts, window)
     ahead = np.array([-1.0, 0.0]) if stream is None else -stream / np.linalg.norm(stream)
-    motions = {name: motion for name, motion in _motions(fluid) if motion}
+    motions = dict(_motions(fluid))
     rods = {own.force: own for own in facts.beams}
     found = {}
     for name, body in numbers.bodies.items():
@@ -89,7 +89,8 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
             curves["cd_path"] = against_path(name, series) / pressure
         if power is not None:
             curves["cp"] = power / (pressure * velocity)
-        oscillation = _oscillation(motions[name]) if name in motions else None
+        laws = motions.get(name)
+        oscillation = _oscillation(laws) if laws else None
         found[name] = BodyCoefficients(
             cd_mean=drag.mean / pressure,
             cd_amplitude=drag.amplitude / pressure,
@@ -157,9 +158,11 @@ class _Oscillation:
 
 
 def _motions(fluid: Fluid) -> Iterator[tuple[str, Motion | BodyMotion | None]]:
-    """Yield the motions of the rigid bodies by the names of their forces."""
-    yield from ((f"cylinder_{i}", cylinder.motion) for i, cylinder in enumerate(fluid.cylinders, 1))
-    yield from ((f"body_{i}", body.motion) for i, body in enumerate(fluid.bodies, 1))
+    """Yield the prescribed motions of rigid bodies by the names of their forces; None for one by the master."""
+    yield from ((f"cylinder_{i}", own.motion) for i, own in enumerate(fluid.cylinders, 1) if own.motion)
+    for i, body in enumerate(fluid.bodies, 1):
+        if body.motion:
+            yield f"body_{i}", None if body.motion == "master" else body.motion
 
 
 def _oscillation(motion: Motion | BodyMotion) -> _Oscillation | None:

@@ -55,6 +55,16 @@ def _scene_rows(session: Session) -> Iterator[tuple[str, str]]:
             parts.append(f"stiffness number {numbers.stiffness:.3g}")
         parts += [f"{numbers.density_ratio:.3g} of the mass of the fluid it displaces"]
         yield "beam", ", ".join([*parts, f"added mass {numbers.added_mass_ratio:.3g} of its own"])
+    for name, mount in numbers.mounts.items():
+        parts = [f"mass ratio {mount.mass_ratio:.3g}"]
+        for direction, support in mount.supports.items():
+            own = f"{direction}: f_n {support.natural_frequency:.3g} Hz"
+            if support.damping_ratio is not None:
+                own += f", damping ratio {support.damping_ratio:.3g}"
+            if support.reduced_velocity is not None:
+                own += f", reduced velocity {support.reduced_velocity:.3g}"
+            parts.append(own)
+        yield f"mount of {name}", "; ".join(parts)
     for name, body in numbers.bodies.items():
         layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
         yield f"cells of {name}", f"{body.thickness_cells:.3g} in the {_across(name)}{layer}"

@@ -21,6 +21,23 @@ class Body:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Support:
+    """A spring with its damper, by the mass of the body without a fluid."""
+
+    natural_frequency: float  # f_n, Hz
+    damping_ratio: float | None  # By the critical damping; None without a spring
+    reduced_velocity: float | None  # U / (f_n L); None without a spring or a drive
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mount:
+    """A body on springs."""
+
+    mass_ratio: float  # Mass by that of the displaced fluid
+    supports: dict[str, Support]  # By the direction in which the body moves: x, y, angle
+
+
+@dataclass(frozen=True, kw_only=True)
 class Dimensionless:
     """Dimensionless numbers of a scene with a fluid; numbers that the scene lacks are None."""
 
@@ -36,6 +53,7 @@ class Dimensionless:
     stiffness: float | None  # EI / (rho U² L³)
     cfl: float | None  # CFL number of the longest step with twice the largest velocity, as beside a cylinder
     bodies: dict[str, Body]  # By the names of their forces: cylinder_1, …, body_1, …, beam, or beam_1, …
+    mounts: dict[str, Mount]  # Of the bodies on springs, by the same names
 
 
 class Facts:
@@ -58,7 +76,15 @@ class Facts:
         """The dimensionless numbers; None without a fluid."""
         if (found := self._found["dimensionless"]) is None:
             return None
-        return Dimensionless(**{**found, "bodies": {name: Body(**body) for name, body in found["bodies"]}})
+        mounts = {
+            name: Mount(
+                mass_ratio=mount["mass_ratio"],
+                supports={direction: Support(**support) for direction, support in mount["supports"]},
+            )
+            for name, mount in found["mounts"]
+        }
+        bodies = {name: Body(**body) for name, body in found["bodies"]}
+        return Dimensionless(**{**found, "bodies": bodies, "mounts": mounts})
 
     @cached_property
     def thickness(self) -> dict[str, np.ndarray]:

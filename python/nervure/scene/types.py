@@ -318,6 +318,43 @@ class BodyMotion(Part):
     """Angle about the pivot, rad, counter-clockwise."""
 
 
+ByMaster = Literal["master"]
+"""Motion from outside. `master`: The master sets displacement, angle and their rates at the end of each communication
+step."""
+
+
+class Support(Part):
+    """Spring and damper in parallel, per metre of depth."""
+
+    stiffness: Real = 0.0
+    """Stiffness, N/m, about the pivot N m/rad."""
+
+    damping: Real = 0.0
+    """Damping, N s/m, about the pivot N m s/rad."""
+
+    rest: Real = 0.0
+    """Displacement, m, or angle, rad, at which the spring has no force. The body starts at 0."""
+
+
+class Mount(Part):
+    """Mass of a body, whose centre is the pivot, and its supports. It is held in the directions that are absent."""
+
+    mass: Real
+    """Mass, kg per metre of depth."""
+
+    inertia: Real | None = None
+    """Moment of inertia about the pivot, kg m² per metre of depth; needed with `angle`, and absent without it."""
+
+    x: Support | None = None
+    """Support along x; absent where the body is held."""
+
+    y: Support | None = None
+    """Support along y; absent where the body is held."""
+
+    angle: Support | None = None
+    """Support about the pivot; absent where the body is held."""
+
+
 class Body(Part):
     """A rigid body."""
 
@@ -325,16 +362,20 @@ class Body(Part):
     """Outline in the body's own axes."""
 
     position: tuple[Real, Real]
-    """Place of the pivot, m; the motion is added to it."""
+    """Place of the pivot, m; motion and mount displace it from there."""
 
     pivot: tuple[Real, Real] = (0.0, 0.0)
     """Pivot in the body's own axes, m, about which the body turns and its moment is taken; by default their origin."""
 
     angle: Real = 0.0
-    """Angle from the x axis of the box to the body's own, rad, counter-clockwise; the motion is added to it."""
+    """Angle from the x axis of the box to the body's own, rad, counter-clockwise; motion and mount turn it from
+    there."""
 
-    motion: BodyMotion | None = None
-    """Prescribed motion; absent for a still body."""
+    motion: BodyMotion | ByMaster | None = None
+    """Prescribed motion; absent for a body that is still or has a mount."""
+
+    mount: Mount | None = None
+    """Springs and dampers on which the fluid moves the body; absent for one that is still or has a motion."""
 
 
 class Sharp(Part):
@@ -497,7 +538,7 @@ class Fluid(Part):
     """Circular cylinders, still or in prescribed motion."""
 
     bodies: list[Body] = Field(default_factory=list)
-    """Rigid bodies of any shape, still or in prescribed motion."""
+    """Rigid bodies of any shape: still, in prescribed motion, or on springs."""
 
     mask: Mask
     """Drag rate of solids on the grid."""

@@ -31,7 +31,7 @@ class Session(TimeLoop):
             results = session.finish()
 
     The units are unpacked into a temporary folder, or are the FMUs `fmus`, of which `foreign` are not ours. `drive`
-    moves a root that the scene leaves to the master; `scheme` makes another coupling scheme of the units.
+    moves roots and bodies that the scene leaves to the master; `scheme` makes another coupling scheme of the units.
     `series_every` is the time between two rows of the series, s, rounded to whole steps.
     """
 

@@ -32,7 +32,7 @@ PERIODIC = 0.1  # Largest `amplitude_drift` for a comparison with published valu
 STEADY = 0.05  # Largest amplitude by mean for a comparison with published values of a steady state
 
 COMPARED_PERIODS = 4  # Fewest periods for a comparison with published values of a periodic state
-MOTION = re.compile(r"(body_\d+)_(x|y|angle)")  # Columns of the prescribed motion of a rigid body
+MOTION = re.compile(r"(body_\d+)_(x|y|angle)")  # Columns of the motion of a rigid body
 FORCES = ("drag", "lift")  # Evaluated outputs of the fluid, under a box filter
 
 
@@ -167,10 +167,12 @@ class Summary:
         return kept
 
 
-def quantities(beams: Sequence[Own]) -> list[str]:
+def quantities(facts: Facts) -> list[str]:
     """Return the columns that are evaluated, as far as a run has them."""
-    prefixes = [own.prefix for own in beams] or [""]
-    return [*(prefix + name for prefix in prefixes for name in TIP), *FORCES]
+    prefixes = [own.prefix for own in facts.beams] or [""]
+    mounts = facts.numbers.mounts if facts.numbers else {}
+    moved = (f"{body}_{direction}" for body, mount in mounts.items() for direction in mount.supports)
+    return [*(prefix + name for prefix in prefixes for name in TIP), *moved, *FORCES]
 
 
 @dataclass(frozen=True)
@@ -185,7 +187,7 @@ class MainSignal:
 
 def main_signal(series: Series, rounding: float = statistics.ROUNDING["double"]) -> MainSignal | None:
     """Return the signal that decides on the periods, along its principal direction: the path of the tip, or without a
-    rod the force. A driven root or a driven rigid body sets the period; `rounding` is the part of a signal's largest
+    rod that of a body on springs, or else the force. A driven root or a driven rigid body sets the period; `rounding` is the part of a signal's largest
     value that rounding may move."""
     time = series["time"]
     names, forces = [name for name in FORCES if name in series], _forces(series)
@@ -196,6 +198,9 @@ def main_signal(series: Series, rounding: float = statistics.ROUNDING["double"])
         return MainSignal("tip", _along(time, tip), drive, smallest)
     if forces is None:
         return None
+    if (response := _motion(series, mounted=True)) is not None:
+        smallest = rounding * float(np.abs(response).max())
+        return MainSignal("displacement", response, _motion(series), smallest)
     values, smallest = (
         _along(time, forces),
         rounding * float(np.hypot(*forces)[statistics.last_third(time).of(time)].max()),
@@ -214,12 +219,14 @@ def _along(time: np.ndarray, path: np.ndarray) -> np.ndarray:
     return component
 
 
-def _motion(series: Series) -> np.ndarray | None:
-    """The prescribed motion of the first rigid body that moves at the end: of its pivot, or else its angle."""
+def _motion(series: Series, mounted: bool = False) -> np.ndarray | None:
+    """The prescribed motion of the first rigid body that moves at the end: of its pivot, or else its angle. With
+    `mounted` that of a body on springs, whose velocity is recorded too."""
     moving: dict[str, list[str]] = {}
     tail = statistics.last_third(series["time"]).of(series["time"])
     for column in series:
-        if (found := MOTION.fullmatch(column)) and np.ptp(series[column][tail]) > 0:
+        found = MOTION.fullmatch(column)
+        if found and (f"{found[1]}_vx" in series) == mounted and np.ptp(series[column][tail]) > 0:
             moving.setdefault(found[1], []).append(column)
     for columns in moving.values():
         places = [name for name in columns if not name.endswith("angle")] or columns
@@ -281,7 +288,7 @@ def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Re
     width = statistics.force_filter_width(window) if window else 0.0
     inside = {name: unit.seconds for name, unit in units.items()}
     about = {name: unit.description for name, unit in units.items()}
-    names = [name for name in quantities(facts.beams) if window and name in series]
+    names = [name for name in quantities(facts) if window and name in series]
     smallest = smallest_amplitudes(names, series, rounding) if window else {}
     known = {
         name: _quantity(name, recorder.units[name], series, scene, window, width, smallest[name])

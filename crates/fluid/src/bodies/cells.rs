@@ -169,6 +169,11 @@ impl Cells {
         }
     }
 
+    /// Return the cells, to be given other velocities.
+    pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, Cell> {
+        self.cells.iter_mut()
+    }
+
     /// Return the cells in the order in which they were added.
     pub fn iter(&self) -> std::slice::Iter<'_, Cell> {
         self.cells.iter()

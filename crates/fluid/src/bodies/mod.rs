@@ -1,10 +1,12 @@
 //! The bodies at their present places, and the drag that they exert on the fluid.
 
 mod beam;
+mod body_pose;
 mod cells;
 mod frame;
 mod mask;
 mod measure;
+mod mount;
 mod polygon;
 mod pose;
 mod rigid;
@@ -26,11 +28,13 @@ use crate::wall::DragProfile;
 use crate::zone::DrivingZone;
 
 use beam::Beam;
+pub use body_pose::Pose;
 pub use cells::Cell;
 use cells::{Cells, Painted};
 use measure::{Measured, Walls};
+pub use mount::Carried;
+use mount::{Drag, Release};
 use pose::BeamPose;
-pub use rigid::Pose;
 use rigid::Rigid;
 pub use stations::{Loads, Stations};
 
@@ -62,10 +66,22 @@ pub struct MovingBodies<'a> {
 }
 
 impl MovingBodies<'_> {
-    /// Move the bodies to their places at a time (s) and the beams from the stations `before` to `stations`.
-    pub fn place(&mut self, time: f64, stations: &[Stations], before: &[Stations], grid: &Grid) {
+    /// Move the bodies to their places at a time (s), those without a law by `displacements` from rest, and the beams
+    /// from the stations `before` to `stations`.
+    pub fn place(
+        &mut self,
+        time: f64,
+        displacements: &[Pose],
+        stations: &[Stations],
+        before: &[Stations],
+        grid: &Grid,
+    ) {
+        let mut displacements = displacements.iter().peekable();
         for rigid in self.rigid.iter_mut().filter(|rigid| rigid.moves()) {
-            rigid.place(time, grid);
+            match displacements.next_if(|_| rigid.is_carried()) {
+                Some(displacement) => rigid.place(rigid.pose_of(displacement), grid),
+                None => rigid.follow(time, grid),
+            }
         }
         for (beam, (stations, before)) in self.beams.iter_mut().zip(stations.iter().zip(before)) {
             beam.place(stations, before, grid);
@@ -141,6 +157,11 @@ impl Bodies {
         self.rigid[rigid].pose
     }
 
+    /// Return place and motion of a rigid body at a displacement from rest.
+    pub fn displaced_pose(&self, rigid: usize, displacement: &Pose) -> Pose {
+        self.rigid[rigid].pose_of(displacement)
+    }
+
     /// Return the power (W/m) of a force on a rigid body.
     pub fn power(&self, rigid: usize, force: &Force) -> f64 {
         self.rigid[rigid].power(force.force, force.moment)
@@ -151,11 +172,76 @@ impl Bodies {
         self.rate.as_deref()
     }
 
-    /// Move the bodies to their places at a time (s) and the beams from the stations `before` to `stations`, and paint
-    /// them.
-    pub fn place(&mut self, time: f64, stations: &[Stations], before: &[Stations], grid: &Grid) {
-        self.moving().place(time, stations, before, grid);
+    /// Move the bodies as [`MovingBodies::place`] does, and paint them.
+    pub fn place(
+        &mut self,
+        time: f64,
+        displacements: &[Pose],
+        stations: &[Stations],
+        before: &[Stations],
+        grid: &Grid,
+    ) {
+        self.moving().place(time, displacements, stations, before, grid);
         self.paint();
+    }
+
+    /// Return the numbers of the rigid bodies that the master or the fluid moves, and whether each is on springs.
+    pub fn carried(&self) -> impl Iterator<Item = (usize, bool)> {
+        let numbered = self.rigid.iter().enumerate().filter(|(_, rigid)| rigid.is_carried());
+        numbered.map(|(k, rigid)| (k, rigid.mount().is_some()))
+    }
+
+    /// Let the bodies on springs move: find their velocities together with the drag of the fluid, and add what the
+    /// change does to `u*` to `w`.
+    ///
+    /// `c` are the coefficients of the backward differences; `u_star(axis, index, w)` is `u*` at a grid point.
+    pub fn release<R: Real>(
+        &mut self,
+        c: [f64; 3],
+        carried: &[Carried],
+        u_star: impl Fn(usize, usize, f64) -> f64,
+        w: &mut [Field<R>; 2],
+    ) {
+        let Some(rate) = &self.rate else { return };
+        for (rigid, carried) in self.rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried) {
+            let Some(&mount) = rigid.mount() else { continue };
+            let mut drag = Drag::default();
+            for cell in rigid.cells.iter() {
+                let share = cell.rate / (c[0] + rate[cell.index]);
+                let slip =
+                    [0, 1].map(|axis| u_star(axis, cell.index, w[axis][cell.index].to_f64()) - cell.velocity[axis]);
+                let weight = self.cell_mass * cell.rate;
+                drag.add(slip.map(|slip| weight * slip), cell.gain.map(|gain| weight * gain * (1.0 - share)), cell.arm);
+            }
+            let fluid = rigid.displaced_inertia(self.density);
+            let release = Release { mount, carried, c, fluid, predicted: rigid.pose.rates() };
+            let released = release.solve(&drag);
+            let [u, v, omega] = released.change;
+            for cell in rigid.cells.iter_mut() {
+                let share = cell.rate / (c[0] + rate[cell.index]);
+                let change = [u - omega * cell.arm[1], v + omega * cell.arm[0]];
+                for (axis, w) in w.iter_mut().enumerate() {
+                    let change = cell.gain[axis] * change[axis];
+                    cell.velocity[axis] += change;
+                    w[cell.index] = R::rounded(w[cell.index].to_f64() + share * change);
+                }
+            }
+            rigid.released = Some(released);
+        }
+    }
+
+    /// Put the bodies that laws do not move to where they are after a step in which they were placed by
+    /// `displacements`, and write that.
+    pub fn settle(&mut self, displacements: &[Pose], carried: &mut [Carried]) {
+        let bodies = self.rigid.iter_mut().filter(|rigid| rigid.is_carried());
+        for ((rigid, carried), placed) in bodies.zip(carried).zip(displacements) {
+            let (now, acceleration) = match &rigid.released {
+                Some(released) => (released.displacement, released.acceleration),
+                None => (*placed, [0.0; 3]),
+            };
+            *carried = Carried { now, before: carried.now, acceleration };
+            rigid.pose = rigid.pose_of(&now);
+        }
     }
 
     /// Let bodies with a wall target sample the flow, and paint them; `velocity` gives the flow at a grid point, m/s.
@@ -241,7 +327,11 @@ impl Bodies {
         for (known, rigid) in on_rigid.iter_mut().zip(&self.rigid) {
             let mut sum = Force::default();
             rigid.cells.iter().for_each(|cell| sum.add(drag(cell), cell.arm));
-            known.update(sum, rigid.displaced(self.density), dt);
+            let displaced = rigid.displaced(self.density);
+            match &rigid.released {
+                Some(released) => known.update_with(sum, released.unsteady, displaced),
+                None => known.update(sum, displaced, dt),
+            }
         }
         for (k, ((known, beam), stations)) in on_beams.iter_mut().zip(&self.beams).zip(stations).enumerate() {
             let (mut sum, mut power) = (Force::default(), 0.0);

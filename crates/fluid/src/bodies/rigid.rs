@@ -1,13 +1,15 @@
-//! Rigid bodies, still or in prescribed motion. A cylinder is a circle that does not turn.
+//! Rigid bodies, still or moving. A cylinder is a circle that does not turn.
 //!
 //! A point at `r` from the pivot, whose velocity is v, moves with `v + omega × r`.
 
+use super::body_pose::Pose;
 use super::cells::Cells;
 use super::measure::{Measure, Measured, Surface};
+use super::mount::Released;
 use super::section::{Nearest, Section};
 use crate::force::Displaced;
 use crate::grid::Grid;
-use crate::parameters::{Body, Mask, Shape};
+use crate::parameters::{Body, Mask, Motion, Mount, Shape};
 use crate::wall::DragProfile;
 
 /// A body and the cells in which it drags the fluid.
@@ -21,36 +23,16 @@ pub struct Rigid {
     direction: (f64, f64),
     /// Cells at the present place.
     pub cells: Cells,
+    /// What the solve of the present step found, of a body on springs.
+    pub released: Option<Released>,
 }
 
-/// Place and motion of a body.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pose {
-    /// Position of the pivot, m.
-    pub position: [f64; 2],
-    /// Angle from the x axis of the domain to that of the body, rad.
-    pub angle: f64,
-    /// Velocity of the pivot, m/s.
-    pub velocity: [f64; 2],
-    /// Rate at which it turns, rad/s.
-    pub omega: f64,
-}
-
-impl Pose {
-    /// Return place and motion of a body at a time (s).
-    fn of(body: &Body, t: f64) -> Self {
-        let mut pose = Self { position: body.position, angle: body.angle, ..Self::default() };
-        if let Some(motion) = &body.motion {
-            for (axis, law) in motion.displacement.iter().enumerate() {
-                let (displacement, rate) = law.value_and_rate(t);
-                pose.position[axis] += displacement;
-                pose.velocity[axis] = rate;
-            }
-            let (angle, rate) = motion.angle.value_and_rate(t);
-            pose.angle += angle;
-            pose.omega = rate;
-        }
-        pose
+impl Body {
+    /// Return mass and moment of inertia about the pivot of the displaced fluid of a density (kg/m³).
+    pub(crate) fn displaced(&self, density: f64) -> [f64; 2] {
+        let Section { area, centroid, polar } = self.shape.section();
+        let arm = [0, 1].map(|axis| centroid[axis] - self.pivot[axis]);
+        [density * area, density * (polar + area * (arm[0] * arm[0] + arm[1] * arm[1]))]
     }
 }
 
@@ -60,9 +42,25 @@ impl Rigid {
         let body = Body { shape: body.shape.oriented(), ..body };
         let profile = DragProfile::of_body(body.shape.thickness(), body.motion.is_some(), mask, nu, grid.cell_size());
         let (section, pose, cells) = (body.shape.section(), Pose::default(), Cells::default());
-        let mut rigid = Self { body, section, profile, pose, direction: (0.0, 1.0), cells };
-        rigid.place(0.0, grid);
+        let mut rigid = Self { body, section, profile, pose, direction: (0.0, 1.0), cells, released: None };
+        rigid.follow(0.0, grid);
         rigid
+    }
+
+    /// Return whether the master or the fluid moves it, rather than a law.
+    pub fn is_carried(&self) -> bool {
+        matches!(self.body.motion, Some(Motion::Master | Motion::Mount(_)))
+    }
+
+    /// Return its springs and dampers, if it is on such.
+    pub fn mount(&self) -> Option<&Mount> {
+        if let Some(Motion::Mount(mount)) = &self.body.motion { Some(mount) } else { None }
+    }
+
+    /// Return its place and motion for those relative to its place at rest.
+    pub fn pose_of(&self, displacement: &Pose) -> Pose {
+        let [x, y] = [0, 1].map(|axis| self.body.position[axis] + displacement.position[axis]);
+        Pose { position: [x, y], angle: self.body.angle + displacement.angle, ..*displacement }
     }
 
     /// Return whether it moves.
@@ -80,7 +78,7 @@ impl Rigid {
         let Section { area, centroid, polar } = self.section;
         let Pose { angle, velocity, omega, .. } = self.pose;
         let mass = density * area;
-        let arm = turned([centroid[0] - self.body.pivot[0], centroid[1] - self.body.pivot[1]], angle.sin_cos());
+        let arm = self.centroid(centroid, angle);
         // Velocity of the centroid relative to the pivot.
         let swing = [-omega * arm[1], omega * arm[0]];
         let momentum = [0, 1].map(|axis| mass * (velocity[axis] + swing[axis]));
@@ -89,15 +87,32 @@ impl Rigid {
         Displaced { momentum, angular, transport }
     }
 
+    /// Return mass and polar moment of inertia about the pivot of the displaced fluid of a density (kg/m³), and the
+    /// position of its centroid from the pivot, m.
+    pub fn displaced_inertia(&self, density: f64) -> (f64, f64, [f64; 2]) {
+        let ([mass, inertia], centroid) = (self.body.displaced(density), self.section.centroid);
+        (mass, inertia, self.centroid(centroid, self.pose.angle))
+    }
+
+    /// Return the position of a centroid in the axes of the body from the pivot, at an angle.
+    fn centroid(&self, centroid: [f64; 2], angle: f64) -> [f64; 2] {
+        turned([centroid[0] - self.body.pivot[0], centroid[1] - self.body.pivot[1]], angle.sin_cos())
+    }
+
     /// Return the power (W/m) of a force (N/m) and a moment about the pivot (N m/m).
     pub fn power(&self, force: [f64; 2], moment: f64) -> f64 {
         let Pose { velocity, omega, .. } = self.pose;
         force[0] * velocity[0] + force[1] * velocity[1] + moment * omega
     }
 
-    /// Move to the place at time `t` (s), and list the cells.
-    pub fn place(&mut self, t: f64, grid: &Grid) {
-        self.pose = Pose::of(&self.body, t);
+    /// Move to the place that the laws give at time `t` (s), and list the cells.
+    pub fn follow(&mut self, t: f64, grid: &Grid) {
+        self.place(Pose::of(&self.body, t), grid);
+    }
+
+    /// Move to a place, and list the cells.
+    pub fn place(&mut self, pose: Pose, grid: &Grid) {
+        (self.pose, self.released) = (pose, None);
         self.direction = self.pose.angle.sin_cos();
         let (Pose { position, .. }, (sin, cos), reach) = (self.pose, self.direction, self.profile.reach());
         let around = [0, 1].map(|axis| {

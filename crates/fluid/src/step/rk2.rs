@@ -93,7 +93,7 @@ impl<R: Real> Rk2<R> {
         let implicit = Implicit { tau_nu: 0.0, cfl: present.cfl(step.dt), mean: problem.mean_velocity(step.end) };
         self.decay.set_viscosity(step.dt * problem.nu);
         add_rate_of_change(present.time, flow, step.dt, problem, &mut work.w);
-        problem.bodies.place(step.end, step.stations, &present.beams.stations, &problem.grid);
+        problem.bodies.place(step.end, step.displacements, step.stations, &present.beams.stations, &problem.grid);
         step.check(self.solve_wave_by_wave(step.team, Stage::First, implicit, problem, work))?;
         add_rate_of_change(step.end, &self.next, step.dt, problem, &mut work.w);
         let advection_rate = self.solve_wave_by_wave(step.team, Stage::Second, implicit, problem, work);
@@ -104,7 +104,7 @@ impl<R: Real> Rk2<R> {
         let drag = |cell: &Cell| present_drag(flow, cell);
         let exchange = &mut present.beams.exchange;
         problem.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
-        step.finish(present, advection_rate);
+        step.finish(present, &mut problem.bodies, advection_rate);
         Ok(())
     }
 

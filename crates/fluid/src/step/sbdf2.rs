@@ -72,6 +72,12 @@ impl<R: Real> Sbdf2<R> {
         let scheme = Differences::new(step.dt, present.step);
         self.place_and_solve(&step, &scheme, flow, present, problem, &mut work.w);
         problem.add_velocities(step.end, |rate| 1.0 / (scheme.c[0] + rate), &mut work.w);
+        let (memory, velocity) = (&self.memory, &flow.velocity);
+        let u_star = |axis: usize, point: usize, w: f64| {
+            let [u, w_last] = [velocity, &memory.w].map(|field| field[axis][point].to_f64());
+            w - scheme.tau * memory.inv_tau * (w_last - u)
+        };
+        problem.bodies.release(scheme.c, &present.carried, u_star, &mut work.w);
         problem.timer.mark(Phase::Velocities);
         let implicit = Implicit {
             tau_nu: scheme.tau * problem.nu,
@@ -98,7 +104,7 @@ impl<R: Real> Sbdf2<R> {
         problem.timer.mark(Phase::Forces);
         self.take_over(flow, work);
         self.memory.inv_tau = scheme.c[0];
-        step.finish(present, advection_rate);
+        step.finish(present, &mut problem.bodies, advection_rate);
         Ok(predicted)
     }
 
@@ -116,7 +122,7 @@ impl<R: Real> Sbdf2<R> {
         let known = self.known(flow);
         let Problem { bodies, grid, timer, .. } = problem;
         if step.team.is_alone() {
-            bodies.moving().place(step.end, step.stations, &present.beams.stations, grid);
+            bodies.moving().place(step.end, step.displacements, step.stations, &present.beams.stations, grid);
             timer.mark(Phase::Paint);
             bodies.sample(self.extrapolated(scheme, flow));
             timer.mark(Phase::Sample);
@@ -124,7 +130,7 @@ impl<R: Real> Sbdf2<R> {
         } else {
             let (rate, mut moving) = bodies.split_static();
             solve_locally(step.team, &known, scheme, rate, w, || {
-                moving.place(step.end, step.stations, &present.beams.stations, grid);
+                moving.place(step.end, step.displacements, step.stations, &present.beams.stations, grid);
                 moving.sample(self.extrapolated(scheme, flow));
             });
             bodies.paint();

@@ -2,7 +2,7 @@
 
 use line_fft::Team;
 
-use crate::bodies::Stations;
+use crate::bodies::{Bodies, Pose, Stations};
 use crate::error::Error;
 use crate::present::Present;
 
@@ -15,6 +15,8 @@ pub struct Substep<'a> {
     pub end: f64,
     /// Stations of the beams at the end.
     pub stations: &'a [Stations],
+    /// Places at the end, from rest, of the bodies that laws do not move; predicted where the fluid moves them.
+    pub displacements: &'a [Pose],
     /// Predicted stations after the end, if loads are predicted after this step.
     pub ahead: Option<&'a [Stations]>,
     /// Largest CFL number.
@@ -33,8 +35,9 @@ impl Substep<'_> {
     }
 
     /// Make the end of the step the present time.
-    pub fn finish(&self, present: &mut Present, advection_rate: f64) {
+    pub fn finish(&self, present: &mut Present, bodies: &mut Bodies, advection_rate: f64) {
         (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
+        bodies.settle(self.displacements, &mut present.carried);
         Stations::copy_all(&mut present.beams.stations, self.stations);
     }
 }
