@@ -30,6 +30,7 @@ FSI3, CSM1, CYLINDER, VEIN, HOVER = (
 PAIR = "filament-pair-192x128"
 BEAM = '{"root": {"at": {"position": [0, 0], "direction": [1, 0]}}, "length": 1, "thickness": 0.08, "segments": 8}'
 BODY = 'fluid.bodies=[{"position": [1.5, 0.2]'
+CIRCLE = '"shape": {"circle": {"radius": 0.02}}'
 THESIS, VEIN_3D = "fsi3-thesis-325x72", "vein-3d"
 LAW, LOAD = "fluid.inflow.mean_velocity", "coupling.load"
 PROBE = '{{"name": "{}", "position": {}}}'
@@ -159,10 +160,23 @@ TYPES = [
     (FSI3, "coupling.axial_pressure_strain=1"),
     (FSI3, "reference.source="),
     (FSI3, "reference.quantities.tip_uy.amplitude=-1"),
+    (FSI3, f'{BODY}, {CIRCLE}, "motion": "slave"}}]'),
+    (FSI3, f'{BODY}, {CIRCLE}, "motion": {{"z": {{}}}}}}]'),
+    (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 0, "y": {{}}}}}}]'),
+    (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9, "y": {{"stiffness": -1}}}}}}]'),
 ]
 """Values that types and ranges do not allow."""
 
 RELATIONS = [
+    (FSI3, f'{BODY}, {CIRCLE}, "motion": "master", "mount": {{"mass": 9, "y": {{}}}}}}]'),
+    (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9}}}}]'),
+    (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9, "angle": {{}}}}}}]'),
+    (FSI3, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9, "inertia": 1, "y": {{}}}}}}]'),
+    (
+        FSI3,
+        f'{BODY}, "shape": {{"ellipse": {{"length": 0.1, "thickness": 0.05}}}}, "mount": {{"mass": 3, "y": {{}}}}}}]',
+    ),
+    (THESIS, f'{BODY}, {CIRCLE}, "mount": {{"mass": 9, "y": {{}}}}}}]'),
     (FSI3, f'{BODY}, "shape": {{"rectangle": {{"length": 0.1, "thickness": 0.2, "ends": "round"}}}}}}]'),
     (FSI3, f'{BODY}, "shape": {{"polygon": {{"corners": [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.1]]}}}}}}]'),
     (FSI3, 'fluid.bodies=[{"position": [5, 0.2], "shape": {"circle": {"radius": 0.1}}}]'),

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+from nervure.coupling import CouplingError
 from nervure.evaluate import bodies, statistics
 from nervure.output import flow
 from nervure.scene import override, read, validate
 from nervure.scene.facts import Facts
+from nervure.simulation.session import Session
 from nervure.simulation.summary import main_signal
 from studies import flapping
 from tests.test_runs import run
@@ -108,6 +110,66 @@ def test_the_main_signal_does_not_depend_on_the_orientation(turn):
         assert straight.values == pytest.approx(along, abs=0.01), names
         assert np.abs(turned.values) == pytest.approx(np.abs(straight.values), abs=1e-12), names
         assert turned.drive is None
+
+
+@pytest.fixture
+def carried(swinging):
+    """A circle that the master moves, and one on springs along both axes, twice as heavy as the fluid."""
+    mount = {"mass": 2 * np.pi * 0.01, "x": {}, "y": {"stiffness": 2 * np.pi * 0.01 * (4 * np.pi) ** 2, "rest": -0.02}}
+    circle = {"shape": {"circle": {"radius": 0.1}}}
+    swinging["fluid"] |= {
+        "initial_velocity": [0.5, 0.0],
+        "bodies": [
+            circle | {"position": [0.0, 0.0], "motion": "master"},
+            circle | {"position": [0.5, 0.2], "mount": mount},
+        ],
+    }
+    return swinging
+
+
+def test_a_body_on_springs_has_its_numbers_and_its_response(carried, tmp_path):
+    del carried["fluid"]["bodies"][0]
+    mount = Facts(validate(carried)).numbers.mounts["body_1"]
+    assert mount.mass_ratio == pytest.approx(2.0)
+    along, across = mount.supports["x"], mount.supports["y"]
+    assert (along.natural_frequency, along.damping_ratio, along.reduced_velocity) == (0.0, None, None)
+    assert across.natural_frequency == pytest.approx(2.0) and across.damping_ratio == 0.0
+    assert across.reduced_velocity == pytest.approx(0.5 / (2.0 * 0.2))
+    carried["time"]["end"] = 1.5
+    series, summary = run(tmp_path, carried)
+    t, y = series["time"], series["body_1_y"] - 0.2
+    assert np.diff(y) / np.diff(t) == pytest.approx((series["body_1_vy"][1:] + series["body_1_vy"][:-1]) / 2, abs=0.02)
+    assert series["body_1_x"][-1] > 0.51 and not series["body_1_angle"].any()
+    found = summary["quantities"]["body_1_y"]
+    # The fluid adds about its displaced mass: 2 Hz √(2/3).
+    assert found["frequency_hz"] == pytest.approx(1.6, rel=0.1) and found["unit"] == "m"
+    assert {"body_1_x", "drag", "lift"} <= summary["quantities"].keys()
+
+
+def test_the_master_moves_a_body_and_a_state_has_all_of_it(carried):
+    def drive(t):
+        return [0.1 * np.sin(3 * t), 0.0, t, 0.3 * np.cos(3 * t), 0.0, 1.0]
+
+    with Session(validate(carried), drive=drive) as session:
+        unit = session.units["fluid"]
+        assert [name for name in unit.variables if ".motion." in name] == [
+            f"body[1].motion.{part}" for part in ("x", "y", "angle", "vx", "vy", "omega")
+        ]
+        session.start()
+        for _ in range(5):
+            session.step()
+        x, y, angle = (unit.scalars("Real").index(f"body[1].{part}") for part in ("x", "y", "angle"))
+        assert unit.reals[[x, y, angle]] == pytest.approx([0.1 * np.sin(3 * session.time), 0.0, session.time])
+        unit.save()
+        h = session.time / 5
+        first = []
+        for _ in range(2):
+            session.scheme.step(session.time, h)
+            first.append(unit.reals.copy())
+            unit.restore()
+        assert (first[0] == first[1]).all() and first[0].any()
+    with pytest.raises(CouplingError, match=r"a body to the master \(fluid.bodies\[k\].motion\)"):
+        Session(validate(carried))
 
 
 def test_outlines_are_where_the_bodies_are(swinging):

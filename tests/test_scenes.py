@@ -10,7 +10,8 @@ import scene_types
 from nervure.errors import SceneError
 from nervure.evaluate import coefficients
 from nervure.resources import ROOT
-from nervure.scene import beams, document, load, read, text, types
+from nervure.scene import document, load, read, text, types
+from nervure.scene.facts import Facts
 from nervure.simulation.summary import quantities
 from nervure.units import package
 from nervure.units.describe import describe, unit_names
@@ -48,7 +49,7 @@ def test_scene_is_written_as_it_was_read(path):
 def test_reference_is_about_quantities_that_are_evaluated(path):
     reference = load(path).reference
     if reference is not None:
-        assert reference.quantities.keys() <= set(quantities(beams(load(path))))
+        assert reference.quantities.keys() <= set(quantities(Facts(load(path))))
         assert (coefficients.published(reference) or reference.quantities) and reference.source
 
 

@@ -93,7 +93,7 @@ impl Probe {
 mod tests {
     use super::*;
 
-    /// p = 1 + y outside a circle under a wall, noise inside and beyond the wall: the noise is not read.
+    /// p = 1 + y + 5 (y − 0.6)² outside a circle under a wall, noise inside and beyond the wall: the noise is not read.
     #[test]
     fn pressure_at_a_wall_is_that_of_the_flow_before_it() {
         let grid = Grid::new([[0.0, 1.0]; 2], [100; 2]);
@@ -103,7 +103,7 @@ mod tests {
             move |point: usize| {
                 let [x, y] = whole.point(point);
                 let inside = (x - center[0]).hypot(y - center[1]) < radius - 0.005;
-                if inside || y > blocked { 1e3 * (point as f64).sin() } else { 1.0 + y }
+                if inside || y > blocked { 1e3 * (point as f64).sin() } else { 1.0 + y + 5.0 * (y - 0.6).powi(2) }
             }
         };
         let probe = |channel| Probe::new([0.5, 0.6], &[(center, radius)], channel, &grid);

@@ -216,3 +216,27 @@ impl<R: Real> Kernel for ProjectRow<'_, R> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use line_fft::Pack;
+
+    use super::*;
+
+    /// A wave near the end of the grid has its part of Pi, damped as a velocity is: `−i k·w/(tau k²)/(1 + dt r)`.
+    #[test]
+    fn the_pressure_is_filtered_as_the_velocity_is() {
+        let grid = Grid::new([[0.0, TAU]; 2], [16; 2]);
+        let projection = Projection::<f64>::new(&grid, Filter::Smooth);
+        let zeros = || vec![Pack::<f64>::default(); 16 * projection.modes().div_ceil(f64::LANES)];
+        let (mut wx, wy, mut pressure) = (zeros(), zeros(), zeros());
+        // The wave 7 along x, 7/8 of the highest.
+        wx[7].re[0] = 3.0;
+        let (inv_tau, cfl) = (2.0, 0.4);
+        projection.pressure(&wx, &wy, inv_tau, cfl, &mut pressure);
+        let damping = ((36.0 * 0.875_f64.powi(36)).exp() - 1.0) / 0.3;
+        let expected = -3.0 * inv_tau / 7.0 / 256.0 / (1.0 + cfl * damping);
+        assert!((pressure[7].im[0] / expected - 1.0).abs() < 1e-13, "{} against {expected}", pressure[7].im[0]);
+        assert!(damping > 1.0 && pressure[7].re[0] == 0.0);
+    }
+}

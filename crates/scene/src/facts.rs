@@ -369,3 +369,27 @@ impl Shape {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The layer has the thickness `√(nu/strain)`, with the strain 4 U/D at a circle and 2 U/L at a plate.
+    #[test]
+    fn the_layer_is_that_of_the_stagnation_flow() {
+        let text = r#"{ "name": "plates", "time": { "end": 1, "communication_step": 0.01 }, "fluid": {
+            "density": 1, "kinematic_viscosity": 0.01, "box": { "x": [-8, 8], "y": [-4, 4], "cells": [160, 160] },
+            "initial_velocity": [0.5, 0], "cylinders": [{ "center": [-4, 0], "radius": 0.5 }],
+            "bodies": [{ "shape": { "circle": { "radius": 1 } }, "position": [0, 0] },
+                { "shape": { "rectangle": { "length": 2, "thickness": 0.1 } }, "position": [4, 0] }],
+            "mask": { "log_linear": { "c_eta": 1e-4 } }, "time_stepping": { "max_step": 0.01, "max_cfl": 0.4 } } }"#;
+        let scene = Scene::from_json(text).unwrap_or_else(|e| panic!("{e}"));
+        let numbers = scene.facts().dimensionless.expect("it has a fluid");
+        for ((name, found), strain) in numbers.bodies.iter().zip([4.0 * 0.5 / 1.0, 4.0 * 0.5 / 2.0, 2.0 * 0.5 / 2.0]) {
+            // The coarser cells are those along x, of 0.1 m.
+            let expected = (0.01_f64 / strain).sqrt() / 0.1;
+            let layer = found.layer_cells.expect("there is a stream");
+            assert!((layer / expected - 1.0).abs() < 1e-12, "{name}: {layer} cells, not {expected}");
+        }
+    }
+}

@@ -49,7 +49,7 @@ def driven_inputs(unit: Unit) -> list[str]:
 
 
 def check_drive(unit: Unit, drive: Drive | None) -> None:
-    """Raise `CouplingError` where the scene leaves a root or a body of `unit` to the master, and there is no `drive`."""
+    """Raise `CouplingError` where a root or a body of `unit` is left to the master, and there is no `drive`."""
     if (driven := driven_inputs(unit)) and drive is None:
         root = driven[0].startswith("root.")
         part, key = ("the root", "rod.root_motion") if root else ("a body", "fluid.bodies[k].motion")

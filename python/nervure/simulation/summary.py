@@ -20,7 +20,7 @@ from nervure.evaluate.rods import rod_columns
 from nervure.evaluate.statistics import Series
 from nervure.files import json_numbers
 from nervure.provenance import Machine, Revision, git_revision, machine
-from nervure.scene import Own, Scene
+from nervure.scene import Scene
 from nervure.scene.facts import Dimensionless, Facts
 from nervure.simulation.recorder import Recorder
 from nervure.units.fmu import Unit
@@ -187,8 +187,8 @@ class MainSignal:
 
 def main_signal(series: Series, rounding: float = statistics.ROUNDING["double"]) -> MainSignal | None:
     """Return the signal that decides on the periods, along its principal direction: the path of the tip, or without a
-    rod that of a body on springs, or else the force. A driven root or a driven rigid body sets the period; `rounding` is the part of a signal's largest
-    value that rounding may move."""
+    rod that of a body on springs, or else the force. A driven root or a driven rigid body sets the period; `rounding`
+    is the part of a signal's largest value that rounding may move."""
     time = series["time"]
     names, forces = [name for name in FORCES if name in series], _forces(series)
     tip, rigid = flapping.path(series, "tip"), flapping.path(series, "rigid_tip")

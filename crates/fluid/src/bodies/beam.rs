@@ -218,6 +218,23 @@ mod tests {
         }
     }
 
+    /// Root and tip, and the straight lines between their corners.
+    #[test]
+    fn surface_points_of_the_tapered_beam_lie_on_its_sides() {
+        let (beam, stations, _) = turning();
+        for k in 0..=8_u8 {
+            let s = f64::from(k) / 8.0;
+            let half = 0.5 * (ENDS[0] + (ENDS[1] - ENDS[0]) * s);
+            for side in [1.0, -1.0] {
+                let point = beam.surface_point(&stations, k.into(), side);
+                for (axis, across) in [-DIRECTION[1], DIRECTION[0]].into_iter().enumerate() {
+                    let expected = ROOT[axis] + DIRECTION[axis] * s + side * half * across;
+                    assert!((point[axis] - expected).abs() < 1e-14, "station {k}: {point:?}, not {expected}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn displaced_fluid_has_the_momentum_of_the_tapered_beam() {
         let (beam, stations, _) = turning();
@@ -234,5 +251,8 @@ mod tests {
         let shift = 0.5 * (DIRECTION[0] - DIRECTION[1]) * moments[1];
         let expected = 2.0 * (shift + OMEGA * (moments[2] + turning));
         assert!((found.angular - expected).abs() < 1e-14, "{} against {expected}", found.angular);
+        // The root moves with 0.5 m/s along both axes.
+        let expected = 0.5 * (found.momentum[1] - found.momentum[0]);
+        assert!((found.transport - expected).abs() < 1e-14 && expected.abs() > 0.1, "{}", found.transport);
     }
 }

@@ -156,3 +156,41 @@ impl BeamPose {
         cells.map(move |(cell, place)| (cell, (!place.is_behind_root).then(|| velocity(place))))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Mask;
+
+    /// A straight beam along x that tapers from 0.2 to 0.04: its surfaces are straight lines, also beyond them.
+    #[test]
+    fn surfaces_of_a_tapered_beam_are_straight_lines() {
+        let thickness = (0..=16).map(|k| 0.2 - 0.16 * f64::from(k) / 16.0).collect();
+        let beam = Beam { stations: vec![[0.0; 2]; 9], length: 1.0, thickness, support_cylinder: None };
+        let grid = Grid::new([[-0.5, 1.5]; 2], [64; 2]);
+        let sharp = Mask::Sharp { c_eta: 1.0, displacement_corrected: false };
+        let (mask, mut frame) = (BeamMask::new(&beam, &grid, &sharp, 1e-3), Frame::new(&beam));
+        let along = (0..=8).map(|k| f64::from(k) / 8.0).collect();
+        let stations = Stations { position: [along, vec![0.0; 9]], velocity: [vec![0.0; 9], vec![0.0; 9]] };
+        frame.orient(&mask.thickness, &stations, &stations);
+        let moving = MovingBeam { mask: &mask, frame: &frame, stations: &stations, before: &stations };
+        // The upper side is y = 0.1 − 0.08 x.
+        let stretch = (1.0 + 0.08_f64 * 0.08).sqrt();
+        for (segment, fraction, height) in [(0, 0.3, 0.07), (3, 0.5, -0.09), (7, 0.9, 0.05)] {
+            let x = (segment as f64 + fraction) / 8.0;
+            let place = Place { segment, fraction, height, tangent: [1.0, 0.0], is_behind_root: false };
+            let found = moving.measure(&BeamPoint { point: [x, height], place, fraction });
+            for (side, surface) in [1.0, -1.0].into_iter().zip(found.surfaces) {
+                let distance = (side * height - (0.1 - 0.08 * x)) / stretch;
+                let normal = [0.08 / stretch, side / stretch];
+                let foot = [x - distance * normal[0], height - distance * normal[1]];
+                assert!((surface.distance - distance).abs() < 1e-14, "{surface:?}: distance {distance}");
+                assert!((side * foot[1] - (0.1 - 0.08 * foot[0])).abs() < 1e-14, "the foot is not on the side");
+                for axis in 0..2 {
+                    assert!((surface.normal[axis] - normal[axis]).abs() < 1e-14, "{surface:?}: normal {normal:?}");
+                    assert!((surface.foot[axis] - foot[axis]).abs() < 1e-14, "{surface:?}: foot {foot:?}");
+                }
+            }
+        }
+    }
+}

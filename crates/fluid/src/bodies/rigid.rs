@@ -160,3 +160,55 @@ impl Measured<1> for Rigid {
 fn turned([x, y]: [f64; 2], (sin, cos): (f64, f64)) -> [f64; 2] {
     [cos * x - sin * y, cos * y + sin * x]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameters::Law;
+
+    /// Force and moment about the moving pivot under which a rigid body as heavy as the fluid would move: with the
+    /// acceleration a of the pivot and the centroid at r, `m (a + alpha × r − omega² r)` and
+    /// `m r × a + (I + m r²) alpha`, I being the polar moment about the centroid.
+    #[test]
+    fn the_unsteady_term_is_the_inertia_of_the_displaced_fluid() {
+        let motion = |amplitude: f64, frequency: f64| {
+            Law::new(move |t| {
+                let (sin, cos) = (frequency * t + 0.4).sin_cos();
+                (amplitude * sin, amplitude * frequency * cos)
+            })
+        };
+        let [x, y, angle] = [[0.3, 2.0], [0.2, 3.0], [0.8, 2.5]];
+        let body = Body {
+            shape: Shape::Ellipse([0.3, 0.1]),
+            position: [0.0; 2],
+            pivot: [-0.2, 0.05],
+            angle: 0.3,
+            motion: Some(Motion::Laws {
+                displacement: [x, y].map(|[amplitude, frequency]| motion(amplitude, frequency)),
+                angle: motion(angle[0], angle[1]),
+            }),
+        };
+        let grid = Grid::new([[-1.0, 1.0]; 2], [16; 2]);
+        let mut rigid = Rigid::new(body, &grid, &Mask::Sharp { c_eta: 1.0, displacement_corrected: false }, 1e-3);
+        let (t, dt, density) = (0.7, 1e-4, 2.0);
+        let [before, after] = [t - 0.5 * dt, t + 0.5 * dt].map(|t| {
+            rigid.follow(t, &grid);
+            rigid.displaced(density)
+        });
+        let found = after.rate_of_change(&before, dt);
+        let at = |[amplitude, frequency]: [f64; 2]| {
+            let (sin, cos) = (frequency * t + 0.4_f64).sin_cos();
+            [amplitude * sin, amplitude * frequency * cos, -amplitude * frequency * frequency * sin]
+        };
+        let ([turn, omega, alpha], a) = (at(angle), [at(x)[2], at(y)[2]]);
+        let r = turned([0.2, -0.05], (0.3 + turn).sin_cos());
+        let mass = density * std::f64::consts::PI * 0.3 * 0.1;
+        let polar = mass * 0.25 * (0.3 * 0.3 + 0.1 * 0.1);
+        let force =
+            [mass * (a[0] - alpha * r[1] - omega * omega * r[0]), mass * (a[1] + alpha * r[0] - omega * omega * r[1])];
+        let moment = mass * (r[0] * a[1] - r[1] * a[0]) + (polar + mass * (r[0] * r[0] + r[1] * r[1])) * alpha;
+        for (found, expected) in [(found.force[0], force[0]), (found.force[1], force[1]), (found.moment, moment)] {
+            assert!((found - expected).abs() < 1e-6, "{found} against {expected}");
+        }
+    }
+}
