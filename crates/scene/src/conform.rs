@@ -39,7 +39,7 @@ impl<'a> Checker<'a> {
         let whole = schema;
         let schema = resolve_for(self.definitions, node, schema);
         if let Some(Value::Array(variants)) = schema.get("oneOf") {
-            return self.check_variant(key, node, schema, variants);
+            return self.check_variant(key, node, whole, variants);
         }
         if !types(schema).any(|name| is_a(name, node)) {
             let allowed = allowed(self.definitions, whole);
@@ -97,7 +97,7 @@ impl<'a> Checker<'a> {
     }
 
     /// A word of several, or an object with one of several keys.
-    fn check_variant(&mut self, key: &str, node: &Node, schema: &'a Value, variants: &'a [Value]) {
+    fn check_variant(&mut self, key: &str, node: &Node, whole: &'a Value, variants: &'a [Value]) {
         let contents = || variants.iter().filter_map(|variant| variant.get("properties")?.as_object()?.iter().next());
         if let Content::Object(members) = &node.content
             && let [Member { name, value, .. }] = members.as_slice()
@@ -123,7 +123,7 @@ impl<'a> Checker<'a> {
             (_, Some(word)) => format!("; did you mean \"{word}\"?"),
             _ => String::new(),
         };
-        self.faults.push(Fault::type_of(key, &shown, &allowed(self.definitions, schema), &hint));
+        self.faults.push(Fault::type_of(key, &shown, &allowed(self.definitions, whole), &hint));
     }
 }
 
