@@ -40,7 +40,7 @@ fn a_long_cylinder_is_a_circle_in_two_dimensions() {
         position: [0.2, 0.2],
         pivot: [0.03, -0.02],
         angle: 0.3,
-        motion: Some(nervure_fluid::Motion { displacement: [x.clone(), y.clone()], angle: angle.clone() }),
+        motion: Some(nervure_fluid::Motion::Laws { displacement: [x.clone(), y.clone()], angle: angle.clone() }),
     }];
     deep.bodies = vec![Body {
         shape: Shape::Cylinder { axis: 2, radius: 0.08, half_length: f64::INFINITY },
