@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from nervure.coupling import CouplingError
-from nervure.evaluate import bodies, statistics
+from nervure.evaluate import bodies, flapping as flapping_averages, statistics
 from nervure.output import flow
-from nervure.scene import override, read, validate
+from nervure.scene import document, load, override, read, validate
 from nervure.scene.facts import Facts
 from nervure.simulation.session import Session
 from nervure.simulation.summary import main_signal
@@ -148,6 +148,27 @@ def test_a_body_on_springs_has_its_numbers_and_its_response(carried, tmp_path):
     assert [*summary["quantities"]] == ["body_1_y", "drag", "lift"]
     main = main_signal({name: series[name] for name in series.dtype.names})
     assert (main.name, main.drive) == ("displacement", None) and np.abs(main.values) == pytest.approx(np.abs(y + 0.2))
+
+
+def test_a_cylinder_on_a_spring_locks_in():
+    """The shipped scene on ten cells a diameter, in a third of the box: there the amplitude is 0.536 at 0.194 Hz. The
+    spring has 0.2 Hz, a cylinder at rest would shed at 0.18 to 0.19 Hz. Without damping no power is left over."""
+    scene = document(load("viv-384x256"))
+    fluid = scene["fluid"]
+    scene["time"] = {"end": 60.0, "communication_step": 0.05}
+    fluid["box"] = {"x": [-5.0, 11.0], "y": [-4.0, 4.0], "cells": [160, 80]}
+    fluid["sponge"]["x"], fluid["disturbance"], fluid["time_stepping"]["max_step"] = [8.0, 11.0], 0.1, 0.05
+    with Session(validate(scene)) as session:
+        session.run()
+        series = session.recorder.series
+    time, main = series["time"], main_signal(series)
+    window = statistics.find_window(time, main.values)
+    found = statistics.evaluate(time, main.values, window)
+    assert main.name == "displacement" and window.periods >= 4
+    assert found.amplitude == pytest.approx(0.536, rel=0.06) and found.frequency_hz == pytest.approx(0.194, rel=0.06)
+    power = flapping_averages.average(time, series["body_1_power"], window)
+    in_the_spring = fluid["bodies"][0]["mount"]["y"]["stiffness"] * found.amplitude**2 / 2
+    assert abs(power) < 0.005 * in_the_spring * 2 * np.pi * found.frequency_hz
 
 
 def test_the_master_moves_a_body_and_a_state_has_all_of_it(carried):
