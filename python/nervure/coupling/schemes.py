@@ -223,7 +223,7 @@ class Explicit(Scheme):
     def move_driven(self, t: float) -> None:
         """Move the roots and bodies that `drive` drives to their place at `t` (s)."""
         if self.drive:
-            driven = [*(link.root for link in self.links), self.bodies]
+            driven = [link.root for link in self.links] + [self.bodies] * (self.bodies.size > 0)
             ends = np.cumsum([part.size for part in driven])[:-1]
             for part, values in zip(driven, np.split(np.asarray(self.drive(t)), ends), strict=True):
                 part[:] = values
