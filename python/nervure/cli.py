@@ -115,10 +115,10 @@ def scenes(
     if as_json:
         typer.echo(json.dumps([{**vars(one), "path": str(one.path)} for one in found], indent=2, ensure_ascii=False))
         return
-    width, wide = max(len(one.name) for one in found), sys.stdout.isatty()
+    width = 2 + max(len(one.name) for one in found)
+    room = shutil.get_terminal_size().columns - width if sys.stdout.isatty() else sys.maxsize
     for one in found:
-        line = f"{one.name:<{width}}  {one.description}"
-        typer.echo(textwrap.shorten(line, shutil.get_terminal_size().columns, placeholder="…") if wide else line)
+        typer.echo(f"{one.name:<{width}}{textwrap.shorten(one.description, max(room, 20), placeholder=' …')}")
 
 
 @app.command()
