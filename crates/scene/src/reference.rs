@@ -14,7 +14,8 @@ pub struct Reference {
     /// Source of the values: author, year, and table or page.
     #[schemars(regex(pattern = NOT_EMPTY))]
     pub source: String,
-    /// Values by the name of the recorded series: `tip_ux`, `tip_uy`, `tip_uz`, `drag`, `lift`.
+    /// Values by the name of the recorded series: `tip_ux`, `tip_uy`, `tip_uz`, `drag`, `lift`; of a body on springs
+    /// `body_1_y`.
     #[serde(default)]
     pub quantities: BTreeMap<String, PublishedQuantity>,
     /// Published coefficients of one still cylinder in an inflow; absent for other scenes.

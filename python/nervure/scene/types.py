@@ -1061,7 +1061,8 @@ class Reference(Part):
     """Source of the values: author, year, and table or page."""
 
     quantities: dict[str, PublishedQuantity] = Field(default_factory=dict)
-    """Values by the name of the recorded series: `tip_ux`, `tip_uy`, `tip_uz`, `drag`, `lift`."""
+    """Values by the name of the recorded series: `tip_ux`, `tip_uy`, `tip_uz`, `drag`, `lift`; of a body on springs
+    `body_1_y`."""
 
     coefficients: PublishedCoefficients | None = None
     """Published coefficients of one still cylinder in an inflow; absent for other scenes."""
