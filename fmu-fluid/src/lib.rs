@@ -102,6 +102,9 @@ impl Model for FluidUnit {
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
+        if start != self.fluid.time() {
+            self.fluid.start_at(start);
+        }
         let (grid, stations) = (self.fluid.grid(), self.fluid.stations().iter().map(Stations::len).sum::<usize>());
         log.info(format_args!(
             "{} x {} cells, {stations} stations, start at t = {start} s",

@@ -50,7 +50,7 @@ fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> P
             scene::RodScheme::TrBdf2 => Scheme::TrBdf2,
             scene::RodScheme::Bdf2 => Scheme::Bdf2,
         },
-        max_step: rod.max_step,
+        max_step: Some(rod.max_step.unwrap_or(scene.time.communication_step)),
     }
 }
 

@@ -80,7 +80,9 @@ impl RodUnit {
     /// Compute the energy, which several outputs read.
     pub fn publish(&mut self) -> Result<(), Error> {
         self.energy = either!(&self.body, rod => rod.energy()?);
-        Ok(())
+        let Energy { stretching, bending, kinetic, gravity } = self.energy;
+        let total = stretching + bending + kinetic + gravity;
+        if total.is_finite() { Ok(()) } else { Err(Error::value("the energy of the rod", total, "finite")) }
     }
 
     /// Compute a scalar for its reader.

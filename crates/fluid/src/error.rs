@@ -120,6 +120,21 @@ pub enum Error {
         /// Position, m.
         y: f64,
     },
+    /// A beam that is folded back on itself at a station.
+    #[error(
+        "{beam} is folded back on itself at station {station}, ({x:.3e}, {y:.3e}) m: two neighbouring segments must \
+         not point against each other"
+    )]
+    Folded {
+        /// Name of the beam: `the beam`, or `beam 2` of several.
+        beam: String,
+        /// Number of the station, from 1.
+        station: usize,
+        /// Position, m.
+        x: f64,
+        /// Position, m.
+        y: f64,
+    },
     /// A station of a beam that is too fast for any reasonable step.
     #[error(
         "station {station} of {beam} has the velocity ({vx:.3e}, {vy:.3e}) m/s, for which `max_cfl` asks for steps of \

@@ -143,6 +143,13 @@ impl Fluid {
         STATE_NUMBERS_PER_CELL * self.bytes_per_number * self.problem.grid.len() + BYTES_PER_STATION * stations
     }
 
+    /// Start at another time than 0 (s): the bodies are in their places at that time.
+    pub fn start_at(&mut self, time: f64) {
+        self.present.time = time;
+        self.place_at_present();
+        self.present.bodies = self.problem.bodies.without_force(&self.present.beams.stations);
+    }
+
     /// Start again from the divergence-free part of a velocity field (m/s at a point in m).
     pub fn set_velocity(&mut self, velocity: impl Fn(f64, f64) -> [f64; 2]) {
         let grid = self.problem.grid;

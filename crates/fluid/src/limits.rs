@@ -17,6 +17,10 @@ const MAX_SUBSTEPS: f64 = 1e5;
 /// Largest number of steps in a communication step with explicit drag, whose limit depends on the bodies alone.
 const MAX_EXPLICIT_SUBSTEPS: f64 = 1e4;
 
+/// Cosine of the angle between two neighbouring segments below which a beam is folded back on itself: within 11° of it
+/// the beam has no upper side there.
+const FOLDED: f64 = -0.98;
+
 /// Limits of the steps of a fluid.
 pub struct StepLimits {
     /// Largest step of the fluid, s.
@@ -84,7 +88,7 @@ impl StepLimits {
         Ok(())
     }
 
-    /// Refuse stations that are not finite, far outside the domain, coincident or too fast.
+    /// Refuse stations that are not finite, far outside the domain, coincident, folded back or too fast.
     pub fn check_beams(&self, beams: &[Stations], grid: &Grid) -> Result<(), Error> {
         let name = |k| if beams.len() == 1 { "the beam".into() } else { format!("beam {}", k + 1) };
         beams.iter().enumerate().try_for_each(|(k, stations)| self.check_beam(&|| name(k), stations, grid))
@@ -103,6 +107,12 @@ impl StepLimits {
             }
             if k > 0 && x[k] == x[k - 1] && y[k] == y[k - 1] {
                 return Err(Error::Coincide { beam: name(), station: k, x: x[k], y: y[k] });
+            }
+            if k > 1 {
+                let [[ax, ay], [bx, by]] = [k - 1, k].map(|k| [x[k] - x[k - 1], y[k] - y[k - 1]]);
+                if ax * bx + ay * by < FOLDED * ax.hypot(ay) * bx.hypot(by) {
+                    return Err(Error::Folded { beam: name(), station: k, x: x[k - 1], y: y[k - 1] });
+                }
             }
             let needed = self.max_cfl / (vx[k].abs() / dx + vy[k].abs() / dy);
             if needed < self.shortest {

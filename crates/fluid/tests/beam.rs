@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::f64::consts::PI;
+
 use common::{fluid_of, run, scene};
 use nervure_fluid::{Fluid, Loads, State, Stations};
 use scene::{Mask, Scene, TimeScheme, WallCorrection};
@@ -265,5 +267,24 @@ fn pressure_around_the_beam_is_measured_from_the_outlet() {
         assert_ne!(fluid.pressure_around()[0], found);
         fluid.restore(&state).expect("it is its own");
         assert_eq!(fluid.pressure_around()[0], found);
+    }
+}
+
+#[test]
+fn a_beam_that_is_folded_back_is_refused_at_the_station() {
+    for (angle, folded) in [(PI, true), (0.95 * PI, true), (-0.95 * PI, true), (0.9 * PI, false), (-0.5 * PI, false)] {
+        for from in [2, 3, 6] {
+            let mut fluid = fluid_of(&beam_in_a_stream(MASKS[1], false));
+            let (sin, cos) = angle.sin_cos();
+            let Stations { position: [x, y], .. } = stations(&mut fluid);
+            for k in from..x.len() {
+                let s = 0.05 * (k - from + 1) as f64;
+                (x[k], y[k]) = (x[from - 1] + s * cos, y[from - 1] + s * sin);
+            }
+            let said = fluid.advance(0.0, 0.01).map_err(|error| error.to_string());
+            let station = format!("the beam is folded back on itself at station {from}, ");
+            assert_eq!(said.is_err(), folded, "{angle} at {from}: {said:?}");
+            assert!(said.is_ok() || said.unwrap_err().starts_with(&station));
+        }
     }
 }

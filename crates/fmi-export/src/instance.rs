@@ -122,6 +122,7 @@ impl<M: Model> Instance<M> {
         }
         self.time.time = start;
         self.time.stop = stop;
+        self.stale = true;
         Ok(())
     }
 
@@ -216,6 +217,13 @@ impl<M: Model> Instance<M> {
     /// A Real that is not finite is an error.
     pub fn get<T: Value>(&mut self, references: &[u32], mut sink: impl FnMut(usize, &[T])) -> Result<(), String> {
         let time = [self.time.time];
+        // Nothing is written before all references are known to be right.
+        for run in self.table.runs(references) {
+            let run = run?;
+            if self.table.variables[run.variable].access.type_name() != T::TYPE {
+                return Err(self.table.wrong_type(&run, T::TYPE));
+            }
+        }
         if !self.initialised() && self.table.runs(references).flatten().any(|run| self.is_calculated(&run)) {
             self.refresh()?;
         }
@@ -286,7 +294,11 @@ impl<M: Model> Instance<M> {
     }
 
     /// Store the present state and return its handle; a `handle` other than 0 is reused.
+    ///
+    /// Before the end of initialisation the model is initialised first: values that do not fit would make a state that
+    /// cannot be restored.
     pub fn save(&mut self, handle: usize) -> Result<usize, String> {
+        self.refresh()?;
         require_memory(self.model.state_bytes())?;
         let snapshot = Snapshot { instance: self.time, model: self.model.save() };
         self.keep(handle, snapshot)

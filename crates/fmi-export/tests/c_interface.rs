@@ -334,6 +334,46 @@ fn outputs_follow_what_is_set_during_initialisation() {
 }
 
 #[test]
+fn nothing_is_written_before_all_references_are_known_to_be_right() {
+    let fmu = Fmu::initialised();
+    for wrong in [&[TIME, Y[0], 4000][..], &[TIME, Y[0], ORDER], &[Y[0], Y[1], u32::MAX]] {
+        let mut values = [-7.0; 3];
+        fmu.assert_refused(fmi2GetReal(fmu.c, wrong.as_ptr(), 3, values.as_mut_ptr()), &["fmi2GetReal"]);
+        assert_eq!(values, [-7.0; 3], "{wrong:?}");
+    }
+}
+
+/// A negative number of a master whose sizes have a sign: there are no such arrays behind the pointers.
+#[test]
+fn a_number_of_values_that_no_master_has_is_refused_before_anything_is_read() {
+    let fmu = Fmu::initialised();
+    for n in [1 << 31, (1 << 32) - 1, usize::MAX >> 3, usize::MAX] {
+        let mut value = -7.0;
+        fmu.assert_refused(fmi2GetReal(fmu.c, &TIME, n, &mut value), &["vr has", "at most 2147483647"]);
+        fmu.assert_refused(fmi2SetReal(fmu.c, &U[0], n, &1.0), &["vr has", "at most 2147483647"]);
+        fmu.assert_refused(fmi2GetString(fmu.c, &LABEL, n, &mut null()), &["vr has"]);
+        assert_eq!((value, fmu.get(U)), (-7.0, [0.0; 3]));
+    }
+}
+
+/// Such a state could not be restored.
+#[test]
+fn values_that_do_not_fit_make_no_state() {
+    let fmu = Fmu::new();
+    let mut state = null_mut();
+    for enter in [false, true] {
+        assert!(!enter || [fmu.setup(0.0, None), fmu.enter()] == [OK; 2]);
+        assert_eq!(fmu.set(&[GAIN], &[UNFIT]), OK);
+        fmu.assert_refused(fmu.save(&mut state), &["fmi2GetFMUstate", "gain = 99 does not fit"]);
+        assert!(state.is_null());
+        assert_eq!(fmu.set(&[GAIN], &[2.0]), OK);
+        assert_eq!([fmu.save(&mut state), fmu.restore(state), fmu.free(&mut state)], [OK; 3]);
+    }
+    assert_eq!([fmu.exit(), fmu.set(&U, &[1.0; 3]), fmu.step(0.0, 0.5)], [OK; 3]);
+    assert_eq!(fmu.get(Y), [1.0; 3]);
+}
+
+#[test]
 fn only_inputs_and_tunable_parameters_are_set_between_steps() {
     let fmu = Fmu::initialised();
     fmu.assert_refused(fmu.set(&[GAIN], &[2.0]), &["gain", "fixed"]);

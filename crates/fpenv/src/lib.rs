@@ -8,8 +8,9 @@
 //! # Assumptions of the compiler
 //!
 //! Rust and LLVM assume the default modes: rounding to nearest, denormal numbers kept, traps masked. The documentation
-//! of `core::arch::x86_64::_mm_setcsr` calls arithmetic in other modes undefined behaviour. [`Fast`] differs from the
-//! default in the treatment of denormal numbers, so its users depend on what compilers do with the assumption:
+//! of `core::arch::x86_64::_mm_setcsr` calls a change of modes undefined behaviour, even without arithmetic, unless one
+//! assembly block makes and undoes it. [`Fast`] differs from the default in the treatment of denormal numbers, so this
+//! crate is outside of what the language promises. Its users depend on what compilers do with the assumption:
 //!
 //! - The compiler evaluates constant expressions with denormal numbers kept. No result may depend on a constant
 //!   expression with denormal values.
@@ -72,9 +73,9 @@ mod processor {
     }
 
     pub fn write(control: Control) {
-        // SAFETY: the value comes from `read` or is `FAST`, so no reserved bit is set and the instruction does not
-        // fault. It overwrites the exception flags, so the block does not claim `preserves_flags`. Arithmetic in these
-        // modes relies on the assumptions in the documentation of this crate.
+        // SAFETY: the instruction faults for reserved bits only; the value comes from `read`, or is `FAST`, whose bits
+        // all 64-bit processors know. Rust asks a block to leave the control bits as it found them, which this one
+        // breaks on purpose: nothing but the assumptions in the documentation of this crate makes up for it.
         unsafe { asm!("ldmxcsr [{}]", in(reg) &raw const control, options(nostack)) };
     }
 }
@@ -97,8 +98,9 @@ mod processor {
     }
 
     pub fn write(control: Control) {
-        // SAFETY: the value comes from `read` or is `FAST`, and bits that the processor lacks are ignored. Arithmetic
-        // in these modes relies on the assumptions in the documentation of this crate.
+        // SAFETY: no value faults, and bits that the processor lacks are ignored. Rust asks a block to leave the
+        // register as it found it, which this one breaks on purpose: nothing but the assumptions in the documentation
+        // of this crate makes up for it.
         unsafe { asm!("msr fpcr, {}", in(reg) control, options(nostack, preserves_flags)) };
     }
 }

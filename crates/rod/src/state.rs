@@ -193,6 +193,19 @@ impl<const D: usize> State<D> {
         self.hinge = other.hinge;
     }
 
+    /// Refuse an exchange or a drive that is not finite: loads or a motion of the root that are too large.
+    pub(crate) fn check_exchange(&self) -> Result<(), Error> {
+        let Exchange { force, power, work } = self.exchange;
+        if force.iter().chain([&power, &work]).any(|number| !number.is_finite()) {
+            return Err(Error::value("state.exchange", format!("{:?}", self.exchange), "finite"));
+        }
+        let Drive { force, moment, power, work } = self.drive;
+        if force.iter().chain(&moment).chain([&power, &work]).any(|number| !number.is_finite()) {
+            return Err(Error::value("state.drive", format!("{:?}", self.drive), "finite"));
+        }
+        Ok(())
+    }
+
     /// Refuse arrays of a wrong length, numbers that are not finite, and a negative last step or largest energy.
     pub(crate) fn check(&self, nodes: usize) -> Result<(), Error> {
         for (name, array) in [
@@ -225,14 +238,7 @@ impl<const D: usize> State<D> {
         if !(self.last_step.is_finite() && self.last_step >= 0.0) {
             return Err(Error::value("state.last_step", self.last_step, "a finite number of at least 0 s"));
         }
-        let Exchange { force, power, work } = self.exchange;
-        if force.iter().chain([&power, &work]).any(|number| !number.is_finite()) {
-            return Err(Error::value("state.exchange", format!("{:?}", self.exchange), "finite"));
-        }
-        let Drive { force, moment, power, work } = self.drive;
-        if force.iter().chain(&moment).chain([&power, &work]).any(|number| !number.is_finite()) {
-            return Err(Error::value("state.drive", format!("{:?}", self.drive), "finite"));
-        }
+        self.check_exchange()?;
         if let Some(hinge) = self.hinge.filter(|hinge| !hinge.is_finite()) {
             return Err(Error::value("state.hinge", format!("{hinge:?}"), "finite"));
         }

@@ -113,6 +113,11 @@ impl<const D: usize> Rod<D> {
             let work = self.state.drive.work + power * duration;
             self.state.drive = Drive { force, moment: [0.0; 3], power, work };
         }
+        if let Err(error) = self.state.check_exchange() {
+            self.state.copy_from(&self.before);
+            self.align_elastic();
+            return Err(error);
+        }
         self.publish();
         Ok(())
     }

@@ -295,3 +295,63 @@ fn bad_roots_are_named_and_change_nothing() {
         assert_eq!(rod.state(), &before);
     }
 }
+
+/// The root is at rest within the step, so that nothing but the motion at its end is too large.
+#[test]
+fn a_motion_without_a_finite_power_is_refused_and_changes_nothing() {
+    let still = BaseMotion { position: [0.0; 2], velocity: [0.0; 2], direction: [1.0, 0.0], direction_rate: [0.0; 2] };
+    for scheme in SCHEMES {
+        let mut rod = Rod::new(unit_rod::<2>(8, 1e3, scheme)).unwrap();
+        let before = rod.state().clone();
+        for root in [
+            BaseMotion { velocity: [1.7e308, 0.0], ..still },
+            BaseMotion { velocity: [0.0, -1e200], ..still },
+            BaseMotion { direction: [0.6, 0.8], direction_rate: [-0.8e308, 0.6e308], ..still },
+        ] {
+            rod.base_motion = Some(root);
+            assert!(rod.step(0.1).is_err(), "{scheme:?}, {root:?}: {:?}", rod.state().drive);
+            assert_eq!(rod.state(), &before);
+        }
+    }
+}
+
+/// The prescribed motion of node 0 hides its impedance from all other nodes: only the drive feels it.
+#[test]
+fn drive_overcomes_the_impedance_of_the_root() {
+    let root = |velocity| BaseMotion { position: [0.0; 2], velocity, direction: [1.0, 0.0], direction_rate: [0.0; 2] };
+    let force = |impedance: f64| {
+        let mut rod = Rod::new(unit_rod::<2>(8, 1e3, Scheme::Bdf2)).unwrap();
+        rod.loads.impedance = vec![0.0; 9];
+        rod.loads.impedance[0] = impedance;
+        [[0.02, 0.01], [0.05, -0.03]].map(|velocity| {
+            rod.base_motion = Some(root(velocity));
+            rod.step(0.01).unwrap();
+            rod.state().drive.force
+        })
+    };
+    for (step, change) in [[0.02, 0.01], [0.03, -0.04]].into_iter().enumerate() {
+        for axis in 0..2 {
+            let found = force(3.0)[step][axis] - force(0.0)[step][axis];
+            assert!((found - 3.0 * change[axis]).abs() < 1e-9, "step {step}, axis {axis}: {found}");
+        }
+    }
+}
+
+#[test]
+fn rigid_tip_of_a_curved_rod_turns_with_its_root() {
+    let curved = Parameters { rest_angles: vec![0.0, 0.3, 0.7, 1.2], ..unit_rod::<2>(4, 1e3, Scheme::Bdf2) };
+    let mut rod = Rod::new(curved).unwrap();
+    let rest: [f64; 2] = std::array::from_fn(|d| rod.positions(d)[4]);
+    assert!(rest[1] > 0.3, "{rest:?}");
+    for angle in [0.4_f64, -1.1, 2.5] {
+        let (sin, cos) = angle.sin_cos();
+        let (position, direction) = ([0.2, -0.1], [3.0 * cos, 3.0 * sin]);
+        rod.place(BaseMotion { position, velocity: [0.0; 2], direction, direction_rate: [0.0; 2] }).unwrap();
+        let turned = [cos * rest[0] - sin * rest[1], sin * rest[0] + cos * rest[1]];
+        for axis in 0..2 {
+            let expected = position[axis] + turned[axis] - rest[axis];
+            let found = rod.rigid_tip_displacement()[axis];
+            assert!((found - expected).abs() < 1e-12, "{angle}, axis {axis}: {found} against {expected}");
+        }
+    }
+}

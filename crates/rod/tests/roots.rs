@@ -368,3 +368,21 @@ fn roots_that_cannot_be_are_refused_by_name() {
     let mut free = Rod::new(Parameters { support: RootSupport::Free, ..rod() }).unwrap();
     assert!(free.solve_static().unwrap_err().to_string().contains("Free"));
 }
+
+/// Across its axis the rod turns, so that no other velocity than the root's gives the power.
+#[test]
+fn towing_force_does_its_work_at_the_root() {
+    for force in [[0.0, 2.0], [-1.0, -0.5]] {
+        let mut rod =
+            Rod::new(Parameters { support: RootSupport::Free, ..unit_rod::<2>(8, 1e4, Scheme::TrBdf2) }).unwrap();
+        rod.towing = force;
+        for _ in 0..400 {
+            rod.step(1e-3).unwrap();
+            let (drive, v) = (rod.state().drive, rod.state().velocities[0]);
+            assert!((drive.power - force[0] * v[0] - force[1] * v[1]).abs() < 1e-12, "{drive:?}");
+        }
+        let (work, energy) = (rod.state().drive.work, total_energy(&rod));
+        let tip = rod.state().velocities[8];
+        assert!((work - energy).abs() < 0.02 * energy, "{work} against {energy}, tip {tip}");
+    }
+}

@@ -269,6 +269,9 @@ pub(super) unsafe fn set_strings<M: Model>(
     instance.set(references, &values.collect::<Result<Vec<_>, _>>()?)
 }
 
+/// Largest number of values in a call: above it a master passed a negative number.
+const MOST: usize = i32::MAX as usize;
+
 /// Return the array that a master passes as pointer and length.
 ///
 /// # Safety
@@ -279,6 +282,9 @@ pub(super) unsafe fn array<'a, T>(name: &str, pointer: *const T, n: usize) -> Re
     }
     if pointer.is_null() {
         return Err(format!("{name} is NULL, but needs {n} values"));
+    }
+    if n > MOST {
+        return Err(format!("{name} has {n} values, but at most {MOST} are allowed"));
     }
     // SAFETY: the pointer is not null; the caller guarantees the rest.
     Ok(unsafe { slice::from_raw_parts(pointer, n) })

@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 pub const FAILING: f64 = 13.0;
 pub const PANICKING: f64 = 666.0;
 
+/// A parameter with this value does not fit.
+pub const UNFIT: f64 = 99.0;
+
 /// A state with this input is refused.
 pub const FOREIGN: f64 = 4711.0;
 
@@ -82,6 +85,9 @@ impl Model for Integrator {
     }
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
+        if self.gain == UNFIT {
+            return Err(format!("gain = {UNFIT} does not fit"));
+        }
         self.echo = format!("{} at {start}", self.label);
         log.info(format_args!("initialised {}", self.label));
         Ok(())
