@@ -1,6 +1,9 @@
 """Runs that are interrupted and go on: they leave, to the last bit, what an uninterrupted run does, or are refused."""
 
+import functools
 import json
+import math
+import operator
 import resource
 import signal
 import subprocess
@@ -168,7 +171,8 @@ def test_a_checkpoint_of_another_build_is_refused(change, message, saved):
     with np.load(saved.path) as archive:
         arrays = dict(archive)
     change(arrays)
-    np.savez(saved.path, **arrays)
+    del arrays[checkpoint.DIGEST]
+    np.savez(saved.path, digest=checkpoint.digest(arrays), **arrays)
     with pytest.raises(checkpoint.CheckpointError, match=message):
         load(saved)
 
@@ -204,3 +208,65 @@ def test_a_full_disk_leaves_the_checkpoint_before(saved):
     assert len(said) == 1 and "no checkpoint at t = 0.003 s" in said[0], said
     assert saved.path.read_bytes() == good
     assert not saved.path.with_name(f"unfinished-{CHECKPOINT}").exists()
+
+
+def edits(arrays):
+    """Every array and every key of `about` once missing and once of another kind, by name."""
+    for name in arrays:
+        yield f"no {name}", {key: array for key, array in arrays.items() if key != name}
+        if arrays[name].size:
+            yield f"short {name}", arrays | {name: arrays[name].ravel()[:-1]}
+        yield f"text {name}", arrays | {name: np.array("text")}
+    yield "another array", arrays | {"scheme_other": np.zeros(3)}
+    known = json.loads(arrays["about"].tobytes())
+    for path in paths(known):
+        for value in (None, -1, "text", [], {}, 1e9, math.nan, ...):
+            changed = json.loads(json.dumps(known))
+            *parents, last = path
+            part = functools.reduce(operator.getitem, parents, changed)
+            if value is ...:
+                del part[last]
+            else:
+                part[last] = value
+            if changed != known:
+                yield f"{path} {value}", arrays | {"about": np.frombuffer(json.dumps(changed).encode(), np.uint8)}
+
+
+def paths(part, path=()):
+    """The paths of all keys below a part of `about`."""
+    for key, value in part.items():
+        yield (*path, key)
+        if isinstance(value, dict):
+            yield from paths(value, (*path, key))
+
+
+def test_an_edited_checkpoint_is_refused_whatever_was_edited(saved):
+    with np.load(saved.path) as archive:
+        arrays = dict(archive)
+    count = 0
+    for name, changed in edits(arrays):
+        with open(saved.path, "wb") as file:
+            np.savez(file, **changed)
+        with pytest.raises(checkpoint.CheckpointError, match="is damaged|has format"):
+            checkpoint.resume(saved.path.parent)
+            pytest.fail(name)
+        count += 1
+    assert count > 200, count
+
+
+def test_the_guards_go_on_with_their_history(small_fsi3, tmp_path):
+    def step(session):
+        session.step()
+        return session.scheme.guards[0].balance
+
+    options = {"checkpoint_every": 0.0, "fields_every": None, "series_every": None}
+    with Session.packed(validate(small_fsi3), tmp_path) as session:
+        session.start()
+        for _ in range(4):
+            step(session)
+        checkpoint.Checkpoint(session, options).save()
+        expected = [step(session) for _ in range(3)]
+    resumed, _ = checkpoint.resume(tmp_path)
+    with resumed:
+        assert [step(resumed) for _ in range(3)] == expected
+    assert expected[-1][0] == 7 and all(expected[-1]), expected

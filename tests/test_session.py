@@ -86,3 +86,19 @@ def test_the_version_is_told_by_package_command_and_summary(rod_only, tmp_path):
     assert done.returncode == 0 and done.stdout == f"nervure {nervure.__version__}\n"
     run = nervure.run(validate(rod_only), tmp_path, quiet=True)
     assert run.summary.versions["nervure"] == nervure.__version__
+
+
+@pytest.mark.parametrize("stride", [3, 4, 7])
+def test_a_series_with_fewer_rows_has_the_values_of_their_times(two_rods, stride):
+    two_rods["time"]["end"] = 0.028
+
+    def series(every):
+        with Session(validate(two_rods), series_every=every) as session:
+            session.run()
+            return session.recorder.series
+
+    every, some = series(None), series(stride * 2e-3)
+    for name, values in every.items():
+        assert np.array_equal(some[name], values[::stride]), name
+        assert values.size == 15, name
+    assert all(np.ptp(every[name][1:]) > 0 for name in ("upper_tip_uy", "lower_load_power", "drag")), every

@@ -82,7 +82,10 @@ impl RodUnit {
         self.energy = either!(&self.body, rod => rod.energy()?);
         let Energy { stretching, bending, kinetic, gravity } = self.energy;
         let total = stretching + bending + kinetic + gravity;
-        if total.is_finite() { Ok(()) } else { Err(Error::value("the energy of the rod", total, "finite")) }
+        if total.is_finite() {
+            return Ok(());
+        }
+        Err(Error::Value { name: "the energy of the rod".into(), value: format!("{total} J"), allowed: "finite" })
     }
 
     /// Compute a scalar for its reader.

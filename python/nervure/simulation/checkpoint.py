@@ -1,13 +1,15 @@
 """Checkpoints: everything that a run needs to continue, in one file.
 
 The file is an uncompressed NumPy archive (a zip file, whose checksums show damage): the scene and its options, the
-serialized states of the units and the values last exchanged, the memory of the coupling scheme, the time, and every row
-recorded so far. With one file, a new checkpoint replaces the old one at one moment, the renaming.
+serialized states of the units and the values last exchanged, the memory of the coupling scheme, the time, every row
+recorded so far, and a digest of all of it, which an edited file does not have. With one file, a new checkpoint replaces
+the old one at one moment, the renaming.
 """
 
+import hashlib
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +25,8 @@ from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
 from nervure.units.describe import unit_label
 
-FORMAT = 7
+FORMAT = 8
+DIGEST = "digest"  # Array with the digest of the other arrays
 EXCHANGED = ("inputs", "outputs", "integers")  # Arrays of a unit that the next step or the next row may need
 About = dict[str, Any]  # Part of a checkpoint in JSON
 Options = dict[str, float | None]  # `checkpoint_every` (min), `fields_every` and `series_every` (s)
@@ -53,12 +56,25 @@ def read(folder: Path) -> Kept:
     try:
         with open(path, "rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
-        about = json.loads(arrays.pop("about").tobytes())
+        about = json.loads(arrays["about"].tobytes())
+        found = about.get("format")
     except Exception as error:  # whatever the readers of zip, NumPy and JSON raise
         raise CheckpointError(f"the checkpoint {path} is damaged: {error}") from error
-    if about["format"] != FORMAT:
-        raise CheckpointError(f"the checkpoint {path} has format {about['format']}, not {FORMAT}")
+    if found != FORMAT:
+        raise CheckpointError(f"the checkpoint {path} has format {found}, not {FORMAT}")
+    sealed = arrays.pop(DIGEST, np.zeros(0))
+    if not np.array_equal(sealed, digest(arrays)):
+        raise CheckpointError(f"the checkpoint {path} is damaged: it was changed after it was written")
     return Kept(path, about, arrays)
+
+
+def digest(arrays: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Return the digest of arrays with their names, types and shapes, as an array of bytes."""
+    found = hashlib.blake2b(digest_size=32)
+    for name, array in sorted(arrays.items()):
+        found.update(f"{name} {array.dtype.str} {array.shape} ".encode())
+        found.update(np.ascontiguousarray(array).ravel().view(np.uint8).data)
+    return np.frombuffer(found.digest(), np.uint8)
 
 
 def resume(folder: Path) -> tuple[Session, Options]:
@@ -141,6 +157,7 @@ class Checkpoint(Observer):
             about["guids"][name], about["seconds"][name] = unit.description.guid, unit.seconds
         arrays |= {f"scheme_{name}": array for name, array in session.scheme.memory().items()}
         arrays["about"] = np.frombuffer(json.dumps(about).encode(), np.uint8)
+        arrays[DIGEST] = digest(arrays)
 
         def writer(path: Path) -> None:
             with open(path, "wb") as file:
