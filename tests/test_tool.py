@@ -25,6 +25,10 @@ from tests.conftest import FSI3, TOOL, nervure, run_scene
 pytestmark = pytest.mark.usefixtures("libraries")
 
 
+LONG = "x" * 300
+"""A name that no file may have."""
+
+
 @pytest.fixture
 def result(rod_only, tmp_path):
     """Function that runs the falling rod into a folder of `tmp_path`."""
@@ -144,6 +148,20 @@ def test_resume_takes_scene_and_options_from_a_folder_that_was_moved(fluid_only,
         (["build", FSI3, "--descriptions", "nowhere"], ["--descriptions", "nowhere", "does not exist"]),
         (["dist", "scenes/fsi3-325x73.json", "EMPTY/dist"], ["did you mean"]),
         (["fly"], ["No such command 'fly'"]),
+        (["run", "csm1", "--output", "EMPTY", "--fields-every", "inf"], ["fields_every is inf", "finite"]),
+        (["run", "csm1", "--output", "EMPTY", "--series-every", "nan"], ["series-every"]),
+        (["run", "csm1", "--output", "EMPTY", "--checkpoint-every", "inf"], ["checkpoint_every is inf", "finite"]),
+        (["run", "csm1", "--output", f"EMPTY/{LONG}"], [LONG, "File name too long"]),
+        (["run", "csm1", "--output", "/proc/nervure"], ["/proc/nervure"]),
+        (["run", "csm1", "--output", "FILE/inside"], ["FILE/inside", "Not a directory"]),
+        (["build", "csm1", "--output", f"EMPTY/{LONG}"], [LONG, "File name too long"]),
+        (["dist", "csm1", f"EMPTY/{LONG}"], [LONG, "File name too long"]),
+        (["dist", "csm1", "FILE"], ["holds a file", "did not write"]),
+        (["dist", "csm1", "."], ["did not write"]),
+        (["sweep", "csm1", "--output", f"EMPTY/{LONG}", "--vary", "rod.damping=0,1"], ["File name too long"]),
+        (["sweep", "csm1", "--output", "EMPTY", "--vary", ""], ["the variation ``"]),
+        (["sweep", "csm1", "--output", "EMPTY", "--vary", "rod.damping=[]"], ["rod.damping=[]"]),
+        (["sweep", "csm1", "--output", "EMPTY", "--vary", "rod.damping="], ["rod.damping="]),
     ],
     ids=lambda value: " ".join(map(str, value[:2])).replace("/", "-") if isinstance(value, list) else None,
 )
@@ -311,3 +329,24 @@ def test_a_delivery_is_what_its_checksums_and_manifest_say(fsi3, tmp_path, monke
     assert manifest["source_revision"].startswith(git.revision) and git.dirty == (
         "-dirty" in manifest["source_revision"]
     )
+
+
+@pytest.mark.parametrize("own", ["notes.txt", "README.md", "manifest.json", "folder/notes.txt"])
+def test_a_delivery_replaces_only_what_a_delivery_left(rod_only, tmp_path, monkeypatch, own):
+    """A folder of somebody else, and one of an earlier delivery to which somebody added or in which changed a file."""
+    monkeypatch.setattr(delivery, "OLDEST_GLIBC", (99, 0))
+    scene, folder = validate(rod_only), tmp_path / "dist"
+    for delivered in (False, True):
+        if delivered:
+            shutil.rmtree(folder)
+            delivery.write(scene, folder)
+            delivery.write(scene, folder)
+        (folder / own).parent.mkdir(parents=True, exist_ok=True)
+        (folder / own).write_text("mine")
+        with pytest.raises(InputError, match=f"holds {own.split('/')[0]}, which `nervure dist` did not write"):
+            delivery.write(scene, folder)
+        assert (folder / own).read_text() == "mine"
+    shutil.rmtree(folder)
+    folder.mkdir()
+    delivery.write(scene, folder)
+    assert {path.name for path in tmp_path.iterdir()} == {"dist"}

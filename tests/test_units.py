@@ -183,3 +183,44 @@ def test_stations_start_on_the_undeformed_bar(fsi3, instantiate):
     rod.get()
     assert output(rod, "x") == pytest.approx(np.linspace(0.25, 0.6, 43), abs=1e-12)
     assert output(rod, "y") == pytest.approx(np.full(43, 0.2), abs=1e-12)
+
+
+def at_start(path, start, names, step=1e-3):
+    """What fmpy records of an FMU before its first step, from `start` (s) on."""
+    times = {"start_time": start, "stop_time": start + 2 * step, "step_size": step, "output_interval": step}
+    return fmpy.simulate_fmu(str(path), output=names, validate=False, **times)[0]
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("start", [0.0, 0.25, -0.4, 3.1])
+def test_bodies_and_roots_are_in_their_places_at_any_start_time(fluid_only, rod_only, packed, start, version):
+    def law(amplitude, frequency):
+        return {"sine": {"amplitude": amplitude, "frequency": frequency}}
+
+    motion = {"x": law(0.1, 0.5), "y": law(0.2, 1.3), "angle": law(0.7, 0.6)}
+    ellipse = {"shape": {"ellipse": {"length": 0.4, "thickness": 0.2}}, "position": [0.1, 0.0], "motion": motion}
+    fluid_only["fluid"] |= {"initial_velocity": [0.0, 0.0], "inflow": None, "cylinders": [], "bodies": [ellipse]}
+    where = at_start(packed("fluid", fluid_only, version), start, ["body[1].x", "body[1].y", "body[1].angle"])
+    phases = 2 * np.pi * start * np.array([0.5, 1.3, 0.6])
+    assert list(where)[1:] == pytest.approx([0.1, 0.0, 0.0] + np.array([0.1, 0.2, 0.7]) * np.sin(phases), abs=1e-12)
+
+    rod_only["rod"]["root_motion"] = {"laws": {"x": law(0.1, 0.5), "y": law(0.2, 1.3)}}
+    names = ["x[1]", "y[1]"] if version == 2 else ["x", "y"]
+    place = [np.ravel(values)[0] for values in list(at_start(packed("rod", rod_only, version), start, names))[1:]]
+    assert place == pytest.approx(np.array([0.1, 0.2]) * np.sin(phases[:2]), abs=1e-12)
+
+
+def test_accuracy_of_the_rod_does_not_go_with_the_step_of_the_master(rod_only, packed):
+    """Without `rod.max_step` the rod makes steps of the scene, 1e-4 s, whatever a master takes."""
+
+    def tip(scene, step):
+        found = fmpy.simulate_fmu(str(packed("rod", scene)), stop_time=0.2, step_size=step, output_interval=step)
+        return found["tip.uy"][-1]
+
+    rod_only["time"] |= {"end": 0.2, "communication_step": 1e-3}
+    fine = tip(rod_only, 1e-3)
+    assert abs(fine) > 0.01
+    for step in (2e-3, 5e-3, 2e-2):
+        assert tip(rod_only, step) == pytest.approx(fine, rel=1e-9)
+    rod_only["rod"]["max_step"] = 2e-2
+    assert abs(tip(rod_only, 2e-2) / fine - 1) > 1e-4

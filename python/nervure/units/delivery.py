@@ -36,7 +36,7 @@ TARGETS = {
 of FMI 3.0 is used. A library for macOS is for both processors."""
 NAMES = {"x86_64-pc-windows-gnu": "fmu_{}.dll", "universal2-apple-darwin": "libfmu_{}.dylib"}
 """Names of libraries by target; on Linux `libfmu_KIND.so`."""
-SSP = {2: "| `*.ssp` | both, connected (System Structure and Parameterization 1.0) |\n", 3: ""}
+SSP = {2: "| `*.ssp` | both, connected (SSP 1.0); fmpy's `simulate_ssp` cannot start it |\n", 3: ""}
 NOTES = {
     2: "`linux64` needs glibc 2.17 or newer, as `aarch64-linux` does, which FMI 2.0 has no name for.\n"
     "`darwin64` is for Intel and Apple processors, and was never run.",
