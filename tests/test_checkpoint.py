@@ -9,6 +9,7 @@ import signal
 import subprocess
 import time
 import zipfile
+from typing import Any
 
 import numpy as np
 import pytest
@@ -210,6 +211,10 @@ def test_a_full_disk_leaves_the_checkpoint_before(saved):
     assert not saved.path.with_name(f"unfinished-{CHECKPOINT}").exists()
 
 
+VALUES: tuple[Any, ...] = (None, -1, "text", [], {}, 1e9, math.nan, ...)
+"""Values of an edited key; the last leaves it out."""
+
+
 def edits(arrays):
     """Every array and every key of `about` once missing and once of another kind, by name."""
     for name in arrays:
@@ -220,7 +225,7 @@ def edits(arrays):
     yield "another array", arrays | {"scheme_other": np.zeros(3)}
     known = json.loads(arrays["about"].tobytes())
     for path in paths(known):
-        for value in (None, -1, "text", [], {}, 1e9, math.nan, ...):
+        for value in VALUES:
             changed = json.loads(json.dumps(known))
             *parents, last = path
             part = functools.reduce(operator.getitem, parents, changed)

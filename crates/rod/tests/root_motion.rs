@@ -330,9 +330,9 @@ fn drive_overcomes_the_impedance_of_the_root() {
         })
     };
     for (step, change) in [[0.02, 0.01], [0.03, -0.04]].into_iter().enumerate() {
-        for axis in 0..2 {
+        for (axis, change) in change.into_iter().enumerate() {
             let found = force(3.0)[step][axis] - force(0.0)[step][axis];
-            assert!((found - 3.0 * change[axis]).abs() < 1e-9, "step {step}, axis {axis}: {found}");
+            assert!((found - 3.0 * change).abs() < 1e-9, "step {step}, axis {axis}: {found}");
         }
     }
 }

@@ -332,9 +332,9 @@ fn pressure_of_the_wrong_number_and_a_state_without_it_are_refused() {
 /// The pressure is followed with the period of the first axial mode, 4 L √(μ/EA).
 #[test]
 fn pressure_strains_the_bar_with_the_lag_of_its_first_axial_mode() {
-    for (young, length_of_step) in [(1.4e6, 0.3), (5.6e6, 1.0), (5.6e6, 3.0)] {
+    for (young, length_of_step) in [(1.4e6_f64, 0.3), (5.6e6, 1.0), (5.6e6, 3.0)] {
         let axial = young / (1.0 - 0.4 * 0.4) * 0.02;
-        let period = 4.0 * 0.35 * (20.0 / axial as f64).sqrt();
+        let period = 4.0 * 0.35 * (20.0 / axial).sqrt();
         let mut bar = strained_bar(young, 1e-8);
         bar.loads.pressure.fill(7.0);
         let mut expected = 0.0;
