@@ -157,6 +157,13 @@ def test_a_package_that_is_missing_is_named_with_the_line_that_installs_it(packa
     assert not list(tmp_path.iterdir()), "a refusal leaves nothing"
 
 
+def test_a_package_that_is_missing_costs_no_checkpoint(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    (tmp_path / "checkpoint.npz").write_text("of an earlier run")
+    done = nervure("run", "csm1", "--output", tmp_path, "--force", "--fields-every", "0.01")
+    assert done.returncode == 2 and (tmp_path / "checkpoint.npz").exists(), done.stderr
+
+
 @pytest.mark.parametrize("arguments", [["--rod-fmu", "FMU"], ["--fields-every", "-1"], ["--set", "name=nul/x"]])
 def test_a_run_that_cannot_begin_leaves_nothing(arguments, rod_only, tmp_path):
     (tmp_path / "FMU").write_text("no FMU")

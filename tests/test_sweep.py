@@ -305,3 +305,16 @@ def test_a_key_that_changes_with_the_first_makes_no_curves(pairs, curves, tmp_pa
             for x, y in pairs]  # fmt: skip
     sweeps.plot(tmp_path, rows)
     assert [len(line.get_xdata()) for line in drawn[0].axes[0].lines] == curves
+
+
+def test_a_script_without_a_guard_is_not_run_by_its_workers(scene, tmp_path):
+    """Workers are spawned processes, which would import it."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import nervure\n"
+        "print('begun', flush=True)\n"
+        f"rows = nervure.sweep({str(scene)!r}, {{'beam.segments': [8]}}, {str(tmp_path / 'out')!r}, quiet=True)\n"
+        "print(rows[0]['status'])\n"
+    )
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0 and done.stdout.split() == ["begun", "finished"], done.stdout + done.stderr
