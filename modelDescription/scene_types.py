@@ -55,8 +55,9 @@ class Writer:
             return f"dict[str, {self.annotation(schema['additionalProperties'])}]"
         if schema["type"] == "array":
             item, size = self.annotation(schema["items"]), schema.get("maxItems")
-            if size is not None and size == schema.get("minItems"):
-                return f"tuple[{', '.join([item] * size)}]"
+            least = schema.get("minItems", 0)
+            if size is not None and size - least <= 1:
+                return " | ".join(f"tuple[{', '.join([item] * n)}]" for n in range(least, size + 1))
             return f"list[{item}]"
         return SCALARS[schema["type"]]
 

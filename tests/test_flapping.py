@@ -75,7 +75,7 @@ def known_signal():
 
 
 def beam(*direction: float) -> types.Beam:
-    root = types.RootAt(at=types.At(position=[0.0, 0.0], direction=list(direction)))
+    root = types.RootAt(at=types.At.model_validate({"position": [0.0, 0.0], "direction": direction}))
     return types.Beam(root=root, length=1.0, thickness=0.1, segments=4)
 
 

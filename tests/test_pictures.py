@@ -144,7 +144,7 @@ def test_a_force_is_drawn_filtered_over_the_raw_one(periodic):
 def test_walls_and_solids_do_not_set_the_colour_scale(small_fsi3):
     scene = validate(small_fsi3)
     (x0, x1), (y0, y1) = scene.fluid.box.x, scene.fluid.box.y
-    nx, ny = scene.fluid.box.cells
+    nx, ny, *_ = scene.fluid.box.cells
     x, y = np.meshgrid(np.linspace(x0, x1, nx, False), np.linspace(y0, y1, ny, False), indexing="ij")
     (cylinder,) = scene.fluid.cylinders
     cell = max((x1 - x0) / nx, (y1 - y0) / ny)

@@ -1,22 +1,25 @@
 //! The fluid as an FMI co-simulation unit.
 
+mod flow;
 mod parameters;
+mod space;
 mod variables;
 
 use std::slice::from_ref;
 
 use fluid::{Fluid, Pose, Stations};
-use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
+use fmi_export::{Description, Log, Model, Resources, Variable};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
+use flow::{Flow, FlowState};
 use parameters::Parameters;
 
 /// The fluid of a scene.
 struct FluidUnit {
     scene: Scene,
     parameters: Parameters,
-    fluid: Fluid,
+    flow: Flow,
     /// The last scalar that was read.
     scalar: f64,
 }
@@ -26,7 +29,7 @@ struct State {
     parameters: Parameters,
     stations: Vec<Stations>,
     displacements: Vec<Pose>,
-    fluid: fluid::State,
+    flow: FlowState,
 }
 
 impl FluidUnit {
@@ -40,11 +43,11 @@ impl FluidUnit {
         }
         parameters.apply(part);
         let checked = self.scene.check().map_err(|e| e.to_string());
-        match checked.and_then(|()| new_fluid(&self.scene)) {
-            Ok(mut fluid) => {
-                fluid.stations_mut().iter_mut().zip(self.fluid.stations()).for_each(|(own, set)| own.copy_from(set));
-                fluid.displacements_mut().copy_from_slice(self.fluid.displacements());
-                self.fluid = fluid;
+        match checked.and_then(|()| Flow::new(&self.scene)) {
+            Ok(mut flow) => {
+                flow.stations_mut().iter_mut().zip(self.flow.stations()).for_each(|(own, set)| own.copy_from(set));
+                flow.displacements_mut().copy_from_slice(self.flow.displacements());
+                self.flow = flow;
             }
             Err(message) => {
                 own.apply(self.scene.fluid.as_mut().expect("it was there"));
@@ -54,18 +57,17 @@ impl FluidUnit {
         Ok(())
     }
 
-    /// Read a scalar of the fluid.
+    /// Read a scalar of a fluid of two dimensions.
     fn read(&mut self, read: impl FnOnce(&mut Fluid) -> f64) -> &[f64] {
-        self.scalar = read(&mut self.fluid);
+        self.scalar = read(self.flow.plane());
         from_ref(&self.scalar)
     }
-}
 
-/// Make the fluid of a scene; fails if there is no memory for it.
-fn new_fluid(scene: &Scene) -> Result<Fluid, String> {
-    let parameters = fluid::Parameters::try_from(scene).map_err(|e| e.to_string())?;
-    require_memory(Fluid::bytes(&parameters))?;
-    Fluid::new(&parameters).map_err(|e| e.to_string())
+    /// Read a scalar of a fluid of three dimensions.
+    fn read_space(&mut self, read: impl FnOnce(&mut fluid::space::Fluid) -> f64) -> &[f64] {
+        self.scalar = read(self.flow.space());
+        from_ref(&self.scalar)
+    }
 }
 
 impl Model for FluidUnit {
@@ -77,10 +79,10 @@ impl Model for FluidUnit {
 
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
-        let fluid = new_fluid(&scene)?;
-        let part = scene.fluid.as_ref().expect("new_fluid refuses a scene without a fluid");
+        let flow = Flow::new(&scene)?;
+        let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);
-        Ok(Self { parameters, scene, fluid, scalar: 0.0 })
+        Ok(Self { parameters, scene, flow, scalar: 0.0 })
     }
 
     fn description(&self) -> Description {
@@ -97,48 +99,46 @@ impl Model for FluidUnit {
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
-        variables::of(self)
+        match &self.flow {
+            Flow::Plane(_) => variables::of(self),
+            Flow::Space(_) => space::variables(self),
+        }
     }
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
-        if start != self.fluid.time() {
-            self.fluid.start_at(start);
-        }
-        let (grid, stations) = (self.fluid.grid(), self.fluid.stations().iter().map(Stations::len).sum::<usize>());
-        log.info(format_args!(
-            "{} x {} cells, {stations} stations, start at t = {start} s",
-            grid.cells[0], grid.cells[1]
-        ));
+        self.flow.start_at(start);
+        let stations = self.flow.stations().iter().map(Stations::len).sum::<usize>();
+        log.info(format_args!("{} cells, {stations} stations, start at t = {start} s", self.flow.cells()));
         Ok(())
     }
 
     fn step(&mut self, t: f64, h: f64, _log: &Log) -> Result<(), String> {
-        self.fluid.advance(t, h).map_err(|e| e.to_string())
+        self.flow.advance(t, h).map_err(|e| e.to_string())
     }
 
     fn state_bytes(&self) -> usize {
-        self.fluid.state_bytes()
+        self.flow.state_bytes()
     }
 
     fn save(&self) -> State {
         State {
             parameters: self.parameters,
-            stations: self.fluid.stations().to_vec(),
-            displacements: self.fluid.displacements().to_vec(),
-            fluid: self.fluid.state(),
+            stations: self.flow.stations().to_vec(),
+            displacements: self.flow.displacements().to_vec(),
+            flow: self.flow.state(),
         }
     }
 
     fn restore(&mut self, state: &State) -> Result<(), String> {
         self.set_parameters(state.parameters)?;
-        self.fluid.restore(&state.fluid).map_err(|e| e.to_string())?;
-        let (own, known) = (self.fluid.stations_mut(), &state.stations);
+        self.flow.restore(&state.flow)?;
+        let (own, known) = (self.flow.stations_mut(), &state.stations);
         if own.len() != known.len() || own.iter().zip(known).any(|(own, known)| !known.has_shape_of(own)) {
             return Err("its stations are not as many as those of this beam".into());
         }
         own.iter_mut().zip(known).for_each(|(own, known)| own.copy_from(known));
-        let (own, known) = (self.fluid.displacements_mut(), &state.displacements);
+        let (own, known) = (self.flow.displacements_mut(), &state.displacements);
         if own.len() != known.len() {
             return Err("its bodies are not as many as those of this fluid".into());
         }
@@ -146,16 +146,10 @@ impl Model for FluidUnit {
         Ok(())
     }
 
-    /// Return `vorticity`, `u`, `v` or `p`, in SI units, x the slow axis.
-    fn field(&mut self, name: &str) -> Option<([usize; 2], Vec<f64>)> {
-        let values = match name {
-            "vorticity" => self.fluid.vorticity().into_owned(),
-            "u" => self.fluid.velocity(0).into_owned(),
-            "v" => self.fluid.velocity(1).into_owned(),
-            "p" => self.fluid.pressure(),
-            _ => return None,
-        };
-        Some((self.fluid.grid().cells, values))
+    /// Return `vorticity`, `u`, `v` or `p`, in SI units, x the slow axis; in three dimensions also `w` and
+    /// `vorticity_x`, `vorticity_y`, and the component along z as `vorticity`.
+    fn field(&mut self, name: &str) -> Option<(Vec<usize>, Vec<f64>)> {
+        self.flow.field(name)
     }
 }
 

@@ -5,6 +5,7 @@ use std::slice::from_mut;
 use fluid::{Fluid, Force, Pose};
 
 use super::FluidUnit;
+use super::flow::Flow;
 
 type Real = fmi_export::Real<FluidUnit>;
 type Variable = fmi_export::Variable<FluidUnit>;
@@ -12,8 +13,10 @@ type Variable = fmi_export::Variable<FluidUnit>;
 /// Return the variables of a unit; absent parts of the scene have none.
 pub fn of(unit: &FluidUnit) -> Vec<Variable> {
     let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
-    let (cylinders, bodies, beams) = (part.cylinders.len(), part.bodies.len(), unit.fluid.stations().len());
-    let mut list = parameters_and_totals();
+    let (cylinders, bodies, beams) = (part.cylinders.len(), part.bodies.len(), unit.flow.stations().len());
+    let loads = matches!(&unit.flow, Flow::Plane(fluid) if !fluid.loads().is_empty());
+    let mut list = Vec::from(parameters("max(|u|/dx + |v|/dy) dt"));
+    list.extend(totals());
     if cylinders > 0 || bodies > 0 || beams > 0 {
         let all = if bodies > 0 || beams > 1 { "all bodies" } else { "all cylinders and the beam" };
         let text = |axis| format!("Force of the fluid on {all} along {axis}, per metre of depth");
@@ -42,7 +45,7 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
         list.extend(exchange(&name, k));
     }
     for (k, probe) in part.probes.iter().enumerate() {
-        let (name, [x, y]) = (&probe.name, probe.position);
+        let (name, x, y) = (&probe.name, probe.position[0], probe.position[1]);
         let text = |what| format!("{what} at ({x}, {y})");
         list.extend([
             output(format!("probe.{name}.u"), "m/s", text("Velocity along x"), move |f| f.probe_velocity(k)[0]),
@@ -50,9 +53,9 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
             output(format!("probe.{name}.p"), "Pa", text("Static pressure"), move |f| f.probe_pressure(k)),
         ]);
     }
-    for (k, stations) in unit.fluid.stations().iter().enumerate() {
+    for (k, stations) in unit.flow.stations().iter().enumerate() {
         let prefix = if beams == 1 { String::new() } else { format!("{}.", numbered(k)[0]) };
-        let loads = [!unit.fluid.loads().is_empty(), unit.scene.axial_pressure_strain()];
+        let loads = [loads, unit.scene.axial_pressure_strain()];
         list.extend(station_variables(&prefix, k, stations.len(), loads));
     }
     list
@@ -73,12 +76,10 @@ fn output(
     Real::output(name, unit, text, move |m| m.read(read)).depends_on(&[])
 }
 
-/// Return the variables of every scene.
-fn parameters_and_totals() -> Vec<Variable> {
-    let local = |name: &str, unit: &str, text: &str, read: fn(&mut Fluid) -> f64| {
-        Real::local(name, unit, text, move |m: &mut FluidUnit| m.read(read))
-    };
-    vec![
+/// Return time and parameters, with the formula of the CFL number.
+pub fn parameters(cfl: &str) -> [Variable; 6] {
+    let max_cfl = format!("Largest CFL number {cfl}");
+    [
         Real::time(),
         Real::parameter("density", "kg/m3", "Density", |m| from_mut(&mut m.parameters.density)).above(0.0),
         Real::parameter("kinematic_viscosity", "m2/s", "Kinematic viscosity", |m| {
@@ -91,10 +92,16 @@ fn parameters_and_totals() -> Vec<Variable> {
         .above(0.0),
         Real::parameter("max_step", "s", "Largest step of the fluid's own", |m| from_mut(&mut m.parameters.max_step))
             .above(0.0),
-        Real::parameter("max_cfl", "1", "Largest CFL number max(|u|/dx + |v|/dy) dt", |m| {
-            from_mut(&mut m.parameters.max_cfl)
-        })
-        .above(0.0),
+        Real::parameter("max_cfl", "1", max_cfl, |m| from_mut(&mut m.parameters.max_cfl)).above(0.0),
+    ]
+}
+
+/// Return the outputs of every scene of two dimensions.
+fn totals() -> [Variable; 5] {
+    let local = |name: &str, unit: &str, text: &str, read: fn(&mut Fluid) -> f64| {
+        Real::local(name, unit, text, move |m: &mut FluidUnit| m.read(read))
+    };
+    [
         output("cfl", "1", "CFL number of the last step", |fluid| fluid.cfl()),
         output("flow_rate", "m2/s", "Flow rate through the middle of the box per metre of depth", |f| f.flow_rate()),
         local("kinetic_energy", "J/m", "Kinetic energy of the whole box per metre of depth", |f| f.kinetic_energy()),
@@ -137,7 +144,7 @@ fn displacement(name: &str, body: &str, k: usize) -> [Variable; 6] {
     let input = |part: &str, unit: &str, what: &str, of: fn(&mut Pose) -> &mut f64| {
         let text = format!("{what} of {body} at the end of the step");
         Real::input(format!("{name}.motion.{part}"), unit, text, move |m: &mut FluidUnit| {
-            from_mut(of(m.fluid.displacement_mut(k)))
+            from_mut(of(m.flow.plane().displacement_mut(k)))
         })
     };
     [
@@ -182,25 +189,27 @@ fn station_variables(prefix: &str, k: usize, n: usize, [loads, pressure]: [bool;
     let impedance = "Rate at which the load falls with the station's velocity";
     let name = |name: &str| format!("{prefix}{name}");
     let mut list = vec![
-        Real::input(name("x"), "m", position, move |m| &mut m.fluid.stations_mut()[k].position[0]).array(n),
-        Real::input(name("y"), "m", position, move |m| &mut m.fluid.stations_mut()[k].position[1]).array(n),
-        Real::input(name("vx"), "m/s", velocity, move |m| &mut m.fluid.stations_mut()[k].velocity[0]).array(n),
-        Real::input(name("vy"), "m/s", velocity, move |m| &mut m.fluid.stations_mut()[k].velocity[1]).array(n),
-        Real::output(name("pressure_jump"), "Pa", jump, move |m| &m.fluid.pressure_jump()[k]).array(n).depends_on(&[]),
+        Real::input(name("x"), "m", position, move |m| &mut m.flow.stations_mut()[k].position[0]).array(n),
+        Real::input(name("y"), "m", position, move |m| &mut m.flow.stations_mut()[k].position[1]).array(n),
+        Real::input(name("vx"), "m/s", velocity, move |m| &mut m.flow.stations_mut()[k].velocity[0]).array(n),
+        Real::input(name("vy"), "m/s", velocity, move |m| &mut m.flow.stations_mut()[k].velocity[1]).array(n),
+        Real::output(name("pressure_jump"), "Pa", jump, move |m| &m.flow.plane().pressure_jump()[k])
+            .array(n)
+            .depends_on(&[]),
     ];
     if loads {
         list.extend(
             [
-                Real::output(name("force_x"), "N/m", load, move |m| &m.fluid.loads()[k].force[0]),
-                Real::output(name("force_y"), "N/m", load, move |m| &m.fluid.loads()[k].force[1]),
-                Real::output(name("impedance"), "kg/(m.s)", impedance, move |m| &m.fluid.loads()[k].impedance),
+                Real::output(name("force_x"), "N/m", load, move |m| &m.flow.plane().loads()[k].force[0]),
+                Real::output(name("force_y"), "N/m", load, move |m| &m.flow.plane().loads()[k].force[1]),
+                Real::output(name("impedance"), "kg/(m.s)", impedance, move |m| &m.flow.plane().loads()[k].impedance),
             ]
             .map(|variable| variable.array(n).depends_on(&[])),
         );
     }
     if pressure {
         let text = "Pressure around the beam, the mean of both sides, less that of the outlet";
-        let pressure = Real::output(name("pressure"), "Pa", text, move |m| &m.fluid.pressure_around()[k]);
+        let pressure = Real::output(name("pressure"), "Pa", text, move |m| &m.flow.plane().pressure_around()[k]);
         list.push(pressure.array(n).depends_on(&[]));
     }
     list

@@ -54,6 +54,14 @@ pub enum Error {
     /// The scene has no fluid.
     #[error("the scene `{0}` has no fluid")]
     NoFluid(String),
+    /// The fluid of the scene has another number of dimensions.
+    #[error("the fluid of the scene `{scene}` has {dimensions} dimensions")]
+    Dimension {
+        /// Name of the scene.
+        scene: String,
+        /// Its dimensions.
+        dimensions: usize,
+    },
     /// A state of a fluid with other parameters, or with numbers that are not finite.
     #[error("{0} of the state is not of the size that it has in this scene, or not finite")]
     State(&'static str),

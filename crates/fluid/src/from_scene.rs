@@ -10,27 +10,23 @@ use crate::parameters::{
     Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, TimeScheme,
     WallCorrection, Zone,
 };
+use crate::space;
 
 impl TryFrom<&Scene> for Parameters {
     type Error = Error;
 
-    /// Fails for a scene without a fluid.
+    /// Fails for a scene without a fluid of two dimensions.
     fn try_from(scene: &Scene) -> Result<Self, Error> {
         let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
-        let zone = |x, profile, mean_velocity: &TimeLaw, c_eta| Zone {
-            x,
-            parabolic: profile == InflowProfile::Parabolic,
-            mean_velocity: law(mean_velocity),
-            c_eta,
-        };
-        let inflow = |inflow: &scene::Inflow| zone(inflow.x, inflow.profile, &inflow.mean_velocity, inflow.c_eta);
-        let sponge = |sponge: &scene::Sponge| zone(sponge.x, sponge.profile, &sponge.mean_velocity, sponge.c_eta);
+        if fluid.is_space() {
+            return Err(Error::Dimension { scene: scene.name.clone(), dimensions: 3 });
+        }
         Ok(Self {
             domain: [fluid.r#box.x, fluid.r#box.y],
-            cells: fluid.r#box.cells,
+            cells: components(&fluid.r#box.cells),
             density: fluid.density,
             kinematic_viscosity: fluid.kinematic_viscosity,
-            initial_velocity: fluid.initial_velocity,
+            initial_velocity: components(&fluid.initial_velocity),
             disturbance: fluid.disturbance,
             mean_flow: fluid.mean_flow.as_ref().map(|mean| [law(&mean.x), law(&mean.y)]),
             channel: fluid.channel.as_ref().map(|channel| channel.y),
@@ -40,16 +36,9 @@ impl TryFrom<&Scene> for Parameters {
             bodies: fluid.bodies.iter().map(body).collect(),
             beams: scene.beams().map(|of| beam(scene, of)).collect(),
             mask: mask(&fluid.mask),
-            probes: fluid.probes.iter().map(|probe| probe.position).collect(),
-            filter: match fluid.filter {
-                scene::Filter::Smooth => Filter::Smooth,
-                scene::Filter::TwoThirds => Filter::TwoThirds,
-                scene::Filter::None => Filter::None,
-            },
-            precision: match fluid.precision {
-                scene::Precision::Double => Precision::Double,
-                scene::Precision::Single => Precision::Single,
-            },
+            probes: fluid.probes.iter().map(|probe| components(&probe.position)).collect(),
+            filter: filter(fluid.filter),
+            precision: precision(fluid.precision),
             threads: fluid.threads,
             scheme: match fluid.time_stepping.scheme {
                 scene::TimeScheme::Sbdf2 => TimeScheme::Sbdf2,
@@ -61,6 +50,99 @@ impl TryFrom<&Scene> for Parameters {
             loads: scene.load().is_none_or(|load| load == Load::Momentum),
             pressure_around: scene.axial_pressure_strain(),
         })
+    }
+}
+
+/// Return the first components; those that a list lacks are 0.
+fn components<T: Copy + Default, const D: usize>(list: &[T]) -> [T; D] {
+    std::array::from_fn(|axis| list.get(axis).copied().unwrap_or_default())
+}
+
+fn inflow(inflow: &scene::Inflow) -> Zone {
+    zone(inflow.x, inflow.profile, &inflow.mean_velocity, inflow.c_eta)
+}
+
+fn sponge(sponge: &scene::Sponge) -> Zone {
+    zone(sponge.x, sponge.profile, &sponge.mean_velocity, sponge.c_eta)
+}
+
+fn zone(x: [f64; 2], profile: InflowProfile, mean_velocity: &TimeLaw, c_eta: f64) -> Zone {
+    Zone { x, parabolic: profile == InflowProfile::Parabolic, mean_velocity: law(mean_velocity), c_eta }
+}
+
+fn filter(filter: scene::Filter) -> Filter {
+    match filter {
+        scene::Filter::Smooth => Filter::Smooth,
+        scene::Filter::TwoThirds => Filter::TwoThirds,
+        scene::Filter::None => Filter::None,
+    }
+}
+
+fn precision(precision: scene::Precision) -> Precision {
+    match precision {
+        scene::Precision::Double => Precision::Double,
+        scene::Precision::Single => Precision::Single,
+    }
+}
+
+impl TryFrom<&Scene> for space::Parameters {
+    type Error = Error;
+
+    /// Fails for a scene without a fluid of three dimensions.
+    fn try_from(scene: &Scene) -> Result<Self, Error> {
+        let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
+        let (of, channel) = (&fluid.r#box, fluid.channel.as_ref());
+        let z = of.z.ok_or_else(|| Error::Dimension { scene: scene.name.clone(), dimensions: 2 })?;
+        Ok(Self {
+            domain: [of.x, of.y, z],
+            cells: components(&of.cells),
+            density: fluid.density,
+            kinematic_viscosity: fluid.kinematic_viscosity,
+            initial_velocity: components(&fluid.initial_velocity),
+            mean_flow: fluid.mean_flow.as_ref().map(|mean| [law(&mean.x), law(&mean.y), law(&mean.z)]),
+            walls: channel.map_or([None; 3], |channel| [channel.x, Some(channel.y), channel.z]),
+            inflow: fluid.inflow.as_ref().map(inflow),
+            sponge: fluid.sponge.as_ref().map(sponge),
+            bodies: fluid.bodies.iter().map(body_in_space).collect(),
+            mask: mask(&fluid.mask),
+            probes: fluid.probes.iter().map(|probe| components(&probe.position)).collect(),
+            filter: filter(fluid.filter),
+            precision: precision(fluid.precision),
+            threads: fluid.threads,
+            max_step: fluid.time_stepping.max_step,
+            max_cfl: fluid.time_stepping.max_cfl,
+            communication_step: scene.time.communication_step,
+        })
+    }
+}
+
+fn body_in_space(body: &scene::Body) -> space::Body {
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+    let half = |lengths: &[f64; 3]| lengths.map(|length| 0.5 * length);
+    let motion = |motion: &scene::BodyMotion| space::Motion {
+        displacement: [&motion.x, &motion.y, &motion.z].map(law),
+        axis: motion.axis.unwrap_or(Z),
+        angle: law(&motion.angle),
+    };
+    space::Body {
+        shape: match &body.shape {
+            scene::Shape::Sphere { radius } => space::Shape::Sphere(*radius),
+            scene::Shape::Ellipsoid { lengths } => space::Shape::Ellipsoid(half(lengths)),
+            scene::Shape::Cuboid { lengths } => space::Shape::Cuboid(half(lengths)),
+            scene::Shape::CircularCylinder { axis, radius, length } => space::Shape::Cylinder {
+                axis: *axis as usize,
+                radius: *radius,
+                half_length: length.map_or(f64::INFINITY, |length| 0.5 * length),
+            },
+            _ => unreachable!("checked: a shape of three dimensions"),
+        },
+        position: components(&body.position),
+        pivot: components(&body.pivot),
+        turn: body
+            .turn
+            .as_ref()
+            .map_or(space::Turn { axis: Z, angle: 0.0 }, |turn| space::Turn { axis: turn.axis, angle: turn.angle }),
+        motion: body.laws().map(motion),
     }
 }
 
@@ -87,8 +169,8 @@ fn body(body: &scene::Body) -> Body {
     };
     Body {
         shape: shape(&body.shape),
-        position: body.position,
-        pivot: body.pivot,
+        position: components(&body.position),
+        pivot: components(&body.pivot),
         angle: body.angle,
         motion: body.motion.as_ref().map(motion).or(body.mount.as_ref().map(mount).map(Motion::Mount)),
     }
@@ -105,6 +187,10 @@ fn shape(shape: &scene::Shape) -> Shape {
             Shape::Capsule([0.5 * (length - thickness), 0.5 * thickness])
         }
         scene::Shape::Polygon { corners } => Shape::Polygon(corners.clone()),
+        scene::Shape::Sphere { .. }
+        | scene::Shape::Ellipsoid { .. }
+        | scene::Shape::Cuboid { .. }
+        | scene::Shape::CircularCylinder { .. } => unreachable!("checked: a shape of two dimensions"),
     }
 }
 

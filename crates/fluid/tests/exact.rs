@@ -302,7 +302,7 @@ fn threads_change_no_bit() {
         let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
         let fluid = scene.fluid.as_mut().expect("it has one");
         // Large enough for five threads; blocks of columns that overlap, rows that do not come out even.
-        (fluid.r#box.cells, fluid.threads) = ([999, 201], threads);
+        (fluid.r#box.cells, fluid.threads) = (vec![999, 201], threads);
         let mut fluid = fluid_of(&scene);
         run(&mut fluid, 8, 2e-4);
         fluid

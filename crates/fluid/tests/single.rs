@@ -141,7 +141,7 @@ fn threads_do_not_change_a_bit() {
     let states = [1, 2, 3].map(|threads| {
         let part = scene.fluid.as_mut().expect("it has one");
         // Large enough for three threads.
-        (part.r#box.cells, part.threads) = ([1201, 201], threads);
+        (part.r#box.cells, part.threads) = (vec![1201, 201], threads);
         let mut fluid = fluid(scene.clone(), Precision::Single);
         run(&mut fluid, 8, 2e-4);
         fluid.state()

@@ -39,7 +39,7 @@ pub(crate) struct Instance<M: Model> {
 }
 
 /// Shape and values of a field.
-type Field = ([usize; 2], Vec<f64>);
+type Field = (Vec<usize>, Vec<f64>);
 
 /// Tolerance for the sums of steps in masters, relative to the larger of time and step.
 const TIME_TOLERANCE: f64 = 1e-9;

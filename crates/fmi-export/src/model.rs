@@ -99,11 +99,11 @@ pub trait Model: Sized + 'static {
     /// may hold an invalid state. After an error the export accepts only another state or `fmi2Reset`.
     fn restore(&mut self, state: &Self::State) -> Result<(), String>;
 
-    /// Return shape, slow axis first, and values of a two-dimensional field such as a vorticity.
+    /// Return shape, slow axis first, and values of a field of up to three axes such as a vorticity.
     ///
     /// A host that knows the library reads the field by `fmu_field`, see [`export_fmu!`](crate::export_fmu).
     #[expect(unused_variables, reason = "the default has no field")]
-    fn field(&mut self, name: &str) -> Option<([usize; 2], Vec<f64>)> {
+    fn field(&mut self, name: &str) -> Option<(Vec<usize>, Vec<f64>)> {
         None
     }
 }

@@ -16,13 +16,19 @@ pub struct Body {
     /// Outline in the body's own axes.
     pub shape: Shape,
     /// Place of the pivot, m; motion and mount displace it from there.
-    pub position: [f64; 2],
+    #[schemars(length(min = 2, max = 3))]
+    pub position: Vec<f64>,
     /// Pivot in the body's own axes, m, about which the body turns and its moment is taken; by default their origin.
-    #[serde(default)]
-    pub pivot: [f64; 2],
-    /// Angle from the x axis of the box to the body's own, rad, counter-clockwise; motion and mount turn it from there.
+    #[serde(default = "origin")]
+    #[schemars(length(min = 2, max = 3))]
+    pub pivot: Vec<f64>,
+    /// Angle from the x axis of the box to the body's own, rad, counter-clockwise; motion and mount turn it from there. Only
+    /// in two dimensions.
     #[serde(default)]
     pub angle: f64,
+    /// Turn from the axes of the box to those of the body, before the motion; only in three dimensions.
+    #[serde(default)]
+    pub turn: Option<Turn>,
     /// Prescribed motion; absent for a body that is still or has a mount.
     #[serde(default)]
     pub motion: Option<BodyDrive>,
@@ -90,6 +96,33 @@ pub struct Support {
     pub rest: f64,
 }
 
+fn origin() -> Vec<f64> {
+    vec![0.0; 2]
+}
+
+/// A turn about an axis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Turn {
+    /// Axis, of any length above 0.
+    pub axis: [f64; 3],
+    /// Angle, rad, positive by the right-hand rule.
+    pub angle: f64,
+}
+
+/// An axis of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Axis {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z.
+    #[default]
+    Z,
+}
+
 /// Outline of a body. The origin of its axes is its middle, except for a polygon.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -127,6 +160,35 @@ pub enum Shape {
         #[schemars(length(min = 3, max = 1000))]
         corners: Vec<[f64; 2]>,
     },
+    /// A sphere.
+    Sphere {
+        /// Radius, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        radius: f64,
+    },
+    /// An ellipsoid.
+    Ellipsoid {
+        /// Lengths of the axes along the body's x, y and z, m.
+        lengths: [f64; 3],
+    },
+    /// A cuboid; a plate is a thin one.
+    Cuboid {
+        /// Lengths along the body's x, y and z, m.
+        lengths: [f64; 3],
+    },
+    /// A circular cylinder in space.
+    CircularCylinder {
+        /// Axis of the body along which it lies.
+        #[serde(default)]
+        axis: Axis,
+        /// Radius, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        radius: f64,
+        /// Length, m; absent for a cylinder through the whole box, whose axis must lie along the box.
+        #[serde(default)]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        length: Option<f64>,
+    },
 }
 
 /// Ends of a rectangle.
@@ -141,7 +203,7 @@ pub enum Ends {
 }
 
 /// Prescribed motion of a body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyMotion {
     /// Displacement of the pivot along x, m.
@@ -150,9 +212,61 @@ pub struct BodyMotion {
     /// Displacement of the pivot along y, m.
     #[serde(default)]
     pub y: TimeLaw,
-    /// Angle about the pivot, rad, counter-clockwise.
+    /// Displacement of the pivot along z, m; only in three dimensions.
+    #[serde(default)]
+    pub z: TimeLaw,
+    /// Angle about the pivot, rad, counter-clockwise; in three dimensions about `axis` by the right-hand rule.
     #[serde(default)]
     pub angle: TimeLaw,
+    /// Axis of the box about which the body turns, of any length above 0, by default z; only in three dimensions.
+    #[serde(default)]
+    pub axis: Option<[f64; 3]>,
+}
+
+impl Body {
+    /// Check that the parts exist in two dimensions, or in space; `key` is the path of the body.
+    pub(crate) fn check_dimension(&self, key: &str, is_space: bool, faults: &mut Faults) {
+        let (spatial, name) = match self.shape {
+            Shape::Circle { .. } => (false, "circle"),
+            Shape::Ellipse { .. } => (false, "ellipse"),
+            Shape::Rectangle { .. } => (false, "rectangle"),
+            Shape::Polygon { .. } => (false, "polygon"),
+            Shape::Sphere { .. } => (true, "sphere"),
+            Shape::Ellipsoid { .. } => (true, "ellipsoid"),
+            Shape::Cuboid { .. } => (true, "cuboid"),
+            Shape::CircularCylinder { .. } => (true, "circular_cylinder"),
+        };
+        faults.require(spatial == is_space, &format!("{key}.shape"), name, || match is_space {
+            true => "in three dimensions it is a sphere, ellipsoid, cuboid or circular_cylinder".into(),
+            false => "in two dimensions it is a circle, ellipse, rectangle or polygon".into(),
+        });
+        let motion = self.laws();
+        let axes = [
+            ("turn.axis", self.turn.as_ref().map(|turn| turn.axis)),
+            ("motion.axis", motion.and_then(|motion| motion.axis)),
+        ];
+        for (name, axis) in axes {
+            let has_length = axis.is_none_or(|axis| axis.iter().any(|component| *component != 0.0));
+            faults.require(has_length, &format!("{key}.{name}"), "[0, 0, 0]", || "an axis has a length".into());
+        }
+        if is_space {
+            let fits = self.angle == 0.0;
+            faults.require(fits, &format!("{key}.angle"), self.angle, || "use `turn` in three dimensions".into());
+            let driven = || "in three dimensions a body is still or moves by laws".into();
+            faults.forbid(self.is_driven(), &format!("{key}.motion"), driven);
+            faults.forbid(self.mount.is_some(), &format!("{key}.mount"), driven);
+            return;
+        }
+        let flat = || "the fluid has two dimensions".into();
+        faults.forbid(self.turn.is_some(), &format!("{key}.turn"), flat);
+        faults.require(self.pivot.len() == 2, &format!("{key}.pivot"), format!("{:?}", self.pivot), || {
+            "it must have 2 components like the box".into()
+        });
+        if let Some(motion) = motion {
+            faults.forbid(motion.z != TimeLaw::default(), &format!("{key}.motion.z"), flat);
+            faults.forbid(motion.axis.is_some(), &format!("{key}.motion.axis"), flat);
+        }
+    }
 }
 
 /// Corners by which a circle is drawn.
@@ -170,13 +284,13 @@ impl Body {
 
     /// Return the outline at time `t` (s).
     pub(crate) fn outline_at(&self, t: f64) -> Outline {
-        let Some(BodyMotion { x, y, angle }) = self.laws() else { return self.outline([0.0; 2], 0.0) };
+        let Some(BodyMotion { x, y, angle, .. }) = self.laws() else { return self.outline([0.0; 2], 0.0) };
         self.outline([x.value(t), y.value(t)], angle.value(t))
     }
 }
 
 impl Shape {
-    /// Return corners of the outline in the body's own axes; of a round one, points on it.
+    /// Return corners of the outline in the body's own axes, none in space; of a round one, points on it.
     fn corners(&self) -> Vec<Point> {
         let angles = |first: f64| (0..CORNERS).map(move |i| 2.0 * PI * (i as f64 + first) / CORNERS as f64);
         let ellipse = |a: f64, b: f64| angles(0.0).map(|angle| [a * angle.cos(), b * angle.sin()]).collect();
@@ -193,6 +307,7 @@ impl Shape {
                 vec![[-x, -y], [x, -y], [x, y], [-x, y]]
             }
             Self::Polygon { corners } => corners.clone(),
+            _ => Vec::new(),
         }
     }
 }
@@ -210,6 +325,7 @@ impl Check for Body {
         let Some(motion) = self.laws() else { return };
         motion.x.check_at(&format!("{key}.motion.x"), faults);
         motion.y.check_at(&format!("{key}.motion.y"), faults);
+        motion.z.check_at(&format!("{key}.motion.z"), faults);
         motion.angle.check_at(&format!("{key}.motion.angle"), faults);
     }
 }
@@ -234,7 +350,7 @@ impl Mount {
 }
 
 impl Shape {
-    /// Return the area, m².
+    /// Return the area of a shape of two dimensions, m²; of others 0.
     pub fn area(&self) -> f64 {
         match self {
             Self::Circle { radius } => PI * radius.powi(2),
@@ -247,6 +363,7 @@ impl Shape {
                 let next = corners.iter().cycle().skip(1);
                 0.5 * corners.iter().zip(next).map(|([x0, y0], [x1, y1])| x0 * y1 - x1 * y0).sum::<f64>().abs()
             }
+            _ => 0.0,
         }
     }
 }
@@ -271,7 +388,14 @@ impl Check for Mount {
 impl Check for Shape {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         match self {
-            Self::Circle { .. } | Self::Ellipse { .. } => (),
+            Self::Circle { .. } | Self::Ellipse { .. } | Self::Sphere { .. } | Self::CircularCylinder { .. } => (),
+            Self::Ellipsoid { lengths } | Self::Cuboid { lengths } => {
+                let name = if matches!(self, Self::Cuboid { .. }) { "cuboid" } else { "ellipsoid" };
+                let fits = lengths.iter().all(|length| *length > 0.0);
+                faults.require(fits, &format!("{key}.{name}.lengths"), format!("{lengths:?}"), || {
+                    "each length must be > 0".into()
+                });
+            }
             Self::Rectangle { length, thickness, ends } => {
                 let fits = *ends == Ends::Square || thickness <= length;
                 faults.require(fits, &format!("{key}.rectangle.thickness"), thickness, || {

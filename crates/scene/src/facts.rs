@@ -41,6 +41,9 @@ pub struct Facts {
     pub laws: BTreeMap<&'static str, LawFacts>,
     /// Dimensionless numbers; absent without a fluid.
     pub dimensionless: Option<Dimensionless>,
+    /// Areas that the coefficients of bodies in space refer to, by the name of their force, m².
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub areas: BTreeMap<String, f64>,
     /// Number of steps that the fluid is expected to make in a communication step.
     pub fluid_steps: u64,
     /// What may be a mistake.
@@ -145,7 +148,7 @@ impl Scene {
             _ => 1,
         };
         let warnings = warnings(self, dimensionless.as_ref().and_then(|numbers| numbers.reynolds));
-        Facts { beams, laws: laws(self), dimensionless, fluid_steps, warnings }
+        Facts { beams, laws: laws(self), dimensionless, areas: areas(self), fluid_steps, warnings }
     }
 }
 
@@ -165,8 +168,18 @@ fn laws(scene: &Scene) -> BTreeMap<&'static str, LawFacts> {
         laws.extend(fluid.inflow.iter().map(|inflow| ("fluid.inflow.mean_velocity", &inflow.mean_velocity)));
         laws.extend(fluid.mean_flow.iter().map(|flow| ("fluid.mean_flow.x", &flow.x)));
         laws.extend(fluid.mean_flow.iter().map(|flow| ("fluid.mean_flow.y", &flow.y)));
+        let deep = fluid.mean_flow.iter().filter(|_| fluid.is_space());
+        laws.extend(deep.map(|flow| ("fluid.mean_flow.z", &flow.z)));
     }
     laws.into_iter().map(|(key, law)| (key, LawFacts { settles: law.settles() })).collect()
+}
+
+fn areas(scene: &Scene) -> BTreeMap<String, f64> {
+    let bodies = scene.fluid.iter().filter(|fluid| fluid.is_space()).flat_map(|fluid| {
+        let ends: Vec<_> = fluid.r#box.ends().collect();
+        (1..).zip(&fluid.bodies).map(move |(i, own)| (format!("body_{i}"), own.shape.reference_area(&ends)))
+    });
+    bodies.collect()
 }
 
 fn sizes(scene: &Scene, beams: &[BeamFacts]) -> Vec<(String, [f64; 2])> {
@@ -200,7 +213,9 @@ fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(St
     let peak = fluid.inflow.as_ref().map_or(1.0, |inflow| inflow.profile.peak());
     let fastest = peak * f64::hypot(largest(&streams), largest(&motions));
 
-    let [dx, dy] = fluid.r#box.spacing();
+    let spacing = fluid.r#box.spacing();
+    let (coarsest, finest) =
+        (spacing.iter().copied().fold(0.0, f64::max), spacing.iter().copied().fold(f64::INFINITY, f64::min));
     let step = scene.time.communication_step.min(fluid.time_stepping.max_step);
     let length = sizes.first().map(|(_, [length, _])| *length);
     let bodies = sizes.iter().enumerate().map(|(i, (name, [length, thickness]))| {
@@ -208,8 +223,8 @@ fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(St
         let strain = if is_beam && i > 0 { 0.0 } else { strain_factor(fluid, i) * fastest / length };
         let resolution = Resolution {
             length: *length,
-            thickness_cells: thickness / dx.max(dy),
-            layer_cells: (strain > 0.0).then(|| (nu / strain).sqrt() / dx.max(dy)),
+            thickness_cells: thickness / coarsest,
+            layer_cells: (strain > 0.0).then(|| (nu / strain).sqrt() / coarsest),
         };
         (name.clone(), resolution)
     });
@@ -235,7 +250,7 @@ fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(St
         stiffness: number(
             first.zip(velocity).map(|((span, _, stiffness), u)| stiffness / (rho * (u * u) * span.powi(3))),
         ),
-        cfl: number((fastest > 0.0).then(|| SPEED_UP * fastest * step / dx.min(dy))),
+        cfl: number((fastest > 0.0).then(|| SPEED_UP * fastest * step / finest)),
         bodies: bodies.collect(),
         mounts: (1..)
             .zip(&fluid.bodies)
@@ -271,7 +286,16 @@ fn mount(fluid: &Fluid, body: &Body, velocity: Option<f64>) -> Option<MountFacts
 /// Strain rate at the front of the body `i` by U and its length: 4 for a circle, 2 for a plate.
 fn strain_factor(fluid: &Fluid, i: usize) -> f64 {
     let body = i.checked_sub(fluid.cylinders.len()).map(|i| fluid.bodies.get(i).map(|body| &body.shape));
-    if matches!(body, None | Some(Some(Shape::Circle { .. }))) { 4.0 } else { 2.0 }
+    if matches!(body, None | Some(Some(Shape::Circle { .. } | Shape::Sphere { .. } | Shape::CircularCylinder { .. }))) {
+        4.0
+    } else {
+        2.0
+    }
+}
+
+/// Length of a vector. In the plane it has the bits of `hypot`.
+fn speed([x, y, z]: [f64; 3]) -> f64 {
+    f64::hypot(f64::hypot(x, y), z)
 }
 
 /// Velocities of the flow that the scene asks for.
@@ -282,14 +306,17 @@ fn streams(fluid: &Fluid) -> Vec<Drive> {
         add(inflow.mean_velocity.largest(), "inflow", inflow.mean_velocity.frequency());
     }
     if let Some(flow) = &fluid.mean_flow {
-        let frequency = flow.x.frequency().or(flow.y.frequency());
-        add(f64::hypot(flow.x.largest(), flow.y.largest()), "mean flow", frequency);
+        let frequency = flow.laws().into_iter().find_map(|(_, law)| law.frequency());
+        add(speed(flow.laws().map(|(_, law)| law.largest())), "mean flow", frequency);
     }
     if let Some(sponge) = &fluid.sponge {
         add(sponge.mean_velocity.largest(), "sponge", sponge.mean_velocity.frequency());
     }
-    let [u, v] = fluid.initial_velocity;
-    add(f64::hypot(u, v), "initial velocity", None);
+    add(
+        speed(std::array::from_fn(|axis| fluid.initial_velocity.get(axis).copied().unwrap_or(0.0))),
+        "initial velocity",
+        None,
+    );
     streams
 }
 
@@ -308,11 +335,11 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     }
     for (i, body) in (1..).zip(&fluid.bodies) {
         let Some(motion) = body.laws() else { continue };
-        let speed = f64::hypot(motion.x.largest_rate(), motion.y.largest_rate());
+        let speed = speed([&motion.x, &motion.y, &motion.z].map(|law| law.largest_rate()));
         motions.push(Drive {
             speed: if speed > 0.0 { speed } else { motion.angle.largest_rate() * reach(body) },
             name: format!("motion of body {i}"),
-            frequency: first_frequency(&[&motion.x, &motion.y, &motion.angle]),
+            frequency: first_frequency(&[&motion.x, &motion.y, &motion.z, &motion.angle]),
         });
     }
     for BeamWithRod { beam: Beam { length, .. }, rod, .. } in scene.beams_with_rods() {
@@ -355,10 +382,35 @@ impl InflowProfile {
 }
 
 impl Shape {
-    /// Length and thickness, m; of a polygon the largest distance of two corners, and its area by that.
+    /// Reference area of a body in space, m²: the largest cross-section of a sphere or an ellipsoid, the largest face of a
+    /// cuboid, diameter times length of a cylinder, which may go through a box with the `ends` along its axis.
+    fn reference_area(&self, ends: &[[f64; 2]]) -> f64 {
+        let two_largest = |lengths: &[f64; 3]| {
+            let least = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+            lengths.iter().product::<f64>() / least
+        };
+        match self {
+            Self::Sphere { radius } => PI * radius * radius,
+            Self::Ellipsoid { lengths } => PI / 4.0 * two_largest(lengths),
+            Self::Cuboid { lengths } => two_largest(lengths),
+            Self::CircularCylinder { axis, radius, length } => {
+                let [low, high] = ends[*axis as usize];
+                2.0 * radius * length.unwrap_or(high - low)
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Length and thickness, m; of a cylinder in space diameter and thickness; of a polygon the largest distance of two corners, and its area by that.
     pub fn size(&self) -> [f64; 2] {
         match self {
-            Self::Circle { radius } => [2.0 * radius; 2],
+            Self::Circle { radius } | Self::Sphere { radius } => [2.0 * radius; 2],
+            Self::Ellipsoid { lengths } | Self::Cuboid { lengths } => {
+                [lengths.iter().copied().fold(0.0, f64::max), lengths.iter().copied().fold(f64::INFINITY, f64::min)]
+            }
+            Self::CircularCylinder { radius, length, .. } => {
+                [2.0 * radius, length.map_or(2.0 * radius, |l| l.min(2.0 * radius))]
+            }
             Self::Ellipse { length, thickness } | Self::Rectangle { length, thickness, .. } => [*length, *thickness],
             Self::Polygon { corners } => {
                 let distances =

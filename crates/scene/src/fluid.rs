@@ -8,7 +8,7 @@ use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
 use crate::method::{Filter, Mask, Precision, TimeScheme, TimeStepping};
 
-/// A two-dimensional incompressible fluid in a periodic box.
+/// An incompressible fluid in a periodic box of two or three dimensions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Fluid {
@@ -20,9 +20,10 @@ pub struct Fluid {
     pub kinematic_viscosity: f64,
     /// The periodic box and its grid.
     pub r#box: FluidBox,
-    /// Uniform velocity at t = 0, m/s.
-    #[serde(default)]
-    pub initial_velocity: [f64; 2],
+    /// Uniform velocity at t = 0, m/s; a component that is left out is 0.
+    #[serde(default = "still")]
+    #[schemars(length(min = 2, max = 3))]
+    pub initial_velocity: Vec<f64>,
     /// Amplitude a of a smooth disturbance of the initial velocity, m/s: the waves `a sin(2π (y − y_0)/L_y)` along x and
     /// `a sin(2π (x − x_0)/L_x)` along y, in a box from x_0 and y_0 of the lengths L_x and L_y. Absent: none. A
     /// symmetric flow needs one to shed vortices; a hundredth of the stream is enough.
@@ -70,6 +71,10 @@ fn one_thread() -> usize {
     1
 }
 
+fn still() -> Vec<f64> {
+    vec![0.0; 2]
+}
+
 /// Most cells of a grid: 8192 x 8192, which need about 8.5 GB.
 const MOST_CELLS: usize = 1 << 26;
 
@@ -81,18 +86,27 @@ pub struct FluidBox {
     pub x: [f64; 2],
     /// Ends along y, m.
     pub y: [f64; 2],
-    /// Number of grid points along x and y: at least 8 each, at most 67108864 together. Products of small primes are
-    /// fast.
-    #[schemars(inner(range(min = 8, max = 65536)))]
-    pub cells: [usize; 2],
+    /// Ends along z, m; absent in two dimensions.
+    #[serde(default)]
+    pub z: Option<[f64; 2]>,
+    /// Number of grid points along x, y and, if present, z: at least 8 each, at most 67108864 together. Products of small
+    /// primes are fast.
+    #[schemars(length(min = 2, max = 3), inner(range(min = 8, max = 65536)))]
+    pub cells: Vec<usize>,
 }
 
-/// Solid walls below and above.
+/// Solid walls below and above, and in three dimensions on more sides.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Channel {
     /// Places of the lower and the upper wall, m.
     pub y: [f64; 2],
+    /// Places of two walls across x, m; only in three dimensions.
+    #[serde(default)]
+    pub x: Option<[f64; 2]>,
+    /// Places of two walls across z, m; only in three dimensions.
+    #[serde(default)]
+    pub z: Option<[f64; 2]>,
 }
 
 /// Zone across the box in which the velocity is imposed: `(profile(y) · law(t), 0)`.
@@ -137,6 +151,9 @@ pub struct MeanFlow {
     /// Along y, m/s.
     #[serde(default)]
     pub y: TimeLaw,
+    /// Along z, m/s; only in three dimensions.
+    #[serde(default)]
+    pub z: TimeLaw,
 }
 
 /// A point whose velocity and pressure are outputs.
@@ -147,7 +164,8 @@ pub struct Probe {
     #[schemars(regex(pattern = PROBE_NAME))]
     pub name: String,
     /// Place, m.
-    pub position: [f64; 2],
+    #[schemars(length(min = 2, max = 3))]
+    pub position: Vec<f64>,
 }
 
 /// Profile of an inflow, of mean 1.
@@ -194,12 +212,13 @@ fn at_rest() -> TimeLaw {
 /// A cylinder is a circle that does not turn.
 impl From<&Cylinder> for Body {
     fn from(cylinder: &Cylinder) -> Self {
-        let motion = |Motion { x, y }: Motion| BodyDrive::Laws(BodyMotion { x, y, angle: TimeLaw::default() });
+        let motion = |Motion { x, y }: Motion| BodyDrive::Laws(BodyMotion { x, y, ..BodyMotion::default() });
         Self {
             shape: Shape::Circle { radius: cylinder.radius },
-            position: cylinder.center,
-            pivot: [0.0; 2],
+            position: cylinder.center.to_vec(),
+            pivot: vec![0.0; 2],
             angle: 0.0,
+            turn: None,
             motion: cylinder.motion.clone().map(motion),
             mount: None,
         }
@@ -207,26 +226,52 @@ impl From<&Cylinder> for Body {
 }
 
 impl FluidBox {
+    /// Return the ends along each axis, m.
+    pub fn ends(&self) -> impl Iterator<Item = [f64; 2]> {
+        [self.x, self.y].into_iter().chain(self.z)
+    }
+
+    /// Return the lengths of a cell along each axis, m.
+    pub(crate) fn spacing(&self) -> Vec<f64> {
+        self.ends().zip(&self.cells).map(|([low, high], count)| (high - low) / *count as f64).collect()
+    }
+}
+
+impl FluidBox {
     /// Return the lengths of a cell along x and y, m.
-    pub(crate) fn spacing(&self) -> [f64; 2] {
-        let [nx, ny] = self.cells.map(|count| count as f64);
-        [(self.x[1] - self.x[0]) / nx, (self.y[1] - self.y[0]) / ny]
+    pub(crate) fn in_plane(&self) -> [f64; 2] {
+        let spacing = self.spacing();
+        [spacing[0], spacing[1]]
+    }
+}
+
+impl MeanFlow {
+    /// Return the laws along x, y and z.
+    pub(crate) fn laws(&self) -> [(&'static str, &TimeLaw); 3] {
+        [("x", &self.x), ("y", &self.y), ("z", &self.z)]
     }
 }
 
 impl Fluid {
-    /// Return the largest |u|/dx + |v|/dy of initial velocity, inflow, mean flow and sponge, 1/s. Around bodies the
-    /// flow is faster.
+    /// Return whether it has three dimensions.
+    pub fn is_space(&self) -> bool {
+        self.r#box.z.is_some()
+    }
+
+    /// Return the largest |u|/dx + |v|/dy + |w|/dz of initial velocity, inflow, mean flow and sponge, 1/s. Around bodies
+    /// the flow is faster.
     pub(crate) fn advection_rate(&self) -> f64 {
-        let rate = |axis: usize, velocity: f64| {
-            let [low, high] = [self.r#box.x, self.r#box.y][axis];
-            velocity.abs() * self.r#box.cells[axis] as f64 / (high - low)
-        };
-        let [u, v] = self.initial_velocity;
-        let mean = self.mean_flow.as_ref().map_or(0.0, |flow| rate(0, flow.x.largest()) + rate(1, flow.y.largest()));
-        let inflow = self.inflow.as_ref().map_or(0.0, |inflow| rate(0, inflow.mean_velocity.largest()));
-        let sponge = self.sponge.as_ref().map_or(0.0, |sponge| rate(0, sponge.mean_velocity.largest()));
-        (rate(0, u) + rate(1, v)).max(mean).max(inflow).max(sponge)
+        let spacing = self.r#box.spacing();
+        let rate = |(spacing, velocity): (&f64, f64)| velocity.abs() / spacing;
+        let along_x = |law: &TimeLaw| rate((&spacing[0], law.largest()));
+        let initial: f64 = spacing.iter().zip(self.initial_velocity.iter().copied()).map(rate).sum();
+        let mean = self
+            .mean_flow
+            .as_ref()
+            .map_or(0.0, |flow| spacing.iter().zip(flow.laws().map(|(_, law)| law.largest())).map(rate).sum());
+        let inflow = self.inflow.as_ref().map_or(0.0, |inflow| along_x(&inflow.mean_velocity));
+        let sponge = self.sponge.as_ref().map_or(0.0, |sponge| along_x(&sponge.mean_velocity));
+        initial.max(mean).max(inflow).max(sponge)
     }
 }
 
@@ -246,16 +291,17 @@ impl Check for Fluid {
             faults.require(!twice, &format!("{key}.name"), format!("{:?}", probe.name), || {
                 "another probe has this name".into()
             });
-            self.check_place(&format!("{key}.position"), probe.position, faults);
+            self.check_place(&format!("{key}.position"), &probe.position, faults);
         }
         for (i, body) in self.bodies.iter().enumerate() {
             let key = format!("{key}.bodies[{i}]");
-            self.check_place(&format!("{key}.position"), body.position, faults);
+            self.check_place(&format!("{key}.position"), &body.position, faults);
+            body.check_dimension(&key, self.is_space(), faults);
             let holds = body.mount.is_none() || self.time_stepping.scheme == TimeScheme::Sbdf2;
             faults.require(holds, &format!("{key}.mount"), "with the scheme rk2", || {
                 "its explicit drag cannot hold a body on springs; use sbdf2".into()
             });
-            if let Some(mount) = &body.mount {
+            if let Some(mount) = body.mount.as_ref().filter(|_| !self.is_space()) {
                 let displaced = self.density * body.shape.area();
                 let round = matches!(body.shape, Shape::Circle { .. }) || mount.x.or(mount.y).is_none();
                 faults.require(round || mount.mass >= displaced, &format!("{key}.mount.mass"), mount.mass, || {
@@ -266,22 +312,33 @@ impl Check for Fluid {
                 });
             }
         }
-        self.mask.check_at(&format!("{key}.mask"), self.r#box.cells, faults);
+        self.mask.check_at(&format!("{key}.mask"), &self.r#box.cells, faults);
         self.time_stepping.check_at(&format!("{key}.time_stepping"), faults);
+        self.check_dimension(key, faults);
     }
 }
 
 impl Fluid {
     fn check_box(&self, key: &str, faults: &mut Faults) {
-        let FluidBox { x, y, cells: [nx, ny] } = self.r#box;
+        let FluidBox { x, y, z, ref cells } = self.r#box;
         faults.interval(&format!("{key}.x"), x);
         faults.interval(&format!("{key}.y"), y);
-        faults.require(nx * ny <= MOST_CELLS, &format!("{key}.cells"), format!("[{nx}, {ny}]"), || {
+        if let Some(z) = z {
+            faults.interval(&format!("{key}.z"), z);
+        }
+        let axes = if z.is_some() { 3 } else { 2 };
+        faults.require(cells.len() == axes, &format!("{key}.cells"), format!("{cells:?}"), || match axes {
+            2 => "a box without `z` has 2 numbers of cells".into(),
+            _ => "a box with `z` has 3 numbers of cells".into(),
+        });
+        let all = cells.iter().fold(1_usize, |product, count| product.saturating_mul(*count));
+        faults.require(all <= MOST_CELLS, &format!("{key}.cells"), format!("{cells:?}"), || {
             format!("a grid has at most {MOST_CELLS} cells")
         });
-        let least = self.precision.fewest_columns();
-        faults.require(nx >= least, &format!("{key}.cells[0]"), nx, || {
-            format!("single precision needs at least {least} cells along x")
+        // Lines are transformed in blocks of columns, in space of rows.
+        let (axis, least) = (axes - 2, self.precision.fewest_columns());
+        faults.require(cells[axis] >= least, &format!("{key}.cells[{axis}]"), cells[axis], || {
+            format!("single precision needs at least {least} cells along {}", ["x", "y"][axis])
         });
     }
 
@@ -299,6 +356,12 @@ impl Fluid {
         };
         if let Some(channel) = &self.channel {
             within(faults, format!("{key}.channel.y"), channel.y, self.r#box.y);
+            for (axis, walls, ends) in [("x", channel.x, Some(self.r#box.x)), ("z", channel.z, self.r#box.z)] {
+                let key = format!("{key}.channel.{axis}");
+                if faults.forbid(walls.is_some() && !self.is_space(), &key, || "the fluid has two dimensions".into()) {
+                    walls.into_iter().zip(ends).for_each(|(walls, ends)| within(faults, key.clone(), walls, ends));
+                }
+            }
         }
         if let Some(inflow) = &self.inflow {
             within(faults, format!("{key}.inflow.x"), inflow.x, self.r#box.x);
@@ -319,11 +382,11 @@ impl Fluid {
         faults.forbid(self.inflow.is_some(), key, || {
             "the inflow sets the flow rate already; remove one of the two".into()
         });
-        for (axis, (name, law)) in [("x", &mean_flow.x), ("y", &mean_flow.y)].into_iter().enumerate() {
+        for (axis, (name, law)) in mean_flow.laws().into_iter().enumerate() {
             let (key, known) = (format!("{key}.{name}"), faults.len());
             law.check_at(&key, faults);
             if faults.len() == known {
-                let (start, initial) = (law.value(0.0), self.initial_velocity[axis]);
+                let (start, initial) = (law.value(0.0), self.initial_velocity.get(axis).copied().unwrap_or(0.0));
                 let agrees = (start - initial).abs() <= 1e-9 * initial.abs();
                 faults.require(agrees, &key, format!("{start} at t = 0"), || {
                     format!("the initial velocity is {initial}")
@@ -333,12 +396,38 @@ impl Fluid {
     }
 
     /// Check that the `position` of a part, the value of `key`, lies inside the box.
-    pub(crate) fn check_place(&self, key: &str, position: [f64; 2], faults: &mut Faults) {
-        for (axis, [low, high]) in [self.r#box.x, self.r#box.y].into_iter().enumerate() {
-            let at = position[axis];
+    pub(crate) fn check_place(&self, key: &str, position: &[f64], faults: &mut Faults) {
+        let axes = self.r#box.ends().count();
+        faults.require(position.len() == axes, key, format!("{position:?}"), || {
+            format!("it must have {axes} components like the box")
+        });
+        for (axis, ([low, high], &at)) in self.r#box.ends().zip(position).enumerate() {
             faults.require((low..=high).contains(&at), &format!("{key}[{axis}]"), at, || {
                 format!("it must lie inside the box, [{low}, {high}]")
             });
+        }
+    }
+}
+
+impl Fluid {
+    /// Check that the parts exist in the dimensions of the box.
+    fn check_dimension(&self, key: &str, faults: &mut Faults) {
+        let TimeStepping { scheme, .. } = self.time_stepping;
+        if self.is_space() {
+            let solid = || "in three dimensions a cylinder is one of the `bodies`".into();
+            faults.forbid(!self.cylinders.is_empty(), &format!("{key}.cylinders"), solid);
+            faults.forbid(self.disturbance.is_some(), &format!("{key}.disturbance"), || {
+                "the fluid has three dimensions".into()
+            });
+            let fits = scheme == TimeScheme::Sbdf2;
+            faults.require(fits, &format!("{key}.time_stepping.scheme"), "rk2", || "in space it must be sbdf2".into());
+        } else {
+            let fits = self.initial_velocity.len() == 2;
+            faults.require(fits, &format!("{key}.initial_velocity"), format!("{:?}", self.initial_velocity), || {
+                "it must have 2 components like the box".into()
+            });
+            let moves = self.mean_flow.as_ref().is_some_and(|flow| flow.z != TimeLaw::default());
+            faults.forbid(moves, &format!("{key}.mean_flow.z"), || "the fluid has two dimensions".into());
         }
     }
 }

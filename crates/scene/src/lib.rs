@@ -34,7 +34,7 @@ mod unit;
 mod warnings;
 
 pub use beam::{Beam, Root};
-pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Ends, Mount, Shape, Support};
+pub use body::{Axis, Body, BodyDrive, BodyMotion, ByMaster, Ends, Mount, Shape, Support, Turn};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution};
 pub use fault::{Fault, FaultKind, SceneError};

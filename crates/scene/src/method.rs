@@ -180,8 +180,9 @@ const THICKEST_LAYER: f64 = 0.25;
 
 impl Mask {
     /// Check that the layer of the wall fits a box of so many `cells`; the mask is the value of `key`.
-    pub(crate) fn check_at(&self, key: &str, cells: [usize; 2], faults: &mut Faults) {
-        let largest = THICKEST_LAYER * cells[0].min(cells[1]) as f64;
+    pub(crate) fn check_at(&self, key: &str, cells: &[usize], faults: &mut Faults) {
+        let shortest = cells.iter().copied().min().unwrap_or_default();
+        let largest = THICKEST_LAYER * shortest as f64;
         let lengths = match *self {
             Self::Sharp { .. } => [None; 2],
             Self::Cosine { half_width, .. } => [Some(("cosine.half_width", half_width)), None],
@@ -192,7 +193,8 @@ impl Mask {
         };
         for (name, length) in lengths.into_iter().flatten() {
             faults.require(length <= largest, &format!("{key}.{name}"), length, || {
-                format!("it is a number of cells, and the box has {} x {}: it must be <= {largest}", cells[0], cells[1])
+                let all = cells.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
+                format!("it is a number of cells, and the box has {all}: it must be <= {largest}")
             });
         }
     }

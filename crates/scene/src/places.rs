@@ -111,6 +111,9 @@ pub(crate) fn beyond(at: f64, [low, high]: [f64; 2]) -> f64 {
 /// Add the places that no scene can mean.
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let Some(fluid) = &scene.fluid else { return };
+    if fluid.is_space() {
+        return;
+    }
     check_widths(fluid, faults);
     check_outside(scene, fluid, faults);
     if faults.len() > 0 {
@@ -146,7 +149,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
 }
 
 fn refused(Obstacle { place, body, .. }: &Obstacle, reason: &str) -> Fault {
-    Fault::conflict(place, &shown(body.position), reason)
+    Fault::conflict(place, &shown([body.position[0], body.position[1]]), reason)
 }
 
 /// Return a point with five digits.
@@ -162,7 +165,7 @@ pub(crate) fn rounded(value: f64) -> f64 {
 
 /// Check that zones and the channel have a cell, and that zones leave fluid between them.
 fn check_widths(fluid: &Fluid, faults: &mut Faults) {
-    let [dx, dy] = fluid.r#box.spacing();
+    let [dx, dy] = fluid.r#box.in_plane();
     let [x0, x1] = fluid.r#box.x;
     let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow", inflow.x));
     let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
@@ -189,7 +192,7 @@ fn check_widths(fluid: &Fluid, faults: &mut Faults) {
 fn check_outside(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
     let inside = |p: f64, [low, high]: [f64; 2]| (low..=high).contains(&p);
     for (i, cylinder) in fluid.cylinders.iter().enumerate() {
-        fluid.check_place(&format!("fluid.cylinders[{i}].center"), cylinder.center, faults);
+        fluid.check_place(&format!("fluid.cylinders[{i}].center"), &cylinder.center, faults);
     }
     let mut known: Vec<([[f64; 3]; 2], &str)> = Vec::new();
     for own in scene.beams_with_rods() {
@@ -248,7 +251,7 @@ pub(crate) fn blocked(fluid: &Fluid, outline: &Outline) -> Option<String> {
 
 /// Check that a beam neither passes through a wall of the channel nor lies in a zone.
 fn check_line(fluid: &Fluid, line: &Line, faults: &mut Faults) {
-    let [dx, dy] = fluid.r#box.spacing();
+    let [dx, dy] = fluid.r#box.in_plane();
     let root = shown(line.points[0]);
     if let Some(channel) = &fluid.channel {
         // A root may be embedded in a wall; what leaves the channel never comes from there.
@@ -276,7 +279,7 @@ fn check_line(fluid: &Fluid, line: &Line, faults: &mut Faults) {
 
 /// Check that a beam does not pass through a body, and that its root is not inside a cylinder that does not hold it.
 fn check_passage(fluid: &Fluid, line: &Line, obstacle: &Obstacle, outline: &Outline, faults: &mut Faults) {
-    let [dx, dy] = fluid.r#box.spacing();
+    let [dx, dy] = fluid.r#box.in_plane();
     let size = outline.frame.iter().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
     let deep = dx.max(dy).min(size / 4.0);
     let key = &obstacle.key;

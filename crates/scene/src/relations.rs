@@ -109,7 +109,10 @@ fn check_beam(scene: &Scene, own: &BeamWithRod, faults: &mut Faults) {
             count => format!("the largest index is {}, counted from 0", count - 1),
         });
     }
-    faults.require(scene.fluid.is_none() || dimension == 2, &format!("{key}beam.root"), "three-dimensional", || {
+    let is_space = scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
+    faults.forbid(is_space, &format!("{key}beam"), || "a fluid of three dimensions has no beams".into());
+    let fits = scene.fluid.is_none() || is_space || dimension == 2;
+    faults.require(fits, &format!("{key}beam.root"), "three-dimensional", || {
         "the fluid is two-dimensional: position and direction need 2 components".into()
     });
     let Some(rod) = own.rod else { return };

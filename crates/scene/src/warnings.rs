@@ -43,7 +43,7 @@ pub struct Warning {
 /// Return what may be a mistake in a scene without faults.
 pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
     let mut found = Vec::new();
-    if let Some(fluid) = &scene.fluid {
+    if let Some(fluid) = scene.fluid.as_ref().filter(|fluid| !fluid.is_space()) {
         let parts = parts(scene, fluid);
         meetings(scene, fluid, &parts, &mut found);
         found.extend(own_wake(scene, fluid, &parts));
@@ -173,7 +173,7 @@ fn meetings(scene: &Scene, fluid: &Fluid, parts: &[Part], found: &mut Vec<Warnin
     if !parts.iter().any(Part::moves) {
         return;
     }
-    let [dx, dy] = fluid.r#box.spacing();
+    let [dx, dy] = fluid.r#box.in_plane();
     let depth = dx.min(dy) / 4.0;
     let mut known = known;
     let mut met: Vec<_> =
@@ -224,7 +224,7 @@ fn told(
     before: Option<(&Outline, &Vec<String>)>,
     found: &mut Vec<Warning>,
 ) -> Vec<String> {
-    let cell = fluid.r#box.spacing();
+    let cell = fluid.r#box.in_plane();
     let mut names = Vec::new();
     let mut tell = |name: &str, text: String| {
         if !before.is_some_and(|(_, known)| known.iter().any(|other| other == name)) {
@@ -333,7 +333,7 @@ fn symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], reynolds: Option<f64>)
     let box_ = [fluid.r#box.x, fluid.r#box.y][across];
     let walls = fluid.channel.as_ref().filter(|_| axis == 0).map(|channel| (channel.y[0] + channel.y[1]) / 2.0);
     // The grid is symmetric at its lines and halfway between them.
-    let halves = 2.0 * (middle - box_[0]) / fluid.r#box.spacing()[across];
+    let halves = 2.0 * (middle - box_[0]) / fluid.r#box.in_plane()[across];
     if walls.is_some_and(|walls| (walls - middle).abs() > close) || (halves - halves.round()).abs() > 1e-6 {
         return None;
     }

@@ -78,7 +78,8 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
         forces = [f"{name}_drag", f"{name}_lift"]
         if not series.keys() >= {*forces}:
             continue
-        pressure = fluid.density * velocity**2 * body.length / 2
+        area = facts.areas.get(name)  # In space; in the plane per metre of depth
+        pressure = fluid.density * velocity**2 * (body.length if area is None else area) / 2
         drag, lift = (
             statistics.evaluate(time, statistics.box_filter(time, series[force], width), window) for force in forces
         )
@@ -102,7 +103,7 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
             st_tip=_tip(own, window, velocity) if own else None,
             kc=oscillation.largest_speed / (oscillation.frequency * body.length) if oscillation else None,
             cycles={key: cycle_mean(time, curve, window) for key, curve in curves.items()} if window.periods else None,
-            morison=oscillation.morison(name, facts, series, window, body.length) if oscillation else None,
+            morison=oscillation.morison(name, facts, series, window, body.length) if oscillation and area is None else None,
         )
     return found
 

@@ -65,11 +65,18 @@ class Frames:
         return self.field("vorticity", frame)
 
     def field(self, name: str, frame: int) -> np.ndarray:
-        """Return one of `FIELDS` in a frame, `[nx, ny]`."""
+        """Return one of `FIELDS` in a frame, `[nx, ny]`; in space in the middle of the box along z, with the vorticity
+        about z."""
         data = self.fluid["VTKHDF/PointData"]
-        if name in data:
-            return np.array(data[name][frame]).T
-        u, v = np.array(data["velocity"][frame]).T[:2]
+        of, vector = (name, False) if name in data else ("velocity", True)
+        values = data[of][frame]
+        if self.scene.fluid.box.z:
+            values = values[len(values) // 2]
+            if name == "vorticity":
+                values = values[..., 2]
+        if not vector:
+            return np.array(values).T
+        u, v = np.array(values).T[:2]
         found: np.ndarray = {"u": u, "v": v, "speed": np.hypot(u, v)}[name]
         return found
 

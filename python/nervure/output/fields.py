@@ -44,7 +44,8 @@ def outline(centre_line: np.ndarray, thickness: np.ndarray) -> np.ndarray:
 
 
 def dataset(folder: Path, begin: float | None, end: float | None) -> Any:
-    """Return the frames of the fluid's fields from `begin` to `end` (s) as an xarray Dataset over time, y and x."""
+    """Return the frames of the fluid's fields from `begin` to `end` (s) as an xarray Dataset over time, y and x, in space
+    over time, z, y and x."""
     xarray, h5py = require("xarray", "a dataset of fields"), require("h5py", "reading fields")
     if not (folder / FLUID_FIELDS).exists():
         raise InputError(f"{folder} holds no fields of a fluid: a run writes them with `fields_every`")
@@ -56,13 +57,18 @@ def dataset(folder: Path, begin: float | None, end: float | None) -> Any:
         if not frames.size:
             raise InputError(f"{folder} has no frames in that time, but {len(times)} elsewhere")
         part = slice(frames[0], frames[-1] + 1)
-        (x0, y0, _), (dx, dy, _) = root.attrs["Origin"], root.attrs["Spacing"]
+        origin, spacing = root.attrs["Origin"], root.attrs["Spacing"]
         read = {name: root["PointData"][name][part] for name in ("velocity", "vorticity", "pressure")}
-    u, v = read["velocity"][..., 0], read["velocity"][..., 1]
-    values = {"u": (u, "m/s"), "v": (v, "m/s")}
-    values |= {"vorticity": (read["vorticity"], "1/s"), "pressure": (read["pressure"], "Pa")}
-    _, ny, nx = u.shape
-    axes = {"time": (times[part], "s"), "y": (y0 + dy * np.arange(ny), "m"), "x": (x0 + dx * np.arange(nx), "m")}
+    cells = read["velocity"].shape[1:-1]
+    values = {name: (read["velocity"][..., i], "m/s") for i, name in enumerate("uvw"[: len(cells)])}
+    if len(cells) == 3:
+        values |= {f"vorticity_{name}": (read["vorticity"][..., i], "1/s") for i, name in enumerate("xyz")}
+    else:
+        values["vorticity"] = (read["vorticity"], "1/s")
+    values["pressure"] = (read["pressure"], "Pa")
+    axes = {"time": (times[part], "s")}
+    for i in reversed(range(len(cells))):
+        axes["xyz"[i]] = (origin[i] + spacing[i] * np.arange(cells[::-1][i]), "m")
     return xarray.Dataset(
         {name: (tuple(axes), field, {"units": unit}) for name, (field, unit) in values.items()},
         {name: (name, places, {"units": unit}) for name, (places, unit) in axes.items()},
@@ -151,27 +157,34 @@ class Series:
 
 
 class Grid(Series):
-    """Velocity, vorticity and pressure on the fluid's grid, as ImageData."""
+    """Velocity, vorticity and pressure on the fluid's grid, as ImageData; vorticity is a vector in space."""
 
     def __init__(self, path: Path, scene: Scene, flow: Fluid, fluid: Unit, frames: int, known: int):
         super().__init__(path, scene, frames, known)
         self.fluid = fluid
         if not known:
-            nx, ny = fluid.field("u").shape
-            (x0, x1), (y0, y1) = flow.box.x, flow.box.y
-            spacing = (x1 - x0) / nx, (y1 - y0) / ny, 1.0
-            self.root.attrs.update(Type=np.bytes_("ImageData"), WholeExtent=(0, nx - 1, 0, ny - 1, 0, 0))
-            self.root.attrs.update(Origin=(x0, y0, 0.0), Spacing=spacing, Direction=np.eye(3).ravel())
+            cells = fluid.field("u").shape
+            ends = [flow.box.x, flow.box.y, flow.box.z or (0.0, 1.0)]
+            counts = [*cells, 1][:3]
+            spacing = [(high - low) / n for (low, high), n in zip(ends, counts, strict=True)]
+            extent = [edge for n in counts for edge in (0, n - 1)]
+            self.root.attrs.update(Type=np.bytes_("ImageData"), WholeExtent=extent)
+            self.root.attrs.update(Origin=[low for low, _ in ends], Spacing=spacing, Direction=np.eye(3).ravel())
             data = self.root.create_group("PointData")
-            for name, components in (("velocity", (3,)), ("vorticity", ()), ("pressure", ())):
-                self._place(data, name, (frames, ny, nx, *components))
+            spin = (3,) if len(cells) == 3 else ()
+            for name, components in (("velocity", (3,)), ("vorticity", spin), ("pressure", ())):
+                self._place(data, name, (frames, *reversed(cells), *components))
             self.file.flush()
         self.data = self.root["PointData"]
 
     def write(self, frame: int, time: float) -> None:
         """Write the fluid's fields at `time` (s) as frame number `frame`."""
         u, v, omega, p = (self.fluid.field(name).T for name in ("u", "v", "vorticity", "p"))
-        self.data["velocity"][frame] = np.stack([u, v, np.zeros_like(u)], axis=-1)
+        w = np.zeros_like(u)
+        if omega.ndim == 3:
+            w, *across = (self.fluid.field(name).T for name in ("w", "vorticity_x", "vorticity_y"))
+            omega = np.stack([*across, omega], axis=-1)
+        self.data["velocity"][frame] = np.stack([u, v, w], axis=-1)
         self.data["vorticity"][frame], self.data["pressure"][frame] = omega, p
         self._count(frame + 1, time)
 

@@ -18,7 +18,18 @@ from matplotlib.path import Path
 
 from nervure.output import axis_label, displayed_unit, layout, lengths_in, title
 from nervure.scene import Scene
-from nervure.scene.types import Body, Fluid, ShapeCircle, ShapeEllipse, ShapePolygon, ShapeRectangle
+from nervure.scene.types import (
+    Body,
+    Fluid,
+    ShapeCircle,
+    ShapeCircularCylinder,
+    ShapeCuboid,
+    ShapeEllipse,
+    ShapeEllipsoid,
+    ShapePolygon,
+    ShapeRectangle,
+    ShapeSphere,
+)
 
 PERCENTILE = 99.5  # Part of the visible points outside of `LAYER`, in percent, inside the colour scale
 LAYER = 2.0  # Thickness of the layer at walls and solids that does not set the colour scale, cells
@@ -53,11 +64,15 @@ def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
             own = circle * [ellipse.length / 2, ellipse.thickness / 2]
         case ShapeRectangle(rectangle=rectangle) if rectangle.ends == "square":
             own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [rectangle.length / 2, rectangle.thickness / 2]
+        case ShapeSphere(sphere=round):
+            own = circle * round.radius
+        case ShapeEllipsoid() | ShapeCuboid() | ShapeCircularCylinder():
+            return np.full((1, 2), [x, y])  # a slice through a body that may be turned is not drawn
         case ShapeRectangle(rectangle=rectangle):
             straight = (rectangle.length - rectangle.thickness) / 2 * np.sign(circle[:, :1])
             own = circle * rectangle.thickness / 2 + np.pad(straight, ((0, 0), (0, 1)))
     sin, cos = np.sin(angle), np.cos(angle)
-    placed: np.ndarray = (own - body.pivot) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
+    placed: np.ndarray = (own - body.pivot[:2]) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
     return placed
 
 

@@ -82,7 +82,7 @@ def warnings(facts: Facts) -> Iterator[str]:
     scene, numbers = facts.scene, facts.numbers
     if scene.fluid is None:
         return
-    for axis, cells in zip("xy", scene.fluid.box.cells, strict=True):
+    for axis, cells in zip("xyz", scene.fluid.box.cells, strict=False):
         if not _is_fast(cells):
             below, above = (next(filter(_is_fast, count(cells, step))) for step in (-1, 1))
             cause = f"{cells} cells along {axis} have a prime factor above {FACTORS[-1]}"

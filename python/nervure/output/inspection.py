@@ -99,8 +99,9 @@ def show_scene(console: Console, scene: Scene) -> None:
     *front, last = session.units
     rows.append(("units", f"{', '.join(front)} and {last}" if front else last))
     if fluid := scene.fluid:
-        (nx, ny), (x0, x1), (y0, y1) = fluid.box.cells, fluid.box.x, fluid.box.y
-        rows.append(("fluid", f"{nx} x {ny} cells of {(x1 - x0) / nx:.3g} x {(y1 - y0) / ny:.3g} m"))
+        counts, box = fluid.box.cells, [end for end in (fluid.box.x, fluid.box.y, fluid.box.z) if end]
+        spacing = (f"{(high - low) / n:.3g}" for (low, high), n in zip(box, counts, strict=True))
+        rows.append(("fluid", f"{' x '.join(map(str, counts))} cells of {' x '.join(spacing)} m"))
         rows.append(("in it", ", ".join(name.replace("_", " ") for name in PARTS if getattr(fluid, name)) or "nothing"))
     for own in session.facts.beams:
         beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in session.facts.thickness[own.force][[0, -1]])

@@ -298,11 +298,13 @@ class Pictures(Observer):
 
 def vorticity(session: Session) -> None:
     """Write vorticity.png of the fluid as it is now, with still cylinders, and with bodies and beams in their places;
-    nothing if the fluid shows no field."""
+    nothing if the fluid shows no field. In space it is the vorticity about z in the middle of the box."""
     scene, units = session.scene, session.units
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
         return
+    if field.ndim == 3:  # the slice in the middle of the box along z
+        field = field[:, :, field.shape[2] // 2]
     corners = [
         outline(station_positions(units, own), session.facts.thickness[own.force]) for own in session.facts.beams
     ]

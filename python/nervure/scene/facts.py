@@ -93,6 +93,11 @@ class Facts:
         return {own.force: np.array(found["thickness"]) for own, found in each}
 
     @property
+    def areas(self) -> dict[str, float]:
+        """Areas that the coefficients of bodies in space refer to, by the names of their forces, m²."""
+        return dict(self._found.get("areas", {}))
+
+    @property
     def fluid_steps(self) -> int:
         """Number of steps that the fluid is expected to make in a communication step."""
         return int(self._found["fluid_steps"])

@@ -36,16 +36,25 @@ class FluidBox(Part):
     y: tuple[Real, Real]
     """Ends along y, m."""
 
-    cells: tuple[Integer, Integer]
-    """Number of grid points along x and y: at least 8 each, at most 67108864 together. Products of small primes are
-    fast."""
+    z: tuple[Real, Real] | None = None
+    """Ends along z, m; absent in two dimensions."""
+
+    cells: tuple[Integer, Integer] | tuple[Integer, Integer, Integer]
+    """Number of grid points along x, y and, if present, z: at least 8 each, at most 67108864 together. Products of
+    small primes are fast."""
 
 
 class Channel(Part):
-    """Solid walls below and above."""
+    """Solid walls below and above, and in three dimensions on more sides."""
 
     y: tuple[Real, Real]
     """Places of the lower and the upper wall, m."""
+
+    x: tuple[Real, Real] | None = None
+    """Places of two walls across x, m; only in three dimensions."""
+
+    z: tuple[Real, Real] | None = None
+    """Places of two walls across z, m; only in three dimensions."""
 
 
 InflowProfile = Literal["uniform", "parabolic"]
@@ -208,6 +217,9 @@ class MeanFlow(Part):
     y: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Along y, m/s."""
 
+    z: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
+    """Along z, m/s; only in three dimensions."""
+
 
 class Motion(Part):
     """Prescribed displacement of a cylinder, m."""
@@ -301,8 +313,93 @@ class ShapePolygon(Part):
     """A polygon."""
 
 
-Shape = ShapeCircle | ShapeEllipse | ShapeRectangle | ShapePolygon
+class Sphere(Part):
+    """A sphere."""
+
+    radius: Real
+    """Radius, m."""
+
+
+class ShapeSphere(Part):
+    """A sphere."""
+
+    sphere: Sphere
+    """A sphere."""
+
+
+class Ellipsoid(Part):
+    """An ellipsoid."""
+
+    lengths: tuple[Real, Real, Real]
+    """Lengths of the axes along the body's x, y and z, m."""
+
+
+class ShapeEllipsoid(Part):
+    """An ellipsoid."""
+
+    ellipsoid: Ellipsoid
+    """An ellipsoid."""
+
+
+class Cuboid(Part):
+    """A cuboid; a plate is a thin one."""
+
+    lengths: tuple[Real, Real, Real]
+    """Lengths along the body's x, y and z, m."""
+
+
+class ShapeCuboid(Part):
+    """A cuboid; a plate is a thin one."""
+
+    cuboid: Cuboid
+    """A cuboid; a plate is a thin one."""
+
+
+Axis = Literal["x", "y", "z"]
+"""An axis of a body. `x`: x. `y`: y. `z`: z."""
+
+
+class CircularCylinder(Part):
+    """A circular cylinder in space."""
+
+    axis: Axis = "z"
+    """Axis of the body along which it lies."""
+
+    radius: Real
+    """Radius, m."""
+
+    length: Real | None = None
+    """Length, m; absent for a cylinder through the whole box, whose axis must lie along the box."""
+
+
+class ShapeCircularCylinder(Part):
+    """A circular cylinder in space."""
+
+    circular_cylinder: CircularCylinder
+    """A circular cylinder in space."""
+
+
+Shape = (
+    ShapeCircle
+    | ShapeEllipse
+    | ShapeRectangle
+    | ShapePolygon
+    | ShapeSphere
+    | ShapeEllipsoid
+    | ShapeCuboid
+    | ShapeCircularCylinder
+)
 """Outline of a body. The origin of its axes is its middle, except for a polygon."""
+
+
+class Turn(Part):
+    """A turn about an axis."""
+
+    axis: tuple[Real, Real, Real]
+    """Axis, of any length above 0."""
+
+    angle: Real
+    """Angle, rad, positive by the right-hand rule."""
 
 
 class BodyMotion(Part):
@@ -314,8 +411,14 @@ class BodyMotion(Part):
     y: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
     """Displacement of the pivot along y, m."""
 
+    z: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
+    """Displacement of the pivot along z, m; only in three dimensions."""
+
     angle: TimeLaw = Field(default_factory=lambda: TimeLawConstant(constant=0.0))
-    """Angle about the pivot, rad, counter-clockwise."""
+    """Angle about the pivot, rad, counter-clockwise; in three dimensions about `axis` by the right-hand rule."""
+
+    axis: tuple[Real, Real, Real] | None = None
+    """Axis of the box about which the body turns, of any length above 0, by default z; only in three dimensions."""
 
 
 ByMaster = Literal["master"]
@@ -361,15 +464,18 @@ class Body(Part):
     shape: Shape
     """Outline in the body's own axes."""
 
-    position: tuple[Real, Real]
+    position: tuple[Real, Real] | tuple[Real, Real, Real]
     """Place of the pivot, m; motion and mount displace it from there."""
 
-    pivot: tuple[Real, Real] = (0.0, 0.0)
+    pivot: tuple[Real, Real] | tuple[Real, Real, Real] = (0.0, 0.0)
     """Pivot in the body's own axes, m, about which the body turns and its moment is taken; by default their origin."""
 
     angle: Real = 0.0
-    """Angle from the x axis of the box to the body's own, rad, counter-clockwise; motion and mount turn it from
-    there."""
+    """Angle from the x axis of the box to the body's own, rad, counter-clockwise; motion and mount turn it from there.
+    Only in two dimensions."""
+
+    turn: Turn | None = None
+    """Turn from the axes of the box to those of the body, before the motion; only in three dimensions."""
 
     motion: BodyMotion | ByMaster | None = None
     """Prescribed motion; absent for a body that is still or has a mount."""
@@ -492,7 +598,7 @@ class Probe(Part):
     name: str
     """Name: a letter, then letters, digits and `_`."""
 
-    position: tuple[Real, Real]
+    position: tuple[Real, Real] | tuple[Real, Real, Real]
     """Place, m."""
 
 
@@ -503,7 +609,7 @@ convergence."""
 
 
 class Fluid(Part):
-    """A two-dimensional incompressible fluid in a periodic box."""
+    """An incompressible fluid in a periodic box of two or three dimensions."""
 
     density: Real
     """Density, kg/m³."""
@@ -514,8 +620,8 @@ class Fluid(Part):
     box: FluidBox
     """The periodic box and its grid."""
 
-    initial_velocity: tuple[Real, Real] = (0.0, 0.0)
-    """Uniform velocity at t = 0, m/s."""
+    initial_velocity: tuple[Real, Real] | tuple[Real, Real, Real] = (0.0, 0.0)
+    """Uniform velocity at t = 0, m/s; a component that is left out is 0."""
 
     disturbance: Real | None = None
     """Amplitude a of a smooth disturbance of the initial velocity, m/s: the waves `a sin(2π (y − y_0)/L_y)` along x and
@@ -579,10 +685,10 @@ class RootOnCylinder(Part):
 class At(Part):
     """At a point, in two or three dimensions."""
 
-    position: list[Real]
+    position: tuple[Real, Real] | tuple[Real, Real, Real]
     """Position, m: 2 or 3 components."""
 
-    direction: list[Real]
+    direction: tuple[Real, Real] | tuple[Real, Real, Real]
     """Direction of the beam at the root; any length but 0."""
 
 

@@ -260,23 +260,24 @@ class Unit:
         return np.array(self._call(self.fmu.getFloat64, references, self.variables[name].size))
 
     def field(self, name: str) -> np.ndarray:
-        """Return a field of the unit, `[nx, ny]`; raise `UnitError` if the unit does not show it."""
+        """Return a field of the unit, `[nx, ny]` or `[nx, ny, nz]`; raise `UnitError` if the unit does not show it."""
         values = self.shown_field(name)
         if values is None:
             raise UnitError(f"{self.name}: there is no field `{name}`")
         return values
 
     def shown_field(self, name: str) -> np.ndarray | None:
-        """Return a field of the unit, `[nx, ny]`, by a function beside FMI; None if the unit does not show it."""
+        """Return a field of the unit, `[nx, ny]` or `[nx, ny, nz]`, by a function beside FMI; None if the unit does not
+        show it."""
         function = getattr(self.fmu.dll, "fmu_field", None)
         if function is None:
             return None
         size, pointer = ctypes.c_size_t, ctypes.c_void_p
         function.argtypes = [pointer, ctypes.c_char_p, pointer, size, pointer]
-        shape = (size * 2)()
+        shape = (size * 3)()
         if function(self.fmu.component, name.encode(), None, 0, shape) != 0:
             return None
-        values = np.empty(tuple(shape))
+        values = np.empty([n for n in shape if n])
         function(self.fmu.component, name.encode(), values.ctypes.data, values.size, shape)
         return values
 

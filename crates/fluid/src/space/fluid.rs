@@ -88,6 +88,13 @@ impl Fluid {
         STATE_NUMBERS_PER_CELL * self.bytes_per_number * self.problem.grid.len()
     }
 
+    /// Start at another time than 0 (s): the bodies are in their places at that time.
+    pub fn start_at(&mut self, time: f64) {
+        self.present.time = time;
+        self.problem.bodies.place(time, &self.problem.grid);
+        self.present.bodies = self.problem.bodies.without_force();
+    }
+
     /// Start again from the divergence-free part of a velocity field (m/s at a point in m).
     pub fn set_velocity(&mut self, velocity: impl Fn([f64; 3]) -> [f64; 3]) {
         let grid = self.problem.grid;

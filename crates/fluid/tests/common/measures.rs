@@ -94,7 +94,7 @@ pub fn added_mass(half_box: f64, cells: usize) -> [f64; 2] {
 /// Memory that a fluid with a beam takes at most, in arrays of the grid's size, on 320 x 120 points.
 pub fn arrays() -> f64 {
     let mut scene = scene(CYLINDER_IN_CHANNEL, BEAM);
-    scene.fluid.as_mut().expect("it has one").r#box.cells = [320, 120];
+    scene.fluid.as_mut().expect("it has one").r#box.cells = vec![320, 120];
     let counted = allocation_counter::measure(|| {
         let mut fluid = fluid_of(&scene);
         run(&mut fluid, 2, 1e-3);

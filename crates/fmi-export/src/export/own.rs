@@ -70,11 +70,14 @@ unsafe fn describe<M: Model>(
     unsafe { write(described.and_then(|result| result), (buffer.cast(), capacity), needed) }
 }
 
+/// Most axes of a field.
+const MOST_AXES: usize = 3;
+
 /// See [`export_fmu!`](crate::export_fmu).
 ///
 /// # Safety
 /// The module's precondition on `c`; `name` is null or a null-terminated string, `buffer` has room for `capacity`
-/// values, `shape` is null or has room for two.
+/// values, `shape` is null or has room for three.
 pub unsafe extern "C" fn fmu_field<M: Model>(
     c: fmi2Component,
     name: fmi2String,
@@ -90,7 +93,7 @@ pub unsafe extern "C" fn fmu_field<M: Model>(
         // SAFETY: null pointers are skipped, and the values fit into the buffer.
         unsafe {
             if !shape.is_null() {
-                ptr::copy_nonoverlapping(lengths.as_ptr(), shape, lengths.len());
+                ptr::copy_nonoverlapping(lengths.as_ptr(), shape, lengths.len().min(MOST_AXES));
             }
             if !buffer.is_null() && values.len() <= capacity {
                 ptr::copy_nonoverlapping(values.as_ptr(), buffer, values.len());

@@ -171,7 +171,7 @@ impl Flow {
         let path = format!("{}/../../../scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
         let mut scene = Scene::from_file(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
         let fluid = scene.fluid.as_mut().expect("the scene has a fluid");
-        (fluid.r#box.cells, fluid.threads, fluid.precision) = (cells, threads, precision);
+        (fluid.r#box.cells, fluid.threads, fluid.precision) = (cells.to_vec(), threads, precision);
         let amplitude = scene.beam.as_ref().map_or(0.0, |beam| 0.086 * beam.length);
         let parameters = Parameters::try_from(&scene).unwrap_or_else(|error| panic!("{error}"));
         let filter = parameters.filter;
