@@ -103,7 +103,9 @@ def evaluate(facts: Facts, series: Series, window: Window, width: float) -> dict
             st_tip=_tip(own, window, velocity) if own else None,
             kc=oscillation.largest_speed / (oscillation.frequency * body.length) if oscillation else None,
             cycles={key: cycle_mean(time, curve, window) for key, curve in curves.items()} if window.periods else None,
-            morison=oscillation.morison(name, facts, series, window, body.length) if oscillation and area is None else None,
+            morison=oscillation.morison(name, facts, series, window, body.length)
+            if oscillation and area is None
+            else None,
         )
     return found
 

@@ -70,7 +70,7 @@ class Frames:
         data = self.fluid["VTKHDF/PointData"]
         of, vector = (name, False) if name in data else ("velocity", True)
         values = data[of][frame]
-        if self.scene.fluid.box.z:
+        if self.scene.fluid and self.scene.fluid.box.z:
             values = values[len(values) // 2]
             if name == "vorticity":
                 values = values[..., 2]
