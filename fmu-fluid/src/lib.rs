@@ -74,7 +74,7 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    const STATE_LAYOUT: u32 = 3;
+    const STATE_LAYOUT: u32 = 4;
     type State = State;
 
     fn load(resources: &Resources) -> Result<Self, String> {

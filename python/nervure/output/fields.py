@@ -44,8 +44,8 @@ def outline(centre_line: np.ndarray, thickness: np.ndarray) -> np.ndarray:
 
 
 def dataset(folder: Path, begin: float | None, end: float | None) -> Any:
-    """Return the frames of the fluid's fields from `begin` to `end` (s) as an xarray Dataset over time, y and x, or over
-    time, z, y and x."""
+    """Return the frames of the fluid's fields from `begin` to `end` (s) as an xarray Dataset over time, y and x, or
+    over time, z, y and x."""
     xarray, h5py = require("xarray", "a dataset of fields"), require("h5py", "reading fields")
     if not (folder / FLUID_FIELDS).exists():
         raise InputError(f"{folder} holds no fields of a fluid: a run writes them with `fields_every`")

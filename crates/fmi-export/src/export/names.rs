@@ -12,7 +12,7 @@
 ///
 /// `int fmu_field(void *instance, const char *name, double *buffer, size_t capacity, size_t *shape)` copies a field of
 /// [`Model::field`](crate::Model::field). It returns 0, or 1 without a field of this name or without a readable
-/// instance. `shape` receives both lengths. The values are written only if the capacity suffices.
+/// instance. `shape` receives the lengths, up to three. The values are written only if the capacity suffices.
 #[macro_export]
 macro_rules! export_fmu {
     ($model:ty) => {
