@@ -172,6 +172,18 @@ def test_a_unit_that_fails_in_a_call_has_the_last_word(run, tmp_path, call):
     assert len(rows) == {"do_step": 5, "terminate": 12}.get(call, 0)
 
 
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_unit_that_cannot_be_instantiated_has_the_last_word(run, packed, tmp_path, version):
+    """Its scene was edited, which the unit finds out when it is instantiated."""
+
+    def edited(name, data):
+        return data + b" " if name == "resources/scene.json" else data
+
+    done = run("", rod=rewritten(packed("rod", PAIR, version), tmp_path / "edited.fmu", edited))
+    assert done.returncode == 1 and "scene.json changed after the FMU was packed" in done.stderr, done.stderr
+    assert done.stderr.startswith("error: rod: fmi") and done.stderr.count("\n") == 1, done.stderr
+
+
 def test_a_unit_that_fails_to_save_its_state_has_the_last_word(run):
     done = run("get_fmu_state", "pressure_jump")
     assert (done.returncode, done.stderr) == (1, "error: rod: no licence for get_fmu_state\n")
