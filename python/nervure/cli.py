@@ -173,10 +173,13 @@ def build(
     from nervure.units import package
     from nervure.units.describe import describe_all
 
-    read(scene_file)  # before the libraries are built, which takes a while
+    given = read(scene_file)  # before the libraries are built, which takes a while
     if SOURCE is not None:
+        command = ["cargo", "build", "--release", "--locked"]
+        if "wing" in given:  # The rod's library checks the scene
+            command += ["--package", "nervure-fmu-rod", "--package", "nervure-fmu-wing"]
         try:
-            built = subprocess.run(["cargo", "build", "--release", "--locked"], cwd=SOURCE)
+            built = subprocess.run(command, cwd=SOURCE)
         except FileNotFoundError:
             raise InputError("there is no `cargo` on the PATH: install Rust, https://rustup.rs") from None
         if built.returncode != 0:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from nervure.errors import Fault, SceneError
-from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX
+from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX, WING
 
 __all__ = ["KINDS", "SUFFIX", "check", "describe", "facts", "is_built", "kind_of", "library"]
 
@@ -23,8 +23,8 @@ BUFFER: list[Any] = [ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_s
 
 
 def kind_of(unit: str) -> str:
-    """Return the kind of a unit: every unit but the fluid is a rod."""
-    return "fluid" if unit == "fluid" else "rod"
+    """Return the kind of a unit: every unit but the fluid and a wing is a rod."""
+    return unit if unit in ("fluid", WING) else "rod"
 
 
 def library(kind: str) -> Path:

@@ -32,6 +32,7 @@ mod spanwise;
 mod spline;
 mod unit;
 mod warnings;
+mod wing;
 
 pub use beam::{Beam, Root};
 pub use body::{Axis, Body, BodyDrive, BodyMotion, ByMaster, Ends, Mount, Shape, Support, Turn};
@@ -49,6 +50,7 @@ pub use root::{RootLaws, RootMotion, RootSupport, Rotation};
 pub use scene::{BeamWithRod, Display, Scene, Time};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use warnings::Warning;
+pub use wing::{Membrane, Vein, Wing, WingChain, WingMesh, WingSupport};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

@@ -62,7 +62,18 @@ fn check_name_and_time(scene: &Scene, faults: &mut Faults) {
 
 /// Check which parts the scene has.
 fn check_parts(scene: &Scene, faults: &mut Faults) {
-    if scene.fluid.is_none() && scene.rod.is_none() {
+    if let Some(wing) = &scene.wing {
+        for (key, present) in [
+            ("fluid", scene.fluid.is_some()),
+            ("beam", scene.beam.is_some()),
+            ("rod", scene.rod.is_some()),
+            ("rods", !scene.rods.is_empty()),
+        ] {
+            faults.forbid(present, key, || "a wing is alone in its scene: nothing couples with it yet".into());
+        }
+        wing.check_at("wing", faults);
+    }
+    if scene.fluid.is_none() && scene.rod.is_none() && scene.wing.is_none() {
         faults.push(match scene.rods.is_empty() {
             true => Fault::needed("fluid", "a scene needs a fluid, a rod with a beam, or both"),
             false => Fault::needed("fluid", "several rods need a fluid that couples them"),
@@ -199,6 +210,9 @@ fn check_substeps(scene: &Scene, faults: &mut Faults) {
         if let Some(longest) = own.rod.and_then(|rod| rod.max_step) {
             reachable(faults, &format!("{}rod.max_step", own.key()), longest);
         }
+    }
+    if let Some(longest) = scene.wing.as_ref().and_then(|wing| wing.max_step) {
+        reachable(faults, "wing.max_step", longest);
     }
     let Some(fluid) = &scene.fluid else { return };
     let TimeStepping { max_step, max_cfl, scheme } = fluid.time_stepping;

@@ -9,11 +9,12 @@ use crate::fluid::Fluid;
 use crate::reference::Reference;
 use crate::rod::Rod;
 use crate::rods::NamedRod;
+use crate::wing::Wing;
 
 /// Format of the scene files that this version reads; 1 is the format of nervure 0.2.
 pub(crate) const FORMAT: u32 = 2;
 
-/// A whole scene: at least a fluid or a rod.
+/// A whole scene: at least a fluid, a rod or a wing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
@@ -52,6 +53,9 @@ pub struct Scene {
     /// Name of one of `rods`, in the scene that the unit of this rod carries; absent elsewhere.
     #[serde(default)]
     pub this_rod: Option<String>,
+    /// An elastic wing in space, alone: a fluid does not couple with it yet.
+    #[serde(default)]
+    pub wing: Option<Wing>,
     /// Coupling of fluid and rods; absent where the rules choose it, and without both.
     #[serde(default)]
     pub coupling: Option<Coupling>,

@@ -21,7 +21,7 @@ const GUARDED_ITERATIONS: usize = 100;
 /// Largest ratio of two residuals with the same factors; beyond it a new factorisation costs less.
 const SLOW: f64 = 0.2;
 /// Tolerance of the residual, relative to the largest force on a node.
-const RELATIVE_RESIDUAL: f64 = 1e-8;
+const RELATIVE_RESIDUAL: f64 = 1e-9;
 /// Tolerance of the last update, relative to the size of the wing.
 const RELATIVE_UPDATE: f64 = 1e-13;
 /// Rounding error of a position, relative to the largest coordinate.

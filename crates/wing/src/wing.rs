@@ -152,6 +152,12 @@ impl Wing {
         [self.newton.system.matrix.order(), self.newton.system.matrix.fill()]
     }
 
+    /// Factorise the last matrix of Newton's method again; for measurements.
+    #[doc(hidden)]
+    pub fn factorise_once(&mut self) -> bool {
+        self.newton.system.matrix.factorise()
+    }
+
     /// Return the energies of the state.
     pub fn energy(&mut self) -> Result<Energy, Error> {
         let Self { elastic, state, parameters, rest, masses, product, .. } = self;

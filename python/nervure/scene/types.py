@@ -1006,6 +1006,161 @@ class NamedRod(Part):
     """Elastic model of the beam."""
 
 
+class WingMeshRectangle(Part):
+    """A rectangle with its root on the y axis; chains `root`, `tip`, `left` and `right`."""
+
+    rectangle: Rectangle
+    """A rectangle with its root on the y axis; chains `root`, `tip`, `left` and `right`."""
+
+
+class WingMeshEllipse(Part):
+    """An ellipse that begins on the y axis; chains `root` and `tip`, quarters of the outline."""
+
+    ellipse: Ellipse
+    """An ellipse that begins on the y axis; chains `root` and `tip`, quarters of the outline."""
+
+
+class Insect(Part):
+    """A simplified insect wing along x; chains `root`, `margin`, `costa`, `radius`, `media`, `cubitus` and `anal`."""
+
+    span: Real
+    """Span, m."""
+
+    chord: Real
+    """Largest chord, m."""
+
+    along: Integer
+    """Triangles along a vein."""
+
+
+class WingMeshInsect(Part):
+    """A simplified insect wing along x; chains `root`, `margin`, `costa`, `radius`, `media`, `cubitus` and `anal`."""
+
+    insect: Insect
+    """A simplified insect wing along x; chains `root`, `margin`, `costa`, `radius`, `media`, `cubitus` and `anal`."""
+
+
+class WingChain(Part):
+    """Named line of nodes."""
+
+    name: str
+    """Name."""
+
+    nodes: list[Integer]
+    """Nodes in order, counted from 0."""
+
+
+class Triangles(Part):
+    """Nodes and triangles of any other program."""
+
+    nodes: list[tuple[Real, Real, Real]]
+    """Positions of the nodes, m."""
+
+    triangles: list[tuple[Integer, Integer, Integer]]
+    """Nodes of the triangles, counted from 0, all in the same sense of rotation."""
+
+    chains: list[WingChain] = Field(default_factory=list)
+    """Chains."""
+
+
+class WingMeshTriangles(Part):
+    """Nodes and triangles of any other program."""
+
+    triangles: Triangles
+    """Nodes and triangles of any other program."""
+
+
+WingMesh = WingMeshRectangle | WingMeshEllipse | WingMeshInsect | WingMeshTriangles
+"""Mesh of a wing. Chains are named lines of nodes."""
+
+
+class Membrane(Part):
+    """Material of a membrane."""
+
+    areal_density: Real
+    """Mass per area, kg/m²."""
+
+    stretching_stiffness: Real
+    """Stiffness E h in its plane, N/m."""
+
+    bending_stiffness: Real = 0.0
+    """Bending stiffness E h³/(12 (1 − ν²)), N m."""
+
+    poisson_ratio: Real = 0.0
+    """Poisson's ratio ν."""
+
+    tension: Real = 0.0
+    """Tension at rest, N/m."""
+
+
+class Vein(Part):
+    """Vein along a chain of the mesh, straight at rest."""
+
+    chain: str
+    """Name of the chain, from base to tip."""
+
+    line_density: Real
+    """Mass per length at the base, kg/m."""
+
+    bending_stiffness: Real
+    """Bending stiffness EI at the base, N m²."""
+
+    axial_stiffness: Real
+    """Axial stiffness EA at the base, N."""
+
+    tip_diameter: Real = 1.0
+    """Diameter at the tip by the diameter at the base; mass and EA follow its square, EI its fourth power."""
+
+
+class WingSupportTorsionSpring(Part):
+    """The membrane turns about the line of the root against a spring along it."""
+
+    torsion_spring: TorsionSpring
+    """The membrane turns about the line of the root against a spring along it."""
+
+
+WingSupport = Literal["clamped", "pinned"] | WingSupportTorsionSpring
+"""Support of the root of a wing. `clamped`: Membrane and veins keep their direction at the root. `pinned`: The wing
+turns freely about the nodes of the root."""
+
+
+class Wing(Part):
+    """An elastic wing in space, without a fluid."""
+
+    mesh: WingMesh
+    """Nodes and triangles at rest."""
+
+    membrane: Membrane | None = None
+    """Material of the membrane; absent for veins alone."""
+
+    veins: list[Vein] = Field(default_factory=list)
+    """Veins."""
+
+    root: str | None = None
+    """Chain of the mesh that the base holds; absent for a free wing. Generated meshes have `root`."""
+
+    support: WingSupport = "clamped"
+    """Support of the root."""
+
+    root_motion: RootLaws | None = None
+    """Motion of the base from its place at rest; rotations are about `pivot`. Absent: at rest."""
+
+    pivot: tuple[Real, Real, Real] = (0.0, 0.0, 0.0)
+    """Centre of the rotations of the base, m."""
+
+    gravity: tuple[Real, Real, Real] = (0.0, 0.0, 0.0)
+    """Gravity, m/s²."""
+
+    relaxation_time: Real = 0.0
+    """Relaxation time of the strain, s: a mode of circular frequency ω has the damping ratio ω/2 times it."""
+
+    scheme: RodScheme = "tr_bdf2"
+    """Time scheme."""
+
+    max_step: Real | None = None
+    """Largest step of the wing inside a communication step, s; absent: the communication step."""
+
+
 Load = Literal["momentum", "pressure_jump"]
 """Load of the fluid on the rod. `momentum`: Momentum that the penalization takes from the fluid, with its impedance.
 The rod's mass is then reduced by the mass of the fluid it displaces. `pressure_jump`: Jump of the static pressure
@@ -1178,7 +1333,7 @@ class Reference(Part):
 
 
 class Scene(Part):
-    """A whole scene: at least a fluid or a rod."""
+    """A whole scene: at least a fluid, a rod or a wing."""
 
     json_schema: str | None = Field(None, alias="$schema")
     """Place of the JSON Schema of this file, for editors."""
@@ -1214,6 +1369,9 @@ class Scene(Part):
 
     this_rod: str | None = None
     """Name of one of `rods`, in the scene that the unit of this rod carries; absent elsewhere."""
+
+    wing: Wing | None = None
+    """An elastic wing in space, alone: a fluid does not couple with it yet."""
 
     coupling: Coupling | None = None
     """Coupling of fluid and rods; absent where the rules choose it, and without both."""

@@ -1,0 +1,235 @@
+//! An elastic wing: veins and a membrane between them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::fault::{Check, Fault, Faults, list};
+use crate::rod::RodScheme;
+use crate::root::RootLaws;
+
+/// Most nodes of a wing.
+const MOST_NODES: usize = 100_000;
+
+/// An elastic wing in space, without a fluid.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Wing {
+    /// Nodes and triangles at rest.
+    pub mesh: WingMesh,
+    /// Material of the membrane; absent for veins alone.
+    #[serde(default)]
+    pub membrane: Option<Membrane>,
+    /// Veins.
+    #[serde(default)]
+    pub veins: Vec<Vein>,
+    /// Chain of the mesh that the base holds; absent for a free wing. Generated meshes have `root`.
+    #[serde(default)]
+    pub root: Option<String>,
+    /// Support of the root.
+    #[serde(default)]
+    pub support: WingSupport,
+    /// Motion of the base from its place at rest; rotations are about `pivot`. Absent: at rest.
+    #[serde(default)]
+    pub root_motion: Option<RootLaws>,
+    /// Centre of the rotations of the base, m.
+    #[serde(default)]
+    pub pivot: [f64; 3],
+    /// Gravity, m/s².
+    #[serde(default)]
+    pub gravity: [f64; 3],
+    /// Relaxation time of the strain, s: a mode of circular frequency ω has the damping ratio ω/2 times it.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub relaxation_time: f64,
+    /// Time scheme.
+    #[serde(default)]
+    pub scheme: RodScheme,
+    /// Largest step of the wing inside a communication step, s; absent: the communication step.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub max_step: Option<f64>,
+}
+
+/// Mesh of a wing. Chains are named lines of nodes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum WingMesh {
+    /// A rectangle with its root on the y axis; chains `root`, `tip`, `left` and `right`.
+    Rectangle {
+        /// Length along x, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        length: f64,
+        /// Width along y, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        width: f64,
+        /// Triangles along x.
+        #[schemars(range(min = 1, max = 1000))]
+        along: usize,
+    },
+    /// An ellipse that begins on the y axis; chains `root` and `tip`, quarters of the outline.
+    Ellipse {
+        /// Length along x, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        length: f64,
+        /// Width along y, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        width: f64,
+        /// Triangles along x.
+        #[schemars(range(min = 2, max = 1000))]
+        along: usize,
+    },
+    /// A simplified insect wing along x; chains `root`, `margin`, `costa`, `radius`, `media`, `cubitus` and `anal`.
+    Insect {
+        /// Span, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        span: f64,
+        /// Largest chord, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        chord: f64,
+        /// Triangles along a vein.
+        #[schemars(range(min = 4, max = 1000))]
+        along: usize,
+    },
+    /// Nodes and triangles of any other program.
+    Triangles {
+        /// Positions of the nodes, m.
+        nodes: Vec<[f64; 3]>,
+        /// Nodes of the triangles, counted from 0, all in the same sense of rotation.
+        triangles: Vec<[usize; 3]>,
+        /// Chains.
+        #[serde(default)]
+        chains: Vec<WingChain>,
+    },
+}
+
+/// Named line of nodes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WingChain {
+    /// Name.
+    pub name: String,
+    /// Nodes in order, counted from 0.
+    pub nodes: Vec<usize>,
+}
+
+/// Material of a membrane.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Membrane {
+    /// Mass per area, kg/m².
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub areal_density: f64,
+    /// Stiffness E h in its plane, N/m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub stretching_stiffness: f64,
+    /// Bending stiffness E h³/(12 (1 − ν²)), N m.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub bending_stiffness: f64,
+    /// Poisson's ratio ν.
+    #[serde(default)]
+    #[schemars(extend("exclusiveMinimum" = -1.0, "exclusiveMaximum" = 1.0))]
+    pub poisson_ratio: f64,
+    /// Tension at rest, N/m.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub tension: f64,
+}
+
+/// Vein along a chain of the mesh, straight at rest.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Vein {
+    /// Name of the chain, from base to tip.
+    pub chain: String,
+    /// Mass per length at the base, kg/m.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub line_density: f64,
+    /// Bending stiffness EI at the base, N m².
+    #[schemars(range(min = 0.0))]
+    pub bending_stiffness: f64,
+    /// Axial stiffness EA at the base, N.
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub axial_stiffness: f64,
+    /// Diameter at the tip by the diameter at the base; mass and EA follow its square, EI its fourth power.
+    #[serde(default = "one")]
+    #[schemars(extend("exclusiveMinimum" = 0.0))]
+    pub tip_diameter: f64,
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+/// Support of the root of a wing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum WingSupport {
+    /// Membrane and veins keep their direction at the root.
+    #[default]
+    Clamped,
+    /// The wing turns freely about the nodes of the root.
+    Pinned,
+    /// The membrane turns about the line of the root against a spring along it.
+    TorsionSpring {
+        /// Stiffness of the whole line, N m/rad.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        stiffness: f64,
+    },
+}
+
+impl WingMesh {
+    /// Return the names of the chains.
+    pub fn chains(&self) -> Vec<&str> {
+        match self {
+            Self::Rectangle { .. } => vec!["root", "tip", "left", "right"],
+            Self::Ellipse { .. } => vec!["root", "tip"],
+            Self::Insect { .. } => vec!["root", "margin", "costa", "radius", "media", "cubitus", "anal"],
+            Self::Triangles { chains, .. } => chains.iter().map(|chain| &chain.name[..]).collect(),
+        }
+    }
+}
+
+impl Check for Wing {
+    fn check_at(&self, key: &str, faults: &mut Faults) {
+        let names = self.mesh.chains();
+        let known = || format!("the chains of the mesh are {}", list(names.iter(), "and"));
+        if let Some(root) = &self.root {
+            faults.require(names.contains(&&root[..]), &format!("{key}.root"), format!("{root:?}"), known);
+        }
+        for (i, vein) in self.veins.iter().enumerate() {
+            let found = names.contains(&&vein.chain[..]);
+            faults.require(found, &format!("{key}.veins[{i}].chain"), format!("{:?}", vein.chain), known);
+        }
+        let moves = self.root_motion.is_some() && self.root.is_none();
+        faults.forbid(moves, &format!("{key}.root_motion"), || "a free wing has no `root`".into());
+        if let Some(laws) = &self.root_motion {
+            laws.check_at(&format!("{key}.root_motion"), faults);
+        }
+        match &self.mesh {
+            WingMesh::Triangles { nodes, triangles, .. } => {
+                let key = format!("{key}.mesh.triangles.nodes");
+                faults.require(nodes.len() <= MOST_NODES, &key, nodes.len(), || {
+                    format!("a wing has at most {MOST_NODES} nodes")
+                });
+                if self.membrane.is_none() && !triangles.is_empty() {
+                    faults.push(Fault::needed("wing.membrane", "triangles need a material"));
+                }
+            }
+            _ if self.membrane.is_none() => {
+                faults.push(Fault::needed("wing.membrane", "a generated mesh has triangles, which need a material"));
+            }
+            WingMesh::Rectangle { length, width, along } | WingMesh::Ellipse { length, width, along } => {
+                let nodes = *along as f64 * *along as f64 * width / length * 1.2;
+                faults.require(nodes <= MOST_NODES as f64, &format!("{key}.mesh"), "a mesh too fine", || {
+                    format!("it makes some {nodes:.0} nodes, and a wing has at most {MOST_NODES}")
+                });
+            }
+            WingMesh::Insect { along, .. } => {
+                faults.require(*along <= 350, &format!("{key}.mesh.insect.along"), along, || {
+                    format!("a wing has at most {MOST_NODES} nodes: it must be <= 350")
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Conversion of a scene to the parameters of a wing, and of its laws to poses.
+
+use scene::{RodScheme, RootLaws, WingMesh, WingSupport};
+use wing::{Chain, Error, Membrane, Mesh, Parameters, Pose, Root, Scheme, Support, Vein};
+
+/// Return the parameters of the wing of a scene.
+pub fn parameters(own: &scene::Wing) -> Result<Parameters, Error> {
+    let mesh = mesh(&own.mesh);
+    let chain = |name: &str| mesh.chain(name).unwrap_or_default().to_vec();
+    let root = Root {
+        nodes: own.root.as_deref().map(chain).unwrap_or_default(),
+        support: match own.support {
+            WingSupport::Clamped => Support::Clamped,
+            WingSupport::Pinned => Support::Pinned,
+            WingSupport::TorsionSpring { stiffness } => Support::TorsionSpring { stiffness },
+        },
+        origin: own.pivot,
+    };
+    let veins = own.veins.iter().map(|vein| {
+        let nodes = chain(&vein.chain);
+        let diameter = match vein.tip_diameter {
+            1.0 => Vec::new(),
+            tip => (0..nodes.len()).map(|i| 1.0 + (tip - 1.0) * i as f64 / (nodes.len() - 1).max(1) as f64).collect(),
+        };
+        let name = &vein.chain;
+        let uniform = Vein::new(name, &nodes, vein.line_density, vein.bending_stiffness, vein.axial_stiffness);
+        Vein { diameter, ..uniform }
+    });
+    let membranes = own.membrane.iter().map(|membrane| Membrane {
+        areal_density: membrane.areal_density,
+        stretching_stiffness: membrane.stretching_stiffness,
+        bending_stiffness: membrane.bending_stiffness,
+        poisson_ratio: membrane.poisson_ratio,
+        tension: membrane.tension,
+    });
+    Ok(Parameters {
+        veins: veins.collect(),
+        membranes: membranes.collect(),
+        regions: Vec::new(),
+        root,
+        gravity: own.gravity,
+        relaxation_time: own.relaxation_time,
+        scheme: match own.scheme {
+            RodScheme::Trapezoid => Scheme::Trapezoid,
+            RodScheme::GeneralisedAlpha { rho_inf } => Scheme::GeneralisedAlpha { rho_inf },
+            RodScheme::TrBdf2 => Scheme::TrBdf2,
+            RodScheme::Bdf2 => Scheme::Bdf2,
+        },
+        max_step: own.max_step,
+        mesh,
+    })
+}
+
+fn mesh(mesh: &WingMesh) -> Mesh {
+    match mesh {
+        &WingMesh::Rectangle { length, width, along } => wing::rectangle(length, width, along),
+        &WingMesh::Ellipse { length, width, along } => wing::ellipse(length, width, along),
+        &WingMesh::Insect { span, chord, along } => wing::insect_wing(span, chord, along),
+        WingMesh::Triangles { nodes, triangles, chains } => Mesh {
+            nodes: nodes.clone(),
+            triangles: triangles.clone(),
+            chains: chains.iter().map(|own| Chain { name: own.name.clone(), nodes: own.nodes.clone() }).collect(),
+        },
+    }
+}
+
+/// Return the pose of the base at time `t`, s.
+pub fn pose(laws: &RootLaws, t: f64) -> Pose {
+    let (displacement, velocity) = laws.displacement(t);
+    let axes: [_; 3] =
+        std::array::from_fn(|j| laws.direction(t, std::array::from_fn(|d| if d == j { 1.0 } else { 0.0 })));
+    // With unit vectors e_j, ω = ½ Σ e_j × e_j'.
+    let angular_velocity = std::array::from_fn(|d| {
+        let (a, b) = ((d + 1) % 3, (d + 2) % 3);
+        0.5 * axes.iter().map(|(e, rate)| e[a] * rate[b] - e[b] * rate[a]).sum::<f64>()
+    });
+    let rotation = std::array::from_fn(|i| std::array::from_fn(|j| axes[j].0[i]));
+    Pose { displacement, velocity, rotation, angular_velocity }
+}

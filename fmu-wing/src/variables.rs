@@ -1,0 +1,136 @@
+//! List of the variables, in the order of their value references.
+
+use std::slice::{from_mut, from_ref};
+
+use wing::Membrane;
+
+use crate::WingUnit;
+
+type Real = fmi_export::Real<WingUnit>;
+type Integer = fmi_export::Integer<WingUnit>;
+type Variable = fmi_export::Variable<WingUnit>;
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Return the variables of a unit, without the variables of absent parts.
+pub fn list(unit: &WingUnit) -> Vec<Variable> {
+    let mut list = vec![Real::time()];
+    list.extend(parameters(unit));
+    list.extend(inputs(unit));
+    // Outputs belong to the end of a step.
+    list.extend(outputs(unit).into_iter().map(|output| output.depends_on(&[])));
+    list
+}
+
+/// Return a variable for each axis, made from its number and name.
+fn along_axes(make: impl Fn(usize, &str) -> Variable) -> impl Iterator<Item = Variable> {
+    AXES.iter().enumerate().map(move |(d, axis)| make(d, axis))
+}
+
+fn parameters(unit: &WingUnit) -> Vec<Variable> {
+    let of_membrane = |name: &str, of: &str, text: &str, select: fn(&mut Membrane) -> &mut f64| {
+        Real::parameter(format!("membrane.{name}"), of, text, move |m| match &mut m.parameters.membrane {
+            Some(membrane) => from_mut(select(membrane)),
+            None => &mut [],
+        })
+    };
+    let mut list = Vec::new();
+    if unit.parameters.membrane.is_some() {
+        list.extend([
+            of_membrane("areal_density", "kg/m2", "Mass of the membrane per area", |m| &mut m.areal_density).above(0.0),
+            of_membrane("stretching_stiffness", "N/m", "Stiffness E h in the plane", |m| &mut m.stretching_stiffness)
+                .above(0.0),
+            of_membrane("bending_stiffness", "N.m", "Bending stiffness", |m| &mut m.bending_stiffness).at_least(0.0),
+            of_membrane("tension", "N/m", "Tension at rest", |m| &mut m.tension).at_least(0.0),
+        ]);
+    }
+    let text = "Relaxation time of strain and curvature";
+    list.push(
+        Real::parameter("relaxation_time", "s", text, |m| from_mut(&mut m.parameters.relaxation_time)).at_least(0.0),
+    );
+    list.extend(along_axes(|d, axis| {
+        Real::parameter(format!("gravity.{axis}"), "m/s2", "Gravity", move |m| from_mut(&mut m.parameters.gravity[d]))
+    }));
+    list
+}
+
+/// Return the loads on the nodes.
+fn inputs(unit: &WingUnit) -> Vec<Variable> {
+    let nodes = unit.wing.nodes();
+    let mut list: Vec<_> = along_axes(|d, axis| {
+        let text = "Load on the nodes at the end of the step";
+        Real::input(format!("force_{axis}"), "N", text, move |m| &mut m.wing.loads.force[d * nodes..(d + 1) * nodes])
+            .array(nodes)
+    })
+    .collect();
+    let text = "Decrease of the load per velocity of the node";
+    list.push(Real::input("impedance", "kg/s", text, |m| &mut m.wing.loads.impedance).at_least(0.0).array(nodes));
+    list
+}
+
+/// Return the motion of the nodes, the exchange with loads and base, the energies and the effort of the last step.
+fn outputs(unit: &WingUnit) -> Vec<Variable> {
+    let nodes = unit.wing.nodes();
+    let output = |name: &str, of: &str, text: &str, read: fn(&WingUnit) -> f64| {
+        Real::output(name, of, text, move |m| m.scalar(read))
+    };
+    let mut list = Vec::new();
+    list.extend(along_axes(|d, axis| {
+        Real::output(axis, "m", "Position of the nodes", move |m| m.wing.positions(d)).array(nodes)
+    }));
+    list.extend(along_axes(|d, axis| {
+        let text = "Velocity of the nodes";
+        Real::output(format!("v{axis}"), "m/s", text, move |m| m.wing.velocities(d)).array(nodes)
+    }));
+    list.extend(along_axes(|d, axis| {
+        let text = "Displacement of the node farthest from the pivot";
+        Real::output(format!("tip.u{axis}"), "m", text, move |m| {
+            m.scalar(|m| m.wing.positions(d)[m.tip] - m.wing.parameters().mesh.nodes[m.tip][d])
+        })
+    }));
+    list.extend(along_axes(|d, axis| {
+        let text = "Velocity of the node farthest from the pivot";
+        Real::output(format!("tip.v{axis}"), "m/s", text, move |m| m.scalar(|m| m.wing.velocities(d)[m.tip]))
+    }));
+    list.extend(along_axes(|d, axis| {
+        let text = "Sum of the loads on the nodes at the end of the step";
+        Real::output(format!("load.{axis}"), "N", text, move |m| m.scalar(|m| m.wing.state().exchange.force[d]))
+    }));
+    list.push(output("load.power", "W", "Power of the loads at the end of the step", |m| {
+        m.wing.state().exchange.power
+    }));
+    list.push(output("load.work", "J", "Work of the loads since the start: the sum of power times step", |m| {
+        m.wing.state().exchange.work
+    }));
+    if unit.own.root.is_some() {
+        list.extend(along_axes(|d, axis| {
+            let text = "Force of the base on the root";
+            Real::output(format!("root.force_{axis}"), "N", text, move |m| m.scalar(|m| m.wing.state().drive.force[d]))
+        }));
+        list.extend(along_axes(|d, axis| {
+            let (name, text) = (format!("root.moment_{axis}"), "Moment of the base about the pivot");
+            Real::output(name, "N.m", text, move |m| m.scalar(|m| m.wing.state().drive.moment[d]))
+        }));
+        list.push(output("root.power", "W", "Power of the base at the end of the step", |m| {
+            m.wing.state().drive.power
+        }));
+        list.push(output("root.work", "J", "Work of the base since the start: the sum of power times step", |m| {
+            m.wing.state().drive.work
+        }));
+    }
+    list.push(output("damping.power", "W", "Power lost by damping at the end of the step", |m| m.damping_power));
+    list.extend([
+        output("energy.elastic", "J", "Energy of membrane and veins", |m| {
+            m.energy.stretching + m.energy.bending + m.energy.veins
+        }),
+        Real::output("energy.kinetic", "J", "Kinetic energy", |m| from_ref(&m.energy.kinetic)),
+        Real::output("energy.gravity", "J", "Potential energy in gravity, 0 at rest", |m| from_ref(&m.energy.gravity)),
+        Integer::output("newton.iterations", "Newton iterations of the last step", |m| m.count(|s| s.iterations)),
+        Integer::output("newton.substeps", "Sub-steps of the last step", |m| m.count(|s| s.substeps)),
+        Integer::output("newton.rescues", "Solves of the last step that needed a line search", |m| {
+            m.count(|s| s.rescues)
+        }),
+        Integer::output("newton.factorisations", "Factorisations of the last step", |m| m.count(|s| s.factorisations)),
+    ]);
+    list
+}
