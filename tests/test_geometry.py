@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from nervure.evaluate import benchmark
 from nervure.library import check, facts
 from nervure.scene import assign, read, text, validate
 from nervure.simulation.session import Session
@@ -541,3 +542,35 @@ def test_a_disturbance_starts_the_lift_of_a_symmetric_flow(libraries):
     still, disturbed, twice = lift(), lift(fluid__disturbance=0.01), lift(fluid__disturbance=0.02)
     assert still < 1e-12 < 1e-3 < disturbed, (still, disturbed, twice)
     assert twice == pytest.approx(2 * disturbed, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "name, key, value, said",
+    [
+        ("fsi3-650x144", "fluid.kinematic_viscosity", 2e-3, ["fluid.kinematic_viscosity"]),
+        ("csm3", "rod.gravity", [0.0, -3.0], ["rod.gravity[1]"]),
+        ("cylinder-2d2-800x144", "fluid.cylinders.0.radius", 0.06, ["fluid.cylinders[0].radius"]),
+        ("fsi3-325x72", "fluid.inflow.mean_velocity", {"constant": 2.5}, ["fluid.inflow.mean_velocity.constant"]),
+        ("fsi3-325x72", "fluid.inflow.mean_velocity", {"constant": 2.0}, []),
+        ("fsi3-325x72", "fluid.box.cells", [650, 144], []),
+        ("fsi3-325x72", "rod.damping", 0.0, []),
+    ],
+)
+def test_a_changed_benchmark_is_known_by_its_key(name, key, value, said):
+    document = read(name)
+    assign(document, key, value)
+    assert benchmark.changed(validate(document)) == said
+
+
+def test_a_rod_that_stretches_is_told_of_during_the_run(libraries):
+    soft = {"line_density": 1.0, "bending_stiffness": 0.01, "axial_stiffness": 0.5}
+    rod = {"material": {"section": soft}, "damping": 2.0, "gravity": [9.81, 0.0]}
+    scene = {
+        "name": "stretchy",
+        "time": {"end": 1.0, "communication_step": 0.01},
+        "beam": beam(0.0, 0.0, (1.0, 0.0)),
+        "rod": rod,
+    }
+    with Session(validate(scene)) as session:
+        session.run()
+    assert len(session.warnings) == 1 and "times as long as at rest" in session.warnings[0], session.warnings

@@ -30,7 +30,7 @@ pub struct Reference {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PublishedQuantity {
-    /// Unit of `mean` and `amplitude`, the same as of the series, e.g. `m` or `N/m`.
+    /// Unit of `mean` and `amplitude`, the same as of the series: `m`, of a force `N/m`.
     #[schemars(regex(pattern = NOT_EMPTY))]
     pub unit: String,
     /// Half the sum of the largest and the smallest value, in `unit`.

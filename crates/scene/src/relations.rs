@@ -39,6 +39,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     check_substeps(scene, faults);
     scene.reference.check_at("reference", faults);
     if faults.len() == 0 {
+        check_reference(scene, faults);
         places::check(scene, faults);
         check_coupling(scene, faults);
     }
@@ -236,6 +237,30 @@ fn check_substeps(scene: &Scene, faults: &mut Faults) {
              it must be >= {least:.3e}"
         )
     });
+}
+
+/// Check that published values are of quantities that a run evaluates, in their units.
+fn check_reference(scene: &Scene, faults: &mut Faults) {
+    let Some(reference) = &scene.reference else { return };
+    let published = reference.quantities.iter().map(|(name, own)| ("quantities", name, &own.unit));
+    let ranges = reference.spread.iter().flat_map(|spread| &spread.quantities);
+    for (key, name, unit) in published.chain(ranges.map(|(name, own)| ("spread.quantities", name, &own.unit))) {
+        let key = format!("reference.{key}.{name}");
+        let known: &[&str] = match name.as_str() {
+            // Of several rods the name stands in front.
+            tip if ["tip_ux", "tip_uy", "tip_uz"].iter().any(|end| tip.ends_with(end)) => &["m"],
+            "drag" | "lift" => &["N/m", "N"],
+            body if body.starts_with("body_") => continue,
+            _ => {
+                faults
+                    .push(Fault::superfluous(&key, "a run evaluates `tip_ux`, `tip_uy`, `tip_uz`, `drag` and `lift`"));
+                continue;
+            }
+        };
+        faults.require(known.contains(&unit.as_str()), &format!("{key}.unit"), quoted(unit), || {
+            format!("a run evaluates {name} in {}: convert the values", known[0])
+        });
+    }
 }
 
 /// Check that load and scheme suit the rods and each other.

@@ -20,6 +20,7 @@ impl Scene {
             rods: Vec::new(),
             this_rod: None,
             coupling: Some(coupling),
+            reference: None,
             ..self.clone()
         })
     }

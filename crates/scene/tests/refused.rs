@@ -203,6 +203,17 @@ fn reference_needs_source_and_units() {
             "`reference.quantities.tip_ux.frequency_hz` is out of range: 0.0 is not > 0",
         ),
         (unit, r#""tip_ux": { "unit": "m", "frequency_hz": null,"#, ""),
+        (
+            unit,
+            r#""tip_ux": { "unit": "mm","#,
+            "`reference.quantities.tip_ux.unit` is \"mm\", but a run evaluates tip_ux in m: convert the values",
+        ),
+        (
+            unit,
+            r#""tip_uw": { "unit": "m","#,
+            "`reference.quantities.tip_uw` is not allowed here: a run evaluates `tip_ux`, `tip_uy`, `tip_uz`, `drag` \
+             and `lift`",
+        ),
     ] {
         assert_eq!(sentences(&replaced(CSM1, &[(old, new)])), expected);
     }

@@ -9,6 +9,7 @@ fn two(replaced: &[(&str, &str)]) -> Result<Scene, String> {
     let parts = scene.as_object_mut().unwrap();
     let (beam, rod) = (parts.remove("beam").unwrap(), parts.remove("rod").unwrap());
     parts.remove("coupling");
+    parts.remove("reference");
     let mut list = Vec::new();
     for (name, angle) in [("front", 0.0), ("back", 3.0)] {
         let mut beam = beam.clone();

@@ -66,6 +66,7 @@ class Terminal(Observer):
             self.console.print(f"{name}: {value}", markup=False, soft_wrap=True)
         for text in forecast.warnings(session.facts):
             warn(text)
+        self.warned = len(session.warnings)
         self.pace: forecast.Pace | None = forecast.Pace(session)
         self.columns = next((names for names in SHOWN if names[0] in session.recorder.columns), ())
         in_place = self.console.is_terminal or in_notebook()
@@ -77,6 +78,9 @@ class Terminal(Observer):
 
     def step(self, loop: TimeLoop) -> None:
         wall = loop.wall
+        for text in self.session.warnings[self.warned :]:
+            warn(text)
+        self.warned = len(self.session.warnings)
         if self.pace:
             self.pace.see(loop.steps, wall)
             if self.pace.whole is not None and self.pace.timed >= forecast.TIMED:

@@ -1245,7 +1245,7 @@ class PublishedQuantity(Part):
     """Published values of one series over whole periods of its final state."""
 
     unit: str
-    """Unit of `mean` and `amplitude`, the same as of the series, e.g. `m` or `N/m`."""
+    """Unit of `mean` and `amplitude`, the same as of the series: `m`, of a force `N/m`."""
 
     mean: Real | None = None
     """Half the sum of the largest and the smallest value, in `unit`."""

@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 from typing import Self
 
 from nervure.coupling import Drive, Scheme, couple
+from nervure.coupling.guards import Limits, RodWatch
 from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
@@ -19,6 +20,8 @@ from nervure.simulation.summary import summarize
 from nervure.units import package
 from nervure.units.describe import describe_all, unit_label
 from nervure.units.fmu import Unit, read_description
+
+LOOK_EVERY = 20  # Steps between two looks at the places of the rods
 
 Units = dict[str, Unit]  # By name: `rod`, the names of several rods, `fluid`
 
@@ -64,6 +67,25 @@ class Session(TimeLoop):
             stride = max(1, round(series_every / grid.communication_step)) if series_every else 1
             super().__init__(made, grid, Recorder(self.units, grid.steps, stride))
             self._open = stack.pop_all()
+        self.warnings: list[str] = []
+        """What was told of the rods during the run."""
+        self.watches = [self._watch(i) for i in range(len(self.facts.beams))]
+
+    def _watch(self, i: int) -> RodWatch | None:
+        """Give the numbers of a beam to its guard, and return what watches its rod; None without one."""
+        own, fluid = self.facts.beams[i], self.scene.fluid
+        unit, thickness = self.units.get(own.unit), float(self.facts.thickness[own.force].max())
+        if fluid and i < len(self.scheme.guards):
+            box, stepping, (mask,) = fluid.box, fluid.time_stepping, fluid.mask.document().values()
+            cell = (box.x[1] - box.x[0]) / box.cells[0], (box.y[1] - box.y[0]) / box.cells[1]
+            self.scheme.guards[i].limits = Limits(cell, stepping.max_cfl, mask["c_eta"], stepping.max_step, thickness)
+        if unit is None or not {"x", "y"} <= unit.variables.keys():
+            return None
+        return RodWatch(unit, unit.name, own.beam.length, thickness, fluid)
+
+    def _look(self) -> None:
+        for watch in filter(None, self.watches):
+            self.warnings += watch.look(self.time)
 
     @classmethod
     def packed(
@@ -94,10 +116,16 @@ class Session(TimeLoop):
     def start(self) -> None:
         super().start()
         check_fit(self.scene, self.units, self.foreign)
+        self._look()
+
+    def step(self) -> None:
+        super().step()
+        if self.steps % LOOK_EVERY == 0 or self.steps == self.grid.steps:
+            self._look()
 
     def finish(self) -> Results:
         """Evaluate the run, write its results into the folder in place of earlier ones, and return them."""
-        summary = summarize(self.facts, self.units, self.scheme, self.recorder, self.status())
+        summary = summarize(self.facts, self.units, self.scheme, self.recorder, self.status(), self.warnings)
         made = Results(self.facts, self.folder, summary, self.recorder.series, self.recorder.units)
         try:
             results.write(made, self.scheme.logs(), self.stale_files)

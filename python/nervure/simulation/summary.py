@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from nervure.coupling import Choice, Scheme
-from nervure.evaluate import bodies, coefficients, flapping, statistics
+from nervure.evaluate import benchmark, bodies, coefficients, flapping, statistics
 from nervure.evaluate.bodies import BodyCoefficients
 from nervure.evaluate.rods import rod_columns
 from nervure.evaluate.statistics import Series
@@ -154,6 +154,7 @@ class Summary:
     versions: dict[str, str]
     git: Revision | None
     machine: Machine
+    warnings: list[str] | None = None  # What may be a mistake, before the run and in it; None without
     rods: dict[str, OfRod] | None = None  # By name; None for a single rod, and then `flapping` has its values
 
     @property
@@ -272,8 +273,15 @@ def _main_signal(facts: Facts, series: Series, rounding: float) -> MainSignal | 
     return main_signal(series, rounding)
 
 
-def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Recorder, status: RunStatus) -> Summary:
-    """Evaluate a run."""
+def summarize(
+    facts: Facts,
+    units: dict[str, Unit],
+    scheme: Scheme,
+    recorder: Recorder,
+    status: RunStatus,
+    warnings: Sequence[str] = (),
+) -> Summary:
+    """Evaluate a run, of which `warnings` were told."""
     scene, series = facts.scene, recorder.series
     time, iterations = series["time"], series["iterations"][1:]
     rounding = statistics.ROUNDING[scene.fluid.precision] if scene.fluid else statistics.ROUNDING["double"]
@@ -331,6 +339,7 @@ def summarize(facts: Facts, units: dict[str, Unit], scheme: Scheme, recorder: Re
         versions={"python": platform.python_version()} | {name: version(name) for name in ("nervure", "fmpy", "numpy")},
         git=git_revision(),
         machine=machine(),
+        warnings=[*facts.warnings, *warnings] or None,
         rods={
             own.unit: OfRod(
                 flapping.evaluate(facts, own.beam, rods[own.unit], window) if window else None,
@@ -357,6 +366,8 @@ def _not_compared(
         return None
     if not status.completed:
         return f"the run ended at t = {status.simulated:g} of {scene.time.end:g} s"
+    if changed := benchmark.changed(scene):
+        return f"changed: {', '.join(changed)}"
     given = reference.coefficients
     if any(q.amplitude or q.frequency_hz for q in reference.quantities.values()) or (given and given.st is not None):
         if main is None or window is None or window.periods < COMPARED_PERIODS:
