@@ -316,7 +316,8 @@ def summarize(
         window_s=(window.begin, window.end) if window else None,
         periods=window.periods if window else 0,
         amplitude_drift=settled.drift if settled else None,
-        not_compared=_not_compared(scene, status, known, main, window, settled),
+        not_compared="; ".join(filter(None, (_changed(scene), _not_final(scene, status, known, main, window, settled))))
+        or None,
         method=Method(
             coupling=scheme.choice,
             communication_step_s=scene.time.communication_step,
@@ -352,7 +353,13 @@ def summarize(
     )
 
 
-def _not_compared(
+def _changed(scene: Scene) -> str | None:
+    """Return the changed keys of a benchmark; None where there are none."""
+    keys = benchmark.changed(scene)
+    return f"changed: {', '.join(keys)}" if keys else None
+
+
+def _not_final(
     scene: Scene,
     status: RunStatus,
     quantities: dict[str, Quantity],
@@ -366,8 +373,6 @@ def _not_compared(
         return None
     if not status.completed:
         return f"the run ended at t = {status.simulated:g} of {scene.time.end:g} s"
-    if changed := benchmark.changed(scene):
-        return f"changed: {', '.join(changed)}"
     given = reference.coefficients
     if any(q.amplitude or q.frequency_hz for q in reference.quantities.values()) or (given and given.st is not None):
         if main is None or window is None or window.periods < COMPARED_PERIODS:
