@@ -15,6 +15,7 @@ pub fn build<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Re
 /// Return the parameters of the rod of a scene.
 fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> Parameters<D> {
     let (attachment, direction) = scene.beam_root(beam);
+    let displaced = scene.displaced_line_density(beam, rod);
     Parameters {
         attachment: std::array::from_fn(|d| attachment[d]),
         direction: std::array::from_fn(|d| direction[d]),
@@ -22,8 +23,8 @@ fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> P
         segments: beam.segments,
         rest_angles: beam.rest_angles.clone(),
         section: section(beam, &rod.material, 0.0),
-        displaced: scene.displaced_line_density(),
-        taper: taper(beam, &rod.material),
+        displaced: displaced[0],
+        taper: taper(beam, &rod.material, &displaced),
         strain_per_pressure: scene.strain_per_pressure().unwrap_or(0.0),
         gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),
         damping: rod.damping,
@@ -62,19 +63,19 @@ fn section(beam: &Beam, material: &Material, s: f64) -> Section {
 }
 
 /// Return the profiles of section and thickness along the beam; the profile of a constant is empty.
-fn taper(beam: &Beam, material: &Material) -> Taper {
-    let relative = |value: &dyn Fn(f64) -> f64| {
-        let root = value(0.0);
-        let ratios: Vec<_> = beam.places().map(|s| value(s) / root).collect();
-        if ratios.iter().all(|&ratio| ratio == 1.0) { Vec::new() } else { ratios }
+fn taper(beam: &Beam, material: &Material, displaced: &[f64]) -> Taper {
+    let relative = |values: &[f64]| match values[0] {
+        root if values.iter().all(|&value| value == root) => Vec::new(),
+        root => values.iter().map(|value| value / root).collect(),
     };
+    let along = |value: &dyn Fn(f64) -> f64| relative(&beam.places().map(value).collect::<Vec<_>>());
     let section = |s: f64| section(beam, material, s);
     Taper {
-        line_density: relative(&|s| section(s).line_density),
-        displaced: relative(&|s| beam.thickness.at(s)),
-        bending_stiffness: relative(&|s| section(s).bending_stiffness),
-        axial_stiffness: relative(&|s| section(s).axial_stiffness),
-        shear_stiffness: relative(&|s| section(s).shear_stiffness.unwrap_or(1.0)),
+        line_density: along(&|s| section(s).line_density),
+        displaced: relative(displaced),
+        bending_stiffness: along(&|s| section(s).bending_stiffness),
+        axial_stiffness: along(&|s| section(s).axial_stiffness),
+        shear_stiffness: along(&|s| section(s).shear_stiffness.unwrap_or(1.0)),
     }
 }
 

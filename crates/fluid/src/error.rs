@@ -195,6 +195,15 @@ pub enum Error {
         /// Shortest step, s.
         shortest: f64,
     },
+    /// No solution for the drag of thin bodies.
+    #[error(
+        "the drag of the thin bodies at t = {time:.6e} s was not found: the flow is not finite, or lines lie on each \
+         other"
+    )]
+    Markers {
+        /// End of the step, s.
+        time: f64,
+    },
     /// The loads on a beam are not finite numbers.
     #[error("the loads on the beam at t = {time:.6e} s are not finite")]
     Loads {

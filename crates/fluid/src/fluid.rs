@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::force::Exchange;
 use crate::limits::StepLimits;
 use crate::outlet::Outlet;
-use crate::parameters::Parameters;
+use crate::parameters::{Beam, Parameters, Surface};
 use crate::present::{Beams, Present};
 use crate::pressures::{Cached, Pressures};
 use crate::probe::Probe;
@@ -70,6 +70,11 @@ pub(crate) struct Motion {
     pub displaced_to: Vec<Pose>,
 }
 
+/// Return room for the pressure jump of a thin beam.
+fn line_jump(beam: &Beam) -> Vec<f64> {
+    vec![0.0; if beam.surface == Surface::Line { beam.stations.len() } else { 0 }]
+}
+
 impl Fluid {
     /// A fluid at t = 0.
     ///
@@ -79,7 +84,7 @@ impl Fluid {
         parameters.check()?;
         let mut problem = Problem::new(parameters);
         let stations: Vec<_> = parameters.beams.iter().map(|beam| Stations::at_rest(&beam.stations)).collect();
-        problem.bodies.place(0.0, &[], &stations, &stations, &problem.grid);
+        problem.place(0.0, &[], &stations, &stations);
         let carried = vec![Carried::default(); problem.bodies.carried().count()];
         let displaced = vec![Pose::default(); carried.len()];
         let [u, v] = parameters.initial_velocity;
@@ -88,12 +93,13 @@ impl Fluid {
             time: 0.0,
             step: 0.0,
             advection_rate: u.abs() / dx + v.abs() / dy,
-            bodies: problem.bodies.without_force(&stations),
+            bodies: problem.without_force(&stations),
             carried,
             beams: Beams {
                 stations: stations.clone(),
                 loads: stations.iter().filter(|_| parameters.loads).map(|s| Loads::none(s.len())).collect(),
                 exchange: vec![Exchange::default(); stations.len()],
+                line_jump: parameters.beams.iter().map(line_jump).collect(),
             },
         };
         let outlet = if parameters.pressure_around { Outlet::new(parameters, &problem.grid) } else { None };
@@ -256,10 +262,9 @@ impl Fluid {
 
     /// Put the bodies to their present places.
     fn place_at_present(&mut self) {
-        let (stations, Problem { bodies, grid, .. }) = (&self.present.beams.stations, &mut self.problem);
-        let displaced = &mut self.motion.displaced;
+        let (stations, displaced) = (&self.present.beams.stations, &mut self.motion.displaced);
         displaced.iter_mut().zip(&self.present.carried).for_each(|(now, carried)| *now = carried.now);
-        bodies.place(self.present.time, displaced, stations, stations, grid);
+        self.problem.place(self.present.time, displaced, stations, stations);
     }
 
     fn save_for_undo(&mut self) -> Result<(), Error> {

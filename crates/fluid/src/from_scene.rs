@@ -7,8 +7,8 @@ use scene::{BodyDrive, Ends, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
 use crate::parameters::{
-    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, TimeScheme,
-    WallCorrection, Zone,
+    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, Surface,
+    TimeScheme, WallCorrection, Zone,
 };
 use crate::space;
 
@@ -203,6 +203,7 @@ fn beam(scene: &Scene, beam: &scene::Beam) -> Beam {
             Root::OnCylinder { cylinder, .. } => Some(cylinder),
             Root::At { .. } => None,
         },
+        surface: if scene.is_line(beam) { Surface::Line } else { Surface::Mask },
     }
 }
 

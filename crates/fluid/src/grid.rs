@@ -87,6 +87,17 @@ impl<const D: usize> Grid<D> {
         std::array::from_fn(|k| (place(k), weights[k]))
     }
 
+    /// Return the number of a point along an axis in the first period.
+    pub fn wrap(&self, axis: usize, index: i64) -> usize {
+        wrap(index, self.cells[axis])
+    }
+
+    /// Return the least number of points along an axis from `from` to `to` or a periodic image of it.
+    pub fn offset(&self, axis: usize, from: usize, to: usize) -> i64 {
+        let (count, offset) = (self.cells[axis] as i64, to as i64 - from as i64);
+        offset - count * (2 * offset + count).div_euclid(2 * count)
+    }
+
     /// Return the point below a coordinate (m) along an axis, and the distance from it in spacings.
     #[inline(always)] // as `interpolation`
     fn split(&self, axis: usize, coordinate: f64) -> (i64, f64) {

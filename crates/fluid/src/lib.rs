@@ -9,9 +9,9 @@
 //! are solved by a Fourier pseudo-spectral method; `a_b` is the drag rate of body b (1/s; chi/C_eta for a mask).
 //!
 //! A [`Fluid`] is made from [`Parameters`]. Each communication step sets the [`Stations`] of the beams, advances the
-//! fluid, and reads forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`, and
-//! `bodies` the beams and the rigid bodies. [`space`] has the flow in three dimensions. With the feature `scene` the
-//! parameters can be made from a scene.
+//! fluid, and reads forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`,
+//! `bodies` the rigid bodies and the beams with a mask, and `thin` the bodies that are lines. [`space`] has the flow in
+//! three dimensions. With the feature `scene` the parameters can be made from a scene.
 
 mod bodies;
 mod error;
@@ -37,6 +37,7 @@ pub mod space;
 mod spectral;
 mod state;
 mod step;
+mod thin;
 mod timer;
 mod wall;
 mod zone;
@@ -47,8 +48,8 @@ pub use fluid::Fluid;
 pub use force::{Exchange, Force};
 pub use grid::Grid;
 pub use parameters::{
-    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, TimeScheme,
-    WallCorrection, Zone,
+    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, Surface,
+    TimeScheme, WallCorrection, Zone,
 };
 pub use state::State;
 

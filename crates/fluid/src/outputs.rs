@@ -181,7 +181,9 @@ impl Fluid {
             solver.read_pressure(present, problem, &mut |problem, at| {
                 let (grid, bodies, stations) = (&problem.grid, &problem.bodies, &present.beams.stations);
                 let outlet = outlet.as_ref();
-                PressurePlaces { grid, density: *density, probes, outlet, bodies, stations }.read(at, pressures);
+                let line_jump = &present.beams.line_jump;
+                let density = *density;
+                PressurePlaces { grid, density, probes, outlet, bodies, stations, line_jump }.read(at, pressures);
             });
         })
     }

@@ -165,6 +165,17 @@ pub struct Beam {
     pub thickness: Vec<f64>,
     /// The cylinder that the beam is clamped to. It bears the forces on the mask behind the root.
     pub support_cylinder: Option<usize>,
+    /// How it meets the fluid.
+    pub surface: Surface,
+}
+
+/// How a beam meets the fluid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surface {
+    /// By the mask of the band around its line, for a thickness of some cells.
+    Mask,
+    /// By markers along its line, which stands for a plate of 1.3 cells whatever its thickness.
+    Line,
 }
 
 /// Drag rate of a solid as a function of the signed distance to its surface.

@@ -31,6 +31,8 @@ pub struct Beams {
     pub loads: Vec<Loads>,
     /// Forces, powers and works of the fluid on the beams.
     pub exchange: Vec<Exchange>,
+    /// Pressure above less the pressure below the stations of each thin beam, Pa; empty for a beam with a mask.
+    pub line_jump: Vec<Vec<f64>>,
 }
 
 impl Present {
@@ -46,12 +48,15 @@ impl Beams {
         Stations::copy_all(&mut self.stations, &other.stations);
         self.loads.iter_mut().zip(&other.loads).for_each(|(own, other)| own.copy_from(other));
         self.exchange.copy_from_slice(&other.exchange);
+        self.line_jump.iter_mut().zip(&other.line_jump).for_each(|(own, other)| own.copy_from_slice(other));
     }
 
     /// Return whether `other` has as many beams with as many stations.
     pub fn have_shape_of(&self, other: &Self) -> bool {
         let lengths = |beams: &Self| [beams.stations.len(), beams.loads.len(), beams.exchange.len()];
+        let jumps = |beams: &Self| beams.line_jump.iter().map(Vec::len).collect::<Vec<_>>();
         lengths(self) == lengths(other)
+            && jumps(self) == jumps(other)
             && self.stations.iter().zip(&other.stations).all(|(a, b)| a.has_shape_of(b))
             && self.loads.iter().zip(&other.loads).all(|(a, b)| a.has_shape_of(b))
     }

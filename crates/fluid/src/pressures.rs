@@ -68,6 +68,8 @@ pub struct PressurePlaces<'a> {
     pub bodies: &'a Bodies,
     /// Stations of the beams.
     pub stations: &'a [Stations],
+    /// Pressure jumps of the thin beams; empty for a beam with a mask.
+    pub line_jump: &'a [Vec<f64>],
 }
 
 impl PressurePlaces<'_> {
@@ -78,9 +80,13 @@ impl PressurePlaces<'_> {
         }
         let level = self.outlet.map_or(0.0, |outlet| outlet.mean(at));
         for (beam, (stations, jumps)) in self.stations.iter().zip(&mut pressures.jump).enumerate() {
+            let Some(own) = self.bodies.masked_beam(beam) else {
+                jumps.copy_from_slice(&self.line_jump[beam]);
+                continue;
+            };
             for (k, jump) in jumps.iter_mut().enumerate() {
                 let [above, below] = [1.0, -1.0].map(|side| {
-                    let point = self.bodies.surface_point(beam, stations, k, side);
+                    let point = own.surface_point(stations, k, side);
                     self.grid.interpolation(point).iter().map(|&(c, weight)| weight * at(c)).sum::<f64>()
                 });
                 *jump = self.density * (above - below);

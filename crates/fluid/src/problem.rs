@@ -1,11 +1,16 @@
 //! What a step of any precision and scheme works with: grid, fluid, zones and bodies.
 
+use std::mem::take;
+
 use line_fft::Real;
 
-use crate::bodies::Bodies;
+use crate::bodies::{Bodies, Cell, Loads, Pose, Stations};
 use crate::field::Field;
+use crate::force::{BodyForce, Exchange};
 use crate::grid::Grid;
 use crate::parameters::{Law, Parameters};
+use crate::present::Present;
+use crate::thin::{LineForce, ThinBodies};
 use crate::timer::PhaseTimer;
 use crate::zone::DrivingZone;
 
@@ -17,6 +22,8 @@ pub struct Problem {
     pub nu: f64,
     /// Walls, zones, rigid bodies and beams as drag.
     pub bodies: Bodies,
+    /// Bodies that are lines.
+    pub thin: ThinBodies,
     /// Times of the phases of a step.
     pub timer: PhaseTimer,
     /// Inflow and sponge.
@@ -34,11 +41,24 @@ impl Problem {
         Self {
             nu: parameters.kinematic_viscosity,
             bodies: Bodies::new(parameters, &zones, &grid),
+            thin: ThinBodies::new(parameters, &grid),
             timer: PhaseTimer::default(),
             mean_flow: parameters.mean_flow.clone(),
             zones,
             grid,
         }
+    }
+
+    /// Put all bodies to their places at a time (s), the beams moving from the stations `before` to `stations`.
+    /// `displaced` has the poses of bodies that are carried.
+    pub fn place(&mut self, time: f64, displaced: &[Pose], stations: &[Stations], before: &[Stations]) {
+        self.bodies.place(time, displaced, stations, before, &self.grid);
+        self.place_thin(stations);
+    }
+
+    /// Put the thin bodies to `stations`.
+    pub fn place_thin(&mut self, stations: &[Stations]) {
+        self.thin.place(stations, &self.grid);
     }
 
     /// Return the prescribed mean velocity at a time (s), m/s; none if it is free.
@@ -61,5 +81,69 @@ impl Problem {
             }
         }
         self.bodies.add_velocities(weight, w);
+    }
+
+    /// Add `Σ a_b u_b` of all zones and bodies at a time (s) to `sums` at some points in ascending order.
+    fn add_velocities_at(&self, time: f64, points: &[usize], sums: &mut [[f64; 2]]) {
+        if points.is_empty() {
+            return;
+        }
+        let rows = self.grid.cells[1];
+        for DrivingZone { mean_velocity, columns, shape } in &self.zones {
+            let mean = mean_velocity.value(time);
+            for (sum, point) in sums.iter_mut().zip(points) {
+                if let Ok(column) = columns.binary_search_by_key(&(point / rows), |(i, _)| *i) {
+                    sum[0] += columns[column].1 * mean * shape[point % rows];
+                }
+            }
+        }
+        self.bodies.add_velocities_at(points, sums);
+    }
+
+    /// Write the loads on the thin beams in the local solve of a coming step to `time` (s), with `right_side` at a grid
+    /// point and the coefficient `c_0` (1/s) of the difference in time.
+    pub fn predict_loads_on_lines(
+        &mut self,
+        c_0: f64,
+        time: f64,
+        right_side: impl Fn(usize) -> [f64; 2],
+        loads: &mut [Loads],
+    ) {
+        if self.thin.is_empty() {
+            return;
+        }
+        let mut thin = take(&mut self.thin);
+        let rate = self.bodies.rate();
+        thin.list_dragged(rate);
+        let (points, sums) = thin.dragged_mut();
+        self.add_velocities_at(time, points, sums);
+        thin.predict_loads(c_0, rate, right_side, &self.grid, loads);
+        self.thin = thin;
+    }
+
+    /// Return the displaced fluid of all bodies, the rigid ones first, without a force.
+    pub fn without_force(&self, stations: &[Stations]) -> Vec<BodyForce> {
+        let mut forces = self.bodies.without_force(stations);
+        for (beam, _, displaced) in self.thin.forces(stations) {
+            forces[self.bodies.rigid() + beam].displaced = displaced;
+        }
+        forces
+    }
+
+    /// Sum up the forces of a step of size `dt` (s); `drag` is that of the masks, see [`Bodies::sum_up_forces`].
+    pub fn sum_up_forces(
+        &self,
+        dt: f64,
+        drag: impl Fn(&Cell) -> [f64; 2],
+        stations: &[Stations],
+        present: &mut Present,
+    ) {
+        let (forces, exchange) = (&mut present.bodies, &mut present.beams.exchange);
+        self.bodies.sum_up_forces(dt, drag, stations, forces, exchange);
+        for (beam, LineForce { force, power }, displaced) in self.thin.forces(stations) {
+            exchange[beam] = Exchange { force: force.force, power, work: exchange[beam].work + power * dt };
+            forces[self.bodies.rigid() + beam].update(force, displaced, dt);
+        }
+        self.thin.write_jumps(dt, stations, &present.beams.stations, &mut present.beams.line_jump);
     }
 }

@@ -22,10 +22,27 @@ pub struct Beam {
     /// Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root.
     #[schemars(range(min = 2, max = 65536))]
     pub segments: usize,
+    /// How the beam meets the fluid; no effect without one.
+    #[serde(default)]
+    pub surface: Surface,
     /// Angle of each segment at rest from the direction at the root, rad, counter-clockwise: `[segments]`; absent for a
     /// straight beam. In two dimensions only: a curved rod in space needs a material frame and its twist.
     #[serde(default)]
     pub rest_angles: Vec<f64>,
+}
+
+/// How a beam meets the fluid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Surface {
+    /// A line where the beam is thinner than two cells, else a mask.
+    #[default]
+    Auto,
+    /// Markers along the beam drag the fluid. Whatever the beam's thickness, the line stands for a plate of 1.3 cells,
+    /// and the rod may have any mass, with one exchange per step.
+    Line,
+    /// The mask of the band around the beam, which wants four cells of thickness or more.
+    Mask,
 }
 
 /// Place and direction of a beam's root at rest.

@@ -30,11 +30,12 @@ mod scene;
 mod schema;
 mod spanwise;
 mod spline;
+mod surface;
 mod unit;
 mod warnings;
 mod wing;
 
-pub use beam::{Beam, Root};
+pub use beam::{Beam, Root, Surface};
 pub use body::{Axis, Body, BodyDrive, BodyMotion, ByMaster, Ends, Mount, Shape, Support, Turn};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution};
@@ -49,6 +50,7 @@ pub use rods::NamedRod;
 pub use root::{RootLaws, RootMotion, RootSupport, Rotation};
 pub use scene::{BeamWithRod, Display, Scene, Time};
 pub use spanwise::{Spanwise, SpanwiseProfile};
+pub use surface::LINE_THICKNESS_CELLS;
 pub use warnings::Warning;
 pub use wing::{Membrane, Vein, Wing, WingChain, WingMesh, WingSupport};
 

@@ -1,8 +1,9 @@
 //! The load of the fluid on the rods: the choice where a scene leaves it open, and the quantities that follow from it.
 
+use crate::beam::Beam;
 use crate::coupling::Load;
 use crate::method::TimeScheme;
-use crate::rod::Material;
+use crate::rod::{Material, Rod};
 use crate::root::RootSupport;
 use crate::scene::Scene;
 
@@ -15,7 +16,7 @@ impl Scene {
     /// Return the load as [`Scene::load`] does, and the reason as a clause. Several rods have the same load, the one
     /// that suits the lightest.
     pub fn chosen_load(&self) -> Option<(Load, String)> {
-        let Weight { name, own, displaced, free } = self.lightest()?;
+        let Weight { name, own, displaced, free, line } = self.lightest()?;
         if let Some(load) = self.coupling.as_ref().and_then(|coupling| coupling.load) {
             return Some((load, "the scene says so".into()));
         }
@@ -25,10 +26,15 @@ impl Scene {
             TimeScheme::Sbdf2 => fluid.time_stepping.max_step,
             TimeScheme::Rk2 => fluid.time_stepping.max_step.min(fluid.mask.c_eta()),
         };
+        let momentum = if line {
+            format!("the fluid meets the rod{name} as a line, which suits any mass")
+        } else {
+            format!("the rod{name} weighs {ratio:.4} of the fluid it displaces, at least 1")
+        };
         Some(if own < displaced {
             let needed = "the momentum load needs 1 or more";
             (Load::PressureJump, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces; {needed}"))
-        } else if own == displaced && free {
+        } else if own == displaced && free && !line {
             let needed = "a free rod needs more for the momentum load";
             (Load::PressureJump, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces; {needed}"))
         } else if step > largest * (1.0 + STEP_ROUNDING) {
@@ -36,17 +42,17 @@ impl Scene {
             let reason = format!("the step of {step} s is above {largest} s, the largest of the fluid; {held}");
             (Load::PressureJump, reason)
         } else {
-            (Load::Momentum, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces, at least 1"))
+            (Load::Momentum, momentum)
         })
     }
 
-    /// Return the mass of the fluid that the beam displaces at its root, per length and metre of depth, kg/m²; 0
-    /// without the momentum load. With that load the rod's own mass is reduced by it, because the fluid inside the mask
-    /// has it.
-    pub fn displaced_line_density(&self) -> f64 {
-        match (self.load(), &self.fluid, &self.beam) {
-            (Some(Load::Momentum), Some(fluid), Some(beam)) => fluid.density * beam.thickness.at(0.0),
-            _ => 0.0,
+    /// Return the mass of the fluid that moves with a beam at its places, per length and metre of depth, kg/m²: `[2
+    /// segments + 1]`; 0 without the momentum load. With that load the rod's own mass is reduced by it, because the fluid
+    /// inside the mask or on the line has it.
+    pub fn displaced_line_density(&self, beam: &Beam, rod: &Rod) -> Vec<f64> {
+        match (self.load(), &self.fluid) {
+            (Some(Load::Momentum), Some(fluid)) => beam.places().map(self.displaced(fluid, beam, rod)).collect(),
+            _ => vec![0.0; 2 * beam.segments + 1],
         }
     }
 
@@ -70,14 +76,19 @@ impl Scene {
         let rods = self.beams_with_rods().filter_map(|own| Some((own.name, own.beam, own.rod?)));
         let weights = rods.flat_map(|(name, beam, rod)| {
             let (material, thickness) = (&rod.material, &beam.thickness);
+            let (line, displaced) = (self.is_line(beam), self.displaced(fluid, beam, rod));
             beam.places().map(move |s| Weight {
                 name: name.map_or(String::new(), |name| format!(" `{name}`")),
                 own: material.section(thickness, s).line_density,
-                displaced: fluid.density * thickness.at(s),
+                displaced: displaced(s),
+                line,
                 free: matches!(rod.root, RootSupport::Free { .. }),
             })
         });
-        weights.min_by(|a, b| (a.own / a.displaced).total_cmp(&(b.own / b.displaced)).then(b.free.cmp(&a.free)))
+        let ratio = |weight: &Weight| weight.own / weight.displaced;
+        // A mask may need another load, a line does not.
+        let heavier = |a: &Weight, b: &Weight| a.line.cmp(&b.line).then(ratio(a).total_cmp(&ratio(b)));
+        weights.min_by(|a, b| heavier(a, b).then(b.free.cmp(&a.free)))
     }
 }
 
@@ -87,8 +98,10 @@ pub(crate) struct Weight {
     pub name: String,
     pub own: f64,
     pub displaced: f64,
-    /// Whether the root is free: such a rod cannot move without a mass of its own.
+    /// Whether the root is free: such a rod cannot move without a mass of its own if it has a mask.
     pub free: bool,
+    /// Whether the fluid meets it as a line.
+    pub line: bool,
 }
 
 /// Relative part by which the communication step may exceed the fluid's largest without being divided.

@@ -7,7 +7,7 @@ use crate::coupling::{CouplingScheme, Load};
 use crate::fault::{Check, Fault, Faults, list};
 use crate::law::TimeLaw;
 use crate::load::Weight;
-use crate::method::TimeStepping;
+use crate::method::{TimeScheme, TimeStepping};
 use crate::places;
 use crate::rod::{Bending, Calibration, Material, Rod};
 use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Z_AXIS};
@@ -41,6 +41,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     if faults.len() == 0 {
         check_reference(scene, faults);
         places::check(scene, faults);
+        check_lines(scene, faults);
         check_coupling(scene, faults);
     }
 }
@@ -263,10 +264,30 @@ fn check_reference(scene: &Scene, faults: &mut Faults) {
     }
 }
 
+/// Check that lines suit the scheme, and that massless rods are lines.
+fn check_lines(scene: &Scene, faults: &mut Faults) {
+    let explicit = scene.fluid.as_ref().is_some_and(|fluid| fluid.time_stepping.scheme == TimeScheme::Rk2);
+    let by_momentum = scene.load() == Some(Load::Momentum);
+    for own in scene.beams_with_rods() {
+        let (line, key) = (scene.is_line(own.beam), own.key());
+        for (fits, needed) in [
+            (!explicit, "a line needs the scheme sbdf2"),
+            (!scene.axial_pressure_strain(), "`coupling.axial_pressure_strain` needs a mask: a line has no thickness"),
+        ] {
+            faults.require(!line || fits, &format!("{key}beam.surface"), "line", || needed.into());
+        }
+        let Some(Material::Section(section)) = own.rod.map(|rod| &rod.material) else { continue };
+        let key = format!("{key}rod.material.section.line_density");
+        faults.require(!section.line_density.is_zero() || line && by_momentum, &key, 0, || {
+            "only a rod that is a line in a fluid, with the load momentum, may have no mass; here it must be > 0".into()
+        });
+    }
+}
+
 /// Check that load and scheme suit the rods and each other.
 fn check_coupling(scene: &Scene, faults: &mut Faults) {
     let Some((load, _)) = scene.chosen_load() else { return };
-    if let (Load::Momentum, Some(Weight { name, own, displaced, free })) = (load, scene.lightest()) {
+    if let (Load::Momentum, Some(Weight { name, own, displaced, free, line: false })) = (load, scene.lightest()) {
         let ratio = own / displaced;
         faults.require(own >= displaced, "coupling.load", "momentum", || {
             format!(

@@ -37,7 +37,8 @@ fn load_follows_from_density_ratio_and_step() {
 #[test]
 fn coupling_may_be_left_out_altogether() {
     let scene = fsi3(&[(&format!(",\n  {GIVEN}"), "")]).unwrap();
-    assert_eq!((scene.load(), scene.displaced_line_density()), (Some(Load::Momentum), 20.0));
+    let (beam, rod) = (scene.beam.as_ref().unwrap(), scene.rod.as_ref().unwrap());
+    assert_eq!((scene.load(), scene.displaced_line_density(beam, rod)[0]), (Some(Load::Momentum), 20.0));
 }
 
 #[test]
@@ -92,4 +93,24 @@ fn iteration_has_defaults() {
     let acceleration = Acceleration::IqnIls;
     let expected = CouplingScheme::Iterated { tolerance: 1e-4, max_iterations: 50, acceleration };
     assert_eq!(fsi3(&[iterated]).unwrap().coupling.unwrap().scheme, Some(expected));
+}
+
+/// A line takes a layer of 1.3 cells of fluid along, of which a light rod accounts for no more than its own mass; a
+/// massless rod is a line or refused.
+#[test]
+fn rod_on_a_line_accounts_for_the_layer_that_moves_with_it() {
+    let on_line = |density: &str, given: &str| {
+        let light = format!(r#""plane_strain": {{ "density": {density}"#);
+        fsi3(&[(ROD, &light), (r#""thickness": 0.02"#, r#""thickness": 0.02, "surface": "line""#), (GIVEN, given)])
+    };
+    for density in [1000.0, 0.001] {
+        let scene = on_line(&density.to_string(), GIVEN).unwrap();
+        let (beam, rod, fluid) =
+            (scene.beam.as_ref().unwrap(), scene.rod.as_ref().unwrap(), scene.fluid.as_ref().unwrap());
+        let ([low, high], [cells, _]) = (fluid.r#box.x, fluid.r#box.cells);
+        let layer = fluid.density * nervure_scene::LINE_THICKNESS_CELLS * (high - low) / cells as f64;
+        let found = scene.displaced_line_density(beam, rod)[0];
+        assert!((found - layer.min(density * 0.02)).abs() < 1e-12 * layer, "{density}: {found}");
+        assert_eq!(scene.load(), Some(Load::Momentum));
+    }
 }

@@ -96,7 +96,7 @@ fn scene_gives_the_taper() {
                 assert!((found - expected).abs() < 1e-14, "{thickness}, {name}: {found} against {expected}");
             }
         }
-        assert_eq!(found.displaced.is_empty(), thickness == "0.1");
+        assert!(found.displaced.is_empty(), "there is no fluid");
     }
     assert_eq!(scene("0.1", strain).parameters().taper, Taper::default());
     let constant = Spanwise::Varying(SpanwiseProfile::Taper { root: 0.1, tip: 0.1, power: 1.0 });

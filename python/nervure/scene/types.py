@@ -747,6 +747,13 @@ SpanwiseProfile = SpanwiseProfileTaper | SpanwiseProfilePoints
 """A quantity as a function of the place s along the span, 0 at the root and 1 at the tip, in the unit of its key."""
 
 
+Surface = Literal["auto", "line", "mask"]
+"""How a beam meets the fluid. `auto`: A line where the beam is thinner than two cells, else a mask. `line`: Markers
+along the beam drag the fluid. Whatever the beam's thickness, the line stands for a plate of 1.3 cells, and the rod may
+have any mass, with one exchange per step. `mask`: The mask of the band around the beam, which wants four cells of
+thickness or more."""
+
+
 class Beam(Part):
     """A beam with a flat tip. Its stations are the nodes of the rod."""
 
@@ -761,6 +768,9 @@ class Beam(Part):
 
     segments: Integer
     """Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root."""
+
+    surface: Surface = "auto"
+    """How the beam meets the fluid; no effect without one."""
 
     rest_angles: list[Real] = Field(default_factory=list)
     """Angle of each segment at rest from the direction at the root, rad, counter-clockwise: `[segments]`; absent for a
@@ -799,7 +809,7 @@ class Section(Part):
     along the span."""
 
     line_density: Real | SpanwiseProfile
-    """Mass per length, kg/m."""
+    """Mass per length, kg/m; 0 for a massless rod on a line in the fluid."""
 
     bending_stiffness: Real | SpanwiseProfile
     """Bending stiffness EI, N m²."""

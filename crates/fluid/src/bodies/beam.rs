@@ -14,8 +14,10 @@ use crate::force::Displaced;
 use crate::grid::Grid;
 use crate::parameters::{self, Mask};
 
-/// A beam.
+/// A beam with a mask.
 pub struct Beam {
+    /// Its number among all beams, from 0.
+    pub number: usize,
     mask: BeamMask,
     /// The present pose.
     pub pose: BeamPose,
@@ -23,9 +25,9 @@ pub struct Beam {
 }
 
 impl Beam {
-    /// A beam without a place yet.
-    pub fn new(beam: &parameters::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
-        Self { mask: BeamMask::new(beam, grid, mask, nu), pose: BeamPose::new(beam), search: Search::new(grid) }
+    /// The beam with a number, without a place yet.
+    pub fn new(number: usize, beam: &parameters::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
+        Self { number, mask: BeamMask::new(beam, grid, mask, nu), pose: BeamPose::new(beam), search: Search::new(grid) }
     }
 
     /// Return the cylinder that the beam is clamped to.
@@ -134,9 +136,10 @@ mod tests {
             length: 1.0,
             thickness: (0..=16).map(thickness).collect(),
             support_cylinder: None,
+            surface: parameters::Surface::Mask,
         };
         let mask = Mask::Sharp { c_eta: 1.0, displacement_corrected: false };
-        let mut beam = Beam::new(&parameters, &grid, &mask, 1e-3);
+        let mut beam = Beam::new(0, &parameters, &grid, &mask, 1e-3);
         let along = |axis: usize| (0..=8).map(move |k| ROOT[axis] + DIRECTION[axis] * f64::from(k) / 8.0).collect();
         let speed = |axis: usize| {
             let across = [-DIRECTION[1], DIRECTION[0]];
@@ -191,10 +194,11 @@ mod tests {
             length: 0.3,
             thickness: vec![0.025; 13],
             support_cylinder: None,
+            surface: parameters::Surface::Mask,
         };
         let target = WallCorrection::Curvature;
         let mask = Mask::LogLinear { c_eta: 1e-5, decay_length_cells: 0.25, core_depth: None, wall_correction: target };
-        let mut beam = Beam::new(&parameters, &grid, &mask, 1e-3);
+        let mut beam = Beam::new(0, &parameters, &grid, &mask, 1e-3);
         let flow: Vec<_> = (0..grid.len()).map(|i| grid.point(i)).map(|[x, y]| [y + x * y, x - 2.0 * y * y]).collect();
         // A cell, and its position relative to the upper corner of the tip: on the bisector outside and inside, and far
         // away.

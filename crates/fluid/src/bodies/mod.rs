@@ -23,11 +23,11 @@ use line_fft::Real;
 use crate::field::Field;
 use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
-use crate::parameters::{Body, Parameters};
+use crate::parameters::{Body, Parameters, Surface};
 use crate::wall::DragProfile;
 use crate::zone::DrivingZone;
 
-use beam::Beam;
+pub use beam::Beam;
 pub use body_pose::Pose;
 pub use cells::Cell;
 use cells::{Cells, Painted};
@@ -37,13 +37,15 @@ use mount::{Drag, Release};
 use pose::BeamPose;
 use rigid::Rigid;
 pub use stations::{Loads, Stations};
+pub use vector::{difference, unit};
 
-/// Walls, zones, rigid bodies and beams, as a field of drag and as cells.
+/// Walls, zones, rigid bodies and beams with a mask, as a field of drag and as cells.
 pub struct Bodies {
     /// The cylinders, then the other rigid bodies.
     rigid: Vec<Rigid>,
     /// Number of cylinders.
     cylinders: usize,
+    /// The beams with a mask.
     beams: Vec<Beam>,
     /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent without a body.
     rate: Option<Field<f64>>,
@@ -83,8 +85,8 @@ impl MovingBodies<'_> {
                 None => rigid.follow(time, grid),
             }
         }
-        for (beam, (stations, before)) in self.beams.iter_mut().zip(stations.iter().zip(before)) {
-            beam.place(stations, before, grid);
+        for beam in &mut *self.beams {
+            beam.place(&stations[beam.number], &before[beam.number], grid);
         }
     }
 
@@ -101,7 +103,8 @@ impl Bodies {
         let &Parameters { ref mask, kinematic_viscosity: nu, density, channel, .. } = parameters;
         let bodies = parameters.cylinders.iter().map(Body::from).chain(parameters.bodies.iter().cloned());
         let rigid: Vec<_> = bodies.map(|body| Rigid::new(body, grid, mask, nu)).collect();
-        let beams: Vec<_> = parameters.beams.iter().map(|beam| Beam::new(beam, grid, mask, nu)).collect();
+        let masked = parameters.beams.iter().enumerate().filter(|(_, beam)| beam.surface == Surface::Mask);
+        let beams: Vec<_> = masked.map(|(number, beam)| Beam::new(number, beam, grid, mask, nu)).collect();
         let any = !zones.is_empty() || channel.is_some() || !rigid.is_empty() || !beams.is_empty();
         let mut bodies = Self {
             rigid,
@@ -268,8 +271,8 @@ impl Bodies {
     pub fn predict(&mut self, ahead: &[Stations], stations: &[Stations], grid: &Grid) -> PredictedBeams {
         let room = || self.beams.iter().map(|beam| beam.pose.clone()).collect();
         let mut poses: Vec<BeamPose> = self.spare.take().unwrap_or_else(room);
-        for ((beam, pose), (ahead, stations)) in self.beams.iter_mut().zip(&mut poses).zip(ahead.iter().zip(stations)) {
-            beam.find_cells(pose, ahead, stations, grid);
+        for (beam, pose) in self.beams.iter_mut().zip(&mut poses) {
+            beam.find_cells(pose, &ahead[beam.number], &stations[beam.number], grid);
         }
         PredictedBeams(poses)
     }
@@ -303,11 +306,26 @@ impl Bodies {
         }
     }
 
-    /// Return the displaced fluid of all bodies, the rigid ones first, without a force.
+    /// Add `Σ a_b u_b` of all bodies to `sums` at some points in ascending order.
+    pub fn add_velocities_at(&self, points: &[usize], sums: &mut [[f64; 2]]) {
+        let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
+        let beams = self.beams.iter().map(|beam| &beam.pose.cells);
+        for cell in rigid.chain(beams).flat_map(Cells::iter) {
+            if let Ok(k) = points.binary_search(&cell.index) {
+                (0..2).for_each(|axis| sums[k][axis] += cell.rate * cell.velocity[axis]);
+            }
+        }
+    }
+
+    /// Return the displaced fluid of all bodies with a mask, the rigid ones first, without a force.
     pub fn without_force(&self, stations: &[Stations]) -> Vec<BodyForce> {
-        let rigid = self.rigid.iter().map(|rigid| rigid.displaced(self.density));
-        let beams = self.beams.iter().zip(stations).map(|(beam, stations)| beam.displaced(stations, self.density));
-        rigid.chain(beams).map(|displaced| BodyForce { displaced, force: Force::default() }).collect()
+        let mut forces = vec![BodyForce::default(); self.rigid.len() + stations.len()];
+        let (on_rigid, on_beams) = forces.split_at_mut(self.rigid.len());
+        on_rigid.iter_mut().zip(&self.rigid).for_each(|(own, rigid)| own.displaced = rigid.displaced(self.density));
+        for beam in &self.beams {
+            on_beams[beam.number].displaced = beam.displaced(&stations[beam.number], self.density);
+        }
+        forces
     }
 
     /// Sum up the forces of a step of size `dt` (s) from `drag`, the drag on a cell over the density, m/s².
@@ -333,7 +351,8 @@ impl Bodies {
                 None => known.update(sum, displaced, dt),
             }
         }
-        for (k, ((known, beam), stations)) in on_beams.iter_mut().zip(&self.beams).zip(stations).enumerate() {
+        for beam in &self.beams {
+            let (k, stations) = (beam.number, &stations[beam.number]);
             let (mut sum, mut power) = (Force::default(), 0.0);
             for (cell, velocity) in beam.cells_and_velocities(stations) {
                 let force = drag(cell);
@@ -347,20 +366,20 @@ impl Bodies {
                 }
             }
             exchange[k] = Exchange { force: sum.force, power, work: exchange[k].work + power * dt };
-            known.update(sum, beam.displaced(stations, self.density), dt);
+            on_beams[k].update(sum, beam.displaced(stations, self.density), dt);
         }
     }
 
-    /// Write the loads on the stations of each beam from the drag on its cells.
+    /// Write the loads on the stations of each beam with a mask from the drag on its cells.
     ///
     /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it decreases with the
     /// velocity of the body (kg/(m s)), per axis.
     pub fn collect_loads(&self, drag: impl Fn(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut [Loads]) {
-        self.beams.iter().zip(loads).for_each(|(beam, loads)| beam.collect(&drag, loads));
+        self.beams.iter().for_each(|beam| beam.collect(&drag, &mut loads[beam.number]));
     }
 
-    /// Return the point on the upper (`side` = 1) or lower (−1) surface of a beam, numbered from 0, at station `k`, m.
-    pub fn surface_point(&self, beam: usize, stations: &Stations, k: usize, side: f64) -> [f64; 2] {
-        self.beams[beam].surface_point(stations, k, side)
+    /// Return a beam, counted among all from 0, if it has a mask.
+    pub fn masked_beam(&self, beam: usize) -> Option<&Beam> {
+        self.beams.iter().find(|own| own.number == beam)
     }
 }

@@ -160,13 +160,14 @@ impl BeamPose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameters::Mask;
+    use crate::parameters::{Mask, Surface};
 
     /// A straight beam along x that tapers from 0.2 to 0.04: its surfaces are straight lines, also beyond them.
     #[test]
     fn surfaces_of_a_tapered_beam_are_straight_lines() {
         let thickness = (0..=16).map(|k| 0.2 - 0.16 * f64::from(k) / 16.0).collect();
-        let beam = Beam { stations: vec![[0.0; 2]; 9], length: 1.0, thickness, support_cylinder: None };
+        let (stations, surface) = (vec![[0.0; 2]; 9], Surface::Mask);
+        let beam = Beam { stations, length: 1.0, thickness, support_cylinder: None, surface };
         let grid = Grid::new([[-0.5, 1.5]; 2], [64; 2]);
         let sharp = Mask::Sharp { c_eta: 1.0, displacement_corrected: false };
         let (mask, mut frame) = (BeamMask::new(&beam, &grid, &sharp, 1e-3), Frame::new(&beam));

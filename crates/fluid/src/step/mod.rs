@@ -125,7 +125,7 @@ impl<R: Real> Scheme<R> {
         loads: &mut [Loads],
     ) {
         match self {
-            Self::Sbdf2(scheme) => scheme.predict_loads(predicted, flow, present, &mut problem.bodies, loads),
+            Self::Sbdf2(scheme) => scheme.predict_loads(predicted, flow, present, problem, loads),
             Self::Rk2(_) => rk2::predict_loads(flow, present, &mut problem.bodies, loads),
         }
     }

@@ -78,6 +78,7 @@ impl<R: Real> Sbdf2<R> {
             w - scheme.tau * memory.inv_tau * (w_last - u)
         };
         problem.bodies.release(scheme.c, &present.carried, u_star, &mut work.w);
+        self.solve_on_lines(&step, &scheme, flow, problem, &mut work.w)?;
         problem.timer.mark(Phase::Velocities);
         let implicit = Implicit {
             tau_nu: scheme.tau * problem.nu,
@@ -99,8 +100,10 @@ impl<R: Real> Sbdf2<R> {
                 cell.rate * (u_star - cell.velocity[axis])
             })
         };
-        let exchange = &mut present.beams.exchange;
-        problem.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
+        problem.sum_up_forces(step.dt, drag, step.stations, present);
+        if let Some(ahead) = step.ahead {
+            problem.place_thin(ahead);
+        }
         problem.timer.mark(Phase::Forces);
         self.take_over(flow, work);
         self.memory.inv_tau = scheme.c[0];
@@ -141,6 +144,30 @@ impl<R: Real> Sbdf2<R> {
         timer.mark(Phase::Solve);
     }
 
+    /// Take the drag of the thin bodies at the end of the step into `w`.
+    fn solve_on_lines(
+        &self,
+        step: &Substep,
+        scheme: &Differences,
+        flow: &Flow<R>,
+        problem: &mut Problem,
+        w: &mut [Field<R>; 2],
+    ) -> Result<(), Error> {
+        if problem.thin.is_empty() {
+            return Ok(());
+        }
+        problem.place_thin(step.stations);
+        let TwoStep { w: w_last, inv_tau, .. } = &self.memory;
+        let first = |point: usize, w: &[Field<R>; 2]| {
+            [0, 1].map(|axis| {
+                let [u, w_last, w] = [&flow.velocity, w_last, w].map(|field| field[axis][point].to_f64());
+                w - scheme.tau * (inv_tau * (w_last - u))
+            })
+        };
+        let Problem { bodies, thin, grid, .. } = problem;
+        thin.apply(scheme.c[0], bodies.rate(), first, w, step.end, grid)
+    }
+
     /// Make a new flow from `work.w` in the place of the previous one, which is not needed any more, and return its
     /// advection rate, 1/s. Meanwhile `predict` may run with the bodies.
     fn solve_wave_by_wave(
@@ -170,16 +197,19 @@ impl<R: Real> Sbdf2<R> {
         predicted: Option<PredictedBeams>,
         flow: &Flow<R>,
         present: &Present,
-        bodies: &mut Bodies,
+        problem: &mut Problem,
         loads: &mut [Loads],
     ) {
         if let Some(predicted) = predicted {
-            bodies.move_to_predicted(predicted);
+            problem.bodies.move_to_predicted(predicted);
         }
         let scheme = Differences::new(present.step, present.step);
-        bodies.sample(self.extrapolated(&scheme, flow));
-        let Some(rate) = bodies.rate() else { return };
+        problem.bodies.sample(self.extrapolated(&scheme, flow));
         let known = self.known(flow);
+        let right_side = |point: usize| [0, 1].map(|axis| known.right_side(&scheme, axis, point).0);
+        problem.predict_loads_on_lines(scheme.c[0], present.time + present.step, right_side, loads);
+        let bodies = &problem.bodies;
+        let Some(rate) = bodies.rate() else { return };
         let weight = bodies.cell_mass;
         let drag = |cell: &Cell| {
             let share = cell.rate / (scheme.c[0] + rate[cell.index]);
