@@ -55,6 +55,5 @@ impl Scene {
 
 /// Return the coarsest spacing, m.
 fn cell_size(fluid: &Fluid) -> f64 {
-    let [dx, dy] = fluid.r#box.spacing();
-    dx.max(dy)
+    fluid.r#box.spacing().into_iter().fold(0.0, f64::max)
 }

@@ -107,7 +107,7 @@ fn rod_on_a_line_accounts_for_the_layer_that_moves_with_it() {
         let scene = on_line(&density.to_string(), GIVEN).unwrap();
         let (beam, rod, fluid) =
             (scene.beam.as_ref().unwrap(), scene.rod.as_ref().unwrap(), scene.fluid.as_ref().unwrap());
-        let ([low, high], [cells, _]) = (fluid.r#box.x, fluid.r#box.cells);
+        let ([low, high], cells) = (fluid.r#box.x, fluid.r#box.cells[0]);
         let layer = fluid.density * nervure_scene::LINE_THICKNESS_CELLS * (high - low) / cells as f64;
         let found = scene.displaced_line_density(beam, rod)[0];
         assert!((found - layer.min(density * 0.02)).abs() < 1e-12 * layer, "{density}: {found}");
