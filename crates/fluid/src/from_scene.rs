@@ -7,8 +7,8 @@ use scene::{BodyDrive, Ends, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
 use crate::parameters::{
-    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, Surface,
-    TimeScheme, WallCorrection, Zone,
+    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, Surface, TimeScheme,
+    WallCorrection, Zone,
 };
 use crate::space;
 

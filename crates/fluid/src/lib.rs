@@ -48,8 +48,8 @@ pub use fluid::Fluid;
 pub use force::{Exchange, Force};
 pub use grid::Grid;
 pub use parameters::{
-    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, Surface,
-    TimeScheme, WallCorrection, Zone,
+    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, Surface, TimeScheme,
+    WallCorrection, Zone,
 };
 pub use state::State;
 

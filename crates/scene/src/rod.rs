@@ -200,10 +200,9 @@ impl Check for Rod {
 impl Check for SectionProfile {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         self.line_density.check_points(&format!("{key}.line_density"), faults);
-        for (name, quantity) in [
-            ("bending_stiffness", &self.bending_stiffness),
-            ("axial_stiffness", &self.axial_stiffness),
-        ] {
+        for (name, quantity) in
+            [("bending_stiffness", &self.bending_stiffness), ("axial_stiffness", &self.axial_stiffness)]
+        {
             quantity.check_at(&format!("{key}.{name}"), faults);
         }
         self.shear_stiffness.check_at(&format!("{key}.shear_stiffness"), faults);

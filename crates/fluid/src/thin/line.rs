@@ -6,9 +6,9 @@
 
 use std::ops::Range;
 
+use super::LineForce;
 use super::kernel::LINE_THICKNESS_CELLS;
 use super::markers::Markers;
-use super::LineForce;
 use crate::bodies::{Loads, Stations, difference, unit};
 use crate::force::{Displaced, Force};
 
@@ -18,7 +18,7 @@ const SPACING_CELLS: f64 = 1.5;
 
 /// Length by which a free end is drawn in, cells, because the kernel reaches beyond the last marker. With it a line has
 /// the added mass of a plate of its length.
-const DRAWN_IN_CELLS: f64 = 0.4;
+const DRAWN_IN_CELLS: f64 = 0.1;
 
 /// A line.
 pub struct Line {
@@ -73,15 +73,7 @@ impl Line {
         }
         let mut covered = vec![0.0; points.len()];
         shares.iter().for_each(|&(point, share)| covered[point] += share * length / count);
-        Self {
-            beam,
-            parts,
-            shares,
-            first,
-            layer: thickness * length / count,
-            length,
-            covered,
-        }
+        Self { beam, parts, shares, first, layer: thickness * length / count, length, covered }
     }
 
     /// Move the markers to stations.
@@ -110,13 +102,7 @@ impl Line {
     }
 
     /// Return the sum of the forces on the markers, with the moment and the power.
-    pub fn force(
-        &self,
-        stations: &Stations,
-        markers: &Markers<2>,
-        force: &[Vec<f64>; 2],
-        density: f64,
-    ) -> LineForce {
+    pub fn force(&self, stations: &Stations, markers: &Markers<2>, force: &[Vec<f64>; 2], density: f64) -> LineForce {
         let mut sum = LineForce::default();
         for k in self.first..self.first + self.parts.len() {
             let marker = markers.get(k);

@@ -176,7 +176,11 @@ fn multiply<const D: usize>(
     let mut place = *first;
     for weight in &along[weights.clone()] {
         let next = (before.0 * grid.cells[axis] + place, before.1 * weight);
-        if axis + 1 == D { add(next.0, next.1) } else { multiply(grid, spans, along, axis + 1, next, add) }
+        if axis + 1 == D {
+            add(next.0, next.1)
+        } else {
+            multiply(grid, spans, along, axis + 1, next, add)
+        }
         place = if place + 1 == grid.cells[axis] { 0 } else { place + 1 };
     }
 }

@@ -88,13 +88,7 @@ impl ThinBodies {
     /// Solve for the forces. `first` gives the velocity of the local solve without the thin bodies at a grid point,
     /// and `rate` the drag rate of the masks (1/s); `c_0` is the coefficient of the difference in time (1/s). Return
     /// whether the solution was found.
-    fn solve(
-        &mut self,
-        c_0: f64,
-        rate: Option<&[f64]>,
-        first: impl Fn(usize) -> [f64; 2],
-        grid: &Grid,
-    ) -> bool {
+    fn solve(&mut self, c_0: f64, rate: Option<&[f64]>, first: impl Fn(usize) -> [f64; 2], grid: &Grid) -> bool {
         self.markers.weigh(|point| 1.0 / (c_0 + rate.map_or(0.0, |rate| rate[point])));
         self.system.assemble(&self.markers, grid);
         (0..2).all(|axis| {
