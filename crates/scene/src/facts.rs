@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 
 use serde::Serialize;
 
-use crate::beam::Beam;
+use crate::beam::{Beam, Surface};
 use crate::body::{Body, Shape, Support};
 use crate::fluid::{Fluid, InflowProfile};
 use crate::law::TimeLaw;
@@ -59,6 +59,8 @@ pub struct BeamFacts {
     pub line_density: Option<Vec<f64>>,
     /// Bending stiffness, N m² (per metre of depth in two dimensions): `[segments + 1]`; absent without a rod.
     pub bending_stiffness: Option<Vec<f64>>,
+    /// Why the fluid meets the beam as a line; absent if it does not.
+    pub line: Option<String>,
 }
 
 /// Facts of a law of time.
@@ -140,7 +142,7 @@ struct Drive {
 impl Scene {
     /// Facts of the scene.
     pub fn facts(&self) -> Facts {
-        let beams: Vec<_> = self.beams_with_rods().map(|beam| beam_facts(&beam)).collect();
+        let beams: Vec<_> = self.beams_with_rods().map(|beam| beam_facts(self, &beam)).collect();
         let sizes = sizes(self, &beams);
         let dimensionless = self.fluid.as_ref().map(|fluid| dimensionless(self, fluid, &beams, &sizes));
         let fluid_steps = match (&self.fluid, &dimensionless) {
@@ -152,13 +154,14 @@ impl Scene {
     }
 }
 
-fn beam_facts(BeamWithRod { beam, rod, .. }: &BeamWithRod) -> BeamFacts {
+fn beam_facts(scene: &Scene, BeamWithRod { beam, rod, .. }: &BeamWithRod) -> BeamFacts {
     let places = || (0..=beam.segments).map(|i| i as f64 / beam.segments as f64);
     let sections = rod.map(|rod| places().map(|s| rod.material.section(&beam.thickness, s)).collect::<Vec<_>>());
     BeamFacts {
         thickness: places().map(|s| beam.thickness.at(s)).collect(),
         line_density: sections.as_ref().map(|all| all.iter().map(|section| section.line_density).collect()),
         bending_stiffness: sections.as_ref().map(|all| all.iter().map(|section| section.bending_stiffness).collect()),
+        line: scene.surface(beam).filter(|(surface, _)| *surface == Surface::Line).map(|(_, reason)| reason),
     }
 }
 

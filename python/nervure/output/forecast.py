@@ -67,7 +67,8 @@ def _scene_rows(session: Session) -> Iterator[tuple[str, str]]:
         yield f"mount of {name}", "; ".join(parts)
     for name, body in numbers.bodies.items():
         layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
-        yield f"cells of {name}", f"{body.thickness_cells:.3g} in the {_across(name)}{layer}"
+        line = f"; a line: {session.facts.lines[name]}" if name in session.facts.lines else ""
+        yield f"cells of {name}", f"{body.thickness_cells:.3g} in the {_across(name)}{layer}{line}"
     if numbers.cfl is not None:
         each, largest = session.facts.fluid_steps, scene.fluid.time_stepping.max_cfl
         divided = f", in which the fluid makes up to {each}" if each > 1 else ""
@@ -89,16 +90,18 @@ def warnings(facts: Facts) -> Iterator[str]:
             yield f"{cause}, with which transforms take about three times as long; {below} and {above} have none"
     if numbers is None:
         return
+    lines = facts.lines
     for name, body in numbers.bodies.items():
-        yield from _unresolved(name, body)
+        if name not in lines:
+            yield from _unresolved(name, body)
     if numbers.reynolds is not None and not _within(numbers.reynolds, REYNOLDS):
         low, high = REYNOLDS
         yield f"Re is {numbers.reynolds:.3g}; forces were compared with published ones from {low:g} to {high:g}"
-    if numbers.density_ratio is not None and not _within(numbers.density_ratio, DENSITY_RATIO):
-        ratio, (low, high) = numbers.density_ratio, DENSITY_RATIO
+    low, high = DENSITY_RATIO
+    ratio = None if len(lines) == len(facts.beams) else numbers.density_ratio  # A line bears a rod of any mass
+    if ratio is not None and not _within(ratio, DENSITY_RATIO):
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces; the coupling was tried from {low:g} to {high:g}"
-    elif numbers.density_ratio is not None and numbers.density_ratio < 1 and scene.fluid.precision == "single":
-        ratio = numbers.density_ratio
+    elif ratio is not None and ratio < 1 and scene.fluid.precision == "single":
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces, which wants `precision` double to converge"
     if numbers.velocity and numbers.length:
         (mask,) = scene.fluid.mask.document().values()
@@ -107,7 +110,7 @@ def warnings(facts: Facts) -> Iterator[str]:
             yield f"the mask is soft: C_eta U/L is {softness:.2g}; above {SOFTNESS:g} forces can be off by 10 %"
     for own in facts.beams:
         ratio = own.beam.length / own.beam.segments / facts.thickness[own.force].max()
-        if ratio < SEGMENT * (1 - ROUNDING):
+        if own.force not in lines and ratio < SEGMENT * (1 - ROUNDING):
             whose = f"segments of the rod {own.unit}" if own.prefix else "segments"
             yield f"{whose} are {ratio:.2g} thicknesses long; a run of less than {SEGMENT:g} can end in an error"
 

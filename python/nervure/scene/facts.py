@@ -93,6 +93,12 @@ class Facts:
         return {own.force: np.array(found["thickness"]) for own, found in each}
 
     @property
+    def lines(self) -> dict[str, str]:
+        """Why the fluid meets a beam as a line, by the name of its force; only of beams that are lines."""
+        each = zip(self.beams, self._found["beams"], strict=True)
+        return {own.force: found["line"] for own, found in each if found["line"] is not None}
+
+    @property
     def areas(self) -> dict[str, float]:
         """Areas that the coefficients of bodies in space refer to, by the names of their forces, m²."""
         return dict(self._found.get("areas", {}))
