@@ -24,10 +24,9 @@ fn step(fluid: &mut Fluid, h: f64, velocity: impl Fn(f64) -> [f64; 2]) {
     let stations = &mut fluid.stations_mut()[0];
     let last = (stations.len() - 1) as f64;
     for k in 0..stations.len() {
-        let velocity = velocity(k as f64 / last);
-        for axis in 0..2 {
-            stations.position[axis][k] += h * velocity[axis];
-            stations.velocity[axis][k] = velocity[axis];
+        for (axis, velocity) in velocity(k as f64 / last).into_iter().enumerate() {
+            stations.position[axis][k] += h * velocity;
+            stations.velocity[axis][k] = velocity;
         }
     }
     run(fluid, 1, h);
