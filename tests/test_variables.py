@@ -280,7 +280,7 @@ def test_newton_outputs_count_sub_steps_and_iterations(still, instantiate):
 
     iterations, substeps, rescues, pivots = newton(0.01, 0.0, max_step=2.5e-3)
     assert (substeps, rescues, pivots) == (4, 0, 0) and iterations >= 2 * substeps, iterations
-    iterations, substeps, rescues, pivots = newton(0.7, -0.5 * euler)
+    iterations, substeps, rescues, pivots = newton(0.7, -0.5 * euler, max_step=0.7)
     assert (substeps, pivots) == (1, 0) and 0 < rescues < iterations
-    iterations, substeps, rescues, pivots = newton(0.7, -4 * euler)
+    iterations, substeps, rescues, pivots = newton(0.7, -4 * euler, max_step=0.7)
     assert substeps == 1 and pivots > 0 and rescues > 0 and iterations > rescues + pivots

@@ -68,7 +68,7 @@ fn parameters(unit: &RodUnit) -> Vec<Variable> {
         Real::parameter("line_density", per("kg/m", "kg/m2"), text("Mass of the section per length"), |m| {
             from_mut(&mut m.parameters.section.line_density)
         })
-        .at_least(0.0),
+        .above(0.0),
         Real::parameter("bending_stiffness", per("N.m2", "N.m"), text("Bending stiffness EI"), |m| {
             from_mut(&mut m.parameters.section.bending_stiffness)
         })

@@ -12,7 +12,7 @@ pub fn parameters(own: &scene::Wing) -> Result<Parameters, Error> {
         support: match own.support {
             WingSupport::Clamped => Support::Clamped,
             WingSupport::Pinned => Support::Pinned,
-            WingSupport::TorsionSpring { stiffness } => Support::TorsionSpring { stiffness },
+            WingSupport::Hinge { stiffness } => Support::TorsionSpring { stiffness },
         },
         origin: own.pivot,
     };
@@ -53,8 +53,8 @@ pub fn parameters(own: &scene::Wing) -> Result<Parameters, Error> {
 
 fn mesh(mesh: &WingMesh) -> Mesh {
     match mesh {
-        &WingMesh::Rectangle { length, width, along } => wing::rectangle(length, width, along),
-        &WingMesh::Ellipse { length, width, along } => wing::ellipse(length, width, along),
+        &WingMesh::Rectangular { length, width, along } => wing::rectangle(length, width, along),
+        &WingMesh::Elliptical { length, width, along } => wing::ellipse(length, width, along),
         &WingMesh::Insect { span, chord, along } => wing::insect_wing(span, chord, along),
         WingMesh::Triangles { nodes, triangles, chains } => Mesh {
             nodes: nodes.clone(),

@@ -203,7 +203,10 @@ fn beam(scene: &Scene, beam: &scene::Beam) -> Beam {
             Root::OnCylinder { cylinder, .. } => Some(cylinder),
             Root::At { .. } => None,
         },
-        surface: if scene.is_line(beam) { Surface::Line } else { Surface::Mask },
+        surface: match beam.surface {
+            scene::Surface::Line => Surface::Line,
+            scene::Surface::Mask => Surface::Mask,
+        },
     }
 }
 

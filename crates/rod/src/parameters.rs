@@ -103,6 +103,7 @@ impl<const D: usize> Parameters<D> {
         };
         for (name, value) in [
             ("length", self.length),
+            ("section.line_density", line_density),
             ("section.bending_stiffness", bending_stiffness),
             ("section.axial_stiffness", axial_stiffness),
         ]
@@ -116,7 +117,6 @@ impl<const D: usize> Parameters<D> {
             }
         }
         for (name, value) in [
-            ("section.line_density", line_density),
             ("displaced", self.displaced),
             ("damping", self.damping),
             ("clamp_compliance_length", self.clamp_compliance_length),

@@ -44,8 +44,8 @@ fn bad_parameters_are_named() {
         (Parameters { rest_angles: vec![0.0, f64::NAN, 0.0, 0.0], ..bar() }, ["rest_angles[1] is NaN", "finite"]),
         (Parameters { max_step: Some(0.0), ..bar() }, ["max_step is 0", "above 0"]),
         (
-            Parameters { section: Section { line_density: -1.0, ..section }, ..bar() },
-            ["section.line_density is -1", "at least 0"],
+            Parameters { section: Section { line_density: 0.0, ..section }, ..bar() },
+            ["section.line_density is 0", "above 0"],
         ),
         (
             Parameters { section: Section { bending_stiffness: -2.0, ..section }, ..bar() },

@@ -35,13 +35,11 @@ pub struct Beam {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Surface {
-    /// A line where the beam is thinner than two cells, else a mask.
-    #[default]
-    Auto,
     /// Markers along the beam drag the fluid. Whatever the beam's thickness, the line stands for a plate of 1.3 cells,
     /// and the rod may have any mass, with one exchange per step.
     Line,
     /// The mask of the band around the beam, which wants four cells of thickness or more.
+    #[default]
     Mask,
 }
 

@@ -59,8 +59,8 @@ pub struct BeamFacts {
     pub line_density: Option<Vec<f64>>,
     /// Bending stiffness, N m² (per metre of depth in two dimensions): `[segments + 1]`; absent without a rod.
     pub bending_stiffness: Option<Vec<f64>>,
-    /// Why the fluid meets the beam as a line; absent if it does not.
-    pub line: Option<String>,
+    /// Whether the fluid meets the beam as a line.
+    pub line: bool,
 }
 
 /// Facts of a law of time.
@@ -161,7 +161,7 @@ fn beam_facts(scene: &Scene, BeamWithRod { beam, rod, .. }: &BeamWithRod) -> Bea
         thickness: places().map(|s| beam.thickness.at(s)).collect(),
         line_density: sections.as_ref().map(|all| all.iter().map(|section| section.line_density).collect()),
         bending_stiffness: sections.as_ref().map(|all| all.iter().map(|section| section.bending_stiffness).collect()),
-        line: scene.surface(beam).filter(|(surface, _)| *surface == Surface::Line).map(|(_, reason)| reason),
+        line: scene.fluid.is_some() && beam.surface == Surface::Line,
     }
 }
 

@@ -1,6 +1,6 @@
 //! The load of the fluid on the rods: the choice where a scene leaves it open, and the quantities that follow from it.
 
-use crate::beam::Beam;
+use crate::beam::{Beam, Surface};
 use crate::coupling::Load;
 use crate::method::TimeScheme;
 use crate::rod::{Material, Rod};
@@ -76,7 +76,7 @@ impl Scene {
         let rods = self.beams_with_rods().filter_map(|own| Some((own.name, own.beam, own.rod?)));
         let weights = rods.flat_map(|(name, beam, rod)| {
             let (material, thickness) = (&rod.material, &beam.thickness);
-            let (line, displaced) = (self.is_line(beam), self.displaced(fluid, beam, rod));
+            let (line, displaced) = (beam.surface == Surface::Line, self.displaced(fluid, beam, rod));
             beam.places().map(move |s| Weight {
                 name: name.map_or(String::new(), |name| format!(" `{name}`")),
                 own: material.section(thickness, s).line_density,

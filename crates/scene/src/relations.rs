@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use crate::beam::{Beam, Root};
+use crate::beam::{Beam, Root, Surface};
 use crate::coupling::{CouplingScheme, Load};
 use crate::fault::{Check, Fault, Faults, list};
 use crate::law::TimeLaw;
@@ -264,23 +264,17 @@ fn check_reference(scene: &Scene, faults: &mut Faults) {
     }
 }
 
-/// Check that lines suit the scheme, and that massless rods are lines.
+/// Check that lines suit the scheme and the load.
 fn check_lines(scene: &Scene, faults: &mut Faults) {
     let explicit = scene.fluid.as_ref().is_some_and(|fluid| fluid.time_stepping.scheme == TimeScheme::Rk2);
-    let by_momentum = scene.load() == Some(Load::Momentum);
     for own in scene.beams_with_rods() {
-        let (line, key) = (scene.is_line(own.beam), own.key());
+        let (line, key) = (own.beam.surface == Surface::Line, own.key());
         for (fits, needed) in [
             (!explicit, "a line needs the scheme sbdf2"),
             (!scene.axial_pressure_strain(), "`coupling.axial_pressure_strain` needs a mask: a line has no thickness"),
         ] {
             faults.require(!line || fits, &format!("{key}beam.surface"), "line", || needed.into());
         }
-        let Some(Material::Section(section)) = own.rod.map(|rod| &rod.material) else { continue };
-        let key = format!("{key}rod.material.section.line_density");
-        faults.require(!section.line_density.is_zero() || line && by_momentum, &key, 0, || {
-            "only a rod that is a line in a fluid, with the load momentum, may have no mass; here it must be > 0".into()
-        });
     }
 }
 

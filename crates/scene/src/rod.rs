@@ -78,7 +78,7 @@ pub enum Material {
 #[serde(deny_unknown_fields)]
 #[schemars(rename = "Section")]
 pub struct SectionProfile {
-    /// Mass per length, kg/m; 0 for a massless rod on a line in the fluid.
+    /// Mass per length, kg/m.
     pub line_density: Spanwise,
     /// Bending stiffness EI, N m².
     pub bending_stiffness: Spanwise,
@@ -199,10 +199,11 @@ impl Check for Rod {
 
 impl Check for SectionProfile {
     fn check_at(&self, key: &str, faults: &mut Faults) {
-        self.line_density.check_points(&format!("{key}.line_density"), faults);
-        for (name, quantity) in
-            [("bending_stiffness", &self.bending_stiffness), ("axial_stiffness", &self.axial_stiffness)]
-        {
+        for (name, quantity) in [
+            ("line_density", &self.line_density),
+            ("bending_stiffness", &self.bending_stiffness),
+            ("axial_stiffness", &self.axial_stiffness),
+        ] {
             quantity.check_at(&format!("{key}.{name}"), faults);
         }
         self.shear_stiffness.check_at(&format!("{key}.shear_stiffness"), faults);

@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Faults};
 
-/// A quantity along the span: a number where it is constant, otherwise a profile; > 0, but for a line density.
+/// A quantity along the span: a number > 0 where it is constant, otherwise a profile.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(inline)]
 pub enum Spanwise {
     /// The same value from root to tip.
-    Constant(#[schemars(range(min = 0.0))] f64),
+    Constant(#[schemars(extend("exclusiveMinimum" = 0.0))] f64),
     /// A profile along the span.
     Varying(SpanwiseProfile),
 }
@@ -80,19 +80,6 @@ impl Spanwise {
 
 impl Check for Spanwise {
     fn check_at(&self, key: &str, faults: &mut Faults) {
-        faults.require(!self.is_zero(), key, 0, || "it must be > 0".into());
-        self.check_points(key, faults);
-    }
-}
-
-impl Spanwise {
-    /// Return whether it is the constant 0.
-    pub fn is_zero(&self) -> bool {
-        matches!(self, Self::Constant(0.0))
-    }
-
-    /// Check the points of a profile.
-    pub(crate) fn check_points(&self, key: &str, faults: &mut Faults) {
         let Self::Varying(SpanwiseProfile::Points { s, values }) = self else { return };
         let covers = s.first() == Some(&0.0) && s.last() == Some(&1.0) && s.windows(2).all(|pair| pair[0] < pair[1]);
         faults.require(covers, &format!("{key}.points.s"), format!("{s:?}"), || {

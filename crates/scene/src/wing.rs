@@ -55,7 +55,7 @@ pub struct Wing {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum WingMesh {
     /// A rectangle with its root on the y axis; chains `root`, `tip`, `left` and `right`.
-    Rectangle {
+    Rectangular {
         /// Length along x, m.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         length: f64,
@@ -67,7 +67,7 @@ pub enum WingMesh {
         along: usize,
     },
     /// An ellipse that begins on the y axis; chains `root` and `tip`, quarters of the outline.
-    Ellipse {
+    Elliptical {
         /// Length along x, m.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         length: f64,
@@ -171,7 +171,7 @@ pub enum WingSupport {
     /// The wing turns freely about the nodes of the root.
     Pinned,
     /// The membrane turns about the line of the root against a spring along it.
-    TorsionSpring {
+    Hinge {
         /// Stiffness of the whole line, N m/rad.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         stiffness: f64,
@@ -182,8 +182,8 @@ impl WingMesh {
     /// Return the names of the chains.
     pub fn chains(&self) -> Vec<&str> {
         match self {
-            Self::Rectangle { .. } => vec!["root", "tip", "left", "right"],
-            Self::Ellipse { .. } => vec!["root", "tip"],
+            Self::Rectangular { .. } => vec!["root", "tip", "left", "right"],
+            Self::Elliptical { .. } => vec!["root", "tip"],
             Self::Insect { .. } => vec!["root", "margin", "costa", "radius", "media", "cubitus", "anal"],
             Self::Triangles { chains, .. } => chains.iter().map(|chain| &chain.name[..]).collect(),
         }
@@ -219,7 +219,7 @@ impl Check for Wing {
             _ if self.membrane.is_none() => {
                 faults.push(Fault::needed("wing.membrane", "a generated mesh has triangles, which need a material"));
             }
-            WingMesh::Rectangle { length, width, along } | WingMesh::Ellipse { length, width, along } => {
+            WingMesh::Rectangular { length, width, along } | WingMesh::Elliptical { length, width, along } => {
                 let nodes = *along as f64 * *along as f64 * width / length * 1.2;
                 faults.require(nodes <= MOST_NODES as f64, &format!("{key}.mesh"), "a mesh too fine", || {
                     format!("it makes some {nodes:.0} nodes, and a wing has at most {MOST_NODES}")

@@ -38,8 +38,8 @@ fn momentum_is_chosen_where_every_rod_may_take_it() {
     // The unit of the other rod has the same load.
     let back = Scene { this_rod: Some("back".into()), ..lighter }.of_unit().unwrap();
     assert_eq!(back.load(), Some(Load::PressureJump));
-    let first = &back.rods[0];
-    assert_eq!(back.displaced_line_density(&first.beam, &first.rod)[0], 0.0);
+    let (beam, rod) = (back.beam.as_ref().unwrap(), back.rod.as_ref().unwrap());
+    assert_eq!(back.displaced_line_density(beam, rod)[0], 0.0);
 }
 
 #[test]

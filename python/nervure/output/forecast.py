@@ -67,7 +67,7 @@ def _scene_rows(session: Session) -> Iterator[tuple[str, str]]:
         yield f"mount of {name}", "; ".join(parts)
     for name, body in numbers.bodies.items():
         layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
-        line = f"; a line: {session.facts.lines[name]}" if name in session.facts.lines else ""
+        line = "; the fluid meets it as a line" if name in session.facts.lines else ""
         yield f"cells of {name}", f"{body.thickness_cells:.3g} in the {_across(name)}{layer}{line}"
     if numbers.cfl is not None:
         each, largest = session.facts.fluid_steps, scene.fluid.time_stepping.max_cfl

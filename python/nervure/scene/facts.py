@@ -93,10 +93,9 @@ class Facts:
         return {own.force: np.array(found["thickness"]) for own, found in each}
 
     @property
-    def lines(self) -> dict[str, str]:
-        """Why the fluid meets a beam as a line, by the name of its force; only of beams that are lines."""
-        each = zip(self.beams, self._found["beams"], strict=True)
-        return {own.force: found["line"] for own, found in each if found["line"] is not None}
+    def lines(self) -> set[str]:
+        """The beams that the fluid meets as lines, by the names of their forces."""
+        return {own.force for own, found in zip(self.beams, self._found["beams"], strict=True) if found["line"]}
 
     @property
     def areas(self) -> dict[str, float]:

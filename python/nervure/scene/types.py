@@ -747,11 +747,10 @@ SpanwiseProfile = SpanwiseProfileTaper | SpanwiseProfilePoints
 """A quantity as a function of the place s along the span, 0 at the root and 1 at the tip, in the unit of its key."""
 
 
-Surface = Literal["auto", "line", "mask"]
-"""How a beam meets the fluid. `auto`: A line where the beam is thinner than two cells, else a mask. `line`: Markers
-along the beam drag the fluid. Whatever the beam's thickness, the line stands for a plate of 1.3 cells, and the rod may
-have any mass, with one exchange per step. `mask`: The mask of the band around the beam, which wants four cells of
-thickness or more."""
+Surface = Literal["line", "mask"]
+"""How a beam meets the fluid. `line`: Markers along the beam drag the fluid. Whatever the beam's thickness, the line
+stands for a plate of 1.3 cells, and the rod may have any mass, with one exchange per step. `mask`: The mask of the band
+around the beam, which wants four cells of thickness or more."""
 
 
 class Beam(Part):
@@ -769,7 +768,7 @@ class Beam(Part):
     segments: Integer
     """Number of segments, 2 to 65536; there are `segments + 1` stations, the first at the root."""
 
-    surface: Surface = "auto"
+    surface: Surface = "mask"
     """How the beam meets the fluid; no effect without one."""
 
     rest_angles: list[Real] = Field(default_factory=list)
@@ -809,7 +808,7 @@ class Section(Part):
     along the span."""
 
     line_density: Real | SpanwiseProfile
-    """Mass per length, kg/m; 0 for a massless rod on a line in the fluid."""
+    """Mass per length, kg/m."""
 
     bending_stiffness: Real | SpanwiseProfile
     """Bending stiffness EI, N m²."""
@@ -1016,17 +1015,43 @@ class NamedRod(Part):
     """Elastic model of the beam."""
 
 
-class WingMeshRectangle(Part):
+class Rectangular(Part):
     """A rectangle with its root on the y axis; chains `root`, `tip`, `left` and `right`."""
 
-    rectangle: Rectangle
+    length: Real
+    """Length along x, m."""
+
+    width: Real
+    """Width along y, m."""
+
+    along: Integer
+    """Triangles along x."""
+
+
+class WingMeshRectangular(Part):
+    """A rectangle with its root on the y axis; chains `root`, `tip`, `left` and `right`."""
+
+    rectangular: Rectangular
     """A rectangle with its root on the y axis; chains `root`, `tip`, `left` and `right`."""
 
 
-class WingMeshEllipse(Part):
+class Elliptical(Part):
     """An ellipse that begins on the y axis; chains `root` and `tip`, quarters of the outline."""
 
-    ellipse: Ellipse
+    length: Real
+    """Length along x, m."""
+
+    width: Real
+    """Width along y, m."""
+
+    along: Integer
+    """Triangles along x."""
+
+
+class WingMeshElliptical(Part):
+    """An ellipse that begins on the y axis; chains `root` and `tip`, quarters of the outline."""
+
+    elliptical: Elliptical
     """An ellipse that begins on the y axis; chains `root` and `tip`, quarters of the outline."""
 
 
@@ -1080,7 +1105,7 @@ class WingMeshTriangles(Part):
     """Nodes and triangles of any other program."""
 
 
-WingMesh = WingMeshRectangle | WingMeshEllipse | WingMeshInsect | WingMeshTriangles
+WingMesh = WingMeshRectangular | WingMeshElliptical | WingMeshInsect | WingMeshTriangles
 """Mesh of a wing. Chains are named lines of nodes."""
 
 
@@ -1122,14 +1147,21 @@ class Vein(Part):
     """Diameter at the tip by the diameter at the base; mass and EA follow its square, EI its fourth power."""
 
 
-class WingSupportTorsionSpring(Part):
+class Hinge(Part):
     """The membrane turns about the line of the root against a spring along it."""
 
-    torsion_spring: TorsionSpring
+    stiffness: Real
+    """Stiffness of the whole line, N m/rad."""
+
+
+class WingSupportHinge(Part):
+    """The membrane turns about the line of the root against a spring along it."""
+
+    hinge: Hinge
     """The membrane turns about the line of the root against a spring along it."""
 
 
-WingSupport = Literal["clamped", "pinned"] | WingSupportTorsionSpring
+WingSupport = Literal["clamped", "pinned"] | WingSupportHinge
 """Support of the root of a wing. `clamped`: Membrane and veins keep their direction at the root. `pinned`: The wing
 turns freely about the nodes of the root."""
 
