@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import nervure
-from nervure import coupling
 from nervure.evaluate import flapping, statistics
 from nervure.scene import types, validate
 from nervure.scene.facts import Facts
