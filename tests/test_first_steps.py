@@ -54,7 +54,7 @@ def test_a_scene_written_another_way_is_copied_too(rod_only, tmp_path):
 @pytest.mark.parametrize(
     ("typed", "found"),
     [
-        ("fluid.cha", ["fluid.channel", *(f"fluid.channel.{axis}" for axis in "xyz")]),
+        ("fluid.cha", ["fluid.channel", *(f"fluid.channel.{axis}" for axis in "yxz")]),
         ("fluid.box.c", ["fluid.box.cells"]),
         ("fluid.cylinders.0.r", ["fluid.cylinders.0.radius"]),
         ("rods.1.rod.dam", ["rods.1.rod.damping"]),

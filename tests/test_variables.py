@@ -137,6 +137,7 @@ def test_pressure_jump_pushes_its_station_to_the_right_of_the_way_to_the_tip(sti
 
 @pytest.mark.parametrize("station", [4, 11])
 def test_impedance_holds_its_station(station, small_fsi3, run):
+    small_fsi3["rod"]["max_step"] = H
     pushed = {("force_y", k): 0.1 for k in range(21)}
     free, held = (
         run(small_fsi3, inputs=pushed, steps=1),
