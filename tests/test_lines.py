@@ -1,0 +1,42 @@
+"""A beam that the fluid meets as a line, coupled with its rod."""
+
+import numpy as np
+import pytest
+
+import nervure
+from nervure.errors import SceneError
+
+FLAG = [
+    "fluid.box.cells=[128,64]", "time.communication_step=0.008", "fluid.time_stepping.max_step=0.008",
+    "beam.segments=16", "rod.material.section.bending_stiffness=0.01", "time.end=1.2",
+]  # fmt: skip
+
+
+def flag(folder, *more):
+    return nervure.run("flag-massless-240x120", folder, overrides=[*FLAG, *more], quiet=True)
+
+
+def test_a_rod_without_mass_needs_one_exchange(tmp_path):
+    """Its tip follows the gust, and rod and fluid agree on the work between them."""
+    run = flag(tmp_path)
+    tip, works = run.series["tip_uy"], [run.series[f"{side}_work"] for side in ("load", "beam")]
+    assert run.summary.iterations_mean == 1 and 0.002 < np.abs(tip).max() < 0.1
+    assert np.abs(works[0] - works[1]).max() < 0.05 * np.abs(works[1]).max()
+
+
+def test_one_exchange_gives_what_an_iteration_gives(tmp_path):
+    """A heavy rod under the momentum load, and under the pressure jump along the line with iterations."""
+    heavy = "rod.material.section.line_density=1"
+    tips = [
+        flag(tmp_path / name, heavy, *more).series["tip_uy"]
+        for name, more in {
+            "momentum": (),
+            "pressure": ('coupling={"load": "pressure_jump", "scheme": {"iterated": {}}}',),
+        }.items()
+    ]
+    assert np.abs(tips[0] - tips[1]).max() < 0.05 * np.abs(tips[0]).max()
+
+
+def test_a_line_needs_its_scheme(tmp_path):
+    with pytest.raises(SceneError, match="a line needs the scheme sbdf2"):
+        flag(tmp_path, "fluid.time_stepping.scheme=rk2")
