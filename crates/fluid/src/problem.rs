@@ -5,6 +5,7 @@ use std::mem::take;
 use line_fft::Real;
 
 use crate::bodies::{Bodies, Cell, Loads, Pose, Stations};
+use crate::error::Error;
 use crate::field::Field;
 use crate::force::{BodyForce, Exchange};
 use crate::grid::Grid;
@@ -98,6 +99,24 @@ impl Problem {
             }
         }
         self.bodies.add_velocities_at(points, sums);
+    }
+
+    /// Take the drag of the thin beams, at `stations` at a time (s), into `w`, with the coefficient `c_0` (1/s) of the
+    /// difference in time; `u_star(axis, point, w)` is the velocity of the local solve without them at a grid point.
+    pub fn solve_on_lines<R: Real>(
+        &mut self,
+        c_0: f64,
+        time: f64,
+        stations: &[Stations],
+        u_star: impl Fn(usize, usize, f64) -> f64,
+        w: &mut [Field<R>; 2],
+    ) -> Result<(), Error> {
+        if self.thin.is_empty() {
+            return Ok(());
+        }
+        self.place_thin(stations);
+        let first = |point: usize, w: &[Field<R>; 2]| [0, 1].map(|axis| u_star(axis, point, w[axis][point].to_f64()));
+        self.thin.apply(c_0, self.bodies.rate(), first, w, time, &self.grid)
     }
 
     /// Write the loads on the thin beams in the local solve of a coming step to `time` (s), with `right_side` at a grid

@@ -51,7 +51,7 @@ fn a_line_has_the_added_mass_of_a_plate() {
     for points in [16, 32] {
         let [near, far] = [6.0, 12.0].map(|size| added_mass(size, points));
         let found = far + (far - near) / 3.0;
-        let thickness = 1487.0 / 1134.0 / points as f64;
+        let thickness = scene::LINE_THICKNESS_CELLS / points as f64;
         let expected = 0.25 * PI * (1.0 + thickness * (0.237 + 0.505 * (1.0 / thickness).ln()));
         assert!((found / expected - 1.0).abs() < 0.03, "{points} points a length: {found} against {expected}");
     }

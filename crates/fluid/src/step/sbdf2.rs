@@ -78,7 +78,7 @@ impl<R: Real> Sbdf2<R> {
             w - scheme.tau * memory.inv_tau * (w_last - u)
         };
         problem.bodies.release(scheme.c, &present.carried, u_star, &mut work.w);
-        self.solve_on_lines(&step, &scheme, flow, problem, &mut work.w)?;
+        problem.solve_on_lines(scheme.c[0], step.end, step.stations, u_star, &mut work.w)?;
         problem.timer.mark(Phase::Velocities);
         let implicit = Implicit {
             tau_nu: scheme.tau * problem.nu,
@@ -142,30 +142,6 @@ impl<R: Real> Sbdf2<R> {
             }
         }
         timer.mark(Phase::Solve);
-    }
-
-    /// Take the drag of the thin bodies at the end of the step into `w`.
-    fn solve_on_lines(
-        &self,
-        step: &Substep,
-        scheme: &Differences,
-        flow: &Flow<R>,
-        problem: &mut Problem,
-        w: &mut [Field<R>; 2],
-    ) -> Result<(), Error> {
-        if problem.thin.is_empty() {
-            return Ok(());
-        }
-        problem.place_thin(step.stations);
-        let TwoStep { w: w_last, inv_tau, .. } = &self.memory;
-        let first = |point: usize, w: &[Field<R>; 2]| {
-            [0, 1].map(|axis| {
-                let [u, w_last, w] = [&flow.velocity, w_last, w].map(|field| field[axis][point].to_f64());
-                w - scheme.tau * (inv_tau * (w_last - u))
-            })
-        };
-        let Problem { bodies, thin, grid, .. } = problem;
-        thin.apply(scheme.c[0], bodies.rate(), first, w, step.end, grid)
     }
 
     /// Make a new flow from `work.w` in the place of the previous one, which is not needed any more, and return its

@@ -3,8 +3,7 @@
 /// Half the width of the kernel, spacings.
 pub const HALF_WIDTH: f64 = 2.0;
 
-/// Thickness of the plate that a line of markers stands for, cells: twice the mean of |Y|,
-/// where Y is the difference of two independent variables whose density is the kernel.
+/// Thickness of the plate that a line of markers stands for, cells: twice the mean of |Y|, where Y is the difference of two independent variables whose density is the kernel.
 ///
 /// In a shear flow along the line the plane of no slip lies the mean of |Y| off the line on both sides, exactly. Across
 /// the line a wave of the wavenumber k, interpolated and spread, loses the factor `1 − |k| mean|Y|` to first order, as
@@ -37,5 +36,7 @@ mod tests {
         }
         mean *= (4.0 / f64::from(n)).powi(2);
         assert!((2.0 * mean - LINE_THICKNESS_CELLS).abs() < 1e-4, "{}", 2.0 * mean);
+        // The rod of a scene leaves the fluid of that layer out of its mass.
+        assert_eq!(LINE_THICKNESS_CELLS, scene::LINE_THICKNESS_CELLS);
     }
 }

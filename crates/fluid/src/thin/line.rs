@@ -1,8 +1,8 @@
-//! A line of markers along the points of a beam or of a rigid body.
+//! A line of markers along the stations of a beam.
 //!
-//! A marker moves with the mean of a part of the line, and its force goes back to the points by the transpose of that
-//! mean, so that the power of the loads is the power of the drag. Every point has a share of a part, also where there
-//! are more points than markers.
+//! A marker moves with the mean of a part of the line, and its force goes back to the stations by the transpose of that
+//! mean, so that the power of the loads is the power of the drag. Every station has a share of a part, also where
+//! there are more stations than markers.
 
 use std::ops::Range;
 
