@@ -13,17 +13,21 @@ from PIL import Image, ImageSequence
 
 from nervure.output import animation
 
-LARGEST = 1_500_000  # Size of a picture of two periods from which one period is left out, bytes
+LARGEST = 1_000_000  # Size of a picture, bytes
+SMALLER = 0.85  # Factor of width and height of one trial after the other
 
 
 def shrink(source: Path, target: Path) -> None:
-    """Write all frames of `source`, or their first half where the file would exceed `LARGEST`."""
+    """Write all frames of `source`, or their first half where the file would exceed `LARGEST`: one period of two. Make
+    this half smaller until it fits."""
     with Image.open(source) as film:
-        frames = [np.asarray(frame.convert("RGB")) for frame in ImageSequence.Iterator(film)]
-    for shown in (frames, frames[: len(frames) // 2]):
-        animation.write_gif(shown, target)
-        if target.stat().st_size <= LARGEST:
-            break
+        frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(film)]
+    animation.write_gif([np.asarray(frame) for frame in frames], target)
+    half, factor = frames[: len(frames) // 2], 1.0
+    while target.stat().st_size > LARGEST:
+        size = [round(length * factor) for length in half[0].size]
+        animation.write_gif([np.asarray(frame.resize(size, Image.Resampling.LANCZOS)) for frame in half], target)
+        factor *= SMALLER
 
 
 if __name__ == "__main__":

@@ -190,8 +190,7 @@ def main_signal(series: Series, rounding: float = statistics.ROUNDING["double"])
     """Return the signal that decides on the periods, along its principal direction: the path of the tip, or without a
     rod that of a body on springs, or else the force. A driven root or a driven rigid body sets the period; `rounding`
     is the part of a signal's largest value that rounding may move."""
-    time = series["time"]
-    names, forces = [name for name in FORCES if name in series], _forces(series)
+    time, forces = series["time"], _forces(series)
     tip, rigid = flapping.path(series, "tip"), flapping.path(series, "rigid_tip")
     if tip is not None:
         drive = _along(time, rigid) if rigid is not None and np.ptp(rigid) > 0 else None
@@ -202,11 +201,8 @@ def main_signal(series: Series, rounding: float = statistics.ROUNDING["double"])
     if (response := _motion(series, mounted=True)) is not None:
         smallest = rounding * float(np.abs(response).max())
         return MainSignal("displacement", response, _motion(series), smallest)
-    values, smallest = (
-        _along(time, forces),
-        rounding * float(np.hypot(*forces)[statistics.last_third(time).of(time)].max()),
-    )
-    return MainSignal(names[0] if len(names) == 1 else "force", values, _motion(series), smallest)
+    smallest = rounding * float(np.hypot(*forces)[statistics.last_third(time).of(time)].max())
+    return MainSignal("force", _along(time, forces), _motion(series), smallest)
 
 
 def _forces(series: Series) -> np.ndarray | None:
@@ -296,13 +292,11 @@ def summarize(
     width = statistics.force_filter_width(window) if window else 0.0
     inside = {name: unit.seconds for name, unit in units.items()}
     about = {name: unit.description for name, unit in units.items()}
-    names = [name for name in quantities(facts) if window and name in series]
-    smallest = smallest_amplitudes(names, series, rounding) if window else {}
-    known = {
-        name: _quantity(name, recorder.units[name], series, scene, window, width, smallest[name])
-        for name in names
-        if window
-    }
+    known: dict[str, Quantity] = {}
+    if window:
+        names = [name for name in quantities(facts) if name in series]
+        for name, smallest in smallest_amplitudes(names, series, rounding).items():
+            known[name] = _quantity(name, recorder.units[name], series, scene, window, width, smallest)
     rods = {own.unit: rod_columns(series, own) for own in facts.beams} if scene.rods else {}
     return Summary(
         scene=scene.name,
