@@ -32,7 +32,7 @@ from studies import machine, simulate
 RESULTS = ROOT / "results" / "studies"
 
 SOURCES: dict[str, tuple[str, ...]] = {
-    "scene": ("crates/scene/src/**/*.rs",),
+    "scene": ("crates/scene/src/**/*.rs", "crates/mesh/src/**/*.rs"),
     "fluid": (
         "crates/fluid/src/**/*.rs",
         "crates/fluid/Cargo.toml",

@@ -1,11 +1,11 @@
 //! Conversion of a scene to the parameters of a wing, and of its laws to poses.
 
-use scene::{RodScheme, RootLaws, WingMesh, WingSupport};
-use wing::{Chain, Error, Membrane, Mesh, Parameters, Pose, Root, Scheme, Support, Vein};
+use scene::{RodScheme, RootLaws, WingSupport};
+use wing::{Error, Membrane, Parameters, Pose, Root, Scheme, Support, Vein};
 
 /// Return the parameters of the wing of a scene.
 pub fn parameters(own: &scene::Wing) -> Result<Parameters, Error> {
-    let mesh = mesh(&own.mesh);
+    let mesh = own.mesh.build();
     let chain = |name: &str| mesh.chain(name).unwrap_or_default().to_vec();
     let root = Root {
         nodes: own.root.as_deref().map(chain).unwrap_or_default(),
@@ -49,19 +49,6 @@ pub fn parameters(own: &scene::Wing) -> Result<Parameters, Error> {
         max_step: own.max_step,
         mesh,
     })
-}
-
-fn mesh(mesh: &WingMesh) -> Mesh {
-    match mesh {
-        &WingMesh::Rectangular { length, width, along } => wing::rectangle(length, width, along),
-        &WingMesh::Elliptical { length, width, along } => wing::ellipse(length, width, along),
-        &WingMesh::Insect { span, chord, along } => wing::insect_wing(span, chord, along),
-        WingMesh::Triangles { nodes, triangles, chains } => Mesh {
-            nodes: nodes.clone(),
-            triangles: triangles.clone(),
-            chains: chains.iter().map(|own| Chain { name: own.name.clone(), nodes: own.nodes.clone() }).collect(),
-        },
-    }
 }
 
 /// Return the pose of the base at time `t`, s.

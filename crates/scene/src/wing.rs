@@ -1,5 +1,6 @@
 //! An elastic wing: veins and a membrane between them.
 
+use mesh::{Chain, Mesh};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -179,6 +180,20 @@ pub enum WingSupport {
 }
 
 impl WingMesh {
+    /// Return nodes, triangles and chains.
+    pub fn build(&self) -> Mesh {
+        match self {
+            &Self::Rectangular { length, width, along } => mesh::rectangle(length, width, along),
+            &Self::Elliptical { length, width, along } => mesh::ellipse(length, width, along),
+            &Self::Insect { span, chord, along } => mesh::insect_wing(span, chord, along),
+            Self::Triangles { nodes, triangles, chains } => Mesh {
+                nodes: nodes.clone(),
+                triangles: triangles.clone(),
+                chains: chains.iter().map(|own| Chain { name: own.name.clone(), nodes: own.nodes.clone() }).collect(),
+            },
+        }
+    }
+
     /// Return the names of the chains.
     pub fn chains(&self) -> Vec<&str> {
         match self {

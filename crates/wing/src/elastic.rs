@@ -1,9 +1,10 @@
 //! Elastic energy of the wing with gradient, in the order membrane, plate, veins.
 
+use mesh::Mesh;
 use nalgebra::Matrix3;
 
 use crate::face::{Face, FaceShape};
-use crate::mesh::{Mesh, Vector};
+use crate::geometry::{Geometry, Vector};
 use crate::parameters::{Parameters, Support, Vein};
 use crate::plate::{Hinge, Side, Turn, compliance};
 use crate::sparse::Symmetric;

@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix3, Vector2};
 
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 use crate::parameters::Membrane;
 
 /// Triangle at rest.

@@ -15,9 +15,8 @@
 mod elastic;
 mod error;
 mod face;
-mod generate;
+mod geometry;
 mod loads;
-mod mesh;
 mod modes;
 mod newton;
 mod parameters;
@@ -32,14 +31,13 @@ mod vein;
 mod wing;
 
 pub use crate::error::Error;
-pub use crate::generate::{ellipse, insect_wing, rectangle};
 pub use crate::loads::Loads;
-pub use crate::mesh::{Chain, Mesh};
 pub use crate::newton::Statistics;
 pub use crate::parameters::{Membrane, Parameters, Root, Support, Vein};
 pub use crate::pose::Pose;
 pub use crate::state::State;
 pub use crate::wing::{Energy, Wing};
+pub use mesh::{Chain, Mesh, ellipse, insect_wing, rectangle};
 pub use rod::Scheme;
 
 /// The example of the README, as a test.

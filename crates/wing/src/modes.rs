@@ -3,7 +3,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 use crate::system::Weights;
 use crate::{Error, Wing};
 

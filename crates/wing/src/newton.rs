@@ -11,7 +11,7 @@
 //! has lost its component along the update.
 
 use crate::elastic::{BadShape, Elastic};
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 use crate::system::{System, Weights};
 
 /// Maximum number of plain iterations: 4 … 10 are usual.

@@ -1,9 +1,10 @@
 //! Parameters of a wing.
 
+use mesh::Mesh;
 use rod::Scheme;
 use serde::{Deserialize, Serialize};
 
-use crate::mesh::Mesh;
+use crate::geometry::Geometry;
 use crate::{Error, Wing};
 
 /// Material of a region of the membrane.

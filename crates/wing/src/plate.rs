@@ -20,7 +20,7 @@
 use nalgebra::{Matrix3, Matrix3x4};
 
 use crate::face::{EdgeFrame, Face, FaceShape};
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 
 /// Limit of cos θ: an edge that turns further counts as folded.
 const FOLD: f64 = -0.95;

@@ -4,7 +4,7 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 
 /// Tolerance of a rotation matrix, for rounding.
 const ORTHOGONAL: f64 = 1e-6;

@@ -3,7 +3,7 @@
 use rod::{Drive, Exchange, Motion};
 use serde::{Deserialize, Serialize};
 
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 use crate::{Error, Pose};
 
 /// Memory of a wing from one step to the next; an array has one entry per node.

@@ -1,6 +1,6 @@
 //! Equilibrium.
 
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 use crate::newton::Statistics;
 use crate::state::State;
 use crate::step::HALVINGS;

@@ -2,7 +2,7 @@
 
 use rod::{Drive, Exchange, Scheme, StepRule, TRAPEZOID_PART};
 
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 use crate::newton::{Failure, Statistics};
 use crate::{Error, Pose, Wing};
 

@@ -19,7 +19,7 @@ use rod::VertexDerivatives;
 use crate::Error;
 use crate::elastic::{BadShape, Elastic, folded};
 use crate::face::PAIRS;
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 use crate::plate::{Side, add_hessian, stiffness};
 use crate::sparse::Symmetric;
 

@@ -2,7 +2,7 @@
 
 use rod::{CosineSlope, Edge, VertexDerivatives};
 
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 
 /// Limit of 1 + cos of the turning angle of a vein; beyond it the vein counts as folded.
 const FOLD: f64 = 1e-12;

@@ -2,8 +2,8 @@
 
 use crate::Error;
 use crate::elastic::Elastic;
+use crate::geometry::{Geometry, Vector};
 use crate::loads::Loads;
-use crate::mesh::Vector;
 use crate::newton::{Failure, Newton, Problem, Statistics};
 use crate::parameters::Parameters;
 use crate::pose::Pose;

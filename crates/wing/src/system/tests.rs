@@ -2,7 +2,7 @@
 
 use super::{System, Weights};
 use crate::elastic::Elastic;
-use crate::mesh::Vector;
+use crate::geometry::Vector;
 use crate::{Membrane, Parameters, Root, Support, Vein, rectangle};
 
 /// Return a wing with all kinds of springs, in a shape bent, stretched and sheared by some percent.

@@ -1,6 +1,6 @@
 //! Generated meshes: rows of nearly equilateral triangles, mapped to outlines. The root lies on the y axis.
 
-use crate::mesh::{Chain, Mesh};
+use crate::surface::{Chain, Mesh};
 
 /// Share of the angle between the first and the last ray of [`insect_wing`] at which each vein runs.
 const VEINS: [(&str, f64); 5] = [("costa", 0.0), ("radius", 0.25), ("media", 0.5), ("cubitus", 0.75), ("anal", 1.0)];

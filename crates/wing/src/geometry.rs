@@ -1,33 +1,14 @@
-//! Nodes, triangles and their edges.
+//! Edges and checks of a mesh.
 
 use std::collections::HashMap;
 
+use mesh::Mesh;
 use nalgebra::Vector3;
 
 use crate::Error;
 
 /// A point, a velocity or a force.
 pub(crate) type Vector = Vector3<f64>;
-
-/// Nodes at rest and the triangles between them.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Mesh {
-    /// Positions of the nodes at rest, m.
-    pub nodes: Vec<[f64; 3]>,
-    /// Corners of the triangles, all with the same sense of rotation.
-    pub triangles: Vec<[usize; 3]>,
-    /// Named chains of nodes along edges: veins, or the line of the root.
-    pub chains: Vec<Chain>,
-}
-
-/// Named chain of nodes.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Chain {
-    /// Name.
-    pub name: String,
-    /// Nodes in order.
-    pub nodes: Vec<usize>,
-}
 
 /// Edge of the membrane: the places (triangle, corner opposite to the edge) of its one or two triangles.
 pub(crate) struct MeshEdge {
@@ -37,19 +18,24 @@ pub(crate) struct MeshEdge {
     pub(crate) second: Option<(usize, usize)>,
 }
 
-impl Mesh {
-    /// Return the nodes of the chain `name`.
-    pub fn chain(&self, name: &str) -> Option<&[usize]> {
-        self.chains.iter().find(|chain| chain.name == name).map(|chain| &chain.nodes[..])
-    }
-
+/// Geometry of a mesh.
+pub(crate) trait Geometry {
     /// Return the position of node `k` at rest.
-    pub(crate) fn node(&self, k: usize) -> Vector {
+    fn node(&self, k: usize) -> Vector;
+
+    /// Return the edges of the triangles, in the order of their first triangles.
+    fn edges(&self) -> Result<Vec<MeshEdge>, Error>;
+
+    /// Refuse numbers that are not finite, and corners that do not exist or coincide.
+    fn check(&self) -> Result<(), Error>;
+}
+
+impl Geometry for Mesh {
+    fn node(&self, k: usize) -> Vector {
         Vector::from(self.nodes[k])
     }
 
-    /// Return the edges of the triangles, in the order of their first triangles.
-    pub(crate) fn edges(&self) -> Result<Vec<MeshEdge>, Error> {
+    fn edges(&self) -> Result<Vec<MeshEdge>, Error> {
         let mut edges: Vec<MeshEdge> = Vec::with_capacity(self.triangles.len() * 3 / 2 + 1);
         let mut places = HashMap::with_capacity(edges.capacity());
         for (t, corners) in self.triangles.iter().enumerate() {
@@ -67,8 +53,7 @@ impl Mesh {
         Ok(edges)
     }
 
-    /// Refuse numbers that are not finite, and corners that do not exist or coincide.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    fn check(&self) -> Result<(), Error> {
         let count = self.nodes.len();
         if count < 2 {
             return Err(Error::value("mesh.nodes", count, "at least 2 nodes"));
