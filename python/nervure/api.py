@@ -3,6 +3,7 @@
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -147,13 +148,15 @@ def run(
     on_step: OnStep | None = None,
     force: bool = False,
     quiet: bool = False,
+    live: bool = False,
     fmi: int = 2,
 ) -> Run:
     """Run a scene, an object or a name, into the folder `output` or results/NAME.
 
     The arguments are the options of `nervure run`: `overrides` (key=value), FMUs in the place of ours (`rod_fmu` by
     name where the scene has several rods), minutes between checkpoints, seconds between fields and between rows of the
-    series, `force`, which replaces results of another scene, and `fmi`, the version of our units.
+    series, `force`, which replaces results of another scene, `live`, which shows the run on a page of this machine,
+    and `fmi`, the version of our units.
 
     `on_step(time, values)` is called with each recorded row of the series, a dictionary by column; where it returns
     True, the run ends there, and its checkpoint stays in the folder.
@@ -182,12 +185,12 @@ def run(
             raise InputError(f"{name} is {value}, but must be a finite number of at least 0")
     with undone_on_error(folder or Path("results") / scene.name) as keep:
         session = Session.packed(scene, folder, foreign, fmi=fmi, force=force, series_every=series_every)
-        return _run(session, options, quiet, keep, on_step)
+        return _run(session, options, quiet, live, keep, on_step)
 
 
-def resume(folder: str | Path, *, quiet: bool = False) -> Run:
+def resume(folder: str | Path, *, quiet: bool = False, live: bool = False) -> Run:
     """Continue the interrupted run in `folder` from its checkpoint; raise what `run` raises."""
-    return _run(*checkpoint.resume(Path(folder)), quiet, started=lambda: None)
+    return _run(*checkpoint.resume(Path(folder)), quiet, live, started=lambda: None)
 
 
 def _foreign(scene: Scene, rod_fmu: Path | Mapping[str, Path] | None, fluid_fmu: Path | None) -> dict[str, Path]:
@@ -225,26 +228,35 @@ def _run(
     session: Session,
     options: checkpoint.Options,
     quiet: bool,
+    live: bool,
     started: Callable[[], None],
     on_step: OnStep | None = None,
 ) -> Run:
     """Run a session to its end or an interruption, with everything that watches it; call `started` before its start."""
     from nervure.output import console, fields, plots
 
-    caller = Caller(on_step or (lambda _time, _values: None))
-    with session:
+    caller, keeper, page = Caller(on_step or (lambda _time, _values: None)), None, None
+    with session, ExitStack() as stack:
         if options["fields_every"] is not None:
             session.observers.append(fields.Fields(session, options["fields_every"], console.warn))
         session.observers.append(plots.Pictures(session))
         if options["checkpoint_every"] is not None or all(unit.can_serialize for unit in session.units.values()):
-            session.observers.append(checkpoint.Checkpoint(session, options, console.warn))
+            keeper = checkpoint.Checkpoint(session, options, console.warn)
+            session.observers.append(keeper)
         if not quiet:
             session.observers.append(console.Terminal(session))
         if on_step:
             session.observers.append(caller)
+        if live:
+            from nervure.output.live import Live
+
+            page = stack.enter_context(Live(session, keeper))
+            session.observers.append(page)
+            console.text_console().print(f"live: {page.url}", markup=False, soft_wrap=True)
+            page.open()
         started()
         with interruptible() as stopping:
-            session.run(lambda: caller.stopped or stopping())
+            session.run(lambda: caller.stopped or (page is not None and page.stopped) or stopping())
         done = Run(**vars(session.finish()))
     if done.summary.error is not None:
         raise RunError(done)

@@ -72,6 +72,9 @@ Output = Annotated[
 ]
 EndTime = Annotated[float | None, typer.Option(help="End time of the run, s; default: from the scene.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print errors only.")]
+Live = Annotated[
+    bool, typer.Option("--live", help="Show the run on a page of this machine, with buttons to stop it and to save it.")
+]
 Force = Annotated[bool, typer.Option("--force", help="Replace the results of another scene in the folder.")]
 Fmi = Annotated[int, typer.Option("--fmi", min=2, max=3, help="FMI version of the units.")]
 RodFmus = Annotated[
@@ -214,6 +217,7 @@ def run(
     ] = None,
     force: Force = False,
     quiet: Quiet = False,
+    live: Live = False,
     fmi: Fmi = 2,
 ) -> None:
     """Run a scene; write tables, a summary and pictures into results/NAME."""
@@ -233,6 +237,7 @@ def run(
             series_every=series_every,
             force=force,
             quiet=quiet,
+            live=live,
             fmi=fmi,
         )
 
@@ -255,12 +260,12 @@ def _rod_fmus(given: list[str], several: bool) -> dict[str, Path]:
 
 
 @app.command()
-def resume(folder: Folder, quiet: Quiet = False) -> None:
+def resume(folder: Folder, quiet: Quiet = False, live: Live = False) -> None:
     """Continue the run in a result folder from its checkpoint, with the scene, the units and the options of the run."""
     from nervure import api
 
     with _exit_code():
-        api.resume(folder, quiet=quiet)
+        api.resume(folder, quiet=quiet, live=live)
 
 
 @contextmanager

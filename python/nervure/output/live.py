@@ -1,0 +1,278 @@
+"""The live view of a run: a page on this machine that shows the curves and the flow while the units step.
+
+The server listens on the loopback address only, and answers requests that carry the token of its address. It reads the
+recorded rows by itself; all that needs the units (a frame, a checkpoint) is done by the run between two steps.
+"""
+
+import base64
+import json
+import os
+import secrets
+import sys
+import threading
+import webbrowser
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from typing import Any, Self
+from urllib.parse import parse_qs, urlsplit
+
+import numpy as np
+
+from nervure.output import displayed_unit, fields, flow, title
+from nervure.scene.types import Fluid
+from nervure.simulation.checkpoint import Checkpoint
+from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.results import CHECKPOINT, Results
+from nervure.simulation.session import Session
+from nervure.simulation.summary import RunStatus
+
+LOOPBACK = "127.0.0.1"
+PAGE = Path(__file__).with_suffix(".html")
+FIELDS = {"vorticity": ("vorticity",), "speed": ("u", "v"), "pressure": ("p",)}  # With what the unit shows
+UNITS = {"vorticity": "1/s", "speed": "m/s", "pressure": "Pa"}
+MOST_POINTS = 512  # Points of a frame along an axis
+BUCKETS = 400  # Parts of a curve, each drawn from its least to its largest value
+PATIENCE = 1.0  # Time that a request waits for a frame, and the end of the run for a page to see it, s
+HEADERS = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "connect-src 'self'; img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+
+
+class Live(Observer):
+    """Serves the page of a session at `url` until it is closed. `checkpoint` writes checkpoints, where the units can;
+    `stopped` is True after somebody stopped the run on the page."""
+
+    def __init__(self, session: Session, checkpoint: Checkpoint | None):
+        self.session, self.checkpoint, self.stopped = session, checkpoint, False
+        self.message, self.ended = "", ""
+        self.token = secrets.token_urlsafe(24)
+        self._wanted: str | None = None
+        self._frames: dict[str, dict[str, Any]] = {}
+        self._save = False
+        self._news = threading.Condition()
+        self._seen = threading.Event()  # A page knows of the end
+        self._watched = False
+        fluid = session.units.get("fluid")
+        self.fields = [name for name, (first, *_) in FIELDS.items() if fluid and fluid.shown_field(first) is not None]
+        live = self
+
+        class Handler(_Handler):
+            page = live
+
+        self.server = _Server((LOOPBACK, 0), Handler)
+        self.hosts = {f"{name}:{self.server.server_port}" for name in (LOOPBACK, "localhost")}
+        self.url = f"http://{LOOPBACK}:{self.server.server_port}/?token={self.token}"
+        threading.Thread(target=self.server.serve_forever, args=(0.05,), daemon=True).start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.server.shutdown()
+        self.server.server_close()
+
+    def open(self) -> None:
+        """Open the page where there is a screen: a browser in the terminal would take the place of the run's output."""
+        if sys.platform in ("darwin", "win32") or os.environ.keys() & {"DISPLAY", "WAYLAND_DISPLAY"}:
+            webbrowser.open(self.url)
+
+    def step(self, loop: TimeLoop) -> None:
+        if self._save or self._wanted is not None:
+            self._attend()
+
+    def end(self, status: RunStatus | None) -> None:
+        if status and self._wanted is not None:
+            self._attend()
+
+    def finish(self, results: Results) -> None:
+        summary, folder = results.summary, results.folder
+        if summary.error:
+            ended = f"The run failed at t = {summary.simulated_s:g} s: {summary.error}"
+        elif summary.completed:
+            ended = f"The run is finished. Results are in {folder}."
+        else:
+            kept = (folder / CHECKPOINT).exists()
+            how = f"`nervure resume {folder} --live` continues it." if kept else "There is no checkpoint."
+            ended = f"The run was stopped at t = {summary.simulated_s:g} s. {how}"
+        with self._news:
+            self.ended = ended
+            self._news.notify_all()
+        if self._watched:
+            self._seen.wait(PATIENCE)
+
+    def _attend(self) -> None:
+        """Do what the page asked for, between two steps."""
+        with self._news:
+            if self._save and self.checkpoint and self.session.steps:
+                try:
+                    self.checkpoint.save()
+                    self.message = f"checkpoint at t = {self.session.time:g} s in {self.checkpoint.path}"
+                except OSError as error:
+                    self.message = f"no checkpoint at t = {self.session.time:g} s: {error}"
+                self._save = False
+            if self._wanted is not None:
+                self._frames[self._wanted] = self._frame(self._wanted)
+                self._wanted = None
+            self._news.notify_all()
+
+    def _frame(self, name: str) -> dict[str, Any]:
+        """Return a field, empty where there is none, and the solids, as the page draws them."""
+        session = self.session
+        scene, units, fluid = session.scene, session.units, session.scene.fluid
+        beams = []
+        for own in session.facts.beams:
+            if {"x", "y"} <= (units.get(own.unit) or units["fluid"]).variables.keys():
+                points = fields.station_positions(units, own)
+                plane = points.shape[1] == 2
+                beams.append(fields.outline(points, session.facts.thickness[own.force]) if plane else points[:, :2])
+        solids = flow.outlines(scene, beams, self._poses(fluid)) if fluid else beams
+        frame: dict[str, Any] = {"time": session.time, "solids": [outline.tolist() for outline in solids]}
+        if name and fluid:
+            parts = [units["fluid"].field(part) for part in FIELDS[name]]
+            parts = [part[..., part.shape[2] // 2] if part.ndim == 3 else part for part in parts]
+            stride = max(1, -(-max(parts[0].shape) // MOST_POINTS))
+            values = np.hypot(*parts) if len(parts) == 2 else parts[0]
+            for axis in (0, 1):  # the mean over two cells, as in `flow`: the bare series rings
+                values = values / 2 + (np.roll(values, 1, axis) + np.roll(values, -1, axis)) / 4
+            values = values[::stride, ::stride].T.astype("<f4")
+            unit, _ = displayed_unit(UNITS[name], scene.display)
+            frame |= {"name": name, "unit": unit, "shape": values.shape, "box": [*fluid.box.x, *fluid.box.y]}
+            frame |= {"view": flow.view(fluid), "values": base64.b64encode(values.tobytes()).decode()}
+        return frame
+
+    def _poses(self, fluid: Fluid) -> list[list[float]]:
+        """Return the last recorded position (m) and angle (rad) of each body."""
+        recorder = self.session.recorder
+        row = dict(zip(recorder.columns, recorder.table[recorder.rows - 1].tolist(), strict=True))
+        bodies = range(1, len(fluid.bodies) + 1)
+        return [[row.get(f"body_{i}_{part}", 0.0) for part in flow.POSE] for i in bodies]
+
+    def state(self, columns: list[str], field: str) -> dict[str, Any]:
+        """Return what the page shows: the curves of `columns` and, once the run has made it, a frame of `field`."""
+        session = self.session
+        recorder, display = session.recorder, session.scene.display
+        with self._news:
+            self._watched = True
+            field = field if field in self.fields else ""
+            if not self.ended:
+                self._wanted = field
+                self._news.wait_for(lambda: self._wanted is None or bool(self.ended), PATIENCE)
+            frame, message, ended = self._frames.get(field), self.message, self.ended
+        table = recorder.table[: recorder.rows]
+        shown = {name: displayed_unit(unit, display) for name, unit in recorder.units.items() if name != "time"}
+        curves = {}
+        for name in filter(shown.__contains__, columns):
+            values = table[:, recorder.columns.index(name)] * shown[name][1]
+            rows = thinned(values)
+            curves[name] = {"time": table[rows, 0].tolist(), "values": values[rows].tolist()}
+        return {
+            "title": title(session.scene, 6.0),
+            "time": session.time,
+            "end": session.grid.end,
+            "time_unit": displayed_unit("s", display)[0],
+            "steps": session.steps,
+            "all_steps": session.grid.steps,
+            "wall": session.wall,
+            "columns": {name: unit for name, (unit, _) in shown.items()},
+            "fields": self.fields,
+            "curves": curves,
+            "frame": frame,
+            "message": message,
+            "ended": ended,
+            "can_save": self.checkpoint is not None,
+            "resume": f"nervure resume {session.folder} --live",
+        }
+
+    def ask(self, what: str) -> bool:
+        """Stop the run or write a checkpoint after the present step; return False for anything else."""
+        if what == "stop":
+            self.stopped = True
+        elif what == "checkpoint" and self.checkpoint:
+            self._save = True
+        else:
+            return False
+        return True
+
+    def told(self, ended: str) -> None:
+        """Note that a page got this answer."""
+        if ended:
+            self._seen.set()
+
+
+def thinned(values: np.ndarray) -> np.ndarray:
+    """Return the rows of a curve that show it: the least and the largest finite value of each part, and the last."""
+    finite = np.flatnonzero(np.isfinite(values))
+    last, width = len(finite) - 1, -(-len(finite) // BUCKETS)
+    if width <= 2:
+        return finite
+    parts = np.pad(values[finite], (0, -len(finite) % width), mode="edge").reshape(-1, width)
+    begins = width * np.arange(len(parts))
+    rows = np.concatenate([begins + parts.argmin(axis=1), begins + parts.argmax(axis=1), [last]])
+    shown: np.ndarray = finite[np.unique(np.minimum(rows, last))]
+    return shown
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Say nothing where a page is closed during an answer."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
+
+
+class _Handler(BaseHTTPRequestHandler):
+    page: Live
+    protocol_version, timeout = "HTTP/1.1", 30
+
+    def do_GET(self) -> None:
+        path, query = self._request()
+        if query is None:
+            return
+        if path == "/":
+            self._answer(PAGE.read_bytes(), "text/html; charset=utf-8")
+        elif path == "/state":
+            state = self.page.state(query.get("column", []), query.get("field", [""])[0])
+            self._answer(json.dumps(state).encode(), "application/json")
+            self.page.told(state["ended"])
+        else:
+            self._refuse(HTTPStatus.NOT_FOUND)
+
+    def do_POST(self) -> None:
+        path, query = self._request()
+        if query is None:
+            return
+        if self.page.ask(path.removeprefix("/")):
+            self._answer(b"{}", "application/json")
+        else:
+            self._refuse(HTTPStatus.NOT_FOUND)
+
+    def _request(self) -> tuple[str, dict[str, list[str]] | None]:
+        """Return path and query; None, with a refusal, without the token, or under another name: a foreign site may
+        let its name point to this machine."""
+        url = urlsplit(self.path)
+        query = parse_qs(url.query)
+        token = query.get("token", [""])[0].encode()
+        if self.headers["Host"] in self.page.hosts and secrets.compare_digest(token, self.page.token.encode()):
+            return url.path, query
+        self._refuse(HTTPStatus.FORBIDDEN)
+        return url.path, None
+
+    def _refuse(self, status: HTTPStatus) -> None:
+        self.close_connection = True  # A body that was not read would be taken for the next request
+        self._answer(status.phrase.encode(), "text/plain", status)
+
+    def _answer(self, body: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:
+        self.send_response(status)
+        for name, value in (HEADERS | {"Content-Type": kind, "Content-Length": str(len(body))}).items():
+            self.send_header(name, value)
+        self.end_headers()
+        self.wfile.write(body)
+
+    def log_message(self, *_: object) -> None:
+        """Say nothing: the terminal is the run's."""
