@@ -5,9 +5,9 @@ import pytest
 
 from nervure.coupling import CouplingError
 from nervure.evaluate import bodies, flapping as flapping_averages, statistics
-from nervure.output import flow
 from nervure.scene import document, load, override, read, validate
 from nervure.scene.facts import Facts
+from nervure.scene.outline import body_outline
 from nervure.simulation.session import Session
 from nervure.simulation.summary import main_signal
 from studies import flapping
@@ -199,14 +199,14 @@ def test_the_master_moves_a_body_and_a_state_has_all_of_it(carried):
 
 def test_outlines_are_where_the_bodies_are(swinging):
     square = validate(swinging).fluid.bodies[1]
-    turned = flow.body_outline(square, 0.5, 0.2, np.pi / 2)
+    turned = body_outline(square, 0.5, 0.2, np.pi / 2)
     assert turned == pytest.approx(np.array([[0.5, 0.2], [0.5, 0.4], [0.3, 0.4], [0.3, 0.2]]))
     swinging["fluid"]["bodies"] = [
         {"shape": {"rectangle": {"length": 0.4, "thickness": 0.1, "ends": ends}}, "position": [0, 0], "pivot": [0.1, 0]}
         for ends in ("square", "round")
     ]
     for body in validate(swinging).fluid.bodies:
-        corners = flow.body_outline(body, 0.0, 0.0, 0.0)
+        corners = body_outline(body, 0.0, 0.0, 0.0)
         assert [*corners.min(0), *corners.max(0)] == pytest.approx([-0.3, -0.05, 0.1, 0.05], abs=1e-3), body
 
 

@@ -275,3 +275,22 @@ def test_the_guards_go_on_with_their_history(small_fsi3, tmp_path):
     with resumed:
         assert [step(resumed) for _ in range(3)] == expected
     assert expected[-1][0] == 7 and all(expected[-1]), expected
+
+
+def test_what_was_told_of_places_is_kept_and_not_told_again(two_rods, tmp_path):
+    for own, gravity in zip(two_rods["rods"], (-200.0, 200.0), strict=True):
+        own["rod"]["gravity"] = [0.0, gravity]
+        own["beam"]["root"]["at"]["direction"][1] = 0.0
+    options = {"checkpoint_every": 0.0, "fields_every": None, "series_every": None}
+    with Session.packed(validate(two_rods), tmp_path) as session:
+        session.start()
+        while not session.warnings:
+            session.step()
+        checkpoint.Checkpoint(session, options).save()
+        told = list(session.warnings)
+    assert "the rod lower meets the rod upper near" in told[0], told
+    resumed, _ = checkpoint.resume(tmp_path)
+    with resumed:
+        for _ in range(5):
+            resumed.step()
+        assert resumed.warnings == told

@@ -574,3 +574,145 @@ def test_a_rod_that_stretches_is_told_of_during_the_run(libraries):
     with Session(validate(scene)) as session:
         session.run()
     assert len(session.warnings) == 1 and "times as long as at rest" in session.warnings[0], session.warnings
+
+
+STILL = changed(STREAM, fluid__mean_flow=None, fluid__initial_velocity=[0.0, 0.0], fluid__sponge=None)
+STILL["fluid"]["box"] = {"x": [-2.0, 4.0], "y": [-1.5, 1.5], "cells": [60, 30]}
+STILL["time"] = {"end": 0.3, "communication_step": 0.01}
+"""Still fluid on a coarse grid."""
+
+
+def falling(own: dict[str, Any], gravity: tuple[float, float]) -> dict[str, Any]:
+    """Return a beam with a rod in still fluid that gravity pulls."""
+    return {"beam": own, "rod": {**ROD, "gravity": list(gravity)}}
+
+
+def several(*own: dict[str, Any]) -> dict[str, Any]:
+    """Return still fluid with rods."""
+    return changed(STILL, rods=[{"name": name, **rod} for name, rod in zip("abc", own, strict=False)])
+
+
+def sprung(at_x: float, at_y: float, **supports: Any) -> dict[str, Any]:
+    """Return a circle on springs."""
+    return circle(at_x, at_y, 0.2, mount={"mass": 0.5, **supports})
+
+
+HELD = {"root": {"on_cylinder": {"cylinder": 0}}, "length": 1.5, "thickness": 0.05, "segments": 30}
+LIMP = {"material": {"section": {"line_density": 1.0, "bending_stiffness": 1e-3, "axial_stiffness": 1e3}}}
+UP, DOWN = (0.0, 20.0), (0.0, -20.0)
+MET = {
+    "rods": (
+        several(falling(beam(0.0, 0.15, (1.0, 0.0)), DOWN), falling(beam(0.0, -0.15, (1.0, 0.0)), UP)),
+        "the rod b meets the rod a near (0.93",
+        (0.08, 0.13),
+    ),
+    "rods of one root": (
+        several(falling(beam(0.0, 0.0, (1.0, 0.3)), DOWN), falling(beam(0.0, 0.0, (1.0, -0.3)), UP)),
+        "the rod b meets the rod a near",
+        (0.1, 0.14),
+    ),
+    "a rod and a body": (
+        changed(STILL, fluid__bodies=[circle(0.8, -0.4, 0.2)], **falling(beam(0.0, 0.0, (1.0, 0.0)), DOWN)),
+        "the rod meets body 1 near (0.82",
+        (0.13, 0.17),
+    ),
+    "a rod and its own cylinder": (
+        changed(
+            STILL,
+            fluid__cylinders=cylinder(0.0, 0.0, 0.3),
+            beam=HELD,
+            rod={**LIMP, "gravity": [-20.0, -20.0]},
+        ),
+        "the rod meets cylinder 1 near (0.2",
+        (0.1, 0.3),
+    ),
+    "a rod that crosses itself": (
+        {
+            "name": "loop",
+            "time": {"end": 0.4, "communication_step": 0.005},
+            "beam": beam(0.0, 0.0, (1.0, 0.0), rest_angles=[0.1 * i for i in range(20)]),
+            "rod": {
+                **LIMP,
+                "gravity": [0.0, -9.81],
+                "root_motion": {"laws": {"rotations": [{"angle": beat(4.0, 1.0)}]}},
+            },
+        },
+        "the rod crosses itself near",
+        (0.2, 0.4),
+    ),
+    "a body on springs and another": (
+        changed(STILL, fluid__bodies=[circle(0.0, 0.0, 0.2), sprung(0.0, 0.6, y={"stiffness": 20.0, "rest": -0.6})]),
+        "body 2 meets body 1 near (0.0",
+        (0.13, 0.2),
+    ),
+    "bodies that the master moves": (
+        changed(STILL, fluid__bodies=[circle(0.0, 0.6, 0.2, motion="master"), circle(0.0, -0.1, 0.25)]),
+        "body 2 meets body 1 near (",
+        (0.24, 0.28),
+    ),
+    "a body on springs and the edge": (
+        changed(STILL, fluid__bodies=[sprung(0.0, 1.25, y={"stiffness": 20.0, "rest": 0.6})]),
+        "body 1 reaches",
+        (0.05, 0.15),
+    ),
+    "a body on springs and a wall": (
+        changed(STILL, fluid__channel=CHANNEL["fluid"]["channel"], fluid__bodies=[
+            sprung(0.0, 0.75, y={"stiffness": 20.0, "rest": 0.6})]),
+        "m into a wall of the channel",
+        (0.1, 0.2),
+    ),
+    "a body on springs and the sponge": (
+        changed(
+            STILL,
+            fluid__sponge={"x": [3.0, 4.0], "mean_velocity": {"constant": 0.0}, "c_eta": 0.1},
+            fluid__bodies=[sprung(2.7, 0.0, x={"stiffness": 60.0, "rest": 0.6})],
+        ),
+        "m into the sponge",
+        (0.05, 0.25),
+    ),
+    "a rod and the sponge": (
+        changed(
+            STILL,
+            fluid__sponge={"x": [3.0, 4.0], "mean_velocity": {"constant": 0.0}, "c_eta": 0.1},
+            **falling(beam(2.7, 0.0, (0.0, 1.0)), (60.0, 0.0)),
+        ),
+        "the rod reaches",
+        (0.1, 0.2),
+    ),
+}  # fmt: skip
+"""Scene, the begin of the sentence, and an interval of its time, s."""
+
+
+def told(scene: dict[str, Any]) -> list[str]:
+    """Return what a run tells of places; the master lets bodies fall with 1 m/s."""
+    driven = any(body.get("motion") == "master" for body in scene.get("fluid", {}).get("bodies", ()))
+    drive = (lambda t: [0.0, -t, 0.0, 0.0, -1.0, 0.0]) if driven else None
+    with Session(validate(scene), drive=drive) as session:
+        assert session.run().error is None
+        return session.warnings
+
+
+@pytest.mark.parametrize("scene, words, time", MET.values(), ids=MET)
+def test_what_meets_during_a_run_is_told_of_with_place_and_time(scene, words, time, libraries):
+    (found,) = told(scene)
+    assert words in found, found
+    assert time[0] <= float(found.rsplit(" ", 2)[1]) <= time[1], found
+
+
+UNTOLD = {
+    "rods of one root": several(falling(beam(0.0, 0.0, (1.0, 0.3)), UP), falling(beam(0.0, 0.0, (1.0, -0.3)), DOWN)),
+    "a rod that is embedded in a body": changed(
+        STILL, fluid__bodies=[circle(0.0, 0.0, 0.3)], **falling(beam(0.25, 0.0, (1.0, 0.0)), (0.0, -1.0))
+    ),
+    "a rod on its cylinder": changed(
+        STILL, fluid__cylinders=cylinder(0.0, 0.0, 0.3), beam=HELD, rod={**LIMP, "gravity": [0.0, -1.0]}
+    ),
+    "bodies side by side": changed(
+        STILL, fluid__bodies=[circle(0.0, 0.0, 0.2), sprung(0.0, 0.6, y={"stiffness": 20.0, "rest": -0.1})]
+    ),
+}
+
+
+@pytest.mark.parametrize("scene", UNTOLD.values(), ids=UNTOLD)
+def test_what_touched_at_the_start_is_not_told_of(scene, libraries):
+    assert told(scene) == []

@@ -1,13 +1,11 @@
-"""Guards of a run: an unstable coupling may stay finite, but the powers across the interface show it; and a rod may go
-where no fluid is."""
+"""Guards of a run: an unstable coupling may stay finite, but the powers across the interface show it."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from nervure.errors import InputError
-from nervure.scene.types import Fluid, Guards
+from nervure.scene.types import Guards
 from nervure.units.fmu import Unit
 
 SEGMENT = 0.25
@@ -15,9 +13,6 @@ SEGMENT = 0.25
 
 PENALIZED = 2.0
 """Longest step under the pressure jump without iteration, by C_eta + dt (`docs/theory/coupling.md`)."""
-
-STRETCHED = 1.5
-"""Length of a rod by that at rest, or at rest by that, above which it is told of."""
 
 
 class CouplingError(InputError):
@@ -45,6 +40,7 @@ class Limits:
     c_eta: float  # s
     max_step: float  # s
     thickness: float  # m
+    fluid_steps: int  # Steps of the fluid in a communication step, by `max_step` and the stream
 
 
 class EnergyGuard:
@@ -62,20 +58,21 @@ class EnergyGuard:
         self.power_from_fluid = _index(fluid, f"{beam}.power") if self.momentum else 0
         self.limits: Limits | None = None
         """Numbers of the scene from which advice is computed; None where they are not known."""
-        self.balance = [0.0] * 5
-        """Steps, fading sums of the magnitudes of the difference and of the exchanged power, W, and the last two powers
-        on the rod."""
+        self.balance = [0.0] * 6
+        """Steps, fading sums of the magnitudes of the difference and of the exchanged power, W, the last two powers on
+        the rod, and the most cells that a station has passed in a second, 1/s."""
 
     def check(self, t: float, h: float) -> None:
         """Add the powers at `t`, after a step of `h` (s); raise `CouplingError` where a limit is exceeded."""
         window = self.guards.window_steps
         on_rod = self.rod.outputs.item(self.power_on_rod)
-        steps, difference, exchanged, last, last_but_one = self.balance
+        steps, difference, exchanged, last, last_but_one, rate = self.balance
         from_fluid = self.fluid.outputs.item(self.power_from_fluid) if self.momentum else on_rod
         deviation = abs(on_rod - from_fluid) if self.momentum else abs(on_rod - 2 * last + last_but_one)
         difference += deviation - difference / window
         exchanged += abs(from_fluid) - exchanged / window
-        self.balance = [steps + 1, difference, exchanged, on_rod, last]
+        rate = max(self._rate(), rate)
+        self.balance = [steps + 1, difference, exchanged, on_rod, last, rate]
         if steps >= window and (reason := self.reason(difference, exchanged, exchanged / window)):
             raise CouplingError(
                 f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}; {self.advice(h)} "
@@ -93,21 +90,29 @@ class EnergyGuard:
             shorter = f"of {_below(longest)} s, {PENALIZED:g} (C_eta + dt)"
         return f"leave `coupling.scheme` out, which iterates, or take a `time.communication_step` {shorter}"
 
+    def _rate(self) -> float:
+        """Return how many cells the fastest station passes in a second, 1/s."""
+        if not (self.momentum and self.limits and {"vx", "vy"} <= self.rod.slices.keys()):
+            return 0.0
+        speeds = (np.abs(self.rod.outputs[self.rod.slices[name]]) for name in ("vx", "vy"))
+        return float(sum(speed / cell for speed, cell in zip(speeds, self.limits.cell, strict=True)).max())
+
     def _divided(self, h: float) -> str | None:
-        """Return advice where the beam is so fast that the fluid must divide a step of `h` (s)."""
-        if not (self.limits and {"vx", "vy"} <= self.rod.slices.keys()):
+        """Return advice where the fluid must divide a step of `h` (s)."""
+        if self.limits is None:
             return None
-        rates = (
-            np.abs(self.rod.outputs[self.rod.slices[name]]) / cell
-            for name, cell in zip(("vx", "vy"), self.limits.cell, strict=True)
+        cells = h * self.balance[-1]
+        by_beam, by_fluid = cells / self.limits.max_cfl, self.limits.fluid_steps
+        if max(by_beam, by_fluid) <= 1.0:
+            return None
+        cause = (
+            f"the beam passes up to {cells:.2g} cells in a step, and a step of the fluid has {self.limits.max_cfl:g}"
+            if by_beam > by_fluid
+            else f"the fluid makes some {by_fluid} steps in one"
         )
-        cells = h * float(sum(rates).max())
-        if cells <= self.limits.max_cfl:
-            return None
         return (
-            f"take a `time.communication_step` of {_below(h * self.limits.max_cfl / cells)} s: the beam passes "
-            f"{cells:.2g} cells in a step, so that the fluid divides it, and the momentum load holds for one step of "
-            f"the fluid, up to {self.limits.max_cfl:g} cells"
+            f"take a `time.communication_step` of {_below(h / max(by_beam, by_fluid))} s: {cause}, but the momentum "
+            "load holds for one step of the fluid"
         )
 
     def _too_close(self) -> str | None:
@@ -119,7 +124,7 @@ class EnergyGuard:
         places = [self.rod.outputs[self.rod.slices[name]] for name in ("x", "y")]
         length = float(np.hypot(*np.diff(places)).sum())
         most = int(length / (SEGMENT * self.limits.thickness))
-        if segments <= most:
+        if segments <= max(most, 1):
             return None
         return (
             f"take at most {most} `beam.segments` in place of {segments}: stations closer than {SEGMENT:g} thicknesses "
@@ -153,44 +158,3 @@ def _below(value: float) -> str:
     """Return a number of one digit that is not above `value`."""
     unit = 10.0 ** np.floor(np.log10(value))
     return f"{np.floor(value / unit * (1 + 1e-9)) * unit:.1g}"
-
-
-class RodWatch:
-    """Looks at the stations of a rod now and then: a rod that leaves the box, meets a wall or changes its length beyond
-    reason is told of once."""
-
-    def __init__(self, unit: Unit, name: str, length: float, thickness: float, fluid: Fluid | None):
-        self.unit, self.name, self.length, self.thickness = unit, name, length, thickness
-        self.axes = [axis for axis in "xyz" if axis in unit.variables]
-        self.bounds = {"x": fluid.box.x, "y": fluid.box.y} if fluid else {}
-        self.channel = fluid.channel.y if fluid and fluid.channel else None
-        self.told: set[str] = set()
-        self.in_wall: float | None = None
-        """How far the rod reached into a wall at the start, m: a root may be embedded."""
-
-    def look(self, t: float) -> Iterator[str]:
-        """Yield what is to be told of the stations at `t` (s)."""
-        places = {axis: self.unit.read(axis) for axis in self.axes}
-        for axis, bounds in self.bounds.items():
-            if (over := _beyond(places[axis], bounds)) > 0.0:
-                text = f"reaches {over:.2g} m over the edge of the box along {axis} and comes in at the other side"
-                yield from self._tell("edge", text, t)
-        if self.channel:
-            reached = _beyond(places["y"], self.channel)
-            self.in_wall = reached if self.in_wall is None else self.in_wall
-            if reached > self.in_wall + self.thickness / 2:
-                yield from self._tell("wall", f"reaches {reached:.2g} m into a wall of the channel", t)
-        ratio = float(np.sqrt(sum(np.diff(values) ** 2 for values in places.values())).sum()) / self.length
-        if not 1 / STRETCHED < ratio < STRETCHED:
-            text = f"is {ratio:.2g} times as long as at rest: its axial stiffness is small for its loads"
-            yield from self._tell("length", text, t)
-
-    def _tell(self, what: str, text: str, t: float) -> Iterator[str]:
-        if what not in self.told:
-            self.told.add(what)
-            yield f"the {self.name} {text} by t = {t:.4g} s"
-
-
-def _beyond(values: np.ndarray, bounds: tuple[float, float]) -> float:
-    """Return how far values lie outside of bounds."""
-    return max(0.0, bounds[0] - float(values.min()), float(values.max()) - bounds[1])

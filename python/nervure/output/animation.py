@@ -25,6 +25,7 @@ from nervure.files import write_whole
 from nervure.output import fields, flow, layout, plots, title
 from nervure.output.motion import RodPicture
 from nervure.scene import beams, validate
+from nervure.scene.outline import POSE
 from nervure.simulation import results
 from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
 
@@ -58,7 +59,7 @@ class Frames:
     def _moves(self, series: Series) -> list[np.ndarray]:
         """Return position and angle of each body at the times of the frames, `[frames, 3]`, m and rad."""
         bodies = range(1, len(self.scene.fluid.bodies) + 1) if self.scene.fluid else ()
-        of = [[np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in flow.POSE] for i in bodies]
+        of = [[np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in POSE] for i in bodies]
         return [np.transpose(parts) for parts in of]
 
     def vorticity(self, frame: int) -> np.ndarray:

@@ -18,25 +18,13 @@ from matplotlib.path import Path
 
 from nervure.output import axis_label, displayed_unit, layout, lengths_in, title
 from nervure.scene import Scene
-from nervure.scene.types import (
-    Body,
-    Fluid,
-    ShapeCircle,
-    ShapeCircularCylinder,
-    ShapeCuboid,
-    ShapeEllipse,
-    ShapeEllipsoid,
-    ShapePolygon,
-    ShapeRectangle,
-    ShapeSphere,
-)
+from nervure.scene.outline import body_outline, circle
+from nervure.scene.types import Fluid
 
 PERCENTILE = 99.5  # Part of the visible points outside of `LAYER`, in percent, inside the colour scale
 LAYER = 2.0  # Thickness of the layer at walls and solids that does not set the colour scale, cells
 COLOUR_MAP = "RdBu_r"  # Diverging, white at 0, and the same to colour-blind readers
 SOLID, EDGE = "0.8", "0.15"  # Greys of a solid and of its outline
-POSE = ("x", "y", "angle")  # Outputs of the fluid for a rigid body
-ROUND = 90  # Corners of a round outline
 
 Solids = Sequence[np.ndarray]  # Outlines of the solids of a frame, m, each `[n, 2]`
 
@@ -44,36 +32,9 @@ Solids = Sequence[np.ndarray]  # Outlines of the solids of a frame, m, each `[n,
 def outlines(scene: Scene, beams: Solids, poses: Sequence[Sequence[float]]) -> list[np.ndarray]:
     """Return the outlines of the still cylinders, of the bodies at `poses` (m, m, rad) and of `beams`."""
     fluid = _fluid(scene)
-    turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
-    circle = np.column_stack([np.cos(turn), np.sin(turn)])
     still = [cylinder for cylinder in fluid.cylinders if cylinder.motion is None]
-    found = [np.array(cylinder.center) + cylinder.radius * circle for cylinder in still]
+    found = [np.array(cylinder.center) + circle(cylinder.radius) for cylinder in still]
     return [*found, *(body_outline(body, *pose) for body, pose in zip(fluid.bodies, poses, strict=False)), *beams]
-
-
-def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
-    """Return the outline of a rigid body, m, `[n, 2]`, with its pivot at (x, y), turned by an angle (rad)."""
-    turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
-    circle = np.column_stack([np.cos(turn), np.sin(turn)])
-    match body.shape:
-        case ShapePolygon(polygon=polygon):
-            own = np.array(polygon.corners)
-        case ShapeCircle(circle=round):
-            own = circle * round.radius
-        case ShapeEllipse(ellipse=ellipse):
-            own = circle * [ellipse.length / 2, ellipse.thickness / 2]
-        case ShapeRectangle(rectangle=rectangle) if rectangle.ends == "square":
-            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [rectangle.length / 2, rectangle.thickness / 2]
-        case ShapeSphere(sphere=round):
-            own = circle * round.radius
-        case ShapeEllipsoid() | ShapeCuboid() | ShapeCircularCylinder():
-            return np.full((1, 2), [x, y])  # a slice through a body that may be turned is not drawn
-        case ShapeRectangle(rectangle=rectangle):
-            straight = (rectangle.length - rectangle.thickness) / 2 * np.sign(circle[:, :1])
-            own = circle * rectangle.thickness / 2 + np.pad(straight, ((0, 0), (0, 1)))
-    sin, cos = np.sin(angle), np.cos(angle)
-    placed: np.ndarray = (own - body.pivot[:2]) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
-    return placed
 
 
 def panels(

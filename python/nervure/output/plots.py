@@ -20,6 +20,7 @@ from nervure.files import write_whole
 from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title
 from nervure.output.fields import outline, station_positions
 from nervure.scene import Scene
+from nervure.scene.outline import POSE
 from nervure.scene.types import Reference
 from nervure.simulation.loop import Observer
 from nervure.simulation.results import Results
@@ -309,7 +310,7 @@ def vorticity(session: Session) -> None:
         outline(station_positions(units, own), session.facts.thickness[own.force]) for own in session.facts.beams
     ]
     poses = [
-        [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in flow.POSE]
+        [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in POSE]
         for i, _ in enumerate(scene.fluid.bodies, 1)
     ]
     solids = flow.outlines(scene, corners, poses)

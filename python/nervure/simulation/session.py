@@ -7,13 +7,14 @@ from tempfile import TemporaryDirectory
 from typing import Self
 
 from nervure.coupling import Drive, Scheme, couple
-from nervure.coupling.guards import Limits, RodWatch
+from nervure.coupling.guards import Limits
 from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
 from nervure.simulation import results
 from nervure.simulation.fit import check_fit
 from nervure.simulation.loop import TimeGrid, TimeLoop
+from nervure.simulation.places import Places
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import summarize
@@ -21,7 +22,7 @@ from nervure.units import package
 from nervure.units.describe import describe_all, unit_label
 from nervure.units.fmu import Unit, read_description
 
-LOOK_EVERY = 20  # Steps between two looks at the places of the rods
+LOOKS, LOOK_EVERY = 100, 20  # Least looks at places in a run, and most steps between two
 
 Units = dict[str, Unit]  # By name: `rod`, the names of several rods, `fluid`
 
@@ -68,24 +69,27 @@ class Session(TimeLoop):
             super().__init__(made, grid, Recorder(self.units, grid.steps, stride))
             self._open = stack.pop_all()
         self.warnings: list[str] = []
-        """What was told of the rods during the run."""
-        self.watches = [self._watch(i) for i in range(len(self.facts.beams))]
+        """What was told of places during the run."""
+        self.places = Places(self.facts, self.units)
+        self._limit_guards()
 
-    def _watch(self, i: int) -> RodWatch | None:
-        """Give the numbers of a beam to its guard, and return what watches its rod; None without one."""
-        own, fluid = self.facts.beams[i], self.scene.fluid
-        unit, thickness = self.units.get(own.unit), float(self.facts.thickness[own.force].max())
-        if fluid and i < len(self.scheme.guards):
-            box, stepping, (mask,) = fluid.box, fluid.time_stepping, fluid.mask.document().values()
-            cell = (box.x[1] - box.x[0]) / box.cells[0], (box.y[1] - box.y[0]) / box.cells[1]
-            self.scheme.guards[i].limits = Limits(cell, stepping.max_cfl, mask["c_eta"], stepping.max_step, thickness)
-        if unit is None or not {"x", "y"} <= unit.variables.keys():
-            return None
-        return RodWatch(unit, unit.name, own.beam.length, thickness, fluid)
+    def _limit_guards(self) -> None:
+        """Give the guards the numbers from which they compute advice."""
+        fluid = self.scene.fluid
+        for own, guard in zip(self.facts.beams, self.scheme.guards, strict=False):
+            if fluid:
+                box, stepping, (mask,) = fluid.box, fluid.time_stepping, fluid.mask.document().values()
+                guard.limits = Limits(
+                    ((box.x[1] - box.x[0]) / box.cells[0], (box.y[1] - box.y[0]) / box.cells[1]),
+                    stepping.max_cfl,
+                    mask["c_eta"],
+                    stepping.max_step,
+                    float(self.facts.thickness[own.force].max()),
+                    self.facts.fluid_steps,
+                )
 
     def _look(self) -> None:
-        for watch in filter(None, self.watches):
-            self.warnings += watch.look(self.time)
+        self.warnings += self.places.look(self.time)
 
     @classmethod
     def packed(
@@ -120,7 +124,7 @@ class Session(TimeLoop):
 
     def step(self) -> None:
         super().step()
-        if self.steps % LOOK_EVERY == 0 or self.steps == self.grid.steps:
+        if self.steps % max(1, min(self.grid.steps // LOOKS, LOOK_EVERY)) == 0 or self.steps == self.grid.steps:
             self._look()
 
     def finish(self) -> Results:

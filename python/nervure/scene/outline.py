@@ -1,0 +1,48 @@
+"""Outlines of rigid bodies in the plane."""
+
+import numpy as np
+
+from nervure.scene.types import (
+    Body,
+    ShapeCircle,
+    ShapeCircularCylinder,
+    ShapeCuboid,
+    ShapeEllipse,
+    ShapeEllipsoid,
+    ShapePolygon,
+    ShapeRectangle,
+    ShapeSphere,
+)
+
+POSE = ("x", "y", "angle")  # Outputs of the fluid for a rigid body
+ROUND = 90  # Corners of a round outline
+
+
+def circle(radius: float) -> np.ndarray:
+    """Return corners of a circle about the origin, `[n, 2]`."""
+    turn = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
+    return radius * np.column_stack([np.cos(turn), np.sin(turn)])
+
+
+def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
+    """Return the outline of a rigid body, m, `[n, 2]`, with its pivot at (x, y), turned by an angle (rad)."""
+    match body.shape:
+        case ShapePolygon(polygon=polygon):
+            own = np.array(polygon.corners)
+        case ShapeCircle(circle=round):
+            own = circle(round.radius)
+        case ShapeEllipse(ellipse=ellipse):
+            own = circle(1.0) * [ellipse.length / 2, ellipse.thickness / 2]
+        case ShapeRectangle(rectangle=rectangle) if rectangle.ends == "square":
+            own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [rectangle.length / 2, rectangle.thickness / 2]
+        case ShapeSphere(sphere=round):
+            own = circle(round.radius)
+        case ShapeEllipsoid() | ShapeCuboid() | ShapeCircularCylinder():
+            return np.full((1, 2), [x, y])  # a slice through a body that may be turned is not drawn
+        case ShapeRectangle(rectangle=rectangle):
+            corners = circle(1.0)
+            straight = (rectangle.length - rectangle.thickness) / 2 * np.sign(corners[:, :1])
+            own = corners * rectangle.thickness / 2 + np.pad(straight, ((0, 0), (0, 1)))
+    sin, cos = np.sin(angle), np.cos(angle)
+    placed: np.ndarray = (own - body.pivot[:2]) @ np.array([[cos, sin], [-sin, cos]]) + [x, y]
+    return placed
