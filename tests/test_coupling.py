@@ -1,18 +1,15 @@
 """Schemes that iterate, on problems whose convergence is known, and the balance of the interface in FSI3."""
 
-import re
-
 import numpy as np
 import pytest
 
 from nervure import coupling
 from nervure.coupling.acceleration import WINDOWS_REUSED
 from nervure.coupling.guards import Limits
-from nervure.scene import read, validate
+from nervure.scene import read
 from nervure.scene.types import Coupling, Guards
 from nervure.simulation.loop import TimeGrid
 from nervure.simulation.recorder import Recorder
-from nervure.simulation.session import Session
 from nervure.simulation.summary import interface
 from nervure.units.fmu import Variable
 from tests.conftest import FSI1, FSI3, output
@@ -169,44 +166,6 @@ def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not()
     assert 1000 < stopped < 1000 + 2 * WINDOW
     assert "the coupling is unstable at t = " in said and "is noise" in said, said
     assert "`coupling.scheme` out, which iterates, or take a `time.communication_step` shorter than 0.001 s" in said
-
-
-def test_advice_of_a_guard_is_a_step_that_holds(libraries):
-    """A filament under a thousand times its weight, at a step of 5 ms: the fluid divides it, and the exchange fails."""
-    scene = {
-        "name": "filament",
-        "time": {"end": 0.5, "communication_step": 5e-3},
-        "fluid": {
-            "density": 1.0,
-            "kinematic_viscosity": 5e-3,
-            "box": {"x": [-1.0, 4.0], "y": [-2.0, 2.0], "cells": [80, 64]},
-            "initial_velocity": [1.0, 0.0],
-            "mean_flow": {"x": {"constant": 1.0}},
-            "sponge": {"x": [3.2, 4.0], "mean_velocity": {"constant": 1.0}, "c_eta": 0.05},
-            "mask": {"log_linear": {"c_eta": 1e-4}},
-            "time_stepping": {"max_step": 5e-3, "max_cfl": 0.4},
-        },
-        "beam": {
-            "root": {"at": {"position": [0.0, 0.0], "direction": [0.951, 0.309]}},
-            "length": 1.0,
-            "thickness": 0.08,
-            "segments": 32,
-        },
-        "rod": {
-            "material": {"section": {"line_density": 1.5, "bending_stiffness": 1.5e-3, "axial_stiffness": 1000.0}},
-            "gravity": [500.0, 0.0],
-            "root": "pinned",
-            "scheme": "bdf2",
-        },
-        "coupling": {"guards": {"window_steps": 50}},
-    }
-    with Session(validate(scene)) as session:
-        said = session.run().error
-    found = re.search(r"take a `time.communication_step` of (\S+) s: the beam passes up to (\S+) cells in a step", said)
-    assert found and float(found[1]) <= 5e-3 * 0.4 / float(found[2]) * 1.05 and float(found[1]) > 5e-4, said
-    scene["time"]["communication_step"] = float(found[1])
-    with Session(validate(scene)) as session:
-        assert session.run().error is None
 
 
 @pytest.mark.parametrize(

@@ -61,20 +61,6 @@ def run(tmp_path, libraries):
     return run
 
 
-def test_an_impulsive_start_and_a_ramp_end_in_the_same_statistics(run):
-    """St 0.1445 and a mean cd of 1.757 at 60 s; with the first periods in the window 0.089 and 2.593."""
-    ramped = copy.deepcopy(SQUARE)
-    ramped["fluid"]["mean_flow"]["x"] = {"cosine_ramp": {"value": 1.0, "duration": 2.0}}
-    ramped["fluid"]["initial_velocity"] = [0.0, 0.0]
-    impulsive, smooth = (run(scene).summary for scene in (SQUARE, ramped))
-    for summary in (impulsive, smooth):
-        assert summary.window_s[0] > 25.0, summary.window_s
-        assert summary.quantities["lift"].state == "drifting", "the lift still grows by a tenth"
-    for name, value, share in (("lift", "frequency_hz", 0.015), ("drag", "mean", 0.01), ("lift", "amplitude", 0.01)):
-        found = [getattr(summary.quantities[name], value) for summary in (impulsive, smooth)]
-        assert found[0] == pytest.approx(found[1], rel=share), (name, value)
-
-
 def test_a_flow_that_stays_symmetric_has_a_lift_of_rounding(run):
     scene = copy.deepcopy(SQUARE)
     scene["fluid"]["bodies"] = [{"shape": {"circle": {"radius": 0.5}}, "position": [0.0, 0.0]}]
