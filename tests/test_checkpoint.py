@@ -19,6 +19,7 @@ from nervure.simulation import checkpoint
 from nervure.simulation.results import CHECKPOINT
 from nervure.simulation.session import Session
 from tests.conftest import TOOL, nervure, run_scene
+from tests.test_space import SPHERE
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -37,7 +38,9 @@ def scenes(rod_only, fluid_only, small_fsi3, two_rods):
     aitken["coupling"]["scheme"]["iterated"]["acceleration"] = "aitken"
     two_rods["coupling"], two_rods["time"]["end"] = {"load": "pressure_jump"}, 0.6
     scenes = {"rod": rod_only, "fluid": fluid_only, "explicit": small_fsi3, "iqn_ils": iterated, "aitken": aitken}
-    return scenes | {"several": two_rods}
+    in_space = json.loads(json.dumps(SPHERE))
+    in_space["time"]["end"] = 8.0
+    return scenes | {"several": two_rods, "space": in_space}
 
 
 def run_scene_of(scene, tmp_path, *arguments):
@@ -84,7 +87,7 @@ def saved(fluid_only, tmp_path):
         yield kept
 
 
-@pytest.mark.parametrize("kind", ["rod", "fluid", "explicit", "iqn_ils", "aitken", "several"])
+@pytest.mark.parametrize("kind", ["rod", "fluid", "explicit", "iqn_ils", "aitken", "several", "space"])
 def test_a_killed_run_goes_on_as_if_nothing_had_been(kind, scenes, tmp_path):
     path = tmp_path / "scene.json"
     path.write_text(json.dumps(scenes[kind]))

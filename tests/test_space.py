@@ -1,14 +1,23 @@
-"""Fluids of three dimensions: the unit, a run with its fields and pictures, refusals, a state of checkpoints."""
+"""Fluids of three dimensions: the unit and its states, a run with its fields and pictures, and refusals."""
 
 import copy
+import importlib.util
+import subprocess
+import sys
 
 import numpy as np
 import pytest
+from fmpy.validation import validate_fmu
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
 
 from nervure import api
-from nervure.errors import SceneError
+from nervure.errors import SceneError, UnitError
+from nervure.output import flow, space, vortices
 from nervure.scene import validate
 from nervure.simulation.results import FLUID_FIELDS
+from nervure.units.fmu import read_description
+from tests.conftest import TOOL
 
 SPHERE = {
     "name": "sphere",
@@ -76,10 +85,162 @@ def test_both_versions_of_the_unit_give_the_same_numbers(run, tmp_path):
     assert np.array_equal(other.series["drag"], run[0].series["drag"])
 
 
+def test_fields_become_a_dataset_in_space(run):
+    pytest.importorskip("xarray")
+    found = run[0].fields(0.03)
+    assert found.w.dims == ("time", "z", "y", "x") and found.time.values == pytest.approx([0.04, 0.08])
+    assert found.z.attrs["units"] == "m" and found.vorticity_x.attrs["units"] == "1/s"
+    slope = {
+        a: 2j * np.pi * np.fft.fftfreq(found.sizes[a], 0.125).reshape([-1 if a == b else 1 for b in "zyx"])
+        for a in "xyz"
+    }
+    wave = {name: np.fft.fftn(found[name].values[-1]) for name in "uvw"}
+    for (a, b), (v, w), name in zip(map(tuple, ("yz", "zx", "xy")), map(tuple, ("vw", "wu", "uv")), "xyz", strict=True):
+        curl = np.fft.ifftn(slope[a] * wave[w] - slope[b] * wave[v]).real
+        off = np.abs(curl - found[f"vorticity_{name}"].values[-1]).max()
+        assert off < 2e-3 * np.abs(found.vorticity_z).max(), name
+
+
+def test_a_slice_shows_a_field_and_the_bodies_in_it(run):
+    for name in ("vorticity", "pressure", "speed", "w"):
+        figure = run[0].plot_field(name, 0.03)
+        assert figure.axes[0].get_title(loc="right") == "z = 0 mm, t = 0.040 s"
+        assert figure.axes[1].get_ylabel().startswith(f"{name} [")
+        (solid,) = figure.axes[0].patches
+        FigureCanvasAgg(figure).draw()
+        extent = solid.get_path().get_extents()
+        assert [extent.x0, extent.x1, extent.y0, extent.y1] == pytest.approx([-400, 400, -400, 400], abs=1)
+
+
+def test_sections_are_those_of_turned_bodies():
+    """A plane through the pivot cuts a cuboid that is turned about z as a rectangle, about x along a longer side; one
+    beside a body does not cut it."""
+    cuboid = {"shape": {"cuboid": {"lengths": [0.8, 0.2, 0.6]}}, "position": [0, 0, 0]}
+    bodies = [
+        cuboid | {"turn": {"axis": [0, 0, 2], "angle": 0.5}},
+        cuboid | {"turn": {"axis": [1, 0, 0], "angle": 0.2}, "pivot": [0.4, 0, 0]},
+        {"shape": {"circular_cylinder": {"axis": "x", "radius": 0.3}}, "position": [0, 0, 0]},
+        {"shape": {"ellipsoid": {"lengths": [0.8, 0.4, 0.2]}}, "position": [0, 0, 0]},
+    ]
+    scene = validate(changed(bodies=bodies, box=SPHERE["fluid"]["box"] | {"cells": [32, 32, 32]}))
+    assert scene.fluid
+    turned, tipped, cylinder, flat = scene.fluid.bodies
+    (outline,) = space.section(turned, [0.0, 0.0, 0.0, 0.0], scene.fluid)
+    corner = space.rotation([0, 0, 1], 0.5)[:2, :2] @ [0.4, -0.1]
+    assert outline.max(axis=0)[0] == pytest.approx(corner[0], abs=2e-3)
+    (outline,) = space.section(tipped, [0.4, 0.0, 0.0, 0.0], scene.fluid)
+    ends = [*outline.min(axis=0), *outline.max(axis=0)]
+    assert ends == pytest.approx([-0.4, -0.1 / np.cos(0.2), 0.4, 0.1 / np.cos(0.2)], abs=3e-3)
+    (outline,) = space.section(cylinder, [0.0, 0.0, 0.18, 0.0], scene.fluid)
+    assert outline[:, 1].max() == pytest.approx(0.24, abs=2e-3)
+    assert outline[:, 0].max() - outline[:, 0].min() > 4.0, "it goes through the box"
+    assert space.section(flat, [0.0, 0.0, 0.11, 0.0], scene.fluid) == []
+    solids = flow.outlines(scene, [], [[0.0, 0.0, 0.0, 0.0]] * 4)
+    assert len(solids) == 4
+
+
+def test_an_animation_in_space_has_slices_and_vortices(run, monkeypatch, capsys):
+    found, folder = run
+    has = importlib.util.find_spec("pyvista") is not None
+    films = {path.name for path in found.animate() if path.suffix != ".mp4"}
+    assert films == {"phases.png", "vorticity.gif"} | ({"vortices.png", "vortices.gif"} if has else set())
+    if has:
+        with Image.open(folder / "vortices.gif") as film:
+            assert film.n_frames == 3 and film.width >= 720  # type: ignore[attr-defined]
+        with Image.open(folder / "vortices.png") as picture:
+            colours = np.asarray(picture.convert("RGB"), int).reshape(-1, 3)
+        grey = np.ptp(colours, axis=1) < 12
+        assert (~grey).mean() > 0.01, "coloured surfaces"
+        assert (grey & (colours[:, 0] > 60) & (colours[:, 0] < 235)).mean() > 0.002, "the sphere between them"
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    capsys.readouterr()
+    assert not {"vortices.gif"} & {path.name for path in found.animate(0.07)}
+    assert "-m pip install pyvista`" in capsys.readouterr().err
+
+
+def test_q_is_that_of_a_vortex_and_of_a_strain():
+    """A column of Taylor and Green has Q = ± k² where it turns and where it strains, by differences a little less."""
+    n, k = 32, 2 * np.pi
+    x, y, _ = np.meshgrid(*[np.arange(n) / n] * 3, indexing="ij")
+    u = np.stack([np.sin(k * x) * np.cos(k * y), -np.cos(k * x) * np.sin(k * y), 0 * x], axis=-1)
+    found = vortices.strength(u, [1 / n] * 3)
+    share = (np.sin(k / n) * n / k) ** 2
+    assert found[0, 0, 3] == pytest.approx(-(k**2) * share) and found[n // 4, n // 4, 0] == pytest.approx(k**2 * share)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_unit_in_space_goes_back_and_on_in_another_instance(version, instantiate):
+    scene = changed(precision="single") | {"time": {"end": 0.2, "communication_step": 0.02}}
+    scene["fluid"]["bodies"][0]["motion"] = {"y": {"sine": {"amplitude": 0.1, "frequency": 3.0}}}
+    units = [instantiate(scene, version)["fluid"] for _ in range(2)]
+    one, other = units
+
+    def shown(unit, begin):
+        for step in range(begin, begin + 3):
+            unit.step(0.02 * step, 0.02)
+        unit.get()
+        return np.concatenate([unit.outputs, *(unit.field(name).ravel() for name in ("u", "w", "p", "vorticity_x"))])
+
+    for unit in units:
+        unit.connect([], ["drag", "body[1].y", "kinetic_energy"])
+        unit.start()
+    shown(one, 0)
+    one.save()
+    state = one.serialize()
+    first = shown(one, 3)
+    one.restore()
+    assert np.array_equal(shown(one, 3), first)
+    other.deserialize(state)
+    assert np.array_equal(shown(other, 3), first)
+
+
+def test_a_unit_of_fmi_3_has_few_variables_and_no_fault(packed):
+    path = packed("fluid", SPHERE, 3)
+    assert validate_fmu(str(path)) == []
+    assert len(read_description(path).modelVariables) < 60
+
+
+def test_a_step_that_diverges_is_refused_until_a_state_is_restored(instantiate):
+    jump = {"table": {"times": [0.0, 0.02, 0.04, 0.06], "values": [1.0, 1.0, 1.0, 1e3]}}
+    unit = instantiate(changed(mean_flow={"x": jump}))["fluid"]
+    unit.start()
+    unit.save()
+    unit.step(0.0, 0.02)
+    unit.step(0.02, 0.02)
+    for _ in range(2):
+        with pytest.raises(UnitError, match="diverged"):
+            unit.step(0.04, 0.02)
+    unit.restore()
+    unit.step(0.0, 0.02)
+
+
+LIMITED = """
+import resource, sys
+from nervure import api
+resource.setrlimit(resource.RLIMIT_AS, (3 * 10**9,) * 2)
+api.run("sphere-stream-144x96x96", sys.argv[1], overrides=["fluid.box.cells=[400, 400, 400]"], quiet=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits the memory of a process of Linux")
+def test_memory_that_is_not_there_is_said_before_the_run(tmp_path, libraries):
+    done = subprocess.run([TOOL[0], "-c", LIMITED, tmp_path / "run"], capture_output=True, text=True)
+    assert done.returncode == 1 and "memory" in done.stderr.splitlines()[-1], done.stderr
+
+
 @pytest.mark.parametrize(
     ("parts", "named"),
     [
         ({"box": SPHERE["fluid"]["box"] | {"cells": [32, 16]}}, ["fluid.box.cells", "3 numbers"]),
+        ({"box": SPHERE["fluid"]["box"] | {"cells": [32, 16, 7]}}, ["fluid.box.cells", "8"]),
+        ({"box": SPHERE["fluid"]["box"] | {"cells": [32, 16, 16.5]}}, ["fluid.box.cells"]),
+        ({"channel": {"y": [-0.9, 0.9], "z": [-3.0, 0.9]}}, ["fluid.channel.z"]),
+        ({"probes": [{"name": "far", "position": [1.0, 0.0]}]}, ["fluid.probes", "3 components"]),
+        ({"bodies": [{"shape": {"sphere": {"radius": -0.1}}, "position": [0, 0, 0]}]}, ["radius", "> 0"]),
+        (
+            {"bodies": [SPHERE["fluid"]["bodies"][0] | {"turn": {"axis": [0, 0, 0], "angle": 1}}]},
+            ["turn.axis"],
+        ),
         ({"box": SPHERE["fluid"]["box"] | {"z": [1.0, -1.0]}}, ["fluid.box.z"]),
         ({"box": {"x": [-1.5, 2.5], "y": [-1.0, 1.0], "cells": [32, 16]}}, ["two dimensions", "sphere"]),
         ({"cylinders": [{"center": [0.0, 0.0], "radius": 0.1}]}, ["fluid.cylinders", "bodies"]),

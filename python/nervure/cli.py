@@ -345,7 +345,7 @@ def animate(
     ] = None,
     end: Annotated[float | None, typer.Option(help="Last time, s.")] = None,
 ) -> None:
-    """Write vorticity.gif and phases.png into a result folder."""
+    """Write vorticity.gif and phases.png into a result folder, of a fluid in space also vortices.gif."""
     from nervure.output import animation
 
     for path in animation.write(folder, begin, end):

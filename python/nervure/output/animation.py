@@ -2,6 +2,7 @@
 
 vorticity.gif repeats the last whole periods without a seam, vorticity.mp4 shows them where imageio-ffmpeg is installed,
 and phases.png has four phases of the last period. A rod alone has motion.png and motion.gif of the last period instead.
+A fluid in space has vortices.png and vortices.gif, too, where pyvista is installed.
 """
 
 import json
@@ -22,10 +23,10 @@ from nervure.evaluate import statistics
 from nervure.evaluate.statistics import Series
 from nervure.extras import require
 from nervure.files import write_whole
-from nervure.output import fields, flow, layout, plots, title
+from nervure.output import console, fields, flow, layout, plots, title, vortices
 from nervure.output.motion import RodPicture
 from nervure.scene import beams, validate
-from nervure.scene.outline import POSE
+from nervure.scene.facts import Facts
 from nervure.simulation import results
 from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
 
@@ -36,7 +37,8 @@ SHAPES = 24  # Largest number of shapes in motion.png
 SAMPLES = 8  # Frames that set the colour scale
 WIDTH, DPI = 7.5, 100  # Width of the animation, in, and points an inch
 FRAME_MS = 60  # Duration of a frame, ms
-FIELDS = {"vorticity": "1/s", "pressure": "Pa", "speed": "m/s", "u": "m/s", "v": "m/s"}  # With their units
+FIELDS = {"vorticity": "1/s", "pressure": "Pa", "speed": "m/s", "u": "m/s", "v": "m/s", "w": "m/s"}  # With their units
+SHADES = 127  # Colours of the palette for vortices, besides white
 COLOURS, GREYS = 95, 32  # Colours of the palette for the scale, and for text, axes and solids
 
 
@@ -57,9 +59,10 @@ class Frames:
         self.moves = self._moves(results.read(folder).series) if scene.fluid and scene.fluid.bodies else []
 
     def _moves(self, series: Series) -> list[np.ndarray]:
-        """Return position and angle of each body at the times of the frames, `[frames, 3]`, m and rad."""
+        """Return position and angle of each body at the times of the frames, `[frames, parts]`, m and rad."""
         bodies = range(1, len(self.scene.fluid.bodies) + 1) if self.scene.fluid else ()
-        of = [[np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in POSE] for i in bodies]
+        parts = flow.pose(self.scene)
+        of = [[np.interp(self.times, series["time"], series[f"body_{i}_{part}"]) for part in parts] for i in bodies]
         return [np.transpose(parts) for parts in of]
 
     def vorticity(self, frame: int) -> np.ndarray:
@@ -77,9 +80,13 @@ class Frames:
                 values = values[..., 2]
         if not vector:
             return np.array(values).T
-        u, v = np.array(values).T[:2]
-        found: np.ndarray = {"u": u, "v": v, "speed": np.hypot(u, v)}[name]
+        u, v, w = np.moveaxis(values, -1, 0).swapaxes(1, 2)
+        found: np.ndarray = np.sqrt(u**2 + v**2 + w**2) if name == "speed" else {"u": u, "v": v, "w": w}[name]
         return found
+
+    def velocity(self, frame: int) -> np.ndarray:
+        """Return the velocity of a fluid in space in a frame, `[nx, ny, nz, 3]`, m/s."""
+        return np.array(self.fluid["VTKHDF/PointData/velocity"][frame]).swapaxes(0, 2)
 
     def points(self, frame: int, beam: int = 0) -> np.ndarray:
         """Return the outline of a beam in the plane, or its centre line in space, `[n, 3]`."""
@@ -92,7 +99,18 @@ class Frames:
     def solids(self, frame: int) -> list[np.ndarray]:
         """Return the outlines of the solids in the fluid, m, each `[n, 2]`."""
         beams = [self.points(frame, beam)[:, :2] for beam in range(len(self.beams))]
-        return flow.outlines(self.scene, beams, [move[frame].tolist() for move in self.moves])
+        return flow.outlines(self.scene, beams, self.poses(frame))
+
+    def rods(self, frame: int) -> list[tuple[np.ndarray, float]]:
+        """Return centre line, `[n, 3]`, and largest radius of each beam in space, m."""
+        thickness = Facts(self.scene).thickness if self.beams else {}
+        return [
+            (self.points(frame, i), float(np.max(thickness[own.force])) / 2) for i, own in enumerate(beams(self.scene))
+        ]
+
+    def poses(self, frame: int) -> list[list[float]]:
+        """Return the poses of the bodies."""
+        return [move[frame].tolist() for move in self.moves]
 
     @cached_property
     def shapes(self) -> np.ndarray:
@@ -119,7 +137,8 @@ class Frames:
 
 def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     """Write vorticity.gif and vorticity.mp4 of the times from `begin` to `end` (s), and phases.png, into a result
-    folder; of a rod alone motion.png, motion.gif and motion.mp4. Return their paths."""
+    folder; of a rod alone motion.png, motion.gif and motion.mp4; of a fluid in space also vortices.png, vortices.gif
+    and vortices.mp4 where pyvista is installed. Return their paths."""
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
@@ -148,7 +167,31 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
     phases(frames, nearest, limit, folder / "phases.png")
-    return [folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
+    written = [folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
+    if frames.scene.fluid and frames.scene.fluid.box.z:
+        try:
+            require("pyvista", "vortices.gif")
+        except InputError as error:
+            console.warn(str(error))
+        else:
+            written += _vortices(frames, chosen)
+    return written
+
+
+def _vortices(frames: Frames, chosen: list[int]) -> list[Path]:
+    """Write vortices.png of the last frame and the films of at most `FILM` frames; return their paths."""
+    chosen = chosen[:: -(-len(chosen) // FILM)]
+    sampled = chosen[:: max(1, len(chosen) // 3)]
+    space = vortices.Space(frames.scene, [(frames.velocity(frame), frames.poses(frame)) for frame in sampled])
+    pictures = [
+        space.picture(frames.velocity(frame), frames.poses(frame), frames.rods(frame), float(frames.times[frame]))
+        for frame in chosen
+    ]
+    path = frames.folder / "vortices.png"
+    write_whole(path, lambda unfinished: Image.fromarray(pictures[-1]).save(unfinished, "PNG"))
+    few = Image.fromarray(np.concatenate(pictures[:: max(1, len(pictures) // 3)])).quantize(SHADES)
+    palette = np.append(np.reshape(few.getpalette() or [], (-1, 3)), [[255, 255, 255]], axis=0).astype(np.uint8)
+    return [path, *_films(frames.folder / "vortices", pictures, palette)]
 
 
 def plot_field(folder: Path, name: str, time: float | None) -> Figure:
@@ -158,6 +201,8 @@ def plot_field(folder: Path, name: str, time: float | None) -> Figure:
     frames = Frames(folder)
     if frames.fluid is None:
         raise InputError(f"{folder} holds no fields of a fluid")
+    if name == "w" and not (frames.scene.fluid and frames.scene.fluid.box.z):
+        raise InputError("there is no field w: the fluid has two dimensions")
     frame = len(frames.times) - 1 if time is None else int(np.argmin(np.abs(frames.times - time)))
     field, solids = frames.field(name, frame), frames.solids(frame)
     percentile = flow.PERCENTILE if name == "vorticity" else 100.0
@@ -182,10 +227,10 @@ def _has_ffmpeg() -> bool:
         return False
 
 
-def _films(path: Path, pictures: list[np.ndarray]) -> list[Path]:
+def _films(path: Path, pictures: list[np.ndarray], palette: np.ndarray | None = None) -> list[Path]:
     """Write the pictures as GIF and, with ffmpeg, as MP4; return the paths."""
     written = [path.with_suffix(".gif")]
-    write_whole(written[0], lambda unfinished: write_gif(pictures, unfinished))
+    write_whole(written[0], lambda unfinished: write_gif(pictures, unfinished, palette))
     if _has_ffmpeg():
         written.append(path.with_suffix(".mp4"))
         write_whole(written[1], lambda unfinished: write_mp4(pictures, unfinished))
@@ -253,11 +298,13 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
     return pictures
 
 
-def write_gif(pictures: list[np.ndarray], path: Path) -> None:
-    """Write the pictures as an endless GIF with one palette and without dithering, so that still parts cost nothing."""
-    scale = colormaps[flow.COLOUR_MAP](np.linspace(0, 1, COLOURS))[:, :3]
-    greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
-    palette = (255 * np.concatenate([scale, greys, [to_rgb(plots.BLUE)]])).round().astype(np.uint8)
+def write_gif(pictures: list[np.ndarray], path: Path, palette: np.ndarray | None = None) -> None:
+    """Write the pictures as an endless GIF with one palette and without dithering, so that still parts cost nothing.
+    The usual palette is for the vorticity in a plane."""
+    if palette is None:
+        scale = colormaps[flow.COLOUR_MAP](np.linspace(0, 1, COLOURS))[:, :3]
+        greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
+        palette = (255 * np.concatenate([scale, greys, [to_rgb(plots.BLUE)]])).round().astype(np.uint8)
     images = [Image.fromarray(_nearest(one, palette)) for one in pictures]
     for image in images:
         image.putpalette(palette.tobytes())

@@ -16,9 +16,9 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Polygon
 from matplotlib.path import Path
 
-from nervure.output import axis_label, displayed_unit, layout, lengths_in, title
+from nervure.output import axis_label, displayed_unit, layout, lengths_in, space, title
 from nervure.scene import Scene
-from nervure.scene.outline import body_outline, circle
+from nervure.scene.outline import POSE, body_outline, circle
 from nervure.scene.types import Fluid
 
 PERCENTILE = 99.5  # Part of the visible points outside of `LAYER`, in percent, inside the colour scale
@@ -30,11 +30,19 @@ Solids = Sequence[np.ndarray]  # Outlines of the solids of a frame, m, each `[n,
 
 
 def outlines(scene: Scene, beams: Solids, poses: Sequence[Sequence[float]]) -> list[np.ndarray]:
-    """Return the outlines of the still cylinders, of the bodies at `poses` (m, m, rad) and of `beams`."""
+    """Return the outlines of the still cylinders, of the bodies at `poses` (m and rad, see `pose`) and of `beams`, in
+    space those in the plane that pictures show."""
     fluid = _fluid(scene)
+    if fluid.box.z:
+        return [line for body, of in zip(fluid.bodies, poses, strict=False) for line in space.section(body, of, fluid)]
     still = [cylinder for cylinder in fluid.cylinders if cylinder.motion is None]
     found = [np.array(cylinder.center) + circle(cylinder.radius) for cylinder in still]
     return [*found, *(body_outline(body, *pose) for body, pose in zip(fluid.bodies, poses, strict=False)), *beams]
+
+
+def pose(scene: Scene) -> tuple[str, ...]:
+    """Return the outputs of the fluid for the place of a rigid body."""
+    return space.POSE if _fluid(scene).box.z else POSE
 
 
 def panels(
@@ -61,7 +69,7 @@ class Picture:
         self.axis, self.fluid = axis, _fluid(scene)
         left, right, bottom, top = extent = view(self.fluid)
         unit, scale = lengths_in(scene, max(map(abs, extent)))
-        self.scale, self.patches = scale, list[Polygon]()
+        self.unit, self.scale, self.patches = unit, scale, list[Polygon]()
         pixels = axis.get_window_extent()
         columns, rows = max(2, round(pixels.width)), max(2, round(pixels.height))
         self.x = left + (np.arange(columns) + 0.5) / columns * (right - left)
@@ -85,8 +93,10 @@ class Picture:
     def say(self, time: float, scene: Scene) -> None:
         """Write the title of the scene and the `time` (s) above the picture."""
         clock = f"t = {time:.3f} {displayed_unit('s', scene.display)[0]}"
+        if self.fluid.box.z:
+            clock = f"z = {self.scale * space.slice_z(self.fluid):.3g} {self.unit}, {clock}"
         inches = self.axis.get_window_extent().width / self.axis.figure.dpi
-        self.axis.set_title(title(scene, inches - 1.2), loc="left", fontsize="small")
+        self.axis.set_title(title(scene, inches - 0.1 * len(clock)), loc="left", fontsize="small")
         self.axis.set_title(clock, loc="right", fontsize="small")
 
 
@@ -110,11 +120,14 @@ def colour_limit(scene: Scene, frames: Iterable[tuple[np.ndarray, Solids]], perc
 def _free(scene: Scene, shape: tuple[int, ...], solids: Solids) -> np.ndarray:
     """Return which points of a grid of `shape` are seen outside of solids and of the layer at solids and walls."""
     fluid = _fluid(scene)
-    left, _, bottom, top = view(fluid)
+    left, right, bottom, top = view(fluid)
     x, y = (np.linspace(*ends, n, endpoint=False) for ends, n in zip((fluid.box.x, fluid.box.y), shape, strict=True))
     layer = LAYER * max(x[1] - x[0], y[1] - y[0])
-    wall = layer if fluid.channel else 0.0
-    free: np.ndarray = np.logical_and.outer(x >= left, (y >= bottom + wall) & (y <= top - wall))
+    wall, side = (
+        layer if fluid.channel and walls else 0.0 for walls in (fluid.channel, fluid.channel and fluid.channel.x)
+    )
+    along = (x >= left + side) & (x <= right - side)
+    free: np.ndarray = np.logical_and.outer(along, (y >= bottom + wall) & (y <= top - wall))
     for outline in solids:
         near = np.ix_(*((at > low - layer) & (at < high + layer) for at, low, high in
                         zip((x, y), outline.min(axis=0), outline.max(axis=0), strict=True)))  # fmt: skip
@@ -140,7 +153,7 @@ def _fluid(scene: Scene) -> Fluid:
 
 def view(fluid: Fluid) -> tuple[float, float, float, float]:
     """Return left, right, lower and upper end of a picture, m: the channel behind the inflow zone, or the box."""
-    (x0, x1), (y0, y1) = fluid.box.x, fluid.box.y
+    (x0, x1), (y0, y1) = (fluid.channel and fluid.channel.x) or fluid.box.x, fluid.box.y
     left = fluid.inflow.x[1] if fluid.inflow else x0
     bottom, top = fluid.channel.y if fluid.channel else (y0, y1)
     return left if x0 <= left < x1 - 0.1 * (x1 - x0) else x0, x1, bottom, top

@@ -20,7 +20,6 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 
 from nervure.output import displayed_unit, fields, flow, title
-from nervure.scene.outline import POSE
 from nervure.scene.types import Fluid
 from nervure.simulation.checkpoint import Checkpoint
 from nervure.simulation.loop import Observer, TimeLoop
@@ -151,7 +150,7 @@ class Live(Observer):
         recorder = self.session.recorder
         row = dict(zip(recorder.columns, recorder.table[recorder.rows - 1].tolist(), strict=True))
         bodies = range(1, len(fluid.bodies) + 1)
-        return [[row.get(f"body_{i}_{part}", 0.0) for part in POSE] for i in bodies]
+        return [[row.get(f"body_{i}_{part}", 0.0) for part in flow.pose(self.session.scene)] for i in bodies]
 
     def state(self, columns: list[str], field: str) -> dict[str, Any]:
         """Return what the page shows: the curves of `columns` and, once the run has made it, a frame of `field`."""

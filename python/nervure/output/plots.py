@@ -20,7 +20,6 @@ from nervure.files import write_whole
 from nervure.output import axis_label, displayed_unit, flow, in_words, lengths_in, title
 from nervure.output.fields import outline, station_positions
 from nervure.scene import Scene
-from nervure.scene.outline import POSE
 from nervure.scene.types import Reference
 from nervure.simulation.loop import Observer
 from nervure.simulation.results import Results
@@ -306,11 +305,10 @@ def vorticity(session: Session) -> None:
         return
     if field.ndim == 3:  # the slice in the middle of the box along z
         field = field[:, :, field.shape[2] // 2]
-    corners = [
-        outline(station_positions(units, own), session.facts.thickness[own.force]) for own in session.facts.beams
-    ]
+    flat = [] if scene.fluid.box.z else session.facts.beams
+    corners = [outline(station_positions(units, own), session.facts.thickness[own.force]) for own in flat]
     poses = [
-        [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in POSE]
+        [float(units["fluid"].read(f"body[{i}].{part}")[0]) for part in flow.pose(scene)]
         for i, _ in enumerate(scene.fluid.bodies, 1)
     ]
     solids = flow.outlines(scene, corners, poses)

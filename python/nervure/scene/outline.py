@@ -2,17 +2,7 @@
 
 import numpy as np
 
-from nervure.scene.types import (
-    Body,
-    ShapeCircle,
-    ShapeCircularCylinder,
-    ShapeCuboid,
-    ShapeEllipse,
-    ShapeEllipsoid,
-    ShapePolygon,
-    ShapeRectangle,
-    ShapeSphere,
-)
+from nervure.scene.types import Body, ShapeCircle, ShapeEllipse, ShapePolygon, ShapeRectangle
 
 POSE = ("x", "y", "angle")  # Outputs of the fluid for a rigid body
 ROUND = 90  # Corners of a round outline
@@ -35,10 +25,6 @@ def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
             own = circle(1.0) * [ellipse.length / 2, ellipse.thickness / 2]
         case ShapeRectangle(rectangle=rectangle) if rectangle.ends == "square":
             own = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [rectangle.length / 2, rectangle.thickness / 2]
-        case ShapeSphere(sphere=round):
-            own = circle(round.radius)
-        case ShapeEllipsoid() | ShapeCuboid() | ShapeCircularCylinder():
-            return np.full((1, 2), [x, y])  # a slice through a body that may be turned is not drawn
         case ShapeRectangle(rectangle=rectangle):
             corners = circle(1.0)
             straight = (rectangle.length - rectangle.thickness) / 2 * np.sign(corners[:, :1])
