@@ -174,10 +174,16 @@ def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not()
         ({"fluid_steps": 4}, "take a `time.communication_step` of 0.0002 s: the fluid makes some 4 steps in one"),
         ({"thickness": 1.0}, "take at most 4 `beam.segments` in place of 9: stations closer than 0.25 thicknesses"),
         ({}, "take a `time.communication_step` of 0.0005 s"),
+        (
+            {"line": True},
+            "take a `time.communication_step` of 0.0005 s or finer `fluid.box.cells`, or take at most 6 `beam.segments` "
+            "in place of 9: stations closer than 1.5 cells",
+        ),
     ],
 )
 def test_advice_of_a_guard_names_key_and_value(own, said):
     numbers = {"cell": (0.1, 0.1), "max_cfl": 0.4, "c_eta": 1e-4, "max_step": 1e-3, "thickness": 0.1, "fluid_steps": 1}
+    numbers |= {"line": False}
     [rod], fluid = powered(float, float)
     guard = coupling.Explicit([rod], fluid, guards=Guards()).guards[0]
     rod.variables |= {name: Variable(name, "Real", "output", "m", list(range(10)), [None] * 10) for name in "xy"}

@@ -40,3 +40,15 @@ def test_one_exchange_gives_what_an_iteration_gives(tmp_path):
 def test_a_line_needs_its_scheme(tmp_path):
     with pytest.raises(SceneError, match="a line needs the scheme sbdf2"):
         flag(tmp_path, "fluid.time_stepping.scheme=rk2")
+
+
+def test_powers_that_differ_are_told_of(tmp_path):
+    """A heavy flag whose step the fluid divides: some of the exchanged power is missing; at a quarter of the step
+    nothing is to be told."""
+    heavy = ["rod.material.section.line_density=1", 'coupling={"guards": {"window_steps": 200}}', "time.end=5"]
+    steps = {
+        step: [f"time.communication_step={step}", f"fluid.time_stepping.max_step={step}"] for step in (0.02, 0.005)
+    }
+    coarse, fine = (flag(tmp_path / str(step), *heavy, *keys).summary.warnings for step, keys in steps.items())
+    assert coarse and "of the exchanged power" in coarse[0] and "`time.communication_step` of 0.0" in coarse[0]
+    assert fine is None

@@ -1,5 +1,6 @@
 """Guards of a run: an unstable coupling may stay finite, but the powers across the interface show it."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,8 +9,12 @@ from nervure.errors import InputError
 from nervure.scene.types import Guards
 from nervure.units.fmu import Unit
 
-SEGMENT = 0.25
-"""Least length of a segment, in thicknesses: closer stations feel each other's load a step late."""
+SEGMENT, MARKERS = 0.25, 1.5
+"""Least length of a segment, in thicknesses: closer stations feel each other's load a step late; and distance of the
+markers of a line, in cells: they do not hold stations between them."""
+
+TOLD = 0.1
+"""Difference of the powers on the rod and from the fluid by the exchanged power that is told of: 0.05 in FSI3."""
 
 PENALIZED = 2.0
 """Longest step under the pressure jump without iteration, by C_eta + dt (`docs/theory/coupling.md`)."""
@@ -40,6 +45,7 @@ class Limits:
     c_eta: float  # s
     max_step: float  # s
     thickness: float  # m
+    line: bool
     fluid_steps: int  # Steps of the fluid in a communication step, by `max_step` and the stream
 
 
@@ -58,6 +64,7 @@ class EnergyGuard:
         self.power_from_fluid = _index(fluid, f"{beam}.power") if self.momentum else 0
         self.limits: Limits | None = None
         """Numbers of the scene from which advice is computed; None where they are not known."""
+        self.told = False
         self.balance = [0.0] * 6
         """Steps, fading sums of the magnitudes of the difference and of the exchanged power, W, the last two powers on
         the rod, and the most cells that a station has passed in a second, 1/s."""
@@ -79,12 +86,27 @@ class EnergyGuard:
                 "(the limits are in `coupling.guards`)"
             )
 
+    def look(self, t: float, h: float) -> Iterator[str]:
+        """Yield once, at `t` (s) with a step of `h` (s), that the powers of the momentum load differ in a run that goes
+        on."""
+        steps, difference, exchanged, *_ = self.balance
+        window, limit = self.guards.window_steps, self.guards.largest_imbalance
+        if self.told or limit is None or not self.momentum or steps < window:
+            return
+        if difference > TOLD * exchanged and exchanged > window * self.guards.min_power:
+            self.told = True
+            reason = self._differ(difference, exchanged)
+            yield f"over the last {window} steps to t = {t:.4g} s {reason}; {self.advice(h)}"
+
     def advice(self, h: float) -> str:
         """Return advice for this scene, whose step is `h` (s)."""
         if self.momentum and self.parallel:
             return "take the scheme explicit: in parallel the fluid sees the rod a step late"
         if self.momentum:
-            return self._divided(h) or self._too_close() or f"take a `time.communication_step` of {_below(h / 2)} s"
+            shorter, close = f"take a `time.communication_step` of {_below(h / 2)} s", self._too_close()
+            if self.limits and self.limits.line:
+                return self._divided(h) or f"{shorter} or finer `fluid.box.cells`{f', or {close}' if close else ''}"
+            return self._divided(h) or close or shorter
         shorter = f"shorter than {h:g} s"
         if self.limits and h > (longest := PENALIZED * (self.limits.c_eta + min(self.limits.max_step, h))):
             shorter = f"of {_below(longest)} s, {PENALIZED:g} (C_eta + dt)"
@@ -123,12 +145,14 @@ class EnergyGuard:
             return f"take fewer `beam.segments` than {segments}: close stations feel each other's load a step late"
         places = [self.rod.outputs[self.rod.slices[name]] for name in ("x", "y")]
         length = float(np.hypot(*np.diff(places)).sum())
-        most = int(length / (SEGMENT * self.limits.thickness))
+        line, thickness = self.limits.line, self.limits.thickness
+        close = f"{SEGMENT:g} thicknesses feel each other's load a step late"
+        most = int(length / (MARKERS * max(self.limits.cell) if line else SEGMENT * thickness))
         if segments <= max(most, 1):
             return None
         return (
-            f"take at most {most} `beam.segments` in place of {segments}: stations closer than {SEGMENT:g} thicknesses "
-            "feel each other's load a step late"
+            f"take at most {most} `beam.segments` in place of {segments}: stations closer than "
+            f"{f'{MARKERS:g} cells slip between the markers' if line else close}"
         )
 
     def reason(self, difference: float, exchanged: float, power: float) -> str | None:
@@ -136,12 +160,15 @@ class EnergyGuard:
         (W); None where nothing does."""
         imbalance, noise = self.guards.largest_imbalance, self.guards.largest_noise
         if self.momentum and imbalance is not None and difference > imbalance * exchanged:
-            share = f"{difference / exchanged:.0%}" if exchanged else "all"
-            both = f"the power on the {self.rod.name} and the power from the fluid"
-            return f"{both} differ by {share} of the exchanged power"
+            return self._differ(difference, exchanged)
         if not self.momentum and noise is not None and difference > noise * exchanged and power > self.guards.min_power:
             return f"the power on the {self.rod.name} is noise, {difference / exchanged:.2g} of it from step to step"
         return None
+
+    def _differ(self, difference: float, exchanged: float) -> str:
+        share = f"{difference / exchanged:.0%}" if exchanged else "all"
+        both = f"the power on the {self.rod.name} and the power from the fluid"
+        return f"{both} differ by {share} of the exchanged power"
 
 
 def _index(unit: Unit, name: str) -> int:

@@ -85,11 +85,14 @@ class Session(TimeLoop):
                     mask["c_eta"],
                     stepping.max_step,
                     float(self.facts.thickness[own.force].max()),
+                    own.beam.surface == "line",
                     self.facts.fluid_steps,
                 )
 
     def _look(self) -> None:
         self.warnings += self.places.look(self.time)
+        for guard in self.scheme.guards:
+            self.warnings += guard.look(self.time, self.grid.communication_step)
 
     @classmethod
     def packed(
