@@ -64,7 +64,7 @@ rust-test:
 	cargo test --workspace --tests --locked
 	cargo test --workspace --doc --locked
 
-LINTED := python examples scripts site studies tests modelDescription hatch_build.py
+LINTED := python examples lab scripts site studies tests modelDescription hatch_build.py
 
 lint: $(READY_DEV) ## check style, types and layers of the Python code
 	$(RUN) -m ruff check $(LINTED)
@@ -89,7 +89,7 @@ $(COVERAGE_VENV)/.ready: requirements/dev.lock requirements/coverage.lock
 	touch $@
 
 package-check: ## package every crate as for a registry and build the packages (two minutes)
-	cargo package --workspace --allow-dirty --locked --target-dir target/package-check
+	cargo package --workspace --exclude nervure-lab --allow-dirty --locked --target-dir target/package-check
 
 doc: ## build the reference of all crates, without warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
@@ -218,12 +218,25 @@ $(MASTERS_VENV)/.ready: requirements/dev.lock requirements/masters.lock
 	$(MASTERS_VENV)/bin/python $(LOCKED) requirements/dev.lock -r requirements/masters.lock
 	touch $@
 
+.PHONY: lab lab-test
+
+PAGE := target/lab/index.html
+BROWSERS := wasm32-unknown-unknown
+
+lab: ## build the lab, a page that simulates in the browser, as the file PAGE=target/lab/index.html
+	[ -d "$$(rustc --print target-libdir --target $(BROWSERS))" ] || rustup target add $(BROWSERS)
+	$(PYTHON) lab/make_lab.py $(PAGE) $(HOME_OF_LAB)
+
+lab-test: lab $(READY_DEV) ## test the lab in Chromium
+	$(RUN) -m pytest tests/test_lab.py
+
 .PHONY: site gallery
 
 SITE_VENV := target/site/venv
 
 site: $(READY_DEV) $(SITE_VENV)/.ready ## build the site with its generated reference into target/site/html
 	$(RUN) site/make_pages.py target/site/pages
+	$(MAKE) lab PAGE=target/site/pages/lab/index.html HOME_OF_LAB="--home ../index.html"
 	$(SITE_VENV)/bin/mkdocs build --quiet --strict --config-file site/mkdocs.yml
 
 $(SITE_VENV)/.ready: requirements/site.lock

@@ -38,6 +38,7 @@ ELEMENT = re.compile(r"(.+)\[(\d+)\]$")
 def documents() -> dict[Path, Path]:
     """Return the place on the site of each page and picture, by its place in the repository."""
     found: dict[Path, Path] = {Path("README.md"): Path("index.md"), Path("docs/README.md"): Path("documents.md")}
+    found[Path("lab/page/index.html")] = Path("lab/index.html")  # `make site` puts the built page in its place
     crates = [f"crates/{name}/README.md" for name in ("fmi-export", "cargo-fmu")]
     for given in ("CONTRIBUTING.md", "CHANGELOG.md", "modelDescription/README.md", *crates):
         found[Path(given)] = Path(given)

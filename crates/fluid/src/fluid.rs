@@ -167,6 +167,33 @@ impl Fluid {
         self.solver.start(&at, &mut self.present, &mut self.problem);
     }
 
+    /// Continue the flow of another fluid on the same grid, with the same beams and carried bodies and perhaps other
+    /// cylinders: its time, its velocity, and its beams with their loads.
+    ///
+    /// # Errors
+    /// Another grid, other beams or other carried bodies; then nothing changes.
+    pub fn continue_from(&mut self, other: &Self) -> Result<(), Error> {
+        let (own, known) = (&self.present, &other.present);
+        for (part, fits) in [
+            ("a field", self.problem.grid.cells == other.problem.grid.cells),
+            ("the list of bodies", own.carried.len() == known.carried.len()),
+            ("the list of beams", own.beams.have_shape_of(&known.beams)),
+        ] {
+            if !fits {
+                return Err(Error::State(part));
+            }
+        }
+        self.present.beams.copy_from(&known.beams);
+        self.present.carried.copy_from_slice(&known.carried);
+        Stations::copy_all(&mut self.motion.target, &known.beams.stations);
+        self.motion.displaced_to.copy_from_slice(&other.motion.displaced_to);
+        self.start_at(known.time);
+        self.pressures.invalidate();
+        let [u, v] = [0, 1].map(|axis| other.velocity(axis));
+        self.solver.start(&|point| [u[point], v[point]], &mut self.present, &mut self.problem);
+        Ok(())
+    }
+
     /// Advance from `t` to `t + h` (s); the stations move from their present places to those of [`Self::stations_mut`].
     ///
     /// The steps are equal; if the flow becomes too fast for them, the remaining time is divided again.

@@ -1,0 +1,125 @@
+// Curves over time with bands of published values, and what is measured of a curve.
+
+const POINTS = 700; // Of a curve on the screen
+
+/** Rows of samples in the order of time; the oldest ones are forgotten. */
+export class History {
+  constructor(columns, capacity) {
+    Object.assign(this, { columns, capacity, rows: new Float64Array(2 * capacity * columns), length: 0 });
+  }
+
+  add(rows) {
+    const { columns, capacity } = this;
+    const count = rows.length / columns;
+    if (this.length + count > 2 * capacity) {
+      this.rows.copyWithin(0, (this.length - capacity) * columns, this.length * columns);
+      this.length = capacity;
+    }
+    this.rows.set(rows, this.length * columns);
+    this.length += count;
+  }
+
+  at(row, column) {
+    return this.rows[row * this.columns + column];
+  }
+
+  /** Return the rows of the last `count` samples, at most the capacity. */
+  last(count) {
+    return [Math.max(0, this.length - Math.min(count, this.capacity)), this.length];
+  }
+}
+
+/** Return mean, amplitude and frequency of a column over its last periods; without frequency it is not periodic yet. */
+export function measure(history, column) {
+  const [begin, end] = history.last(history.capacity);
+  if (end - begin < 20) return null;
+  let [low, high] = [Infinity, -Infinity];
+  const recent = Math.max(begin, end - Math.floor((end - begin) / 2) - 1);
+  for (let row = recent; row < end; row++) {
+    const value = history.at(row, column);
+    [low, high] = [Math.min(low, value), Math.max(high, value)];
+  }
+  const middle = (low + high) / 2;
+  const crossings = [];
+  for (let row = recent + 1; row < end; row++) {
+    const [before, now] = [history.at(row - 1, column) - middle, history.at(row, column) - middle];
+    if (before < 0 && now >= 0) {
+      const [t0, t1] = [history.at(row - 1, 0), history.at(row, 0)];
+      crossings.push(t0 + (t1 - t0) * (before / (before - now)));
+    }
+  }
+  if (crossings.length < 3) return { mean: middle, amplitude: (high - low) / 2, frequency: null };
+  const frequency = (crossings.length - 1) / (crossings.at(-1) - crossings[0]);
+  return { mean: middle, amplitude: (high - low) / 2, frequency };
+}
+
+/** Round to a number that is easy to read, upward. */
+function nice(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  return [1, 2, 2.5, 5, 10].find((factor) => factor * power >= value * 0.999) * power;
+}
+
+/** Draw curves [{column, scale, colour, dash}] of a history, and bands [low, high] of published values. */
+export function plot(canvas, history, curves, bands, unit) {
+  const ratio = Math.min(window.devicePixelRatio || 1, 2);
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  if (!width) return;
+  if (canvas.width !== Math.round(width * ratio)) {
+    [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
+  }
+  const context = canvas.getContext("2d");
+  const style = getComputedStyle(canvas);
+  const colour = (name) => style.getPropertyValue(name).trim();
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  const [begin, end] = history.last(history.capacity);
+  if (end - begin < 2) return;
+  let [low, high] = [Infinity, -Infinity];
+  const stride = Math.max(1, Math.ceil((end - begin) / POINTS));
+  const first = Math.ceil(begin / stride) * stride;
+  for (const { column, scale } of curves) {
+    for (let row = first; row < end; row += stride) {
+      const value = history.at(row, column) * scale;
+      [low, high] = [Math.min(low, value), Math.max(high, value)];
+    }
+  }
+  for (const band of bands) [low, high] = [Math.min(low, ...band), Math.max(high, ...band)];
+  const step = nice(Math.max(high - low, 1e-12) / 4);
+  [low, high] = [Math.floor(low / step) * step, Math.ceil(high / step) * step];
+  const [x0, y0, x1, y1] = [52, 8, width - 8, height - 24];
+  const [from, to] = [history.at(begin, 0), history.at(end - 1, 0)];
+  const px = (t) => x0 + ((t - from) / (to - from)) * (x1 - x0);
+  const py = (value) => y1 - ((value - low) / (high - low || 1)) * (y1 - y0);
+  context.font = "12px system-ui, sans-serif";
+  context.fillStyle = colour("--band");
+  for (const [a, b] of bands) context.fillRect(x0, py(b), x1 - x0, Math.max(py(a) - py(b), 2));
+  [context.strokeStyle, context.fillStyle, context.lineWidth] = [colour("--line"), colour("--soft"), 1];
+  context.textAlign = "right";
+  context.textBaseline = "middle";
+  for (let value = low; value <= high + step / 2; value += step) {
+    context.beginPath();
+    context.moveTo(x0, py(value));
+    context.lineTo(x1, py(value));
+    context.stroke();
+    context.fillText(Number(value.toPrecision(6)).toString().replace("-", "−"), x0 - 6, py(value));
+  }
+  context.textAlign = "center";
+  context.textBaseline = "top";
+  const tick = nice((to - from) / 5);
+  for (let t = Math.ceil(from / tick) * tick; t <= to; t += tick) {
+    context.fillText(`${Number(t.toPrecision(6))} ${unit}`, Math.min(Math.max(px(t), x0 + 12), x1 - 18), y1 + 7);
+  }
+  context.lineWidth = 2;
+  context.lineJoin = "round";
+  for (const { column, scale, name, dash } of curves) {
+    context.strokeStyle = colour(name);
+    context.setLineDash(dash ?? []);
+    context.beginPath();
+    for (let row = first; row < end; row += stride) {
+      context.lineTo(px(history.at(row, 0)), py(history.at(row, column) * scale));
+    }
+    context.lineTo(px(to), py(history.at(end - 1, column) * scale));
+    context.stroke();
+  }
+  context.setLineDash([]);
+}

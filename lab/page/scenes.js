@@ -1,0 +1,68 @@
+// Scenes of the page: a shipped scene, the changes that make it fit a page, and the values of the sliders.
+
+export const SCENES = JSON.parse(document.getElementById("scenes").textContent);
+
+const keys = (path) => path.replace(/^-/, "").split(".");
+const isNumber = (key) => /^\d+$/.test(key);
+
+function get(object, path) {
+  return keys(path).reduce((part, key) => part?.[isNumber(key) ? Number(key) : key], object);
+}
+
+function set(object, path, value) {
+  const list = keys(path);
+  const last = list.pop();
+  const part = list.reduce((inner, key) => inner[isNumber(key) ? Number(key) : key], object);
+  part[isNumber(last) ? Number(last) : last] = path.startsWith("-") ? -value : value;
+}
+
+/** Return the values that the scene itself gives the sliders, by their names. */
+export function ownValues({ json, sliders }) {
+  return Object.fromEntries(sliders.map(({ id, scale = 1, paths: [path] }) => [id, get(json, path) / scale]));
+}
+
+/** Return the JSON of a scene with the values of sliders and placed cylinders [x, y, radius]. */
+export function sceneWith(scene, values, placed) {
+  const json = structuredClone(scene.json);
+  const own = ownValues(scene);
+  let changed = placed.length > 0;
+  for (const { id, scale = 1, paths } of scene.sliders) {
+    if (values[id] === own[id]) continue;
+    changed = true;
+    paths.forEach((path) => set(json, path, values[id] * scale));
+  }
+  if (placed.length) {
+    const more = placed.map(([x, y, radius]) => ({ center: [x, y], radius }));
+    json.fluid.cylinders = [...(json.fluid.cylinders ?? []), ...more];
+  }
+  if (changed) json.name += "-lab";
+  return json;
+}
+
+/** Return the state of the page as the part of its address behind #. */
+export function toHash({ scene, values, placed, field }) {
+  const own = ownValues(scene);
+  const parts = scene.sliders.filter(({ id }) => values[id] !== own[id]).map(({ id }) => `${id}=${short(values[id])}`);
+  parts.push(...placed.map((cylinder) => `cylinder=${cylinder.map(short).join(",")}`));
+  if (field !== "vorticity") parts.push(`field=${field}`);
+  return `#${[scene.id, ...parts].join("&")}`;
+}
+
+const short = (value) => String(Number(value.toPrecision(4)));
+
+/** Return the state that an address holds; what is unknown or out of range falls back to the scene. */
+export function fromHash(hash) {
+  const [id, ...parts] = decodeURIComponent(hash.slice(1)).split("&");
+  const scene = SCENES.find((known) => known.id === id) ?? SCENES[0];
+  const values = ownValues(scene);
+  const placed = [];
+  let field = "vorticity";
+  for (const [key, value = ""] of parts.map((part) => part.split("="))) {
+    const slider = scene.sliders.find((known) => known.id === key);
+    const numbers = value.split(",").map(Number);
+    if (slider && numbers[0] >= slider.min && numbers[0] <= slider.max) values[key] = numbers[0];
+    if (key === "cylinder" && numbers.length === 3 && numbers.every(Number.isFinite)) placed.push(numbers);
+    if (key === "field" && ["speed", "pressure"].includes(value)) field = value;
+  }
+  return { scene, values, placed, field };
+}

@@ -1,0 +1,114 @@
+// The simulation in a thread of its own. The page asks for a frame, and this thread steps, paints and answers.
+
+let module, wasm, lab = 0, columns = 0;
+let view = null; // What to paint: field, range, part of the plane, pixels, colours
+
+const text = () => {
+  const { memory, lab_message, lab_message_length } = wasm;
+  return new TextDecoder().decode(new Uint8Array(memory.buffer, lab_message(), lab_message_length()));
+};
+
+/** Call `use` with a text in the memory of the program. */
+function withText(value, use) {
+  const bytes = new TextEncoder().encode(value);
+  const place = wasm.lab_room(bytes.length);
+  new Uint8Array(wasm.memory.buffer, place, bytes.length).set(bytes);
+  const result = use(place, bytes.length);
+  wasm.lab_free_room(place, bytes.length);
+  return result;
+}
+
+/** Numbers of a scene: Reynolds number and the like. */
+function factsOf(scene) {
+  withText(scene, wasm.lab_facts);
+  return JSON.parse(text());
+}
+
+async function load({ scene }) {
+  if (lab) wasm.lab_free(lab);
+  lab = 0;
+  wasm ??= (await WebAssembly.instantiate(module, {})).exports;
+  lab = withText(scene, wasm.lab_new);
+  if (!lab) throw new Error(text());
+  columns = wasm.lab_columns(lab);
+  return { facts: factsOf(scene), columns, rods: wasm.lab_rods(lab), cells: [0, 1].map((a) => wasm.lab_cells(lab, a)) };
+}
+
+function change({ scene }) {
+  if (withText(scene, (place, length) => wasm.lab_change(lab, place, length)) < 0) throw new Error(text());
+  columns = wasm.lab_columns(lab);
+  return { facts: factsOf(scene), columns };
+}
+
+/** Step for at most `budget` ms and at most `steps` steps; return their samples, row after row. */
+function step(steps, budget) {
+  const samples = [];
+  const begin = performance.now();
+  let made = 0;
+  for (let size = 1; made < steps; made += size) {
+    if (wasm.lab_step(lab, size) < 0) throw new Error(text());
+    samples.push(new Float64Array(wasm.memory.buffer, wasm.lab_samples(lab), size * columns).slice());
+    if (performance.now() - begin > budget) {
+      made += size;
+      break;
+    }
+  }
+  const rows = new Float64Array(samples.length * columns);
+  samples.forEach((row, i) => rows.set(row, i * columns));
+  return { rows, made, seconds: (performance.now() - begin) / 1000 };
+}
+
+/** Positions of the stations of each rod, x and then y. */
+function shapes() {
+  return Array.from({ length: wasm.lab_rods(lab) }, (_, rod) => {
+    const n = wasm.lab_stations(lab, rod);
+    const axis = (a) => new Float64Array(wasm.memory.buffer, wasm.lab_positions(lab, rod, a), n).slice();
+    return [axis(0), axis(1)];
+  });
+}
+
+async function picture() {
+  const { field, range, part, pixels, colours } = view;
+  new Uint32Array(wasm.memory.buffer, wasm.lab_colours(lab), 256).set(colours);
+  const place = wasm.lab_paint(lab, field, ...range, ...part, ...pixels);
+  const bytes = new Uint8ClampedArray(wasm.memory.buffer, place, 4 * pixels[0] * pixels[1]);
+  return createImageBitmap(new ImageData(bytes, ...pixels));
+}
+
+async function frame({ steps, budget }) {
+  const made = step(steps, budget);
+  const bitmap = view && (await picture());
+  return { ...made, bitmap, shapes: shapes() };
+}
+
+const answers = {
+  async start({ bytes }) {
+    module = await WebAssembly.compile(bytes);
+  },
+  load,
+  change,
+  frame,
+  view(wanted) {
+    ({ view } = wanted);
+  },
+  pull({ rod, station, x, y, stiffness }) {
+    if (lab) wasm.lab_pull(lab, rod, station, x, y, stiffness);
+  },
+};
+
+let queue = Promise.resolve(); // One request after the other
+
+self.onmessage = ({ data }) => {
+  queue = queue.then(async () => {
+    try {
+      const answer = (await answers[data.type](data)) ?? {};
+      self.postMessage({ id: data.id, answer }, answer.bitmap ? [answer.bitmap] : []);
+    } catch (error) {
+      // After a panic the program is lost; its text tells why.
+      const isPanic = error instanceof WebAssembly.RuntimeError;
+      const reason = isPanic && wasm ? text() || error.message : error.message;
+      if (isPanic) [wasm, lab] = [undefined, 0];
+      self.postMessage({ id: data.id, error: reason });
+    }
+  });
+};

@@ -1,0 +1,81 @@
+//! The program has the digits of the units that the Python tool couples, and continues a flow with another scene.
+
+use lab::Coupled;
+use serde_json::{Value, json};
+
+const RECORDED: &str = include_str!("../../tests/recorded.json");
+const FSI3: &str = include_str!("../../scenes/fsi3-325x72.json");
+
+/// Digits of `series.csv` are ten; the rest is the rounding of other processors.
+const TOLERANCE: f64 = 1e-9;
+
+#[test]
+fn fsi3_has_the_digits_of_the_coupled_units() {
+    let recorded: Value = serde_json::from_str(RECORDED).expect("JSON");
+    let early = |name: &str| recorded["early"][name][0].as_f64().expect("a number");
+    let mut run = Coupled::new(FSI3).expect("a scene that runs");
+    for _ in 0..250 {
+        run.step().expect("a step");
+    }
+    let sample: Vec<f64> = run.sample().collect();
+    let expected = [0.1, early("drag"), early("lift"), early("tip_ux"), early("tip_uy")];
+    assert_eq!(sample.len(), expected.len());
+    for (found, expected) in sample.iter().zip(expected) {
+        assert!((found - expected).abs() < TOLERANCE * expected.abs(), "{found} is not {expected}");
+    }
+}
+
+/// FSI3 on a coarse grid in a channel that runs from the start.
+fn small_fsi3() -> Value {
+    let mut scene: Value = serde_json::from_str(FSI3).expect("JSON");
+    scene["fluid"]["box"]["cells"] = json!([160, 36]);
+    scene["fluid"]["inflow"]["mean_velocity"] = json!({ "constant": 2.0 });
+    scene
+}
+
+/// Return the samples after a step, without and with a change of the scene before it.
+fn unchanged_and_changed(change: impl FnOnce(&mut Value)) -> [Vec<f64>; 2] {
+    let mut scene = small_fsi3();
+    let mut runs = [(); 2].map(|()| Coupled::new(&scene.to_string()).expect("a scene that runs"));
+    runs.iter_mut().for_each(|run| (0..50).for_each(|_| run.step().expect("a step")));
+    change(&mut scene);
+    runs[1].change(&scene.to_string()).expect("a flow that fits");
+    runs.map(|mut run| {
+        run.step().expect("a step");
+        run.sample().collect()
+    })
+}
+
+#[test]
+fn a_scene_with_the_same_values_continues_with_the_same_digits() {
+    let [unchanged, changed] = unchanged_and_changed(|_| {});
+    assert_eq!(changed, unchanged);
+}
+
+#[test]
+fn a_flow_goes_on_around_a_new_cylinder() {
+    let [unchanged, changed] = unchanged_and_changed(|scene| {
+        let cylinders = scene["fluid"]["cylinders"].as_array_mut().expect("a list");
+        cylinders.push(json!({ "center": [1.2, 0.2], "radius": 0.04 }));
+    });
+    assert_eq!(changed[0], unchanged[0], "time");
+    for (changed, unchanged) in changed[3..].iter().zip(&unchanged[3..]) {
+        assert!((changed - unchanged).abs() < 1e-7, "the tip is at {changed}, not {unchanged}");
+    }
+    let [without, with] = [unchanged[1], changed[1]];
+    assert!(with > 2.0 * without, "the cylinder stops the fluid in it: drag {with}, {without} without");
+}
+
+#[test]
+fn what_it_cannot_run_is_a_sentence() {
+    let refused = |key: &str, value: Value| {
+        let mut scene = small_fsi3();
+        *scene.pointer_mut(key).expect("a key") = value;
+        Coupled::new(&scene.to_string()).err().expect("refused")
+    };
+    assert!(Coupled::new("{").err().expect("refused").contains("line"));
+    assert!(refused("/coupling/scheme", json!("parallel_explicit")).contains("must be `explicit`"));
+    assert!(refused("/fluid/density", json!(-1.0)).contains("fluid.density"));
+    let light = refused("/coupling", json!({ "load": "pressure_jump" }));
+    assert!(light.contains("needs iterations"), "{light}");
+}

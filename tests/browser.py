@@ -1,0 +1,104 @@
+"""A headless Chromium, driven over a pipe by the DevTools protocol."""
+
+import itertools
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+from typing import Any
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+CHROMIUM = next((found for name in NAMES if (found := shutil.which(name))), None)
+
+OPTIONS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--remote-debugging-pipe",
+    "about:blank",
+)
+
+
+class Browser:
+    """A browser with one page, to be used in a `with` statement."""
+
+    def __init__(self, width: int = 1280, height: int = 1000):
+        self.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        (read, self.write), (self.read, write) = os.pipe(), os.pipe()
+        size = [f"--window-size={width},{height}", f"--user-data-dir={self.folder.name}"]
+
+        def pipes() -> None:  # The browser reads from 3 and writes to 4
+            inner = os.dup(read), os.dup(write)
+            os.dup2(inner[0], 3)
+            os.dup2(inner[1], 4)
+
+        command = [CHROMIUM or "chromium", *size, *OPTIONS]
+        self.process = subprocess.Popen(
+            command, preexec_fn=pipes, close_fds=False, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        os.close(read)
+        os.close(write)
+        self.ids, self.buffer, self.events = itertools.count(1), b"", []
+        self.session: str | None = None
+        targets = self.call("Target.getTargets")["targetInfos"]
+        target = next(own["targetId"] for own in targets if own["type"] == "page")
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for part in ("Page", "Runtime"):
+            self.call(f"{part}.enable")
+
+    def __enter__(self) -> "Browser":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.process.kill()
+        self.process.wait()
+        os.close(self.write)
+        os.close(self.read)
+        self.folder.cleanup()
+
+    def call(self, method: str, **parameters: Any) -> Any:
+        """Return the result of a method of the protocol."""
+        number = next(self.ids)
+        message = {"id": number, "method": method, "params": parameters}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.write, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self._receive()
+            if answer.get("id") == number:
+                if "error" in answer:
+                    raise RuntimeError(f"{method}: {answer['error']}")
+                return answer["result"]
+            self.events.append(answer)
+
+    def _receive(self) -> Any:
+        while b"\0" not in self.buffer:
+            piece = os.read(self.read, 1 << 16)
+            if not piece:
+                raise RuntimeError("the browser ended")
+            self.buffer += piece
+        text, self.buffer = self.buffer.split(b"\0", 1)
+        return json.loads(text)
+
+    def open(self, address: str) -> None:
+        """Go to an address."""
+        self.call("Page.navigate", url=address)
+
+    def run(self, script: str) -> Any:
+        """Return the value of JavaScript, which may be a promise."""
+        asked = {"expression": script, "awaitPromise": True, "returnByValue": True, "userGesture": True}
+        result = self.call("Runtime.evaluate", **asked)
+        if "exceptionDetails" in result:
+            raise RuntimeError(result["exceptionDetails"]["exception"].get("description", script))
+        return result["result"].get("value")
+
+    def errors(self) -> list[str]:
+        """Return what the page could not do, and its errors on the console."""
+        thrown = [e["params"]["exceptionDetails"] for e in self.events if e.get("method") == "Runtime.exceptionThrown"]
+        return [str(own.get("exception", own).get("description", own)) for own in thrown]

@@ -1,0 +1,130 @@
+"""The page of the lab in a browser: the digits of the units, scenes, controls, and names for screen readers."""
+
+import json
+import time
+
+import make_lab
+import pytest
+from browser import CHROMIUM, Browser
+
+from nervure.resources import ROOT
+from nervure.scene import validate
+
+PAGE = ROOT / "target" / "lab" / "index.html"
+RECORDED = json.loads((ROOT / "tests" / "recorded.json").read_text(encoding="utf-8"))["early"]
+SCENES = {own["id"]: own for own in make_lab.scenes()}
+
+pytestmark = [
+    pytest.mark.skipif(not PAGE.is_file(), reason="`make lab` has not built the page"),
+    pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium"),
+]
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with Browser() as browser:
+        yield browser
+
+
+def wait(browser, condition, seconds=60):
+    """Wait until JavaScript is true."""
+    end = time.monotonic() + seconds
+    while not browser.run(condition):
+        assert time.monotonic() < end, f"{condition} did not become true: {browser.errors()}"
+        time.sleep(0.05)
+
+
+def opened(browser, state=""):
+    """Open the page in a state, paused at t = 0."""
+    browser.open("about:blank")
+    browser.open(f"{PAGE.as_uri()}{state}")
+    wait(browser, "Boolean(globalThis.lab?.scene())")
+    browser.run("(lab.pause(), lab.restart())")
+    return browser
+
+
+def rows(browser, steps):
+    """Step, and return the samples of the steps."""
+    flat = browser.run(f"lab.step({steps}).then((rows) => Array.from(rows))")
+    columns = len(flat) // steps
+    return [flat[i : i + columns] for i in range(0, len(flat), columns)]
+
+
+def test_fsi3_has_the_digits_of_the_units(browser):
+    found = rows(opened(browser, "#fsi3"), 500)
+    for i in (0, 1):  # t = 0.1 s and 0.2 s
+        expected = [RECORDED[name][i] for name in ("drag", "lift", "tip_ux", "tip_uy")]
+        assert found[250 * (i + 1) - 1][1:] == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_run_and_are_scenes_of_the_command(browser, name):
+    found = rows(opened(browser, f"#{name}"), 10)
+    scene = browser.run("lab.scene()")
+    validate(scene)
+    assert scene == SCENES[name]["json"]
+    assert found[-1][0] == pytest.approx(10 * scene["time"]["communication_step"])
+    assert not browser.errors()
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_ends_of_the_sliders_are_scenes_that_run(browser, name):
+    for end in ("min", "max"):
+        state = "&".join([name, *(f"{own['id']}={own[end]}" for own in SCENES[name]["sliders"])])
+        rows(opened(browser, f"#{state}"), 3)
+        validate(browser.run("lab.scene()"))
+
+
+def test_a_link_keeps_the_state(browser):
+    state = "#flag&stiffness=5&cylinder=1.5,0.4,0.1&field=speed"
+    scene = opened(browser, state).run("lab.scene()")
+    assert scene["rod"]["material"]["section"]["bending_stiffness"] == pytest.approx(5e-4)
+    assert scene["fluid"]["cylinders"] == [{"center": [1.5, 0.4], "radius": 0.1}]
+    assert browser.run("location.hash") == state
+
+
+def test_a_changed_value_continues_the_flow(browser):
+    rows(opened(browser, "#flag"), 20)
+    browser.run("""{ const slider = document.getElementById("s-speed"); slider.value = 900;
+                     slider.dispatchEvent(new Event("input")); }""")
+    wait(browser, "lab.scene().name.endsWith('-lab')")
+    ((t, *_),) = rows(browser, 1)
+    assert t == pytest.approx(21 * SCENES["flag"]["json"]["time"]["communication_step"])
+
+
+def test_a_placed_cylinder_continues_the_flow(browser):
+    ((_, before, *_),) = rows(opened(browser, "#flag"), 20)[-1:]
+    browser.run("lab.place([1.5, 0.4], 0.1)")
+    found = rows(browser, 5)
+    assert found[-1][0] == pytest.approx(25 * SCENES["flag"]["json"]["time"]["communication_step"])
+    assert found[-1][1] > 2 * before
+
+
+def test_an_arrow_key_pulls_the_rod(browser):
+    opened(browser, "#filament").run("document.getElementById('flow').focus()")
+    browser.call("Input.dispatchKeyEvent", type="keyDown", key="ArrowDown")
+    pulled = rows(browser, 40)[-1][4]
+    browser.call("Input.dispatchKeyEvent", type="keyUp", key="ArrowDown")
+    free = rows(opened(browser, "#filament"), 40)[-1][4]
+    assert pulled < free - 1e-3
+
+
+def test_what_fails_is_said(browser):
+    opened(browser)
+    with pytest.raises(RuntimeError, match="missing required key"):
+        browser.run("lab.ask('load', { scene: '{}' })")
+    # A panic ends the program: this picture has more pixels than there are addresses.
+    view = "{ field: 0, range: [0, 1], part: [0, 1, 0, 1], pixels: [2 ** 31, 4], colours: [] }"
+    browser.run(f"(lab.restart(), lab.ask('view', {{ view: {view} }}))")
+    with pytest.raises(RuntimeError, match="panicked at"):
+        browser.run("lab.step(1)")
+    browser.run("lab.restart()")
+    assert len(rows(browser, 2)) == 2
+
+
+def test_controls_have_names(browser):
+    nodes = opened(browser).call("Accessibility.getFullAXTree")["nodes"]
+    controls = [own for own in nodes if any(p["name"] == "focusable" for p in own.get("properties", ()))]
+    named = [own for own in controls if own.get("role", {}).get("value") != "RootWebArea"]
+    assert len(named) > 15
+    assert all(own["name"]["value"] for own in named), [own for own in named if not own["name"]["value"]]
