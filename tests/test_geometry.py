@@ -576,6 +576,109 @@ def test_a_rod_that_stretches_is_told_of_during_the_run(libraries):
     assert len(session.warnings) == 1 and "times as long as at rest" in session.warnings[0], session.warnings
 
 
+SPACE: dict[str, Any] = changed(
+    STREAM,
+    time={"end": 2.0, "communication_step": 0.02},
+    fluid__box={"x": [-2.0, 4.0], "y": [-1.5, 1.5], "z": [-1.0, 1.0], "cells": [48, 24, 16]},
+    fluid__initial_velocity=[1.0, 0.0, 0.0],
+    fluid__sponge__x=[3.0, 4.0],
+)
+"""A stream in space."""
+
+
+def sphere(x: float, y: float, z: float, radius: float, **more: Any) -> dict[str, Any]:
+    """Return a spherical body."""
+    return {"shape": {"sphere": {"radius": radius}}, "position": [x, y, z], **more}
+
+
+def cuboid(x: float, lengths: list[float], **more: Any) -> dict[str, Any]:
+    """Return a cuboid in the middle of the section."""
+    return {"shape": {"cuboid": {"lengths": lengths}}, "position": [x, 0.0, 0.0], **more}
+
+
+def solids(*each: dict[str, Any], **more: Any) -> dict[str, Any]:
+    """Return the stream in space with these bodies."""
+    return changed(SPACE, fluid__bodies=list(each), **more)
+
+
+WALLS = {"y": [-1.2, 1.2], "z": [-0.8, 0.8]}
+TUBE = {"shape": {"circular_cylinder": {"radius": 0.3}}, "position": [0.0, 0.1, 0.7]}
+QUARTER = {"angle": {"table": {"times": [0.0, 2.0], "values": [0.0, 1.5708]}}}
+IN_SPACE = {
+    "in the sponge": (solids(sphere(3.5, 0.0, 0.0, 0.3)), "position", "in the sponge, x [3.0, 4.0]"),
+    "twice": (solids(sphere(0.0, 0.0, 0.0, 0.3), sphere(0.0, 0.0, 0.0, 0.3)), "position", "`fluid.bodies[0]` lies in"),
+    "in another": (
+        solids(cuboid(0.1, [0.2, 0.2, 0.2]), sphere(0.0, 0.0, 0.0, 0.5)),
+        "position",
+        "lies inside the other",
+    ),
+    "in a wall": (solids(sphere(0.0, 0.0, 0.9, 0.05), fluid__channel=WALLS), "position", "whose fluid is at z [-0.8"),
+    "across the box": (solids(cuboid(0.0, [0.5, 3.0, 2.0])), "position", "fills the box from -1.5 to 1.5 and stops"),
+    "on springs": (solids(sphere(0.0, 0.0, 0.0, 0.3, mount={"mass": 1.0, "y": {}})), "mount", "still or moves by laws"),
+    "by the master": (solids(sphere(0.0, 0.0, 0.0, 0.3, motion="master")), "motion", "still or moves by laws"),
+}
+
+
+@pytest.mark.parametrize("scene, key, words", IN_SPACE.values(), ids=IN_SPACE)
+def test_what_cannot_be_meant_in_space_is_refused_by_key(scene, key, words, libraries):
+    (fault,) = check(json.dumps(scene))
+    assert fault.key == f"fluid.bodies[{len(scene['fluid']['bodies']) - 1}].{key}" and words in fault.text, fault
+
+
+def test_a_zone_or_channel_in_space_has_a_cell(libraries):
+    for key, value in (("sponge.x", [3.99, 4.0]), ("sponge.x", [-2.0, 4.0]), ("channel", {**WALLS, "z": [0.0, 0.01]})):
+        (fault,) = check(json.dumps(changed(SPACE, **{f"fluid__{key.replace('.', '__')}": value})))
+        assert fault.key == f"fluid.{key}" + (".z" if key == "channel" else ""), fault
+
+
+WARNED_IN_SPACE = {
+    "one body meets another": (
+        solids(sphere(0.0, 0.0, 0.0, 0.3), sphere(1.0, 0.0, 0.0, 0.3, motion={"x": beat(-0.8)})),
+        "`fluid.bodies[1]` meets `fluid.bodies[0]` near [0.2",
+        (0.166, 0.2),
+    ),
+    "a plate that turns into a ball": (
+        solids(cuboid(0.0, [1.6, 0.1, 0.1], motion={**QUARTER, "axis": [0, 1, 0]}), sphere(0.0, 0.0, -0.6, 0.1)),
+        "`fluid.bodies[1]` meets `fluid.bodies[0]`",
+        (1.677, 1.72),
+    ),
+    "out of the box along z": (
+        solids(sphere(0.0, 0.0, 0.0, 0.3, motion={"z": beat(1.0)})),
+        "over the edge of the box along z",
+        (0.24, 0.26),
+    ),
+    "into a wall": (
+        solids(sphere(0.0, 0.0, 0.0, 0.3, motion={"y": beat(1.1)}), fluid__channel=WALLS),
+        "m into a wall of the channel",
+        (0.3, 0.42),
+    ),
+    "into the sponge": (solids(sphere(2.6, 0.0, 0.0, 0.3, motion={"x": beat(0.5)})), "m into the sponge", (0.05, 0.15)),
+    "half in another": (solids(sphere(0.0, 0.0, 0.0, 0.3), sphere(0.4, 0.0, 0.0, 0.3)), "overlaps `fluid.bod", None),
+    "a wake that returns": (
+        solids(sphere(0.0, 0.1, 0.0, 0.3), fluid__sponge=None, time__end=8.0),
+        "is in its own wake",
+        (6.0, 6.1),
+    ),
+    "a ball": (solids(sphere(0.0, 0.0, 0.0, 0.3)), None, None),
+    "a plate that turns where there is place": (
+        solids(cuboid(0.0, [1.6, 0.1, 0.1], motion={**QUARTER, "axis": [0, 1, 0]}), sphere(0.0, 0.6, 0.0, 0.1)),
+        None,
+        None,
+    ),
+    "a cylinder through the box": (solids(TUBE), None, None),
+}
+"""Scene, a part of the only sentence, none where nothing is said, and an interval of the time, s."""
+
+
+@pytest.mark.parametrize("scene, words, time", WARNED_IN_SPACE.values(), ids=WARNED_IN_SPACE)
+def test_what_may_be_a_mistake_in_space_is_said_with_its_time(scene, words, time, libraries):
+    found = facts(json.dumps(scene))["warnings"]
+    assert len(found) == (words is not None), found
+    if words:
+        assert words in found[0]["text"], found
+        assert found[0]["time"] is None if time is None else time[0] <= found[0]["time"] <= time[1], found
+
+
 STILL = changed(STREAM, fluid__mean_flow=None, fluid__initial_velocity=[0.0, 0.0], fluid__sponge=None)
 STILL["fluid"]["box"] = {"x": [-2.0, 4.0], "y": [-1.5, 1.5], "cells": [60, 30]}
 STILL["time"] = {"end": 0.3, "communication_step": 0.01}

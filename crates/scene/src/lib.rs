@@ -13,6 +13,7 @@ mod conform;
 mod coupling;
 mod facts;
 mod fault;
+mod figure;
 mod fluid;
 mod json;
 mod law;

@@ -3,6 +3,7 @@
 use crate::beam::{Beam, Root};
 use crate::body::Body;
 use crate::fault::{Fault, Faults};
+use crate::figure::Figure;
 use crate::fluid::Fluid;
 use crate::law::TimeLaw;
 use crate::plane::{Outline, Point, cross, distance, meet, sides};
@@ -96,11 +97,12 @@ impl Line {
 }
 
 /// Whether a stream passes the bodies along each axis, so that a closed section stops it.
-pub(crate) fn streams(fluid: &Fluid) -> [bool; 2] {
+pub(crate) fn streams(fluid: &Fluid) -> [bool; 3] {
     let flows = |law: &TimeLaw| law.largest() > 0.0;
-    let mean = fluid.mean_flow.as_ref();
     let along_x = fluid.inflow.as_ref().is_some_and(|inflow| flows(&inflow.mean_velocity));
-    [along_x || mean.is_some_and(|mean| flows(&mean.x)), mean.is_some_and(|mean| flows(&mean.y))]
+    let mut streams = fluid.mean_flow.as_ref().map_or([false; 3], |mean| mean.laws().map(|(_, law)| flows(law)));
+    streams[0] |= along_x;
+    streams
 }
 
 /// Return how far `at` lies outside `[low, high]`, m.
@@ -111,27 +113,20 @@ pub(crate) fn beyond(at: f64, [low, high]: [f64; 2]) -> f64 {
 /// Add the places that no scene can mean.
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let Some(fluid) = &scene.fluid else { return };
-    if fluid.is_space() {
-        return;
-    }
     check_widths(fluid, faults);
-    check_outside(scene, fluid, faults);
+    if !fluid.is_space() {
+        check_outside(scene, fluid, faults);
+    }
     if faults.len() > 0 {
         return;
     }
-    let (obstacles, lines) = (obstacles(fluid), lines(scene));
+    let obstacles = obstacles(fluid);
+    check_bodies(fluid, &obstacles, faults);
+    if fluid.is_space() {
+        return;
+    }
+    let lines = lines(scene);
     let outlines: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.outline_at(0.0)).collect();
-    for (obstacle, outline) in obstacles.iter().zip(&outlines) {
-        if let Some(reason) = misplaced(fluid, outline) {
-            faults.push(refused(obstacle, &reason));
-        }
-    }
-    for (j, (obstacle, outline)) in obstacles.iter().zip(&outlines).enumerate() {
-        if let Some(i) = (0..j).find(|&i| outlines[i].shared(outline) > HIDDEN) {
-            let reason = format!("one of this body and `{}` lies inside the other", obstacles[i].key);
-            faults.push(refused(obstacle, &reason));
-        }
-    }
     for line in &lines {
         check_line(fluid, line, faults);
         for (i, (obstacle, outline)) in obstacles.iter().zip(&outlines).enumerate() {
@@ -142,20 +137,37 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     }
     for (j, line) in lines.iter().enumerate() {
         if let Some((i, at)) = (0..j).find_map(|i| Some((i, crossing(&lines[i], line)?))) {
-            let reason = format!("the beam meets `{}` at {}", lines[i].key, shown(at));
-            faults.push(Fault::conflict(&line.place(), &shown(line.points[0]), &reason));
+            let reason = format!("the beam meets `{}` at {}", lines[i].key, shown(&at));
+            faults.push(Fault::conflict(&line.place(), &shown(&line.points[0]), &reason));
+        }
+    }
+}
+
+/// Check that no body lies where it cannot be meant, or inside another.
+fn check_bodies(fluid: &Fluid, obstacles: &[Obstacle], faults: &mut Faults) {
+    let ends: Vec<_> = fluid.r#box.ends().collect();
+    let figures: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.figure_at(0.0, &ends)).collect();
+    for (obstacle, figure) in obstacles.iter().zip(&figures) {
+        if let Some(reason) = misplaced(fluid, figure) {
+            faults.push(refused(obstacle, &reason));
+        }
+    }
+    for (j, (obstacle, figure)) in obstacles.iter().zip(&figures).enumerate() {
+        if let Some(i) = (0..j).find(|&i| figures[i].shared(figure) > HIDDEN) {
+            let reason = format!("one of this body and `{}` lies inside the other", obstacles[i].key);
+            faults.push(refused(obstacle, &reason));
         }
     }
 }
 
 fn refused(Obstacle { place, body, .. }: &Obstacle, reason: &str) -> Fault {
-    Fault::conflict(place, &shown([body.position[0], body.position[1]]), reason)
+    Fault::conflict(place, &shown(&body.position), reason)
 }
 
 /// Return a point with five digits.
-pub(crate) fn shown(point: Point) -> String {
-    let [x, y] = point.map(rounded);
-    format!("[{x}, {y}]")
+pub(crate) fn shown(point: &[f64]) -> String {
+    let all: Vec<_> = point.iter().map(|at| rounded(*at).to_string()).collect();
+    format!("[{}]", all.join(", "))
 }
 
 /// Return a number with five digits behind its largest unit, without zeros at the end.
@@ -165,8 +177,8 @@ pub(crate) fn rounded(value: f64) -> f64 {
 
 /// Check that zones and the channel have a cell, and that zones leave fluid between them.
 fn check_widths(fluid: &Fluid, faults: &mut Faults) {
-    let [dx, dy] = fluid.r#box.in_plane();
-    let [x0, x1] = fluid.r#box.x;
+    let spacing = fluid.r#box.spacing();
+    let (dx, [x0, x1]) = (spacing[0], fluid.r#box.x);
     let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow", inflow.x));
     let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
     let mut free = x1 - x0;
@@ -180,10 +192,10 @@ fn check_widths(fluid: &Fluid, faults: &mut Faults) {
             format!("the zones must leave at least a cell of the box, [{x0}, {x1}], to the flow")
         });
     }
-    if let Some(channel) = &fluid.channel {
-        let [low, high] = channel.y;
-        faults.require(high - low >= dy * (1.0 - ROUNDING), "fluid.channel.y", format!("[{low}, {high}]"), || {
-            format!("the channel must be at least a cell high, {dy} m")
+    for (axis, [low, high]) in walls(fluid) {
+        let (cell, key) = (spacing[axis], format!("fluid.channel.{}", AXES[axis]));
+        faults.require(high - low >= cell * (1.0 - ROUNDING), &key, format!("[{low}, {high}]"), || {
+            format!("the channel must be at least a cell {}, {cell} m", ["long", "high", "wide"][axis])
         });
     }
 }
@@ -213,53 +225,76 @@ fn check_outside(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
     }
 }
 
-/// Return why a body with this outline cannot be at its place at t = 0.
-fn misplaced(fluid: &Fluid, outline: &Outline) -> Option<String> {
-    let bounds = [fluid.r#box.x, fluid.r#box.y];
-    let outside = |p: Point| (0..2).any(|axis| beyond(p[axis], bounds[axis]) > 0.0);
-    if outline.share(outside) > HIDDEN {
-        return Some(format!("the body lies outside the box, x {:?}, y {:?}", bounds[0], bounds[1]));
+/// Return why a body with this figure cannot be at its place at t = 0.
+fn misplaced(fluid: &Fluid, figure: &Figure) -> Option<String> {
+    let bounds: Vec<_> = fluid.r#box.ends().collect();
+    let outside = |p: &[f64]| p.iter().zip(&bounds).any(|(at, ends)| beyond(*at, *ends) > 0.0);
+    if figure.share(outside) > HIDDEN {
+        let each: Vec<_> = bounds.iter().zip(AXES).map(|(ends, axis)| format!("{axis} {ends:?}")).collect();
+        return Some(format!("the body lies outside the box, {}", each.join(", ")));
     }
-    if let Some(channel) = &fluid.channel
-        && outline.share(|p| beyond(p[1], channel.y) > 0.0) > HIDDEN
-    {
-        return Some(format!("the body lies in a wall of the channel, whose fluid is at y {:?}", channel.y));
+    for (axis, walls) in walls(fluid) {
+        if figure.share(|p| beyond(p[axis], walls) > 0.0) > HIDDEN {
+            let axis = AXES[axis];
+            return Some(format!("the body lies in a wall of the channel, whose fluid is at {axis} {walls:?}"));
+        }
     }
-    if let Some(reason) = blocked(fluid, outline) {
+    if let Some(reason) = blocked(fluid, figure) {
         return Some(format!("the body {reason}"));
     }
     let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
     let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
     let (name, x) =
-        inflow.into_iter().chain(sponge).find(|(_, x)| outline.share(|p| beyond(p[0], *x) == 0.0) > IN_ZONE)?;
+        inflow.into_iter().chain(sponge).find(|(_, x)| figure.share(|p| beyond(p[0], *x) == 0.0) > IN_ZONE)?;
     Some(format!("most of the body lies in the {name}, x {x:?}, whose velocity is imposed inside bodies too"))
 }
 
-/// Return what a body with this outline stops by leaving no way around it.
-pub(crate) fn blocked(fluid: &Fluid, outline: &Outline) -> Option<String> {
-    let (bounds, cell, streams) = ([fluid.r#box.x, fluid.r#box.y], fluid.r#box.spacing(), streams(fluid));
-    ["x", "y"].into_iter().enumerate().find_map(|(axis, name)| {
-        let across = 1 - axis;
-        let walls = fluid.channel.as_ref().filter(|_| axis == 0).map(|channel| channel.y);
-        let [low, high] = walls.unwrap_or(bounds[across]);
-        let gap = (outline.frame[across][0] - low).max(0.0) + (high - outline.frame[across][1]).max(0.0);
-        let what = if walls.is_some() { "channel" } else { "box" };
-        let stops = streams[axis] && gap < cell[across] * (1.0 - ROUNDING);
-        stops.then(|| format!("fills the {what} from {low} to {high} and stops the stream along {name}"))
+/// Names of the axes.
+pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Return the walls of the channel, m, by the number of the axis across them.
+pub(crate) fn walls(fluid: &Fluid) -> Vec<(usize, [f64; 2])> {
+    let Some(channel) = &fluid.channel else { return Vec::new() };
+    [channel.x, Some(channel.y), channel.z]
+        .into_iter()
+        .enumerate()
+        .filter_map(|(axis, ends)| Some((axis, ends?)))
+        .collect()
+}
+
+/// Return what a body with this figure stops by leaving no way around it.
+pub(crate) fn blocked(fluid: &Fluid, figure: &Figure) -> Option<String> {
+    let (cell, streams) = (fluid.r#box.spacing(), streams(fluid));
+    let ends: Vec<_> = fluid.r#box.ends().collect();
+    let mut walled = ends.clone();
+    for (axis, walls) in walls(fluid) {
+        walled[axis] = walls;
+    }
+    (0..ends.len()).filter(|&axis| streams[axis]).find_map(|axis| {
+        let is_walled = axis == 0 && fluid.channel.is_some();
+        let (what, section) = if is_walled { ("channel", &walled) } else { ("box", &ends) };
+        let is_open = |other: usize| {
+            let ([low, high], [from, to]) = (section[other], figure.frame()[other]);
+            (from - low).max(0.0) + (high - to).max(0.0) >= cell[other] * (1.0 - ROUNDING)
+        };
+        let mut across = (0..ends.len()).filter(|&other| other != axis);
+        let [low, high] = section[usize::from(axis == 0)];
+        let stops = !across.any(is_open) && figure.covers(axis, section);
+        stops.then(|| format!("fills the {what} from {low} to {high} and stops the stream along {}", AXES[axis]))
     })
 }
 
 /// Check that a beam neither passes through a wall of the channel nor lies in a zone.
 fn check_line(fluid: &Fluid, line: &Line, faults: &mut Faults) {
     let [dx, dy] = fluid.r#box.in_plane();
-    let root = shown(line.points[0]);
+    let root = shown(&line.points[0]);
     if let Some(channel) = &fluid.channel {
         // A root may be embedded in a wall; what leaves the channel never comes from there.
         let in_wall = |p: &Point| beyond(p[1], channel.y) > dy;
         let free = line.points.iter().position(|p| !in_wall(p));
         let reason = match free.map(|free| line.points[free..].iter().find(|p| in_wall(p))) {
             None => Some("the beam lies in a wall of the channel".into()),
-            Some(Some(p)) => Some(format!("the beam passes through a wall of the channel at {}", shown(*p))),
+            Some(Some(p)) => Some(format!("the beam passes through a wall of the channel at {}", shown(p))),
             Some(None) => None,
         };
         if let Some(reason) = reason {
@@ -291,11 +326,11 @@ fn check_passage(fluid: &Fluid, line: &Line, obstacle: &Obstacle, outline: &Outl
         None => format!("the beam lies inside `{key}`"),
         Some(1..) if is_cylinder => format!("the root lies inside `{key}`; `on_cylinder` holds a beam at its surface"),
         Some(free) => match line.points[free..].iter().find(|p| inside(p)) {
-            Some(p) => format!("the beam passes through `{key}` at {}", shown(*p)),
+            Some(p) => format!("the beam passes through `{key}` at {}", shown(p)),
             None => return,
         },
     };
-    faults.push(Fault::conflict(&line.place(), &shown(line.points[0]), &reason));
+    faults.push(Fault::conflict(&line.place(), &shown(&line.points[0]), &reason));
 }
 
 /// Return a point at which two beams cross, or from which on they lie on each other. An end of one may touch the other.

@@ -4,9 +4,10 @@
 use serde::Serialize;
 
 use crate::body::Body;
+use crate::figure::Figure;
 use crate::fluid::Fluid;
 use crate::law::TimeLaw;
-use crate::places::{self, Line, Obstacle, beyond, rounded, shown};
+use crate::places::{self, AXES, Line, Obstacle, beyond, rounded, shown};
 use crate::plane::{Outline, Point};
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
@@ -43,7 +44,7 @@ pub struct Warning {
 /// Return what may be a mistake in a scene without faults.
 pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
     let mut found = Vec::new();
-    if let Some(fluid) = scene.fluid.as_ref().filter(|fluid| !fluid.is_space()) {
+    if let Some(fluid) = &scene.fluid {
         let parts = parts(scene, fluid);
         meetings(scene, fluid, &parts, &mut found);
         found.extend(own_wake(scene, fluid, &parts));
@@ -64,16 +65,16 @@ struct Part<'a> {
 
 /// The motion of a part over time.
 enum Motion<'a> {
-    Rigid(Box<Body>),
+    Rigid { body: Box<Body>, ends: Vec<[f64; 2]> },
     Still(Outline),
     Root { points: Vec<Point>, half_thickness: f64, direction: [f64; 3], laws: &'a RootLaws },
 }
 
 impl Part<'_> {
-    fn at(&self, t: f64) -> Outline {
+    fn at(&self, t: f64) -> Figure {
         match &self.motion {
-            Motion::Rigid(body) => body.outline_at(t),
-            Motion::Still(outline) => outline.clone(),
+            Motion::Rigid { body, ends } => body.figure_at(t, ends),
+            Motion::Still(outline) => Figure::Flat(outline.clone()),
             Motion::Root { points, half_thickness, direction, laws } => {
                 let ([x, y, _], _) = laws.displacement(t);
                 let ([a, b, _], _) = laws.direction(t, *direction);
@@ -83,14 +84,14 @@ impl Part<'_> {
                     let [u, v] = [p[0] - root[0], p[1] - root[1]];
                     [root[0] + x + cos * u - sin * v, root[1] + y + sin * u + cos * v]
                 });
-                strip(&moved.collect::<Vec<_>>(), *half_thickness)
+                Figure::Flat(strip(&moved.collect::<Vec<_>>(), *half_thickness))
             }
         }
     }
 
     fn moves(&self) -> bool {
         match &self.motion {
-            Motion::Rigid(body) => body.laws().is_some(),
+            Motion::Rigid { body, .. } => body.laws().is_some(),
             Motion::Still(_) => false,
             Motion::Root { .. } => true,
         }
@@ -99,8 +100,8 @@ impl Part<'_> {
     /// Return the laws of the motion.
     fn laws(&self) -> Vec<&TimeLaw> {
         match &self.motion {
-            Motion::Rigid(body) => {
-                body.laws().into_iter().flat_map(|motion| [&motion.x, &motion.y, &motion.angle]).collect()
+            Motion::Rigid { body, .. } => {
+                body.laws().into_iter().flat_map(|own| [&own.x, &own.y, &own.z, &own.angle]).collect()
             }
             Motion::Still(_) => Vec::new(),
             Motion::Root { laws, .. } => {
@@ -131,8 +132,16 @@ fn strip(points: &[Point], half: f64) -> Outline {
 }
 
 fn parts<'a>(scene: &'a Scene, fluid: &Fluid) -> Vec<Part<'a>> {
-    let rigid =
-        |Obstacle { key, body, .. }| Part { key, motion: Motion::Rigid(Box::new(body)), support: None, is_beam: false };
+    let ends: Vec<_> = fluid.r#box.ends().collect();
+    let rigid = |Obstacle { key, body, .. }| Part {
+        key,
+        motion: Motion::Rigid { body: Box::new(body), ends: ends.clone() },
+        support: None,
+        is_beam: false,
+    };
+    if fluid.is_space() {
+        return places::obstacles(fluid).into_iter().map(rigid).collect();
+    }
     let beams = scene.beams_with_rods().zip(places::lines(scene)).map(|(own, line)| {
         let Line { key, points, half_thickness, support } = line;
         let motion = match own.rod.and_then(|rod| rod.root_motion.as_ref()) {
@@ -173,8 +182,7 @@ fn meetings(scene: &Scene, fluid: &Fluid, parts: &[Part], found: &mut Vec<Warnin
     if !parts.iter().any(Part::moves) {
         return;
     }
-    let [dx, dy] = fluid.r#box.in_plane();
-    let depth = dx.min(dy) / 4.0;
+    let depth = fluid.r#box.spacing().into_iter().fold(f64::INFINITY, f64::min) / 4.0;
     let mut known = known;
     let mut met: Vec<_> =
         (0..parts.len()).map(|j| (0..j).map(|i| start[i].overlaps(&start[j], depth)).collect()).collect();
@@ -210,21 +218,22 @@ fn warning(part: &Part, t: f64, text: String) -> Warning {
 }
 
 /// Return the middle of the place that two outlines share.
-fn between(a: &Outline, b: &Outline) -> String {
-    shown([0, 1].map(|axis| (a.frame[axis][0].max(b.frame[axis][0]) + a.frame[axis][1].min(b.frame[axis][1])) / 2.0))
+fn between(a: &Figure, b: &Figure) -> String {
+    let pairs = a.frame().iter().zip(b.frame());
+    shown(&pairs.map(|(a, b)| (a[0].max(b[0]) + a[1].min(b[1])) / 2.0).collect::<Vec<_>>())
 }
 
 /// Add what is to be told of the place of a part alone at time `t` (s), and return the names of it; what a part did at
 /// the start, or is known, is left out.
 fn told(
     fluid: &Fluid,
-    outline: &Outline,
+    figure: &Figure,
     part: &Part,
     t: f64,
-    before: Option<(&Outline, &Vec<String>)>,
+    before: Option<(&Figure, &Vec<String>)>,
     found: &mut Vec<Warning>,
 ) -> Vec<String> {
-    let cell = fluid.r#box.in_plane();
+    let cell = fluid.r#box.spacing();
     let mut names = Vec::new();
     let mut tell = |name: &str, text: String| {
         if !before.is_some_and(|(_, known)| known.iter().any(|other| other == name)) {
@@ -232,11 +241,11 @@ fn told(
             found.push(warning(part, t, text));
         }
     };
-    let (name, frame) = (part.name(), outline.frame);
-    for (axis, bounds) in [fluid.r#box.x, fluid.r#box.y].into_iter().enumerate() {
+    let (name, frame) = (part.name(), figure.frame());
+    for (axis, bounds) in fluid.r#box.ends().enumerate() {
         let over = beyond(frame[axis][0], bounds).max(beyond(frame[axis][1], bounds));
         if over > 1e-9 * (bounds[1] - bounds[0]) {
-            let axis = ["x", "y"][axis];
+            let axis = AXES[axis];
             tell(
                 "edge",
                 format!(
@@ -246,16 +255,16 @@ fn told(
             );
         }
     }
-    if let Some(channel) = &fluid.channel {
-        let depth = |outline: &Outline| outline.frame[1].iter().map(|&y| beyond(y, channel.y)).fold(0.0, f64::max);
-        let (now, start) = (depth(outline), before.map_or(0.0, |(start, _)| depth(start)));
+    for (axis, walls) in places::walls(fluid) {
+        let depth = |figure: &Figure| figure.frame()[axis].iter().map(|&at| beyond(at, walls)).fold(0.0, f64::max);
+        let (now, start) = (depth(figure), before.map_or(0.0, |(start, _)| depth(start)));
         // A beam may be embedded in a wall.
-        if now > start + cell[1] && (before.is_some() || !part.is_beam) {
+        if now > start + cell[axis] && (before.is_some() || !part.is_beam) {
             tell("wall", format!("{name} reaches {} m into a wall of the channel", rounded(now)));
         }
     }
     if before.is_some()
-        && let Some(reason) = places::blocked(fluid, outline)
+        && let Some(reason) = places::blocked(fluid, figure)
     {
         tell("stream", format!("{name} {reason}"));
     }
@@ -277,10 +286,10 @@ fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
     }
     let steps = TIMES as f64;
     let h = scene.time.end / steps;
-    for (axis, [low, high]) in [fluid.r#box.x, fluid.r#box.y].into_iter().enumerate() {
+    for (axis, [low, high]) in fluid.r#box.ends().enumerate() {
         let velocity = |t: f64| match &fluid.mean_flow {
-            Some(mean) => [&mean.x, &mean.y][axis].value(t),
-            None => fluid.initial_velocity[axis],
+            Some(mean) => mean.laws()[axis].1.value(t),
+            None => fluid.initial_velocity.get(axis).copied().unwrap_or(0.0),
         };
         let mut way = 0.0;
         for i in 0..TIMES {
@@ -291,7 +300,7 @@ fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
                 let text = format!(
                     "the stream along {} passes the periodic box without a `sponge`: {name} is in its own wake from \
                      t = {:.3} s on, and forces are off by tens of per cent",
-                    ["x", "y"][axis],
+                    AXES[axis],
                     rounded(time)
                 );
                 return Some(Warning { key, time: Some(time), text });
@@ -304,14 +313,19 @@ fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
 /// Return what is to be told of a scene whose wake stays symmetric.
 fn symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], reynolds: Option<f64>) -> Option<Warning> {
     let driven = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.root_motion.is_some()));
-    if parts.is_empty() || driven || fluid.disturbance.is_some() || reynolds.is_none_or(|re| re < SHEDDING) {
+    if fluid.is_space()
+        || parts.is_empty()
+        || driven
+        || fluid.disturbance.is_some()
+        || reynolds.is_none_or(|re| re < SHEDDING)
+    {
         return None;
     }
     let streams = places::streams(fluid);
     let axis = (0..2).find(|&axis| streams[axis] || fluid.initial_velocity[axis] != 0.0)?;
     let across = 1 - axis;
     let free = parts.iter().flat_map(|part| match &part.motion {
-        Motion::Rigid(body) => {
+        Motion::Rigid { body, .. } => {
             body.laws().into_iter().flat_map(|motion| [[&motion.x, &motion.y][across], &motion.angle]).collect()
         }
         _ => Vec::new(),
@@ -326,7 +340,7 @@ fn symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], reynolds: Option<f64>)
     if streams[across] || fluid.initial_velocity[across] != 0.0 || moved || pulled {
         return None;
     }
-    let outlines: Vec<_> = parts.iter().map(|part| part.at(0.0)).collect();
+    let outlines: Vec<_> = parts.iter().filter_map(|part| part.at(0.0).into_outline()).collect();
     let middle = outlines.iter().map(|outline| outline.middle()[across]).sum::<f64>() / outlines.len() as f64;
     let size = outlines.iter().map(|outline| outline.frame[across][1] - outline.frame[across][0]).fold(0.0, f64::max);
     let close = 1e-9 * size;
