@@ -44,7 +44,8 @@ class Browser:
         )
         os.close(read)
         os.close(write)
-        self.ids, self.buffer, self.events = itertools.count(1), b"", []
+        self.ids, self.buffer = itertools.count(1), b""
+        self.events: list[Any] = []
         self.session: str | None = None
         targets = self.call("Target.getTargets")["targetInfos"]
         target = next(own["targetId"] for own in targets if own["type"] == "page")

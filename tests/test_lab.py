@@ -1,14 +1,16 @@
 """The page of the lab in a browser: the digits of the units, scenes, controls, and names for screen readers."""
 
 import json
+import subprocess
+import sys
 import time
 
 import make_lab
 import pytest
-from browser import CHROMIUM, Browser
 
 from nervure.resources import ROOT
 from nervure.scene import validate
+from tests.browser import CHROMIUM, Browser
 
 PAGE = ROOT / "target" / "lab" / "index.html"
 RECORDED = json.loads((ROOT / "tests" / "recorded.json").read_text(encoding="utf-8"))["early"]
@@ -22,6 +24,7 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def browser():
+    subprocess.run([sys.executable, make_lab.__file__, PAGE], check=True)  # with the sources as they are
     with Browser() as browser:
         yield browser
 
@@ -115,7 +118,7 @@ def test_what_fails_is_said(browser):
         browser.run("lab.ask('load', { scene: '{}' })")
     # A panic ends the program: this picture has more pixels than there are addresses.
     view = "{ field: 0, range: [0, 1], part: [0, 1, 0, 1], pixels: [2 ** 31, 4], colours: [] }"
-    browser.run(f"(lab.restart(), lab.ask('view', {{ view: {view} }}))")
+    browser.run(f"lab.restart().then(() => lab.ask('view', {{ view: {view} }}))")
     with pytest.raises(RuntimeError, match="panicked at"):
         browser.run("lab.step(1)")
     browser.run("lab.restart()")

@@ -1,5 +1,7 @@
 // The picture of the flow with rods, cylinders and marks over it.
 
+const MARK = "#d9702a"; // What the mouse holds
+
 /** A part [left, right, bottom, top] of the plane (m) on a canvas. */
 export class Picture {
   constructor(canvas) {
@@ -16,6 +18,7 @@ export class Picture {
     const height = Math.round(width / aspect);
     this.part = [left, left + (top - bottom) * aspect, bottom, top];
     const scale = Math.min(window.devicePixelRatio || 1, 2);
+    this.pixel = scale; // Of the page, in those of the canvas
     [this.canvas.width, this.canvas.height] = [Math.round(width * scale), Math.round(height * scale)];
     this.canvas.style.height = `${height}px`;
     this.scale = this.canvas.width / (this.part[1] - left); // Pixels in a metre
@@ -42,33 +45,40 @@ export class Picture {
     context.imageSmoothingQuality = "high";
     context.drawImage(bitmap, 0, 0, canvas.width, canvas.height);
     const [body, edge] = dark ? ["#e8eef4", "#0b1016"] : ["#16222e", "#ffffff"];
-    for (const [x, y, radius] of circles) this.circle(x, y, radius, body, edge);
     context.lineJoin = context.lineCap = "round";
-    shapes.forEach(([xs, ys], rod) => {
-      const width = Math.max(thicknesses[rod] * this.scale, 3 * (window.devicePixelRatio || 1));
-      context.beginPath();
-      xs.forEach((x, i) => context.lineTo(...this.toPixels([x, ys[i]])));
-      this.stroke(edge, width + 2.5);
-      this.stroke(body, width);
-    });
+    // Edges below all bodies: a rod grows out of its cylinder without a seam.
+    for (const [style, more] of [[edge, 1.5 * this.pixel], [body, 0]]) {
+      for (const [x, y, radius] of circles) this.disc([x, y], radius * this.scale + more, style);
+      shapes.forEach(([xs, ys], rod) => {
+        const width = Math.max(thicknesses[rod] * this.scale, 2.5 * this.pixel);
+        context.beginPath();
+        xs.forEach((x, i) => context.lineTo(...this.toPixels([x, ys[i]])));
+        this.stroke(style, width + 2 * more);
+      });
+    }
     for (const { from, to, radius } of marks) {
-      if (radius) this.circle(...to, radius, "transparent", "#d9702a");
+      if (radius) this.ring(to, radius * this.scale, MARK);
       if (!from) continue;
       context.beginPath();
       context.moveTo(...this.toPixels(from));
       context.lineTo(...this.toPixels(to));
-      context.setLineDash([6, 6]);
-      this.stroke("#d9702a", 3);
+      context.setLineDash([5 * this.pixel, 4 * this.pixel]);
+      this.stroke(MARK, 2 * this.pixel);
       context.setLineDash([]);
     }
   }
 
-  circle(x, y, radius, body, edge) {
+  disc(at, radius, style) {
     this.context.beginPath();
-    this.context.arc(...this.toPixels([x, y]), Math.max(radius * this.scale, 1), 0, 2 * Math.PI);
-    this.context.fillStyle = body;
+    this.context.arc(...this.toPixels(at), Math.max(radius, 1), 0, 2 * Math.PI);
+    this.context.fillStyle = style;
     this.context.fill();
-    this.stroke(edge, 2);
+  }
+
+  ring(at, radius, style) {
+    this.context.beginPath();
+    this.context.arc(...this.toPixels(at), radius, 0, 2 * Math.PI);
+    this.stroke(style, 2 * this.pixel);
   }
 
   stroke(style, width) {

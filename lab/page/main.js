@@ -41,7 +41,7 @@ function ask(type, content = {}) {
 let state = fromHash(location.hash);
 let about = null; // Facts, columns and numbers of the running scene
 let history = new History(3, WINDOW);
-let json = null;
+let json = null; // The running scene
 let running = !matchMedia("(prefers-reduced-motion: reduce)").matches;
 let failed = false;
 let pull = null; // {rod, station, to}: what the mouse or a key holds
@@ -73,6 +73,7 @@ async function load() {
     return fail(error);
   }
   history = new History(about.columns, WINDOW);
+  [shown, places] = [null, null];
   showScene();
   await look();
   await next(true);
@@ -122,14 +123,20 @@ function show(now) {
   ready = null;
   if (running) next();
   history.add(frame.rows);
-  const circles = circlesOf(frame.rows);
-  picture.draw({ ...frame, circles, thicknesses: thicknesses(), marks: marksOf(frame.shapes), dark: darkness.matches });
-  frame.bitmap.close();
+  shown?.bitmap.close();
+  shown = { ...frame, circles: circlesOf(frame.rows) };
   shapes = frame.shapes;
+  draw();
   count(now, frame);
 }
 
+let shown = null; // The frame on the canvas
 let shapes = [];
+
+function draw() {
+  if (!shown) return;
+  picture.draw({ ...shown, thicknesses: thicknesses(), marks: marksOf(shown.shapes), dark: darkness.matches });
+}
 
 function count(now, { made, seconds }) {
   speed.frames += 1;
@@ -149,9 +156,12 @@ function count(now, { made, seconds }) {
 const unitOfTime = () => json.display?.time ?? (state.scene.scene.startsWith("fsi") || isMetric() ? "s" : "");
 const isMetric = () => Boolean(json.fluid.channel);
 
+let places = null; // Of the bodies, after the last step
+
 function circlesOf(rows) {
   const bodies = json.fluid.bodies ?? [];
-  const last = rows.length ? rows.subarray(rows.length - 2 * bodies.length) : null;
+  const last = rows.length && bodies.length ? rows.subarray(-2 * bodies.length) : places;
+  places = last;
   const moving = bodies.map(({ shape, position }, k) => {
     const [x, y] = last ? last.subarray(2 * k, 2 * k + 2) : position;
     return [x, y, shape.circle.radius];
@@ -175,6 +185,7 @@ function marksOf(frameShapes) {
 /** Tell the worker what to paint: ranges grow with the speed of the flow. */
 function look() {
   picture.fit(state.scene.part);
+  draw(); // A canvas of another size is empty
   const list = colours(state.field, darkness.matches);
   const { density } = json.fluid;
   const [low, high, unit] = {
@@ -193,7 +204,14 @@ function look() {
 
 // Texts, numbers and curves.
 
-const number = (value, digits = 3) => Number(value.toPrecision(digits)).toString().replace("-", "−");
+function number(value, digits = 3) {
+  if (value !== 0 && Math.abs(value) < 1e-3) {
+    const [digitsOf, power] = value.toExponential(digits - 1).split("e");
+    const raised = [...power].map((letter) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[letter] ?? "⁻").join("");
+    return `${Number(digitsOf)} × 10${raised}`.replace("-", "−");
+  }
+  return String(Number(value.toPrecision(digits))).replace("-", "−");
+}
 
 function showScene() {
   of("about-title").textContent = state.scene.title;
@@ -245,8 +263,8 @@ function later(restart) {
 
 /** Curves of the motion: their columns, and the factor and unit in which they are shown. */
 function motions() {
-  const first = state.scene.quantity === "body_y" ? history.columns - 1 : 4;
-  const count = state.scene.quantity === "body_y" ? 1 : about.rods;
+  const ofBody = state.scene.quantity === "body_y";
+  const [first, count] = ofBody ? [history.columns - 1, 1] : [4, about.rods];
   const scale = isMetric() ? 1000 : 1;
   const names = ["--curve", "--second"];
   return Array.from({ length: count }, (_, i) => ({ column: first + 2 * i, scale, name: names[i % 2] }));
@@ -269,8 +287,10 @@ function bandsOf(name, scale) {
   return [band(1), band(-1)];
 }
 
-const spoken = ({ mean, amplitude, frequency, frequency_hz: f = frequency }, scale, unit) =>
-  `${number(mean * scale)} ± ${number(amplitude * scale)} ${unit}${f ? ` at ${number(f)} ${isMetric() ? "Hz" : "per unit of time"}` : ""}`;
+function spoken({ mean, amplitude, frequency, frequency_hz: f = frequency }, scale, unit) {
+  const size = `${number(mean * scale)} ± ${number(amplitude * scale)} ${unit}`.trim();
+  return f ? `${size} at ${number(f)} ${isMetric() ? "Hz" : "per unit of time"}` : size;
+}
 
 function sentence(what, column, name, scale, unit) {
   const found = measure(history, column);
@@ -286,8 +306,8 @@ function showCurves() {
   if (state.scene.quantity !== "lift" && about.columns > 3) {
     const curves = motions();
     plot(of("motion"), history, curves, bandsOf("tip_uy", curves[0].scale), unit);
-    const what = state.scene.quantity === "body_y" ? "Cylinder, y" : "Tip, y";
-    of("motion-title").textContent = `${what} (${lengthUnit()})`;
+    const what = state.scene.quantity === "body_y" ? "Cylinder" : "Tip";
+    of("motion-title").textContent = `${what}, displacement across the stream (${lengthUnit()})`;
     of("motion-text").textContent = sentence(what, curves[0].column, "tip_uy", curves[0].scale, lengthUnit());
     of("motion").setAttribute("aria-label", of("motion-text").textContent || what);
   }
@@ -489,7 +509,8 @@ of("scene").addEventListener("change", ({ target }) => {
 });
 of("fields").append(...FIELDS.map((name) => {
   const label = document.createElement("label");
-  label.innerHTML = `<input type="radio" name="field" value="${name}"><span>${name[0].toUpperCase()}${name.slice(1)}</span>`;
+  const shownName = name[0].toUpperCase() + name.slice(1);
+  label.innerHTML = `<input type="radio" name="field" value="${name}"><span>${shownName}</span>`;
   label.firstChild.addEventListener("change", () => {
     state.field = name;
     remember();

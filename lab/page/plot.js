@@ -1,15 +1,19 @@
 // Curves over time with bands of published values, and what is measured of a curve.
 
 const POINTS = 700; // Of a curve on the screen
+const SKIPPED = 50; // Steps after the start, in which the flow meets the bodies with a blow
 
 /** Rows of samples in the order of time; the oldest ones are forgotten. */
 export class History {
   constructor(columns, capacity) {
-    Object.assign(this, { columns, capacity, rows: new Float64Array(2 * capacity * columns), length: 0 });
+    Object.assign(this, { columns, capacity, rows: new Float64Array(2 * capacity * columns), length: 0, skipped: 0 });
   }
 
   add(rows) {
     const { columns, capacity } = this;
+    const skipped = Math.min(SKIPPED - this.skipped, rows.length / columns);
+    this.skipped += skipped;
+    rows = rows.subarray(skipped * columns);
     const count = rows.length / columns;
     if (this.length + count > 2 * capacity) {
       this.rows.copyWithin(0, (this.length - capacity) * columns, this.length * columns);
@@ -101,7 +105,8 @@ export function plot(canvas, history, curves, bands, unit) {
     context.moveTo(x0, py(value));
     context.lineTo(x1, py(value));
     context.stroke();
-    context.fillText(Number(value.toPrecision(6)).toString().replace("-", "−"), x0 - 6, py(value));
+    const rounded = Number((Math.round(value / step) * step).toPrecision(6));
+    context.fillText(String(rounded).replace("-", "−"), x0 - 6, py(value));
   }
   context.textAlign = "center";
   context.textBaseline = "top";

@@ -25,9 +25,9 @@ function factsOf(scene) {
 }
 
 async function load({ scene }) {
+  wasm ??= (await WebAssembly.instantiate(module, {})).exports;
   if (lab) wasm.lab_free(lab);
   lab = 0;
-  wasm ??= (await WebAssembly.instantiate(module, {})).exports;
   lab = withText(scene, wasm.lab_new);
   if (!lab) throw new Error(text());
   columns = wasm.lab_columns(lab);
@@ -35,6 +35,7 @@ async function load({ scene }) {
 }
 
 function change({ scene }) {
+  if (!lab) throw new Error("no scene runs");
   if (withText(scene, (place, length) => wasm.lab_change(lab, place, length)) < 0) throw new Error(text());
   columns = wasm.lab_columns(lab);
   return { facts: factsOf(scene), columns };
@@ -76,6 +77,7 @@ async function picture() {
 }
 
 async function frame({ steps, budget }) {
+  if (!lab) throw new Error("no scene runs");
   const made = step(steps, budget);
   const bitmap = view && (await picture());
   return { ...made, bitmap, shapes: shapes() };
