@@ -99,6 +99,9 @@ def test_it_runs_and_packs_for_all_systems_where_there_is_no_compiler(wheel, tmp
 
     python("-m", "nervure", "run", "csm1", "--end-time", "0.1")
     assert (tmp_path / "results" / "csm1" / "tip.png").is_file()
+    sphere = ("sphere-oscillating-64x64x64", "--set", "fluid.box.cells=[24, 24, 24]", "--end-time", "0.05")
+    python("-m", "nervure", "run", *sphere)
+    assert (tmp_path / "results" / sphere[0] / "vorticity.png").is_file()
     python("-m", "nervure", "examples", "tried")
     python("tried/scripts/gallery/fsi3.py", "--end", "0.02")
     python("-c", HAND_OUT)

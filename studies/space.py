@@ -1,0 +1,150 @@
+"""Bodies in a fluid of three dimensions beside published values, on several grids and in several boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi, radians
+from pathlib import Path
+from time import process_time, thread_time
+from typing import Any
+
+import numpy as np
+
+import nervure
+from nervure.evaluate.statistics import Series
+from nervure.output.forecast import resident_memory
+from nervure.scene import validate
+from nervure.simulation.session import Session
+from studies.engine import FLUID, Case, Study
+from studies.flapping import curve, off
+
+SPHERE, STREAM, PLATE = "sphere-oscillating-64x64x64", "sphere-stream-144x96x96", "plate-stream-96x72x72"
+SPEED = pi / 4  # Largest of the oscillating sphere, m/s
+AREA = pi / 4  # Of a section of a sphere of diameter 1, m²
+SCALE = pi / 4
+"""Factor to the published curve of the oscillating sphere, whose peak of 20.2 is no 2 F/(rho U² A): `drag_in_shell` is
+17.8 in the shell inside the cube and 15.1 in the shell of the same volume."""
+DRAG = {50: 1.581, 100: 1.102}  # Drag coefficients of a sphere by Re (Johnson & Patel 1999)
+PLATES = {90: (1.527, 0.069), 60: (1.145, 0.588), 30: (0.639, 0.758)}
+"""Coefficients of drag and lift of a plate of aspect 2 by its angle, ° (Taira et al. 2007, digitised)."""
+STEPS = 12  # Timed steps
+
+Changes = dict[str, Any]
+
+
+def grid(cells: list[int], step: float) -> Changes:
+    """Return the changes to another grid and step."""
+    return {"fluid.box.cells": cells, "time.communication_step": step, "fluid.time_stepping.max_step": step}
+
+
+WIDE = {"fluid.box.y": [-6.0, 6.0], "fluid.box.z": [-6.0, 6.0]}
+LONG = {"fluid.box.x": [-8.03, 9.97], "fluid.sponge.x": [7.97, 9.97]}
+SINGLE = {"fluid.precision": "single", "time.end": 2.0}
+
+CASES: dict[str, tuple[str, Changes]] = {
+    "oscillating/32x32x32": (SPHERE, grid([32] * 3, 1e-2)),
+    "oscillating/64x64x64": (SPHERE, {}),
+    "oscillating/128x128x128": (SPHERE, grid([128] * 3, 2.5e-3) | SINGLE),
+    "sphere/96x64x64": (STREAM, grid([96, 64, 64], 0.03)),
+    "sphere/96x96x96, box 12 x 12 x 12": (STREAM, grid([96, 96, 96], 0.03) | WIDE),
+    "sphere/144x64x64, box 18 x 8 x 8": (STREAM, grid([144, 64, 64], 0.03) | LONG),
+    "sphere/144x96x96": (STREAM, {}),
+    "sphere/144x96x96, Re 50": (STREAM, {"fluid.kinematic_viscosity": 0.02}),
+    **{f"plate/{angle}°": (PLATE, {"fluid.bodies.0.turn.angle": radians(angle)}) for angle in PLATES},
+    "plate/90°, box 8 x 9 x 9": (
+        PLATE,
+        {f"fluid.box.{axis}": [-4.5, 4.5] for axis in "yz"} | grid([96, 108, 108], 0.025),
+    ),
+}
+
+
+def oscillating(series: Series, begin: float = 1.0) -> dict[str, float]:
+    """Return smallest and largest drag coefficient of an oscillating sphere from `begin` (periods) on, and the distance
+    from the published curve."""
+    time, drag = series["time"], series["body_1_drag"] / (SPEED**2 * AREA / 2)
+    at, published = curve("oscillating_sphere_re20")
+    part = (at > begin) & (at <= time[-1])
+    late = drag[time > begin]
+    rms = off(np.interp(at[part], time, drag), SCALE * published[part])
+    return {"low": float(late.min()), "high": float(late.max()), "rms": rms}
+
+
+def drag_in_shell(radius: float) -> float:
+    """Return the largest drag coefficient of the sphere in small oscillations amid a still spherical shell (m).
+
+    Stokes (1851): a stream function f(r) sin²θ, f = A r² + B/r + C exp(-λr)(1 + 1/(λr)) + D exp(λr)(1 - 1/(λr)) with
+    λ² = -iω/ν, without slip at both surfaces; A and B have the pressure.
+    """
+    a, nu, omega = 0.5, pi / 80, 2 * pi
+    decay = np.sqrt(1j * omega / nu).conjugate()
+
+    def parts(r: float) -> np.ndarray:
+        """Return f and its first two derivatives for each constant, `[3, 4]`."""
+        rows = [[r * r, 1 / r], [2 * r, -1 / r**2], [2.0, 2 / r**3]]
+        for sign, origin in ((-1, a), (1, radius)):
+            k = sign * decay
+            grown = np.exp(k * (r - origin))
+            f = grown * (1 - 1 / (k * r))
+            slope = k * f + grown / (k * r * r)
+            rows[0].append(f)
+            rows[1].append(slope)
+            rows[2].append(k * slope + k * grown / (k * r * r) - 2 * grown / (k * r**3))
+        return np.array(rows)
+
+    walls = np.concatenate([parts(a)[:2], parts(radius)[:2]])
+    constants = np.linalg.solve(walls, SPEED * np.array([a * a / 2, a, 0, 0]))
+    bend = parts(a)[2] @ constants
+    pressure = 1j * omega * (2 * constants[0] * a - constants[1] / a**2)
+    shear = nu * (SPEED / a - bend / a)
+    force = -4 * pi * a * a / 3 * (pressure + 2 * shear)
+    return float(abs(force)) / (SPEED**2 * AREA / 2)
+
+
+def run(case: Case, folder: Path) -> dict[str, Any]:
+    """Run a scene; return its values."""
+    scene = validate(case.built())
+    done = nervure.run(scene, folder, force=True, quiet=True)
+    if case.scene == SPHERE:
+        values = oscillating(done.series)
+    elif case.scene == PLATE:
+        named = PLATES[int(case.name.split("/")[1].split("°")[0])]
+        values = {"cd": float(done.series["drag"][-1]), "cl": float(done.series["lift"][-1])}
+        values |= {"cd_published": named[0], "cl_published": named[1]}
+    else:
+        assert scene.fluid
+        drag = float(done.series["drag"][-1])
+        cd, published = drag / (AREA / 2), DRAG[round(1 / scene.fluid.kinematic_viscosity)]
+        values = {"cd": cd, "off": cd / published - 1}
+    return {"values": values, "times": {"cpu_s": done.summary.cpu_s}}
+
+
+def time_steps(case: Case, folder: Path) -> dict[str, Any]:
+    """Return the processor time of a step, s, and the part of the calling thread, as medians over some steps; and the
+    memory that the unit takes, MB. Wall times need a machine without other work."""
+    before, times = resident_memory(), []
+    with Session(validate(case.built()), folder) as session:
+        session.start()
+        for _ in range(STEPS):
+            begin, own = process_time(), thread_time()
+            session.step()
+            times.append((process_time() - begin, thread_time() - own))
+        memory = (resident_memory() - before) / 1e6
+    step, first = np.median(times, axis=0)
+    points = float(np.prod(case.changes["fluid.box.cells"]))
+    return {
+        "times": {"step_ms": 1e3 * step, "first_ms": 1e3 * first, "point_ns": 1e9 * step / points, "memory_mb": memory}
+    }
+
+
+def cases() -> Iterator[Case]:
+    for name, (scene, changes) in CASES.items():
+        yield Case(name, FLUID, scene, changes, action=run)
+    for n, precision in ((128, "single"), (128, "double"), (192, "single")):
+        box = {f"fluid.box.{axis}": [-4.0, 4.0] for axis in "xyz"} | {"fluid.sponge.x": [3.0, 4.0]}
+        changes = box | grid([n] * 3, 0.5 / n) | {"fluid.precision": precision}
+        for threads in (1, 2):
+            label = f"{n}x{n}x{n}, {precision}, {threads} thread{'s' * (threads > 1)}"
+            yield Case(f"step/{label}", FLUID, STREAM, changes | {"fluid.threads": threads}, action=time_steps)
+
+
+STUDY = Study("space", cases, lambda case, run: run.found)
