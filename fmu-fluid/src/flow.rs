@@ -64,6 +64,22 @@ impl Flow {
         }
     }
 
+    /// Return the nodes of thin bodies in space at the end of the coming step; none in two dimensions.
+    pub fn nodes(&self) -> &[Stations<3>] {
+        match self {
+            Self::Plane(_) => &[],
+            Self::Space(fluid) => fluid.nodes(),
+        }
+    }
+
+    /// Return the same, to be set.
+    pub fn nodes_mut(&mut self) -> &mut [Stations<3>] {
+        match self {
+            Self::Plane(_) => &mut [],
+            Self::Space(fluid) => fluid.nodes_mut(),
+        }
+    }
+
     /// Return the displacements of the bodies that the master moves; none in three dimensions.
     pub fn displacements(&self) -> &[Pose] {
         match self {

@@ -28,6 +28,7 @@ struct FluidUnit {
 struct State {
     parameters: Parameters,
     stations: Vec<Stations>,
+    nodes: Vec<Stations<3>>,
     displacements: Vec<Pose>,
     flow: FlowState,
 }
@@ -46,6 +47,7 @@ impl FluidUnit {
         match checked.and_then(|()| Flow::new(&self.scene)) {
             Ok(mut flow) => {
                 flow.stations_mut().iter_mut().zip(self.flow.stations()).for_each(|(own, set)| own.copy_from(set));
+                flow.nodes_mut().iter_mut().zip(self.flow.nodes()).for_each(|(own, set)| own.copy_from(set));
                 flow.displacements_mut().copy_from_slice(self.flow.displacements());
                 self.flow = flow;
             }
@@ -74,7 +76,7 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    const STATE_LAYOUT: u32 = 4;
+    const STATE_LAYOUT: u32 = 5;
     type State = State;
 
     fn load(resources: &Resources) -> Result<Self, String> {
@@ -108,7 +110,8 @@ impl Model for FluidUnit {
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
         self.flow.start_at(start);
-        let stations = self.flow.stations().iter().map(Stations::len).sum::<usize>();
+        let stations = self.flow.stations().iter().map(Stations::len).sum::<usize>()
+            + self.flow.nodes().iter().map(Stations::len).sum::<usize>();
         log.info(format_args!("{} cells, {stations} stations, start at t = {start} s", self.flow.cells()));
         Ok(())
     }
@@ -125,6 +128,7 @@ impl Model for FluidUnit {
         State {
             parameters: self.parameters,
             stations: self.flow.stations().to_vec(),
+            nodes: self.flow.nodes().to_vec(),
             displacements: self.flow.displacements().to_vec(),
             flow: self.flow.state(),
         }
@@ -133,11 +137,8 @@ impl Model for FluidUnit {
     fn restore(&mut self, state: &State) -> Result<(), String> {
         self.set_parameters(state.parameters)?;
         self.flow.restore(&state.flow)?;
-        let (own, known) = (self.flow.stations_mut(), &state.stations);
-        if own.len() != known.len() || own.iter().zip(known).any(|(own, known)| !known.has_shape_of(own)) {
-            return Err("its stations are not as many as those of this beam".into());
-        }
-        own.iter_mut().zip(known).for_each(|(own, known)| own.copy_from(known));
+        copy_stations(self.flow.stations_mut(), &state.stations)?;
+        copy_stations(self.flow.nodes_mut(), &state.nodes)?;
         let (own, known) = (self.flow.displacements_mut(), &state.displacements);
         if own.len() != known.len() {
             return Err("its bodies are not as many as those of this fluid".into());
@@ -151,6 +152,15 @@ impl Model for FluidUnit {
     fn field(&mut self, name: &str) -> Option<(Vec<usize>, Vec<f64>)> {
         self.flow.field(name)
     }
+}
+
+/// Copy the stations of a state.
+fn copy_stations<const D: usize>(own: &mut [Stations<D>], known: &[Stations<D>]) -> Result<(), String> {
+    if own.len() != known.len() || own.iter().zip(known).any(|(own, known)| !known.has_shape_of(own)) {
+        return Err("its stations are not as many as those of this beam".into());
+    }
+    own.iter_mut().zip(known).for_each(|(own, known)| own.copy_from(known));
+    Ok(())
 }
 
 fmi_export::export_fmu!(FluidUnit);

@@ -91,9 +91,12 @@ fn parameters(unit: &RodUnit) -> Vec<Variable> {
     ];
     if !unit.body.loads().impedance.is_empty() {
         list.push(
-            Real::parameter("displaced_line_density", "kg/m2", text("Mass of the displaced fluid per length"), |m| {
-                from_mut(&mut m.parameters.displaced_line_density)
-            })
+            Real::parameter(
+                "displaced_line_density",
+                per("kg/m", "kg/m2"),
+                text("Mass of the displaced fluid per length"),
+                |m| from_mut(&mut m.parameters.displaced_line_density),
+            )
             .at_least(0.0),
         );
     }
@@ -123,9 +126,12 @@ fn load_inputs(unit: &RodUnit) -> Vec<Variable> {
         }));
     }
     list.push(
-        Real::input("impedance", "kg/(m.s)", "Decrease of the load per velocity of the station", |m| {
-            &mut m.body.loads_mut().impedance
-        })
+        Real::input(
+            "impedance",
+            per(unit, "kg/s", "kg/(m.s)"),
+            "Decrease of the load per velocity of the station",
+            |m| &mut m.body.loads_mut().impedance,
+        )
         .at_least(0.0)
         .array(loads.impedance.len()),
     );

@@ -163,6 +163,23 @@ pub enum Error {
         /// Shortest step, s.
         shortest: f64,
     },
+    /// A node of a thin body in space that is not finite, far outside the domain or too fast.
+    #[error(
+        "node {node} of {body} is at {position} m with velocity {velocity} m/s, but it must be finite, within one box \
+         length of the box, and slow enough for steps of {shortest:.3e} s by `max_cfl`, a hundredth of the usual step"
+    )]
+    Node {
+        /// Name of the body, e.g. `the wing`.
+        body: String,
+        /// Number of the node, from 1.
+        node: usize,
+        /// Position, m.
+        position: String,
+        /// Velocity, m/s.
+        velocity: String,
+        /// Shortest step, s.
+        shortest: f64,
+    },
     /// An explicit drag too stiff for any reasonable step.
     #[error(
         "C_eta = {c_eta:.3e} s is too small for the scheme rk2: its steps may not be longer, which makes \

@@ -20,15 +20,22 @@ impl Force {
     }
 }
 
-/// Force, power and work of the drag on the cells of a beam.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Exchange {
-    /// Sum of the drag in the last step, N per metre of depth.
-    pub force: [f64; 2],
-    /// Power, with the velocity of the sections at the end of the step, W per metre of depth.
+/// Force, power and work of the drag on a beam or a wing; in two dimensions per metre of depth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
+pub struct Exchange<const D: usize = 2> {
+    /// Sum of the drag in the last step, N.
+    pub force: [f64; D],
+    /// Power, with the velocity of the sections at the end of the step, W.
     pub power: f64,
-    /// Work since the start, J per metre of depth: the sum of power times step.
+    /// Work since the start, J: the sum of power times step.
     pub work: f64,
+}
+
+impl<const D: usize> Default for Exchange<D> {
+    fn default() -> Self {
+        Self { force: [0.0; D], power: 0.0, work: 0.0 }
+    }
 }
 
 /// The force on a body, and what the next step needs for its unsteady term.

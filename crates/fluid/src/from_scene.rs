@@ -104,6 +104,7 @@ impl TryFrom<&Scene> for space::Parameters {
             inflow: fluid.inflow.as_ref().map(inflow),
             sponge: fluid.sponge.as_ref().map(sponge),
             bodies: fluid.bodies.iter().map(body_in_space).collect(),
+            flexible: flexible(scene),
             mask: mask(&fluid.mask),
             probes: fluid.probes.iter().map(|probe| components(&probe.position)).collect(),
             filter: filter(fluid.filter),
@@ -114,6 +115,22 @@ impl TryFrom<&Scene> for space::Parameters {
             communication_step: scene.time.communication_step,
         })
     }
+}
+
+/// Return the thin bodies of a scene in space: its beams in their order, then its wing.
+fn flexible(scene: &Scene) -> Vec<space::Flexible> {
+    let beams = scene.beams_with_rods().map(|own| space::Flexible {
+        name: own.number.map_or("the beam".into(), |number| format!("beam {number}")),
+        nodes: scene.beam_stations(own.beam),
+        extent: space::Extent::Line,
+        pivot: None,
+    });
+    let wing = scene.wing.iter().map(|wing| {
+        let mesh = wing.mesh.build();
+        let extent = space::Extent::Surface(mesh.triangles);
+        space::Flexible { name: "the wing".into(), nodes: mesh.nodes, extent, pivot: Some(wing.pivot) }
+    });
+    beams.chain(wing).collect()
 }
 
 fn body_in_space(body: &scene::Body) -> space::Body {

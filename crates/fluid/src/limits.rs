@@ -94,6 +94,21 @@ impl StepLimits {
         beams.iter().enumerate().try_for_each(|(k, stations)| self.check_beam(&|| name(k), stations, grid))
     }
 
+    /// Refuse nodes of a thin body in space that are not finite, far outside the domain or too fast.
+    pub fn check_nodes(&self, body: &str, nodes: &Stations<3>, grid: &Grid<3>) -> Result<(), Error> {
+        for k in 0..nodes.len() {
+            let [position, velocity] = [&nodes.position, &nodes.velocity].map(|all| all.each_ref().map(|all| all[k]));
+            let near = |axis: usize| (position[axis] - grid.middle(axis)).abs() <= 1.5 * grid.size[axis];
+            let rate = (0..3).map(|axis| velocity[axis].abs() / grid.spacing[axis]).sum::<f64>();
+            if !((0..3).all(near) && rate * self.shortest <= self.max_cfl) {
+                let [position, velocity] = [position, velocity].map(|[x, y, z]| format!("({x:.3e}, {y:.3e}, {z:.3e})"));
+                let (body, shortest) = (body.to_owned(), self.shortest);
+                return Err(Error::Node { body, node: k + 1, position, velocity, shortest });
+            }
+        }
+        Ok(())
+    }
+
     /// Check the stations of the beam with the name that `name` returns.
     fn check_beam(&self, name: &dyn Fn() -> String, stations: &Stations, grid: &Grid) -> Result<(), Error> {
         let Stations { position: [x, y], velocity: [vx, vy] } = stations;

@@ -235,9 +235,12 @@ fn dimensionless(scene: &Scene, fluid: &Fluid, beams: &[BeamFacts], sizes: &[(St
     let first = scene.beams_with_rods().next().zip(beams.first()).and_then(|(own, facts)| {
         Some((own.beam.length, facts.line_density.as_ref()?[0] / rho, facts.bending_stiffness.as_ref()?[0]))
     });
+    // These numbers are of a metre of depth.
+    let first = first.filter(|_| !fluid.is_space());
+    let section = |thickness: f64| if fluid.is_space() { PI / 4.0 * thickness * thickness } else { thickness };
     let ratios = beams.iter().filter_map(|facts| {
         let masses = facts.line_density.as_ref()?.iter().zip(&facts.thickness);
-        Some(masses.map(|(mass, thickness)| mass / rho / thickness).fold(f64::INFINITY, f64::min))
+        Some(masses.map(|(mass, thickness)| mass / rho / section(*thickness)).fold(f64::INFINITY, f64::min))
     });
     let number = |value: Option<f64>| value.filter(|value| value.is_finite());
     Dimensionless {

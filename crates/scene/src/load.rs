@@ -37,7 +37,7 @@ impl Scene {
         } else if own == displaced && free && !line {
             let needed = "a free rod needs more for the momentum load";
             (Load::PressureJump, format!("the rod{name} weighs {ratio:.4} of the fluid it displaces; {needed}"))
-        } else if step > largest * (1.0 + STEP_ROUNDING) {
+        } else if step > largest * (1.0 + STEP_ROUNDING) && !fluid.is_space() {
             let held = "the momentum load cannot be held over several steps of the fluid";
             let reason = format!("the step of {step} s is above {largest} s, the largest of the fluid; {held}");
             (Load::PressureJump, reason)

@@ -114,7 +114,9 @@ pub(crate) fn beyond(at: f64, [low, high]: [f64; 2]) -> f64 {
 pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     let Some(fluid) = &scene.fluid else { return };
     check_widths(fluid, faults);
-    if !fluid.is_space() {
+    if fluid.is_space() {
+        check_in_space(scene, fluid, faults);
+    } else {
         check_outside(scene, fluid, faults);
     }
     if faults.len() > 0 {
@@ -156,6 +158,19 @@ fn check_bodies(fluid: &Fluid, obstacles: &[Obstacle], faults: &mut Faults) {
         if let Some(i) = (0..j).find(|&i| figures[i].shared(figure) > HIDDEN) {
             let reason = format!("one of this body and `{}` lies inside the other", obstacles[i].key);
             faults.push(refused(obstacle, &reason));
+        }
+    }
+}
+
+/// Check that beams and the wing lie inside the box at rest.
+fn check_in_space(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
+    let beams = scene.beams_with_rods().map(|own| (format!("{}beam.root", own.key()), scene.beam_stations(own.beam)));
+    let wing = scene.wing.iter().map(|wing| ("wing.mesh".into(), wing.mesh.build().nodes));
+    for (key, nodes) in beams.chain(wing) {
+        let ends: Vec<_> = fluid.r#box.ends().collect();
+        let inside = |node: &&[f64; 3]| node.iter().zip(&ends).all(|(at, [low, high])| (low..=high).contains(&at));
+        if let Some(node) = nodes.iter().find(|node| !inside(node)) {
+            faults.push(Fault::conflict(&key, &format!("{node:?}"), "this node lies outside the box at rest"));
         }
     }
 }

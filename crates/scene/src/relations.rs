@@ -12,9 +12,13 @@ use crate::places;
 use crate::rod::{Bending, Calibration, Material, Rod};
 use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Z_AXIS};
 use crate::scene::{BeamWithRod, Scene, Time};
+use crate::wing::WingMesh;
 
 /// Most characters of the name of a scene: the file names of its units stay within the limits of file systems.
 const NAME_LENGTH: usize = 100;
+
+/// Relative part by which the communication step may exceed the fluid's largest.
+const ROUNDING: f64 = 1e-9;
 
 /// Most steps of a unit in a communication step.
 const MOST_SUBSTEPS: f64 = 1e5;
@@ -65,15 +69,18 @@ fn check_name_and_time(scene: &Scene, faults: &mut Faults) {
 /// Check which parts the scene has.
 fn check_parts(scene: &Scene, faults: &mut Faults) {
     if let Some(wing) = &scene.wing {
-        for (key, present) in [
-            ("fluid", scene.fluid.is_some()),
-            ("beam", scene.beam.is_some()),
-            ("rod", scene.rod.is_some()),
-            ("rods", !scene.rods.is_empty()),
-        ] {
-            faults.forbid(present, key, || "a wing is alone in its scene: nothing couples with it yet".into());
+        for (key, present) in
+            [("beam", scene.beam.is_some()), ("rod", scene.rod.is_some()), ("rods", !scene.rods.is_empty())]
+        {
+            faults.forbid(present, key, || "a scene with a wing has no beams and no rods".into());
         }
+        let flat = scene.fluid.as_ref().is_some_and(|fluid| !fluid.is_space());
+        faults.forbid(flat, "wing", || "the fluid has two dimensions: a wing needs `fluid.box.z`".into());
         wing.check_at("wing", faults);
+        let bare = matches!(&wing.mesh, WingMesh::Triangles { triangles, .. } if triangles.is_empty());
+        faults.require(!bare || scene.fluid.is_none(), "wing.mesh.triangles.triangles", "an empty list", || {
+            "the fluid meets the triangles of a wing".into()
+        });
     }
     if scene.fluid.is_none() && scene.rod.is_none() && scene.wing.is_none() {
         faults.push(match scene.rods.is_empty() {
@@ -107,8 +114,18 @@ fn check_parts(scene: &Scene, faults: &mut Faults) {
             "another rod has this name; capital and small letters count as the same".into()
         });
     }
-    let coupled = scene.fluid.is_some() && (scene.rod.is_some() || several);
+    let coupled = scene.fluid.is_some() && (scene.rod.is_some() || scene.wing.is_some() || several);
     faults.forbid(scene.coupling.is_some() && !coupled, "coupling", || "the scene lacks a fluid or a rod".into());
+    if let Some(fluid) = scene.fluid.as_ref().filter(|fluid| coupled && fluid.is_space()) {
+        let (step, longest) = (scene.time.communication_step, fluid.time_stepping.max_step);
+        faults.require(step <= longest * (1.0 + ROUNDING), "time.communication_step", step, || {
+            format!("in space a coupled fluid makes one step in it: it must be <= `max_step`, {longest}")
+        });
+        let load = scene.coupling.as_ref().and_then(|coupling| coupling.load);
+        faults.require(load != Some(Load::PressureJump), "coupling.load", "pressure_jump", || {
+            "in space it must be momentum".into()
+        });
+    }
 }
 
 /// Check a beam against its rod and the rest of the scene.
@@ -123,11 +140,14 @@ fn check_beam(scene: &Scene, own: &BeamWithRod, faults: &mut Faults) {
         });
     }
     let is_space = scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space());
-    faults.forbid(is_space, &format!("{key}beam"), || "a fluid of three dimensions has no beams".into());
-    let fits = scene.fluid.is_none() || is_space || dimension == 2;
-    faults.require(fits, &format!("{key}beam.root"), "three-dimensional", || {
-        "the fluid is two-dimensional: position and direction need 2 components".into()
+    let needed = if is_space { 3 } else { 2 };
+    let fits = scene.fluid.is_none() || dimension == needed;
+    let (own_name, other) = if is_space { ("two", "three") } else { ("three", "two") };
+    faults.require(fits, &format!("{key}beam.root"), format!("{own_name}-dimensional"), || {
+        format!("the fluid is {other}-dimensional: position and direction need {needed} components")
     });
+    let fits = !is_space || own.beam.surface == Surface::Line;
+    faults.require(fits, &format!("{key}beam.surface"), "mask", || "in space a beam is a line".into());
     let Some(rod) = own.rod else { return };
     let fits = rod.gravity.is_empty() || rod.gravity.len() == dimension;
     faults.require(fits, &format!("{key}rod.gravity"), shown(&rod.gravity), || {

@@ -53,7 +53,7 @@ pub struct Scene {
     /// Name of one of `rods`, in the scene that the unit of this rod carries; absent elsewhere.
     #[serde(default)]
     pub this_rod: Option<String>,
-    /// An elastic wing in space, alone: a fluid does not couple with it yet.
+    /// An elastic wing in space, alone or in a fluid of three dimensions.
     #[serde(default)]
     pub wing: Option<Wing>,
     /// Coupling of fluid and rods; absent where the rules choose it, and without both.

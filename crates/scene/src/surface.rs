@@ -5,15 +5,19 @@ use crate::fluid::Fluid;
 use crate::rod::Rod;
 use crate::scene::Scene;
 
-/// Thickness of the plate that a line stands for, cells. `fluid` derives it from the kernel of its markers.
+/// Thickness of the plate that a line in the plane or a surface in space stands for, cells. `fluid` derives it from the kernel of its markers.
 pub const LINE_THICKNESS_CELLS: f64 = 1487.0 / 1134.0;
 
+/// Cross-section of the rod that a line stands for in space, cells². `fluid` derives it from the kernel of its markers.
+pub const ROD_SECTION_CELLS: f64 = (315.0 / 151.0) * (315.0 / 151.0);
+
 impl Scene {
-    /// Return the mass of the fluid that moves with a beam, per length and metre of depth, kg/m², at a place from 0 at the
+    /// Return the mass of the fluid that moves with a beam, per length and, in the plane, metre of depth, at a place from 0 at the
     /// root to 1 at the tip: of the fluid inside the mask, or in the layer that a line stands for. A rod on a line that
     /// is lighter than this layer has as little as itself.
     pub(crate) fn displaced<'a>(&self, fluid: &'a Fluid, beam: &'a Beam, rod: &'a Rod) -> impl Fn(f64) -> f64 + 'a {
-        let layer = LINE_THICKNESS_CELLS * fluid.r#box.spacing().into_iter().fold(0.0, f64::max);
+        let cell = fluid.r#box.spacing().into_iter().fold(0.0, f64::max);
+        let layer = if fluid.is_space() { ROD_SECTION_CELLS * cell * cell } else { LINE_THICKNESS_CELLS * cell };
         move |s| match beam.surface {
             Surface::Line => (fluid.density * layer).min(rod.material.section(&beam.thickness, s).line_density),
             Surface::Mask => fluid.density * beam.thickness.at(s),

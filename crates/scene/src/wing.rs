@@ -11,7 +11,7 @@ use crate::root::RootLaws;
 /// Most nodes of a wing.
 const MOST_NODES: usize = 100_000;
 
-/// An elastic wing in space, without a fluid.
+/// An elastic wing in space.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Wing {

@@ -749,8 +749,9 @@ SpanwiseProfile = SpanwiseProfileTaper | SpanwiseProfilePoints
 
 Surface = Literal["line", "mask"]
 """How a beam meets the fluid. `line`: Markers along the beam drag the fluid. Whatever the beam's thickness, the line
-stands for a plate of 1.3 cells, and the rod may have any mass, with one exchange per step. `mask`: The mask of the band
-around the beam, which wants four cells of thickness or more."""
+stands for a plate of 1.3 cells, in space for a rod with a radius of 0.87 (slow flow) to 1.18 cells (added mass), and
+the rod may have any mass, with one exchange per step. `mask`: The mask of the band around the beam, which wants four
+cells of thickness or more."""
 
 
 class Beam(Part):
@@ -1167,7 +1168,7 @@ turns freely about the nodes of the root."""
 
 
 class Wing(Part):
-    """An elastic wing in space, without a fluid."""
+    """An elastic wing in space."""
 
     mesh: WingMesh
     """Nodes and triangles at rest."""
@@ -1413,7 +1414,7 @@ class Scene(Part):
     """Name of one of `rods`, in the scene that the unit of this rod carries; absent elsewhere."""
 
     wing: Wing | None = None
-    """An elastic wing in space, alone: a fluid does not couple with it yet."""
+    """An elastic wing in space, alone or in a fluid of three dimensions."""
 
     coupling: Coupling | None = None
     """Coupling of fluid and rods; absent where the rules choose it, and without both."""

@@ -4,28 +4,31 @@ use serde::{Deserialize, Serialize};
 
 /// Positions and velocities of the stations, root to tip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Stations {
+#[serde(bound(serialize = "[Vec<f64>; D]: Serialize", deserialize = "[Vec<f64>; D]: Deserialize<'de>"))]
+pub struct Stations<const D: usize = 2> {
     /// Positions, m, per axis.
-    pub position: [Vec<f64>; 2],
+    pub position: [Vec<f64>; D],
     /// Velocities, m/s, per axis.
-    pub velocity: [Vec<f64>; 2],
+    pub velocity: [Vec<f64>; D],
 }
 
 /// Loads on the stations, root to tip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Loads {
-    /// Force on each station, N per metre of depth, per axis.
-    pub force: [Vec<f64>; 2],
-    /// Rate at which the force decreases with the velocity of the station, kg/(m s).
+#[serde(bound(serialize = "[Vec<f64>; D]: Serialize", deserialize = "[Vec<f64>; D]: Deserialize<'de>"))]
+pub struct Loads<const D: usize = 2> {
+    /// Force on each station, N, in two dimensions per metre of depth, per axis.
+    pub force: [Vec<f64>; D],
+    /// Rate at which the force decreases with the velocity of the station, kg/s, in two dimensions per metre
+    /// of depth.
     pub impedance: Vec<f64>,
 }
 
-impl Stations {
+impl<const D: usize> Stations<D> {
     /// Stations at rest at some positions, m.
-    pub(crate) fn at_rest(rest: &[[f64; 2]]) -> Self {
+    pub(crate) fn at_rest(rest: &[[f64; D]]) -> Self {
         let component = |axis: usize| rest.iter().map(|p| p[axis]).collect::<Vec<_>>();
-        let zero = vec![0.0; rest.len()];
-        Self { position: [component(0), component(1)], velocity: [zero.clone(), zero] }
+        let zeros = |_| vec![0.0; rest.len()];
+        Self { position: std::array::from_fn(component), velocity: std::array::from_fn(zeros) }
     }
 
     /// Return the number of stations.
@@ -40,7 +43,7 @@ impl Stations {
 
     /// Copy `other`, which has as many stations; unlike `clone_from` this allocates nothing.
     pub fn copy_from(&mut self, other: &Self) {
-        for axis in 0..2 {
+        for axis in 0..D {
             self.position[axis].copy_from_slice(&other.position[axis]);
             self.velocity[axis].copy_from_slice(&other.velocity[axis]);
         }
@@ -68,7 +71,7 @@ impl Stations {
     /// Become the stations at the fraction `s` of the time from `a` to `b`, which are `h` seconds apart: the velocity
     /// is linear, the position is the cubic with the positions and velocities of both ends.
     pub(crate) fn interpolate(&mut self, a: &Self, b: &Self, s: f64, h: f64) {
-        for axis in 0..2 {
+        for axis in 0..D {
             for k in 0..self.len() {
                 let (p0, p1) = (a.position[axis][k], b.position[axis][k]);
                 let (v0, v1) = (a.velocity[axis][k], b.velocity[axis][k]);
@@ -81,22 +84,21 @@ impl Stations {
     }
 }
 
-impl Loads {
+impl<const D: usize> Loads<D> {
     /// Loads of zero on `n` stations.
     pub(crate) fn none(n: usize) -> Self {
-        Self { force: [vec![0.0; n], vec![0.0; n]], impedance: vec![0.0; n] }
+        Self { force: std::array::from_fn(|_| vec![0.0; n]), impedance: vec![0.0; n] }
     }
 
     /// Copy `other`, which is for as many stations; unlike `clone_from` this allocates nothing.
     pub(crate) fn copy_from(&mut self, other: &Self) {
-        (0..2).for_each(|axis| self.force[axis].copy_from_slice(&other.force[axis]));
+        (0..D).for_each(|axis| self.force[axis].copy_from_slice(&other.force[axis]));
         self.impedance.copy_from_slice(&other.impedance);
     }
 
     /// Return whether all are finite.
     pub(crate) fn are_finite(&self) -> bool {
-        let [x, y] = &self.force;
-        [x, y, &self.impedance].iter().all(|loads| loads.iter().all(|load| load.is_finite()))
+        self.force.iter().chain([&self.impedance]).flatten().all(|load| load.is_finite())
     }
 
     /// Return whether `other` is for as many stations.

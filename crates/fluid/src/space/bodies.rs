@@ -97,6 +97,27 @@ impl Bodies {
         }
     }
 
+    /// Add `Σ a_b u_b` of all zones and bodies at a time (s) to `sums` at some points in ascending order.
+    pub fn add_velocities_at(&self, time: f64, grid: &Grid<3>, points: &[usize], sums: &mut [[f64; 3]]) {
+        if points.is_empty() {
+            return;
+        }
+        let [_, ny, nz] = grid.cells;
+        for DrivingZone { mean_velocity, columns, shape } in &self.zones {
+            let mean = mean_velocity.value(time);
+            for (sum, point) in sums.iter_mut().zip(points) {
+                if let Ok(column) = columns.binary_search_by_key(&(point / (ny * nz)), |(i, _)| *i) {
+                    sum[0] += columns[column].1 * mean * shape[point / nz % ny];
+                }
+            }
+        }
+        for cell in self.rigid.iter().filter(|rigid| rigid.changes()).flat_map(|rigid| &rigid.cells) {
+            if let Ok(k) = points.binary_search(&cell.index) {
+                (0..3).for_each(|axis| sums[k][axis] += cell.rate * cell.velocity[axis]);
+            }
+        }
+    }
+
     /// Return the displaced fluid of the bodies without a force.
     pub fn without_force(&self) -> Vec<BodyForce> {
         let displaced = self.rigid.iter().map(|rigid| rigid.displaced(self.density));

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use crate::field::Field;
+use crate::step::Differences;
 
 /// Velocity and vorticity at one time, `[nx, ny, nz]` per component.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -103,6 +104,14 @@ impl<R: Real> Memory<R> {
             w: [(); 3].map(|()| Field::uniform(R::zero(), n)),
             inv_tau: 0.0,
         }
+    }
+
+    /// Return u* (m/s) of a step in work with the solution `w_next` of the local solve, at a grid point.
+    pub fn u_star(&self, scheme: &Differences, w_next: &[Field<R>; 3], point: usize) -> [f64; 3] {
+        [0, 1, 2].map(|axis| {
+            let [u, w, w_next] = [&self.flow.velocity, &self.w, w_next].map(|fields| fields[axis][point].to_f64());
+            w_next - scheme.tau * (self.inv_tau * (w - u))
+        })
     }
 
     fn fields(&self) -> impl Iterator<Item = &Field<R>> {

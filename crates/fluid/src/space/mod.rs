@@ -15,8 +15,9 @@ mod shape;
 mod solver;
 mod spectral;
 mod step;
+mod thin;
 
 pub use fluid::{Fluid, State};
 pub use force::Force;
-pub use parameters::{Body, Motion, Parameters, Shape, Turn};
+pub use parameters::{Body, Extent, Flexible, Motion, Parameters, Shape, Turn};
 pub use rigid::Pose;

@@ -1,7 +1,12 @@
 //! Parameters of a fluid in space: plain data, in SI units.
 
 use crate::error::Error;
+use crate::grid::Grid;
 use crate::parameters::{Filter, Law, Mask, Precision, Zone};
+use crate::thin::surface;
+
+/// Largest extent of a thin body, cells: more markers take too long to be spread over it.
+const MOST_CELLS: f64 = 4e4;
 
 /// A fluid in space. [`Parameters::new`] has every default: a periodic domain without a body.
 #[derive(Clone, Debug)]
@@ -27,6 +32,8 @@ pub struct Parameters {
     pub sponge: Option<Zone>,
     /// Rigid bodies.
     pub bodies: Vec<Body>,
+    /// Thin bodies, whose nodes are set from outside.
+    pub flexible: Vec<Flexible>,
     /// Drag of solids on the fluid.
     pub mask: Mask,
     /// Points at which velocity and pressure are read, m.
@@ -58,6 +65,45 @@ pub struct Body {
     pub turn: Turn,
     /// Prescribed motion; absent: still.
     pub motion: Option<Motion>,
+}
+
+/// A thin body, which markers represent, with nodes that are set from outside.
+#[derive(Clone, Debug)]
+pub struct Flexible {
+    /// Name in errors, e.g. `the wing`.
+    pub name: String,
+    /// Nodes at rest, m.
+    pub nodes: Vec<[f64; 3]>,
+    /// What lies between the nodes.
+    pub extent: Extent,
+    /// Point about which moments are taken, m; absent: the first node.
+    pub pivot: Option<[f64; 3]>,
+}
+
+impl Flexible {
+    /// Return the number of markers on cells of a size (m), about; none of nodes that do not exist.
+    fn count(&self, cell: f64) -> Option<f64> {
+        match &self.extent {
+            Extent::Line => {
+                let square =
+                    |ends: &[[f64; 3]]| (0..3).map(|axis| (ends[1][axis] - ends[0][axis]).powi(2)).sum::<f64>();
+                Some(self.nodes.windows(2).map(|ends| square(ends).sqrt()).sum::<f64>() / cell)
+            }
+            Extent::Surface(triangles) => {
+                let known = triangles.as_flattened().iter().all(|node| *node < self.nodes.len());
+                known.then(|| surface::area(&self.nodes, triangles) / (cell * cell))
+            }
+        }
+    }
+}
+
+/// What lies between the nodes of a thin body.
+#[derive(Clone, Debug)]
+pub enum Extent {
+    /// A line through them.
+    Line,
+    /// Triangles, each of three nodes.
+    Surface(Vec<[usize; 3]>),
 }
 
 /// A turn about an axis.
@@ -120,6 +166,7 @@ impl Parameters {
             inflow: None,
             sponge: None,
             bodies: Vec::new(),
+            flexible: Vec::new(),
             mask: Mask::log_linear(1e-5),
             probes: Vec::new(),
             filter: Filter::Smooth,
@@ -150,6 +197,7 @@ impl Parameters {
                 return Err(Error::Parameter { name, value, allowed: "a finite number above 0" });
             }
         }
+        self.check_flexible()?;
         let [nx, ny, nz] = self.cells;
         let least = self.precision.least_block();
         for (name, cells, least, allowed) in [
@@ -159,6 +207,29 @@ impl Parameters {
         ] {
             if cells < least {
                 return Err(Error::Parameter { name, value: cells as f64, allowed });
+            }
+        }
+        Ok(())
+    }
+
+    /// Return the number of markers of the thin bodies, about.
+    pub(super) fn markers(&self) -> usize {
+        let cell = Grid::new(self.domain, self.cells).cell_size();
+        self.flexible.iter().filter_map(|body| body.count(cell)).sum::<f64>() as usize
+    }
+
+    /// Refuse thin bodies without an extent, or with more markers than a step has time for.
+    fn check_flexible(&self) -> Result<(), Error> {
+        let cell = Grid::new(self.domain, self.cells).cell_size();
+        for body in &self.flexible {
+            let count = body.count(cell).unwrap_or(0.0);
+            if count == 0.0 {
+                let allowed = "above 0: a line has two nodes, a surface triangles of its nodes";
+                return Err(Error::Parameter { name: "extent of a thin body", value: 0.0, allowed });
+            }
+            if count.is_nan() || count > MOST_CELLS {
+                let allowed = "at most 4e4: coarser cells or a smaller body";
+                return Err(Error::Parameter { name: "extent of a thin body in cells", value: count, allowed });
             }
         }
         Ok(())

@@ -12,7 +12,9 @@ use super::projection::Implicit;
 use super::rigid::Cell;
 use super::spectral::Spectral;
 use super::step::Solver;
+use crate::bodies::Stations;
 use crate::error::Error;
+use crate::field::Field;
 use crate::parameters::Precision;
 use crate::step::Differences;
 
@@ -22,6 +24,10 @@ pub struct Step<'a> {
     pub dt: f64,
     /// Time at the end, s.
     pub end: f64,
+    /// Nodes of the thin bodies at the end.
+    pub nodes: &'a [Stations<3>],
+    /// Predicted nodes after the end, if loads are predicted after this step.
+    pub ahead: Option<&'a [Stations<3>]>,
     /// Threads.
     pub team: &'a Team,
 }
@@ -34,7 +40,11 @@ pub trait FluidSolver: Send {
 
     /// Make a step, and return the advection rate, 1/s; if it is longer than `limit` or not a number, the step is not
     /// taken, and only the bodies have changed.
-    fn step(&mut self, step: &Step, limit: f64, present: &mut Present, problem: &mut Problem) -> f64;
+    fn step(&mut self, step: &Step, limit: f64, present: &mut Present, problem: &mut Problem) -> Result<f64, Error>;
+
+    /// Write the loads on the nodes in a coming step of the same length, with the thin bodies where they were placed
+    /// ahead.
+    fn predict_loads(&self, present: &mut Present, problem: &mut Problem);
 
     /// Make the pressure that [`Self::pressure_at`] reads until the next step, with the CFL number of the last one.
     fn make_pressure(&mut self, cfl: f64);
@@ -97,13 +107,19 @@ impl<R: Stored> FluidSolver for Solver<R> {
         self.start(mean)
     }
 
-    fn step(&mut self, step: &Step, limit: f64, present: &mut Present, problem: &mut Problem) -> f64 {
+    fn step(&mut self, step: &Step, limit: f64, present: &mut Present, problem: &mut Problem) -> Result<f64, Error> {
         let scheme = Differences::new(step.dt, present.step);
-        let Problem { bodies, grid, .. } = problem;
+        let Problem { bodies, thin, grid, .. } = problem;
         bodies.place(step.end, grid);
         bodies.sample(self.extrapolated(&scheme));
         self.solve_locally(step.team, &scheme, bodies.rate());
         bodies.add_velocities(step.end, scheme.c[0], grid, &mut self.w);
+        if !thin.is_empty() {
+            thin.place(step.nodes, grid);
+            let memory = &self.memory;
+            let first = |point: usize, w: &[Field<R>; 3]| memory.u_star(&scheme, w, point);
+            thin.apply(scheme.c[0], bodies.rate(), first, &mut self.w, step.end, grid)?;
+        }
         let implicit = Implicit {
             tau_nu: scheme.tau * problem.nu,
             cfl: present.advection_rate * step.dt,
@@ -111,11 +127,29 @@ impl<R: Stored> FluidSolver for Solver<R> {
         };
         let rate = self.solve_wave_by_wave(step.team, &implicit);
         if rate <= limit {
-            let drag = |cell: &Cell| cell.rate * (Vector3::from(self.u_star(&scheme, cell.index)) - cell.velocity);
-            problem.bodies.sum_up_forces(step.dt, drag, &mut present.bodies);
+            let u_star = |point| Vector3::from(self.memory.u_star(&scheme, &self.w, point));
+            let drag = |cell: &Cell| cell.rate * (u_star(cell.index) - cell.velocity);
+            let Problem { bodies, thin, grid, .. } = problem;
+            let (on_rigid, on_thin) = present.bodies.split_at_mut(bodies.rigid.len());
+            bodies.sum_up_forces(step.dt, drag, on_rigid);
+            thin.sum_up_forces(step.dt, step.nodes, on_thin, &mut present.exchange);
+            if let Some(ahead) = step.ahead {
+                thin.place(ahead, grid);
+            }
+            Stations::copy_all(&mut present.nodes, step.nodes);
             self.take_over(scheme.c[0]);
         }
-        rate
+        Ok(rate)
+    }
+
+    fn predict_loads(&self, present: &mut Present, problem: &mut Problem) {
+        let scheme = Differences::new(present.step, present.step);
+        let Problem { bodies, thin, grid, .. } = problem;
+        bodies.sample(self.extrapolated(&scheme));
+        let add = |points: &[usize], sums: &mut [[f64; 3]]| {
+            bodies.add_velocities_at(present.time + present.step, grid, points, sums);
+        };
+        thin.predict_loads(scheme.c[0], bodies.rate(), self.right_side(&scheme), add, grid, &mut present.loads);
     }
 
     fn make_pressure(&mut self, cfl: f64) {

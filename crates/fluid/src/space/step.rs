@@ -60,13 +60,10 @@ impl<R: Real> Solver<R> {
         }
     }
 
-    /// Return u* (m/s) of the step in work at a grid point.
-    pub fn u_star(&self, scheme: &Differences, point: usize) -> [f64; 3] {
-        let Memory { flow, w, inv_tau, .. } = &self.memory;
-        [0, 1, 2].map(|axis| {
-            let [u, w, w_next] = [&flow.velocity, w, &self.w].map(|fields| fields[axis][point].to_f64());
-            w_next - scheme.tau * (inv_tau * (w - u))
-        })
+    /// Return the right-hand side of the local solve without the bodies (m/s²) at a grid point.
+    pub fn right_side<'a>(&'a self, scheme: &'a Differences) -> impl Fn(usize) -> [f64; 3] + 'a {
+        let known = Known::of(&self.memory, 0..self.w[0].len());
+        move |point| known.right_side(scheme, point).map(|(r, _)| r)
     }
 
     /// Solve wave by wave for `w`, and return the advection rate of the new flow, 1/s. It takes the place of the flow
@@ -106,8 +103,8 @@ impl<'a, R: Real> Known<'a, R> {
         Self { velocity, vorticity, velocity_before, vorticity_before, w: part(w), inv_tau: *inv_tau }
     }
 
-    /// Return u* + tau G at point `i` without the velocities of the bodies, with their drag rate `rate` (1/s).
-    fn solve(&self, &Differences { c, e, tau }: &Differences, rate: f64, i: usize) -> [R; 3] {
+    /// Return the components of `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n` and of G^n at point `i`.
+    fn right_side(&self, &Differences { c, e, .. }: &Differences, i: usize) -> [(f64, f64); 3] {
         let at = |fields: &[&[R]; 3]| fields.map(|field| field[i].to_f64());
         let [u, omega, w] = [&self.velocity, &self.vorticity, &self.w].map(at);
         let [u_before, omega_before] = [&self.velocity_before, &self.vorticity_before].map(at);
@@ -116,9 +113,13 @@ impl<'a, R: Real> Known<'a, R> {
             let n = omega[b] * u[d] - omega[d] * u[b];
             let n_before = omega_before[b] * u_before[d] - omega_before[d] * u_before[b];
             let g = self.inv_tau * (w[a] - u[a]);
-            let r = c[1] * u[a] + c[2] * u_before[a] - e[0] * n - e[1] * n_before - g;
-            R::rounded(r / (c[0] + rate) + tau * g)
+            (c[1] * u[a] + c[2] * u_before[a] - e[0] * n - e[1] * n_before - g, g)
         })
+    }
+
+    /// Return u* + tau G at point `i` without the velocities of the bodies, with their drag rate `rate` (1/s).
+    fn solve(&self, scheme: &Differences, rate: f64, i: usize) -> [R; 3] {
+        self.right_side(scheme, i).map(|(r, g)| R::rounded(r / (scheme.c[0] + rate) + scheme.tau * g))
     }
 }
 

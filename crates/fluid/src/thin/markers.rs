@@ -5,6 +5,9 @@ use std::ops::Range;
 use super::kernel::{self, HALF_WIDTH};
 use crate::grid::Grid;
 
+/// Grid points in the kernel along an axis.
+const WIDTH: i64 = 4;
+
 /// Markers with their grid points.
 pub struct Markers<const D: usize> {
     own: Vec<Marker<D>>,
@@ -75,9 +78,8 @@ impl<const D: usize> Markers<D> {
         for marker in own {
             for axis in 0..D {
                 let place = (marker.position[axis] - grid.coordinate(axis, 0)) / grid.spacing[axis];
-                let (first, last) = ((place - HALF_WIDTH).ceil() as i64, (place + HALF_WIDTH).floor() as i64);
-                let begin = along.len();
-                along.extend((first..=last).map(|i| kernel::value(i as f64 - place)));
+                let (first, begin) = ((place - HALF_WIDTH).ceil() as i64, along.len());
+                along.extend((first..first + WIDTH).map(|i| kernel::value(i as f64 - place)));
                 marker.spans[axis] = (grid.wrap(axis, first), begin..along.len());
             }
             let begin = points.len();
@@ -101,11 +103,14 @@ impl<const D: usize> Markers<D> {
         weighed.extend(points.iter().zip(weights).map(|(point, weight)| *weight * inverse(*point)));
     }
 
-    /// Write a field, given at a grid point, as interpolated at the markers.
-    pub fn interpolate(&self, field: impl Fn(usize) -> f64, values: &mut [f64]) {
-        for (marker, value) in self.own.iter().zip(values) {
-            let pairs = self.points[marker.points.clone()].iter().zip(&self.weights[marker.points.clone()]);
-            *value = pairs.map(|(point, weight)| weight * field(*point)).sum();
+    /// Write a field of vectors, given at a grid point, as interpolated at the markers, `[D][markers]`.
+    pub fn interpolate(&self, field: impl Fn(usize) -> [f64; D], values: &mut [Vec<f64>; D]) {
+        for (k, marker) in self.own.iter().enumerate() {
+            let mut sum = [0.0; D];
+            for (point, weight) in self.points[marker.points.clone()].iter().zip(&self.weights[marker.points.clone()]) {
+                sum.iter_mut().zip(field(*point)).for_each(|(sum, field)| *sum += weight * field);
+            }
+            values.iter_mut().zip(sum).for_each(|(values, sum)| values[k] = sum);
         }
     }
 
@@ -115,6 +120,11 @@ impl<const D: usize> Markers<D> {
             let pairs = self.points[marker.points.clone()].iter().zip(&self.weighed[marker.points.clone()]);
             pairs.for_each(|(point, weighed)| add(*point, number * weighed));
         }
+    }
+
+    /// Return the first grid point of a marker along each axis.
+    pub fn first_point(&self, k: usize) -> [usize; D] {
+        self.own[k].spans.each_ref().map(|(first, _)| *first)
     }
 
     /// Return the inverse of the drag rate of a marker times what it stands for: s/m² in two dimensions.

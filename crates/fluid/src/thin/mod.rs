@@ -11,12 +11,13 @@
 //!
 //! with the volume V of a cell: a sparse, symmetric, positive definite system of as many rows as markers.
 
+mod drag;
 mod kernel;
 mod line;
 mod markers;
+mod parts;
+pub mod surface;
 mod system;
-
-use std::mem::take;
 
 use line_fft::Real;
 
@@ -27,24 +28,17 @@ use crate::force::{Displaced, Force};
 use crate::grid::Grid;
 use crate::parameters::{Parameters, Surface};
 
+pub use drag::MarkerDrag;
+pub use kernel::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS};
 use line::Line;
-use markers::Markers;
-use system::System;
+pub use markers::Markers;
+pub use parts::Parts;
 
 /// The thin bodies of a fluid.
 #[derive(Default)]
 pub struct ThinBodies {
     lines: Vec<Line>,
-    markers: Markers<2>,
-    system: System,
-    /// Force on each marker over the density, m³/s² per metre of depth, per axis.
-    force: [Vec<f64>; 2],
-    /// Decrease of that force if all markers become faster, m²/s.
-    slope: Vec<f64>,
-    right_side: Vec<f64>,
-    /// Grid points around the markers with the drag of a mask, in ascending order, and `Σ a u_b` there, m/s².
-    dragged: Vec<usize>,
-    sums: Vec<[f64; 2]>,
+    drag: MarkerDrag<2>,
     /// Density of the fluid, kg/m³.
     density: f64,
 }
@@ -61,17 +55,13 @@ pub struct LineForce {
 impl ThinBodies {
     /// The thin bodies among rigid bodies and beams, not yet at a place.
     pub fn new(parameters: &Parameters, grid: &Grid) -> Self {
-        let mut thin = Self { density: parameters.density, ..Self::default() };
+        let (mut lines, mut markers) = (Vec::new(), Markers::default());
         let (c_eta, cell) = (parameters.mask.c_eta(), grid.cell_size());
         for (k, beam) in parameters.beams.iter().enumerate().filter(|(_, beam)| beam.surface == Surface::Line) {
             let free = [beam.support_cylinder.is_none(), true];
-            thin.lines.push(Line::new(k, &beam.stations, free, c_eta, cell, &mut thin.markers));
+            lines.push(Line::new(k, &beam.stations, free, c_eta, cell, &mut markers));
         }
-        let count = thin.markers.len();
-        thin.force = [vec![0.0; count], vec![0.0; count]];
-        (thin.slope, thin.right_side) = (vec![0.0; count], vec![0.0; count]);
-        thin.system = System::new(count);
-        thin
+        Self { lines, drag: MarkerDrag::new(markers), density: parameters.density }
     }
 
     /// Return whether there is none.
@@ -81,26 +71,12 @@ impl ThinBodies {
 
     /// Move the lines to the stations of the beams.
     pub fn place(&mut self, stations: &[Stations], grid: &Grid) {
-        self.lines.iter().for_each(|line| line.place(&stations[line.beam], &mut self.markers));
-        self.markers.find_cells(grid);
+        let markers = &mut self.drag.markers;
+        self.lines.iter().for_each(|line| line.place(&stations[line.beam], markers));
+        markers.find_cells(grid);
     }
 
-    /// Solve for the forces. `first` gives the velocity of the local solve without the thin bodies at a grid point,
-    /// and `rate` the drag rate of the masks (1/s); `c_0` is the coefficient of the difference in time (1/s). Return
-    /// whether the solution was found.
-    fn solve(&mut self, c_0: f64, rate: Option<&[f64]>, first: impl Fn(usize) -> [f64; 2], grid: &Grid) -> bool {
-        self.markers.weigh(|point| 1.0 / (c_0 + rate.map_or(0.0, |rate| rate[point])));
-        self.system.assemble(&self.markers, grid);
-        (0..2).all(|axis| {
-            self.markers.interpolate(|point| first(point)[axis], &mut self.right_side);
-            let velocities = self.markers.velocities().map(|velocity| velocity[axis]);
-            self.right_side.iter_mut().zip(velocities).for_each(|(flow, own)| *flow -= own);
-            self.system.solve(&self.right_side, &mut self.force[axis])
-        })
-    }
-
-    /// Take the drag into the local solve: `w`, which holds u* + tau G without the thin bodies, gets their part.
-    /// `first` gives that u* at a grid point; see [`Self::solve`].
+    /// Take the drag into the local solve; see [`MarkerDrag::apply`].
     pub fn apply<R: Real>(
         &mut self,
         c_0: f64,
@@ -110,33 +86,17 @@ impl ThinBodies {
         time: f64,
         grid: &Grid,
     ) -> Result<(), Error> {
-        if !self.solve(c_0, rate, |point| first(point, w), grid) {
-            return Err(Error::Markers { time });
-        }
-        let scale = 1.0 / grid.cell_volume();
-        for (axis, w) in w.iter_mut().enumerate() {
-            self.markers.spread(&self.force[axis], |point, weight| {
-                w[point] = R::rounded(w[point].to_f64() - scale * weight);
-            });
-        }
-        Ok(())
+        self.drag.apply(c_0, rate, first, w, time, grid)
     }
 
     /// List the grid points around the markers where the drag rate of the masks (1/s) is not 0.
     pub fn list_dragged(&mut self, rate: Option<&[f64]>) {
-        self.dragged.clear();
-        if let Some(rate) = rate {
-            self.dragged.extend(self.markers.points().iter().filter(|point| rate[**point] > 0.0));
-            self.dragged.sort_unstable();
-            self.dragged.dedup();
-        }
-        self.sums.clear();
-        self.sums.resize(self.dragged.len(), [0.0; 2]);
+        self.drag.list_dragged(rate);
     }
 
     /// Return these points, and the sums to be written there.
     pub fn dragged_mut(&mut self) -> (&[usize], &mut [[f64; 2]]) {
-        (&self.dragged, &mut self.sums)
+        self.drag.dragged_mut()
     }
 
     /// Write the loads on the stations of thin beams in a local solve with `right_side` at a grid point. They are not
@@ -149,33 +109,20 @@ impl ThinBodies {
         grid: &Grid,
         loads: &mut [Loads],
     ) {
-        let (dragged, sums) = (take(&mut self.dragged), take(&mut self.sums));
-        let first = |point: usize| match dragged.binary_search(&point) {
-            Ok(k) => [0, 1].map(|axis| {
-                let rate = rate.map_or(0.0, |rate| rate[point]);
-                (right_side(point)[axis] + sums[k][axis]) / (c_0 + rate)
-            }),
-            Err(_) => right_side(point).map(|r| r / c_0),
-        };
-        let mut found = self.solve(c_0, rate, first, grid);
-        (self.dragged, self.sums) = (dragged, sums);
-        self.right_side.fill(1.0);
-        found &= self.system.solve(&self.right_side, &mut self.slope);
-        if !found {
-            self.slope.fill(f64::NAN);
-        }
+        self.drag.predict(c_0, rate, right_side, grid);
         for line in &self.lines {
-            line.collect(&self.force, &self.slope, self.density, &mut loads[line.beam]);
+            line.collect(&self.drag.force, &self.drag.slope, self.density, &mut loads[line.beam]);
         }
     }
 
     /// Return the number of each thin beam with the forces of the last solve and the fluid in the layer that moves with
     /// it; moments are about the root at `stations`.
     pub fn forces<'a>(&'a self, stations: &'a [Stations]) -> impl Iterator<Item = (usize, LineForce, Displaced)> + 'a {
-        self.lines.iter().map(|line| {
+        let MarkerDrag { markers, force, .. } = &self.drag;
+        self.lines.iter().map(move |line| {
             let stations = &stations[line.beam];
-            let force = line.force(stations, &self.markers, &self.force, self.density);
-            (line.beam, force, line.displaced(stations, &self.markers, self.density))
+            let force = line.force(stations, markers, force, self.density);
+            (line.beam, force, line.displaced(stations, markers, self.density))
         })
     }
 
@@ -184,7 +131,7 @@ impl ThinBodies {
     pub fn write_jumps(&self, dt: f64, stations: &[Stations], before: &[Stations], jumps: &mut [Vec<f64>]) {
         for line in &self.lines {
             let beam = line.beam;
-            line.write_jump(&self.force, self.density, dt, &stations[beam], &before[beam], &mut jumps[beam]);
+            line.write_jump(&self.drag.force, self.density, dt, &stations[beam], &before[beam], &mut jumps[beam]);
         }
     }
 }

@@ -3,6 +3,9 @@
 use super::markers::Markers;
 use crate::grid::Grid;
 
+/// Grid points in a block along an axis, at least: one more than the distance of two kernels that share a point.
+const BLOCK: usize = 5;
+
 /// Residual over the right-hand side at which a solution is taken.
 const TOLERANCE: f64 = 1e-12;
 
@@ -18,6 +21,11 @@ pub struct System {
     starts: Vec<usize>,
     columns: Vec<usize>,
     entries: Vec<f64>,
+    /// First marker in each block of grid points, and the next one in the same block after each marker; the number of
+    /// markers if there is none.
+    heads: Vec<usize>,
+    next: Vec<usize>,
+    near: Vec<usize>,
     residual: Vec<f64>,
     direction: Vec<f64>,
     image: Vec<f64>,
@@ -43,11 +51,18 @@ impl System {
         self.starts.clear();
         self.columns.clear();
         self.entries.clear();
+        let blocks = grid.cells.map(|cells| (cells / BLOCK).max(1));
+        let block = |k: usize| {
+            let first = markers.first_point(k);
+            std::array::from_fn(|axis| first[axis] * blocks[axis] / grid.cells[axis])
+        };
+        self.sort_into_blocks(markers.len(), &blocks, &block);
         for j in 0..markers.len() {
             self.starts.push(self.columns.len());
             let own = markers.shared(j, j, grid).unwrap_or_default();
             self.diagonal[j] = markers.inverse_drag(j) + per_volume * own;
-            for k in j + 1..markers.len() {
+            self.find_near(j, &blocks, &block);
+            for &k in &self.near {
                 if let Some(shared) = markers.shared(j, k, grid) {
                     self.columns.push(k);
                     self.entries.push(per_volume * shared);
@@ -55,6 +70,46 @@ impl System {
             }
         }
         self.starts.push(self.columns.len());
+    }
+
+    fn sort_into_blocks<const D: usize>(
+        &mut self,
+        count: usize,
+        blocks: &[usize; D],
+        block: &impl Fn(usize) -> [usize; D],
+    ) {
+        self.heads.clear();
+        self.heads.resize(blocks.iter().product(), count);
+        self.next.clear();
+        for k in 0..count {
+            let head = &mut self.heads[number(&block(k), blocks)];
+            self.next.push(*head);
+            *head = k;
+        }
+    }
+
+    /// List the markers after `j` that may share a grid point with it, in ascending order.
+    fn find_near<const D: usize>(&mut self, j: usize, blocks: &[usize; D], block: &impl Fn(usize) -> [usize; D]) {
+        self.near.clear();
+        let own = block(j);
+        for mut code in 0..3_usize.pow(D as u32) {
+            let mut around = own;
+            let mut twice = false;
+            for (around, &blocks) in around.iter_mut().zip(blocks) {
+                // The blocks on both sides; of two or one block along an axis each once.
+                *around = (*around + blocks + code % 3 - 1) % blocks;
+                twice |= code % 3 >= blocks;
+                code /= 3;
+            }
+            let mut k = if twice { usize::MAX } else { self.heads[number(&around, blocks)] };
+            while k < self.next.len() {
+                if k > j {
+                    self.near.push(k);
+                }
+                k = self.next[k];
+            }
+        }
+        self.near.sort_unstable();
     }
 
     /// Solve for a right-hand side; return whether the solution was found.
@@ -96,6 +151,11 @@ impl System {
             }
         }
     }
+}
+
+/// Return the number of a block.
+fn number<const D: usize>(block: &[usize; D], blocks: &[usize; D]) -> usize {
+    block.iter().zip(blocks).fold(0, |number, (block, blocks)| number * blocks + block)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -1,0 +1,124 @@
+//! The drag of markers, solved exactly within a local solve.
+
+use std::mem::take;
+
+use line_fft::Real;
+
+use super::markers::Markers;
+use super::system::System;
+use crate::error::Error;
+use crate::field::Field;
+use crate::grid::Grid;
+
+/// Markers with the forces of the last solve.
+pub struct MarkerDrag<const D: usize> {
+    /// The markers.
+    pub markers: Markers<D>,
+    system: System,
+    /// Force on each marker over the density, per axis: m³/s² in two dimensions, m⁴/s² in space.
+    pub force: [Vec<f64>; D],
+    /// Decrease of that force if all markers become faster, m²/s or m³/s.
+    pub slope: Vec<f64>,
+    right_side: [Vec<f64>; D],
+    /// Grid points around the markers with the drag of a mask, in ascending order, and `Σ a u_b` there, m/s².
+    dragged: Vec<usize>,
+    sums: Vec<[f64; D]>,
+}
+
+impl<const D: usize> Default for MarkerDrag<D> {
+    fn default() -> Self {
+        Self::new(Markers::default())
+    }
+}
+
+impl<const D: usize> MarkerDrag<D> {
+    /// The drag of markers that are not yet at a place.
+    pub fn new(markers: Markers<D>) -> Self {
+        let count = markers.len();
+        let zeros = || std::array::from_fn(|_| vec![0.0; count]);
+        Self {
+            markers,
+            system: System::new(count),
+            force: zeros(),
+            slope: vec![0.0; count],
+            right_side: zeros(),
+            dragged: Vec::new(),
+            sums: Vec::new(),
+        }
+    }
+
+    /// Solve for the forces. `first` gives the velocity of the local solve without the thin bodies at a grid point,
+    /// and `rate` the drag rate of the masks (1/s); `c_0` is the coefficient of the difference in time (1/s). Return
+    /// whether the solution was found.
+    fn solve(&mut self, c_0: f64, rate: Option<&[f64]>, first: impl Fn(usize) -> [f64; D], grid: &Grid<D>) -> bool {
+        self.markers.weigh(|point| 1.0 / (c_0 + rate.map_or(0.0, |rate| rate[point])));
+        self.system.assemble(&self.markers, grid);
+        self.markers.interpolate(first, &mut self.right_side);
+        for (axis, flow) in self.right_side.iter_mut().enumerate() {
+            flow.iter_mut().zip(self.markers.velocities()).for_each(|(flow, own)| *flow -= own[axis]);
+        }
+        let Self { system, right_side, force, .. } = self;
+        right_side.iter().zip(force).all(|(right_side, force)| system.solve(right_side, force))
+    }
+
+    /// Take the drag into the local solve: `w`, which holds u* + tau G without the thin bodies, gets their part.
+    /// `first` gives that u* at a grid point; see [`Self::solve`].
+    pub fn apply<R: Real>(
+        &mut self,
+        c_0: f64,
+        rate: Option<&[f64]>,
+        first: impl Fn(usize, &[Field<R>; D]) -> [f64; D],
+        w: &mut [Field<R>; D],
+        time: f64,
+        grid: &Grid<D>,
+    ) -> Result<(), Error> {
+        if !self.solve(c_0, rate, |point| first(point, w), grid) {
+            return Err(Error::Markers { time });
+        }
+        let scale = 1.0 / grid.cell_volume();
+        for (axis, w) in w.iter_mut().enumerate() {
+            self.markers.spread(&self.force[axis], |point, weight| {
+                w[point] = R::rounded(w[point].to_f64() - scale * weight);
+            });
+        }
+        Ok(())
+    }
+
+    /// List the grid points around the markers where the drag rate of the masks (1/s) is not 0.
+    pub fn list_dragged(&mut self, rate: Option<&[f64]>) {
+        self.dragged.clear();
+        if let Some(rate) = rate {
+            self.dragged.extend(self.markers.points().iter().filter(|point| rate[**point] > 0.0));
+            self.dragged.sort_unstable();
+            self.dragged.dedup();
+        }
+        self.sums.clear();
+        self.sums.resize(self.dragged.len(), [0.0; D]);
+    }
+
+    /// Return these points, and the sums to be written there.
+    pub fn dragged_mut(&mut self) -> (&[usize], &mut [[f64; D]]) {
+        (&self.dragged, &mut self.sums)
+    }
+
+    /// Solve for forces and slopes in a local solve with `right_side` at a grid point. The slopes are not finite if no
+    /// solution was found.
+    pub fn predict(&mut self, c_0: f64, rate: Option<&[f64]>, right_side: impl Fn(usize) -> [f64; D], grid: &Grid<D>) {
+        let (dragged, sums) = (take(&mut self.dragged), take(&mut self.sums));
+        let first = |point: usize| match dragged.binary_search(&point) {
+            Ok(k) => {
+                let (right_side, rate) = (right_side(point), rate.map_or(0.0, |rate| rate[point]));
+                std::array::from_fn(|axis| (right_side[axis] + sums[k][axis]) / (c_0 + rate))
+            }
+            Err(_) => right_side(point).map(|r| r / c_0),
+        };
+        let mut found = self.solve(c_0, rate, first, grid);
+        (self.dragged, self.sums) = (dragged, sums);
+        let [ones, ..] = &mut self.right_side[..] else { return };
+        ones.fill(1.0);
+        found &= self.system.solve(ones, &mut self.slope);
+        if !found {
+            self.slope.fill(f64::NAN);
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! Parts of a body, one for each marker, and how they hang on its nodes.
+//!
+//! A marker moves with the mean of a part, and its force goes back to the nodes by the transpose of that mean, so that
+//! the power of the loads is the power of the drag. Every node has a share of a part, also where there are more nodes
+//! than markers.
+
+use std::ops::Range;
+
+use super::markers::Markers;
+use crate::bodies::{Loads, Stations};
+
+/// Distance of neighbouring markers, cells. Closer markers make a matrix of useless condition, whose solutions
+/// alternate; beyond 2 a body leaks.
+const SPACING_CELLS: f64 = 1.5;
+
+/// Length by which a free end is drawn in, cells, because the kernel reaches beyond the last marker. With it a line has
+/// the added mass of a plate of its length.
+const DRAWN_IN_CELLS: f64 = 0.1;
+
+/// Shares of the nodes in each part.
+#[derive(Default)]
+pub struct Parts {
+    parts: Vec<Range<usize>>,
+    shares: Vec<(usize, f64)>,
+    /// Number of the first marker.
+    first: usize,
+}
+
+impl Parts {
+    /// No part yet; the first one belongs to the marker with a number.
+    pub fn new(first: usize) -> Self {
+        Self { first, ..Self::default() }
+    }
+
+    /// Parts of a line through points (m), and its length (m), for cells of a size (m); `free` tells which ends are free.
+    pub fn of_line<const D: usize>(points: &[[f64; D]], free: [bool; 2], cell: f64, first: usize) -> (Self, f64) {
+        let mut arc = vec![0.0];
+        for pair in points.windows(2) {
+            let step = (0..D).fold(0.0, |step: f64, axis| step.hypot(pair[1][axis] - pair[0][axis]));
+            arc.push(arc[arc.len() - 1] + step);
+        }
+        let length = arc[arc.len() - 1];
+        let [begin, left] = free.map(|free| if free { (DRAWN_IN_CELLS * cell).min(0.25 * length) } else { 0.0 });
+        let span = length - begin - left;
+        let count = (span / (SPACING_CELLS * cell)).round().max(1.0);
+        let (part, mut parts) = (span / count, Self::new(first));
+        for k in 0..count as usize {
+            let middle = begin + (k as f64 + 0.5) * part;
+            // The first and the last part reach as far over their middle as to the end of the line.
+            let mut half = 0.5 * part;
+            if k == 0 {
+                half = half.max(middle);
+            }
+            if k + 1 == count as usize {
+                half = half.max(length - middle);
+            }
+            parts.add(|shares| mean(&arc, middle - half, middle + half, shares));
+        }
+        (parts, length)
+    }
+
+    /// Add a part; `add` appends the shares of its nodes to a list that begins with those of other parts.
+    pub fn add(&mut self, add: impl FnOnce(&mut Vec<(usize, f64)>)) {
+        let from = self.shares.len();
+        add(&mut self.shares);
+        self.parts.push(from..self.shares.len());
+    }
+
+    /// Return the number of parts.
+    pub fn len(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Return the numbers of the markers.
+    pub fn markers(&self) -> Range<usize> {
+        self.first..self.first + self.parts.len()
+    }
+
+    /// Return the number of each marker with the shares of the nodes.
+    pub fn iter(&self) -> impl Iterator<Item = (usize, &[(usize, f64)])> {
+        self.markers().zip(&self.parts).map(|(marker, part)| (marker, &self.shares[part.clone()]))
+    }
+
+    /// Move the markers to the nodes.
+    pub fn place<const D: usize>(&self, nodes: &Stations<D>, markers: &mut Markers<D>) {
+        for (marker, shares) in self.iter() {
+            let mean = |values: &[Vec<f64>; D]| {
+                values.each_ref().map(|values| shares.iter().map(|&(node, share)| share * values[node]).sum::<f64>())
+            };
+            let marker = markers.get_mut(marker);
+            (marker.position, marker.velocity) = (mean(&nodes.position), mean(&nodes.velocity));
+        }
+    }
+
+    /// Write the forces on the markers and their slopes, both over the density (kg/m³), as loads on the nodes.
+    pub fn collect<const D: usize>(&self, force: &[Vec<f64>; D], slope: &[f64], density: f64, loads: &mut Loads<D>) {
+        loads.force.iter_mut().for_each(|force| force.fill(0.0));
+        loads.impedance.fill(0.0);
+        for (marker, shares) in self.iter() {
+            for &(node, share) in shares {
+                let weight = density * share;
+                (0..D).for_each(|axis| loads.force[axis][node] += weight * force[axis][marker]);
+                loads.impedance[node] += weight * slope[marker];
+            }
+        }
+    }
+}
+
+/// Add the shares of points at the places `arc` in the mean from `from` to `to` of what is linear between them.
+fn mean(arc: &[f64], from: f64, to: f64, shares: &mut Vec<(usize, f64)>) {
+    let begin = shares.len();
+    let mut add = |point: usize, share: f64| match shares[begin..].last_mut() {
+        Some(last) if last.0 == point => last.1 += share,
+        _ => shares.push((point, share)),
+    };
+    for k in 0..arc.len() - 1 {
+        let (low, high) = (arc[k].max(from), arc[k + 1].min(to));
+        if low < high {
+            let fraction = (0.5 * (low + high) - arc[k]) / (arc[k + 1] - arc[k]);
+            let share = (high - low) / (to - from);
+            add(k, share * (1.0 - fraction));
+            add(k + 1, share * fraction);
+        }
+    }
+}

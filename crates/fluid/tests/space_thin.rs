@@ -1,0 +1,231 @@
+//! Thin bodies in space: exact added mass and drag, balance of momentum and power, stability without mass, states,
+//! threads and precisions.
+
+use std::f64::consts::PI;
+
+use nervure_fluid::space::{Extent, Flexible, Fluid, Parameters};
+use nervure_fluid::{Error, Filter, Law, Precision};
+use scene::{ROD_SECTION_CELLS, WingMesh};
+
+fn made(parameters: &Parameters) -> Fluid {
+    Fluid::new(parameters).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn body(nodes: Vec<[f64; 3]>, extent: Extent) -> Flexible {
+    Flexible { name: "the body".into(), nodes, extent, pivot: None }
+}
+
+/// A disk of a diameter (m) across x about a point.
+fn disk(diameter: f64, along: usize, [x, y, z]: [f64; 3]) -> Flexible {
+    let mesh = WingMesh::Elliptical { length: diameter, width: diameter, along }.build();
+    let nodes = mesh.nodes.iter().map(|[a, b, _]| [x, y + a - 0.5 * diameter, z + b]).collect();
+    body(nodes, Extent::Surface(mesh.triangles))
+}
+
+/// A line along z through a box of a depth (m), a quarter of a cell of 1/32 m beside the middle of x and y.
+fn line(depth: f64) -> Flexible {
+    body((0..=20).map(|k| [0.25 / 32.0, 0.25 / 32.0, depth * f64::from(k) / 20.0]).collect(), Extent::Line)
+}
+
+/// Let the nodes move for a step of `h` seconds with a velocity, given at their place.
+fn step(fluid: &mut Fluid, h: f64, velocity: impl Fn([f64; 3]) -> [f64; 3]) {
+    for nodes in fluid.nodes_mut() {
+        for k in 0..nodes.len() {
+            let velocity = velocity(nodes.position.each_ref().map(|axis| axis[k]));
+            for (axis, velocity) in velocity.into_iter().enumerate() {
+                nodes.position[axis][k] += h * velocity;
+                nodes.velocity[axis][k] = velocity;
+            }
+        }
+    }
+    let t = fluid.time();
+    fluid.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
+}
+
+/// Added mass over the density of the first body when it starts along x in still fluid: the impulse of a start so gentle
+/// that the first, shorter memory of the scheme does not count.
+fn added_mass(parameters: &mut Parameters) -> f64 {
+    parameters.mean_flow = Some([0.0; 3].map(Law::constant));
+    let (mut fluid, h, speed, mut impulse) = (made(parameters), 2e-3, 1e-3, 0.0);
+    for k in 0..36 {
+        let share = (f64::from(k + 1) / 20.0).min(1.0);
+        step(&mut fluid, h, |_| [speed * (0.5 * PI * share).sin().powi(2), 0.0, 0.0]);
+        impulse -= h * fluid.force_on_thin(0).force[0];
+    }
+    impulse / (parameters.density * speed)
+}
+
+/// A disk of no thickness has the added mass 8/3 rho a³ (Lamb, Hydrodynamics, § 102). The rim of a thickness t adds as
+/// much length as to a plate across a stream, 1 + t (0.237 + 0.505 ln(1/t)) of the added mass there (a fit to the
+/// rectangles of DNV-RP-C205): a plate has two edges and the square of its width, a disk the cube of its diameter. The
+/// neighbours in the lattice count with the cube of its size.
+#[test]
+fn a_disk_has_its_added_mass() {
+    for points in [16, 20] {
+        let [near, far] = [2.0, 3.0].map(|size: f64| {
+            let (cells, half) = ((size * f64::from(points)) as usize, 0.5 * size);
+            let mut parameters = Parameters::new([[-half, half]; 3], [cells; 3], 1000.0, 1e-9, 2e-3);
+            parameters.flexible = vec![disk(1.0, 20, [0.01, 0.02, 0.03])];
+            added_mass(&mut parameters)
+        });
+        let found = far + (far - near) * 8.0 / 19.0;
+        let t = scene::LINE_THICKNESS_CELLS / f64::from(points);
+        let expected = (1.0 + 1.5 * t * (0.237 + 0.505 * (1.0 / t).ln())) / 3.0;
+        assert!((found / expected - 1.0).abs() < 0.03, "{points} points a diameter: {found} against {expected}");
+    }
+}
+
+fn across_a_slow_stream(turn: usize) -> f64 {
+    let mut parameters = Parameters::new([[-0.5, 0.5], [-0.5, 0.5], [0.0, 0.25]], [32, 32, 8], 1.0, 1.0, 4e-3);
+    parameters.flexible = vec![line(0.25)];
+    let mut speed = [0.0; 3];
+    speed[turn] = 1e-4;
+    parameters.mean_flow = Some(speed.map(Law::constant));
+    parameters.initial_velocity = speed;
+    let mut fluid = made(&parameters);
+    (0..80).for_each(|_| step(&mut fluid, 4e-3, |_| [0.0; 3]));
+    fluid.force_on_thin(0).force[turn] / (0.25 * 1e-4)
+}
+
+/// The radius of a line in a slow stream is exp(mean ln|Y|), Y being the difference of two points of the kernel: a
+/// square lattice of cylinders, which fill the share c, drags with 4π mu U/(½ ln(1/c) − 0.738 + c) per length across and
+/// with 4π mu U/(ln(1/c) − 1.476 + 2c) along (Hasimoto 1959; Drummond & Tahir 1984).
+#[test]
+fn a_line_in_a_slow_stream_drags_like_a_cylinder() {
+    let share = PI * (0.8735_f64 / 32.0).powi(2);
+    let expected =
+        [4.0 * PI / (0.5 * (1.0 / share).ln() - 0.738 + share), 4.0 * PI / ((1.0 / share).ln() - 1.476 + 2.0 * share)];
+    for (axis, expected) in [0, 2].into_iter().zip(expected) {
+        let found = across_a_slow_stream(axis);
+        assert!((found / expected - 1.0).abs() < 0.03, "along {axis}: {found} against {expected}");
+    }
+}
+
+/// The added mass of a line is that of a cylinder of its section; the lattice of lines leaves its mean flow out. It is
+/// the mean over places on the grid, which differ by 9 %; a quarter of a cell is a mean place.
+#[test]
+fn a_line_has_the_added_mass_of_its_section() {
+    let mut parameters = Parameters::new([[-0.5, 0.5], [-0.5, 0.5], [0.0, 0.25]], [32, 32, 8], 1000.0, 1e-9, 2e-3);
+    (parameters.flexible, parameters.filter) = (vec![line(0.25)], Filter::None);
+    let found = added_mass(&mut parameters) / 0.25 * 1024.0;
+    let expected = 2.0 / (1.0 / ROD_SECTION_CELLS - 1.0 / 1024.0) - ROD_SECTION_CELLS;
+    assert!((found / expected - 1.0).abs() < 0.05, "{found} against {expected}");
+}
+
+/// A disk and a line that turn in a stream.
+fn turning(precision: Precision, threads: usize) -> Parameters {
+    let mut parameters = Parameters::new([[-1.0, 1.0]; 3], [24, 20, 16], 2.0, 1e-2, 5e-3);
+    parameters.initial_velocity = [0.5, 0.1, 0.0];
+    parameters.flexible = vec![disk(0.9, 9, [0.0, 0.0, 0.1]), line(0.4)];
+    (parameters.precision, parameters.threads) = (precision, threads);
+    parameters
+}
+
+fn turn(fluid: &mut Fluid, steps: usize) {
+    (0..steps).for_each(|_| step(fluid, 5e-3, |[x, y, z]| [0.3 + 0.4 * y, -0.4 * x, 0.2 * x + 0.1 * z]));
+}
+
+/// What the bodies take from the fluid is what the fluid loses, and the power of the exchange is that of rigid motion.
+#[test]
+fn the_fluid_loses_what_the_bodies_take() {
+    let mut fluid = made(&turning(Precision::Double, 1));
+    turn(&mut fluid, 3);
+    let mean = |fluid: &Fluid| [0, 1, 2].map(|axis| fluid.velocity(axis).iter().sum::<f64>() * 2.0 * 8.0 / 7680.0);
+    let mut momenta = [mean(&fluid), [0.0; 3], [0.0; 3]];
+    for momentum in &mut momenta[1..] {
+        turn(&mut fluid, 1);
+        *momentum = mean(&fluid);
+    }
+    for axis in 0..3 {
+        let [one, two, three] = momenta.map(|momentum| momentum[axis]);
+        let rate = (1.5 * three - 2.0 * two + 0.5 * one) / 5e-3;
+        let taken: f64 = fluid.exchange().iter().map(|exchange| exchange.force[axis]).sum();
+        assert!((rate + taken).abs() < 1e-6 * taken.abs().max(1e-3), "{axis}: {rate} beside {taken}");
+    }
+    let mut fluid = made(&turning(Precision::Double, 1));
+    (0..4).for_each(|_| step(&mut fluid, 5e-3, |_| [0.3, 0.1, -0.2]));
+    for exchange in fluid.exchange() {
+        let power: f64 = exchange.force.iter().zip([0.3, 0.1, -0.2]).map(|(force, velocity)| force * velocity).sum();
+        assert!((exchange.power - power).abs() < 1e-12 * power.abs(), "{exchange:?}");
+    }
+}
+
+/// Loads, fields and forces have the same bits on two threads and from a saved state; single precision is near.
+#[test]
+fn threads_and_states_change_no_bit() {
+    let result = |fluid: &Fluid| (fluid.loads().to_vec(), fluid.velocity(1).into_owned(), fluid.force_on_thin(1));
+    let mut firsts = Vec::new();
+    for precision in [Precision::Double, Precision::Single] {
+        let (mut one, mut two) = (made(&turning(precision, 1)), made(&turning(precision, 2)));
+        [&mut one, &mut two].into_iter().for_each(|fluid| turn(fluid, 4));
+        let state = one.state();
+        [&mut one, &mut two].into_iter().for_each(|fluid| turn(fluid, 3));
+        let first = result(&one);
+        assert!(first == result(&two), "threads");
+        one.restore(&state).unwrap_or_else(|e| panic!("{e}"));
+        assert!(one.state() == state);
+        turn(&mut one, 3);
+        assert!(first == result(&one), "state");
+        firsts.push(first.2);
+    }
+    let [double, single] = [firsts[0].force[0], firsts[1].force[0]];
+    assert!(double != single && (double - single).abs() < 1e-4 * double.abs(), "{double} beside {single}");
+}
+
+/// A sheet without mass and stiffness, whose nodes follow the loads by themselves, goes with the stream.
+#[test]
+fn a_floppy_sheet_without_mass_goes_with_the_stream() {
+    let mut parameters = turning(Precision::Double, 1);
+    parameters.initial_velocity = [0.5, 0.1, 0.0];
+    for more in [vec![disk(0.9, 20, [0.0; 3])], vec![line(1.5)]] {
+        parameters.flexible = more;
+        let (mut fluid, h) = (made(&parameters), 5e-3);
+        for _ in 0..60 {
+            let loads = fluid.loads()[0].clone();
+            let nodes = &mut fluid.nodes_mut()[0];
+            for k in 0..nodes.len() {
+                for axis in 0..3 {
+                    let (before, mass) = (nodes.velocity[axis][k], 1e-9);
+                    let impedance = loads.impedance[k];
+                    let velocity = before + h * loads.force[axis][k] / (mass + h * impedance);
+                    nodes.velocity[axis][k] = velocity;
+                    nodes.position[axis][k] += 0.5 * h * (velocity + before);
+                }
+            }
+            let t = fluid.time();
+            fluid.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
+        }
+        let along = &fluid.nodes()[0].velocity[0];
+        let [least, most] = [along.iter().copied().fold(1.0, f64::min), along.iter().copied().fold(0.0, f64::max)];
+        assert!(least > 0.25 && most < 0.55 && most - least < 0.15, "{least} to {most} m/s");
+    }
+}
+
+#[test]
+fn a_step_allocates_nothing() {
+    let mut fluid = made(&turning(Precision::Double, 1));
+    turn(&mut fluid, 6);
+    let counted = allocation_counter::measure(|| turn(&mut fluid, 6));
+    assert_eq!(counted.count_total, 0, "{counted:?}");
+}
+
+/// An impossible node or body is refused by name, and the fluid can go on.
+#[test]
+fn impossible_nodes_are_refused_by_name() {
+    let mut fluid = made(&turning(Precision::Double, 1));
+    turn(&mut fluid, 2);
+    let before = fluid.state();
+    for (axis, value) in [(0, f64::NAN), (1, 40.0), (2, f64::INFINITY)] {
+        fluid.nodes_mut()[1].position[axis][3] = value;
+        let error = fluid.advance(0.01, 5e-3).expect_err("the node is nowhere");
+        assert!(matches!(error, Error::Node { node: 4, .. }), "{error}");
+        fluid.restore(&before).unwrap_or_else(|e| panic!("{e}"));
+    }
+    fluid.nodes_mut()[0].velocity[0][0] = 1e7;
+    assert!(matches!(fluid.advance(0.01, 5e-3), Err(Error::Node { node: 1, .. })));
+    let mut parameters = turning(Precision::Double, 1);
+    for extent in [Extent::Surface(vec![]), Extent::Surface(vec![[0, 1, 99]])] {
+        parameters.flexible = vec![body(vec![[0.0; 3]; 3], extent)];
+        assert!(matches!(Fluid::new(&parameters), Err(Error::Parameter { name: "extent of a thin body", .. })));
+    }
+}
