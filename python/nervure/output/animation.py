@@ -38,7 +38,7 @@ SAMPLES = 8  # Frames that set the colour scale
 WIDTH, DPI = 7.5, 100  # Width of the animation, in, and points an inch
 FRAME_MS = 60  # Duration of a frame, ms
 FIELDS = {"vorticity": "1/s", "pressure": "Pa", "speed": "m/s", "u": "m/s", "v": "m/s", "w": "m/s"}  # With their units
-SHADES = 127  # Colours of the palette for vortices, besides white
+SHADES = 255  # Colours of the palette for vortices, besides white
 COLOURS, GREYS = 95, 32  # Colours of the palette for the scale, and for text, axes and solids
 
 
@@ -189,7 +189,9 @@ def _vortices(frames: Frames, chosen: list[int]) -> list[Path]:
     ]
     path = frames.folder / "vortices.png"
     write_whole(path, lambda unfinished: Image.fromarray(pictures[-1]).save(unfinished, "PNG"))
-    few = Image.fromarray(np.concatenate(pictures[:: max(1, len(pictures) // 3)])).quantize(SHADES)
+    # White is a third of a picture and would take the palette's colours from the surfaces.
+    colours = np.concatenate(pictures[:: max(1, len(pictures) // 3)]).reshape(-1, 3)
+    few = Image.fromarray(colours[(colours < 255).any(axis=-1)][None]).quantize(SHADES)
     palette = np.append(np.reshape(few.getpalette() or [], (-1, 3)), [[255, 255, 255]], axis=0).astype(np.uint8)
     return [path, *_films(frames.folder / "vortices", pictures, palette)]
 

@@ -19,10 +19,10 @@ from nervure.scene.types import (
 )
 
 SIZE = (1000, 640)  # Points
-LEVEL, PERCENTILE = 0.05, 99.9  # Q of the surfaces, by this percentile of Q
+LEVEL, PERCENTILE = 0.15, 99.9  # Q of the surfaces, by this percentile of Q
 LAYER = 3.0  # Thickness of the layer at solids and walls that sets no scale, cells
 VIEW = (0.45, 0.4, 1.0)  # Direction from the middle of the box to the eye; y is up
-CLOSER = 1.25
+CLOSER = 1.1
 COLOURS = "viridis"
 FONT = 16
 
