@@ -44,7 +44,7 @@ export class Picture {
     const { context, canvas } = this;
     context.imageSmoothingQuality = "high";
     context.drawImage(bitmap, 0, 0, canvas.width, canvas.height);
-    const [body, edge] = dark ? ["#e8eef4", "#0b1016"] : ["#16222e", "#ffffff"];
+    const [body, edge] = dark ? ["#d3dde6", "#0b1016"] : ["#16222e", "#ffffff"];
     context.lineJoin = context.lineCap = "round";
     // Edges below all bodies: a rod grows out of its cylinder without a seam.
     for (const [style, more] of [[edge, 1.5 * this.pixel], [body, 0]]) {

@@ -62,12 +62,18 @@ function tell(text) {
   of("status").textContent = text;
 }
 
+/** The scene for the worker, and the one whose numbers are shown: placed cylinders give no lengths. */
+function texts() {
+  const [scene, known] = [json, sceneWith(state.scene, state.values, [])].map((value) => JSON.stringify(value));
+  return { scene, known };
+}
+
 async function load() {
   failed = false;
   pull = null;
   json = sceneWith(state.scene, state.values, state.placed);
   try {
-    about = await ask("load", { scene: JSON.stringify(json) });
+    about = await ask("load", texts());
     of("failure").hidden = true;
   } catch (error) {
     return fail(error);
@@ -85,7 +91,7 @@ async function change(restart) {
   if (restart || failed) return load();
   json = sceneWith(state.scene, state.values, state.placed);
   try {
-    about = { ...about, ...(await ask("change", { scene: JSON.stringify(json) })) };
+    about = { ...about, ...(await ask("change", texts())) };
   } catch (error) {
     return fail(error);
   }
@@ -153,7 +159,7 @@ function count(now, { made, seconds }) {
   of("clock").textContent = `t = ${t.toFixed(2)} ${unitOfTime()}`;
 }
 
-const unitOfTime = () => json.display?.time ?? (state.scene.scene.startsWith("fsi") || isMetric() ? "s" : "");
+const unitOfTime = () => (isMetric() ? "s" : json.display?.time ?? "");
 const isMetric = () => Boolean(json.fluid.channel);
 
 let places = null; // Of the bodies, after the last step
@@ -270,7 +276,7 @@ function motions() {
   return Array.from({ length: count }, (_, i) => ({ column: first + 2 * i, scale, name: names[i % 2] }));
 }
 
-const lengthUnit = () => (isMetric() ? "mm" : json.display?.length ?? "lengths");
+const lengthUnit = () => (isMetric() ? "mm" : state.scene.length ?? "lengths");
 
 /** Published mean, amplitude, frequency and range of the amplitude of a quantity; null for other values. */
 function published(name) {
@@ -337,11 +343,12 @@ function showNumbers() {
     ["Frames a second", speed.fps ? Math.round(speed.fps) : null],
   ];
   const shown = rows.filter(([, value]) => value !== null && value !== undefined);
-  of("numbers").replaceChildren(...shown.flatMap(([name, value]) => {
-    const [dt, dd] = [document.createElement("dt"), document.createElement("dd")];
+  of("numbers").replaceChildren(...shown.map(([name, value]) => {
+    const [row, dt, dd] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
     dt.textContent = name;
     dd.textContent = typeof value === "number" ? number(value) : value;
-    return [dt, dd];
+    row.append(dt, dd);
+    return row;
   }));
 }
 
@@ -539,7 +546,15 @@ globalThis.lab = {
   ask,
   place,
   scene: () => about && json,
-  step: async (steps) => (await ask("frame", { steps, budget: Infinity })).rows,
+  step: async (steps) => {
+    const { rows, bitmap } = await ask("frame", { steps, budget: Infinity });
+    bitmap?.close();
+    history.add(rows);
+    return rows;
+  },
+  draw: () => next(true),
+  part: () => picture.part,
+  tip: () => shapes[0]?.map((list) => list.at(-1)),
   pause: () => running && of("run").click(),
   restart: load,
   speed: () => speed,

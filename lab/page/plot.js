@@ -11,6 +11,7 @@ export class History {
 
   add(rows) {
     const { columns, capacity } = this;
+    rows = rows.subarray(Math.max(0, rows.length - capacity * columns)); // More would be forgotten at once
     const skipped = Math.min(SKIPPED - this.skipped, rows.length / columns);
     this.skipped += skipped;
     rows = rows.subarray(skipped * columns);
@@ -33,28 +34,31 @@ export class History {
   }
 }
 
-/** Return mean, amplitude and frequency of a column over its last periods; without frequency it is not periodic yet. */
+/** Return mean, amplitude and frequency of a column in the last part of its curve; without a whole period there is no
+ * frequency. A period begins where the curve rises through the middle, after it was well below it. */
 export function measure(history, column) {
-  const [begin, end] = history.last(history.capacity);
-  if (end - begin < 20) return null;
+  const [first, end] = history.last(history.capacity);
+  if (end - first < 20) return null;
+  const begin = end - Math.floor(0.6 * (end - first));
   let [low, high] = [Infinity, -Infinity];
-  const recent = Math.max(begin, end - Math.floor((end - begin) / 2) - 1);
-  for (let row = recent; row < end; row++) {
+  for (let row = begin; row < end; row++) {
     const value = history.at(row, column);
     [low, high] = [Math.min(low, value), Math.max(high, value)];
   }
-  const middle = (low + high) / 2;
-  const crossings = [];
-  for (let row = recent + 1; row < end; row++) {
-    const [before, now] = [history.at(row - 1, column) - middle, history.at(row, column) - middle];
-    if (before < 0 && now >= 0) {
-      const [t0, t1] = [history.at(row - 1, 0), history.at(row, 0)];
-      crossings.push(t0 + (t1 - t0) * (before / (before - now)));
-    }
+  const [mean, amplitude] = [(low + high) / 2, (high - low) / 2];
+  const rises = [];
+  let wasBelow = false;
+  for (let row = begin; row < end; row++) {
+    const value = history.at(row, column) - mean;
+    if (value < -0.3 * amplitude) wasBelow = true;
+    if (!wasBelow || value < 0) continue;
+    const before = history.at(row - 1, column) - mean;
+    const [t0, t1] = [history.at(row - 1, 0), history.at(row, 0)];
+    rises.push(t0 + (t1 - t0) * (before / (before - value)));
+    wasBelow = false;
   }
-  if (crossings.length < 3) return { mean: middle, amplitude: (high - low) / 2, frequency: null };
-  const frequency = (crossings.length - 1) / (crossings.at(-1) - crossings[0]);
-  return { mean: middle, amplitude: (high - low) / 2, frequency };
+  const frequency = rises.length > 1 ? (rises.length - 1) / (rises.at(-1) - rises[0]) : null;
+  return { mean, amplitude, frequency };
 }
 
 /** Round to a number that is easy to read, upward. */

@@ -18,27 +18,27 @@ function withText(value, use) {
   return result;
 }
 
-/** Numbers of a scene: Reynolds number and the like. */
+/** Return the facts of a scene: Reynolds number and the like. */
 function factsOf(scene) {
   withText(scene, wasm.lab_facts);
   return JSON.parse(text());
 }
 
-async function load({ scene }) {
+async function load({ scene, known = scene }) {
   wasm ??= (await WebAssembly.instantiate(module, {})).exports;
   if (lab) wasm.lab_free(lab);
   lab = 0;
   lab = withText(scene, wasm.lab_new);
   if (!lab) throw new Error(text());
   columns = wasm.lab_columns(lab);
-  return { facts: factsOf(scene), columns, rods: wasm.lab_rods(lab), cells: [0, 1].map((a) => wasm.lab_cells(lab, a)) };
+  return { facts: factsOf(known), columns, rods: wasm.lab_rods(lab), cells: [0, 1].map((a) => wasm.lab_cells(lab, a)) };
 }
 
-function change({ scene }) {
+function change({ scene, known = scene }) {
   if (!lab) throw new Error("no scene runs");
   if (withText(scene, (place, length) => wasm.lab_change(lab, place, length)) < 0) throw new Error(text());
   columns = wasm.lab_columns(lab);
-  return { facts: factsOf(scene), columns };
+  return { facts: factsOf(known), columns };
 }
 
 /** Step for at most `budget` ms and at most `steps` steps; return their samples, row after row. */
