@@ -44,7 +44,7 @@ unsafe fn text<'a>(text: *const u8, length: usize) -> Result<&'a str, String> {
     std::str::from_utf8(bytes).map_err(|e| e.to_string())
 }
 
-/// Return room for `length` bytes, to be given back to [`lab_free_text`].
+/// Return room for `length` bytes, to be given back to [`lab_free_room`].
 #[unsafe(no_mangle)]
 pub extern "C" fn lab_room(length: usize) -> *mut u8 {
     Box::into_raw(vec![0_u8; length].into_boxed_slice()).cast()
