@@ -1,10 +1,13 @@
-"""A beam that the fluid meets as a line, coupled with its rod."""
+"""Beams and rigid bodies that the fluid meets as lines."""
 
 import numpy as np
 import pytest
 
 import nervure
 from nervure.errors import SceneError
+from nervure.output import flow
+from nervure.scene import validate
+from nervure.scene.facts import Facts
 
 FLAG = [
     "fluid.box.cells=[128,64]", "time.communication_step=0.008", "fluid.time_stepping.max_step=0.008",
@@ -35,6 +38,34 @@ def test_one_exchange_gives_what_an_iteration_gives(tmp_path):
         }.items()
     ]
     assert np.abs(tips[0] - tips[1]).max() < 0.05 * np.abs(tips[0]).max()
+
+
+@pytest.fixture
+def plates(fluid_only):
+    """A plate that pitches about its left end, and a hook that stands still, in a stream."""
+    sine = {"sine": {"amplitude": 0.5, "frequency": 2.0}}
+    fluid_only["fluid"] |= {"cylinders": [], "box": {"x": [-1.0, 2.0], "y": [-0.5, 0.5], "cells": [96, 32]}}
+    fluid_only["fluid"]["bodies"] = [
+        {"shape": {"plate": {"length": 0.4}}, "position": [0.2, 0.0], "pivot": [-0.2, 0], "motion": {"angle": sine}},
+        {"shape": {"polyline": {"points": [[0, 0], [0.2, 0], [0.2, 0.1]]}}, "position": [0.9, 0.1]},
+    ]
+    return fluid_only
+
+
+def test_rigid_lines_have_forces_places_and_pictures(plates, tmp_path):
+    run = nervure.run(validate(plates), tmp_path, quiet=True)
+    assert np.abs(run.series["body_1_moment"]).max() > 0 and run.series["body_2_drag"][-1] > 0
+    assert run.series["body_1_angle"] == pytest.approx(0.5 * np.sin(4 * np.pi * run.series["time"]))
+    assert run.facts.lines == {"body_1", "body_2"} and (tmp_path / "vorticity.png").exists()
+    hook = flow.outlines(run.scene, [], [(0.2, 0, 0), (0.9, 0.1, 0)])[1]
+    assert hook == pytest.approx(np.array([[0.9, 0.1], [1.1, 0.1], [1.1, 0.2], [1.1, 0.1]]))
+
+
+def test_a_beam_does_not_cross_a_plate(plates):
+    root = {"at": {"position": [0.3, -0.2], "direction": [0, 1]}}
+    plates["beam"] = {"root": root, "length": 0.3, "thickness": 0.01, "segments": 4, "surface": "line"}
+    with pytest.raises(SceneError, match=r"the beam meets `fluid.bodies\[0\]` at \[0.3, -0.05\]"):
+        Facts(validate(plates)).numbers  # noqa: B018
 
 
 def test_a_line_needs_its_scheme(tmp_path):

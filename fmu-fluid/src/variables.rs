@@ -55,7 +55,8 @@ pub fn of(unit: &FluidUnit) -> Vec<Variable> {
     }
     for (k, stations) in unit.flow.stations().iter().enumerate() {
         let prefix = if beams == 1 { String::new() } else { format!("{}.", numbered(k)[0]) };
-        let loads = [loads, unit.scene.axial_pressure_strain()];
+        let line = matches!(&unit.flow, Flow::Plane(fluid) if !fluid.shear()[k].is_empty());
+        let loads = [line, loads, unit.scene.axial_pressure_strain()];
         list.extend(station_variables(&prefix, k, stations.len(), loads));
     }
     list
@@ -180,9 +181,9 @@ fn exchange(name: &str, k: usize) -> [Variable; 4] {
     ]
 }
 
-/// Return the variables of the `n` stations of beam number `k`: motion, pressure jump, and loads and pressure around
-/// the beam if present.
-fn station_variables(prefix: &str, k: usize, n: usize, [loads, pressure]: [bool; 2]) -> Vec<Variable> {
+/// Return the variables of the `n` stations of beam number `k`: motion, pressure jump, and if present shear of a line,
+/// loads and pressure around the beam.
+fn station_variables(prefix: &str, k: usize, n: usize, [line, loads, pressure]: [bool; 3]) -> Vec<Variable> {
     let (position, velocity) =
         ("Position of the stations at the end of the step", "Velocity of the stations at the end of the step");
     let (jump, load) = ("Pressure above minus below the beam", "Load on the stations for the coming step");
@@ -197,6 +198,11 @@ fn station_variables(prefix: &str, k: usize, n: usize, [loads, pressure]: [bool;
             .array(n)
             .depends_on(&[]),
     ];
+    if line {
+        let text = "Shear stress on both faces of the line, towards the tip";
+        let shear = Real::output(name("shear"), "Pa", text, move |m| &m.flow.plane().shear()[k]);
+        list.push(shear.array(n).depends_on(&[]));
+    }
     if loads {
         list.extend(
             [

@@ -16,6 +16,9 @@ pub enum Error {
     /// A body on springs in a fluid with the explicit scheme.
     #[error("a body on springs needs the scheme sbdf2: the explicit drag of rk2 does not hold it")]
     MountScheme,
+    /// A line in a fluid with the explicit scheme.
+    #[error("a line needs the scheme sbdf2")]
+    LineScheme,
     /// A body on springs that is no circle and lighter than the fluid it displaces.
     #[error(
         "the {name} of a body on springs is {value:.6e}, but that of the fluid it displaces is {displaced:.6e}, and \

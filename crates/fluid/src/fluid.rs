@@ -70,8 +70,8 @@ pub(crate) struct Motion {
     pub displaced_to: Vec<Pose>,
 }
 
-/// Return room for the pressure jump of a thin beam.
-fn line_jump(beam: &Beam) -> Vec<f64> {
+/// Return room for the stress on a thin beam.
+fn line_stress(beam: &Beam) -> Vec<f64> {
     vec![0.0; if beam.surface == Surface::Line { beam.stations.len() } else { 0 }]
 }
 
@@ -99,7 +99,8 @@ impl Fluid {
                 stations: stations.clone(),
                 loads: stations.iter().filter(|_| parameters.loads).map(|s| Loads::none(s.len())).collect(),
                 exchange: vec![Exchange::default(); stations.len()],
-                line_jump: parameters.beams.iter().map(line_jump).collect(),
+                line_jump: parameters.beams.iter().map(line_stress).collect(),
+                line_shear: parameters.beams.iter().map(line_stress).collect(),
             },
         };
         let outlet = if parameters.pressure_around { Outlet::new(parameters, &problem.grid) } else { None };

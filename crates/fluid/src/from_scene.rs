@@ -204,6 +204,8 @@ fn shape(shape: &scene::Shape) -> Shape {
             Shape::Capsule([0.5 * (length - thickness), 0.5 * thickness])
         }
         scene::Shape::Polygon { corners } => Shape::Polygon(corners.clone()),
+        scene::Shape::Plate { length } => Shape::Line(vec![[-0.5 * length, 0.0], [0.5 * length, 0.0]]),
+        scene::Shape::Polyline { points } => Shape::Line(points.clone()),
         scene::Shape::Sphere { .. }
         | scene::Shape::Ellipsoid { .. }
         | scene::Shape::Cuboid { .. }

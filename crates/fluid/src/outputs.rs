@@ -169,6 +169,12 @@ impl Fluid {
         &self.pressures().jump
     }
 
+    /// Return the shear stress on both faces together of each beam that is a line, towards its tip at its stations, Pa;
+    /// of another beam nothing.
+    pub fn shear(&self) -> &[Vec<f64>] {
+        &self.present.beams.line_shear
+    }
+
     /// Return the mean of the pressures above and below the stations of each beam, less the mean over the outlet, Pa;
     /// empty if not wanted. The first pressure after a step takes three transforms.
     pub fn pressure_around(&mut self) -> &[Vec<f64>] {

@@ -152,6 +152,9 @@ pub enum Shape {
     Capsule([f64; 2]),
     /// Polygon of at least 3 corners in either order, m. Its sides must not cross.
     Polygon(Vec<[f64; 2]>),
+    /// Open line of no thickness through at least 2 points, m: markers drag the fluid, as at a beam with
+    /// [`Surface::Line`].
+    Line(Vec<[f64; 2]>),
 }
 
 /// A beam: a band around the line of its stations.
@@ -315,6 +318,15 @@ impl Parameters {
             return Err(Error::Parameter { name: "number of cells along y", value: ny as f64, allowed: "at least 8" });
         }
         for body in &self.bodies {
+            if let Shape::Line(points) = &body.shape {
+                if self.scheme != TimeScheme::Sbdf2 {
+                    return Err(Error::LineScheme);
+                }
+                if points.len() < 2 {
+                    let (name, value) = ("number of points of a line", points.len() as f64);
+                    return Err(Error::Parameter { name, value, allowed: "at least 2" });
+                }
+            }
             let Some(Motion::Mount(mount)) = &body.motion else { continue };
             if self.scheme != TimeScheme::Sbdf2 {
                 return Err(Error::MountScheme);

@@ -33,6 +33,8 @@ pub struct Beams {
     pub exchange: Vec<Exchange>,
     /// Pressure above less the pressure below the stations of each thin beam, Pa; empty for a beam with a mask.
     pub line_jump: Vec<Vec<f64>>,
+    /// Shear stress on both faces of each thin beam towards its tip, Pa, in the same places.
+    pub line_shear: Vec<Vec<f64>>,
 }
 
 impl Present {
@@ -48,15 +50,18 @@ impl Beams {
         Stations::copy_all(&mut self.stations, &other.stations);
         self.loads.iter_mut().zip(&other.loads).for_each(|(own, other)| own.copy_from(other));
         self.exchange.copy_from_slice(&other.exchange);
-        self.line_jump.iter_mut().zip(&other.line_jump).for_each(|(own, other)| own.copy_from_slice(other));
+        for (own, other) in [(&mut self.line_jump, &other.line_jump), (&mut self.line_shear, &other.line_shear)] {
+            own.iter_mut().zip(other).for_each(|(own, other)| own.copy_from_slice(other));
+        }
     }
 
     /// Return whether `other` has as many beams with as many stations.
     pub fn have_shape_of(&self, other: &Self) -> bool {
         let lengths = |beams: &Self| [beams.stations.len(), beams.loads.len(), beams.exchange.len()];
-        let jumps = |beams: &Self| beams.line_jump.iter().map(Vec::len).collect::<Vec<_>>();
+        let stresses =
+            |beams: &Self| [&beams.line_jump, &beams.line_shear].map(|of| of.iter().map(Vec::len).collect::<Vec<_>>());
         lengths(self) == lengths(other)
-            && jumps(self) == jumps(other)
+            && stresses(self) == stresses(other)
             && self.stations.iter().zip(&other.stations).all(|(a, b)| a.has_shape_of(b))
             && self.loads.iter().zip(&other.loads).all(|(a, b)| a.has_shape_of(b))
     }

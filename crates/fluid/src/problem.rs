@@ -4,7 +4,7 @@ use std::mem::take;
 
 use line_fft::Real;
 
-use crate::bodies::{Bodies, Cell, Loads, Pose, Stations};
+use crate::bodies::{Bodies, Carried, Cell, Loads, Pose, Stations};
 use crate::error::Error;
 use crate::field::Field;
 use crate::force::{BodyForce, Exchange};
@@ -59,7 +59,7 @@ impl Problem {
 
     /// Put the thin bodies to `stations`.
     pub fn place_thin(&mut self, stations: &[Stations]) {
-        self.thin.place(stations, &self.grid);
+        self.thin.place(stations, &self.bodies, &self.grid);
     }
 
     /// Return the prescribed mean velocity at a time (s), m/s; none if it is free.
@@ -101,11 +101,12 @@ impl Problem {
         self.bodies.add_velocities_at(points, sums);
     }
 
-    /// Take the drag of the thin beams, at `stations` at a time (s), into `w`, with the coefficient `c_0` (1/s) of the
-    /// difference in time; `u_star(axis, point, w)` is the velocity of the local solve without them at a grid point.
+    /// Take the drag of the thin bodies, with beams at `stations`, at a time (s) into `w`. `c` are the coefficients of the
+    /// backward differences; `u_star(axis, point, w)` is the velocity of the local solve without them at a grid point.
     pub fn solve_on_lines<R: Real>(
         &mut self,
-        c_0: f64,
+        c: [f64; 3],
+        carried: &[Carried],
         time: f64,
         stations: &[Stations],
         u_star: impl Fn(usize, usize, f64) -> f64,
@@ -116,7 +117,8 @@ impl Problem {
         }
         self.place_thin(stations);
         let first = |point: usize, w: &[Field<R>; 2]| [0, 1].map(|axis| u_star(axis, point, w[axis][point].to_f64()));
-        self.thin.apply(c_0, self.bodies.rate(), first, w, time, &self.grid)
+        let found = self.thin.apply(c, carried, &mut self.bodies, first, w, &self.grid);
+        if found { Ok(()) } else { Err(Error::Markers { time }) }
     }
 
     /// Write the loads on the thin beams in the local solve of a coming step to `time` (s), with `right_side` at a grid
@@ -163,6 +165,12 @@ impl Problem {
             exchange[beam] = Exchange { force: force.force, power, work: exchange[beam].work + power * dt };
             forces[self.bodies.rigid() + beam].update(force, displaced, dt);
         }
-        self.thin.write_jumps(dt, stations, &present.beams.stations, &mut present.beams.line_jump);
+        for (rigid, own) in self.thin.forces_on_rigid() {
+            forces[rigid].force.add(own.force, [0.0; 2]);
+            forces[rigid].force.moment += own.moment;
+        }
+        let beams = &mut present.beams;
+        let stresses = [&mut *beams.line_jump, &mut *beams.line_shear];
+        self.thin.write_stresses(dt, stations, &beams.stations, stresses);
     }
 }

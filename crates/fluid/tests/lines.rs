@@ -1,11 +1,11 @@
-//! Thin beams: added mass, balance of momentum and power, states, and threads.
+//! Thin beams and plates: added mass, friction, balance of momentum and power, states, and threads.
 
 mod common;
 
 use std::f64::consts::PI;
 
 use common::{fluid_of, run, scene};
-use nervure_fluid::{Fluid, Stations};
+use nervure_fluid::{Fluid, Pose, Stations};
 
 /// A line along y of length 1 in the middle of a box of the size `size`, with `points` points a length.
 fn line(size: f64, points: usize, more: &str) -> Fluid {
@@ -122,4 +122,156 @@ fn a_hairpin_has_finite_loads() {
     run(&mut fluid, 3, 1e-3);
     let loads = &fluid.loads()[0].force;
     assert!(loads.iter().flatten().all(|force| force.abs() < 1e4), "{loads:?}");
+}
+
+/// A plate along y of length 1 with `motion` in the middle of a box, with `points` points a length.
+fn plate(size: f64, points: usize, motion: &str, more: &str) -> Fluid {
+    let (half, cells) = (0.5 * size, (size * points as f64) as usize);
+    let text = format!(
+        r#""kinematic_viscosity": 1e-9, "box": {{ "x": [-{half}, {half}], "y": [-{half}, {half}],
+        "cells": [{cells}, {cells}] }}, "bodies": [{{ "shape": {{ "plate": {{ "length": 1 }} }},
+        "position": [0.01, 0], "angle": {}, {motion} }}] {more}"#,
+        0.5 * PI
+    );
+    fluid_of(&scene(&text, ""))
+}
+
+/// A plate that the master moves and a beam that moves as if it were rigid are the same line.
+#[test]
+fn a_plate_is_a_rigid_beam() {
+    let (mut beam, mut plate) = (line(4.0, 24, ""), plate(4.0, 24, r#""motion": "master""#, ""));
+    let h = 2e-3;
+    for k in 1..=30 {
+        let (t, rate) = (h * f64::from(k), 0.8);
+        let (sin, cos) = (rate * t).sin_cos();
+        let stations = &mut beam.stations_mut()[0];
+        for k in 0..stations.len() {
+            let arm = k as f64 / 40.0 - 0.5;
+            stations.position[0][k] = 0.01 + 0.5 * t - arm * sin;
+            stations.position[1][k] = arm * cos;
+            stations.velocity[0][k] = 0.5 - rate * arm * cos;
+            stations.velocity[1][k] = -rate * arm * sin;
+        }
+        *plate.displacement_mut(0) =
+            Pose { position: [0.5 * t, 0.0], angle: rate * t, velocity: [0.5, 0.0], omega: rate };
+        run(&mut beam, 1, h);
+        run(&mut plate, 1, h);
+    }
+    let (one, other) = (beam.force_on_beam(0), plate.force_on_body(0));
+    let root = [0, 1].map(|axis| beam.stations()[0].position[axis][0] - plate.pose(0).position[axis]);
+    let moment = one.moment + root[0] * one.force[1] - root[1] * one.force[0];
+    let size = one.force[0].hypot(one.force[1]);
+    for (name, found, expected) in [
+        ("drag", other.force[0], one.force[0]),
+        ("lift", other.force[1], one.force[1]),
+        ("moment", other.moment, moment),
+    ] {
+        assert!((found - expected).abs() < 1e-7 * size, "{name}: {found} against {expected}");
+    }
+    let Pose { velocity: [u, v], omega, .. } = plate.pose(0);
+    let power = other.force[0] * u + other.force[1] * v + other.moment * omega;
+    assert!((plate.power_on_body(0) - power).abs() < 1e-9 * power.abs());
+}
+
+/// Added mass and moment of inertia over the density of a plate of length 1 in still fluid: the impulses of its start
+/// across and of its turn about the middle.
+fn added(size: f64, points: usize) -> [f64; 2] {
+    let mut plate = plate(size, points, r#""motion": "master""#, r#", "mean_flow": {}"#);
+    let (h, speed) = (2e-3, 1e-3);
+    let mut impulses = [0.0; 2];
+    for k in 1..=60 {
+        let way = speed * h * f64::from(k);
+        *plate.displacement_mut(0) = Pose { position: [way, 0.0], angle: way, velocity: [speed, 0.0], omega: speed };
+        run(&mut plate, 1, h);
+        let on_plate = plate.force_on_body(0);
+        impulses[0] -= h * on_plate.force[0];
+        impulses[1] -= h * on_plate.moment;
+    }
+    impulses.map(|impulse| impulse / (1000.0 * speed))
+}
+
+/// A plate of the half length a has the added mass `π rho a²` and the added moment of inertia `π/8 rho a⁴`. What a line
+/// has more is that of its thickness, and falls with the cells.
+#[test]
+fn a_plate_has_its_added_mass_and_moment_of_inertia() {
+    let exact = [PI / 4.0, PI / 128.0];
+    let [coarse, middle, fine] = [12, 24, 48].map(|points| {
+        let found = added(6.0, points);
+        [0, 1].map(|i| found[i] / exact[i] - 1.0)
+    });
+    for i in 0..2 {
+        let order = ((coarse[i] - middle[i]) / (middle[i] - fine[i])).log2();
+        let limit = 2.0 * fine[i] - middle[i];
+        assert!((0.5..1.2).contains(&order) && limit.abs() < 0.025, "{coarse:?}, {middle:?}, {fine:?}");
+    }
+}
+
+/// A plate on springs has the period of its mass and the added one, however light it is, with at least the mass of the
+/// layer that moves with it; and the reported force moves it, also about a pivot aside.
+#[test]
+fn a_plate_on_springs_obeys_the_force() {
+    let (h, [added, _]) = (0.01, added(4.0, 24));
+    let layer = 1000.0 * scene::LINE_THICKNESS_CELLS / 24.0;
+    for mass in [1e-6, 200.0, 3000.0] {
+        let stiffness = (1000.0 * added + layer.max(mass)) * (2.0 * PI).powi(2);
+        let mount = format!(r#""mount": {{ "mass": {mass}, "x": {{ "stiffness": {stiffness}, "rest": 0.01 }} }}"#);
+        let mut plate = plate(4.0, 24, &mount, r#", "mean_flow": {}"#);
+        let (mut last, mut crossings) = (-0.01, Vec::new());
+        while crossings.len() < 3 && plate.time() < 3.0 {
+            run(&mut plate, 1, h);
+            let now = plate.pose(0).position[0] - 0.02;
+            if last * now < 0.0 {
+                crossings.push(plate.time() - h * now / (now - last));
+            }
+            last = now;
+        }
+        let period = crossings[2] - crossings[0];
+        assert!((period - 1.0).abs() < 0.05, "mass {mass}: {period}");
+    }
+    let mount = r#""pivot": [-0.3, 0], "mount": { "mass": 20, "inertia": 3, "x": {}, "y": { "stiffness": 50 },
+        "angle": { "stiffness": 40, "damping": 1, "rest": 0.1 } }"#;
+    let mut plate = plate(4.0, 24, mount, r#", "initial_velocity": [0.5, 0.1]"#);
+    let mut rates = Vec::new();
+    for _ in 0..30 {
+        run(&mut plate, 1, h);
+        let Pose { velocity: [u, v], omega, .. } = plate.pose(0);
+        rates.push([u, v, omega]);
+    }
+    let rate = |i: usize| (1.5 * rates[29][i] - 2.0 * rates[28][i] + 0.5 * rates[27][i]) / h;
+    let (on_plate, pose) = (plate.force_on_body(0), plate.pose(0));
+    for (found, expected) in [
+        (20.0 * rate(0), on_plate.force[0]),
+        (20.0 * rate(1), on_plate.force[1] - 50.0 * pose.position[1]),
+        (3.0 * rate(2), on_plate.moment - 40.0 * (pose.angle - 0.5 * PI - 0.1) - pose.omega),
+    ] {
+        assert!((found - expected).abs() < 1e-6 * on_plate.force[0].abs(), "{found} against {expected}");
+    }
+}
+
+/// A line along a stream has the friction of both faces `2 (1.328/√Re + 2.67/Re^(7/8)) rho U² L/2` (Blasius with the
+/// term of the trailing edge, Veldman & van de Vooren 1974) at Re 40. Its shear adds up to it, and is largest in front.
+#[test]
+fn a_line_along_a_stream_has_its_friction() {
+    let drag = |points: usize| {
+        let text = format!(
+            r#""kinematic_viscosity": 0.025, "box": {{ "x": [-4, 8], "y": [-4, 4], "cells": [{}, {}] }},
+            "mean_flow": {{ "x": {{ "constant": 1 }} }}, "initial_velocity": [1, 0],
+            "sponge": {{ "x": [6, 8], "mean_velocity": {{ "constant": 1 }}, "c_eta": 0.2 }}"#,
+            12 * points,
+            8 * points
+        );
+        let beam = r#", "beam": { "root": { "at": { "position": [0.01, 0.013], "direction": [1, 0] } }, "length": 1,
+            "thickness": 0.01, "segments": 40, "surface": "line" }"#;
+        let mut fluid = fluid_of(&scene(&text, beam));
+        run(&mut fluid, 10 * points, 0.6 / points as f64);
+        let (drag, shear) = (fluid.force_on_beam(0).force[0], &fluid.shear()[0]);
+        let sum: f64 = (0..40).map(|k| 0.5 * (shear[k] + shear[k + 1]) / 40.0).sum();
+        assert!((sum / drag - 1.0).abs() < 0.03, "shear {sum} against drag {drag}");
+        assert!(shear[1] > 2.0 * shear[20] && shear.iter().all(|stress| *stress > 0.0), "{shear:?}");
+        drag / 500.0
+    };
+    let expected = 2.0 * (1.328 / 40_f64.sqrt() + 2.67 / 40_f64.powf(0.875));
+    let [coarse, fine] = [8, 16].map(|points| drag(points) / expected - 1.0);
+    let limit = 2.0 * fine - coarse;
+    assert!(coarse < 0.45 && fine < 0.25 && limit.abs() < 0.04, "{coarse}, {fine}, {limit}");
 }

@@ -123,7 +123,7 @@ pub enum Axis {
     Z,
 }
 
-/// Outline of a body. The origin of its axes is its middle, except for a polygon.
+/// Outline of a body. The origin of its axes is its middle, except for a polygon or a polyline.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Shape {
@@ -159,6 +159,18 @@ pub enum Shape {
         /// Corners in order, either way round, m: 3 to 1000. The sides must not cross.
         #[schemars(length(min = 3, max = 1000))]
         corners: Vec<[f64; 2]>,
+    },
+    /// A straight plate of no thickness: markers drag the fluid, as at a beam with the surface `line`.
+    Plate {
+        /// Length along the body's x, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        length: f64,
+    },
+    /// An open line of no thickness, as a plate with corners.
+    Polyline {
+        /// Points in order, m: 2 to 1000. The sides must not cross.
+        #[schemars(length(min = 2, max = 1000))]
+        points: Vec<[f64; 2]>,
     },
     /// A sphere.
     Sphere {
@@ -231,6 +243,8 @@ impl Body {
             Shape::Ellipse { .. } => (false, "ellipse"),
             Shape::Rectangle { .. } => (false, "rectangle"),
             Shape::Polygon { .. } => (false, "polygon"),
+            Shape::Plate { .. } => (false, "plate"),
+            Shape::Polyline { .. } => (false, "polyline"),
             Shape::Sphere { .. } => (true, "sphere"),
             Shape::Ellipsoid { .. } => (true, "ellipsoid"),
             Shape::Cuboid { .. } => (true, "cuboid"),
@@ -238,7 +252,7 @@ impl Body {
         };
         faults.require(spatial == is_space, &format!("{key}.shape"), name, || match is_space {
             true => "in three dimensions it is a sphere, ellipsoid, cuboid or circular_cylinder".into(),
-            false => "in two dimensions it is a circle, ellipse, rectangle or polygon".into(),
+            false => "in two dimensions it is a circle, ellipse, rectangle, polygon, plate or polyline".into(),
         });
         let motion = self.laws();
         let axes = [
@@ -274,12 +288,22 @@ const CORNERS: usize = 64;
 
 impl Body {
     /// Return the outline after the displacement `[x, y]` and the turn `angle` of the motion.
-    pub(crate) fn outline(&self, [x, y]: Point, angle: f64) -> Outline {
+    pub(crate) fn outline(&self, displacement: Point, angle: f64) -> Outline {
+        Outline::new(self.shape.corners().into_iter().map(self.placed(displacement, angle)))
+    }
+
+    /// Return where points in the body's own axes are after a displacement and a turn.
+    fn placed(&self, [x, y]: Point, angle: f64) -> impl Fn(Point) -> Point {
         let (sin, cos) = (self.angle + angle).sin_cos();
-        Outline::new(self.shape.corners().into_iter().map(|[a, b]| {
+        move |[a, b]| {
             let [a, b] = [a - self.pivot[0], b - self.pivot[1]];
             [self.position[0] + x + a * cos - b * sin, self.position[1] + y + a * sin + b * cos]
-        }))
+        }
+    }
+
+    /// Return the points of a line of no thickness without a motion.
+    pub(crate) fn line_at_rest(&self) -> Option<Vec<Point>> {
+        Some(self.shape.line()?.into_iter().map(self.placed([0.0; 2], 0.0)).collect())
     }
 
     /// Return the outline at time `t` (s).
@@ -307,7 +331,21 @@ impl Shape {
                 vec![[-x, -y], [x, -y], [x, y], [-x, y]]
             }
             Self::Polygon { corners } => corners.clone(),
-            _ => Vec::new(),
+            // Of a line, both sides in turn.
+            _ => self.line().map_or_else(Vec::new, |mut points| {
+                let back = points.iter().rev().skip(1).copied().take(points.len() - 2).collect::<Vec<_>>();
+                points.extend(back);
+                points
+            }),
+        }
+    }
+
+    /// Return the points of a line of no thickness in the body's own axes, m.
+    pub fn line(&self) -> Option<Vec<Point>> {
+        match self {
+            Self::Plate { length } => Some(vec![[-length / 2.0, 0.0], [length / 2.0, 0.0]]),
+            Self::Polyline { points } => Some(points.clone()),
+            _ => None,
         }
     }
 }
@@ -388,7 +426,11 @@ impl Check for Mount {
 impl Check for Shape {
     fn check_at(&self, key: &str, faults: &mut Faults) {
         match self {
-            Self::Circle { .. } | Self::Ellipse { .. } | Self::Sphere { .. } | Self::CircularCylinder { .. } => (),
+            Self::Circle { .. }
+            | Self::Ellipse { .. }
+            | Self::Plate { .. }
+            | Self::Sphere { .. }
+            | Self::CircularCylinder { .. } => (),
             Self::Ellipsoid { lengths } | Self::Cuboid { lengths } => {
                 let name = if matches!(self, Self::Cuboid { .. }) { "cuboid" } else { "ellipsoid" };
                 let fits = lengths.iter().all(|length| *length > 0.0);
@@ -402,16 +444,19 @@ impl Check for Shape {
                     format!("with round ends it must be at most the length, {length}")
                 });
             }
-            Self::Polygon { corners } => check_corners(corners, &format!("{key}.polygon.corners"), faults),
+            Self::Polygon { corners } => check_corners(corners, true, &format!("{key}.polygon.corners"), faults),
+            Self::Polyline { points } => check_corners(points, false, &format!("{key}.polyline.points"), faults),
         }
     }
 }
 
-/// Check that the sides of a polygon have a length and neither cross nor touch one another; the first fault is added.
-fn check_corners(corners: &[[f64; 2]], key: &str, faults: &mut Faults) {
+/// Check that the sides of a polygon, or of a line that is not `closed`, have a length and neither cross nor touch one
+/// another; the first fault is added.
+fn check_corners(corners: &[[f64; 2]], closed: bool, key: &str, faults: &mut Faults) {
     let n = corners.len();
+    let count = if closed { n } else { n.saturating_sub(1) };
     let side = |i: usize| (corners[i], corners[(i + 1) % n]);
-    if let Some(i) = (0..n).find(|&i| side(i).0 == side(i).1) {
+    if let Some(i) = (0..count).find(|&i| side(i).0 == side(i).1) {
         faults.require(false, &format!("{key}[{i}]"), format!("{:?}", corners[i]), || {
             "the next corner is the same".into()
         });
@@ -422,13 +467,13 @@ fn check_corners(corners: &[[f64; 2]], key: &str, faults: &mut Faults) {
         // Neighbours share a corner, and nothing else.
         if j == i + 1 {
             within(a, b, d) || within(c, d, a)
-        } else if i == 0 && j == n - 1 {
+        } else if closed && i == 0 && j == n - 1 {
             within(a, b, c) || within(c, d, b)
         } else {
             meet(a, b, c, d)
         }
     };
-    let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
+    let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
     if let Some((i, j)) = pairs.into_iter().find(|&(i, j)| touch(i, j)) {
         faults.require(false, &format!("{key}[{i}]"), format!("{:?}", corners[i]), || {
             format!("the side that begins there meets the side that begins at corner {j}, {:?}", corners[j])

@@ -104,8 +104,8 @@ pub struct Dimensionless {
 /// Numbers of a body on springs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MountFacts {
-    /// Mass by that of the displaced fluid, m*.
-    pub mass_ratio: f64,
+    /// Mass by that of the displaced fluid, m*; absent for a line.
+    pub mass_ratio: Option<f64>,
     /// The directions in which it moves: `x`, `y` and `angle`.
     pub supports: Vec<(&'static str, SupportFacts)>,
 }
@@ -285,7 +285,7 @@ fn mount(fluid: &Fluid, body: &Body, velocity: Option<f64>) -> Option<MountFacts
             },
         ))
     });
-    let mass_ratio = mount.mass / (fluid.density * body.shape.area());
+    let mass_ratio = number(mount.mass / (fluid.density * body.shape.area()));
     Some(MountFacts { mass_ratio, supports: supports.collect() })
 }
 
@@ -365,7 +365,9 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
 fn reach(body: &Body) -> f64 {
     let from_pivot = |[x, y]: [f64; 2]| f64::hypot(x - body.pivot[0], y - body.pivot[1]);
     match &body.shape {
-        Shape::Polygon { corners } => corners.iter().copied().map(from_pivot).fold(0.0, f64::max),
+        Shape::Polygon { corners: points } | Shape::Polyline { points } => {
+            points.iter().copied().map(from_pivot).fold(0.0, f64::max)
+        }
         shape => {
             let [length, _] = shape.size();
             f64::max(from_pivot([-length / 2.0, 0.0]), from_pivot([length / 2.0, 0.0]))
@@ -407,7 +409,8 @@ impl Shape {
         }
     }
 
-    /// Length and thickness, m; of a cylinder in space diameter and thickness; of a polygon the largest distance of two corners, and its area by that.
+    /// Length and thickness, m; of a cylinder in space diameter and thickness; of a polygon the largest distance of two
+    /// corners, and its area by that; of a line the largest distance of two points, and 0.
     pub fn size(&self) -> [f64; 2] {
         match self {
             Self::Circle { radius } | Self::Sphere { radius } => [2.0 * radius; 2],
@@ -418,7 +421,8 @@ impl Shape {
                 [2.0 * radius, length.map_or(2.0 * radius, |l| l.min(2.0 * radius))]
             }
             Self::Ellipse { length, thickness } | Self::Rectangle { length, thickness, .. } => [*length, *thickness],
-            Self::Polygon { corners } => {
+            Self::Plate { length } => [*length, 0.0],
+            Self::Polygon { corners } | Self::Polyline { points: corners } => {
                 let distances =
                     corners.iter().flat_map(|a| corners.iter().map(|b| f64::hypot(a[0] - b[0], a[1] - b[1])));
                 let length = distances.fold(0.0, f64::max);

@@ -301,6 +301,8 @@ impl Check for Fluid {
             faults.require(holds, &format!("{key}.mount"), "with the scheme rk2", || {
                 "its explicit drag cannot hold a body on springs; use sbdf2".into()
             });
+            let holds = body.shape.line().is_none() || self.time_stepping.scheme == TimeScheme::Sbdf2;
+            faults.require(holds, &format!("{key}.shape"), "a line", || "a line needs the scheme sbdf2".into());
             if let Some(mount) = body.mount.as_ref().filter(|_| !self.is_space()) {
                 let displaced = self.density * body.shape.area();
                 let round = matches!(body.shape, Shape::Circle { .. }) || mount.x.or(mount.y).is_none();

@@ -132,7 +132,9 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     for line in &lines {
         check_line(fluid, line, faults);
         for (i, (obstacle, outline)) in obstacles.iter().zip(&outlines).enumerate() {
-            if line.support != Some(i) {
+            if let Some(points) = obstacle.body.line_at_rest() {
+                check_crossing(line, obstacle, &points, faults);
+            } else if line.support != Some(i) {
                 check_passage(fluid, line, obstacle, outline, faults);
             }
         }
@@ -346,6 +348,15 @@ fn check_passage(fluid: &Fluid, line: &Line, obstacle: &Obstacle, outline: &Outl
         },
     };
     faults.push(Fault::conflict(&line.place(), &shown(&line.points[0]), &reason));
+}
+
+/// Check that a beam does not cross a rigid line.
+fn check_crossing(line: &Line, obstacle: &Obstacle, points: &[Point], faults: &mut Faults) {
+    let pairs = sides(&line.points).flat_map(|own| sides(points).map(move |other| (own, other)));
+    if let Some(((at, _), _)) = pairs.into_iter().find(|((p, q), (r, s))| cross(*p, *q, *r, *s)) {
+        let reason = format!("the beam meets `{}` at {}", obstacle.key, shown(&at));
+        faults.push(Fault::conflict(&line.place(), &shown(&line.points[0]), &reason));
+    }
 }
 
 /// Return a point at which two beams cross, or from which on they lie on each other. An end of one may touch the other.

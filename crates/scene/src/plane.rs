@@ -117,7 +117,20 @@ impl Outline {
             all += 1;
             some += usize::from(property(p));
         }
-        if all > 0 { some as f64 / f64::from(all) } else { f64::from(u8::from(property(self.middle()))) }
+        if all > 0 {
+            return some as f64 / f64::from(all);
+        }
+        // A line has no inside: its share is that of its length.
+        let (mut length, mut with) = (0.0, 0.0);
+        for (a, b) in sides(&self.points) {
+            let part = f64::hypot(b[0] - a[0], b[1] - a[1]) / SAMPLES as f64;
+            for i in 0..SAMPLES {
+                let p = [0, 1].map(|axis| at([a[axis], b[axis]], i));
+                length += part;
+                with += if property(p) { part } else { 0.0 };
+            }
+        }
+        if length > 0.0 { with / length } else { f64::from(u8::from(property(self.middle()))) }
     }
 
     /// Return the larger of both shares of the areas of two outlines that lie inside each other.

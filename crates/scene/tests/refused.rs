@@ -242,11 +242,14 @@ fn bodies_that_cannot_be_are_refused_with_key_and_value() {
     let at = r#""position": [0, 0]"#;
     let polygon = |corners: &str| format!(r#"{{ "shape": {{ "polygon": {{ "corners": {corners} }} }}, {at} }}"#);
     let rectangle = |shape: &str| format!(r#"{{ "shape": {{ "rectangle": {{ "length": 0.1, {shape} }} }}, {at} }}"#);
+    let line = |points: &str| format!(r#"{{ "shape": {{ "polyline": {{ "points": {points} }} }}, {at} }}"#);
     let shapes = "`fluid.bodies[0].shape";
     let accepted = [
         polygon("[[0, 0], [0.1, 0], [0, 0.1]]"),
         polygon("[[0, 0], [0, 0.1], [0.1, 0]]"),
         rectangle(r#""thickness": 0.2"#),
+        line("[[0, 0], [0.1, 0]]"),
+        line("[[0, 0], [0.1, 0], [0.1, 0.1], [0, 0.1]]"),
     ];
     for body in accepted {
         assert_eq!(of_body(&body), "", "{body}");
@@ -263,6 +266,14 @@ fn bodies_that_cannot_be_are_refused_with_key_and_value() {
         (
             polygon("[[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.1]]"),
             format!("{shapes}.polygon.corners[0]` is [0.0, 0.0], but the side that begins there meets"),
+        ),
+        (
+            line("[[0, 0], [0.1, 0], [0.1, 0.1], [0.05, -0.1]]"),
+            format!("{shapes}.polyline.points[0]` is [0.0, 0.0], but the side that begins there meets"),
+        ),
+        (
+            line("[[0, 0], [0, 0]]"),
+            format!("{shapes}.polyline.points[0]` is [0.0, 0.0], but the next corner is the same"),
         ),
         (polygon("[[0, 0], [0.2, 0], [0.1, 0]]"), format!("{shapes}.polygon.corners[0]` is")),
         (

@@ -56,7 +56,7 @@ def _scene_rows(session: Session) -> Iterator[tuple[str, str]]:
         parts += [f"{numbers.density_ratio:.3g} of the mass of the fluid it displaces"]
         yield "beam", ", ".join([*parts, f"added mass {numbers.added_mass_ratio:.3g} of its own"])
     for name, mount in numbers.mounts.items():
-        parts = [f"mass ratio {mount.mass_ratio:.3g}"]
+        parts = [] if mount.mass_ratio is None else [f"mass ratio {mount.mass_ratio:.3g}"]
         for direction, support in mount.supports.items():
             own = f"{direction}: f_n {support.natural_frequency:.3g} Hz"
             if support.damping_ratio is not None:
@@ -68,7 +68,8 @@ def _scene_rows(session: Session) -> Iterator[tuple[str, str]]:
     for name, body in numbers.bodies.items():
         layer = "" if body.layer_cells is None else f", {body.layer_cells:.2g} in the layer at the front"
         line = "; the fluid meets it as a line" if name in session.facts.lines else ""
-        yield f"cells of {name}", f"{body.thickness_cells:.3g} in the {_across(name)}{layer}{line}"
+        across = f"{body.thickness_cells:.3g} in the {_across(name)}" if body.thickness_cells else "no thickness"
+        yield f"cells of {name}", f"{across}{layer}{line}"
     if numbers.cfl is not None:
         each, largest = session.facts.fluid_steps, scene.fluid.time_stepping.max_cfl
         divided = f", in which the fluid makes up to {each}" if each > 1 else ""
@@ -98,7 +99,8 @@ def warnings(facts: Facts) -> Iterator[str]:
         low, high = REYNOLDS
         yield f"Re is {numbers.reynolds:.3g}; forces were compared with published ones from {low:g} to {high:g}"
     low, high = DENSITY_RATIO
-    ratio = None if len(lines) == len(facts.beams) else numbers.density_ratio  # A line bears a rod of any mass
+    bear_any = lines.issuperset(own.force for own in facts.beams)  # A line bears a rod of any mass
+    ratio = None if bear_any else numbers.density_ratio
     if ratio is not None and not _within(ratio, DENSITY_RATIO):
         yield f"the rod weighs {ratio:.3g} of the fluid it displaces; the coupling was tried from {low:g} to {high:g}"
     elif ratio is not None and ratio < 1 and scene.fluid.precision == "single":

@@ -9,6 +9,7 @@ import numpy as np
 from nervure import library
 from nervure.errors import SceneError
 from nervure.scene import Scene, beams, text
+from nervure.scene.types import ShapePlate, ShapePolyline
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +34,7 @@ class Support:
 class Mount:
     """A body on springs."""
 
-    mass_ratio: float  # Mass by that of the displaced fluid
+    mass_ratio: float | None  # Mass by that of the displaced fluid; absent for a line
     supports: dict[str, Support]  # By the direction in which the body moves: x, y, angle
 
 
@@ -94,8 +95,11 @@ class Facts:
 
     @property
     def lines(self) -> set[str]:
-        """The beams that the fluid meets as lines, by the names of their forces."""
-        return {own.force for own, found in zip(self.beams, self._found["beams"], strict=True) if found["line"]}
+        """The beams and bodies that the fluid meets as lines, by the names of their forces."""
+        bodies = enumerate(self.scene.fluid.bodies if self.scene.fluid else (), 1)
+        rigid = {f"body_{i}" for i, body in bodies if isinstance(body.shape, ShapePlate | ShapePolyline)}
+        flexible = zip(self.beams, self._found["beams"], strict=True)
+        return rigid | {own.force for own, found in flexible if found["line"]}
 
     @property
     def areas(self) -> dict[str, float]:

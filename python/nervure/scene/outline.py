@@ -2,7 +2,15 @@
 
 import numpy as np
 
-from nervure.scene.types import Body, ShapeCircle, ShapeEllipse, ShapePolygon, ShapeRectangle
+from nervure.scene.types import (
+    Body,
+    ShapeCircle,
+    ShapeEllipse,
+    ShapePlate,
+    ShapePolygon,
+    ShapePolyline,
+    ShapeRectangle,
+)
 
 POSE = ("x", "y", "angle")  # Outputs of the fluid for a rigid body
 ROUND = 90  # Corners of a round outline
@@ -19,6 +27,10 @@ def body_outline(body: Body, x: float, y: float, angle: float) -> np.ndarray:
     match body.shape:
         case ShapePolygon(polygon=polygon):
             own = np.array(polygon.corners)
+        case ShapePlate(plate=plate):
+            own = np.array([[-plate.length / 2, 0.0], [plate.length / 2, 0.0]])
+        case ShapePolyline(polyline=polyline):  # there and back
+            own = np.array([*polyline.points, *polyline.points[-2:0:-1]])
         case ShapeCircle(circle=round):
             own = circle(round.radius)
         case ShapeEllipse(ellipse=ellipse):

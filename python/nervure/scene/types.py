@@ -313,6 +313,34 @@ class ShapePolygon(Part):
     """A polygon."""
 
 
+class Plate(Part):
+    """A straight plate of no thickness: markers drag the fluid, as at a beam with the surface `line`."""
+
+    length: Real
+    """Length along the body's x, m."""
+
+
+class ShapePlate(Part):
+    """A straight plate of no thickness: markers drag the fluid, as at a beam with the surface `line`."""
+
+    plate: Plate
+    """A straight plate of no thickness: markers drag the fluid, as at a beam with the surface `line`."""
+
+
+class Polyline(Part):
+    """An open line of no thickness, as a plate with corners."""
+
+    points: list[tuple[Real, Real]]
+    """Points in order, m: 2 to 1000. The sides must not cross."""
+
+
+class ShapePolyline(Part):
+    """An open line of no thickness, as a plate with corners."""
+
+    polyline: Polyline
+    """An open line of no thickness, as a plate with corners."""
+
+
 class Sphere(Part):
     """A sphere."""
 
@@ -384,12 +412,14 @@ Shape = (
     | ShapeEllipse
     | ShapeRectangle
     | ShapePolygon
+    | ShapePlate
+    | ShapePolyline
     | ShapeSphere
     | ShapeEllipsoid
     | ShapeCuboid
     | ShapeCircularCylinder
 )
-"""Outline of a body. The origin of its axes is its middle, except for a polygon."""
+"""Outline of a body. The origin of its axes is its middle, except for a polygon or a polyline."""
 
 
 class Turn(Part):

@@ -33,7 +33,8 @@ pub use cells::Cell;
 use cells::{Cells, Painted};
 use measure::{Measured, Walls};
 pub use mount::Carried;
-use mount::{Drag, Release};
+pub use mount::Drag;
+use mount::Release;
 use pose::BeamPose;
 use rigid::Rigid;
 pub use stations::{Loads, Stations};
@@ -102,10 +103,11 @@ impl Bodies {
     pub fn new(parameters: &Parameters, zones: &[DrivingZone], grid: &Grid) -> Self {
         let &Parameters { ref mask, kinematic_viscosity: nu, density, channel, .. } = parameters;
         let bodies = parameters.cylinders.iter().map(Body::from).chain(parameters.bodies.iter().cloned());
-        let rigid: Vec<_> = bodies.map(|body| Rigid::new(body, grid, mask, nu)).collect();
+        let rigid: Vec<_> = bodies.map(|body| Rigid::new(body, grid, mask, nu, density)).collect();
         let masked = parameters.beams.iter().enumerate().filter(|(_, beam)| beam.surface == Surface::Mask);
         let beams: Vec<_> = masked.map(|(number, beam)| Beam::new(number, beam, grid, mask, nu)).collect();
-        let any = !zones.is_empty() || channel.is_some() || !rigid.is_empty() || !beams.is_empty();
+        let thick = !beams.is_empty() || rigid.iter().any(|rigid| !rigid.is_line());
+        let any = !zones.is_empty() || channel.is_some() || thick;
         let mut bodies = Self {
             rigid,
             cylinders: parameters.cylinders.len(),
@@ -207,7 +209,7 @@ impl Bodies {
     ) {
         let Some(rate) = &self.rate else { return };
         for (rigid, carried) in self.rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried) {
-            let Some(&mount) = rigid.mount() else { continue };
+            let Some(&mount) = rigid.mount().filter(|_| !rigid.is_line()) else { continue };
             let mut drag = Drag::default();
             for cell in rigid.cells.iter() {
                 let share = cell.rate / (c[0] + rate[cell.index]);
@@ -231,6 +233,23 @@ impl Bodies {
             }
             rigid.released = Some(released);
         }
+    }
+
+    /// Return whether a rigid body is on springs.
+    pub fn is_on_springs(&self, rigid: usize) -> bool {
+        self.rigid[rigid].mount().is_some()
+    }
+
+    /// Let a line on springs move under a drag, as [`Self::release`] does; return the change of the velocities of its
+    /// pivot and its angle, none if the line is not on springs.
+    pub fn release_line(&mut self, rigid: usize, c: [f64; 3], carried: &[Carried], drag: &Drag) -> Option<[f64; 3]> {
+        let place = self.carried().position(|(own, on_springs)| own == rigid && on_springs)?;
+        let rigid = &mut self.rigid[rigid];
+        let (fluid, predicted) = (rigid.displaced_inertia(self.density), rigid.pose.rates());
+        let release = Release { mount: *rigid.mount()?, carried: &carried[place], c, fluid, predicted };
+        let released = release.solve(drag);
+        rigid.released = Some(released);
+        Some(released.change)
     }
 
     /// Put the bodies that laws do not move to where they are after a step in which they were placed by

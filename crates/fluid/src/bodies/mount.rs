@@ -61,8 +61,10 @@ impl Carried {
 /// Drag on a body, and how it falls with the velocities of the body.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Drag {
-    force: Force,
-    impedance: [[f64; 3]; 3],
+    /// Force and moment about the pivot.
+    pub force: Force,
+    /// Rate at which they fall with the velocities of the pivot and the angle.
+    pub impedance: [[f64; 3]; 3],
 }
 
 impl Drag {

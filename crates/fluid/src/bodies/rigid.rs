@@ -10,13 +10,15 @@ use super::section::{Nearest, Section};
 use crate::force::Displaced;
 use crate::grid::Grid;
 use crate::parameters::{Body, Mask, Motion, Mount, Shape};
+use crate::thin::kernel::LINE_THICKNESS_CELLS;
 use crate::wall::DragProfile;
 
 /// A body and the cells in which it drags the fluid.
 pub struct Rigid {
     body: Body,
     section: Section,
-    profile: DragProfile,
+    /// Drag in its cells; absent for a line, whose markers drag.
+    profile: Option<DragProfile>,
     /// Present place and motion.
     pub pose: Pose,
     /// Sine and cosine of the angle.
@@ -30,21 +32,55 @@ pub struct Rigid {
 impl Body {
     /// Return mass and moment of inertia about the pivot of the displaced fluid of a density (kg/m³).
     pub(crate) fn displaced(&self, density: f64) -> [f64; 2] {
-        let Section { area, centroid, polar } = self.shape.section();
+        self.inertia(&self.shape.section(), density)
+    }
+
+    /// Return mass and moment of inertia about the pivot of a section of a density (kg/m³).
+    fn inertia(&self, &Section { area, centroid, polar }: &Section, density: f64) -> [f64; 2] {
         let arm = [0, 1].map(|axis| centroid[axis] - self.pivot[axis]);
         [density * area, density * (polar + area * (arm[0] * arm[0] + arm[1] * arm[1]))]
+    }
+
+    /// Return the layer of fluid that moves with a line of cells of a size (m), in a fluid of a density (kg/m³). On
+    /// springs it has at most the inertia of the body.
+    fn layer(&self, points: &[[f64; 2]], cell: f64, density: f64) -> Section {
+        let layer = Section::of_layer(points, LINE_THICKNESS_CELLS * cell);
+        let Some(Motion::Mount(mount)) = &self.motion else { return layer };
+        let [mass, inertia] = self.inertia(&layer, density);
+        let [moves, turns] = [mount.supports[0].or(mount.supports[1]).is_some(), mount.supports[2].is_some()];
+        let arm = (layer.centroid[0] - self.pivot[0]).hypot(layer.centroid[1] - self.pivot[1]);
+        // Largest eigenvalue of the inertia of the layer over its diagonal.
+        let largest = if moves && turns { 1.0 + arm * (mass / inertia).sqrt() } else { 1.0 };
+        let mut share = 1.0_f64;
+        for (own, of_layer, is_free) in [(mount.mass, mass, moves), (mount.inertia, inertia, turns)] {
+            if is_free {
+                share = share.min(own / (of_layer * largest));
+            }
+        }
+        Section { area: share * layer.area, polar: share * layer.polar, ..layer }
     }
 }
 
 impl Rigid {
     /// A body at t = 0.
-    pub fn new(body: Body, grid: &Grid, mask: &Mask, nu: f64) -> Self {
-        let body = Body { shape: body.shape.oriented(), ..body };
-        let profile = DragProfile::of_body(body.shape.thickness(), body.motion.is_some(), mask, nu, grid.cell_size());
-        let (section, pose, cells) = (body.shape.section(), Pose::default(), Cells::default());
+    pub fn new(body: Body, grid: &Grid, mask: &Mask, nu: f64, density: f64) -> Self {
+        let (body, cell) = (Body { shape: body.shape.oriented(), ..body }, grid.cell_size());
+        let (section, profile) = match &body.shape {
+            Shape::Line(points) => (body.layer(points, cell, density), None),
+            shape => {
+                let profile = DragProfile::of_body(shape.thickness(), body.motion.is_some(), mask, nu, cell);
+                (shape.section(), Some(profile))
+            }
+        };
+        let (pose, cells) = (Pose::default(), Cells::default());
         let mut rigid = Self { body, section, profile, pose, direction: (0.0, 1.0), cells, released: None };
         rigid.follow(0.0, grid);
         rigid
+    }
+
+    /// Return whether it is a line, without cells.
+    pub fn is_line(&self) -> bool {
+        self.profile.is_none()
     }
 
     /// Return whether the master or the fluid moves it, rather than a law.
@@ -90,7 +126,7 @@ impl Rigid {
     /// Return mass and polar moment of inertia about the pivot of the displaced fluid of a density (kg/m³), and the
     /// position of its centroid from the pivot, m.
     pub fn displaced_inertia(&self, density: f64) -> (f64, f64, [f64; 2]) {
-        let ([mass, inertia], centroid) = (self.body.displaced(density), self.section.centroid);
+        let ([mass, inertia], centroid) = (self.body.inertia(&self.section, density), self.section.centroid);
         (mass, inertia, self.centroid(centroid, self.pose.angle))
     }
 
@@ -114,7 +150,8 @@ impl Rigid {
     pub fn place(&mut self, pose: Pose, grid: &Grid) {
         (self.pose, self.released) = (pose, None);
         self.direction = self.pose.angle.sin_cos();
-        let (Pose { position, .. }, (sin, cos), reach) = (self.pose, self.direction, self.profile.reach());
+        let Some(profile) = &self.profile else { return };
+        let (Pose { position, .. }, (sin, cos), reach) = (self.pose, self.direction, profile.reach());
         let around = [0, 1].map(|axis| {
             // The axis of the domain in the axes of the body.
             let direction = [[cos, -sin], [sin, cos]][axis];
@@ -130,7 +167,7 @@ impl Rigid {
         grid.for_each_in(around, |index, x, y| {
             let measure = self.measure(&[x, y]);
             if measure.distance() <= farthest {
-                cells.add(index, [x - position[0], y - position[1]], &measure, &self.profile, grid);
+                cells.add(index, [x - position[0], y - position[1]], &measure, profile, grid);
             }
         });
         self.cells = cells;
@@ -189,8 +226,9 @@ mod tests {
             }),
         };
         let grid = Grid::new([[-1.0, 1.0]; 2], [16; 2]);
-        let mut rigid = Rigid::new(body, &grid, &Mask::Sharp { c_eta: 1.0, displacement_corrected: false }, 1e-3);
         let (t, dt, density) = (0.7, 1e-4, 2.0);
+        let mask = Mask::Sharp { c_eta: 1.0, displacement_corrected: false };
+        let mut rigid = Rigid::new(body, &grid, &mask, 1e-3, density);
         let [before, after] = [t - 0.5 * dt, t + 0.5 * dt].map(|t| {
             rigid.follow(t, &grid);
             rigid.displaced(density)

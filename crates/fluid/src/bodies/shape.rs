@@ -34,6 +34,7 @@ impl Shape {
             Self::Ellipse([a, b]) | Self::Rectangle([a, b]) => 2.0 * a.min(*b),
             Self::Capsule([_, radius]) => 2.0 * radius,
             Self::Polygon(corners) => 2.0 * polygon::depth(corners),
+            Self::Line(_) => 0.0,
         }
     }
 
@@ -45,7 +46,9 @@ impl Shape {
             Self::Ellipse([a, b]) => (a * x).hypot(b * y),
             Self::Rectangle([a, b]) => a * x.abs() + b * y.abs(),
             Self::Capsule([a, radius]) => a * x.abs() + radius,
-            Self::Polygon(corners) => corners.iter().map(|c| c[0] * x + c[1] * y).fold(f64::NEG_INFINITY, f64::max),
+            Self::Polygon(corners) | Self::Line(corners) => {
+                corners.iter().map(|c| c[0] * x + c[1] * y).fold(f64::NEG_INFINITY, f64::max)
+            }
         }
     }
 
@@ -64,6 +67,7 @@ impl Shape {
                 middle(straight + caps, polar)
             }
             Self::Polygon(corners) => polygon::section(corners),
+            Self::Line(_) => middle(0.0, 0.0),
         }
     }
 
@@ -80,6 +84,8 @@ impl Shape {
             }
             Self::Capsule([a, radius]) => nearest_of_circle(point, [point[0].clamp(-a, *a), 0.0], *radius),
             Self::Polygon(corners) => polygon::nearest(point, corners),
+            // It has no inside, and so no cells.
+            Self::Line(_) => Nearest { distance: f64::INFINITY, surface: point, normal: [0.0; 2] },
         }
     }
 }

@@ -78,7 +78,7 @@ impl<R: Real> Sbdf2<R> {
             w - scheme.tau * memory.inv_tau * (w_last - u)
         };
         problem.bodies.release(scheme.c, &present.carried, u_star, &mut work.w);
-        problem.solve_on_lines(scheme.c[0], step.end, step.stations, u_star, &mut work.w)?;
+        problem.solve_on_lines(scheme.c, &present.carried, step.end, step.stations, u_star, &mut work.w)?;
         problem.timer.mark(Phase::Velocities);
         let implicit = Implicit {
             tau_nu: scheme.tau * problem.nu,
@@ -101,13 +101,13 @@ impl<R: Real> Sbdf2<R> {
             })
         };
         problem.sum_up_forces(step.dt, drag, step.stations, present);
-        if let Some(ahead) = step.ahead {
-            problem.place_thin(ahead);
-        }
         problem.timer.mark(Phase::Forces);
         self.take_over(flow, work);
         self.memory.inv_tau = scheme.c[0];
         step.finish(present, &mut problem.bodies, advection_rate);
+        if let Some(ahead) = step.ahead {
+            problem.place_thin(ahead);
+        }
         Ok(predicted)
     }
 

@@ -50,7 +50,7 @@ impl<const D: usize> MarkerDrag<D> {
     /// Solve for the forces. `first` gives the velocity of the local solve without the thin bodies at a grid point,
     /// and `rate` the drag rate of the masks (1/s); `c_0` is the coefficient of the difference in time (1/s). Return
     /// whether the solution was found.
-    fn solve(&mut self, c_0: f64, rate: Option<&[f64]>, first: impl Fn(usize) -> [f64; D], grid: &Grid<D>) -> bool {
+    pub fn solve(&mut self, c_0: f64, rate: Option<&[f64]>, first: impl Fn(usize) -> [f64; D], grid: &Grid<D>) -> bool {
         self.markers.weigh(|point| 1.0 / (c_0 + rate.map_or(0.0, |rate| rate[point])));
         self.system.assemble(&self.markers, grid);
         self.markers.interpolate(first, &mut self.right_side);
@@ -75,13 +75,26 @@ impl<const D: usize> MarkerDrag<D> {
         if !self.solve(c_0, rate, |point| first(point, w), grid) {
             return Err(Error::Markers { time });
         }
+        self.spread(w, grid);
+        Ok(())
+    }
+
+    /// Write how the forces on all markers fall with a motion, of which `velocity` gives that of a marker, along any axis,
+    /// after [`Self::solve`]. Return whether it was found.
+    pub fn respond(&mut self, velocity: impl Fn(usize, &Markers<D>) -> f64, response: &mut [f64]) -> bool {
+        let [motion, ..] = &mut self.right_side[..] else { return false };
+        motion.iter_mut().enumerate().for_each(|(k, own)| *own = velocity(k, &self.markers));
+        self.system.solve(motion, response)
+    }
+
+    /// Take the forces off `w`.
+    pub fn spread<R: Real>(&self, w: &mut [Field<R>; D], grid: &Grid<D>) {
         let scale = 1.0 / grid.cell_volume();
         for (axis, w) in w.iter_mut().enumerate() {
             self.markers.spread(&self.force[axis], |point, weight| {
                 w[point] = R::rounded(w[point].to_f64() - scale * weight);
             });
         }
-        Ok(())
     }
 
     /// List the grid points around the markers where the drag rate of the masks (1/s) is not 0.

@@ -1,6 +1,7 @@
-//! A line of markers along the stations of a beam.
+//! A line of markers along stations.
 
-use super::LineForce;
+use std::ops::Range;
+
 use super::kernel::LINE_THICKNESS_CELLS;
 use super::markers::Markers;
 use super::parts::Parts;
@@ -9,8 +10,6 @@ use crate::force::{Displaced, Force};
 
 /// A line.
 pub struct Line {
-    /// Number of its beam among all beams.
-    pub beam: usize,
     parts: Parts,
     /// Fluid that moves with a marker, m².
     layer: f64,
@@ -21,22 +20,11 @@ pub struct Line {
 
 impl Line {
     /// A line through `points` (m) on cells of a size (m), with its markers; `free` tells which ends are free.
-    pub fn new(
-        beam: usize,
-        points: &[[f64; 2]],
-        free: [bool; 2],
-        c_eta: f64,
-        cell: f64,
-        markers: &mut Markers<2>,
-    ) -> Self {
-        let (parts, length) = Parts::of_line(points, free, cell, markers.len());
+    pub fn new(points: &[[f64; 2]], free: [bool; 2], c_eta: f64, cell: f64, markers: &mut Markers<2>) -> Self {
+        let (parts, length, covered) = Parts::of_line(points, free, cell, markers.len());
         let (count, thickness) = (parts.len() as f64, LINE_THICKNESS_CELLS * cell);
         parts.markers().for_each(|_| markers.add(length / count, thickness / c_eta));
-        let mut covered = vec![0.0; points.len()];
-        for &(point, share) in parts.iter().flat_map(|(_, shares)| shares) {
-            covered[point] += share * length / count;
-        }
-        Self { beam, parts, layer: thickness * length / count, length, covered }
+        Self { parts, layer: thickness * length / count, length, covered }
     }
 
     /// Move the markers to stations.
@@ -49,16 +37,22 @@ impl Line {
         self.parts.collect(force, slope, density, loads);
     }
 
-    /// Return the sum of the forces on the markers, with the moment and the power.
-    pub fn force(&self, stations: &Stations, markers: &Markers<2>, force: &[Vec<f64>; 2], density: f64) -> LineForce {
-        let mut sum = LineForce::default();
-        for k in self.parts.markers() {
+    /// Return the numbers of the markers.
+    pub fn markers(&self) -> Range<usize> {
+        self.parts.markers()
+    }
+
+    /// Return the sum of the forces on the markers with the moment about a point (m), and the power, W per metre of
+    /// depth.
+    pub fn force(&self, about: [f64; 2], markers: &Markers<2>, force: &[Vec<f64>; 2], density: f64) -> (Force, f64) {
+        let (mut sum, mut power) = (Force::default(), 0.0);
+        for k in self.markers() {
             let marker = markers.get(k);
             let force = [0, 1].map(|axis| density * force[axis][k]);
-            sum.force.add(force, [0, 1].map(|axis| marker.position[axis] - stations.position[axis][0]));
-            sum.power += force[0] * marker.velocity[0] + force[1] * marker.velocity[1];
+            sum.add(force, [0, 1].map(|axis| marker.position[axis] - about[axis]));
+            power += force[0] * marker.velocity[0] + force[1] * marker.velocity[1];
         }
-        sum
+        (sum, power)
     }
 
     /// Return the fluid in the layer that moves with the line.
@@ -73,30 +67,36 @@ impl Line {
         Displaced { momentum, angular: sum.moment, transport: vx * momentum[1] - vy * momentum[0] }
     }
 
-    /// Write the pressure above less the pressure below the line at its stations, Pa. The layer that moves with the line
-    /// takes a part of the force on the markers, which a line of no thickness would not need.
-    pub fn write_jump(
+    /// Write the pressure above less the pressure below the line at its stations, and the shear stress on both faces
+    /// together towards the tip, Pa. The layer that moves with the line takes a part of the force on the markers, which a
+    /// line of no thickness would not need. Friction that jumps at an end makes it alternate from marker to marker, so the
+    /// shear is of means with the weights 1, 2, 1.
+    pub fn write_stresses(
         &self,
         force: &[Vec<f64>; 2],
         density: f64,
         dt: f64,
         stations: &Stations,
         before: &Stations,
-        jump: &mut [f64],
+        [jump, shear]: [&mut [f64]; 2],
     ) {
         let (length, last) = (self.length / self.parts.len() as f64, jump.len() - 1);
-        for (k, jump) in jump.iter_mut().enumerate() {
-            let [from, to] = [k.saturating_sub(1), (k + 1).min(last)];
-            let [ex, ey] = unit(difference(&stations.position, [from, to]));
-            let acceleration = [0, 1].map(|axis| (stations.velocity[axis][k] - before.velocity[axis][k]) / dt);
-            *jump = density * self.layer / length * (acceleration[0] * ey - acceleration[1] * ex);
+        let tangent = |k: usize| unit(difference(&stations.position, [k.saturating_sub(1), (k + 1).min(last)]));
+        for k in 0..=last {
+            let [ex, ey] = tangent(k);
+            let [ax, ay] = [0, 1].map(|axis| (stations.velocity[axis][k] - before.velocity[axis][k]) / dt);
+            let layer = density * self.layer / length;
+            (jump[k], shear[k]) = (layer * (ax * ey - ay * ex), layer * (ax * ex + ay * ey));
         }
-        for (marker, shares) in self.parts.iter() {
+        let Range { start, end } = self.markers();
+        for (k, shares) in self.parts.iter() {
+            let beside = [k.saturating_sub(1).max(start), k, k, (k + 1).min(end - 1)];
+            let [fx, fy] = force.each_ref().map(|force| force[k]);
+            let [mx, my] = force.each_ref().map(|force| 0.25 * beside.iter().map(|k| force[*k]).sum::<f64>());
             for &(point, share) in shares {
-                let [from, to] = [point.saturating_sub(1), (point + 1).min(last)];
-                let [ex, ey] = unit(difference(&stations.position, [from, to]));
-                let [fx, fy] = [0, 1].map(|axis| force[axis][marker]);
-                jump[point] += density * share / self.covered[point] * (fx * ey - fy * ex);
+                let ([ex, ey], weight) = (tangent(point), density * share / self.covered[point]);
+                jump[point] += weight * (fx * ey - fy * ex);
+                shear[point] += weight * (mx * ex + my * ey);
             }
         }
     }

@@ -32,8 +32,14 @@ impl Parts {
         Self { first, ..Self::default() }
     }
 
-    /// Parts of a line through points (m), and its length (m), for cells of a size (m); `free` tells which ends are free.
-    pub fn of_line<const D: usize>(points: &[[f64; D]], free: [bool; 2], cell: f64, first: usize) -> (Self, f64) {
+    /// Parts of a line through points (m) for cells of a size (m), its length, and what the parts have of it at each
+    /// point (m); `free` tells which ends are free.
+    pub fn of_line<const D: usize>(
+        points: &[[f64; D]],
+        free: [bool; 2],
+        cell: f64,
+        first: usize,
+    ) -> (Self, f64, Vec<f64>) {
         let mut arc = vec![0.0];
         for pair in points.windows(2) {
             let step = (0..D).fold(0.0, |step: f64, axis| step.hypot(pair[1][axis] - pair[0][axis]));
@@ -43,7 +49,7 @@ impl Parts {
         let [begin, left] = free.map(|free| if free { (DRAWN_IN_CELLS * cell).min(0.25 * length) } else { 0.0 });
         let span = length - begin - left;
         let count = (span / (SPACING_CELLS * cell)).round().max(1.0);
-        let (part, mut parts) = (span / count, Self::new(first));
+        let (part, mut parts, mut covered) = (span / count, Self::new(first), vec![0.0; points.len()]);
         for k in 0..count as usize {
             let middle = begin + (k as f64 + 0.5) * part;
             // The first and the last part reach as far over their middle as to the end of the line.
@@ -54,9 +60,13 @@ impl Parts {
             if k + 1 == count as usize {
                 half = half.max(length - middle);
             }
-            parts.add(|shares| mean(&arc, middle - half, middle + half, shares));
+            parts.add(|shares| {
+                let from = shares.len();
+                mean(&arc, middle - half, middle + half, shares);
+                shares[from..].iter().for_each(|&(point, share)| covered[point] += 2.0 * half * share);
+            });
         }
-        (parts, length)
+        (parts, length, covered)
     }
 
     /// Add a part; `add` appends the shares of its nodes to a list that begins with those of other parts.
