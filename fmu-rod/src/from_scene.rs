@@ -24,6 +24,7 @@ fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> P
         rest_angles: beam.rest_angles.clone(),
         section: section(beam, &rod.material, 0.0),
         displaced: displaced[0],
+        displaced_weighs: scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()),
         taper: taper(beam, &rod.material, &displaced),
         strain_per_pressure: scene.strain_per_pressure().unwrap_or(0.0),
         gravity: std::array::from_fn(|d| rod.gravity.get(d).copied().unwrap_or(0.0)),

@@ -85,6 +85,15 @@ impl<const D: usize> Parameters<D> {
         (D == 2).then_some(Hinge { stiffness, damping, rest_angle, half_segment })
     }
 
+    /// Return the mass of each node on which gravity acts, kg: `[n + 1]`.
+    pub(crate) fn weights(&self) -> Vec<f64> {
+        if !self.displaced_weighs {
+            return self.masses();
+        }
+        let taper = Taper { displaced: Vec::new(), ..self.taper.clone() };
+        Self { displaced: 0.0, taper, ..self.clone() }.masses()
+    }
+
     /// Return the mass of each node less the mass of the fluid it displaces, kg: `[n + 1]`.
     ///
     /// On a tapered rod it is ∫ μ N ds with the hat function N of the node, by Simpson's rule in each segment. Sum and

@@ -37,6 +37,8 @@ pub struct Parameters<const D: usize> {
     ///
     /// The rod carries the difference of `section.line_density` and `displaced`, which is nowhere negative.
     pub displaced: f64,
+    /// Whether gravity acts on the displaced mass too: on a line, which displaces no fluid, it is a mass of the rod.
+    pub displaced_weighs: bool,
     /// Profiles of section and displaced fluid along the rod.
     pub taper: Taper,
     /// Axial strain under a pressure from all sides, 1/Pa: (1 + ν)(1 − 2ν)/E in plane strain; 0 ignores the pressure.
@@ -70,6 +72,7 @@ impl<const D: usize> Parameters<D> {
             rest_angles: Vec::new(),
             section,
             displaced: 0.0,
+            displaced_weighs: false,
             taper: Taper::default(),
             strain_per_pressure: 0.0,
             gravity: [0.0; D],

@@ -40,6 +40,8 @@ pub struct Rod<const D: usize> {
     pub(crate) tributary: Vec<f64>,
     /// Mass of each node, kg: `[n + 1]`.
     pub(crate) masses: Vec<f64>,
+    /// Masses on which gravity acts.
+    pub(crate) weights: Vec<f64>,
     pub(crate) state: State<D>,
     pub(crate) statistics: Statistics,
     /// Positions and velocities, component after component: `[D, n + 1]`.
@@ -84,6 +86,7 @@ impl<const D: usize> Rod<D> {
             elastic: parameters.elastic(direction),
             tributary: parameters.tributary(),
             masses: parameters.masses(),
+            weights: parameters.weights(),
             state: at_rest.clone(),
             before: at_rest.clone(),
             before_substep: at_rest,
@@ -193,7 +196,7 @@ impl<const D: usize> Rod<D> {
         for k in 0..self.rest.len() {
             let m = self.masses[k];
             kinetic += 0.5 * m * self.state.velocities[k].norm_squared();
-            potential -= m * gravity.dot(&(self.state.positions[k] - self.rest[0]));
+            potential -= self.weights[k] * gravity.dot(&(self.state.positions[k] - self.rest[0]));
         }
         Ok(Energy { kinetic, stretching: elastic.stretching, bending: elastic.bending, gravity: potential })
     }

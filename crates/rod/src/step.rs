@@ -389,7 +389,7 @@ impl<const D: usize> Rod<D> {
         self.loads.check::<D>(nodes)?;
         let gravity = Vector::from(self.parameters.gravity);
         for k in 0..nodes {
-            self.force[k] = gravity * self.masses[k];
+            self.force[k] = gravity * self.weights[k];
         }
         if !self.loads.force.is_empty() {
             for (d, component) in self.loads.force.chunks_exact(nodes).enumerate() {

@@ -38,6 +38,20 @@ fn static_deflection_converges_to_the_elastica_with_second_order() {
     assert!(errors[3] < 1e-4, "errors {errors:?}");
 }
 
+/// On a line the fluid that moves with the rod is a part of the rod's mass, and nothing carries its weight.
+#[test]
+fn the_displaced_mass_weighs_on_a_line() {
+    let sunk = |displaced: f64, displaced_weighs: bool| {
+        let mut rod = Rod::new(Parameters { displaced, displaced_weighs, ..csm1(16) }).unwrap();
+        rod.solve_static().unwrap();
+        (rod.tip_displacement()[1], rod.energy().unwrap().gravity)
+    };
+    let own = sunk(0.0, false);
+    assert_eq!(sunk(20.0, true), own);
+    let (floating, _) = sunk(20.0, false);
+    assert!(own.0 < -0.06 && floating.abs() < 1e-12, "{own:?} beside {floating}");
+}
+
 /// In the diagonal plane of space, up to tip angles of 70°.
 #[test]
 fn diagonal_deflection_of_a_fine_rod_is_within_1e_4_of_the_elastica() {
