@@ -176,8 +176,8 @@ def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not()
         ({}, "take a `time.communication_step` of 0.0005 s"),
         (
             {"line": True},
-            "take a `time.communication_step` of 0.0005 s or finer `fluid.box.cells`, or take at most 6 `beam.segments` "
-            "in place of 9: stations closer than 1.5 cells",
+            "take a `time.communication_step` of 0.0005 s or finer `fluid.box.cells`, or take at most 6 "
+            "`beam.segments` in place of 9: stations closer than 1.5 cells",
         ),
     ],
 )

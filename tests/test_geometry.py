@@ -161,6 +161,12 @@ REFUSED = {
         "fluid.bodies[0].position",
         "`fluid.cylinders[0]`",
     ),
+    # mounts
+    "less inertia than the fluid": (
+        bodies(bar(0.0, 0.0, 0.6, 0.3, pivot=[0.2, 0.0], mount={"mass": 1.0, "inertia": 1e-3, "angle": {}})),
+        "fluid.bodies[0].mount.inertia",
+        "at least the moment of inertia of the fluid it displaces, 0.013950",
+    ),
     # no way around
     "blocked": (bodies(circle(0.0, 0.0, 1.2)), "fluid.bodies[0].position", "fills the channel from -1 to 1"),
     "plate across": (bodies(bar(0.0, 0.0, 0.1, 1.98)), "fluid.bodies[0].position", "fills the channel"),
@@ -312,6 +318,12 @@ def beat(amplitude: float, frequency: float = 0.5) -> dict[str, Any]:
     return {"sine": {"amplitude": amplitude, "frequency": frequency}}
 
 
+def driven_root(law: dict[str, Any]) -> dict[str, Any]:
+    """Return a rod alone whose root a law moves."""
+    own = {**ROD, "root_motion": {"laws": {"y": law}}}
+    return {"name": "rod", "time": CHANNEL["time"], "beam": beam(0.0, 0.0, (1.0, 0.0)), "rod": own}
+
+
 WEIGHT = {**ROD, "gravity": [0.0, -981.0]}
 HEAVING = {**ROD, "root_motion": {"laws": {"y": beat(1.2)}}}
 SPINNING = {**ROD, "root_motion": {"laws": {"rotations": [{"angle": beat(2.0)}]}}}
@@ -445,6 +457,37 @@ WARNED = {
         "mirror images at y = 0:",
         None,
     ),
+    # laws
+    "a table with a jump": (
+        driven_root({"table": {"times": [0.0, 0.5, 0.501, 1.0], "values": [0.0, 0.0, 0.5, 0.5]}}),
+        "although its values lie between 0 and 0.5",
+        (0.2, 0.25),
+    ),
+    "a table that stops at once": (
+        driven_root({"sum": [{"table": {"times": [0.0, 0.4], "values": [0.0, 0.4]}}, {"constant": 0.0}]}),
+        "`rod.root_motion.laws.y.sum[0]` starts or stops at once at t = 0.4 s, where its table ends with the slope 1",
+        (0.4, 0.4),
+    ),
+    "a table that begins later": (
+        bodies(circle(0.0, 0.05, 0.2, motion={"x": {"table": {"times": [0.3, 1.3], "values": [0.0, 0.2]}}})),
+        "`fluid.bodies[0].motion.x` starts or stops at once at t = 0.3 s",
+        (0.3, 0.3),
+    ),
+    "a sine that the step does not follow": (
+        driven_root(beat(1e-3, 40.0)),
+        "a period has 2.50 communication steps: the run does not follow it; a step of 0.00125 s would",
+        None,
+    ),
+    "a harmonic that the step does not follow": (
+        driven_root({"fourier": {"frequency": 5.0, "sines": [0.1, 0.0, 1e-3]}}),
+        "oscillates with 15 Hz, and a period has 6.67 communication steps",
+        None,
+    ),
+    "a spring that the step does not follow": (
+        bodies(circle(0.0, 0.05, 0.2, mount={"mass": 1.0, "y": {"stiffness": 1e6}})),
+        "the spring of `fluid.bodies[0].mount.y.stiffness` oscillates with 159.15 Hz without the fluid",
+        None,
+    ),
     # weights
     "gravity a hundred times too large": (
         {"name": "rod", "time": CHANNEL["time"], "beam": beam(0.0, 0.0, (1.0, 0.0)), "rod": WEIGHT},
@@ -487,6 +530,11 @@ def test_what_may_be_a_mistake_is_said_with_its_time(scene, words, time, librari
 
 
 SOUND = {
+    "a table of a step with rests": driven_root(
+        {"table": {"times": [0.0, 0.2, 0.4, 0.6], "values": [0.0, 0.0, 0.1, 0.1], "end_slopes": [0.0, 0.0]}}
+    ),
+    "a table that goes on beyond the run": driven_root({"table": {"times": [-1.0, 9.0], "values": [-1.0, 9.0]}}),
+    "a sine of ten steps": driven_root(beat(0.1, 10.0)),
     "a body beside the axis of the grid": changed(STREAM, fluid__bodies=[circle(0.0, 0.02, 0.5)]),
     "a start that is disturbed": changed(STREAM, fluid__bodies=[circle(0.0, 0.0, 0.5)], fluid__disturbance=0.01),
     "a Reynolds number without shedding": changed(

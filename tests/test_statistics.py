@@ -166,3 +166,12 @@ def test_the_box_filter_keeps_straight_lines_and_weakens_a_sine_by_its_sinc():
 def test_the_force_filter_is_narrow_against_a_period():
     assert statistics.force_filter_width(statistics.Window(0, 10, 5)) == 5e-3
     assert statistics.force_filter_width(statistics.Window(0, 0.5, 5)) == pytest.approx(2e-3)
+
+
+def test_an_oscillation_that_ended_long_ago_is_no_part_of_the_window():
+    """Two periods of 1 s, and then a drift: the end counts, and it has no frequency."""
+    time = np.linspace(0.0, 10.0, 4001)
+    values = np.where(time < 2.0, 2 * np.sin(2 * np.pi * time), 0.0) - 0.1 * time
+    window = statistics.find_window(time, values)
+    assert (window.begin, window.end, window.periods) == pytest.approx((20 / 3, 10.0, 0))
+    assert statistics.character(time, values, window).state == "changing"

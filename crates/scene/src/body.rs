@@ -398,12 +398,48 @@ impl Shape {
                 (length - thickness) * thickness + 0.25 * PI * thickness.powi(2)
             }
             Self::Polygon { corners } => {
-                let next = corners.iter().cycle().skip(1);
-                0.5 * corners.iter().zip(next).map(|([x0, y0], [x1, y1])| x0 * y1 - x1 * y0).sum::<f64>().abs()
+                0.5 * sides_of(corners).map(|([x0, y0], [x1, y1])| x0 * y1 - x1 * y0).sum::<f64>().abs()
             }
             _ => 0.0,
         }
     }
+}
+
+impl Body {
+    /// Return the polar moment of the area about the pivot, m⁴; of a shape in space 0.
+    pub(crate) fn polar_moment(&self) -> f64 {
+        let off = self.pivot[0].powi(2) + self.pivot[1].powi(2);
+        let about_middle = match &self.shape {
+            Shape::Circle { radius } => 0.5 * PI * radius.powi(4),
+            Shape::Ellipse { length, thickness } => {
+                PI * length * thickness * (length * length + thickness * thickness) / 64.0
+            }
+            Shape::Rectangle { length, thickness, ends: Ends::Square } => {
+                length * thickness * (length * length + thickness * thickness) / 12.0
+            }
+            Shape::Rectangle { length, thickness, ends: Ends::Round } => {
+                // The half circles have their centroids 4 r/(3 π) from their middles.
+                let (half, r) = ((length - thickness) / 2.0, thickness / 2.0);
+                let (straight, caps, shift) = (4.0 * half * r, PI * r * r, 4.0 * r / (3.0 * PI));
+                straight / 3.0 * (half * half + r * r) + caps * (0.5 * r * r - shift * shift + (half + shift).powi(2))
+            }
+            Shape::Polygon { corners } => {
+                let from = |p: &[f64; 2]| [p[0] - self.pivot[0], p[1] - self.pivot[1]];
+                let sum = sides_of(corners).map(|(a, b)| {
+                    let ([x0, y0], [x1, y1]) = (from(a), from(b));
+                    (x0 * y1 - x1 * y0) * (x0 * x0 + x0 * x1 + x1 * x1 + y0 * y0 + y0 * y1 + y1 * y1)
+                });
+                return sum.sum::<f64>().abs() / 12.0;
+            }
+            _ => return 0.0,
+        };
+        about_middle + self.shape.area() * off
+    }
+}
+
+/// Return the sides of a polygon.
+fn sides_of(corners: &[Point]) -> impl Iterator<Item = (&Point, &Point)> {
+    corners.iter().zip(corners.iter().cycle().skip(1))
 }
 
 impl Check for Mount {

@@ -22,6 +22,7 @@ use crate::beam::{Beam, Surface};
 use crate::body::{Body, Shape, Support};
 use crate::fluid::{Fluid, InflowProfile};
 use crate::law::TimeLaw;
+use crate::law_warnings;
 use crate::root::RootMotion;
 use crate::scene::{BeamWithRod, Scene};
 use crate::warnings::{Warning, warnings};
@@ -149,7 +150,8 @@ impl Scene {
             (Some(fluid), Some(numbers)) => fluid_steps(self.time.communication_step, fluid, numbers.cfl),
             _ => 1,
         };
-        let warnings = warnings(self, dimensionless.as_ref().and_then(|numbers| numbers.reynolds));
+        let mut warnings = warnings(self, dimensionless.as_ref().and_then(|numbers| numbers.reynolds));
+        warnings.extend(law_warnings::of(self));
         Facts { beams, laws: laws(self), dimensionless, areas: areas(self), fluid_steps, warnings }
     }
 }

@@ -312,6 +312,15 @@ impl Check for Fluid {
                          {displaced:.6}"
                     )
                 });
+                let (inertia, displaced) = (mount.inertia.unwrap_or(0.0), self.density * body.polar_moment());
+                let fits = mount.angle.is_none() || matches!(body.shape, Shape::Circle { .. }) || inertia >= displaced;
+                // A missing moment of inertia is a fault of its own.
+                faults.require(fits || mount.inertia.is_none(), &format!("{key}.mount.inertia"), inertia, || {
+                    format!(
+                        "a body on springs that is no circle must have at least the moment of inertia of the fluid it \
+                         displaces, {displaced:.6}"
+                    )
+                });
             }
         }
         self.mask.check_at(&format!("{key}.mask"), &self.r#box.cells, faults);

@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 use crate::fault::{Check, Faults};
 use crate::spline::{self, Ends};
 
+/// Samples of a spline in an interval.
+const SAMPLES: u32 = 32;
+
 /// A quantity as a function of time, in the unit of its key.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
@@ -140,6 +143,36 @@ impl Table {
         spline::value_and_rate(times, values, &self.slopes, t)
     }
 
+    /// Return the least and the largest of the values.
+    pub(crate) fn range(&self) -> [f64; 2] {
+        let values = || self.points.values.iter().copied();
+        [values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    /// Return the place at which the spline is farthest from the middle of the values: time, s, and value.
+    pub(crate) fn farthest(&self) -> (f64, f64) {
+        let [low, high] = self.range();
+        let off = |value: f64| (value - (low + high) / 2.0).abs();
+        let intervals = self.points.times.windows(2);
+        let times = intervals.flat_map(|pair| {
+            (0..=SAMPLES).map(move |i| pair[0] + (pair[1] - pair[0]) * f64::from(i) / f64::from(SAMPLES))
+        });
+        let places = times.map(|t| (t, self.value_and_rate(t).0));
+        places.reduce(|a, b| if off(b.1) > off(a.1) { b } else { a }).unwrap_or_default()
+    }
+
+    /// Return time (s), slope (per second) and interval (s) at both ends; nothing of a periodic table.
+    pub(crate) fn ends(&self) -> Vec<(f64, f64, f64)> {
+        let (times, last) = (&self.points.times, self.points.times.len() - 1);
+        if self.points.periodic {
+            return Vec::new();
+        }
+        vec![
+            (times[0], self.slopes[0], times[1] - times[0]),
+            (times[last], self.slopes[last], times[last] - times[last - 1]),
+        ]
+    }
+
     /// Return the largest magnitudes of the value and the rate.
     fn largest(&self) -> [f64; 2] {
         if self.slopes.is_empty() {
@@ -248,6 +281,29 @@ impl TimeLaw {
                 Some(1.0 / (points.times[points.times.len() - 1] - points.times[0]))
             }
             Self::Sum(laws) => laws.iter().find_map(Self::frequency),
+            _ => None,
+        }
+    }
+
+    /// Call `see` with this law, or with each of a sum, and its key.
+    pub(crate) fn visit(&self, key: &str, see: &mut dyn FnMut(&str, &TimeLaw)) {
+        match self {
+            Self::Sum(laws) => {
+                laws.iter().enumerate().for_each(|(i, law)| law.visit(&format!("{key}.sum[{i}]"), see));
+            }
+            _ => see(key, self),
+        }
+    }
+
+    /// Return the highest frequency of a sine or a Fourier series, Hz; none where it has none.
+    pub(crate) fn highest_frequency(&self) -> Option<f64> {
+        match self {
+            Self::Fourier { frequency, cosines, sines, .. } => {
+                let highest =
+                    [cosines, sines].into_iter().filter_map(|all| all.iter().rposition(|c| *c != 0.0)).max()?;
+                Some((highest + 1) as f64 * frequency)
+            }
+            Self::Sine { .. } => self.frequency(),
             _ => None,
         }
     }

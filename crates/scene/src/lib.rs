@@ -17,6 +17,7 @@ mod figure;
 mod fluid;
 mod json;
 mod law;
+mod law_warnings;
 mod load;
 mod method;
 mod places;

@@ -20,6 +20,8 @@ SETTLED = 0.02
 """A period before the last `MIN_PERIODS` belongs to the window while its amplitude differs from their mean by less than
 this part of it."""
 
+OVER = 2.0  # Time after the last period, in periods, from which on a signal does not oscillate any more
+
 HYSTERESIS = 0.5
 """Part of the amplitude by which a signal must fall below its mean before the next upward crossing counts."""
 
@@ -108,15 +110,15 @@ def find_window(time: np.ndarray, values: np.ndarray, smallest: float = 0.0) -> 
 
     The periods of a window agree in length (`EQUAL_LENGTH`) and size (`EQUAL_SIZE`), so that the start-up stays out.
     Where fewer than three do, the last ones are taken as they are, and `character` says that they differ. A signal
-    whose amplitude at the end is at most `smallest`, that is steady there, or that never completes a period, is
-    evaluated over the last third of the record.
+    whose amplitude at the end is at most `smallest`, that is steady there, that never completes a period, or whose last
+    one is long over, is evaluated over the last third of the record.
     """
     tail = last_third(time)
     mean, amplitude = extent(values[tail.of(time)])
     if amplitude <= max(smallest, OSCILLATING * np.abs(values).max()):
         return tail
     crossings = upward_crossings(time, values, mean, amplitude)
-    if crossings.size < 2:
+    if crossings.size < 2 or time[-1] - crossings[-1] > OVER * (crossings[-1] - crossings[-2]):
         return tail
 
     first = _first_settled(time, values, crossings)

@@ -13,6 +13,9 @@ const NEWTON_STEPS: usize = 40;
 /// Least distance from an axis of an ellipse, over that semi-axis: on the axis the equation has a pole.
 const OFF_AXIS: f64 = 1e-12;
 
+/// Distance from a face of a rectangle, over the sum of half its lengths, within which a point lies on the face.
+const ON_FACE: f64 = 1e-12;
+
 impl Shape {
     /// Return the outline with the corners of a polygon in left-hand order.
     pub(super) fn oriented(self) -> Self {
@@ -77,9 +80,15 @@ impl Shape {
             Self::Circle(radius) => nearest_of_circle(point, [0.0; 2], *radius),
             Self::Ellipse(semi_axes) => nearest_of_ellipse(point, *semi_axes),
             Self::Rectangle([a, b]) => {
-                let [x, y] = [point[0].abs() - a, point[1].abs() - b];
-                let (distance, normal) =
-                    if x > y { (x, [1_f64.copysign(point[0]), 0.0]) } else { (y, [0.0, 1_f64.copysign(point[1])]) };
+                let rounding = ON_FACE * (a + b);
+                // Grid points on opposite faces differ by rounding, and are on both or on none.
+                let on_face = |off: f64| if off.abs() < rounding { 0.0 } else { off };
+                let [x, y] = [on_face(point[0].abs() - a), on_face(point[1].abs() - b)];
+                let (distance, normal) = if x > y + rounding {
+                    (x, [1_f64.copysign(point[0]), 0.0])
+                } else {
+                    (y, [0.0, 1_f64.copysign(point[1])])
+                };
                 Nearest { distance, surface: [0, 1].map(|axis| point[axis] - distance * normal[axis]), normal }
             }
             Self::Capsule([a, radius]) => nearest_of_circle(point, [point[0].clamp(-a, *a), 0.0], *radius),

@@ -1,0 +1,128 @@
+//! What a law of time may not be meant to do: swing far beyond the points of its table, stop at once where the table
+//! ends, or oscillate faster than the run follows.
+
+use std::f64::consts::PI;
+
+use crate::law::TimeLaw;
+use crate::places::rounded;
+use crate::root::{RootMotion, RootSupport};
+use crate::scene::Scene;
+use crate::warnings::Warning;
+
+/// Part of the range of a table's values by which its spline may leave it.
+const OVERSHOOT: f64 = 0.5;
+
+/// Part of the range of a table's values that its last slope may cover in an interval.
+const STOP: f64 = 0.1;
+
+/// Least communication steps in a period.
+const STEPS: f64 = 8.0;
+
+/// Communication steps in a period that are advised.
+const ADVISED: f64 = 20.0;
+
+/// Return what is to be told of the laws and springs of a scene.
+pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
+    let step = scene.time.communication_step;
+    let mut found = Vec::new();
+    for (key, law) in laws(scene) {
+        law.visit(&key, &mut |key, law| {
+            found.extend(tables(key, law, scene.time.end));
+            found.extend(law.highest_frequency().and_then(|frequency| fast(key, "`", "", frequency, step)));
+        });
+    }
+    let bodies = scene.fluid.iter().flat_map(|fluid| fluid.bodies.iter().enumerate());
+    for (i, mount) in bodies.filter_map(|(i, body)| Some((i, body.mount.as_ref()?))) {
+        let inertias = [mount.mass, mount.mass, mount.inertia.unwrap_or(f64::INFINITY)];
+        for ((name, support), inertia) in ["x", "y", "angle"].into_iter().zip(mount.supports()).zip(inertias) {
+            let frequency = support.map_or(0.0, |support| (support.stiffness / inertia).sqrt() / (2.0 * PI));
+            let key = format!("fluid.bodies[{i}].mount.{name}.stiffness");
+            found.extend(fast(&key, "the spring of `", " without the fluid", frequency, step));
+        }
+    }
+    found
+}
+
+/// Return every law of a scene with its key.
+fn laws(scene: &Scene) -> Vec<(String, &TimeLaw)> {
+    let mut all = Vec::new();
+    if let Some(fluid) = &scene.fluid {
+        let zones = [
+            ("inflow", fluid.inflow.as_ref().map(|zone| &zone.mean_velocity)),
+            ("sponge", fluid.sponge.as_ref().map(|zone| &zone.mean_velocity)),
+        ];
+        all.extend(zones.into_iter().filter_map(|(name, law)| Some((format!("fluid.{name}.mean_velocity"), law?))));
+        let mean = fluid.mean_flow.iter().flat_map(|mean| mean.laws());
+        all.extend(mean.map(|(name, law)| (format!("fluid.mean_flow.{name}"), law)));
+        for (i, motion) in fluid.cylinders.iter().enumerate().filter_map(|(i, own)| Some((i, own.motion.as_ref()?))) {
+            let key = |name: &str| format!("fluid.cylinders[{i}].motion.{name}");
+            all.extend([(key("x"), &motion.x), (key("y"), &motion.y)]);
+        }
+        for (i, motion) in fluid.bodies.iter().enumerate().filter_map(|(i, body)| Some((i, body.laws()?))) {
+            let parts = [("x", &motion.x), ("y", &motion.y), ("z", &motion.z), ("angle", &motion.angle)];
+            all.extend(parts.map(|(name, law)| (format!("fluid.bodies[{i}].motion.{name}"), law)));
+        }
+    }
+    for own in scene.beams_with_rods() {
+        let Some(rod) = own.rod else { continue };
+        let key = format!("{}rod", own.key());
+        if let Some(RootMotion::Laws(motion)) = &rod.root_motion {
+            let parts = [("x", &motion.x), ("y", &motion.y), ("z", &motion.z)];
+            all.extend(parts.map(|(name, law)| (format!("{key}.root_motion.laws.{name}"), law)));
+            let turns = motion.rotations.iter().enumerate();
+            all.extend(turns.map(|(i, turn)| (format!("{key}.root_motion.laws.rotations[{i}].angle"), &turn.angle)));
+        }
+        if let RootSupport::Free { force_x, force_y, force_z } = &rod.root {
+            let parts = [("force_x", force_x), ("force_y", force_y), ("force_z", force_z)];
+            all.extend(parts.map(|(name, law)| (format!("{key}.root.free.{name}"), law)));
+        }
+    }
+    all
+}
+
+fn warning(key: &str, time: Option<f64>, text: String) -> Warning {
+    Warning { key: key.into(), time, text }
+}
+
+/// Return what is to be told of a table in a run up to `end` (s).
+fn tables(key: &str, law: &TimeLaw, end: f64) -> Vec<Warning> {
+    let TimeLaw::Table(table) = law else { return Vec::new() };
+    let mut found = Vec::new();
+    let [low, high] = table.range();
+    let (t, farthest) = table.farthest();
+    if farthest > high + OVERSHOOT * (high - low) || farthest < low - OVERSHOOT * (high - low) {
+        let (from, to, there, at) = (rounded(low), rounded(high), rounded(farthest), rounded(t));
+        let text = format!(
+            "`{key}` goes to {there} at t = {at} s, although its values lie between {from} and {to}: a smooth curve \
+             swings beside points that are close together; give more points there, or a `cosine_ramp`"
+        );
+        found.push(warning(key, Some(t), text));
+    }
+    // A velocity that bends is no peak.
+    let ends = if key.contains("motion.") { table.ends() } else { Vec::new() };
+    for (t, slope, interval) in ends {
+        if 0.0 < t && t < end && (slope * interval).abs() > STOP * (high - low) {
+            let (at, slope) = (rounded(t), rounded(slope));
+            let text = format!(
+                "`{key}` starts or stops at once at t = {at} s, where its table ends with the slope {slope} per second: \
+                 forces have a peak there; `end_slopes` of 0 make it smooth"
+            );
+            found.push(warning(key, Some(t), text));
+        }
+    }
+    found
+}
+
+/// Return what is to be told of an oscillation of so many Hz with communication steps of `step` (s).
+fn fast(key: &str, before: &str, after: &str, frequency: f64, step: f64) -> Option<Warning> {
+    let steps = 1.0 / (frequency * step);
+    (steps < STEPS * (1.0 - 1e-9)).then(|| {
+        let (frequency, steps, advised) = (rounded(frequency), format!("{steps:.2}"), 1.0 / (ADVISED * frequency));
+        let text = format!(
+            "{before}{key}` oscillates with {frequency} Hz{after}, and a period has {steps} communication steps: the run \
+             does not follow it; a step of {} s would",
+            rounded(advised)
+        );
+        warning(key, None, text)
+    })
+}
