@@ -49,7 +49,7 @@ def frames(browser: Browser) -> Iterator[np.ndarray]:
     browser.run(f"lab.step({BEFORE})")
     for i in range(FRAMES):
         if i == PULL.start:
-            held = at(browser.run("lab.tip()"))
+            held = at(browser.run("lab.shapes()[0].map((list) => list.at(-1))"))
             mouse(browser, "mousePressed", *held)
         if i in PULL:
             share = (i - PULL.start + 1) / len(PULL)

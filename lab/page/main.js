@@ -69,6 +69,7 @@ function texts() {
 }
 
 async function load() {
+  runs += 1;
   failed = false;
   pull = null;
   json = sceneWith(state.scene, state.values, state.placed);
@@ -108,19 +109,27 @@ function remember() {
 
 let ready = null; // The last answer, not drawn yet
 let isAsked = false;
+let runs = 0; // Scenes loaded: a frame of an earlier one is not shown
 
 async function next(still = false) {
   if (isAsked || failed) return;
   isAsked = true;
-  const share = of("pace").value / 100;
+  const [run, share] = [runs, of("pace").value / 100];
   const steps = still ? 0 : share === 1 ? MOST_STEPS : Math.round(60 ** share);
+  let frame = null;
   try {
-    ready = await ask("frame", { steps, budget: BUDGET });
+    frame = await ask("frame", { steps, budget: BUDGET });
   } catch (error) {
-    fail(error);
+    if (run === runs) fail(error);
   }
   isAsked = false;
-  requestAnimationFrame(show);
+  if (run === runs) {
+    ready = frame;
+    requestAnimationFrame(show);
+  } else {
+    frame?.bitmap.close();
+    next(!running);
+  }
 }
 
 function show(now) {
@@ -547,14 +556,15 @@ globalThis.lab = {
   place,
   scene: () => about && json,
   step: async (steps) => {
+    const run = runs;
     const { rows, bitmap } = await ask("frame", { steps, budget: Infinity });
     bitmap?.close();
-    history.add(rows);
+    if (run === runs) history.add(rows);
     return rows;
   },
   draw: () => next(true),
   part: () => picture.part,
-  tip: () => shapes[0]?.map((list) => list.at(-1)),
+  shapes: () => shapes,
   pause: () => running && of("run").click(),
   restart: load,
   speed: () => speed,
