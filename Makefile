@@ -272,7 +272,7 @@ ZIGBUILD = PATH="$(abspath $(DIST_VENV))/bin:$$PATH" RUSTFLAGS="--remap-path-pre
 
 dist-libraries: $(DIST_VENV)/.ready ## build the libraries for Linux (glibc 2.17), Windows and macOS; needs rustup
 	rustup target add $(DIST_TARGETS)
-	for target in $(DIST_BUILDS); do $(ZIGBUILD) --package nervure-fmu-rod --package nervure-fmu-fluid --target $$target \
+	for target in $(DIST_BUILDS); do $(ZIGBUILD) --package nervure-fmu-rod --package nervure-fmu-wing --package nervure-fmu-fluid --target $$target \
 	--target-dir target/dist || exit; done
 
 dist: dist-libraries $(READY) ## pack FMUs and SSP of SCENE=scenes/NAME.json for all systems, with checksums and manifest, into dist/; FMI=3

@@ -18,7 +18,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
 SHIPPED = ["scenes", "modelDescription/scene.schema.json", "LICENSE-MIT", "LICENSE-APACHE"]
-SHIPPED += [f"fmu-{kind}/{name}" for kind in ("rod", "fluid") for name in ("model.png", "documentation.html")]
+SHIPPED += [f"fmu-{kind}/{name}" for kind in ("rod", "wing", "fluid") for name in ("model.png", "documentation.html")]
 
 
 TAGS = {
@@ -59,9 +59,10 @@ class Units(BuildHookInterface):  # type: ignore[type-arg]
 
 def _built(root: Path) -> dict[Path, str]:
     """Build the libraries for this system and return their places in the package."""
-    subprocess.run(["cargo", "build", "--release", "--locked"], cwd=root, check=True)
-    built = Path(os.environ.get("CARGO_TARGET_DIR", root / "target")) / "release"
     names = runpy.run_path(str(root / "python" / "nervure" / "resources.py"))
+    packages = [f"--package=nervure-fmu-{kind}" for kind in names["KINDS"]]
+    subprocess.run(["cargo", "build", "--release", "--locked", *packages], cwd=root, check=True)
+    built = Path(os.environ.get("CARGO_TARGET_DIR", root / "target")) / "release"
     files = [f"{names['PREFIX']}fmu_{kind}{names['SUFFIX']}" for kind in names["KINDS"]]
     return {built / file: f"binaries/{names['PLATFORM']}/{file}" for file in files}
 

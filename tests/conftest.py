@@ -23,6 +23,9 @@ from nervure.units.describe import describe, unit_names
 from nervure.units.fmu import Unit
 
 FSI1, FSI3 = (ROOT / "scenes" / f"{name}.json" for name in ("fsi1-648x108", "fsi3-325x72"))
+COUPLED = ("rod", "fluid")
+"""Kinds of the units of the FSI3 scene; those of a wing have tests of their own."""
+
 SCENES = sorted((ROOT / "scenes").glob("*.json"))
 
 ROD_ONLY = {
@@ -93,6 +96,14 @@ def libraries():
     """Both libraries, built from the sources as they are; those in `NERVURE_LIBRARIES` are taken as they are."""
     if "NERVURE_LIBRARIES" not in os.environ:
         subprocess.run(["cargo", "build", "--quiet", "--release", "--locked"], cwd=ROOT, check=True)
+
+
+@pytest.fixture(scope="session")
+def wing_library(libraries):
+    """The library of a wing, which is built where a scene needs it."""
+    if "NERVURE_LIBRARIES" not in os.environ:
+        command = ["cargo", "build", "--quiet", "--release", "--locked", "--package", "nervure-fmu-wing"]
+        subprocess.run(command, cwd=ROOT, check=True)
 
 
 @pytest.fixture

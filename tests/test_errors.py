@@ -7,15 +7,14 @@ import zipfile
 import pytest
 
 from nervure.errors import SceneError, UnitError
-from nervure.resources import KINDS
 from nervure.scene import load, override
 from nervure.units import package
 from nervure.units.describe import describe
 from nervure.units.fmu import Unit
-from tests.conftest import FSI3, run_scene
+from tests.conftest import COUPLED, FSI3, run_scene
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", KINDS)
+both = pytest.mark.parametrize("kind", COUPLED)
 
 
 def rewrite(fmu, target, change):

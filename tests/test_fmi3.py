@@ -12,14 +12,13 @@ from lxml import etree
 
 from nervure import coupling, run
 from nervure.errors import InputError, UnitError
-from nervure.resources import KINDS
 from nervure.scene import validate
 from nervure.units import delivery, package
 from nervure.units.fmu import Unit, read_description, variables_of
-from tests.conftest import nervure
+from tests.conftest import COUPLED, nervure
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", KINDS)
+both = pytest.mark.parametrize("kind", COUPLED)
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
 
 
@@ -68,7 +67,7 @@ def test_an_fmu_has_the_folders_of_fmi_3_and_explains_itself(kind, small_fsi3, p
 
 def test_terminals_fit_each_other(fsi3, packed):
     terminals = {}
-    for kind in KINDS:
+    for kind in COUPLED:
         with zipfile.ZipFile(packed(kind, fsi3, 3)) as archive:
             found = etree.fromstring(archive.read("terminalsAndIcons/terminalsAndIcons.xml")).iter("Terminal")
         terminals[kind] = {terminal.get("name"): terminal.xpath("*/@memberName") for terminal in found}

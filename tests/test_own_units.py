@@ -12,10 +12,10 @@ from fmpy.validation import validate_fmu
 from pythonfmu.builder import FmuBuilder
 
 from nervure import coupling
-from nervure.resources import KINDS, ROOT
+from nervure.resources import ROOT
 from nervure.simulation.loop import TimeGrid
 from nervure.units.fmu import Unit
-from tests.conftest import output, run_scene
+from tests.conftest import COUPLED, output, run_scene
 
 pytestmark = [
     pytest.mark.usefixtures("libraries"),
@@ -155,7 +155,7 @@ def test_frequency_and_decay_in_the_analytic_fluid(still, own, open_unit, foreig
 
 def test_two_foreign_units_run_from_the_command_line(still, own, tmp_path):
     scene = still(1001.0)
-    fmus = {kind: own(kind, scene, True) for kind in KINDS}
+    fmus = {kind: own(kind, scene, True) for kind in COUPLED}
     path, folder = tmp_path / "scene.json", tmp_path / "results"
     path.write_text(json.dumps(scene))
     done = run_scene(path, "--output", folder, "--rod-fmu", fmus["rod"], "--fluid-fmu", fmus["fluid"])
@@ -176,7 +176,7 @@ def test_a_foreign_unit_that_dies_ends_the_run_with_its_reason(still, own, tmp_p
     scene["rod"]["gravity"] = [0.0, -1000 * WEIGHT / (FLUID_DENSITY * THICKNESS)]
     path, folder = tmp_path / "scene.json", tmp_path / "results"
     path.write_text(json.dumps(scene))
-    fmus = {kind: own(kind, scene, True) for kind in KINDS}
+    fmus = {kind: own(kind, scene, True) for kind in COUPLED}
     done = run_scene(path, "--output", folder, "--rod-fmu", fmus["rod"], "--fluid-fmu", fmus["fluid"], "--quiet")
     assert done.returncode == 1, done.stderr
     assert "but this beam is linear: 0.035 m at most" in done.stderr

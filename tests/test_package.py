@@ -7,12 +7,12 @@ import fmpy
 import pytest
 from lxml import etree
 
-from nervure.library import KINDS
 from nervure.units import package
 from nervure.units.describe import describe
+from tests.conftest import COUPLED
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", KINDS)
+both = pytest.mark.parametrize("kind", COUPLED)
 
 
 @both

@@ -9,22 +9,22 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from nervure.library import KINDS
 from nervure.scene import Scene, load
 from nervure.units import package
 from nervure.units.describe import describe
+from tests.conftest import COUPLED
 from tests.reliability.checks import CHECKS, unpack
 from tests.reliability.trials import inherited
 from tests.reliability.unit import ERROR, OK, STEP, FMU2Unit, child, tried
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", KINDS)
+both = pytest.mark.parametrize("kind", COUPLED)
 
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory, libraries):
     """The unpacked FMUs of the small scene by kind."""
-    return {kind: unpack(kind, tmp_path_factory.mktemp(kind), "flag") for kind in KINDS}
+    return {kind: unpack(kind, tmp_path_factory.mktemp(kind), "flag") for kind in COUPLED}
 
 
 @both

@@ -15,14 +15,14 @@ from lxml import etree
 from nervure import coupling
 from nervure.errors import SceneError
 from nervure.library import library
-from nervure.resources import KINDS, ROOT
+from nervure.resources import ROOT
 from nervure.units import package
 from nervure.units.describe import describe
 from nervure.units.fmu import ELEMENT
-from tests.conftest import output
+from tests.conftest import COUPLED, output
 
 pytestmark = pytest.mark.usefixtures("libraries")
-both = pytest.mark.parametrize("kind", KINDS)
+both = pytest.mark.parametrize("kind", COUPLED)
 
 
 @both

@@ -1,10 +1,10 @@
 //! Conversion of a scene to the parameters of a wing, and of its laws to poses.
 
-use scene::{RodScheme, RootLaws, WingSupport};
+use scene::{Fluid, LINE_THICKNESS_CELLS, RodScheme, RootLaws, WingSupport};
 use wing::{Error, Membrane, Parameters, Pose, Root, Scheme, Support, Vein};
 
-/// Return the parameters of the wing of a scene.
-pub fn parameters(own: &scene::Wing) -> Result<Parameters, Error> {
+/// Return the parameters of the wing of a scene, in its fluid if it has one.
+pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters, Error> {
     let mesh = own.mesh.build();
     let chain = |name: &str| mesh.chain(name).unwrap_or_default().to_vec();
     let root = Root {
@@ -40,6 +40,7 @@ pub fn parameters(own: &scene::Wing) -> Result<Parameters, Error> {
         root,
         gravity: own.gravity,
         relaxation_time: own.relaxation_time,
+        displaced_density: fluid.map_or(0.0, |fluid| fluid.density * LINE_THICKNESS_CELLS * largest_cell(fluid)),
         scheme: match own.scheme {
             RodScheme::Trapezoid => Scheme::Trapezoid,
             RodScheme::GeneralisedAlpha { rho_inf } => Scheme::GeneralisedAlpha { rho_inf },
@@ -49,6 +50,12 @@ pub fn parameters(own: &scene::Wing) -> Result<Parameters, Error> {
         max_step: own.max_step,
         mesh,
     })
+}
+
+/// Return the largest length of a cell, m.
+fn largest_cell(fluid: &Fluid) -> f64 {
+    let cells = fluid.r#box.ends().zip(&fluid.r#box.cells).map(|([low, high], cells)| (high - low) / *cells as f64);
+    cells.fold(0.0, f64::max)
 }
 
 /// Return the pose of the base at time `t`, s.

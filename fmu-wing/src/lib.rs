@@ -23,6 +23,7 @@ pub struct WingUnit {
     wing: Wing,
     energy: Energy,
     damping_power: f64,
+    crossings: usize,
     /// Node farthest from the pivot at rest.
     tip: usize,
     /// Scalar and count computed for their readers.
@@ -37,6 +38,7 @@ pub struct Parameters {
     membrane: Option<Membrane>,
     gravity: [f64; 3],
     relaxation_time: f64,
+    displaced_density: f64,
 }
 
 /// State of a unit.
@@ -49,19 +51,20 @@ pub struct State {
 
 impl WingUnit {
     fn new(scene: Scene, own: scene::Wing) -> Result<Self, Error> {
-        let parameters = from_scene::parameters(&own)?;
+        let parameters = from_scene::parameters(&own, scene.fluid.as_ref())?;
         let nodes = parameters.mesh.nodes.len();
         let distance =
             |k: &usize| -> f64 { parameters.mesh.nodes[*k].iter().zip(own.pivot).map(|(x, o)| (x - o).powi(2)).sum() };
         let tip = (0..nodes).max_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0);
         let membrane = parameters.membranes.first().copied();
-        let (gravity, relaxation_time) = (parameters.gravity, parameters.relaxation_time);
+        let wing::Parameters { gravity, relaxation_time, displaced_density, .. } = parameters;
         let mut wing = parameters.build()?;
         wing.loads = Loads { force: vec![0.0; 3 * nodes], impedance: vec![0.0; nodes] };
         let mut unit = Self {
-            parameters: Parameters { membrane, gravity, relaxation_time },
+            parameters: Parameters { membrane, gravity, relaxation_time, displaced_density },
             energy: Energy::default(),
             damping_power: 0.0,
+            crossings: 0,
             tip,
             scalar: 0.0,
             count: 0,
@@ -76,15 +79,17 @@ impl WingUnit {
 
     /// Rebuild the wing if its parameters changed.
     fn apply(&mut self) -> Result<(), Error> {
-        let Parameters { membrane, gravity, relaxation_time } = self.parameters;
+        let Parameters { membrane, gravity, relaxation_time, displaced_density } = self.parameters;
         let mut parameters = self.wing.parameters().clone();
         if parameters.membranes.first().copied() == membrane
-            && (parameters.gravity, parameters.relaxation_time) == (gravity, relaxation_time)
+            && (parameters.gravity, parameters.relaxation_time, parameters.displaced_density)
+                == (gravity, relaxation_time, displaced_density)
         {
             return Ok(());
         }
         parameters.membranes = membrane.into_iter().collect();
         (parameters.gravity, parameters.relaxation_time) = (gravity, relaxation_time);
+        parameters.displaced_density = displaced_density;
         let mut rebuilt = parameters.build()?;
         rebuilt.loads = std::mem::take(&mut self.wing.loads);
         rebuilt.base_motion = self.wing.base_motion;
@@ -100,9 +105,10 @@ impl WingUnit {
         }
     }
 
-    /// Compute the energies, which several outputs read.
+    /// Compute what several outputs read, or what a step may fail to give.
     fn publish(&mut self) -> Result<(), Error> {
         self.energy = self.wing.energy()?;
+        self.crossings = self.wing.crossings();
         self.damping_power = if self.parameters.relaxation_time > 0.0 { self.wing.damping_power()? } else { 0.0 };
         Ok(())
     }
@@ -113,9 +119,9 @@ impl WingUnit {
         from_ref(&self.scalar)
     }
 
-    /// Return a count of the last step.
-    fn count(&mut self, select: impl FnOnce(Statistics) -> usize) -> &[i32] {
-        self.count = i32::try_from(select(self.wing.statistics())).unwrap_or(i32::MAX);
+    /// Return a count for its reader.
+    fn count(&mut self, select: impl FnOnce(&Self) -> usize) -> &[i32] {
+        self.count = i32::try_from(select(self)).unwrap_or(i32::MAX);
         from_ref(&self.count)
     }
 }
@@ -129,7 +135,7 @@ impl Model for WingUnit {
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
         let Some(own) = scene.wing.clone() else { return Err(format!("the scene {:?} has no wing", scene.name)) };
-        let nodes = from_scene::parameters(&own).map_err(|e| e.to_string())?.mesh.nodes.len();
+        let nodes = from_scene::parameters(&own, None).map_err(|e| e.to_string())?.mesh.nodes.len();
         require_memory(BYTES_PER_NODE * nodes)?;
         Self::new(scene, own).map_err(|e| e.to_string())
     }

@@ -48,6 +48,12 @@ fn parameters(unit: &WingUnit) -> Vec<Variable> {
     list.push(
         Real::parameter("relaxation_time", "s", text, |m| from_mut(&mut m.parameters.relaxation_time)).at_least(0.0),
     );
+    if unit.scene.fluid.is_some() {
+        let text = "Mass of the fluid per area whose inertia the loads account for";
+        let displaced =
+            Real::parameter("displaced_density", "kg/m2", text, |m| from_mut(&mut m.parameters.displaced_density));
+        list.push(displaced.at_least(0.0));
+    }
     list.extend(along_axes(|d, axis| {
         Real::parameter(format!("gravity.{axis}"), "m/s2", "Gravity", move |m| from_mut(&mut m.parameters.gravity[d]))
     }));
@@ -125,12 +131,17 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
         }),
         Real::output("energy.kinetic", "J", "Kinetic energy", |m| from_ref(&m.energy.kinetic)),
         Real::output("energy.gravity", "J", "Potential energy in gravity, 0 at rest", |m| from_ref(&m.energy.gravity)),
-        Integer::output("newton.iterations", "Newton iterations of the last step", |m| m.count(|s| s.iterations)),
-        Integer::output("newton.substeps", "Sub-steps of the last step", |m| m.count(|s| s.substeps)),
-        Integer::output("newton.rescues", "Solves of the last step that needed a line search", |m| {
-            m.count(|s| s.rescues)
+        Integer::output("newton.iterations", "Newton iterations of the last step", |m| {
+            m.count(|m| m.wing.statistics().iterations)
         }),
-        Integer::output("newton.factorisations", "Factorisations of the last step", |m| m.count(|s| s.factorisations)),
+        Integer::output("newton.substeps", "Sub-steps of the last step", |m| m.count(|m| m.wing.statistics().substeps)),
+        Integer::output("newton.rescues", "Solves of the last step that needed a line search", |m| {
+            m.count(|m| m.wing.statistics().rescues)
+        }),
+        Integer::output("newton.factorisations", "Factorisations of the last step", |m| {
+            m.count(|m| m.wing.statistics().factorisations)
+        }),
+        Integer::output("crossings", "Pairs of triangles that cross each other", |m| m.count(|m| m.crossings)),
     ]);
     list
 }

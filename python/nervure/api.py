@@ -240,6 +240,10 @@ def _run(
         if options["fields_every"] is not None:
             session.observers.append(fields.Fields(session, options["fields_every"], console.warn))
         session.observers.append(plots.Pictures(session))
+        if mesh := session.facts.wing:
+            from nervure.output.wings import Shape
+
+            session.observers.append(Shape(session, mesh))
         if options["checkpoint_every"] is not None or all(unit.can_serialize for unit in session.units.values()):
             keeper = checkpoint.Checkpoint(session, options, console.warn)
             session.observers.append(keeper)

@@ -172,15 +172,17 @@ def build(
     fmi: Fmi = 2,
 ) -> None:
     """Pack the units of a scene without a run; in the source tree, build the libraries first."""
+    from nervure.library import kind_of
     from nervure.scene import load, read
     from nervure.units import package
-    from nervure.units.describe import describe_all
+    from nervure.units.describe import describe_all, unit_names
 
     given = read(scene_file)  # before the libraries are built, which takes a while
     if SOURCE is not None:
         command = ["cargo", "build", "--release", "--locked"]
-        if "wing" in given:  # The rod's library checks the scene
-            command += ["--package", "nervure-fmu-rod", "--package", "nervure-fmu-wing"]
+        if given.get("wing"):  # Whose library takes longer to compile than all others, so that no other scene builds it
+            kinds = {"rod", *map(kind_of, unit_names(given))}  # The rod's library checks the scene
+            command += [f"--package=nervure-fmu-{kind}" for kind in sorted(kinds)]
         try:
             built = subprocess.run(command, cwd=SOURCE)
         except FileNotFoundError:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from nervure.errors import Fault, SceneError
-from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX, WING
+from nervure.resources import BINARIES, KINDS, PLATFORM, PREFIX, ROOT, SOURCE, SUFFIX
 
 __all__ = ["KINDS", "SUFFIX", "check", "describe", "facts", "is_built", "kind_of", "library"]
 
@@ -24,7 +24,7 @@ BUFFER: list[Any] = [ctypes.c_char_p, ctypes.c_size_t, ctypes.POINTER(ctypes.c_s
 
 def kind_of(unit: str) -> str:
     """Return the kind of a unit: every unit but the fluid and a wing is a rod."""
-    return unit if unit in ("fluid", WING) else "rod"
+    return unit if unit in KINDS else "rod"
 
 
 def library(kind: str) -> Path:

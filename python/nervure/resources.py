@@ -17,8 +17,9 @@ SCENES = ROOT / "scenes"
 EXAMPLES = ("examples", "modelDescription", "scenes", "scripts")
 """Folders that `nervure examples` copies; a scene finds its schema beside it."""
 
-KINDS = ("rod", "fluid")  # Kinds of units; KIND has the library and the model identifier `fmu_KIND`
-WING = "wing"  # Kind of a unit that is alone in its scene; no wheel has its library yet
+KINDS = ("rod", "wing", "fluid")
+"""Kinds of units in the order of their steps; KIND has the library and the model identifier `fmu_KIND`."""
+
 PREFIX, SUFFIX = {"win32": ("", ".dll"), "darwin": ("lib", ".dylib")}.get(sys.platform, ("lib", ".so"))
 
 _PROCESSOR = platform.machine().lower().replace("arm64", "aarch64").replace("amd64", "x86_64")

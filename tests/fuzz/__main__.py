@@ -12,10 +12,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from nervure.files import write_csv
-from nervure.library import KINDS, kind_of
+from nervure.library import kind_of
 from nervure.resources import ROOT
 from nervure.scene import read, text
 from nervure.units.describe import unit_names
+from tests.conftest import COUPLED
 from tests.reliability.checks import unpack
 from tests.reliability.trials import header
 from tests.reliability.unit import SCENE, FMU2Unit
@@ -37,7 +38,7 @@ def write_seeds() -> None:
         files |= {
             FUZZ / f"corpus/{kind_of(unit)}_scene/{path.stem}": text(scene).encode() for unit in unit_names(scene)
         }
-    for kind in KINDS:
+    for kind in COUPLED:
         files[FUZZ / f"corpus/{kind}_scene/flag"] = text(SCENE).encode()
         with TemporaryDirectory() as folder:
             unit = FMU2Unit(kind, unpack(kind, Path(folder))).new()

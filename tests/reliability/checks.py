@@ -11,7 +11,7 @@ from nervure.units import package
 from nervure.units.describe import describe
 
 from . import calls_fmi2, calls_fmi3, files, limits, trials
-from .unit import SCENE, FMU2Unit
+from .unit import SCENE, WING, FMU2Unit
 
 SHIPPED = "fsi3-325x72"
 
@@ -47,6 +47,7 @@ CHECKS = {
 
 
 def unpack(kind: str, folder: Path, scene: str = "flag") -> Path:
-    """Unpack the FMU of the small scene `flag`, or of a shipped one."""
-    packed = package.pack(describe(kind, SCENE if scene == "flag" else load(scene)), folder)
+    """Unpack the FMU of the small scene `flag`, or of a shipped one; that of a wing is of its own small scene."""
+    given = WING if kind == "wing" else SCENE if scene == "flag" else load(scene)
+    packed = package.pack(describe(kind, given), folder)
     return Path(fmpy.extract(str(packed), str(folder / f"{kind}-{scene}")))

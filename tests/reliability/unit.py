@@ -17,8 +17,15 @@ from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 OK, WARNING, DISCARD, ERROR = range(4)
 SCENE = json.loads(Path(__file__).with_name("scene.json").read_text(encoding="utf-8"))
 """A thick flag in a stream, small enough for a million cases."""
+WING = json.loads(Path(__file__).with_name("wing.json").read_text(encoding="utf-8"))
+"""A square wing with a vein at its edge, with steps of the same length."""
 STEP = SCENE["time"]["communication_step"]
-INPUTS = {"rod": ("force_x", "force_y"), "fluid": ("x", "y", "vx", "vy")}  # Inputs that the checks change
+INPUTS = {
+    "rod": ("force_x", "force_y"),
+    "wing": ("force_x", "force_y", "force_z"),
+    "fluid": ("x", "y", "vx", "vy"),
+}
+"""Inputs that the checks change."""
 
 
 class FMU2Unit(FMU2Slave):  # fmpy takes the version of FMI from the name of the class

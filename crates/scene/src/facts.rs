@@ -16,6 +16,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use mesh::Mesh;
 use serde::Serialize;
 
 use crate::beam::{Beam, Surface};
@@ -26,6 +27,7 @@ use crate::law_warnings;
 use crate::root::RootMotion;
 use crate::scene::{BeamWithRod, Scene};
 use crate::warnings::{Warning, warnings};
+use crate::wing::Wing;
 
 /// Relative part by which a step may exceed a limit without being divided.
 const ROUNDING: f64 = 1e-9;
@@ -45,6 +47,9 @@ pub struct Facts {
     /// Areas that the coefficients of bodies in space refer to, by the name of their force, m².
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub areas: BTreeMap<String, f64>,
+    /// Mesh of the wing; absent without one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wing: Option<WingFacts>,
     /// Number of steps that the fluid is expected to make in a communication step.
     pub fluid_steps: u64,
     /// What may be a mistake.
@@ -62,6 +67,19 @@ pub struct BeamFacts {
     pub bending_stiffness: Option<Vec<f64>>,
     /// Whether the fluid meets the beam as a line.
     pub line: bool,
+}
+
+/// Mesh of a wing at rest; nodes are counted from 0.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WingFacts {
+    /// Positions of the nodes, m.
+    pub nodes: Vec<[f64; 3]>,
+    /// Corners of the triangles.
+    pub triangles: Vec<[usize; 3]>,
+    /// Nodes of each vein from base to tip.
+    pub veins: Vec<Vec<usize>>,
+    /// Held nodes.
+    pub root: Vec<usize>,
 }
 
 /// Facts of a law of time.
@@ -152,7 +170,8 @@ impl Scene {
         };
         let mut warnings = warnings(self, dimensionless.as_ref().and_then(|numbers| numbers.reynolds));
         warnings.extend(law_warnings::of(self));
-        Facts { beams, laws: laws(self), dimensionless, areas: areas(self), fluid_steps, warnings }
+        let wing = self.wing.as_ref().map(wing_facts);
+        Facts { beams, laws: laws(self), dimensionless, areas: areas(self), wing, fluid_steps, warnings }
     }
 }
 
@@ -164,6 +183,17 @@ fn beam_facts(scene: &Scene, BeamWithRod { beam, rod, .. }: &BeamWithRod) -> Bea
         line_density: sections.as_ref().map(|all| all.iter().map(|section| section.line_density).collect()),
         bending_stiffness: sections.as_ref().map(|all| all.iter().map(|section| section.bending_stiffness).collect()),
         line: scene.fluid.is_some() && beam.surface == Surface::Line,
+    }
+}
+
+fn wing_facts(wing: &Wing) -> WingFacts {
+    let Mesh { nodes, triangles, chains } = wing.mesh.build();
+    let chain = |name: &String| chains.iter().find(|own| own.name == *name).map(|own| own.nodes.clone());
+    WingFacts {
+        veins: wing.veins.iter().filter_map(|vein| chain(&vein.chain)).collect(),
+        root: wing.root.as_ref().and_then(chain).unwrap_or_default(),
+        nodes,
+        triangles,
     }
 }
 

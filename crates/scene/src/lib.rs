@@ -40,7 +40,7 @@ mod wing;
 pub use beam::{Beam, Root, Surface};
 pub use body::{Axis, Body, BodyDrive, BodyMotion, ByMaster, Ends, Mount, Shape, Support, Turn};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
-pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution};
+pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts};
 pub use fault::{Fault, FaultKind, SceneError};
 pub use fluid::{Channel, Cylinder, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, Motion, Probe, Sponge};
 pub use law::TimeLaw;

@@ -12,6 +12,7 @@
 
 #![forbid(unsafe_code)]
 
+mod crossings;
 mod elastic;
 mod error;
 mod face;

@@ -87,6 +87,10 @@ pub struct Parameters {
     /// Forces are those of the strain plus τ times its rate (Kelvin–Voigt), so a rigid motion is not damped. A mode of
     /// circular frequency ω has the damping ratio τ ω/2. Bending of veins is not damped.
     pub relaxation_time: f64,
+    /// Mass of the fluid that moves with the membrane, per area, kg/m², if the loads account for its inertia.
+    ///
+    /// The membrane carries the mass that it has more, at least a thousandth of its own; gravity pulls all of it.
+    pub displaced_density: f64,
     /// Time scheme.
     pub scheme: Scheme,
     /// Longest sub-step, s.
@@ -131,6 +135,7 @@ impl Parameters {
             root: Root::default(),
             gravity: [0.0; 3],
             relaxation_time: 0.0,
+            displaced_density: 0.0,
             scheme: Scheme::default(),
             max_step: None,
         }
@@ -167,6 +172,7 @@ impl Parameters {
                 return Err(Error::value(name, membrane.poisson_ratio, "between −1 and 1"));
             }
         }
+        not_negative("displaced_density".into(), self.displaced_density)?;
         let triangles = self.mesh.triangles.len();
         if !self.regions.is_empty() && self.regions.len() != triangles {
             return Err(Error::Length { name: "regions".into(), length: self.regions.len(), expected: triangles });

@@ -241,6 +241,11 @@ impl Wing {
 
     /// Set accelerations and net forces before the first step: M a = F on the free nodes, by conjugate gradients.
     fn start(&mut self) -> Result<(), Error> {
+        if self.parameters.displaced_density > 0.0 {
+            // The fluid that moves with the wing tells of its inertia in the loads, which are not known yet.
+            self.state.loads.copy_from_slice(&self.force);
+            return Ok(());
+        }
         let Self { elastic, state, force, problem, guess, product, held, masses, .. } = self;
         let (residual, direction) = (&mut problem.load, guess);
         elastic.gradient(&state.positions, &state.velocities, product)?;

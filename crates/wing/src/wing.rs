@@ -1,6 +1,7 @@
 //! The wing: parameters, state, loads and results.
 
 use crate::Error;
+use crate::crossings::Crossings;
 use crate::elastic::Elastic;
 use crate::geometry::{Geometry, Vector};
 use crate::loads::Loads;
@@ -10,10 +11,13 @@ use crate::pose::Pose;
 use crate::state::State;
 use crate::system::System;
 
+/// Least mass of the membrane without the displaced fluid, by its own: the mass matrix stays positive definite.
+const LEAST_MASS: f64 = 1e-3;
+
 /// Energies, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Energy {
-    /// Kinetic energy.
+    /// Kinetic energy, without the displaced fluid.
     pub kinetic: f64,
     /// Energy of the strain of the membrane, with its tension.
     pub stretching: f64,
@@ -44,7 +48,7 @@ pub struct Wing {
     pub(crate) held: Vec<bool>,
     /// Nodes at rest, m: `[nodes]`.
     pub(crate) rest: Vec<Vector>,
-    /// Sum of the rows of the mass matrix, kg: `[nodes]`.
+    /// Sum of the rows of the mass matrix with the displaced fluid, kg: `[nodes]`.
     pub(crate) masses: Vec<f64>,
     pub(crate) state: State,
     pub(crate) statistics: Statistics,
@@ -52,6 +56,7 @@ pub struct Wing {
     positions: Vec<f64>,
     velocities: Vec<f64>,
     pub(crate) newton: Newton,
+    crossings: Crossings,
     pub(crate) problem: Problem,
     /// State before the step and before the sub-step.
     pub(crate) before: State,
@@ -80,7 +85,7 @@ impl Wing {
             return Err(Error::value("root.nodes", "all nodes", "at most all nodes but one"));
         }
         let rest: Vec<_> = (0..nodes).map(|k| parameters.mesh.node(k)).collect();
-        let elastic = Elastic::new(&parameters, &held)?;
+        let mut elastic = Elastic::new(&parameters, &held)?;
         let system = System::new(&elastic, &held)?;
         let middle = rest.iter().sum::<Vector>() / nodes as f64;
         let size = rest.iter().fold(0.0_f64, |size, x| size.max((x - middle).norm()));
@@ -89,7 +94,13 @@ impl Wing {
         let (mut ones, mut product) = (zeros.clone(), zeros.clone());
         ones.fill(Vector::repeat(1.0));
         elastic.mass_times(&ones, &mut product);
+        let masses = product.iter().map(|mass| mass.x).collect();
+        for (t, face) in elastic.faces.iter_mut().enumerate() {
+            let own = parameters.membrane(t).areal_density;
+            face.mass -= face.area * parameters.displaced_density.min((1.0 - LEAST_MASS) * own);
+        }
         let mut wing = Self {
+            crossings: Crossings::new(elastic.faces.len()),
             loads: Loads::default(),
             base_motion: None,
             newton: Newton::new(system, &elastic, nodes, size),
@@ -101,7 +112,7 @@ impl Wing {
                 rate: 0.0,
                 velocity: zeros.clone(),
             },
-            masses: product.iter().map(|mass| mass.x).collect(),
+            masses,
             elastic,
             held,
             before: state.clone(),
@@ -200,6 +211,11 @@ impl Wing {
         self.guess.fill(Vector::zeros());
         self.elastic.gradient(&x, &self.guess, &mut self.product)?;
         Ok(self.product.iter().map(|force| (-force).into()).collect())
+    }
+
+    /// Return the number of pairs of triangles that cross each other: nothing holds the parts of a wing apart.
+    pub fn crossings(&mut self) -> usize {
+        self.crossings.count(&self.elastic.faces, &self.state.positions)
     }
 
     /// Return the effort of the last step.

@@ -212,3 +212,75 @@ fn the_trapezoid_keeps_the_energy_of_a_free_wing_over_a_hundred_periods() {
         assert!(worst < allowed, "{scheme:?}: {worst}");
     }
 }
+
+/// A strip in the shape (1 + b cos θ)(cos θ, sin θ), which crosses itself where b > 1.
+fn bent(b: f64) -> usize {
+    let mesh = rectangle(1.0, 0.1, 40);
+    let mut wing = Parameters::new(mesh, Membrane::plate(1e6, 0.3, 1e-3, 1000.0)).build().expect("a wing");
+    let mut state = wing.state().clone();
+    for x in &mut state.positions {
+        let theta = 0.2 + 5.8 * x[0];
+        let r = 1.0 + b * theta.cos();
+        (x[0], x[2]) = (r * theta.cos(), r * theta.sin());
+    }
+    wing.restore(&state).expect("a state");
+    wing.crossings()
+}
+
+#[test]
+fn a_wing_that_crosses_itself_is_seen() {
+    let (open, closed) = (bent(0.5), bent(2.0));
+    println!("{open} and {closed} pairs");
+    assert!(open == 0 && (4..100).contains(&closed));
+}
+
+#[test]
+fn a_wing_lighter_than_the_fluid_that_moves_with_it_follows_impedance_and_feels_its_whole_weight() {
+    let membrane = Membrane::plate(1e6, 0.3, 1e-3, 1000.0);
+    let gravity = [0.0, 0.0, -9.81];
+    let parameters =
+        Parameters { gravity, displaced_density: 2.0, ..Parameters::new(rectangle(0.2, 0.1, 4), membrane) };
+    let mut wing = parameters.build().expect("a wing");
+    let rate = 500.0; // 1/s
+    wing.loads.impedance = wing.masses().iter().map(|mass| rate * mass).collect();
+    for step in 1..4 {
+        wing.step(1e-3).expect("a step");
+        let (low, high) = wing.velocities(2).iter().fold((0.0_f64, -9.0_f64), |(l, h), v| (l.min(*v), h.max(*v)));
+        let expected = -9.81 / rate * f64::from(step);
+        println!("{low} to {high}, {expected} without mass");
+        assert!((low / expected - 1.0).abs() < 0.01 && (high / expected - 1.0).abs() < 0.01);
+    }
+}
+
+#[test]
+fn a_held_node_has_the_acceleration_of_its_base() {
+    let mesh = rectangle(0.2, 0.1, 4);
+    let root = Root { nodes: mesh.chain("root").expect("a root").to_vec(), ..Root::default() };
+    let mut wing =
+        Parameters { root, ..Parameters::new(mesh, Membrane::plate(1e8, 0.3, 1e-3, 1000.0)) }.build().expect("a wing");
+    // φ = sin 20 t about y, so that its second derivative is −400 sin 20 t.
+    let (dt, pose) = (1e-3, |t: f64| turned((20.0 * t).sin(), 20.0 * (20.0 * t).cos()));
+    wing.place(pose(0.0)).expect("a place");
+    for step in 1..=40 {
+        let t = dt * f64::from(step);
+        wing.base_motion = Some(pose(t));
+        wing.step(dt).expect("a step");
+        let (phi, omega, alpha) = ((20.0 * t).sin(), 20.0 * (20.0 * t).cos(), -400.0 * (20.0 * t).sin());
+        for &k in &wing.parameters().root.nodes {
+            let [x, y, z] = wing.parameters().mesh.nodes[k];
+            let state = wing.state();
+            let (omegas, arm) = (state.pose.angular_velocity, turned(phi, omega).rotation);
+            let r: [f64; 3] = std::array::from_fn(|i| arm[i][0] * x + arm[i][1] * y + arm[i][2] * z);
+            let axis: [f64; 3] = std::array::from_fn(|i| omegas[i] / omega);
+            let cross = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] {
+                std::array::from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+            };
+            let (around, inward) = (cross(axis, r), cross(axis, cross(axis, r)));
+            for i in 0..3 {
+                let exact = alpha * around[i] + omega * omega * inward[i];
+                let found = state.accelerations[k][i];
+                assert!((found - exact).abs() < 0.05, "{found} is not {exact} at {t} s");
+            }
+        }
+    }
+}

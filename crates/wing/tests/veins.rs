@@ -13,6 +13,7 @@ fn chain(vein: Vein, count: usize, length: f64, root: Root) -> Wing {
         root,
         gravity: [0.0, 0.0, -9.81],
         relaxation_time: 0.0,
+        displaced_density: 0.0,
         scheme: Scheme::default(),
         max_step: None,
     };
@@ -66,6 +67,7 @@ fn a_hanging_chain_is_a_catenary() {
         root,
         gravity: [0.0, 0.0, -9.81],
         relaxation_time: 0.0,
+        displaced_density: 0.0,
         scheme: Scheme::default(),
         max_step: None,
     };

@@ -54,5 +54,6 @@ def couple(
         made = (Explicit if scheme == "explicit" else ParallelExplicit)(rods, fluid, drive, guards)
         name = scheme
     made.foreign = [unit for name, unit in units.items() if name in foreign]
-    made.choice = Choice(load, reason_of(rods) or "the rod has no other input", name, reason)
+    only = f"the {'wing' if 'wing' in units else 'rod'} has no other input"
+    made.choice = Choice(load, reason_of(rods) or only, name, reason)
     return made

@@ -59,6 +59,7 @@ class EnergyGuard:
 
     def __init__(self, guards: Guards, rod: Unit, fluid: Unit, beam: str = "beam", parallel: bool = False):
         self.guards, self.rod, self.fluid, self.parallel = guards, rod, fluid, parallel
+        self.is_beam = beam != "wing"
         self.momentum = takes_momentum(rod)
         self.power_on_rod = _index(rod, "load.power")
         self.power_from_fluid = _index(fluid, f"{beam}.power") if self.momentum else 0
@@ -103,7 +104,10 @@ class EnergyGuard:
         if self.momentum and self.parallel:
             return "take the scheme explicit: in parallel the fluid sees the rod a step late"
         if self.momentum:
-            shorter, close = f"take a `time.communication_step` of {_below(h / 2)} s", self._too_close()
+            shorter = f"take a `time.communication_step` of {_below(h / 2)} s"
+            if not self.is_beam:
+                return f"{shorter}, or a wing whose nodes are farther apart than 1.5 cells"
+            close = self._too_close()
             if self.limits and self.limits.line:
                 return self._divided(h) or f"{shorter} or finer `fluid.box.cells`{f', or {close}' if close else ''}"
             return self._divided(h) or close or shorter

@@ -24,7 +24,7 @@ from nervure.coupling.acceleration import Aitken, IqnIls
 from nervure.coupling.foreign import RepeatedSteps, StationWatch
 from nervure.coupling.guards import CouplingError, EnergyGuard, guarded_outputs, takes_momentum
 from nervure.scene.types import Guards, Iterated as Iteration
-from nervure.units.fmu import Unit, beam_prefixes
+from nervure.units.fmu import Unit, prefixes
 
 STATION_ROUNDING = 1e-12
 """Residual, relative to the positions of the stations, that counts as converged: about the error of a rod's solver."""
@@ -156,7 +156,7 @@ class Link:
 
 
 class Explicit(Scheme):
-    """One exchange a step: the rods step first, then the fluid."""
+    """One exchange a step: the rods step first, then the fluid. A wing is exchanged as a rod."""
 
     parallel = False
     """Whether the fluid steps with the stations at the beginning of the step."""
@@ -167,21 +167,21 @@ class Explicit(Scheme):
     def __init__(self, rods: Sequence[Unit], fluid: Unit, drive: Drive | None = None, guards: Guards | None = None):
         self.rods, self.fluid, self.drive = list(rods), fluid, drive
         self.units = [*self.rods, fluid]
+        self.prefixes = prefixes(len(self.rods), wing="wing.x" in fluid.variables)
         self.links = self._connect(guards)
         if guards:
-            several = len(self.rods) > 1
             self.guards = [
-                EnergyGuard(guards, rod, fluid, f"beam[{i}]" if several else "beam", self.parallel)
-                for i, rod in enumerate(self.rods, 1)
+                EnergyGuard(guards, rod, fluid, beam.removesuffix(".") or "beam", self.parallel)
+                for rod, beam in zip(self.rods, self.prefixes, strict=True)
             ]
 
     def _connect(self, guards: Guards | None) -> list[Link]:
         """Connect the units; the fluid's buffers hold one rod after the other."""
-        prefixes = beam_prefixes(len(self.rods))
+        places = self.prefixes
         stations: list[list[str]] = []
         loads: list[list[str]] = []
         powers: list[str] = []  # Of the fluid
-        for rod, beam in zip(self.rods, prefixes, strict=True):
+        for rod, beam in zip(self.rods, places, strict=True):
             loads.append(connections(self.fluid, rod, prefix_at_source=beam))
             stations.append(connections(rod, self.fluid, prefix_at_target=beam))
             check_drive(rod, self.drive)
@@ -189,8 +189,8 @@ class Explicit(Scheme):
             on_rod, from_fluid = guarded_outputs(rod, beam or "beam.") if guards else ([], [])
             rod.connect(loads[-1] + root, stations[-1], [name for name in on_rod if name in rod.variables])
             powers += [name for name in from_fluid if name in self.fluid.variables]
-        here = [[beam + name for name in names] for beam, names in zip(prefixes, stations, strict=True)]
-        there = [[beam + name for name in names] for beam, names in zip(prefixes, loads, strict=True)]
+        here = [[beam + name for name in names] for beam, names in zip(places, stations, strict=True)]
+        there = [[beam + name for name in names] for beam, names in zip(places, loads, strict=True)]
         known = [name for names in here for name in names]
         check_drive(self.fluid, self.drive)
         bodies = driven_inputs(self.fluid)

@@ -1,7 +1,7 @@
 """Animation and phases of a run with --fields-every.
 
 vorticity.gif repeats the last whole periods without a seam, vorticity.mp4 shows them where imageio-ffmpeg is installed,
-and phases.png has four phases of the last period. A rod alone has motion.png and motion.gif of the last period instead.
+and phases.png has four phases of the last period. A rod alone and a wing have motion.png and motion.gif of their own.
 A fluid in space has vortices.png and vortices.gif, too, where pyvista is installed.
 """
 
@@ -25,15 +25,17 @@ from nervure.extras import require
 from nervure.files import write_whole
 from nervure.output import console, fields, flow, layout, plots, title, vortices
 from nervure.output.motion import RodPicture
+from nervure.output.wings import WingPicture
 from nervure.scene import beams, validate
 from nervure.scene.facts import Facts
 from nervure.simulation import results
-from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
+from nervure.simulation.results import FLUID_FIELDS, WING_FIELDS
 
 PERIODS = 2  # Whole periods in the animation, unless times are given
 PHASES = 4
 FILM = 60  # Largest number of frames in motion.gif
-SHAPES = 24  # Largest number of shapes in motion.png
+SHAPES = 24  # Largest number of shapes of a rod in motion.png
+WINGS = 5  # Number of shapes of a wing in motion.png
 SAMPLES = 8  # Frames that set the colour scale
 WIDTH, DPI = 7.5, 100  # Width of the animation, in, and points an inch
 FRAME_MS = 60  # Duration of a frame, ms
@@ -50,9 +52,11 @@ class Frames:
         self.folder = folder
         if not results.field_files(folder):
             raise InputError(f"{folder} holds no fields: `nervure run` writes them with --fields-every")
-        alone = not (folder / FLUID_FIELDS).exists() and (folder / BEAM_FIELDS).exists()
-        self.fluid: Any = None if alone else h5py.File(folder / FLUID_FIELDS)
-        first: Any = h5py.File(folder / BEAM_FIELDS) if alone else self.fluid
+        there = [name for name in results.FIELDS if (folder / name).exists()] or [FLUID_FIELDS]
+        files: dict[str, Any] = {name: h5py.File(folder / name) for name in there}
+        first = files[there[0]]
+        self.fluid: Any = files.get(FLUID_FIELDS)
+        self.wing: Any = files.get(WING_FIELDS)
         self.scene = scene = validate(json.loads(first[fields.SCENE][()]))
         self.times = first["VTKHDF/Steps/Values"][: first["VTKHDF/Steps"].attrs["NSteps"]]
         self.beams: list[Any] = [h5py.File(folder / fields.beam_file(own))["VTKHDF"] for own in beams(scene)]
@@ -137,8 +141,8 @@ class Frames:
 
 def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     """Write vorticity.gif and vorticity.mp4 of the times from `begin` to `end` (s), and phases.png, into a result
-    folder; of a rod alone motion.png, motion.gif and motion.mp4; of a fluid in space also vortices.png, vortices.gif
-    and vortices.mp4 where pyvista is installed. Return their paths."""
+    folder; of a rod alone or a wing motion.png, motion.gif and motion.mp4; of a fluid in space also vortices.png,
+    vortices.gif and vortices.mp4 where pyvista is installed. Return their paths."""
     try:
         frames = Frames(folder)
     except (OSError, KeyError) as error:
@@ -157,6 +161,9 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
         raise InputError(
             f"no frames from {first:g} s to {stop:g} s: the run has {frames.times[0]:g} to {frames.times[-1]:g} s"
         )
+    of_wing = wing_motion(frames, chosen, folder) if frames.wing is not None else []
+    if frames.fluid is None and of_wing:
+        return of_wing
     if frames.fluid is None:
         shown = chosen if begin is not None or end is not None else frames.between(last.begin, last.end)
         motion(frames, shown, folder / "motion.png")
@@ -167,7 +174,7 @@ def write(folder: Path, begin: float | None, end: float | None) -> list[Path]:
     at = last.begin + (last.end - last.begin) * np.arange(PHASES) / PHASES
     nearest = [int(np.argmin(np.abs(frames.times - time))) for time in at]
     phases(frames, nearest, limit, folder / "phases.png")
-    written = [folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
+    written = [*of_wing, folder / "phases.png", *_films(folder / "vorticity", render(frames, chosen, limit))]
     if frames.scene.fluid and frames.scene.fluid.box.z:
         try:
             require("pyvista", "vortices.gif")
@@ -283,6 +290,34 @@ def render_rod(frames: Frames, chosen: list[int]) -> list[np.ndarray]:
         canvas.draw()
         pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
     return pictures
+
+
+def wing_motion(frames: Frames, chosen: list[int], folder: Path) -> list[Path]:
+    """Write motion.png and the films of a wing with the path of its tip, the node farthest from the pivot at rest."""
+    scene, mesh = frames.scene, Facts(frames.scene).wing
+    assert scene.wing is not None and mesh is not None, "the file is of a wing"
+    count = len(mesh.nodes)
+    shapes = np.array(frames.wing["VTKHDF/Points"][: len(frames.times) * count]).reshape(-1, count, 3)[chosen]
+    tip = int(np.argmax(np.linalg.norm(mesh.nodes - scene.wing.pivot, axis=1)))
+    still = WingPicture(scene, mesh, shapes, plots.WIDTH)
+    for number in np.unique(np.linspace(0, len(chosen) - 1, WINGS).round().astype(int))[:-1]:
+        still.add(shapes[number])
+    still.draw_path(shapes[:, tip])
+    still.show(shapes[-1])
+    first, last = (f"{frames.times[chosen[end]]:.3g}" for end in (0, -1))
+    still.said.set_text(f"t = {first} to {last} {still.clock}")
+    plots.save(still.figure, folder / "motion.png")
+
+    picture = WingPicture(scene, mesh, shapes, WIDTH)
+    picture.draw_path(shapes[:, tip])
+    picture.figure.set_dpi(DPI)
+    canvas, pictures = FigureCanvasAgg(picture.figure), []
+    for place in range(0, len(chosen), -(-len(chosen) // FILM)):
+        picture.show(shapes[place])
+        picture.said.set_text(frames.title(chosen[place]))
+        canvas.draw()
+        pictures.append(np.asarray(canvas.buffer_rgba())[..., :3].copy())
+    return [folder / "motion.png", *_films(folder / "motion", pictures)]
 
 
 def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:

@@ -15,7 +15,7 @@ from nervure.extras import require
 from nervure.scene import Own, Scene, text
 from nervure.scene.types import Fluid
 from nervure.simulation.loop import Observer, TimeLoop
-from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
+from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS, WING_FIELDS
 from nervure.simulation.session import Session
 from nervure.simulation.summary import RunStatus
 from nervure.units.fmu import Unit
@@ -33,6 +33,11 @@ def station_positions(units: dict[str, Unit], own: Own) -> np.ndarray:
     """Return the present positions of a beam's stations, `[n, 2]`, or `[n, 3]` in space."""
     unit = units.get(own.unit) or units["fluid"]
     return np.column_stack([unit.read(name) for name in "xyz" if name in unit.variables])
+
+
+def wing_nodes(unit: Unit) -> np.ndarray:
+    """Return the present positions of a wing's nodes, `[n, 3]`."""
+    return np.column_stack([unit.read(axis) for axis in "xyz"])
 
 
 def outline(centre_line: np.ndarray, thickness: np.ndarray) -> np.ndarray:
@@ -87,13 +92,15 @@ class Fields(Observer):
         self.stride, self.warn = max(1, round(interval / grid.communication_step)), warn
         frames, known = grid.steps // self.stride + 1, session.steps // self.stride + 1 if session.steps else 0
         shows = scene.fluid if "fluid" in units and units["fluid"].shown_field("u") is not None else None
-        if not shows and not session.facts.beams:
-            raise SceneError("--fields-every needs a beam or a fluid that shows its fields (fmu_field)")
-        self.files: list[Grid | Beam] = []
+        if not shows and not session.facts.beams and not scene.wing:
+            raise SceneError("--fields-every needs a beam, a wing or a fluid that shows its fields (fmu_field)")
+        self.files: list[Grid | Moving] = []
         if shows:
             self.files.append(Grid(folder / FLUID_FIELDS, scene, shows, units["fluid"], frames, known))
         for own in session.facts.beams:
             self.files.append(Beam(session, own, frames, known))
+        if session.facts.wing:
+            self.files.append(Wing(session, session.facts.wing.triangles, frames, known))
         session.stale_files -= {file.path for file in self.files}
 
     def step(self, loop: TimeLoop) -> None:
@@ -189,38 +196,63 @@ class Grid(Series):
         self._count(frame + 1, time)
 
 
-class Beam(Series):
-    """A beam as PolyData: its outline in the plane, its centre line in space."""
+class Moving(Series):
+    """A body whose points move, as PolyData with the same cells in every frame."""
+
+    def _points(self) -> np.ndarray:
+        """Return the present points, `[n, 3]`."""
+        raise NotImplementedError
+
+    def _lay_out(self, shape: str, cells: np.ndarray, frames: int) -> None:
+        """Lay out a file for `cells` of a kind `shape`, `[cells, corners]`."""
+        n, (count, corners) = len(self._points()), cells.shape
+        self.root.attrs["Type"] = np.bytes_("PolyData")
+        self.root["NumberOfPoints"] = np.full(1, n)
+        self._place(self.root, "Points", (frames * n, 3))
+        for kind in CELL_KINDS:
+            group, here = self.root.create_group(kind), count if kind == shape else 0
+            group["NumberOfCells"] = np.full(1, here)
+            group["NumberOfConnectivityIds"] = np.full(1, here * corners)
+            group["Offsets"] = np.arange(here + 1) * corners
+            group["Connectivity"] = cells.ravel()[: here * corners]
+        self.steps["PartOffsets"] = np.zeros(frames, int)
+        self.steps["NumberOfParts"] = np.ones(frames, int)
+        self.steps["PointOffsets"] = np.arange(frames) * n
+        for name in ("CellOffsets", "ConnectivityIdOffsets"):
+            self.steps[name] = np.zeros((frames, len(CELL_KINDS)), int)
+        self.file.flush()
+
+    def write(self, frame: int, time: float) -> None:
+        """Write the points at `time` (s) as frame number `frame`."""
+        points = self._points()
+        self.root["Points"][frame * len(points) : (frame + 1) * len(points)] = points
+        self._count(frame + 1, time)
+
+
+class Beam(Moving):
+    """A beam: its outline in the plane, its centre line in space."""
 
     def __init__(self, session: Session, own: Own, frames: int, known: int):
         super().__init__(session.folder / beam_file(own), session.scene, frames, known)
         units = session.units
         self.units, self.own, self.thickness = units, own, session.facts.thickness[own.force]
         if not known:
-            n = len(self._points())
-            self.root.attrs["Type"] = np.bytes_("PolyData")
-            self.root["NumberOfPoints"] = np.full(1, n)
-            self._place(self.root, "Points", (frames * n, 3))
             shape = "Polygons" if station_positions(units, own).shape[1] == 2 else "Lines"
-            for kind in CELL_KINDS:
-                group, cells = self.root.create_group(kind), int(kind == shape)
-                group["NumberOfCells"] = np.full(1, cells)
-                group["NumberOfConnectivityIds"] = np.full(1, cells * n)
-                group["Offsets"] = np.arange(cells + 1) * n
-                group["Connectivity"] = np.arange(cells * n)
-            self.steps["PartOffsets"] = np.zeros(frames, int)
-            self.steps["NumberOfParts"] = np.ones(frames, int)
-            self.steps["PointOffsets"] = np.arange(frames) * n
-            for name in ("CellOffsets", "ConnectivityIdOffsets"):
-                self.steps[name] = np.zeros((frames, len(CELL_KINDS)), int)
-            self.file.flush()
+            self._lay_out(shape, np.arange(len(self._points()))[None], frames)
 
     def _points(self) -> np.ndarray:
         points = station_positions(self.units, self.own)
         return points if points.shape[1] == 3 else np.pad(outline(points, self.thickness), ((0, 0), (0, 1)))
 
-    def write(self, frame: int, time: float) -> None:
-        """Write the beam at `time` (s) as frame number `frame`."""
-        points = self._points()
-        self.root["Points"][frame * len(points) : (frame + 1) * len(points)] = points
-        self._count(frame + 1, time)
+
+class Wing(Moving):
+    """The triangles of a wing."""
+
+    def __init__(self, session: Session, triangles: np.ndarray, frames: int, known: int):
+        super().__init__(session.folder / WING_FIELDS, session.scene, frames, known)
+        self.unit = session.units["wing"]
+        if not known:
+            self._lay_out("Polygons", triangles, frames)
+
+    def _points(self) -> np.ndarray:
+        return wing_nodes(self.unit)

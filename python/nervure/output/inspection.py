@@ -107,6 +107,10 @@ def show_scene(console: Console, scene: Scene) -> None:
         beam, ends = own.beam, dict.fromkeys(f"{h:g}" for h in session.facts.thickness[own.force][[0, -1]])
         size = f"{beam.length:g} x {' to '.join(ends)} m, {beam.segments} segments, {stations[own.unit]} stations"
         rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
+    if mesh := session.facts.wing:
+        size = f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} triangles, {len(mesh.veins)} veins"
+        wings = importlib.import_module("nervure.output.wings")  # Drawing in space is slow to import
+        rows += [("wing", size), ("picture", str(wings.save_mesh(session, mesh)))]
     recorder = session.recorder
     rows += forecast.rows(session)
     rows.append(("series.csv", f"{len(recorder.table)} rows of {len(recorder.columns)} columns"))

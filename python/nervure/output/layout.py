@@ -31,14 +31,14 @@ def grid(width: float, columns: Sequence[float], rows: Sequence[float], top: flo
         for column, wide in enumerate(columns):
             place = (x / width, y / height, scale * wide / width, scale * high / height)
             axes[row, column] = axis = figure.add_axes(place)
-            axis.xaxis.set_major_locator(_ticks(scale * wide / TICK[0]))
-            axis.yaxis.set_major_locator(_ticks(scale * high / TICK[1]))
+            axis.xaxis.set_major_locator(ticks(scale * wide / TICK[0]))
+            axis.yaxis.set_major_locator(ticks(scale * high / TICK[1]))
             x += scale * wide + GAPS[0]
         y -= GAPS[1]
     return figure, axes
 
 
-def _ticks(most: float) -> MaxNLocator:
+def ticks(most: float) -> MaxNLocator:
     return MaxNLocator(min(10, max(2, int(most))), steps=STEPS)
 
 
@@ -58,5 +58,5 @@ def bar(figure: Figure, axes: np.ndarray) -> tuple[Axes, float, MaxNLocator]:
     low, high = axes[-1, -1].get_position(), axes[0, 0].get_position()
     width, inches = figure.get_figwidth(), (high.y1 - low.y0) * figure.get_figheight()
     place = figure.add_axes((low.x1 + ASIDE / width, low.y0, BAR / width, high.y1 - low.y0))
-    ticks = MaxNLocator(min(8, max(2, int(inches / TICK[1]))), steps=STEPS)
-    return place, min(0.1, 1.5 * BAR / inches), ticks
+    located = MaxNLocator(min(8, max(2, int(inches / TICK[1]))), steps=STEPS)
+    return place, min(0.1, 1.5 * BAR / inches), located

@@ -46,6 +46,7 @@ def write(folder: Path, runs: Sequence[Results]) -> list[Path]:
     folders, or by their paths where names are equal. Return the paths written."""
     first, *others = runs
     tips = [column for run in runs for own in run.facts.beams for column in (own.prefix + name for name in TIP)]
+    tips += [name for run in runs if run.scene.wing for name in TIP]
     named = {run.folder.resolve().name: run for run in runs}
     labelled = named if len(named) == len(runs) else {str(run.folder): run for run in runs}
     written = []

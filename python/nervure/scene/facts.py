@@ -57,6 +57,16 @@ class Dimensionless:
     mounts: dict[str, Mount]  # Of the bodies on springs, by the same names
 
 
+@dataclass(frozen=True, kw_only=True)
+class WingMesh:
+    """The mesh of a wing at rest; nodes are counted from 0."""
+
+    nodes: np.ndarray  # m, `[n, 3]`
+    triangles: np.ndarray  # Corners, `[triangles, 3]`
+    veins: list[np.ndarray]  # Nodes of each vein from base to tip
+    root: np.ndarray  # Held nodes
+
+
 class Facts:
     """A scene and everything that follows from it. The library is asked once, when the first fact is needed; it raises
     `SceneError` with the faults of the scene."""
@@ -105,6 +115,18 @@ class Facts:
     def areas(self) -> dict[str, float]:
         """Areas that the coefficients of bodies in space refer to, by the names of their forces, m²."""
         return dict(self._found.get("areas", {}))
+
+    @cached_property
+    def wing(self) -> WingMesh | None:
+        """The mesh of the wing; None without one."""
+        if (found := self._found.get("wing")) is None:
+            return None
+        return WingMesh(
+            nodes=np.array(found["nodes"]),
+            triangles=np.array(found["triangles"], int).reshape(-1, 3),
+            veins=[np.array(nodes, int) for nodes in found["veins"]],
+            root=np.array(found["root"], int),
+        )
 
     @property
     def fluid_steps(self) -> int:

@@ -11,7 +11,7 @@ from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.units import package
 from nervure.units.describe import describe, unit_label
-from nervure.units.fmu import Unit, Variable, beam_prefixes, read_description, variables_of
+from nervure.units.fmu import Unit, Variable, prefixes, read_description, variables_of
 
 STATION_TOLERANCE = 1e-4  # Largest distance of a station from its place in the scene, in lengths of the beam
 PARAMETER_TOLERANCE = 1e-3  # Largest relative difference of a parameter that the other unit has too
@@ -25,7 +25,8 @@ def check_fit(scene: Scene, units: Mapping[str, Unit], foreign: Collection[str])
         given = units[name]
         with TemporaryDirectory() as place:
             own = package.lay_out(describe(name, scene), Path(place))
-            fault = _fluid_fault(own, given, len(scene.rods) or 1) if name == "fluid" else _rod_fault(own, given)
+            bodies = prefixes(len(scene.rods) or 1, scene.wing is not None)
+            fault = _fluid_fault(own, given, bodies) if name == "fluid" else _rod_fault(own, given)
         if fault:
             raise InputError(
                 f"the FMU of the {unit_label(name)}, {given.description.modelName}, is of another scene than "
@@ -41,11 +42,11 @@ def _rod_fault(path: Path, given: Unit) -> str | None:
         return _different_parameter("displaced_line_density", own.variables, given.variables) or _moved(here, there)
 
 
-def _fluid_fault(path: Path, given: Unit, rods: int) -> str | None:
+def _fluid_fault(path: Path, given: Unit, bodies: list[str]) -> str | None:
     """Return how a fluid differs from our fluid in the folder `path`; stations that coincide are no beam."""
     own = variables_of(read_description(path))
     fault = _different_parameter("density", own, given.variables)
-    for prefix in beam_prefixes(rods):
+    for prefix in bodies:
         names = [name for axis in "xyz" if (name := prefix + axis) in own and name in given.variables]
         here, there = ([_starts(variables[name]) for name in names] for variables in (own, given.variables))
         fault = fault or (_moved(here, there) if any(np.ptp(values) > 0.0 for values in there) else None)

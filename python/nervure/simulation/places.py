@@ -98,11 +98,15 @@ class Places:
 
     def __init__(self, facts: Facts, units: Mapping[str, Unit]):
         self.fluid, self.parts = facts.scene.fluid, list(_parts(facts, units))
+        self.wing = units.get("wing")
         self.known: dict[str, float] = {}
         """How far each thing had gone at the first look, or infinite where it was told: a root may be embedded."""
 
     def look(self, t: float) -> Iterator[str]:
         """Yield what is to be told at `t` (s)."""
+        if self.wing and "crossings" in self.wing.variables:
+            text = "the wing passes through itself, for nothing holds its parts apart,"
+            yield from self._tell("crossings", float(self.wing.read("crossings")[0]), 0.0, text, t)
         places = [part.points() for part in self.parts]
         for part, points in zip(self.parts, places, strict=True):
             if part.is_free:

@@ -23,12 +23,13 @@ FILES = ("scene.json", "series.csv", "summary.json", "tip.png", "drag.png", "lif
 
 FURTHER_FILES = (
     "coefficients.png", "flapping.png", "vorticity.gif", "vorticity.mp4", "phases.png", "motion.png", "motion.gif",
-    "motion.mp4", "iterations.csv", "convergence.csv", "series.h5",
+    "motion.mp4", "wing.png", "iterations.csv", "convergence.csv", "series.h5",
 )  # fmt: skip
-"""Further files of a cylinder alone, a driven root, `animate`, an iterated scheme and a long run."""
+"""Further files of a cylinder alone, a driven root, `animate`, a wing, an iterated scheme and a long run."""
 
 CHECKPOINT = "checkpoint.npz"
-FIELDS = FLUID_FIELDS, BEAM_FIELDS = "fields.vtkhdf", "beam.vtkhdf"  # Of several rods `beam-NAME.vtkhdf`
+FIELDS = FLUID_FIELDS, BEAM_FIELDS, WING_FIELDS = "fields.vtkhdf", "beam.vtkhdf", "wing.vtkhdf"
+"""Files with fields; of several rods `beam-NAME.vtkhdf`."""
 
 LONG = 10_000  # Rows from which the series is written as series.h5 too, where h5py is installed
 

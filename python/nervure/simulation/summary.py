@@ -98,7 +98,7 @@ class Method:
 
 @dataclass(frozen=True)
 class Interface:
-    """Work across the interface, J per metre of depth, from the power on the rod and from the power of the fluid."""
+    """Work across the interface, J, in the plane per metre of depth: from the powers on the rod and of the fluid."""
 
     work_on_rod: float
     work_by_fluid: float
@@ -112,6 +112,28 @@ class OfRod:
 
     flapping: flapping.Flapping | None  # None where no root is driven
     interface: Interface | None  # None where a unit has no output of its power
+
+
+@dataclass(frozen=True)
+class OfWing:
+    """Averages of a wing over time, over the window; None for what the run does not have."""
+
+    drag: float | None  # Force of the fluid along x, N
+    lift: float | None  # Along y, N
+    side: float | None  # Along z, N
+    root_power: float | None  # Power of the drive at the root, W
+    load_power: float | None  # Power of the loads on the wing, W
+    damping_power: float | None  # Power lost in the wing, W
+
+
+def of_wing(series: Series, window: statistics.Window) -> OfWing:
+    """Average the outputs of a wing and of the fluid around it over `window`."""
+
+    def mean(name: str) -> float | None:
+        return flapping.average(series["time"], series[name], window) if name in series else None
+
+    forces = (mean(f"wing_{name}") for name in ("drag", "lift", "side"))
+    return OfWing(*forces, *(mean(f"{name}_power") for name in ("root", "load", "damping")))
 
 
 @dataclass(frozen=True)
@@ -155,6 +177,7 @@ class Summary:
     git: Revision | None
     machine: Machine
     warnings: list[str] | None = None  # What may be a mistake, before the run and in it; None without
+    wing: OfWing | None = None  # None without a wing, and without a window
     rods: dict[str, OfRod] | None = None  # By name; None for a single rod, and then `flapping` has its values
 
     @property
@@ -321,7 +344,7 @@ def summarize(
             amplitude_drift=f"change of mean or amplitude of the {main.name if main else 'signal'} along its principal "
             "direction over the window, relative to its amplitude",
         ),
-        interface=interface(series),
+        interface=interface(series, "wing" if scene.wing else "beam"),
         simulated_s=status.simulated,
         wall_s=status.wall,
         cpu_s=status.cpu,
@@ -335,6 +358,7 @@ def summarize(
         git=git_revision(),
         machine=machine(),
         warnings=[*facts.warnings, *warnings] or None,
+        wing=of_wing(series, window) if scene.wing and window else None,
         rods={
             own.unit: OfRod(
                 flapping.evaluate(facts, own.beam, rods[own.unit], window) if window else None,
@@ -390,11 +414,11 @@ def _coefficients(facts: Facts, series: Series, window: statistics.Window, width
     return Coefficients(values, coefficients.published(reference), source) if values else None
 
 
-def interface(series: Series) -> Interface | None:
+def interface(series: Series, body: str = "beam") -> Interface | None:
     """Return the work across the interface; None where a unit has no output of its power."""
-    if not {"load_work", "beam_work"} <= series.keys():
+    if not {"load_work", f"{body}_work"} <= series.keys():
         return None
-    on_rod, by_fluid = (series[name] for name in ("load_work", "beam_work"))
+    on_rod, by_fluid = (series[name] for name in ("load_work", f"{body}_work"))
     exchanged = float(np.abs(np.diff(by_fluid)).sum())
     return Interface(
         work_on_rod=float(on_rod[-1]),

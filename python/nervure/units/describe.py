@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from nervure import library
 from nervure.library import kind_of
-from nervure.resources import KINDS, WING
+from nervure.resources import KINDS
 from nervure.scene import Document, Scene, document, text
 
 
@@ -28,7 +28,7 @@ class Description:
 def describe(unit: str, scene: Scene | Document, version: int = 2) -> Description:
     """Describe one unit of a scene; raise `SceneError` with the unit's words where it refuses the scene."""
     given, kind = document(scene), kind_of(unit)
-    carried = text(given if unit in (*KINDS, WING) else given | {"this_rod": unit})
+    carried = text(given if unit in KINDS else given | {"this_rod": unit})
     return Description(unit, kind, version, given["name"], carried, library.describe(kind, carried, version))
 
 
@@ -39,14 +39,14 @@ def describe_all(scene: Scene | Document, version: int = 2) -> dict[str, Descrip
 
 def unit_names(scene: Scene | Document) -> list[str]:
     """Return the units of a scene, which may be unchecked, in the order of their steps: the rod, or several by name,
-    then the fluid, or a wing. A scene without units is for the fluid, which refuses it."""
+    then a wing, then the fluid. A scene without units is for the fluid, which refuses it."""
     given = document(scene)
     rods = given.get("rods")
     each = [own.get("name") for own in rods if isinstance(own, dict)] if isinstance(rods, list) else []
     names = [name for name in each if isinstance(name, str)]
-    return [*names, *(kind for kind in (*KINDS, WING) if given.get(kind) is not None)] or ["fluid"]
+    return [*names, *(kind for kind in KINDS if given.get(kind) is not None)] or ["fluid"]
 
 
 def unit_label(unit: str) -> str:
     """Return the name of a unit in messages: `rod`, `fluid`, `wing`, or `rod NAME`."""
-    return unit if unit in (*KINDS, WING) else f"rod {unit}"
+    return unit if unit in KINDS else f"rod {unit}"

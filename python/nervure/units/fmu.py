@@ -253,11 +253,12 @@ class Unit:
         self.restore()
 
     def read(self, name: str) -> np.ndarray:
-        """Return the values of any Real variable."""
-        references = self.variables[name].references
+        """Return the values of any Real or Integer variable."""
+        variable, fmu = self.variables[name], self.fmu
+        whole = variable.kind == "Integer"
         if self.version == 2:
-            return np.array(self._call(self.fmu.getReal, references))
-        return np.array(self._call(self.fmu.getFloat64, references, self.variables[name].size))
+            return np.array(self._call(fmu.getInteger if whole else fmu.getReal, variable.references))
+        return np.array(self._call(fmu.getInt32 if whole else fmu.getFloat64, variable.references, variable.size))
 
     def field(self, name: str) -> np.ndarray:
         """Return a field of the unit, `[nx, ny]` or `[nx, ny, nz]`; raise `UnitError` if the unit does not show it."""
@@ -314,8 +315,11 @@ class Unit:
         return UnitFailure(f"{self.name}: {said}")
 
 
-def beam_prefixes(rods: int) -> list[str]:
-    """Return the prefix of each rod's variables at the fluid: none for a single rod, else `beam[1].`, `beam[2].`, …"""
+def prefixes(rods: int, wing: bool = False) -> list[str]:
+    """Return the prefix of each rod's variables at the fluid: none for a single rod, else `beam[1].`, `beam[2].`, …; of
+    a wing `wing.`."""
+    if wing:
+        return ["wing."]
     return [""] if rods == 1 else [f"beam[{i}]." for i in range(1, rods + 1)]
 
 

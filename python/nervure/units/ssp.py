@@ -11,7 +11,7 @@ from nervure.errors import SceneError
 from nervure.scene import Scene
 from nervure.units import package
 from nervure.units.describe import describe_all, unit_names
-from nervure.units.fmu import beam_prefixes
+from nervure.units.fmu import prefixes
 
 SSD = "http://ssp-standard.org/SSP1/SystemStructureDescription"
 SSC = "http://ssp-standard.org/SSP1/SystemStructureCommon"
@@ -23,7 +23,7 @@ def structure(name: str, fmus: dict[str, Path], end: float) -> bytes:
     names = {"ssd": SSD, "ssc": SSC}
     ssd, ssc = ElementMaker(namespace=SSD, nsmap=names), ElementMaker(namespace=SSC, nsmap=names)
     rods = [unit for unit in fmus if unit != "fluid"]
-    beams = dict(zip(rods, beam_prefixes(len(rods)), strict=True))
+    beams = dict(zip(rods, prefixes(len(rods), rods == ["wing"]), strict=True))
     components, outputs, inputs = [], dict[str, tuple[str, str]](), list[tuple[str, str, str]]()
     for unit, path in fmus.items():
         variables = fmpy.read_model_description(str(path), validate=False).modelVariables

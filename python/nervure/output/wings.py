@@ -1,0 +1,107 @@
+"""Pictures of a wing in space: its mesh with root and veins, and its shapes over time."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d.art3d import Line3D, Poly3DCollection  # type: ignore[import-untyped]
+
+from nervure.output import axis_label, displayed_unit, layout, lengths_in, plots, title
+from nervure.output.fields import wing_nodes
+from nervure.scene import Scene
+from nervure.scene.facts import WingMesh
+from nervure.simulation.loop import Observer
+from nervure.simulation.results import Results
+from nervure.simulation.session import Session
+
+FLAT = 0.15  # Least extent of the axes, relative to the largest
+LIGHT = np.array([0.3, -0.4, 0.87])  # Direction of the light
+DARK, BRIGHT = 0.3, 0.95  # Greys of triangles along and across the light
+ABOVE, ASIDE = 28.0, -60.0  # Place of the eye, degrees
+VEIN, ROOT = 1.2, 2.4  # Widths of lines
+
+
+class WingPicture:
+    """Axes in true proportions for a wing, large enough for the shapes `points`, `[frames, n, 3]`, m."""
+
+    def __init__(self, scene: Scene, mesh: WingMesh, points: np.ndarray, width: float, edges: float = 0.15):
+        low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
+        half = np.maximum(high - low, FLAT * (high - low).max()) / 2
+        named, self.scale = lengths_in(scene, float(np.abs(points).max()))
+        self.mesh = mesh
+        self.figure = Figure(figsize=(width, 0.62 * width))
+        place: Any = self.figure.add_axes((0.02, 0.0, 0.96, 0.92), projection="3d", computed_zorder=False)
+        self.axes = place
+        for i, axis in enumerate("xyz"):
+            ends = self.scale * ((low + high) / 2 + np.array([[-1], [1]]) * half)[:, i]
+            getattr(self.axes, f"set_{axis}lim")(*ends)
+            getattr(self.axes, f"set_{axis}label")(axis_label(axis, named), fontsize="small")
+            getattr(self.axes, f"{axis}axis").set_major_locator(layout.ticks(3 if half[i] < half.max() / 2 else 5))
+        self.axes.tick_params(labelsize="small")
+        self.axes.set_proj_type("ortho")
+        self.axes.set_box_aspect(half, zoom=1.25)
+        self.axes.view_init(elev=ABOVE, azim=ASIDE)
+        self.skin = Poly3DCollection([], linewidths=edges, edgecolors="0.35", zorder=1)
+        self.axes.add_collection3d(self.skin, autolim=False)
+        self.veins = [self._line(VEIN, plots.BLUE) for _ in mesh.veins]
+        self.root = self._line(ROOT, "0.15")
+        self.figure.suptitle(title(scene, width - 2.0), fontsize="small", x=0.02, ha="left")
+        self.said = self.figure.text(0.98, 0.98, "", fontsize="small", ha="right", va="top")
+        self.clock = displayed_unit("s", scene.display)[0]
+
+    def _line(self, width: float, colour: str) -> Line3D:
+        line: Line3D = self.axes.plot([], [], [], color=colour, linewidth=width, zorder=2)[0]
+        return line
+
+    def show(self, points: np.ndarray) -> None:
+        """Show a shape, `[n, 3]`, m."""
+        placed = self.scale * points
+        corners = placed[self.mesh.triangles]
+        self.skin.set_verts(corners)
+        self.skin.set_facecolor(shades(corners))
+        for line, nodes in zip(self.veins, self.mesh.veins, strict=True):
+            line.set_data_3d(*placed[nodes].T)
+        self.root.set_data_3d(*placed[self.mesh.root].T)
+
+    def add(self, points: np.ndarray) -> None:
+        """Add a shape in a light tone behind the shape that is shown."""
+        corners = self.scale * points[self.mesh.triangles]
+        skin = Poly3DCollection(corners, facecolors=shades(corners), alpha=0.25, linewidths=0.0, zorder=0)
+        self.axes.add_collection3d(skin, autolim=False)
+
+    def draw_path(self, path: np.ndarray) -> None:
+        """Draw the path of the tip, `[times, 3]`, m."""
+        self.axes.plot(*(self.scale * path.T), color="0.6", linewidth=0.8, zorder=0, scalex=False, scaley=False)
+
+
+def shades(corners: np.ndarray) -> np.ndarray:
+    """Return the colours of triangles, `[n, 3, 3]`, in the light: greys, `[n, 4]`."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    turned = np.abs(normals @ LIGHT) / np.maximum(np.linalg.norm(normals, axis=1), np.finfo(float).tiny)
+    grey = DARK + (BRIGHT - DARK) * turned
+    return np.column_stack([grey, grey, grey, np.ones_like(grey)])
+
+
+def save_mesh(session: Session, mesh: WingMesh) -> Path:
+    """Write mesh.png, the mesh of a wing at rest with root and veins, into the folder of a session; return its path."""
+    picture = WingPicture(session.scene, mesh, mesh.nodes[None], plots.WIDTH)
+    picture.show(mesh.nodes)
+    parts = [f"{len(mesh.nodes)} nodes", f"{len(mesh.triangles)} triangles", f"{len(mesh.veins)} veins"]
+    picture.said.set_text(", ".join(parts))
+    session.folder.mkdir(parents=True, exist_ok=True)
+    return plots.save(picture.figure, session.folder / "mesh.png")
+
+
+class Shape(Observer):
+    """Draws wing.png, the shape of the wing of a session when its results are written."""
+
+    def __init__(self, session: Session, mesh: WingMesh):
+        self.session, self.mesh = session, mesh
+
+    def finish(self, results: Results) -> None:
+        points = wing_nodes(self.session.units["wing"])
+        picture = WingPicture(results.scene, self.mesh, points[None], plots.WIDTH)
+        picture.show(points)
+        picture.said.set_text(f"t = {self.session.time:.3f} {picture.clock}")
+        plots.save(picture.figure, results.folder / "wing.png")

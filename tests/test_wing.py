@@ -1,0 +1,174 @@
+"""A wing alone: its run, its unit in both versions of FMI, its states, and what it refuses."""
+
+import copy
+import math
+import os
+import zipfile
+
+import fmpy
+import h5py
+import numpy as np
+import pytest
+from fmpy.validation import validate_fmu
+
+import nervure
+from nervure.errors import SceneError
+from nervure.resources import ROOT
+from nervure.scene import load, validate
+from nervure.simulation import checkpoint
+from nervure.simulation.session import Session
+from nervure.units import package
+from nervure.units.describe import describe
+from nervure.units.fmu import read_description
+from tests.conftest import nervure as command
+from tests.reliability.checks import CHECKS, unpack
+from tests.reliability.unit import WING, child, tried
+
+pytestmark = pytest.mark.usefixtures("wing_library")
+HANGING = ROOT / "examples" / "wing-hanging.json"
+COARSE = ["wing.mesh.insect.along=4", "time.end=0.02"]
+
+
+@pytest.fixture
+def wing():
+    """A small wing, as JSON."""
+    return copy.deepcopy(WING)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory, wing_library):
+    """The example on a coarse mesh, with fields."""
+    folder = tmp_path_factory.mktemp("wing") / "run"
+    return nervure.run(HANGING, folder, overrides=COARSE, fields_every=2e-3, quiet=True)
+
+
+def test_its_energies_and_works_balance(run):
+    """Gravity gives what bending, motion and damping take, within 2 % in 20 steps."""
+    series = run.series
+    assert run.summary.completed and {"tip_ux", "tip_uz", "root_force_z", "load_work"} <= series.keys()
+    held = series["energy_elastic"] + series["energy_kinetic"] + series["energy_gravity"]
+    lost = np.trapezoid(series["damping_power"], series["time"])
+    assert series["energy_gravity"][-1] < -1e-6
+    assert series["energy_kinetic"][-1] > -0.2 * series["energy_gravity"][-1]
+    assert held[-1] + lost == pytest.approx(0.0, abs=-0.02 * series["energy_gravity"][-1])
+
+
+def test_its_pictures_and_its_file_show_the_mesh(run):
+    mesh = run.facts.wing
+    assert {"tip.png", "wing.png", "wing.vtkhdf"} <= {path.name for path in run.folder.iterdir()}
+    with h5py.File(run.folder / "wing.vtkhdf") as file:
+        root = file["VTKHDF"]
+        points = root["Points"][:].reshape(-1, len(mesh.nodes), 3)
+        assert len(points) == root["Steps"].attrs["NSteps"] == 11
+        assert np.array_equal(root["Polygons/Connectivity"][:].reshape(-1, 3), mesh.triangles)
+    assert points[0] == pytest.approx(mesh.nodes, abs=1e-8)
+    assert np.abs(points[:, mesh.root] - mesh.nodes[mesh.root]).max() < 1e-8
+    tip = int(np.argmax(np.linalg.norm(mesh.nodes, axis=1)))
+    assert points[-1, tip, 2] == pytest.approx(run.series["tip_uz"][-1], abs=1e-7) != 0.0
+
+
+def test_the_command_animates_and_inspects_it(run, tmp_path):
+    done = command("animate", run.folder)
+    assert done.returncode == 0 and {"motion.png", "motion.gif"} <= {path.name for path in run.folder.iterdir()}
+    done = command("inspect", HANGING, "--set", COARSE[0], cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert f"{len(run.facts.wing.nodes)} nodes, {len(run.facts.wing.triangles)} triangles, 5 veins" in done.stdout
+    assert (tmp_path / "results" / "wing-hanging" / "mesh.png").stat().st_size > 10_000
+
+
+def test_a_resumed_run_has_the_bits_of_a_whole_one(wing, tmp_path):
+    wing["wing"]["gravity"], wing["time"]["end"] = [0.0, 0.0, -9.81], 0.01
+    scene = validate(wing)
+    whole = nervure.run(scene, tmp_path / "whole", quiet=True)
+    half = nervure.run(scene, tmp_path / "half", quiet=True, on_step=lambda time, _: time > 0.005)
+    assert not half.summary.completed
+    session, _ = checkpoint.resume(half.folder)
+    with session:
+        session.run()
+        rest = session.finish()
+    assert len(rest.series["time"]) == 51
+    assert [name for name in whole.series if not np.array_equal(whole.series[name], rest.series[name])] == []
+
+
+@pytest.mark.parametrize("version", [2, 3])
+def test_fmpy_finds_no_fault(version, wing, packed):
+    assert validate_fmu(str(packed("wing", wing, version))) == []
+
+
+def test_the_versions_of_fmi_give_the_same_motion_to_another_master(wing, packed):
+    wing["wing"]["gravity"] = [0.0, 0.0, -9.81]
+    names = ["tip.uz", "energy.elastic"]
+    times = {"stop_time": 0.01, "step_size": 2e-4, "output_interval": 2e-4}
+    two, three = (
+        fmpy.simulate_fmu(str(packed("wing", wing, version)), output=names, validate=False, **times)
+        for version in (2, 3)
+    )
+    assert len(two) == 51 and two["tip.uz"][-1] < -1e-5
+    assert all(np.array_equal(two[name], three[name]) for name in names)
+
+
+def test_it_claims_states_and_no_derivatives(wing, packed):
+    about = read_description(packed("wing", wing)).coSimulation
+    assert about.canGetAndSetFMUstate and about.canSerializeFMUstate
+    assert not about.providesDirectionalDerivative
+    assert not read_description(packed("wing", wing, 3)).coSimulation.providesAdjointDerivatives
+
+
+def test_the_same_scene_gives_the_same_bytes_and_another_scene_another_identity(wing, tmp_path):
+    first, second = (package.pack(describe("wing", wing), tmp_path / folder) for folder in "ab")
+    assert first.read_bytes() == second.read_bytes()
+    wing["wing"]["membrane"]["tension"] = 1.0
+    assert read_description(package.pack(describe("wing", wing), tmp_path)).guid != read_description(first).guid
+    with zipfile.ZipFile(first) as archive:
+        page = archive.read("documentation/index.html").decode("utf-8")
+    assert "<td>force_x[1] … force_x[" in page
+
+
+@pytest.mark.parametrize(
+    "name", ["sequences", "sequences_3", "hostile", "corrupted", "forged", "processes", "rollbacks", "threads", "modes"]
+)
+def test_check_of_units_finds_nothing(name, tmp_path):
+    check = CHECKS[name]
+    count = min(check.few, 30) if name == "hostile" else check.few  # A solve under absurd loads is long
+    child("spawn", 60.0, tried, check.function, "wing", unpack("wing", tmp_path), count)
+
+
+SQUARE = {
+    "nodes": [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.0, 0.1, 0.0]],
+    "triangles": [[0, 1, 2], [0, 2, 3]],
+    "chains": [{"name": "root", "nodes": [0, 3]}, {"name": "left", "nodes": [3, 2]}],
+}
+
+
+def test_a_square_of_two_triangles_is_a_wing(wing):
+    wing["wing"]["mesh"] = {"triangles": SQUARE}
+    assert "force_x[4]" in describe("wing", wing).xml
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("triangles", [[0, 1, 2], [0, 2, 2]], r"mesh\.triangles\[1\] is \[0, 2, 2\], but it must be a triangle"),
+        ("triangles", [[0, 1, 2], [0, 2, 4]], r"mesh\.triangles\[1\] is \[0, 2, 4\], but it must be three numbers"),
+        ("triangles", [[0, 1, 2], [2, 0, 3]], r"the edge between nodes . and . belongs to 2 triangles"),
+        ("nodes", [*SQUARE["nodes"], [0.2, 0.0, 0.0]], r"mesh\.nodes\[4\] is .*in no triangle and no vein"),
+        ("nodes", [[0, 0, 0], [0.1, 0, 0], [0.2, 0, 0], [0, 0.1, 0]], r"mesh\.triangles\[0\] is .* a triangle with"),
+        ("nodes", [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0.1, 0.1, 0]], r"mesh\.triangles\[1\] .* a triangle with"),
+        ("nodes", [[0, 0, 0], [0.1, 0, 0], [0.1, math.inf, 0], [0, 0.1, 0]], r"nodes\[2\]\[1\]` must be a number"),
+        ("chains", [{"name": "root", "nodes": [0, 9]}, SQUARE["chains"][1]], r"root\.nodes.*9"),
+        ("chains", [SQUARE["chains"][0]], r'`wing\.veins\[0\]\.chain` is "left", .*the chains of the mesh are `root`'),
+        ("chains", [SQUARE["chains"][1]], r'`wing\.root` is "root", .*the chains of the mesh are `left`'),
+        ("chains", [SQUARE["chains"][0], {"name": "left", "nodes": [2, 2]}], r"veins\.left\.nodes"),
+    ],
+)  # fmt: skip
+def test_a_bad_mesh_is_refused_with_its_place(key, value, said, wing):
+    wing["wing"]["mesh"] = {"triangles": SQUARE | {key: value}}
+    with pytest.raises(SceneError, match=said):
+        describe("wing", wing)
+
+
+def test_without_its_library_the_message_says_what_builds_it(monkeypatch, tmp_path):
+    (tmp_path / "libfmu_rod.so").symlink_to(ROOT / "target" / "release" / "libfmu_rod.so")
+    monkeypatch.setenv("NERVURE_LIBRARIES", os.fspath(tmp_path))
+    with pytest.raises(SceneError, match="`nervure build SCENE.json` builds it"):
+        Session(load(HANGING, COARSE))
