@@ -4,6 +4,7 @@ import copy
 import math
 import os
 import zipfile
+from typing import Any
 
 import fmpy
 import h5py
@@ -133,7 +134,7 @@ def test_check_of_units_finds_nothing(name, tmp_path):
     child("spawn", 60.0, tried, check.function, "wing", unpack("wing", tmp_path), count)
 
 
-SQUARE = {
+SQUARE: dict[str, Any] = {
     "nodes": [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.0, 0.1, 0.0]],
     "triangles": [[0, 1, 2], [0, 2, 3]],
     "chains": [{"name": "root", "nodes": [0, 3]}, {"name": "left", "nodes": [3, 2]}],

@@ -272,7 +272,7 @@ impl System {
         while !self.matrix.factorise() {
             let more = if shift == 0.0 { 1e-8 * largest } else { 9.0 * shift };
             shift += more;
-            if !shift.is_finite() || shift > 1e2 * largest {
+            if !(shift.is_finite() && shift > 0.0 && shift <= 1e2 * largest) {
                 return false;
             }
             (0..positions).for_each(|i| self.matrix.add_to_diagonal(i, more));

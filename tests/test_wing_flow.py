@@ -1,0 +1,86 @@
+"""A wing in a fluid of three dimensions: one exchange a step, its energies, and a run that is resumed."""
+
+import numpy as np
+import pytest
+
+import nervure
+from nervure.coupling import Explicit
+from nervure.scene import validate
+from nervure.simulation import checkpoint
+from nervure.simulation.session import Session
+
+pytestmark = pytest.mark.usefixtures("wing_library")
+
+STEP = 0.02
+SCENE = {
+    "name": "heaving-wing",
+    "time": {"end": 0.8, "communication_step": STEP},
+    "fluid": {
+        "density": 1.0,
+        "kinematic_viscosity": 0.02,
+        "box": {"x": [-1.5, 2.5], "y": [-2.0, 2.0], "z": [-2.0, 2.0], "cells": [32, 32, 32]},
+        "mask": {"log_linear": {"c_eta": 1e-3}},
+        "time_stepping": {"max_step": STEP, "max_cfl": 0.4},
+    },
+    "wing": {
+        "mesh": {"rectangular": {"length": 1.0, "width": 1.0, "along": 4}},
+        "membrane": {"areal_density": 0.5, "stretching_stiffness": 200.0, "bending_stiffness": 0.5},
+        "root": "root",
+        "root_motion": {"z": {"sine": {"amplitude": 0.2, "frequency": 0.5, "ramp": 0.6}}},
+    },
+}
+
+
+def scene(**wing):
+    """The scene with other keys of the wing, as JSON."""
+    return SCENE | {"wing": SCENE["wing"] | wing}
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory, wing_library):
+    return nervure.run(validate(SCENE), tmp_path_factory.mktemp("flow") / "run", quiet=True)
+
+
+def test_the_scheme_is_explicit_with_the_momentum_load(wing_library):
+    with Session(validate(SCENE)) as session:
+        assert type(session.scheme) is Explicit and list(session.units) == ["wing", "fluid"]
+        assert session.scheme.choice.load == "momentum"
+        assert session.scheme.guards[0].power_from_fluid > 0
+
+
+def test_the_works_of_wing_and_fluid_are_one(run):
+    """What the loads do to the wing is what the fluid did to its nodes, and the drive pays for it."""
+    series, found = run.series, run.summary.interface
+    print(found, series["root_work"][-1])
+    assert run.summary.completed and found.exchanged > 0.05
+    assert found.imbalance == pytest.approx(0.0, abs=0.03)
+    held = series["energy_elastic"] + series["energy_kinetic"]
+    given = series["root_work"][-1] + series["load_work"][-1]
+    assert series["root_work"][-1] > 0.05 > -0.05 > series["load_work"][-1]
+    assert held[-1] - held[0] == pytest.approx(given, abs=0.06 * series["root_work"][-1])
+    assert run.summary.wing.load_power < 0.0
+    assert run.summary.wing.root_power > 0.0
+
+
+def test_a_stiffer_wing_follows_its_root_and_a_light_one_runs(run, tmp_path):
+    """A membrane of a hundredth of the fluid that moves with it needs no shorter step and no iteration."""
+    stiff, light = (
+        nervure.run(validate(scene(membrane=SCENE["wing"]["membrane"] | changed)), tmp_path, force=True, quiet=True)
+        for changed in ({"bending_stiffness": 50.0}, {"areal_density": 1.6e-3})
+    )
+    tips = [float(np.abs(own.series["tip_uz"] - stiff.series["tip_uz"]).max()) for own in (run, light)]
+    print(tips)
+    assert abs(stiff.series["tip_uz"]).max() < 0.22 and min(tips) > 0.1
+    assert stiff.summary.interface.imbalance == pytest.approx(0.0, abs=0.002)
+    assert light.summary.completed
+    assert light.summary.interface.imbalance == pytest.approx(0.0, abs=0.03)
+
+
+def test_a_resumed_run_has_the_bits_of_a_whole_one(run, tmp_path):
+    half = nervure.run(validate(SCENE), tmp_path / "half", quiet=True, on_step=lambda time, _: time > 0.6)
+    assert not half.summary.completed
+    session, _ = checkpoint.resume(half.folder)
+    with session:
+        session.run()
+        rest = session.finish()
+    assert [name for name in run.series if not np.array_equal(run.series[name], rest.series[name])] == []
