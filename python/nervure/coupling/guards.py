@@ -40,7 +40,7 @@ def guarded_outputs(rod: Unit, beam: str) -> tuple[list[str], list[str]]:
 class Limits:
     """What decides on the stability of an explicit exchange: the numbers of the fluid and of one beam."""
 
-    cell: tuple[float, float]  # Lengths of a cell, m
+    cell: tuple[float, ...]  # Lengths of a cell, m
     max_cfl: float
     c_eta: float  # s
     max_step: float  # s
@@ -106,7 +106,7 @@ class EnergyGuard:
         if self.momentum:
             shorter = f"take a `time.communication_step` of {_below(h / 2)} s"
             if not self.is_beam:
-                return f"{shorter}, or a wing whose nodes are farther apart than 1.5 cells"
+                return self._divided(h) or f"{shorter}, or a wing whose nodes are farther apart than 1.5 cells"
             close = self._too_close()
             if self.limits and self.limits.line:
                 return self._divided(h) or f"{shorter} or finer `fluid.box.cells`{f', or {close}' if close else ''}"
@@ -118,9 +118,10 @@ class EnergyGuard:
 
     def _rate(self) -> float:
         """Return how many cells the fastest station passes in a second, 1/s."""
-        if not (self.momentum and self.limits and {"vx", "vy"} <= self.rod.slices.keys()):
+        names = ["vx", "vy", "vz"][: len(self.limits.cell)] if self.limits else []
+        if not (self.momentum and self.limits and {*names} <= self.rod.slices.keys()):
             return 0.0
-        speeds = (np.abs(self.rod.outputs[self.rod.slices[name]]) for name in ("vx", "vy"))
+        speeds = (np.abs(self.rod.outputs[self.rod.slices[name]]) for name in names)
         return float(sum(speed / cell for speed, cell in zip(speeds, self.limits.cell, strict=True)).max())
 
     def _divided(self, h: float) -> str | None:
@@ -131,8 +132,9 @@ class EnergyGuard:
         by_beam, by_fluid = cells / self.limits.max_cfl, self.limits.fluid_steps
         if max(by_beam, by_fluid) <= 1.0:
             return None
+        body = "beam" if self.is_beam else "wing"
         cause = (
-            f"the beam passes up to {cells:.2g} cells in a step, and a step of the fluid has {self.limits.max_cfl:g}"
+            f"the {body} passes up to {cells:.2g} cells in a step, and a step of the fluid has {self.limits.max_cfl:g}"
             if by_beam > by_fluid
             else f"the fluid makes some {by_fluid} steps in one"
         )

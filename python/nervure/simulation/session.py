@@ -75,19 +75,20 @@ class Session(TimeLoop):
 
     def _limit_guards(self) -> None:
         """Give the guards the numbers from which they compute advice."""
-        fluid = self.scene.fluid
-        for own, guard in zip(self.facts.beams, self.scheme.guards, strict=False):
-            if fluid:
-                box, stepping, (mask,) = fluid.box, fluid.time_stepping, fluid.mask.document().values()
-                guard.limits = Limits(
-                    ((box.x[1] - box.x[0]) / box.cells[0], (box.y[1] - box.y[0]) / box.cells[1]),
-                    stepping.max_cfl,
-                    mask["c_eta"],
-                    stepping.max_step,
-                    float(self.facts.thickness[own.force].max()),
-                    own.beam.surface == "line",
-                    self.facts.fluid_steps,
-                )
+        if (fluid := self.scene.fluid) is None or not self.scheme.guards:
+            return
+        box, stepping, (mask,) = fluid.box, fluid.time_stepping, fluid.mask.document().values()
+        ends = (end for end in (box.x, box.y, box.z) if end)
+        cell = tuple((high - low) / count for (low, high), count in zip(ends, box.cells, strict=True))
+        bodies = [
+            (float(self.facts.thickness[own.force].max()), own.beam.surface == "line") for own in self.facts.beams
+        ]
+        if self.scene.wing:
+            bodies = [(max(cell), True)]
+        for (thickness, line), guard in zip(bodies, self.scheme.guards, strict=False):
+            guard.limits = Limits(
+                cell, stepping.max_cfl, mask["c_eta"], stepping.max_step, thickness, line, self.facts.fluid_steps
+            )
 
     def _look(self) -> None:
         self.warnings += self.places.look(self.time)
