@@ -4,7 +4,7 @@ use super::markers::Markers;
 use crate::grid::Grid;
 
 /// Grid points in a block along an axis, at least: one more than the distance of two kernels that share a point.
-const BLOCK: usize = 5;
+const BLOCK: usize = 4;
 
 /// Residual over the right-hand side at which a solution is taken.
 const TOLERANCE: f64 = 1e-12;
@@ -160,4 +160,37 @@ fn number<const D: usize>(block: &[usize; D], blocks: &[usize; D]) -> usize {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Count the pairs in the matrix of scattered markers on some cells, and all that share a point.
+    fn pairs<const D: usize>(cells: [usize; D]) -> [usize; 2] {
+        let grid = Grid::new(cells.map(|cells| [0.0, cells as f64]), cells);
+        let mut markers = Markers::default();
+        for k in 0..60 {
+            markers.add(1.0, 1.0);
+            let along = |axis: usize| 0.618 * f64::from(k * k + 1) * (1.0 + axis as f64).sqrt();
+            markers.get_mut(k as usize).position = std::array::from_fn(|axis| along(axis) % cells[axis] as f64);
+        }
+        markers.find_cells(&grid);
+        markers.weigh(|_| 1.0);
+        let mut system = System::new(60);
+        system.assemble(&markers, &grid);
+        let all = (0..60).flat_map(|j| (j + 1..60).map(move |k| (j, k)));
+        let shared: Vec<_> = all.filter(|&(j, k)| markers.shared(j, k, &grid).is_some()).collect();
+        let rows =
+            (0..60).flat_map(|j| system.columns[system.starts[j]..system.starts[j + 1]].iter().map(move |k| (j, *k)));
+        assert!(rows.eq(shared.iter().copied()), "{cells:?}");
+        [shared.len(), 60 * 59 / 2]
+    }
+
+    #[test]
+    fn the_matrix_has_every_pair_that_shares_a_grid_point() {
+        for [shared, all] in [pairs([12, 8, 23]), pairs([31, 40, 16]), pairs([50, 61]), pairs([9, 14])] {
+            assert!(shared > 20 && shared < all, "{shared} of {all}");
+        }
+    }
 }
