@@ -174,11 +174,7 @@ def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not()
         ({"fluid_steps": 4}, "take a `time.communication_step` of 0.0002 s: the fluid makes some 4 steps in one"),
         ({"thickness": 1.0}, "take at most 4 `beam.segments` in place of 9: stations closer than 0.25 thicknesses"),
         ({}, "take a `time.communication_step` of 0.0005 s"),
-        (
-            {"line": True},
-            "take a `time.communication_step` of 0.0005 s or finer `fluid.box.cells`, or take at most 6 "
-            "`beam.segments` in place of 9: stations closer than 1.5 cells",
-        ),
+        ({"line": True}, "take a `time.communication_step` of 0.0005 s or finer `fluid.box.cells`"),
     ],
 )
 def test_advice_of_a_guard_names_key_and_value(own, said):

@@ -9,9 +9,8 @@ from nervure.errors import InputError
 from nervure.scene.types import Guards
 from nervure.units.fmu import Unit
 
-SEGMENT, MARKERS = 0.25, 1.5
-"""Least length of a segment, in thicknesses: closer stations feel each other's load a step late; and distance of the
-markers of a line, in cells: they do not hold stations between them."""
+SEGMENT = 0.25
+"""Least length of a segment, in thicknesses: closer stations feel each other's load a step late."""
 
 TOLD = 0.1
 """Difference of the powers on the rod and from the fluid by the exchanged power that is told of: 0.05 in FSI3."""
@@ -107,10 +106,9 @@ class EnergyGuard:
             shorter = f"take a `time.communication_step` of {_below(h / 2)} s"
             if not self.is_beam:
                 return self._divided(h) or f"{shorter}, or a wing whose nodes are farther apart than 1.5 cells"
-            close = self._too_close()
             if self.limits and self.limits.line:
-                return self._divided(h) or f"{shorter} or finer `fluid.box.cells`{f', or {close}' if close else ''}"
-            return self._divided(h) or close or shorter
+                return self._divided(h) or f"{shorter} or finer `fluid.box.cells`"
+            return self._divided(h) or self._too_close() or shorter
         shorter = f"shorter than {h:g} s"
         if self.limits and h > (longest := PENALIZED * (self.limits.c_eta + min(self.limits.max_step, h))):
             shorter = f"of {_below(longest)} s, {PENALIZED:g} (C_eta + dt)"
@@ -151,14 +149,12 @@ class EnergyGuard:
             return f"take fewer `beam.segments` than {segments}: close stations feel each other's load a step late"
         places = [self.rod.outputs[self.rod.slices[name]] for name in ("x", "y")]
         length = float(np.hypot(*np.diff(places)).sum())
-        line, thickness = self.limits.line, self.limits.thickness
-        close = f"{SEGMENT:g} thicknesses feel each other's load a step late"
-        most = int(length / (MARKERS * max(self.limits.cell) if line else SEGMENT * thickness))
+        most = int(length / (SEGMENT * self.limits.thickness))
         if segments <= max(most, 1):
             return None
         return (
-            f"take at most {most} `beam.segments` in place of {segments}: stations closer than "
-            f"{f'{MARKERS:g} cells slip between the markers' if line else close}"
+            f"take at most {most} `beam.segments` in place of {segments}: stations closer than {SEGMENT:g} thicknesses "
+            "feel each other's load a step late"
         )
 
     def reason(self, difference: float, exchanged: float, power: float) -> str | None:
