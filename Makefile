@@ -184,7 +184,7 @@ vein-study: build $(READY_DEV) ## run the missing cases of the vein (a quarter o
 	$(STUDY) vein $(ARGS)
 
 flapping: build $(READY_DEV) ## run the missing cases of flapping bodies, flags, filaments and veins (twenty minutes)
-	$(STUDY) flapping $(ARGS)
+	$(STUDY) flapping thin $(ARGS)
 
 BENCH_VENV := target/fluid-bench/venv
 
@@ -320,7 +320,7 @@ PEERS_VENV := target/report/venv
 report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine, ten on a busy one)
 	$(STUDY) report leave-out --force $(ARGS)
 
-STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping space running report leave-out
+STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping thin space running report leave-out
 report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run the stale or missing cases of every study, long cases included, and draw all figures; half a day of one core
 	$(WITH_FFTW) $(STUDY) $(STUDIES) --full $(ARGS)
 	$(MAKE) ARGS= report-pictures

@@ -7,12 +7,12 @@ from typing import Any
 
 from studies import coupling, driven_bar, flapping, fluid, fsi3, leave_out, reliability, report, rod, running, show
 
-from studies import space, speed, turek_hron, vein  # isort: skip
+from studies import space, speed, thin, turek_hron, vein  # isort: skip
 from studies.store import Data
 
 STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
-           turek_hron.STUDY, vein.STUDY, flapping.STUDY, space.STUDY, running.STUDY, leave_out.STUDY, report.STUDY,
-           reliability.STUDY)  # fmt: skip
+           turek_hron.STUDY, vein.STUDY, flapping.STUDY, thin.STUDY, space.STUDY, running.STUDY, leave_out.STUDY,
+           report.STUDY, reliability.STUDY)  # fmt: skip
 
 
 def load() -> Data:

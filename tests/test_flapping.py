@@ -7,7 +7,7 @@ import nervure
 from nervure.evaluate import flapping, statistics
 from nervure.scene import types, validate
 from nervure.scene.facts import Facts
-from studies import flapping as cases, limits, simulate
+from studies import flapping as cases, limits, simulate, thin
 
 
 @pytest.fixture
@@ -167,3 +167,28 @@ def test_a_pair_of_veins_gives_thrust_as_mirror_images(group, ran):
     assert found["ct"] > 0.1, found
     across = [done.series[f"beam_{i}_lift"] for i in (1, 2)]
     assert np.abs(across[0] + across[1]).max() < 1e-9 * np.abs(across[0]).max()
+
+
+@pytest.mark.parametrize(("bending", "state"), [(0.6, "straight"), (0.35, "flaps"), (0.05, "bent to a side")])
+def test_an_inverted_flag_has_three_states(bending, state, ran):
+    """As the bending falls, at Re 200 (Goza, Colonius & Sader 2018)."""
+    coarse = simulate.on_grid(96, 63, 0.008) | {"beam.segments": 8, "time.end": 16.0}
+    found = thin.range_of(ran(thin.INVERTED, coarse | {thin.STIFFNESS: bending}).series, 8.0)
+    assert found["state"] == state, found
+    if state == "flaps":
+        assert found["high"] - found["low"] > 1.0, found
+
+
+def test_a_pitched_plate_has_the_published_lift(ran):
+    """cL is 1.52 at t = 4 after Jantzen et al. (2014), 1.45 on 16 cells a chord."""
+    found = thin.pitched(ran(thin.PLATE, simulate.on_grid(144, 192, 0.0075) | {"beam.segments": 8}).series)
+    assert found["lift"] == pytest.approx(1.521, rel=0.08), found
+
+
+def test_filaments_side_by_side_flap_together_where_close_and_against_each_other_where_not(ran):
+    coarse = simulate.on_grid(96, 64, 0.01) | {f"rods.{i}.beam.segments": 12 for i in (0, 1)} | {"time.end": 32.0}
+    found = {
+        apart: thin.correlated(ran(cases.FILAMENTS, thin.side_by_side(apart) | coarse).series, cases.NAMES)["outer"]
+        for apart in (0.2, 1.0)
+    }
+    assert found[0.2] > 0.6 and found[1.0] < -0.9, found

@@ -133,5 +133,7 @@ impl<const D: usize> MarkerDrag<D> {
         if !found {
             self.slope.fill(f64::NAN);
         }
+        // Where markers of two bodies or of a folded one crowd, the sum of a row may be negative; an impedance may not.
+        self.slope.iter_mut().filter(|slope| **slope < 0.0).for_each(|slope| *slope = 0.0);
     }
 }

@@ -1,0 +1,192 @@
+"""Rods that the fluid meets as lines: the map of stability over mass, bending, spacing, step and schemes, and published
+cases."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from itertools import product
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+import nervure
+from nervure.evaluate.statistics import Series
+from nervure.scene import validate
+from studies import flapping, simulate
+from studies.engine import COUPLED, Case, Study
+from studies.store import Data
+
+SCENE = "flag-massless-240x120"
+MASSES = (1e-6, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1000.0)  # Of the flag over that of the fluid
+BENDINGS = (1e-5, 1e-3, 0.1, 10.0, 100.0)  # EI/(rho U² L³)
+SEGMENTS = (8, 12, 24)  # 2.4, 1.6 and 0.8 cells long; markers are 1.5 cells apart
+STEPS = (0.01, 0.0025)  # CFL numbers of the stream 0.19 and 0.05
+SCHEMES = ("bdf2", "tr_bdf2")  # Of the rod
+END, WINDOW = 4.0, 200  # End of a run, s, and steps of the guards' means
+COARSE = {"fluid.box.cells": [96, 48], "time.end": END, "coupling": {"guards": {"window_steps": WINDOW}}}
+
+MOST = 0.2
+"""Difference of the powers on the rod and from the fluid by the exchanged power, over the second half: a silent run
+above it is bad. The guard tells of 0.1 in a mean that reaches further back."""
+
+
+def outcome(scene: dict[str, Any], folder: Path) -> tuple[str, float]:
+    """Return the outcome of a run: `ok`, `told` with a warning, `error` with advice, or `bad` where powers differ and
+    nothing is said, or no advice is given; and the difference of both powers by the exchanged power over its second
+    half."""
+    with simulate.session(scene, folder) as session:
+        status, columns, warnings = session.run(), session.recorder.series, session.warnings
+    if status.error:
+        return "error" if "take a `time" in status.error else "bad", np.inf
+    late = columns["time"] > END / 2
+    on_rod, from_fluid = columns["load_power"][late], columns["beam_power"][late]
+    exchanged = float(np.abs(from_fluid).sum())
+    difference = float(np.abs(on_rod - from_fluid).sum()) / exchanged if exchanged else 0.0
+    sound = all(np.isfinite(column).all() for column in columns.values()) and difference < MOST
+    return "told" if warnings else "ok" if sound else "bad", difference
+
+
+def mapped(case: Case, folder: Path) -> dict[str, Any]:
+    """Run the flag of a scheme and a step over masses, bendings and segments."""
+    rows = []
+    with TemporaryDirectory(dir=folder) as place:
+        for mass, bending in product(MASSES, BENDINGS):
+            section = {"line_density": mass, "bending_stiffness": bending, "axial_stiffness": 100.0}
+            found, off = [], 0.0
+            for segments in SEGMENTS:
+                changes = case.changes | {"rod.material.section": section, "beam.segments": segments}
+                said, difference = outcome(simulate.changed(SCENE, changes), Path(place))
+                found.append(said)
+                off = max(off, difference if said == "ok" else 0.0)
+            rows.append({"mass": mass, "EI": bending, "outcomes": " ".join(found), "off": off})
+    return {"tables": {"map": rows}}
+
+
+def maps() -> Iterator[Case]:
+    for scheme, step in product(SCHEMES, STEPS):
+        changes = COARSE | {"rod.scheme": scheme, "time.communication_step": step, "fluid.time_stepping.max_step": step}
+        about = {"scheme": scheme, "step": step}
+        yield Case(f"map/{scheme}, {step:g} s", COUPLED, SCENE, changes, action=mapped, about=about)
+
+
+FLAG, FILAMENT, INVERTED, PLATE = (
+    "flag-line-480x240", "filament-line-192x192", "flag-inverted-192x126", "plate-pitched-288x384",
+)  # fmt: skip
+RAMP = 2.0  # Begin of the ramp of the plate, s
+STIFFNESS = "rod.material.section.bending_stiffness"
+BEGIN = {"flag": 8.0, "filament": 12.0, "inverted": 12.0}  # Of the evaluation, s
+
+THREE, NAMES = "filament-trio-144x96", ("upper", "middle", "lower")
+SIDE = 25.0  # Begin of the correlation of filaments side by side, s
+
+
+def side_by_side(apart: float) -> dict[str, Any]:
+    """Return the changes to two filaments at a distance, as lines on a coarse grid."""
+    lines = {
+        f"rods.{i}.beam.{key}": value for i in (0, 1) for key, value in {"surface": "line", "segments": 24}.items()
+    }
+    box = simulate.on_grid(144, 96, 0.0075) | {"fluid.box.x": [-1.0, 5.0]}
+    return flapping.two_filaments(apart) | box | lines | {"time.end": 40.0}
+
+
+def three(apart: float) -> dict[str, Any]:
+    return {f"rods.{i}.beam.root.at.position": [0.0, y * apart] for i, y in enumerate((1, 0, -1))}
+
+
+CHANGES: dict[str, tuple[str, dict[str, Any]]] = {
+    "flag/240x120": (FLAG, simulate.on_grid(240, 120, 0.0025)),
+    "flag/480x240": (FLAG, {}),
+    "flag/480x480, 5 high": (FLAG, simulate.on_grid(480, 480, 0.0025) | {"fluid.box.y": [-2.5, 2.5]}),
+    "filament/128x128": (FILAMENT, simulate.on_grid(128, 128, 0.0075)),
+    "filament/192x192": (FILAMENT, {}),
+    "filament/288x288": (FILAMENT, simulate.on_grid(288, 288, 0.004) | {"beam.segments": 36}),
+    **{f"inverted/{bending:g}": (INVERTED, {STIFFNESS: bending}) for bending in (0.6, 0.45, 0.35, 0.2, 0.1, 0.03)},
+    **{f"two/{apart:g}": (flapping.FILAMENTS, side_by_side(apart)) for apart in (0.2, 0.3, 0.5, 1.0)},
+    **{f"three/{apart:g}": (THREE, three(apart)) for apart in (0.2, 0.3, 0.5, 1.0)},
+    "plate/216x288": (PLATE, simulate.on_grid(216, 288, 0.005) | {"beam.segments": 12}),
+    "plate/288x384": (PLATE, {}),
+    "plate/432x576": (PLATE, simulate.on_grid(432, 576, 0.0025) | {"beam.segments": 24}),
+}
+
+
+def range_of(series: Series, begin: float) -> dict[str, Any]:
+    """Return the extremes of the tip across the stream from `begin` on, by the length, and the state that they show."""
+    tip = series["tip_uy"][series["time"] > begin]
+    low, high = float(tip.min()), float(tip.max())
+    state = "straight" if high - low < 0.15 else "flaps" if low < 0.0 < high else "bent to a side"
+    found = {"low": low, "high": high, "state": state}
+    return found | ({"frequency": frequency(series, begin)} if state == "flaps" else {})
+
+
+def frequency(series: Series, begin: float) -> float | None:
+    try:
+        return flapping.swing(series, "tip_uy", begin)["frequency"]
+    except (IndexError, ValueError, ZeroDivisionError):
+        return None
+
+
+def pitched(series: Series) -> dict[str, float]:
+    """Return the largest lift coefficient, the mean over the middle half of the ramp, and both coefficients 4 s after
+    its begin."""
+    time, lift, drag = series["time"] - RAMP, 2 * series["lift"], 2 * series["drag"]
+    middle = (time > 0.25) & (time < 0.75)
+    return {
+        "largest": float(lift[time > -0.5].max()), "ramp": float(lift[middle].mean()),
+        "lift": float(np.interp(4.0, time, lift)), "drag": float(np.interp(4.0, time, drag)),
+    }  # fmt: skip
+
+
+def correlated(series: Series, names: tuple[str, ...]) -> dict[str, Any]:
+    """Return correlations of the tips of neighbours and of the outer ones, their amplitudes, and the frequency of the
+    first."""
+    part = series["time"] > SIDE
+    tips = [series[f"{name}_tip_uy"] for name in names]
+    matrix = np.corrcoef([tip[part] for tip in tips])
+    amplitudes = [float(np.ptp(tip[part])) / 2 for tip in tips]
+    return {
+        "neighbours": ", ".join(f"{matrix[i, i + 1]:+.2f}" for i in range(len(names) - 1)),
+        "outer": float(matrix[0, -1]), "amplitudes": ", ".join(f"{amplitude:.2f}" for amplitude in amplitudes),
+        "frequency": flapping.swing(series, f"{names[0]}_tip_uy", SIDE)["frequency"],
+    }  # fmt: skip
+
+
+def published(case: Case, folder: Path) -> dict[str, Any]:
+    """Run a scene and return what its group asks for."""
+    done = nervure.run(validate(case.built()), folder, force=True, quiet=True)
+    group, series = case.name.split("/")[0], done.series
+    if group == "inverted":
+        values: dict[str, Any] = range_of(series, BEGIN[group])
+    elif group == "plate":
+        values = pitched(series)
+    elif group in ("two", "three"):
+        values = correlated(series, NAMES if group == "three" else flapping.NAMES)
+    else:
+        values = flapping.swing(series, "tip_uy", BEGIN[group])
+    if work := done.summary.interface:
+        values["imbalance"] = work.imbalance
+    return {"values": values, "times": {"cpu_s": done.summary.cpu_s}}
+
+
+def cases() -> Iterator[Case]:
+    yield from maps()
+    for name, (scene, changes) in CHANGES.items():
+        yield Case(name, COUPLED, scene, changes, action=published)
+
+
+def counts(data: Data) -> list[dict[str, Any]]:
+    """Return, for each scheme and step, how many cells of the map came out how, and the largest differences over
+    segments of those that ran without a word: median and largest over masses and bendings."""
+    rows = []
+    for record in data.of("thin/map/*"):
+        cells = record.tables.get("map", [])
+        count = Counter(found for row in cells for found in row["outcomes"].split())
+        off = [row["off"] for row in cells if "ok" in row["outcomes"]]
+        named = {name: count[name] for name in ("ok", "told", "error", "bad")}
+        rows.append({"label": record["label"], "off": float(np.median(off)), "largest": max(off)} | named)
+    return rows
+
+
+STUDY = Study("thin", cases, lambda case, run: run.found, tables={"thin-map": counts})
