@@ -116,7 +116,7 @@ def range_of(series: Series, begin: float) -> dict[str, Any]:
     """Return the extremes of the tip across the stream from `begin` on, by the length, and the state that they show."""
     tip = series["tip_uy"][series["time"] > begin]
     low, high = float(tip.min()), float(tip.max())
-    state = "straight" if high - low < 0.15 else "flaps" if low < 0.0 < high else "bent to a side"
+    state = "straight" if max(-low, high) < 0.15 else "flaps" if low < 0.0 < high else "bent to a side"
     found = {"low": low, "high": high, "state": state}
     return found | ({"frequency": frequency(series, begin)} if state == "flaps" else {})
 

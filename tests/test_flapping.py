@@ -183,12 +183,3 @@ def test_a_pitched_plate_has_the_published_lift(ran):
     """cL is 1.52 at t = 4 after Jantzen et al. (2014), 1.45 on 16 cells a chord."""
     found = thin.pitched(ran(thin.PLATE, simulate.on_grid(144, 192, 0.0075) | {"beam.segments": 8}).series)
     assert found["lift"] == pytest.approx(1.521, rel=0.08), found
-
-
-def test_filaments_side_by_side_flap_together_where_close_and_against_each_other_where_not(ran):
-    coarse = simulate.on_grid(96, 64, 0.01) | {f"rods.{i}.beam.segments": 12 for i in (0, 1)} | {"time.end": 32.0}
-    found = {
-        apart: thin.correlated(ran(cases.FILAMENTS, thin.side_by_side(apart) | coarse).series, cases.NAMES)["outer"]
-        for apart in (0.2, 1.0)
-    }
-    assert found[0.2] > 0.6 and found[1.0] < -0.9, found
