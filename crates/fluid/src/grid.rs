@@ -95,7 +95,14 @@ impl<const D: usize> Grid<D> {
     /// Return the least number of points along an axis from `from` to `to` or a periodic image of it.
     pub fn offset(&self, axis: usize, from: usize, to: usize) -> i64 {
         let (count, offset) = (self.cells[axis] as i64, to as i64 - from as i64);
-        offset - count * (2 * offset + count).div_euclid(2 * count)
+        // All pairs of markers ask for it, so it does not divide.
+        if 2 * offset >= count {
+            offset - count
+        } else if 2 * offset < -count {
+            offset + count
+        } else {
+            offset
+        }
     }
 
     /// Return the point below a coordinate (m) along an axis, and the distance from it in spacings.

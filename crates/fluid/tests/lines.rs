@@ -275,3 +275,34 @@ fn a_line_along_a_stream_has_its_friction() {
     let limit = 2.0 * fine - coarse;
     assert!(coarse < 0.45 && fine < 0.25 && limit.abs() < 0.04, "{coarse}, {fine}, {limit}");
 }
+
+/// A flag on a cylinder leaves no gap and drags nothing twice: the forces are those of a line that begins inside the
+/// cylinder, where the mask holds the fluid already; with a gap of 1.5 cells the lift is 3 % less.
+#[test]
+fn a_flag_joins_its_cylinder() {
+    let total = |body: &str, root: &str, length: f64| {
+        let text = format!(
+            r#""kinematic_viscosity": 0.02, "box": {{ "x": [-2, 4], "y": [-2, 2], "cells": [96, 64] }}, {body},
+            "mean_flow": {{ "x": {{ "constant": 1 }}, "y": {{ "constant": 0.3 }} }}, "initial_velocity": [1, 0.3]"#
+        );
+        let beam = format!(
+            r#", "beam": {{ "root": {{ {root} }}, "length": {length}, "thickness": 0.01, "segments": 64,
+            "surface": "line" }}"#
+        );
+        let mut fluid = fluid_of(&scene(&text, &beam));
+        run(&mut fluid, 80, 0.0125);
+        fluid.force()
+    };
+    let at = |inside: f64| {
+        let root = format!(r#""at": {{ "position": [{}, 0.017], "direction": [1, 0] }}"#, 0.513 - inside);
+        let body = r#""bodies": [{ "shape": { "circle": { "radius": 0.5 } }, "position": [0.013, 0.017] }]"#;
+        total(body, &root, 1.0 + inside)
+    };
+    let cylinder = r#""cylinders": [{ "center": [0.013, 0.017], "radius": 0.5 }]"#;
+    let joined = total(cylinder, r#""on_cylinder": { "cylinder": 0 }"#, 1.0);
+    let [inside, gap] = [3.0, -1.5].map(|cells| at(cells / 16.0));
+    assert!((gap[1] / inside[1] - 1.0).abs() > 0.015, "{gap:?} against {inside:?}");
+    for axis in 0..2 {
+        assert!((joined[axis] / inside[axis] - 1.0).abs() < 5e-3, "{joined:?} against {inside:?}");
+    }
+}
