@@ -39,6 +39,7 @@ def solvers() -> bytes:
         **os.environ,
         "RUSTFLAGS": f"{flags} --remap-path-prefix={home}=cargo",
         "CARGO_PROFILE_RELEASE_STRIP": "symbols",
+        "CARGO_PROFILE_RELEASE_LTO": "thin",  # for the size
     }
     command = ["cargo", "build", "--quiet", "--release", "--locked", "-p", "nervure-lab", "--target", TARGET]
     subprocess.run([*command, "--target-dir", folder], cwd=ROOT, env=environment, check=True)

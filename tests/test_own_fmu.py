@@ -1,6 +1,7 @@
 """The crate of docs/reference/own-fmu.md, packed by `cargo fmu package` for both versions of FMI, in fmpy."""
 
 import re
+import shutil
 import subprocess
 import zipfile
 
@@ -10,6 +11,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from nervure.resources import ROOT
+from tests.conftest import cargo_build
 
 PAGE = (ROOT / "docs" / "reference" / "own-fmu.md").read_text(encoding="utf-8")
 LINES = 60
@@ -25,8 +27,7 @@ def block(language: str) -> str:
 @pytest.fixture(scope="module")
 def command():
     """`cargo fmu`, as a user who installed it has it."""
-    subprocess.run(["cargo", "build", "--quiet", "--locked", "-p", "nervure-cargo-fmu"], cwd=ROOT, check=True)
-    return [ROOT / "target" / "debug" / "cargo-fmu", "fmu"]
+    return [cargo_build("--bin", "cargo-fmu") / "cargo-fmu", "fmu"]
 
 
 @pytest.fixture(scope="module")
@@ -104,25 +105,31 @@ def test_what_cannot_be_packed_is_refused_with_the_reason(options, parts, comman
     assert all(part in answer.stderr for part in parts), answer.stderr
 
 
-def test_resources_go_with_it(command, tmp_path):
-    """The rod itself, with its scene."""
-    resources = tmp_path / "data"
-    resources.mkdir()
-    scene = (ROOT / "scenes" / "csm1.json").read_bytes()
-    (resources / "scene.json").write_bytes(scene)
-    options = [
-        "package",
-        "-p",
-        "nervure-fmu-rod",
-        "--locked",
-        "--resources",
-        resources,
-        "--output",
-        tmp_path / "rod.fmu",
-    ]
-    subprocess.run([*command, *options], cwd=ROOT, check=True, capture_output=True)
-    assert validate_fmu(str(tmp_path / "rod.fmu")) == []
-    with zipfile.ZipFile(tmp_path / "rod.fmu") as archive:
-        assert archive.read("resources/scene.json") == scene
-    result = fmpy.simulate_fmu(str(tmp_path / "rod.fmu"), stop_time=0.01, output_interval=1e-3, output=["tip.uy"])
-    assert result["tip.uy"][-1] < 0.0
+def test_resources_go_with_it(command, crate, tmp_path):
+    """The hinge with its inertia from a file."""
+    source, changes = block("rust"), {
+        "type State = Self;": 'type State = Self;\n    const RESOURCES: &[&str] = &["inertia.txt"];',
+        "load(_: &Resources)": "load(resources: &Resources)",
+        "= (1e-4, 1e-3, 1.0);": '= (resources.text("inertia.txt")?.parse().unwrap(), 1e-3, 1.0);',
+    }  # fmt: skip
+    for before, after in changes.items():
+        assert before in source
+        source = source.replace(before, after)
+    shutil.copytree(crate, tmp_path / "hinge")
+    (tmp_path / "hinge" / "src" / "lib.rs").write_text(source, encoding="utf-8")
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "inertia.txt").write_text("4e-4", encoding="utf-8")
+    options = ["package", "-p", "hinge", "--resources", tmp_path / "data", "--output", tmp_path / "hinge.fmu"]
+    options += ["--offline", "--profile", "dev", "--target-dir", ROOT / "target" / "own-fmu"]
+    subprocess.run([*command, *options], cwd=tmp_path / "hinge", check=True, capture_output=True)
+    assert validate_fmu(str(tmp_path / "hinge.fmu")) == []
+    with zipfile.ZipFile(tmp_path / "hinge.fmu") as archive:
+        assert archive.read("resources/inertia.txt") == b"4e-4"
+    found = fmpy.simulate_fmu(
+        str(tmp_path / "hinge.fmu"),
+        stop_time=0.1,
+        output_interval=1e-4,
+        start_values={"root.moment": 0.1},
+        output=["root.angle"],
+    )
+    assert np.abs(found["root.angle"] - exact(found["time"], inertia=4e-4)).max() < 1e-3 * 0.1

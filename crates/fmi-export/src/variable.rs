@@ -245,130 +245,74 @@ impl Variability {
     }
 }
 
-/// Constructor of Real variables of the model `M`: finite `f64` values with a unit.
-pub struct Real<M>(PhantomData<M>);
-
-impl<M> Real<M> {
-    fn row(
-        name: impl Into<String>,
-        unit: &str,
-        description: impl Into<String>,
-        causality: Causality,
-        variability: Variability,
-        access: Access<M>,
-    ) -> Variable<M> {
-        Variable { unit: Some(unit.to_string()), ..Variable::new(name, description, causality, variability, access) }
-    }
-
-    /// Return a parameter, fixed after initialisation.
-    pub fn parameter(
-        name: impl Into<String>,
-        unit: &str,
-        description: impl Into<String>,
-        values: impl Fn(&mut M) -> &mut [f64] + Send + Sync + 'static,
-    ) -> Variable<M> {
-        let access = Access::Real(Field::Write(Box::new(values)));
-        Self::row(name, unit, description, Causality::Parameter, Variability::Fixed, access)
-    }
-
-    /// Return an input.
-    pub fn input(
-        name: impl Into<String>,
-        unit: &str,
-        description: impl Into<String>,
-        values: impl Fn(&mut M) -> &mut [f64] + Send + Sync + 'static,
-    ) -> Variable<M> {
-        let access = Access::Real(Field::Write(Box::new(values)));
-        Self::row(name, unit, description, Causality::Input, Variability::Continuous, access)
-    }
-
-    /// Return an output.
-    pub fn output(
-        name: impl Into<String>,
-        unit: &str,
-        description: impl Into<String>,
-        values: impl Fn(&mut M) -> &[f64] + Send + Sync + 'static,
-    ) -> Variable<M> {
-        let access = Access::Real(Field::Read(Box::new(values)));
-        Self::row(name, unit, description, Causality::Output, Variability::Continuous, access)
-    }
-
-    /// Return a local variable, for display only.
-    pub fn local(
-        name: impl Into<String>,
-        unit: &str,
-        description: impl Into<String>,
-        values: impl Fn(&mut M) -> &[f64] + Send + Sync + 'static,
-    ) -> Variable<M> {
-        let access = Access::Real(Field::Read(Box::new(values)));
-        Self::row(name, unit, description, Causality::Local, Variability::Continuous, access)
-    }
-
-    /// Return the independent variable `time`, in s, the time of the instance.
-    pub fn time() -> Variable<M> {
-        let (causality, variability) = (Causality::Independent, Variability::Continuous);
-        Self::row("time", "s", "Simulation time", causality, variability, Access::Time)
-    }
+/// Define a constructor of variables, with `unit` of variables that have one.
+macro_rules! constructor {
+    (
+        $(#[$doc:meta])*
+        $name:ident($($unit:ident)?): $access:ident($field:ident, $values:ty), $causality:ident, $variability:ident
+    ) => {
+        $(#[$doc])*
+        pub fn $name(
+            name: impl Into<String>,
+            $($unit: &str,)?
+            description: impl Into<String>,
+            values: impl Fn(&mut M) -> $values + Send + Sync + 'static,
+        ) -> Variable<M> {
+            let access = Access::$access(Field::$field(Box::new(values)));
+            let variable = Variable::new(name, description, Causality::$causality, Variability::$variability, access);
+            Variable { $(unit: Some($unit.to_string()),)? ..variable }
+        }
+    };
 }
 
-macro_rules! unitless {
-    ($(#[$doc:meta])* $name:ident, $access:ident, $type:ty) => {
+macro_rules! constructors {
+    ($(#[$doc:meta])* $name:ident, $access:ident, $type:ty, $variability:ident, $unit:tt) => {
         $(#[$doc])*
         pub struct $name<M>(PhantomData<M>);
 
         impl<M> $name<M> {
-            /// Return a parameter, fixed after initialisation.
-            pub fn parameter(
-                name: impl Into<String>,
-                description: impl Into<String>,
-                values: impl Fn(&mut M) -> &mut [$type] + Send + Sync + 'static,
-            ) -> Variable<M> {
-                let access = Access::$access(Field::Write(Box::new(values)));
-                Variable::new(name, description, Causality::Parameter, Variability::Fixed, access)
+            constructor! {
+                /// Return a parameter, fixed after initialisation.
+                parameter $unit: $access(Write, &mut [$type]), Parameter, Fixed
             }
-
-            /// Return an input.
-            pub fn input(
-                name: impl Into<String>,
-                description: impl Into<String>,
-                values: impl Fn(&mut M) -> &mut [$type] + Send + Sync + 'static,
-            ) -> Variable<M> {
-                let access = Access::$access(Field::Write(Box::new(values)));
-                Variable::new(name, description, Causality::Input, Variability::Discrete, access)
+            constructor! {
+                /// Return an input.
+                input $unit: $access(Write, &mut [$type]), Input, $variability
             }
-
-            /// Return an output.
-            pub fn output(
-                name: impl Into<String>,
-                description: impl Into<String>,
-                values: impl Fn(&mut M) -> &[$type] + Send + Sync + 'static,
-            ) -> Variable<M> {
-                let access = Access::$access(Field::Read(Box::new(values)));
-                Variable::new(name, description, Causality::Output, Variability::Discrete, access)
+            constructor! {
+                /// Return an output.
+                output $unit: $access(Read, &[$type]), Output, $variability
             }
-
-            /// Return a local variable, for display only.
-            pub fn local(
-                name: impl Into<String>,
-                description: impl Into<String>,
-                values: impl Fn(&mut M) -> &[$type] + Send + Sync + 'static,
-            ) -> Variable<M> {
-                let access = Access::$access(Field::Read(Box::new(values)));
-                Variable::new(name, description, Causality::Local, Variability::Discrete, access)
+            constructor! {
+                /// Return a local variable, for display only.
+                local $unit: $access(Read, &[$type]), Local, $variability
             }
         }
     };
 }
 
-unitless!(
+constructors! {
+    /// Constructor of Real variables of the model `M`: finite `f64` values with a unit.
+    Real, Real, f64, Continuous, (unit)
+}
+constructors! {
     /// Constructor of Integer variables of the model `M`: `i32` values.
-    Integer, Integer, i32
-);
-unitless!(
+    Integer, Integer, i32, Discrete, ()
+}
+constructors! {
     /// Constructor of Boolean variables of the model `M`.
-    Boolean, Boolean, bool
-);
-unitless!(
+    Boolean, Boolean, bool, Discrete, ()
+}
+constructors! {
     /// Constructor of String variables of the model `M`.
-    Text, Text, String
-);
+    Text, Text, String, Discrete, ()
+}
+
+impl<M> Real<M> {
+    /// Return the independent variable `time`, in s, the time of the instance.
+    pub fn time() -> Variable<M> {
+        let (causality, variability) = (Causality::Independent, Variability::Continuous);
+        let variable = Variable::new("time", "Simulation time", causality, variability, Access::Time);
+        Variable { unit: Some("s".to_string()), ..variable }
+    }
+}

@@ -296,3 +296,24 @@ impl<const D: usize> Rod<D> {
         }
     }
 }
+
+/// Rods of both dimensions. Builds with little optimization share generic functions of the crate that has them, so that
+/// tests and units do not translate all of a rod again.
+#[cfg(debug_assertions)]
+#[used]
+static TRANSLATED: (Translated<2>, Translated<3>) = (translated(), translated());
+
+#[cfg(debug_assertions)]
+type Translated<const D: usize> = (
+    fn(Parameters<D>) -> Result<Rod<D>, Error>,
+    fn(&mut Rod<D>, f64) -> Result<(), Error>,
+    fn(&mut Rod<D>) -> Result<(), Error>,
+    fn(&mut Rod<D>, BaseMotion<D>) -> Result<(), Error>,
+    fn(&mut Rod<D>, &State<D>) -> Result<(), Error>,
+    fn(&Rod<D>) -> Result<Energy, Error>,
+);
+
+#[cfg(debug_assertions)]
+const fn translated<const D: usize>() -> Translated<D> {
+    (Rod::new, Rod::step, Rod::solve_static, Rod::place, Rod::restore, Rod::energy)
+}
