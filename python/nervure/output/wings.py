@@ -30,7 +30,8 @@ class WingPicture:
         half = np.maximum(high - low, FLAT * (high - low).max()) / 2
         named, self.scale = lengths_in(scene, float(np.abs(points).max()))
         self.mesh = mesh
-        self.figure = Figure(figsize=(width, 0.62 * width))
+        is_tall = bool(half[2] > half.max() / 2)
+        self.figure = Figure(figsize=(width, (0.95 if is_tall else 0.62) * width))
         place: Any = self.figure.add_axes((0.02, 0.0, 0.96, 0.92), projection="3d", computed_zorder=False)
         self.axes = place
         for i, axis in enumerate("xyz"):
@@ -40,7 +41,7 @@ class WingPicture:
             getattr(self.axes, f"{axis}axis").set_major_locator(layout.ticks(3 if half[i] < half.max() / 2 else 5))
         self.axes.tick_params(labelsize="small")
         self.axes.set_proj_type("ortho")
-        self.axes.set_box_aspect(half, zoom=1.25)
+        self.axes.set_box_aspect(half, zoom=0.88 if is_tall else 1.25)
         self.axes.view_init(elev=ABOVE, azim=ASIDE)
         self.skin = Poly3DCollection([], linewidths=edges, edgecolors="0.35", zorder=1)
         self.axes.add_collection3d(self.skin, autolim=False)
