@@ -488,6 +488,22 @@ WARNED = {
         "the spring of `fluid.bodies[0].mount.y.stiffness` oscillates with 159.15 Hz without the fluid",
         None,
     ),
+    # drag of solids
+    "a porous solid": (
+        changed(bodies(circle(0.0, 0.05, 0.2)), fluid__mask__log_linear__c_eta=0.1),
+        "a `c_eta` of 1e-1 s, at which the flow passes through solids: it should be at most 2.0e-2 s",
+        None,
+    ),
+    "a drag that rounding drowns": (
+        changed(bodies(circle(0.0, 0.05, 0.2)), fluid__mask__log_linear__c_eta=1e-20),
+        "at which forces are the rounding of velocities: it should be at least 1.0e-14 s",
+        None,
+    ),
+    "a drag that rounding drowns in single precision": (
+        changed(bodies(circle(0.0, 0.05, 0.2)), fluid__mask__log_linear__c_eta=1e-9, fluid__precision="single"),
+        "it should be at least 1.0e-8 s",
+        None,
+    ),
     # weights
     "gravity a hundred times too large": (
         {"name": "rod", "time": CHANNEL["time"], "beam": beam(0.0, 0.0, (1.0, 0.0)), "rod": WEIGHT},

@@ -170,6 +170,11 @@ impl Scene {
         };
         let mut warnings = warnings(self, dimensionless.as_ref().and_then(|numbers| numbers.reynolds));
         warnings.extend(law_warnings::of(self));
+        if let (Some(fluid), Some(Dimensionless { length: Some(length), velocity, .. })) = (&self.fluid, &dimensionless)
+        {
+            let passage = velocity.map(|velocity| length / velocity);
+            warnings.extend(law_warnings::of_drag(fluid, self.time.communication_step, passage));
+        }
         let wing = self.wing.as_ref().map(wing_facts);
         Facts { beams, laws: laws(self), dimensionless, areas: areas(self), wing, fluid_steps, warnings }
     }

@@ -1,9 +1,12 @@
 //! What a law of time may not be meant to do: swing far beyond the points of its table, stop at once where the table
-//! ends, or oscillate faster than the run follows.
+//! ends, or oscillate faster than the run follows; and a drag of solids that lets the flow through, or that rounding
+//! drowns.
 
 use std::f64::consts::PI;
 
+use crate::fluid::Fluid;
 use crate::law::TimeLaw;
+use crate::method::Precision;
 use crate::places::rounded;
 use crate::root::{RootMotion, RootSupport};
 use crate::scene::Scene;
@@ -14,6 +17,14 @@ const OVERSHOOT: f64 = 0.5;
 
 /// Part of the range of a table's values that its last slope may cover in an interval.
 const STOP: f64 = 0.1;
+
+/// Largest relaxation time in solids by the time in which the flow passes one: a cylinder at Re 100 has 17 % more drag
+/// at 0.1 and 2 % at 0.01.
+const POROUS: f64 = 0.05;
+
+/// Least relaxation time in solids by the step, in both precisions: forces keep three digits.
+const ROUNDED: f64 = 1e-12;
+const ROUNDED_SINGLE: f64 = 1e-6;
 
 /// Least communication steps in a period.
 const STEPS: f64 = 8.0;
@@ -41,6 +52,26 @@ pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
         }
     }
     found
+}
+
+/// Return what is to be told of the drag rate of solids; `passage` is the time in which the flow passes the first one, s.
+pub(crate) fn of_drag(fluid: &Fluid, step: f64, passage: Option<f64>) -> Option<Warning> {
+    let (c_eta, step) = (fluid.mask.c_eta(), step.min(fluid.time_stepping.max_step));
+    let least = step
+        * match fluid.precision {
+            Precision::Double => ROUNDED,
+            Precision::Single => ROUNDED_SINGLE,
+        };
+    let (effect, other) = match passage {
+        Some(passage) if c_eta > POROUS * passage => ("the flow passes through solids", POROUS * passage),
+        _ if c_eta < least => ("forces are the rounding of velocities", least),
+        _ => return None,
+    };
+    let (given, allowed) = (format!("{c_eta:e}"), format!("{other:.1e}"));
+    let side = if c_eta > other { "most" } else { "least" };
+    let text =
+        format!("`fluid.mask` has a `c_eta` of {given} s, at which {effect}: it should be at {side} {allowed} s");
+    Some(warning("fluid.mask", None, text))
 }
 
 /// Return every law of a scene with its key.
