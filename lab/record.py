@@ -18,11 +18,11 @@ from tests.browser import Browser
 
 SCENE = "#flag"
 SIZE = (1100, 540)  # Of the recorded part of the page, pixels
-WIDTH = 540  # Of the picture
-COLOURS = 64
-STEPS = 24  # Between two frames
-BEFORE, FRAMES = 1000, 36  # Steps before the first frame; number of frames
-PULL, PLACE = range(5, 16), range(18, 23)  # Frames in which the mouse pulls, and draws a cylinder
+WIDTH = 720  # Of the picture
+COLOURS = 48
+STEPS = 36  # Between two frames
+BEFORE, FRAMES = 1000, 24  # Steps before the first frame; number of frames
+PULL, PLACE = range(3, 11), range(12, 15)  # Frames in which the mouse pulls, and draws a cylinder
 
 
 def mouse(browser: Browser, kind: str, x: float, y: float) -> None:

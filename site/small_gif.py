@@ -14,20 +14,18 @@ from PIL import Image, ImageSequence
 from nervure.output import animation
 
 LARGEST = 1_000_000  # Size of a picture, bytes
-SMALLER = 0.85  # Factor of width and height of one trial after the other
 
 
 def shrink(source: Path, target: Path) -> None:
-    """Write all frames of `source`, or their first half where the file would exceed `LARGEST`: one period of two. Make
-    this half smaller until it fits."""
+    """Write all frames of `source`; where the file would exceed `LARGEST`, their first half, one period of two, and
+    then every other, every third … of these, each shown for longer."""
     with Image.open(source) as film:
-        frames = [frame.convert("RGB") for frame in ImageSequence.Iterator(film)]
-    animation.write_gif([np.asarray(frame) for frame in frames], target)
-    half, factor = frames[: len(frames) // 2], 1.0
-    while target.stat().st_size > LARGEST:
-        size = [round(length * factor) for length in half[0].size]
-        animation.write_gif([np.asarray(frame.resize(size, Image.Resampling.LANCZOS)) for frame in half], target)
-        factor *= SMALLER
+        frames = [np.asarray(frame.convert("RGB")) for frame in ImageSequence.Iterator(film)]
+    animation.write_gif(frames, target)
+    half, stride = frames[: len(frames) // 2], 1
+    while target.stat().st_size > LARGEST and stride < len(half):
+        animation.write_gif(half[::stride], target, every=stride)
+        stride += 1
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Rods in a fluid of three dimensions: one exchange a step by the master of the plane, for one rod and several."""
 
 import copy
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from tests.conftest import output
 WEIGHT = 1.233e-3
 """Of a filament of 0.4 mm and 1000 kg/m³, N/m."""
 
-HANGING = {
+HANGING: dict[str, Any] = {
     "name": "hanging",
     "time": {"end": 0.02, "communication_step": 2e-4},
     "fluid": {
@@ -110,7 +111,7 @@ def test_the_fluid_of_a_wing_takes_its_nodes_and_gives_their_loads(packed):
     nodes = unit.variables["wing.x"].size
     arrays = [f"wing.{name}{axis}" for name in ("", "v", "force_") for axis in "xyz"] + ["wing.impedance"]
     assert all(unit.variables[name].size == nodes for name in arrays) and len(unit.variables) < 100
-    position = [[float(x) for x in unit.variables[f"wing.{axis}"].start] for axis in "xyz"]
+    position = [[float(str(x)) for x in unit.variables[f"wing.{axis}"].start] for axis in "xyz"]
     assert max(position[0]) == pytest.approx(0.01) and max(position[1]) == pytest.approx(0.003)
     unit.connect([], ["wing.force_x", "wing.impedance", "wing.drag", "wing.work"])
     unit.start()

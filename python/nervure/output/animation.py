@@ -335,9 +335,9 @@ def render(frames: Frames, chosen: list[int], limit: float) -> list[np.ndarray]:
     return pictures
 
 
-def write_gif(pictures: list[np.ndarray], path: Path, palette: np.ndarray | None = None) -> None:
+def write_gif(pictures: list[np.ndarray], path: Path, palette: np.ndarray | None = None, every: int = 1) -> None:
     """Write the pictures as an endless GIF with one palette and without dithering, so that still parts cost nothing.
-    The usual palette is for the vorticity in a plane."""
+    The usual palette is for the vorticity in a plane. Each picture stands for `every` frames."""
     if palette is None:
         scale = colormaps[flow.COLOUR_MAP](np.linspace(0, 1, COLOURS))[:, :3]
         greys = np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1)
@@ -345,7 +345,8 @@ def write_gif(pictures: list[np.ndarray], path: Path, palette: np.ndarray | None
     images = [Image.fromarray(_nearest(one, palette)) for one in pictures]
     for image in images:
         image.putpalette(palette.tobytes())
-    images[0].save(path, "GIF", save_all=True, append_images=images[1:], duration=FRAME_MS, loop=0, optimize=True)
+    shown = {"duration": every * FRAME_MS, "loop": 0, "optimize": True}
+    images[0].save(path, "GIF", save_all=True, append_images=images[1:], **shown)
 
 
 def _nearest(picture: np.ndarray, palette: np.ndarray) -> np.ndarray:
