@@ -34,7 +34,7 @@ impl Thin {
         let first = markers.len();
         let (parts, measures, layer) = match &body.extent {
             Extent::Line => {
-                let (parts, length, _) = Parts::of_line(&body.nodes, [true; 2], cell, first);
+                let (parts, length) = Parts::of_line(&body.nodes, [true; 2], cell, first);
                 let each = length / parts.len() as f64;
                 let measures = vec![each; parts.len()];
                 (parts, measures, ROD_SECTION_CELLS * cell * cell)

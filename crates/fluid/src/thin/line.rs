@@ -11,20 +11,26 @@ use crate::force::{Displaced, Force};
 /// A line.
 pub struct Line {
     parts: Parts,
+    /// Equal parts, over which the force on a marker counts as stress, and the length of one, m.
+    stressed: Parts,
+    length: f64,
     /// Fluid that moves with a marker, m².
     layer: f64,
-    /// Length, m, and what the parts have of it at each station.
-    length: f64,
+    /// Length of the line at each station, m.
     covered: Vec<f64>,
 }
 
 impl Line {
     /// A line through `points` (m) on cells of a size (m), with its markers; `free` tells which ends are free.
     pub fn new(points: &[[f64; 2]], free: [bool; 2], c_eta: f64, cell: f64, markers: &mut Markers<2>) -> Self {
-        let (parts, length, covered) = Parts::of_line(points, free, cell, markers.len());
-        let (count, thickness) = (parts.len() as f64, LINE_THICKNESS_CELLS * cell);
-        parts.markers().for_each(|_| markers.add(length / count, thickness / c_eta));
-        Self { parts, layer: thickness * length / count, length, covered }
+        let (parts, length) = Parts::of_line(points, free, cell, markers.len());
+        let (length, thickness) = (length / parts.len() as f64, LINE_THICKNESS_CELLS * cell);
+        parts.markers().for_each(|_| markers.add(length, thickness / c_eta));
+        let (stressed, mut covered) = (parts.equal(points), vec![0.0; points.len()]);
+        for (_, shares) in stressed.iter() {
+            shares.iter().for_each(|&(point, share)| covered[point] += share * length);
+        }
+        Self { parts, stressed, length, layer: thickness * length, covered }
     }
 
     /// Move the markers to stations.
@@ -80,16 +86,16 @@ impl Line {
         before: &Stations,
         [jump, shear]: [&mut [f64]; 2],
     ) {
-        let (length, last) = (self.length / self.parts.len() as f64, jump.len() - 1);
+        let last = jump.len() - 1;
         let tangent = |k: usize| unit(difference(&stations.position, [k.saturating_sub(1), (k + 1).min(last)]));
         for k in 0..=last {
             let [ex, ey] = tangent(k);
             let [ax, ay] = [0, 1].map(|axis| (stations.velocity[axis][k] - before.velocity[axis][k]) / dt);
-            let layer = density * self.layer / length;
+            let layer = density * self.layer / self.length;
             (jump[k], shear[k]) = (layer * (ax * ey - ay * ex), layer * (ax * ex + ay * ey));
         }
         let Range { start, end } = self.markers();
-        for (k, shares) in self.parts.iter() {
+        for (k, shares) in self.stressed.iter() {
             let beside = [k.saturating_sub(1).max(start), k, k, (k + 1).min(end - 1)];
             let [fx, fy] = force.each_ref().map(|force| force[k]);
             let [mx, my] = force.each_ref().map(|force| 0.25 * beside.iter().map(|k| force[*k]).sum::<f64>());

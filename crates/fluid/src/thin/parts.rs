@@ -15,7 +15,7 @@ const SPACING_CELLS: f64 = 1.5;
 
 /// Length by which a free end is drawn in, cells, because the kernel reaches beyond the last marker. With it a line has
 /// the added mass of a plate of its length.
-const DRAWN_IN_CELLS: f64 = 0.1;
+const DRAWN_IN_CELLS: f64 = 0.4;
 
 /// Shares of the nodes in each part.
 #[derive(Default)]
@@ -32,24 +32,14 @@ impl Parts {
         Self { first, ..Self::default() }
     }
 
-    /// Parts of a line through points (m) for cells of a size (m), its length, and what the parts have of it at each
-    /// point (m); `free` tells which ends are free.
-    pub fn of_line<const D: usize>(
-        points: &[[f64; D]],
-        free: [bool; 2],
-        cell: f64,
-        first: usize,
-    ) -> (Self, f64, Vec<f64>) {
-        let mut arc = vec![0.0];
-        for pair in points.windows(2) {
-            let step = (0..D).fold(0.0, |step: f64, axis| step.hypot(pair[1][axis] - pair[0][axis]));
-            arc.push(arc[arc.len() - 1] + step);
-        }
+    /// Parts of a line through points (m) for cells of a size (m), and its length; `free` tells which ends are free.
+    pub fn of_line<const D: usize>(points: &[[f64; D]], free: [bool; 2], cell: f64, first: usize) -> (Self, f64) {
+        let arc = arc(points);
         let length = arc[arc.len() - 1];
         let [begin, left] = free.map(|free| if free { (DRAWN_IN_CELLS * cell).min(0.25 * length) } else { 0.0 });
         let span = length - begin - left;
         let count = (span / (SPACING_CELLS * cell)).round().max(1.0);
-        let (part, mut parts, mut covered) = (span / count, Self::new(first), vec![0.0; points.len()]);
+        let (part, mut parts) = (span / count, Self::new(first));
         for k in 0..count as usize {
             let middle = begin + (k as f64 + 0.5) * part;
             // The first and the last part reach as far over their middle as to the end of the line.
@@ -60,13 +50,19 @@ impl Parts {
             if k + 1 == count as usize {
                 half = half.max(length - middle);
             }
-            parts.add(|shares| {
-                let from = shares.len();
-                mean(&arc, middle - half, middle + half, shares);
-                shares[from..].iter().for_each(|&(point, share)| covered[point] += 2.0 * half * share);
-            });
+            parts.add(|shares| mean(&arc, middle - half, middle + half, shares));
         }
-        (parts, length, covered)
+        (parts, length)
+    }
+
+    /// As many equal parts of the line through points (m), which cover it once.
+    pub fn equal<const D: usize>(&self, points: &[[f64; D]]) -> Self {
+        let (arc, mut parts) = (arc(points), Self::new(self.first));
+        let part = arc[arc.len() - 1] / self.len() as f64;
+        for k in 0..self.len() {
+            parts.add(|shares| mean(&arc, k as f64 * part, (k + 1) as f64 * part, shares));
+        }
+        parts
     }
 
     /// Add a part; `add` appends the shares of its nodes to a list that begins with those of other parts.
@@ -114,6 +110,16 @@ impl Parts {
             }
         }
     }
+}
+
+/// Return the places of points along the line through them, m.
+fn arc<const D: usize>(points: &[[f64; D]]) -> Vec<f64> {
+    let mut arc = vec![0.0];
+    for pair in points.windows(2) {
+        let step = (0..D).fold(0.0, |step: f64, axis| step.hypot(pair[1][axis] - pair[0][axis]));
+        arc.push(arc[arc.len() - 1] + step);
+    }
+    arc
 }
 
 /// Add the shares of points at the places `arc` in the mean from `from` to `to` of what is linear between them.
