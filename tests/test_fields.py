@@ -14,7 +14,7 @@ from PIL import Image
 from nervure.errors import SceneError
 from nervure.output import fields
 from nervure.scene import validate
-from nervure.simulation.results import BEAM_FIELDS, FLUID_FIELDS
+from nervure.simulation.results import BEAM_FIELDS, FIELDS, FLUID_FIELDS
 from nervure.simulation.session import Session
 from tests.conftest import TOOL, nervure, run_scene
 
