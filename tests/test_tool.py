@@ -180,7 +180,7 @@ def test_what_cannot_be_used_is_said_with_what_to_do(arguments, said, tmp_path):
 
 def test_libraries_that_are_not_built_are_said(tmp_path):
     done = nervure("run", FSI3, "--output", tmp_path, env=os.environ | {"CARGO_TARGET_DIR": str(tmp_path)})
-    assert done.returncode == 2 and "is not built; `make build` or `nervure build" in done.stderr, done.stderr
+    assert done.returncode == 2 and "is not built; `nervure build" in done.stderr, done.stderr
 
 
 def test_build_without_cargo_says_what_to_install(tmp_path):

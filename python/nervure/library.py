@@ -39,7 +39,7 @@ def library(kind: str) -> Path:
             f"this system is {PLATFORM}, but nervure was installed with units for {there}; `pip install .` in the "
             "folder of the project compiles them for this one"
         )
-    raise SceneError(f"the library {path} is not built; `make build` or `nervure build SCENE.json` builds it")
+    raise SceneError(f"the library {path} is not built; `nervure build SCENE.json` builds it")
 
 
 def _path(kind: str) -> Path:
@@ -73,7 +73,7 @@ def _answer(name: str, *texts: str | None) -> str:
     try:
         function = ctypes.CDLL(str(path))[name]
     except AttributeError as error:
-        raise SceneError(f"the library {path} is older than this nervure; `make build` builds it again") from error
+        raise SceneError(f"the library {path} is older than this nervure; `nervure build SCENE.json` builds it again") from error
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, *BUFFER]
     encoded = [None if text is None else text.encode("utf-8", "surrogatepass") for text in texts]
     refused, answer = _written(partial(function, *encoded, *[None] * (2 - len(encoded))))
