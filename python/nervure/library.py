@@ -73,7 +73,8 @@ def _answer(name: str, *texts: str | None) -> str:
     try:
         function = ctypes.CDLL(str(path))[name]
     except AttributeError as error:
-        raise SceneError(f"the library {path} is older than this nervure; `nervure build SCENE.json` builds it again") from error
+        remedy = "`nervure build SCENE.json` builds it again"
+        raise SceneError(f"the library {path} is older than this nervure; {remedy}") from error
     function.argtypes = [ctypes.c_char_p, ctypes.c_char_p, *BUFFER]
     encoded = [None if text is None else text.encode("utf-8", "surrogatepass") for text in texts]
     refused, answer = _written(partial(function, *encoded, *[None] * (2 - len(encoded))))
