@@ -14,7 +14,7 @@ READY_DEV := $(VENV)/.ready-dev
 NERVURE := $(VENV)/bin/nervure
 RUST_STUDIES := --locked --manifest-path studies/rust/Cargo.toml
 
-.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint python-test coverage package-check doc deny bindings-check schema messages descriptions record lock clean
+.PHONY: help fsi3 told cylinder cylinder-2d1 animation run units build test rust-test lint studies-lint python-test coverage package-check doc deny bindings-check schema messages descriptions record lock clean
 
 help: ## show this list
 	@sed -n 's/^\([a-z0-9-]*\):.*## \(.*\)/\1\t\2/p' $(MAKEFILE_LIST) | expand -t 18
@@ -57,12 +57,20 @@ test: ## run everything that has to pass: the tools of Python beside cargo, then
 	$(MAKE) lint bindings-check & $(MAKE) build rust-test; rust=$$?; wait $$! && exit $$rust
 	$(MAKE) python-test
 
+# In the release profile, so that tests share what the build made; in groups of equal features, so that they share all.
+WING := nervure-mesh nervure-wing nervure-fmu-wing
+TOOL := nervure-cargo-fmu
+RUST_TEST := cargo test --release --locked
+
 rust-test:
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
-	cargo clippy $(RUST_STUDIES) -p rod-study -p fluid-bench --target-dir target --bins --examples -- -D warnings
-	cargo test --workspace --tests --locked
-	cargo test --workspace --doc --locked
+	$(RUST_TEST) --workspace $(addprefix --exclude ,$(WING) $(TOOL))
+	$(RUST_TEST) $(addprefix -p ,$(WING))
+	$(RUST_TEST) -p $(TOOL)
+
+studies-lint: ## check the Rust code of the studies
+	cargo clippy $(RUST_STUDIES) --bins --examples -- -D warnings
 
 LINTED := python examples lab scripts site studies tests modelDescription hatch_build.py
 
@@ -104,7 +112,7 @@ bindings-check: $(READY_DEV) ## compare crates/fmi-export/src/sys.rs with the of
 	"$$($(RUN) -c "import fmpy; print(*fmpy.__path__)")/c-code" crates/fmi-export/src/sys.rs
 
 schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the Python classes of scenes
-	cargo run --quiet --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
+	cargo run --quiet --release --locked -p nervure-scene --example schema > modelDescription/scene.schema.json.new
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
 	$(RUN) modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 

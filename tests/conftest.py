@@ -106,14 +106,6 @@ def wing_library(libraries):
         subprocess.run(command, cwd=ROOT, check=True)
 
 
-def cargo_build(*target: str) -> Path:
-    """Build a target of the workspace as `cargo test` builds it, with the same features, so that nothing is compiled
-    twice; return its folder. An example is among the targets, because only with one Cargo counts those of tests."""
-    command = ["cargo", "build", "--quiet", "--locked", "--workspace", "--example", "schema", *target]
-    subprocess.run(command, cwd=ROOT, check=True)
-    return ROOT / "target" / "debug"
-
-
 @pytest.fixture
 def fsi3():
     """The shipped FSI3 scene, as JSON."""

@@ -11,7 +11,6 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from nervure.resources import ROOT
-from tests.conftest import cargo_build
 
 PAGE = (ROOT / "docs" / "reference" / "own-fmu.md").read_text(encoding="utf-8")
 LINES = 60
@@ -27,7 +26,9 @@ def block(language: str) -> str:
 @pytest.fixture(scope="module")
 def command():
     """`cargo fmu`, as a user who installed it has it."""
-    return [cargo_build("--bin", "cargo-fmu") / "cargo-fmu", "fmu"]
+    build = ["cargo", "build", "--quiet", "--release", "--locked", "--package", "nervure-cargo-fmu"]
+    subprocess.run(build, cwd=ROOT, check=True)
+    return [ROOT / "target" / "release" / "cargo-fmu", "fmu"]
 
 
 @pytest.fixture(scope="module")

@@ -1,10 +1,17 @@
-//! Facts of scenes.
+//! What the crate publishes: the schema, and facts of scenes.
 
 use nervure_scene::{Scene, facts_text};
 
 fn shipped(name: &str) -> String {
     let path = format!("{}/../../scenes/{name}.json", env!("CARGO_MANIFEST_DIR"));
     std::fs::read_to_string(path).unwrap()
+}
+
+#[test]
+fn committed_schema_is_that_of_the_types() {
+    let path = format!("{}/../../modelDescription/scene.schema.json", env!("CARGO_MANIFEST_DIR"));
+    let committed = std::fs::read_to_string(path).unwrap();
+    assert!(committed == Scene::json_schema(), "`make schema` writes it anew");
 }
 
 #[test]
