@@ -44,7 +44,8 @@ animation: $(READY) ## make vorticity.gif and phases.png of RESULTS=results/NAME
 	@ls $(RESULTS)/*.vtkhdf >/dev/null 2>&1 || $(MAKE) run ARGS="--fields-every 0.01 --output $(RESULTS) $(ARGS)"
 	$(NERVURE) animate $(RESULTS)
 
-run: build $(READY) ## run SCENE=scenes/NAME.json; more options in ARGS="--end-time 1 --set key=value"
+run: ## run SCENE=scenes/NAME.json; more options in ARGS="--end-time 1 --set key=value"
+	@$(MAKE) --no-print-directory build & $(MAKE) --no-print-directory $(READY); ready=$$?; wait $$! && exit $$ready
 	$(NERVURE) run $(SCENE) $(ARGS)
 
 units: $(READY) ## pack the FMUs of SCENE=scenes/NAME.json into results/NAME
