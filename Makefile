@@ -155,7 +155,7 @@ $(READY_DEV): requirements/dev.lock $(READY)
 
 STUDY := $(RUN) -m studies
 
-.PHONY: flapping studies rod-study bench-rod fluid-study fluid-measures fsi3-study coupling-study turek-hron driven-bar vein-study shown-rows
+.PHONY: studies study bench-rod turek-hron shown-rows
 
 studies: $(READY_DEV) ## write the tables of results.json into the documents; ARGS="--stale" lists results older than the code
 	$(STUDY) $(ARGS)
@@ -163,37 +163,16 @@ studies: $(READY_DEV) ## write the tables of results.json into the documents; AR
 shown-rows: build $(READY_DEV) ## run the stale cases that README shows
 	$(STUDY) --shown README.md $(ARGS)
 
-rod-study: $(READY_DEV) ## run the missing cases of the rod (ten minutes); ARGS="--list", "--only 'study/csm*'"
-	$(STUDY) rod $(ARGS)
+study: build $(READY_DEV) ## run the missing cases of a study, NAME=rod, fluid, fsi3, …; ARGS="--list", "--only 'grid/*'"
+	$(STUDY) $(NAME) $(ARGS)
 
 bench-rod: $(READY_DEV) ## time a Newton iteration of the rod and its linear solver, beside faer
 	$(STUDY) rod --force --update-timings --only 'study/r*' $(ARGS)
-
-fluid-study: build $(READY_DEV) ## run the missing cases of the fluid (hours)
-	$(STUDY) fluid $(ARGS)
-
-fluid-measures: $(READY_DEV) ## measure exact solutions, invariants and stability of the fluid
-	$(STUDY) fluid-measures $(ARGS)
-
-fsi3-study: build $(READY_DEV) ## run the missing cases of FSI3 (an hour of one core)
-	$(STUDY) fsi3 $(ARGS)
-
-coupling-study: build $(READY_DEV) ## run the missing cases of the stability map of the coupling
-	$(STUDY) coupling $(ARGS)
 
 turek-hron: GRID := 324x54
 turek-hron: build $(READY_DEV) ## run the missing cases of CSM1-3, CFD1-3 and FSI1-3; GRID=324x54 (default, a minute), 648x108 or 1296x216
 	$(STUDY) turek-hron --only 'csm?/*'
 	$(STUDY) turek-hron --only '*/$(GRID)' $(ARGS)
-
-driven-bar: build $(READY_DEV) ## run the missing cases of the bar in prescribed motion (some minutes)
-	$(STUDY) driven-bar $(ARGS)
-
-vein-study: build $(READY_DEV) ## run the missing cases of the vein (a quarter of an hour of one core)
-	$(STUDY) vein $(ARGS)
-
-flapping: build $(READY_DEV) ## run the missing cases of flapping bodies, flags, filaments and veins (twenty minutes)
-	$(STUDY) flapping thin $(ARGS)
 
 BENCH_VENV := target/fluid-bench/venv
 
@@ -211,7 +190,7 @@ $(BENCH_VENV)/.ready: requirements/bench.lock
 
 .PHONY: reliability masters-test
 
-reliability: build $(READY_DEV) ## mistreat the units at full count, an hour; ARGS="--list", "--only 'check/forks*'"
+reliability: build $(READY_DEV) ## mistreat the units, a quarter of an hour; ARGS="--list", "--only 'check/forks*'"
 	$(STUDY) reliability --force $(ARGS)
 
 MASTERS_VENV := target/masters/venv
@@ -329,8 +308,8 @@ PEERS_VENV := target/report/venv
 report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine, ten on a busy one)
 	$(STUDY) report leave-out --force $(ARGS)
 
-STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping thin space running report leave-out
-report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run the stale or missing cases of every study, long cases included, and draw all figures; half a day of one core
+STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping thin space wing scenes running report leave-out
+report-full: build $(READY_DEV) $(PEERS_VENV)/.ready $(BENCH_VENV)/.ready ## run the stale or missing cases of every study, long cases included, and draw all figures; two hours of one core
 	$(WITH_FFTW) $(STUDY) $(STUDIES) --full $(ARGS)
 	$(MAKE) ARGS= report-pictures
 

@@ -5,14 +5,14 @@ from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
 
-from studies import coupling, driven_bar, flapping, fluid, fsi3, leave_out, reliability, report, rod, running, show
+from studies import coupling, driven_bar, flapping, fluid, fsi3, leave_out, reliability, report, rod, running, scenes
 
-from studies import space, speed, thin, turek_hron, vein  # isort: skip
+from studies import show, space, speed, thin, turek_hron, vein, wing  # isort: skip
 from studies.store import Data
 
-STUDIES = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
-           turek_hron.STUDY, vein.STUDY, flapping.STUDY, thin.STUDY, space.STUDY, running.STUDY, leave_out.STUDY,
-           report.STUDY, reliability.STUDY)  # fmt: skip
+MEASURED = (rod.STUDY, fluid.STUDY, fluid.MEASURES, speed.STUDY, fsi3.STUDY, coupling.STUDY, driven_bar.STUDY,
+            turek_hron.STUDY, vein.STUDY, flapping.STUDY, thin.STUDY, space.STUDY, wing.STUDY)  # fmt: skip
+STUDIES = (*MEASURED, scenes.study(MEASURED), running.STUDY, leave_out.STUDY, report.STUDY, reliability.STUDY)
 
 
 def load() -> Data:
@@ -34,7 +34,8 @@ def lines_of(key: str, data: Data) -> list[str]:
     if "table" in spec:
         tables = [(record["label"], record.tables.get(spec["table"], [])) for record in records]
         return show.table(key, [{"label": label} | row for label, rows in tables for row in rows])
-    last = {name: value for name, value in records[-1].view.items() if isinstance(value, float) and value}
+    ends = records[-1].view if records else {}
+    last = {name: value for name, value in ends.items() if isinstance(value, float) and value}
     offs = [{f"{name}.off": r[name] / value - 1 for name, value in last.items() if r.get(name)} for r in records]
     return show.table(key, [record.view | off for record, off in zip(records, offs)])
 

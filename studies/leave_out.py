@@ -3,14 +3,12 @@
 from collections.abc import Iterator
 from typing import Any
 
-from nervure.resources import SCENES as FOLDER
 from studies import simulate
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study
+from studies.store import Data
 
-SCENES = sorted(path.stem for path in FOLDER.glob("*.json"))
-
-SHORT = ("csm3", "cylinder-2d1-450x90", "fsi3-325x72")
-"""Scenes of the short report: a rod, a fluid, and both."""
+SCENES = ("csm3", "cylinder-2d1-450x90", "fsi3-325x72", "flag-line-480x240", "sphere-oscillating-64x64x64")
+"""A rod, a fluid, both, a line, and a fluid in space."""
 
 STEPS = {"rod": 400, "fluid": 60}  # Communication steps of a run, of scenes without and with a fluid
 REPEATS = 3
@@ -58,14 +56,31 @@ def cases() -> Iterator[Case]:
         for variant, changes in variants.items():
             sources = COUPLED if fluid and rod else FLUID if fluid else ROD
             options, about = {"repeats": REPEATS}, {"scene": name}
-            yield Case(f"{name}/{variant}", sources, name, short | changes, options, about=about, quick=name in SHORT)
+            yield Case(f"{name}/{variant}", sources, name, short | changes, options, about=about)
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
     xml, variables = simulate.sizes(case.built())
     last = {f"last {name}": run.found["last"][name] for name in COLUMNS if name in run.found["last"]}
-    times = simulate.times(run.found) | {"steps": run.found["steps"]}
+    times = simulate.times(run.found) | {"steps": run.found["steps"], "memory": run.found["memory"]}
     return {"values": {"xml": xml, "variables": variables} | last, "times": times}
 
 
-STUDY = Study("leave-out", cases, extract)
+def added(data: Data) -> list[dict[str, Any]]:
+    """Return scalar variables, memory (MB) and time of a step (ms) of each scene, and what each unused part adds."""
+    rows: list[dict[str, Any]] = []
+    for record in data.of("leave-out/*"):
+        scene, part = record.name.split("/")[1:]
+        step = 1e3 * record["cpu_s"] / record["steps"]
+        found = {"variables": record["variables"], "memory": record.get("memory"), "step": step}
+        if part in ("as shipped", "without shear"):
+            base = found
+            rows.append(found | {"scene": scene, "part": part})
+            continue
+        known = [name for name in found if found[name] is not None and base[name] is not None]
+        more = {f"more {name}": found[name] - base[name] for name in known}
+        rows.append(more | {"scene": scene, "part": part, "ratio": found["step"] / base["step"]})
+    return rows
+
+
+STUDY = Study("leave-out", cases, extract, {"leave-out": added})

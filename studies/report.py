@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from nervure.resources import ROOT
-from studies import commands, elastica, fsi3, maps, show, simulate, speed, turek_hron
-from studies.engine import COUPLED, ROD, Case, Run, Study, simulated
+from studies import commands, elastica, maps, show, simulate, speed, turek_hron
+from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study, simulated
 from studies.show import COLOURS
 from studies.simulate import on_grid
 from studies.store import Data, Record
@@ -25,11 +25,12 @@ PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
 LONGEST = 3600.0  # Largest wall time of a peer, s
 
 LARGEST = (8192, 2048)  # Grid of the largest measured step
+SPIN = {"sine": {"amplitude": 0.5, "frequency": 0.2}}
 COST_STEPS = 200  # Communication steps of the runs that measure the cost of a step
 
 
 def case(kind: str, method: str, setting: str, changes: dict[str, Any], size: float = 0, **options: Any) -> Case:
-    sources = ("peers",) if "command" in options else COUPLED if kind == "cost" else ROD
+    sources = ("peers",) if "command" in options else {"cost": COUPLED, "bodies": FLUID}.get(kind, ROD)
     scene, action, quick = SCENES[kind], simulated, options.pop("quick", True)
     about = {"published": scene, "kind": kind, "method": method, "setting": setting, "size": size}
     if "command" in options:
@@ -76,6 +77,11 @@ def cases() -> Iterator[Case]:
         yield case("cost", "stations", f"{n} segments", short | {"beam.segments": n}, n, repeats=9)
     still = {"rod": "absent", "coupling": "absent"}
     yield case("cost", "bar still", "42 segments", short | still, 42, repeats=9)
+    still = on_grid(300, 180, 0.01) | {"time.end": COST_STEPS * 0.01}
+    for n in (1, 4, 16, 64):
+        at = [[-8.75 + 2.5 * (i % 8), -5.25 + 1.5 * (i // 8)] for i in range(n)]
+        bodies = [{"shape": {"circle": {"radius": 0.5}}, "position": p, "motion": {"angle": SPIN}} for p in at]
+        yield case("bodies", "cylinders", f"{n}", still | {"fluid.bodies": bodies}, n, repeats=5)
     for nx, ny in ((160, 36), (325, 72), (640, 144), (1280, 288)):
         changes = on_grid(nx, ny, 1e-4) | {"time.end": COST_STEPS * 1e-4}
         yield case("cost", "grid", f"{nx} x {ny}", changes, nx * ny, repeats=5)
@@ -89,7 +95,7 @@ def extract(case: Case, run: Run) -> dict[str, Any]:
         walls, cpus = (np.percentile(spent, [25, 50, 75]).tolist() for spent in zip(*found["runs"]))
         times = {"wall_s": walls, "cpu_s": cpus, "runs": len(found["runs"])}
         return {"values": found["values"], "times": times}
-    if case.about["kind"] == "cost":
+    if case.about["kind"] in ("cost", "bodies"):
         return {"values": {"steps": found["steps"]}, "times": simulate.times(found) | {"memory": found["memory"]}}
     return {"values": simulate.quantities(found), "times": simulate.times(found)}
 
@@ -109,13 +115,9 @@ PEER_METHODS = ("PyElastica", "NGSolve, Taylor–Hood")
 
 QUANTITIES: dict[str, list[str]] = LISTED["quantities"]
 FLOWS = {"cylinder-2d1": "2D-1", "cylinder-2d2": "2D-2"}
-MASKS = {"none": "bare profile", "cosine": "cosine mask", "curvature": "wall target"}
+MASKS = {"none": "bare profile", "cosine": "cosine mask", "sharp": "sharp mask", "curvature": "wall target"}
 
 CITED: list[dict[str, Any]] = simulate.LISTED["solvers"]
-SIMULATED = 8.0  # End of the FSI3 scenes, s
-
-FSI3_METHODS: dict[str, str] = LISTED["fsi3"]
-"""Changes of FSI3 that have a line of their own beside the shipped scenes."""
 
 Point = dict[str, Any]
 """A run for error against run time: the view of its record, `method`, `setting`, quartiles of `cpu` and `wall`, s, and
@@ -138,25 +140,10 @@ def point(record: Record, **about: Any) -> Point:
 
 def points(data: Data, case: str) -> list[Point]:
     """Return the runs of a case that are compared, method by method."""
-    found = []
-    if case == "fsi3":
-        for record in data.of("fsi3/grid/*"):
-            found.append(point(record, method="momentum load", setting=record["name"]))
-        changed = [(method, group) for method in FSI3_METHODS for group in fsi3.VARIED]
-        for method, group in changed:
-            found += [point(r, method=method, setting=group) for r in data.of(f"fsi3/{group}/{FSI3_METHODS[method]}")]
-        expected = simulate.published(fsi3.COARSE)
-        for row in CITED[:2]:
-            errors = {f"{q}.error": (value - expected[q][0]) / expected[q][1] for q, value in row["values"].items()}
-            found.append(row | errors | {"wall": [SIMULATED * row["wall"]] * 3, "failed": False})
-        return found
     flow = FLOWS.get(case)
     found = [point(r) for r in data.of(f"report/{case}/*") if not flow or r["method"] in PEER_METHODS]
-    for record in data.of("fluid/*", flow=flow) if flow else ():
-        group, nx = record.name.split("/")[1], record["nx"]
-        name = "thesis: sharp, uncorrected, Heun" if group == "thesis" else MASKS.get(record["mask"])
-        if name and (group == "thesis" or (group == "grid" and record["scheme"] == "sbdf2")):
-            found.append(point(record, method=name, setting=f"{nx} x {nx // 5}"))
+    for record in data.of("fluid/grid/*", flow=flow) if flow else ():
+        found.append(point(record, method=MASKS[record["mask"]], setting=record["grid"]))
     return found
 
 
@@ -168,7 +155,7 @@ def beaten(data: Data) -> list[Point]:
         worst = []
         for p in points(data, case):
             there = [abs(p[name]) for q in quantities if (name := f"{q}.{kind_of(case)}") in p]
-            if there and p.get("cpu") and "thesis" not in p["method"]:
+            if there and p.get("cpu"):
                 cpu = float(f"{p['cpu'][1]:.2g}")
                 said = f"{p['method']} ({p['setting']}): {100 * max(there):.2g} % in {cpu:g} s"
                 worst.append((max(there), p["cpu"][1], said, p["method"] in PEER_METHODS))
@@ -193,10 +180,10 @@ def cited(data: Data) -> list[Point]:
     return rows + [row | row["values"] for row in CITED]
 
 
-def steps(data: Data, **about: Any) -> list[Point]:
-    """Return median CPU time of a step of FSI3, and shortest wall times of its parts, µs."""
+def steps(data: Data, pattern: str) -> list[Point]:
+    """Return median CPU time of a step, and shortest wall times of its parts, µs."""
     rows = []
-    for record in data.of("report/cost/*", **about):
+    for record in data.of(f"report/{pattern}/*"):
         seconds = record.times["phases_s"] | {"step": record["cpu_s"]}
         phases = {phase: 1e6 * spent / record["steps"] for phase, spent in seconds.items()}
         rows.append(record.case.about | phases)
@@ -206,7 +193,7 @@ def steps(data: Data, **about: Any) -> list[Point]:
 def costs(data: Data) -> list[tuple[str, str, list[float], list[float]]]:
     """Return name, variable, sizes and µs of each measured cost."""
     times = [row for row in data["rod/study/runtime"].times["rows"] if row["n"] >= 64]
-    bench, grid, stations = speed.found(data, "step"), steps(data, method="grid"), steps(data, method="stations")
+    bench, grid, stations = speed.found(data, "step"), steps(data, "cost/grid"), steps(data, "cost/stations")
     bar = next(speed.jumps(row, "bar") for row in speed.found(data, "motion") if row["grid"] == "650 x 144")
 
     def column(rows: list[Point], name: str, scale: float = 1.0) -> list[float]:
@@ -221,12 +208,13 @@ def costs(data: Data) -> list[tuple[str, str, list[float], list[float]]]:
         ("a step of FSI3, the rod's part", "segments", column(stations, "size"), column(stations, "rod")),
         ("the bar in a step of the fluid, 650 x 144", "cells that its stations move in it",
          [jump for jump in bar if jump > 0], [bar[jump] for jump in bar if jump > 0]),
+        *([("a step with moving cylinders, 300 x 180", "cylinders", column(many, "size"), column(many, "step"))]
+          if (many := steps(data, "bodies/cylinders")) else []),
     ]  # fmt: skip
 
 
 def draw_cost(data: Data) -> None:
     figure, axes = show.panel(2, 3, (12, 7.2))
-    axes[1, 2].set_visible(False)
     for axis, (name, over, x, y) in zip(axes.flat, costs(data)):
         slope, offset = np.polyfit(np.log(x), np.log(y), 1)
         axis.plot(x, y, "o", color=COLOURS[0])
@@ -243,10 +231,6 @@ def draw_cost(data: Data) -> None:
 
 
 def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
-    for case in ("cylinder-2d2", "fsi3"):
-        groups = show.grouped(points(data, case), "method")
-        times = {"wall": "wall time [s]", "cpu": "CPU time [s]"}
-        show.errors(f"pictures/{case}-error", groups, QUANTITIES[case], times)
     maps.draw(data)
     draw_cost(data)
 

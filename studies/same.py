@@ -1,8 +1,8 @@
 """Keep stale results that the sources of today reproduce: `python -m studies [NAME …] --same-as CHECKOUT`.
 
 A checkout of the revision of the results runs the first steps of a case by its own code and in its own format, and so
-does this one. A stale result of a plain run is kept if the outputs of both have the same bits, and if the cheapest run
-of its group, made to its end, gives the recorded values: that covers evaluation.
+does this one. A stale result of the run of a scene is kept if the outputs of both have the same bits, and if the
+cheapest run of its group, made to its end, gives the recorded values: that covers evaluation.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pathlib import Path
 from nervure.errors import InputError
 from nervure.resources import ROOT
 from studies import engine, simulate
-from studies.engine import Case, simulated
+from studies.engine import Case
 from studies.store import Data, Record
 
 STEPS = 20
@@ -93,13 +93,18 @@ def hashes(digests: Iterable[str], checkout: Path, fresh: bool, jobs: int) -> di
     return dict(line.split() for line in lines)
 
 
+def runs_a_scene(record: Record) -> bool:
+    """Whether a result is that of a run of its scene, whatever is evaluated of it."""
+    return bool(record.case.scene) and record.get("cpu_s") is not None
+
+
 def group(name: str) -> str:
     return "/".join(name.split("/")[:2])
 
 
 def witnesses(records: Iterable[Record], everything: Data) -> dict[str, Record]:
     """Return the record that stands for each of `records`: the cheapest of its group, or else of its study."""
-    plain = [r for r in everything.records.values() if r.case.action is simulated and r.get("cpu_s") is not None]
+    plain = [r for r in everything.records.values() if runs_a_scene(r)]
     plain.sort(key=lambda record: float(record["cpu_s"]), reverse=True)
     by_group = {group(record.name): record for record in plain}
     by_study = {record.name.split("/")[0]: record for record in plain}
@@ -124,7 +129,7 @@ def comes_out(record: Record) -> bool:
 
 def carry_over(data: Data, names: list[str], checkout: Path, jobs: int) -> list[str]:
     """Give stale results of the named studies that hold the digest of today; return their names."""
-    records = [r for r in data.stale() if r.case.action is simulated and (not names or r.name.split("/")[0] in names)]
+    records = [r for r in data.stale() if runs_a_scene(r) and (not names or r.name.split("/")[0] in names)]
     there = hashes({record.digest for record in records}, checkout, True, jobs)
     here = hashes(there, ROOT, False, jobs)
     records = [record for record in records if there.get(record.digest, "") == here.get(record.digest)]

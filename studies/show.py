@@ -3,7 +3,6 @@
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,6 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from nervure.files import write_whole
@@ -27,20 +25,11 @@ MARKERS = "osv^Dp*hX"
 
 plt.rcParams["axes.prop_cycle"] = matplotlib.rcsetup.cycler(color=COLOURS)
 
-LABELS = {"cd_mean": "$c_D$", "cl_mean": "$c_L$", "dp_mean": "$\\Delta p$", "cd_max": "$c_D$ max", "st": "St",
-          "cl_peak_to_peak": "$c_L$ peak to peak", "tip_ux": "$u_x$", "tip_uy": "$u_y$",
-          "frequency_hz": "frequency", "bar": "lift", "in_phase": "in phase", "with_velocity": "with velocity",
-          "second": "at 2f"}  # fmt: skip
-
 SPECS: dict[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_name("tables.toml").read_text(encoding="utf-8"))
 """Columns of the tables, by key."""
 SOURCES = ("of", "table", "like", "only")  # Keys of a table that say where its rows and columns come from
 
 TABLE = re.compile(r"<!--table:(\S+)-->\n(.*?)<!--end-->", re.DOTALL)
-
-
-def label(quantity: str) -> str:
-    return " ".join(LABELS.get(part, part) for part in quantity.split("."))
 
 
 # Text
@@ -148,38 +137,6 @@ def curves(name: str, labels: tuple[str, str], lines: Iterable[dict[str, Any]], 
     axis.set(xlabel=labels[0], ylabel=labels[1], ylim=legend.pop("ylim", None))
     axis.legend(fontsize=8, **legend)
     save(figure, name, 130)
-
-
-def errors(
-    name: str, groups: Mapping[Any, Iterable[Mapping[str, Any]]], quantities: Sequence[str], along: Mapping[str, str]
-) -> None:  # fmt: skip
-    """Draw docs/NAME.png of the errors of runs: a row for each of `along`, a value or quartiles; a column for each
-    quantity; a line for each group, and the Pareto front in grey. Failed runs are crosses at the top."""
-    figure, axes = panel(len(along), len(quantities), (3.7 * len(quantities), 1.2 + 2.8 * len(along)), sharey="col")
-    for (line, column), axis in np.ndenumerate(axes):
-        key, quantity = list(along)[line], f"{quantities[column]}.error"
-        seen: list[tuple[float, float]] = []
-        for runs, colour, marker in zip(groups.values(), cycle(COLOURS), cycle(MARKERS)):
-            there = [(*np.broadcast_to(run[key], 3)[[1, 0, 2]], run.get(quantity)) for run in runs if run.get(key)]
-            if good := sorted((*x, max(abs(y), 1e-8)) for *x, y in there if y is not None):
-                x, low, high, y = np.array(good).T
-                bars = [x - low, high - x] if np.ptp([low, high], 0).any() else None
-                axis.errorbar(x, y, xerr=bars, marker=marker, color=colour, capsize=2, markersize=4, linewidth=1)
-                seen += zip(x, y)
-            failed = [x for x, *_, y in there if y is None]
-            axis.plot(failed, [0.97] * len(failed), "x", color=colour, transform=axis.get_xaxis_transform())
-        if seen:
-            x, y = np.array(sorted(seen)).T
-            axis.step(x, np.minimum.accumulate(y), where="post", color="#000000", linewidth=3, alpha=0.15, zorder=0)
-        axis.set(xscale="log", yscale="log", xlabel=along[key])
-        few_labels(axis.xaxis)
-        few_labels(axis.yaxis)
-        axes[0, column].set_title(label(quantities[column]), fontsize=10)
-        axes[line, 0].set_ylabel("relative error")
-    handles = [Line2D([], [], color=c, marker=m, label=k) for k, c, m in zip(groups, cycle(COLOURS), cycle(MARKERS))]
-    handles.append(Line2D([], [], color="#000000", linewidth=3, alpha=0.15, label="Pareto front"))
-    figure.legend(handles=handles, loc="outside lower center", ncols=min(4, len(handles)), fontsize=8)
-    save(figure, name)
 
 
 def few_labels(axis: Any) -> None:

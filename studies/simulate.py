@@ -89,7 +89,7 @@ def reference(name: str) -> dict[str, Any]:
 
 @lru_cache
 def published(name: str) -> dict[str, tuple[float, float]]:
-    """Return published value and scale of each quantity of a scene. A mean near zero has the amplitude as its scale."""
+    """Return published value and scale of each quantity of a scene. The scale of a mean is at least the amplitude."""
     given = reference(name)
     if "coefficients" in given:
         return {q: (value, abs(value)) for q, value in coefficients.published(scenes.load(name).reference).items()}
@@ -97,8 +97,8 @@ def published(name: str) -> dict[str, tuple[float, float]]:
     for quantity, values in given.get("quantities", {}).items():
         for what in ("mean", "amplitude", "frequency_hz"):
             if what in values:
-                swings = what == "mean" and name.startswith(("fsi2", "fsi3", "cfd3")) and quantity != "drag"
-                found[f"{quantity}.{what}"] = values[what], abs(values["amplitude"] if swings else values[what])
+                scale = max(abs(values[what]), values.get("amplitude") or 0.0 if what == "mean" else 0.0)
+                found[f"{quantity}.{what}"] = values[what], scale
     return found
 
 

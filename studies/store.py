@@ -51,8 +51,17 @@ class Record:
 
     @cached_property
     def published(self) -> dict[str, tuple[float, float]]:
-        """Published value and scale of its quantities."""
-        return simulate.published(self.case.about.get("published", ""))
+        """Published value and scale of its quantities; an error against 0 has the scale 1."""
+        found, only = simulate.published(self.case.about.get("published", "")), self.case.about.get("only")
+        expected = self.case.about.get("expected", {})
+        found = {name: part for name, part in found.items() if not only or name in only}
+        return found | {name: (value, abs(value) or 1.0) for name, value in expected.items()}
+
+    def errors(self) -> dict[str, float]:
+        """Return the errors of its quantities."""
+        found = {name: self.get(f"{name}.error") for name in self.published}
+        found |= {row["quantity"]: row["error"] for row in self.tables.get("found", []) if "error" in row}
+        return {name: float(error) for name, error in found.items() if error is not None}
 
     @cached_property
     def view(self) -> dict[str, Any]:

@@ -83,6 +83,10 @@ THREE, NAMES = "filament-trio-144x96", ("upper", "middle", "lower")
 SIDE = 25.0  # Begin of the correlation of filaments side by side, s
 
 
+EXPECTED: dict[str, dict[str, float]] = simulate.LISTED["thin"]
+"""Published values by group."""
+
+
 def side_by_side(apart: float) -> dict[str, Any]:
     """Return the changes to two filaments at a distance, as lines on a coarse grid."""
     lines = {
@@ -173,7 +177,9 @@ def published(case: Case, folder: Path) -> dict[str, Any]:
 def cases() -> Iterator[Case]:
     yield from maps()
     for name, (scene, changes) in CHANGES.items():
-        yield Case(name, COUPLED, scene, changes, action=published)
+        group, grid = name.split("/")
+        about = {"expected": EXPECTED.get(group, {}), "grid": grid.replace("x", " x ")}
+        yield Case(name, COUPLED, scene, changes, action=published, about=about)
 
 
 def counts(data: Data) -> list[dict[str, Any]]:

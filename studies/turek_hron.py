@@ -18,21 +18,19 @@ from studies.store import Data
 
 Series = Mapping[str, np.ndarray]
 
-LISTED: dict[str, Any] = simulate.LISTED["turek-hron"]
 FEATFLOW = Path(__file__).with_name("featflow_fsi3.csv")
 SOLIDS = ("csm1", "csm2", "csm3")
 FLOWS = {"cfd1": 2e-3, "cfd2": 4e-4, "cfd3": 2e-4, "fsi1": 2e-3, "fsi2": 4e-4, "fsi3": 2e-4}  # Steps on 648 x 108, s
 GRIDS = ("324x54", "648x108", "1296x216")
 SHIPPED = "648x108"
 WALLS = {"324x54": SHALLOW}  # Other wall models than that of the shipped scenes, by grid
-SWINGING = ("tip_ux.mean", "tip_ux.amplitude", "tip_uy.amplitude", "tip_uy.frequency_hz", "drag.mean",
-            "drag.amplitude", "lift.amplitude")  # fmt: skip
+SWINGING = fsi3.ONLY
 QUANTITIES: dict[str, tuple[str, ...]] = {
     "csm1": ("tip_ux.mean", "tip_uy.mean"),
     "csm2": ("tip_ux.mean", "tip_uy.mean"),
-    "csm3": ("tip_ux.mean", "tip_ux.amplitude", "tip_uy.mean", "tip_uy.amplitude", "tip_uy.frequency_hz"),
+    "csm3": ("tip_uy.mean", "tip_uy.amplitude", "tip_uy.frequency_hz"),
     "cfd1": ("drag.mean", "lift.mean"),
-    "cfd2": ("drag.mean", "lift.mean"),
+    "cfd2": ("lift.mean",),
     "cfd3": ("drag.mean", "drag.amplitude", "lift.amplitude", "lift.frequency_hz"),
     "fsi1": ("tip_ux.mean", "tip_uy.mean", "drag.mean", "lift.mean"),
     "fsi2": SWINGING,
@@ -40,13 +38,11 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
 }
 """Compared quantities of each benchmark; means near zero of swinging quantities are left out."""
 
-WIDE = {"fluid.box.x": [-0.452, 2.5], "fluid.box.y": [-0.0902, 0.5002], "fluid.inflow.x.0": -0.452}
-"""The box of the thesis in y, and of the cylinder's length upstream of the channel, on the same grid points."""
 PLACES = ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5), (0.25, 0.25), (0.37, 0.5))
 """Shifts of the grid, in parts of a cell."""
 PLACED = {"324x54": PLACES, "648x108": PLACES[:5:2]}  # By grid
-SETTLED = {"cfd3": ("drag.mean", "lift.amplitude"), "fsi3": ("tip_uy.amplitude", "drag.mean", "lift.amplitude")}
-"""Quantities that are compared over the shifts; CFD1 and CFD2 use `QUANTITIES`."""
+PLACED_CASES = {"cfd2": ("lift.mean",), "fsi3": ("tip_uy.amplitude", "lift.amplitude")}
+"""Quantities that are compared over the shifts."""
 
 
 def scene_of(name: str) -> str:
@@ -56,40 +52,22 @@ def scene_of(name: str) -> str:
 
 def cases() -> Iterator[Case]:
     for name in SOLIDS:
-        yield Case(f"{name}/rod", ROD, name)
+        yield Case(f"{name}/rod", ROD, name, about={"published": name, "only": QUANTITIES[name], "grid": name.upper()})
     for grid in GRIDS:
         nx, ny = map(int, grid.split("x"))
         for name, step in FLOWS.items():
             sources = FLUID if name.startswith("cfd") else COUPLED
             changes = {} if grid == SHIPPED else on_grid(nx, ny, step * 648 / nx) | WALLS.get(grid, {})
-            about = {"published": scene_of(name)}
+            about = {"published": scene_of(name), "only": QUANTITIES[name], "grid": grid.replace("x", " x ")}
             yield Case(f"{name}/{grid}", sources, scene_of(name), changes, about=about, quick=grid == GRIDS[0])
     for grid, places in PLACED.items():
         nx, ny = map(int, grid.split("x"))
-        for name in ("cfd1", "cfd2", "cfd3", "fsi3"):
+        for name in PLACED_CASES:
             sources, step = COUPLED if name == "fsi3" else FLUID, FLOWS[name] * 648 / nx
             for x, y in places:
                 if (x, y) != (0.0, 0.0):
                     moved = on_grid(nx, ny, step) | shifted_grid(scene_of(name), nx, ny, (x, y)) | WALLS.get(grid, {})
                     yield Case(f"place/{name}, {grid}, {x:g} {y:g}", sources, scene_of(name), moved, quick=False)
-    between = on_grid(972, 162, FLOWS["fsi3"] * 648 / 972)
-    for grid, changes in (
-        ("360x72", WIDE | on_grid(360, 72, 4e-4) | SHALLOW),
-        ("720x144", WIDE | on_grid(720, 144, 2e-4)),
-        ("972x162", between),
-    ):
-        yield Case(f"box/fsi3, {grid}", COUPLED, scene_of("fsi3"), changes, quick=False)
-    for grid, changes in ((SHIPPED, {}), ("972x162", between)):
-        single = changes | {"fluid.precision": "single"}
-        yield Case(f"single/fsi3, {grid}", COUPLED, scene_of("fsi3"), single, quick=False)
-    yield Case("threads/fsi3, 972x162", COUPLED, scene_of("fsi3"), between | {"fluid.threads": 2}, quick=False)
-    yield Case("long/fsi2", COUPLED, scene_of("fsi2"), {"time.end": 30.0}, quick=False)
-    for flow, wide, trimmed, step in (
-        ("2D-1", "cylinder-2d1-450x90", "cylinder-2d1-400x72", 2e-3),
-        ("2D-2", "cylinder-2d2-900x180", "cylinder-2d2-800x144", 5e-4),
-    ):
-        for scene, (nx, ny) in ((wide, (450, 90)), (trimmed, (400, 72))):
-            yield Case(f"box/{flow}, {nx}x{ny}", FLUID, scene, on_grid(nx, ny, step), quick=False)
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
@@ -133,22 +111,6 @@ def quantity(name: str) -> tuple[str, float]:
     return f"{signal.removeprefix('tip_')} {what}, mm", 1e3
 
 
-def every(data: Data) -> list[str]:
-    """Return each quantity of the flows by FeatFlow, and the differences from it (%)."""
-    rows = []
-    for name in FLOWS:
-        published = simulate.published(scene_of(name))
-        for what in QUANTITIES[name]:
-            said, factor = quantity(what)
-            number, cells = published[what][0], []
-            for grid in GRIDS:
-                record = data.get(f"turek-hron/{name}/{grid}")
-                found = record.get(what) if record else None
-                cells.append("" if found is None else f"{100 * (found / number - 1):+.1f}")
-            rows.append([name.upper(), said, f"{factor * number:.6g}", *cells])
-    return show.markdown(["", "quantity", "FeatFlow", *(f"{grid.replace('x', ' x ')}, %" for grid in GRIDS)], rows)
-
-
 def over_places(data: Data, name: str, grid: str, what: str) -> list[float]:
     """Return relative differences of a quantity from FeatFlow over the shifts of a grid."""
     records = [data.get(f"turek-hron/{name}/{grid}"), *data.of(f"turek-hron/place/{name}, {grid}, *")]
@@ -159,9 +121,9 @@ def over_places(data: Data, name: str, grid: str, what: str) -> list[float]:
 def placed(data: Data) -> list[str]:
     """Return the smallest and largest difference from FeatFlow (%) over the positions of the grid."""
     rows = []
-    for name in ("cfd2", "fsi3"):
+    for name, quantities in PLACED_CASES.items():
         for grid in PLACED:
-            for what in SETTLED.get(name, QUANTITIES[name]):
+            for what in quantities:
                 found = over_places(data, name, grid, what)
                 if len(found) > 1:
                     ends = (f"{100 * end:+.1f}" for end in (min(found), max(found)))
@@ -195,8 +157,5 @@ def draw(data: Data, runs: Callable[[str], Run | None]) -> None:
     show.save(figure, "pictures/fsi3-featflow")
 
 
-TABLES: dict[str, Callable[[Data], Any]] = {
-    "turek-hron": every,
-    "turek-hron-places": placed,
-}
+TABLES: dict[str, Callable[[Data], Any]] = {"turek-hron-places": placed}
 STUDY = Study("turek-hron", cases, extract, TABLES, draw)

@@ -3,7 +3,7 @@
 import pytest
 
 from nervure.resources import ROOT
-from studies import catalogue, engine, fluid, fsi3, roofline, same, show, speed
+from studies import catalogue, engine, fluid, roofline, same, show, speed
 from studies.engine import Case, Study
 from studies.store import Data, Record
 
@@ -174,16 +174,6 @@ def test_a_form_leaves_out_what_is_missing():
     assert show.form("{a[mm]:.1f}< ({b:+.1%})>", {"a": 0.0123, "b": 0.5}) == "12.3 (+50.0 %)"
     assert show.form("{a:.1f}< ({b:+.1%})>", {"a": 2.0, "b": None}) == "2.0"
     assert show.form("{a:.1f}", {}) == ""
-
-
-def test_short_waves_are_found_with_their_rate():
-    import numpy as np
-
-    time = np.arange(0, 1, 1e-4)
-    found = fsi3.waves(
-        {"time": time, "tip_vy": 1e-3 * np.exp(5 * time) * np.sin(2 * np.pi * 200 * time) + 0.3 * np.sin(6 * time)}
-    )
-    assert found["growth"] == pytest.approx(5, rel=0.02) and found["growth.frequency_hz"] == 200
 
 
 def test_a_roofline_has_rates_shares_and_floors():
