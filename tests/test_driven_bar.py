@@ -1,4 +1,4 @@
-"""The fluid's forces on a bar in a prescribed motion, beside those of a moving mesh (docs/validation/turek-hron.md).
+"""The fluid's forces on a bar in a prescribed motion, beside those of a moving mesh (docs/validation/right.md).
 
 The bar is 2.4 cells thick here: what is wrong with a moving wall shows on such a grid first.
 """
