@@ -30,7 +30,7 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "csm2": ("tip_ux.mean", "tip_uy.mean"),
     "csm3": ("tip_uy.mean", "tip_uy.amplitude", "tip_uy.frequency_hz"),
     "cfd1": ("drag.mean", "lift.mean"),
-    "cfd2": ("lift.mean",),
+    "cfd2": ("drag.mean", "lift.mean"),
     "cfd3": ("drag.mean", "drag.amplitude", "lift.amplitude", "lift.frequency_hz"),
     "fsi1": ("tip_ux.mean", "tip_uy.mean", "drag.mean", "lift.mean"),
     "fsi2": SWINGING,

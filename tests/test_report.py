@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from nervure.resources import ROOT
-from studies import catalogue, engine, rod, show, speed
+from nervure.resources import ROOT, SCENES
+from studies import catalogue, engine, rod, scenes, show, simulate, speed
 
 SMALLEST = (
     "report/rod-static/rod/n = 32",
@@ -31,6 +31,23 @@ def test_no_row_that_readme_shows_is_stale(data):
     assert shown, "README shows no measured row"
     stale = sorted(name for name in shown if name not in data.records or data.records[name].stale)
     assert not stale, f"{stale}: `make shown-rows` runs them"
+
+
+def test_every_scene_with_a_reference_is_compared_as_shipped(data):
+    cases = [case for _, case in data.cases.values() if case.scene and case.about.keys() & {"published", "expected"}]
+    run = {scenes.same(case.built()) for case in cases if case.about.get("published") or case.about.get("expected")}
+    shipped = {path.stem: simulate.shipped(path.stem) for path in SCENES.glob("*.json")}
+    compared = {name: scenes.same(scene) for name, scene in shipped.items() if scene.get("reference")}
+    assert len(compared) > 20 and [name for name, scene in compared.items() if scene not in run] == []
+
+
+def test_the_table_has_each_compared_run_once_and_the_largest_error_first(data):
+    (study,) = (study for study in catalogue.STUDIES if study.name == "scenes")
+    runs = "<br>".join(row["runs"] for row in study.tables["right"](data)).split("<br>")
+    assert len(runs) == sum(len(records) for _, records in scenes.parts(data)) > 50
+    worst = [abs(float(line.split()[-2])) for line in study.tables["worst"](data)]
+    errors = [100 * abs(error) for _, records in scenes.parts(data) for error in records[-1].errors().values()]
+    assert worst == pytest.approx(sorted(errors, reverse=True)[: scenes.WORST], abs=0.06)
 
 
 def test_nothing_is_faster_than_the_machine(data):

@@ -103,7 +103,7 @@ def test_a_source_that_has_moved_is_noticed(small):
 
 def test_a_stale_result_is_kept_only_if_first_steps_and_a_whole_run_come_out_again(small, monkeypatch):
     """By hashes and values that stand for runs: of four cases one differs at first, and one in its evaluation."""
-    cases = [Case(f"{group}/{n}", ("fluid",), "csm1", about={}) for group in ("a", "b") for n in (1, 2)]
+    cases = [Case(f"{group}/{n}", ("fluid",), "csm1", action=act) for group in ("a", "b") for n in (1, 2)]
     study = Study("plain", lambda: cases, lambda case, run: {})
     data = Data([study])
     for case in cases:
@@ -131,6 +131,14 @@ def test_units_that_give_other_bits_are_told_apart(monkeypatch):
     thicker.changes["fluid.kinematic_viscosity"] = 1e-3 * (1 + 1e-15)
     assert same.first_steps(case, ROOT) == same.first_steps(case, ROOT)
     assert same.first_steps(case, ROOT) != same.first_steps(thicker, ROOT)
+
+
+def test_errors_are_by_the_published_value_the_amplitude_or_one():
+    case = Case("a/b", (), about={"published": "fsi3-325x72", "only": ("lift.mean", "drag.mean", "tip_uy.amplitude"),
+                                  "expected": {"cd": 2.0, "work": 0.0}})  # fmt: skip
+    values = {"lift.mean": 2.5 + 15.391, "drag.mean": 1.1 * 460.5, "drag.amplitude": 0.0, "cd": 1.9, "work": 0.03}
+    found = Record("x/a/b", case, "", "", values, {"found": [{"quantity": "exact", "error": -0.2}]}).errors()
+    assert found == pytest.approx({"lift.mean": 0.1, "drag.mean": 0.1, "cd": -0.05, "work": 0.03, "exact": -0.2})
 
 
 def test_every_source_has_files():
