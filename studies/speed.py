@@ -81,5 +81,6 @@ TABLES: dict[str, Callable[[Data], Any]] = {
     "speed-threads": partial(found, table="threads"),
     "speed-phases": phases,
     "speed-roofline": rooflines,
+    "speed-bandwidth": lambda data: [row for row in rooflines(data) if row["part"] == "all four"],
 }
 STUDY = Study("fluid-speed", cases, extract, TABLES)
