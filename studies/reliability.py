@@ -15,7 +15,7 @@ KINDS = ("rod", "fluid")
 def cases() -> Iterator[Case]:
     for check, counts in LISTED["checks"].items():
         for scene, count in counts.items():
-            for kind in KINDS:
+            for kind in ("wing",) if scene == "wing" else KINDS:
                 arguments = [check, kind, scene, str(count), "{folder}/found.csv"]
                 about = {"check": check, "unit": kind, "scene": scene, "cases": count}
                 yield program(f"check/{check}, {kind}, {scene}", "reliability", arguments, about)
@@ -26,7 +26,8 @@ def cases() -> Iterator[Case]:
 
 def program(name: str, module: str, arguments: list[str], about: dict[str, Any], quick: bool = True) -> Case:
     options = {"command": ["{python}", "-m", f"tests.{module}", *arguments]}
-    return Case(name, (*UNITS, "export", module), options=options, action=commands.tables, about=about, quick=quick)
+    sources = (*UNITS, "wing", "export", module) if ", wing," in name else (*UNITS, "export", module)
+    return Case(name, sources, options=options, action=commands.tables, about=about, quick=quick)
 
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
