@@ -194,6 +194,21 @@ def test_a_burst_at_the_start_is_no_instability():
     assert steps_made(coupling.Explicit(*powered(burst, lambda i: 1.0), guards=Guards()), 2000)[0] == 2000
 
 
+@pytest.mark.parametrize(("part", "told"), [(0.3, [30.0]), (0.05, [])])
+def test_a_burst_at_the_start_hides_no_difference(part, told):
+    """Both powers are 100 times larger in the first steps; then `part` of the power is missing."""
+    scheme = coupling.Explicit(
+        *powered(lambda i: 100.0 if i < 5 else 1.0 - part, lambda i: 100.0 if i < 5 else 1.0),
+        guards=Guards(window_steps=15),
+    )
+    [guard], found = scheme.guards, []
+    for i in range(45):
+        scheme.step(float(i), 1.0)
+        guard.check(i + 1.0, 1.0)
+        found += [i + 1.0 for _ in guard.look(i + 1.0, 1.0)]
+    assert found == told
+
+
 def test_a_guard_can_be_off():
     apart = powered(lambda i: (-1) ** i, lambda i: 1.0)
     assert steps_made(coupling.Explicit(*apart, guards=Guards(window_steps=10)), 100)[0] == 10

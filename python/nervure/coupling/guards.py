@@ -65,21 +65,25 @@ class EnergyGuard:
         self.limits: Limits | None = None
         """Numbers of the scene from which advice is computed; None where they are not known."""
         self.told = False
-        self.balance = [0.0] * 6
+        self.balance = [0.0] * 8
         """Steps, fading sums of the magnitudes of the difference and of the exchanged power, W, the last two powers on
-        the rod, and the most cells that a station has passed in a second, 1/s."""
+        the rod, the most cells that a station has passed in a second, 1/s, and both sums since the last multiple of
+        the window, which forget a violent start."""
 
     def check(self, t: float, h: float) -> None:
         """Add the powers at `t`, after a step of `h` (s); raise `CouplingError` where a limit is exceeded."""
         window = self.guards.window_steps
         on_rod = self.rod.outputs.item(self.power_on_rod)
-        steps, difference, exchanged, last, last_but_one, rate = self.balance
+        steps, difference, exchanged, last, last_but_one, rate, *since = self.balance
+        if steps % window == 0:
+            since = [0.0, 0.0]
         from_fluid = self.fluid.outputs.item(self.power_from_fluid) if self.momentum else on_rod
         deviation = abs(on_rod - from_fluid) if self.momentum else abs(on_rod - 2 * last + last_but_one)
         difference += deviation - difference / window
         exchanged += abs(from_fluid) - exchanged / window
         rate = max(self._rate(), rate)
-        self.balance = [steps + 1, difference, exchanged, on_rod, last, rate]
+        since = [since[0] + deviation, since[1] + abs(from_fluid)]
+        self.balance = [steps + 1, difference, exchanged, on_rod, last, rate, *since]
         if steps >= window and (reason := self.reason(difference, exchanged, exchanged / window)):
             raise CouplingError(
                 f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}; {self.advice(h)} "
@@ -93,6 +97,8 @@ class EnergyGuard:
         window, limit = self.guards.window_steps, self.guards.largest_imbalance
         if self.told or limit is None or not self.momentum or steps < window:
             return
+        if steps % window == 0 and difference <= TOLD * exchanged:
+            difference, exchanged = self.balance[-2:]
         if difference > TOLD * exchanged and exchanged > window * self.guards.min_power:
             self.told = True
             reason = self._differ(difference, exchanged)
