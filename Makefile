@@ -232,7 +232,7 @@ $(SITE_VENV)/.ready: requirements/site.lock
 	$(SITE_VENV)/bin/python $(LOCKED) requirements/site.lock
 	touch $@
 
-MOVING := vein-forward-384x192 vein-hover-288x256 vein-hover-tapered-288x256 vein-pitching-320x240 vein-3d csm1 csm3 \
+MOVING := vein-forward-288x144 vein-hover-216x192 vein-hover-tapered-288x256 vein-pitching-320x240 vein-3d csm1 csm3 \
 	vein-pair-hover-256x288 vein-pair-forward-288x192
 
 gallery: build $(READY_DEV) ## make the GIFs of the gallery in docs/pictures (some minutes)

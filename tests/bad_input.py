@@ -25,7 +25,7 @@ from nervure.resources import ROOT
 from nervure.scene import load, read
 
 FSI3, CSM1, CYLINDER, VEIN, HOVER = (
-    "fsi3-325x72", "csm1", "cylinder-2d1-450x90", "vein-pitching-320x240", "vein-hover-288x256"
+    "fsi3-325x72", "csm1", "cylinder-2d1-450x90", "vein-pitching-320x240", "vein-hover-216x192"
 )  # fmt: skip
 PAIR = "filament-pair-192x128"
 BEAM = '{"root": {"at": {"position": [0, 0], "direction": [1, 0]}}, "length": 1, "thickness": 0.08, "segments": 8}'

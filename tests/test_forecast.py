@@ -36,9 +36,9 @@ def numbers(name, *overrides):
         ),
         ("cylinder-2d1-450x90", {"reynolds": 20, "density_ratio": None, "stiffness": None, "reduced_frequency": None}),
         # k = pi f c / U, as the description has it: Re 200
-        ("vein-forward-384x192", {"reynolds": 200, "reduced_frequency": np.pi / 2.5, "density_ratio": 2}),
+        ("vein-forward-288x144", {"reynolds": 200, "reduced_frequency": np.pi / 2.5, "density_ratio": 2}),
         # In still fluid the drive gives the velocity: k = L / (2 A)
-        ("vein-hover-288x256", {"reynolds": 1.25 * 2 * np.pi / 0.08, "reduced_frequency": 1 / 2.5}),
+        ("vein-hover-216x192", {"reynolds": 1.25 * 2 * np.pi / 0.08, "reduced_frequency": 1 / 2.5}),
         ("cylinder-oscillating-460x100", {"reynolds": 0.25 * 2 * np.pi * 0.25 * 0.1 / 1e-3}),
     ],
 )
@@ -94,11 +94,21 @@ def test_what_is_outside_of_the_tried_ranges_is_warned_of(assignments, said):
     assert len(warnings) == len(said) and all(part in text for part, text in zip(said, warnings, strict=True)), warnings
 
 
+@pytest.mark.parametrize(
+    ("assignments", "said"),
+    [([], 0), (["beam.surface=mask"], 1), (["beam.surface=mask", "beam.thickness=0.15", "beam.segments=16"], 0)],
+)
+def test_a_line_is_proposed_for_a_beam_of_few_cells(assignments, said):
+    """1.9 cells across as shipped, 4.8 where it is 0.15 thick."""
+    warnings = list(forecast.warnings(Facts(validate(read("vein-hover-216x192", assignments)))))
+    assert len(warnings) == said and all("`surface: line` is steadier" in text for text in warnings), warnings
+
+
 @pytest.mark.parametrize("kind", ["stream", "still"])
 def test_coefficients_of_a_body_are_its_forces_by_those_of_the_flow(kind):
     """A beam of 1 m in a stream along y with 1.2 m/s, or driven at 0.4 π m/s in still fluid of 1 kg/m³."""
     known, window = known_signal()
-    document = read("vein-hover-288x256")
+    document = read("vein-hover-216x192")
     override(document, 'rod.root_motion.laws.y={"sine": {"amplitude": 0.1, "frequency": 2.0}}')
     if kind == "stream":
         override(document, "fluid.initial_velocity=[0, 1.2]")

@@ -19,7 +19,7 @@ SCENE = {
     "fluid": {
         "density": 1.0,
         "kinematic_viscosity": 0.01,
-        "box": {"x": [-1.0, 4.0], "y": [-1.5, 1.5], "cells": [160, 96]},
+        "box": {"x": [-1.0, 4.0], "y": [-1.5, 1.5], "cells": [120, 72]},
         "initial_velocity": [2.0, 0.0],
         "mean_flow": {"x": {"constant": 2.0}},
         "sponge": {"x": [3.0, 4.0], "mean_velocity": {"constant": 2.0}, "c_eta": 0.05},
@@ -31,6 +31,7 @@ SCENE = {
         "length": 1.0,
         "thickness": 0.08,
         "segments": 20,
+        "surface": "line",
     },
     "rod": {
         "material": {"section": {"line_density": 0.16, "bending_stiffness": 4.0, "axial_stiffness": 1e4}},

@@ -42,7 +42,7 @@ const SCENES: [(&str, [usize; 2], f64); 5] = [
     ("fsi3-650x144", [650, 144], 1e-4),
     ("fsi3-1300x288", [1300, 288], 5e-5),
     ("cylinder-2d2-900x180", [900, 180], 1e-4),
-    ("vein-forward-384x192", [384, 192], 5e-4),
+    ("vein-forward-288x144", [288, 144], 6.25e-4),
 ];
 
 /// Names of the [`Phase`]s in their order, and of all of them; the projection has a row apart from the transforms.
