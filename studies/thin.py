@@ -1,5 +1,5 @@
-"""Rods that the fluid meets as lines: the map of stability over mass, bending, spacing, step and schemes, and published
-cases."""
+"""Rods that the fluid meets as lines: the map of stability over mass, bending, spacing, step and schemes, the order in
+time, and published cases."""
 
 from __future__ import annotations
 
@@ -70,6 +70,49 @@ def maps() -> Iterator[Case]:
         changes = COARSE | {"rod.scheme": scheme, "time.communication_step": step, "fluid.time_stepping.max_step": step}
         about = {"scheme": scheme, "step": step}
         yield Case(f"map/{scheme}, {step:g} s", COUPLED, SCENE, changes, action=mapped, about=about)
+
+
+ORDER_STEPS, ORDER_REFERENCE = (0.008, 0.004, 0.002), 0.00025  # s
+ORDER_TIMES = np.linspace(0.04, 1.0, 25)  # At which paths of the tip are compared, s
+SMOOTH: dict[str, Any] = {
+    "time.end": 1.0, "fluid.box.cells": [96, 48], "beam.segments": 16,
+    "fluid.sponge": "absent", "fluid.initial_velocity": [0.0, 0.0],
+    "fluid.mean_flow": {
+        "x": {"cosine_ramp": {"value": 1.0, "duration": 1.0}},
+        "y": {"sine": {"amplitude": 0.1, "frequency": 0.5, "ramp": 0.5}},
+    },
+}  # fmt: skip
+"""The flag in a stream that begins at rest without a jump."""
+ITERATED: dict[str, Any] = {"coupling": {"load": "pressure_jump", "scheme": {"iterated": {"tolerance": 1e-7}}}}
+
+
+def ordered(case: Case, folder: Path) -> dict[str, Any]:
+    """Return the largest difference of the tip's path across the stream from that of the reference step, by the largest
+    way, for each step."""
+
+    def way(step: float) -> np.ndarray:
+        steps = {"time.communication_step": step, "fluid.time_stepping.max_step": step}
+        with simulate.session(simulate.changed(SCENE, case.changes | steps), folder) as session:
+            assert session.run().error is None
+            columns = session.recorder.series
+        return np.interp(ORDER_TIMES, columns["time"], columns["tip_uy"])
+
+    fine = way(ORDER_REFERENCE)
+    off = [float(np.abs(way(step) - fine).max() / np.abs(fine).max()) for step in ORDER_STEPS]
+    values = {f"off_{step * 1e3:g}": found for step, found in zip(ORDER_STEPS, off)}
+    return {"values": values | {"order": float(np.log2(off[0] / off[-1]) / 2)}}
+
+
+def orders() -> Iterator[Case]:
+    for scheme, coupling, mass, c_eta, bending in (
+        ("explicit", {}, 0.01, 1e-8, 1e-4), ("explicit", {}, 1.0, 1e-8, 1e-4), ("explicit", {}, 1.0, 1e-8, 0.1),
+        ("iterated", ITERATED, 1.0, 1e-8, 1e-4), ("explicit", {}, 0.01, 1e-4, 1e-4), ("explicit", {}, 1.0, 1e-4, 1e-4),
+    ):  # fmt: skip
+        section = {"line_density": mass, "bending_stiffness": bending, "axial_stiffness": 100.0}
+        changes = {"rod.material.section": section, "fluid.mask.log_linear.c_eta": c_eta} | coupling
+        about = {"scheme": scheme, "mass": mass, "EI": bending, "c_eta": c_eta}
+        name = f"order/{scheme}, {mass:g}, {bending:g}, {c_eta:g}"
+        yield Case(name, COUPLED, SCENE, SMOOTH | changes, action=ordered, about=about)
 
 
 FLAG, FILAMENT, INVERTED, PLATE = (
@@ -176,6 +219,7 @@ def published(case: Case, folder: Path) -> dict[str, Any]:
 
 def cases() -> Iterator[Case]:
     yield from maps()
+    yield from orders()
     for name, (scene, changes) in CHANGES.items():
         group, grid = name.split("/")
         about = {"expected": EXPECTED.get(group, {}), "grid": grid.replace("x", " x ")}
