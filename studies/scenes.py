@@ -15,7 +15,7 @@ import numpy as np
 from nervure.resources import SCENES
 from nervure.scene import Scene
 from studies import show, simulate
-from studies.engine import COUPLED, FLUID, ROD, UNREAD, Case, Run, Study
+from studies.engine import UNREAD, Case, Run, Study
 from studies.show import COLOURS, MARKERS
 from studies.store import Data, Record, rounded
 
@@ -45,7 +45,8 @@ def cases_beside(others: Iterable[Study]) -> Callable[[], Iterator[Case]]:
         found: list[Case] = []
         for name, scene in compared.items():
             if same(scene) not in run:
-                sources = COUPLED if "rod" in scene and "fluid" in scene else FLUID if "fluid" in scene else ROD
+                units = [kind for kind in ("fluid", "rod", "wing") if {kind, f"{kind}s"} & scene.keys()]
+                sources = ("scene", *units, *(("coupling",) if len(units) > 1 else ()), "evaluation")
                 cells = " x ".join(map(str, scene["fluid"]["box"]["cells"])) if "fluid" in scene else ""
                 about = {"published": name, "grid": cells}
                 found.append(Case(f"shipped/{name}", sources, name, about=about))
