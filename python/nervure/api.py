@@ -46,6 +46,12 @@ class Run(results.Results):
         lines.append(f"  series: {len(self.series['time'])} rows of {len(columns)} columns, {shown}")
         return "\n".join([*lines, f"  folder: {self.folder}"])
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the quantities as a table, and the last picture."""
+        from nervure.output import notebook
+
+        return notebook.html(self)
+
     def to_pandas(self) -> "DataFrame":
         """Return the series as a DataFrame over time (s); `attrs["units"]` has the unit of each column."""
         table = require("pandas", "a table of pandas").DataFrame(dict(self.series)).set_index("time")
@@ -155,8 +161,8 @@ def run(
 
     The arguments are the options of `nervure run`: `overrides` (key=value), FMUs in the place of ours (`rod_fmu` by
     name where the scene has several rods), minutes between checkpoints, seconds between fields and between rows of the
-    series, `force`, which replaces results of another scene, `live`, which shows the run on a page of this machine,
-    and `fmi`, the version of our units.
+    series, `force`, which replaces results of another scene, `live`, which shows the run on a page of this machine or,
+    in a notebook, in a figure below the cell, and `fmi`, the version of our units.
 
     `on_step(time, values)` is called with each recorded row of the series, a dictionary by column; where it returns
     True, the run ends there, and its checkpoint stays in the folder.
@@ -251,7 +257,11 @@ def _run(
             session.observers.append(console.Terminal(session))
         if on_step:
             session.observers.append(caller)
-        if live:
+        if live and console.in_notebook():
+            from nervure.output.notebook import Figures
+
+            session.observers.append(Figures(session))
+        elif live:
             from nervure.output.live import Live
 
             page = stack.enter_context(Live(session, keeper))

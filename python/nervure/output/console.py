@@ -35,21 +35,25 @@ def text_console(quiet: bool = False, stderr: bool = False) -> Console:
     return Console(highlight=False, quiet=quiet, stderr=stderr)
 
 
-class NotebookLine:
-    """A line in a notebook that is replaced: a display of its own, so that a saved notebook has the last one only."""
+class NotebookDisplay:
+    """A display in a notebook that is replaced: a saved notebook has the last content only."""
 
     def __init__(self) -> None:
         self.handle: Any = None
 
-    def show(self, text: str) -> None:
-        """Replace the line."""
+    def show(self, content: dict[str, str]) -> None:
+        """Replace the content, which has a text for each MIME type."""
         from IPython.display import display
 
-        content = {"text/plain": text}
         if self.handle is None:
             self.handle = display(content, raw=True, display_id=True)
         else:
             self.handle.update(content, raw=True)
+
+
+def shown_columns(session: Session) -> tuple[str, ...]:
+    """Return the columns of the series that tell best how a run goes."""
+    return next((names for names in SHOWN if names[0] in session.recorder.columns), ())
 
 
 def warn(message: str) -> None:
@@ -61,14 +65,14 @@ class Terminal(Observer):
     """Prints the forecast of a session before and soon after its start, its progress, and its summary."""
 
     def __init__(self, session: Session):
-        self.console, self.session, self.line = text_console(), session, NotebookLine()
+        self.console, self.session, self.line = text_console(), session, NotebookDisplay()
         for name, value in forecast.rows(session):
             self.console.print(f"{name}: {value}", markup=False, soft_wrap=True)
         for text in forecast.warnings(session.facts):
             warn(text)
         self.warned = len(session.warnings)
         self.pace: forecast.Pace | None = forecast.Pace(session)
-        self.columns = next((names for names in SHOWN if names[0] in session.recorder.columns), ())
+        self.columns = shown_columns(session)
         in_place = self.console.is_terminal or in_notebook()
         self.interval = TERMINAL_INTERVAL if in_place else FILE_INTERVAL
         self.due = self.interval
@@ -100,7 +104,7 @@ class Terminal(Observer):
         if self.console.is_terminal:
             self.bar.update(self.task, completed=loop.time, description=text)
         elif in_notebook():
-            self.line.show(text)
+            self.line.show({"text/plain": text})
         else:
             self.console.print(text)
 

@@ -293,17 +293,17 @@ class Pictures(Observer):
 
     def finish(self, results: Results) -> None:
         write(results.folder, [results])
-        if results.summary.error is None:
-            vorticity(self.session)
+        if results.summary.error is None and (figure := vorticity(self.session)):
+            save(figure, results.folder / "vorticity.png")
 
 
-def vorticity(session: Session) -> None:
-    """Write vorticity.png of the fluid as it is now, with still cylinders, and with bodies and beams in their places;
-    nothing if the fluid shows no field. In space it is the vorticity about z in the middle of the box."""
+def vorticity(session: Session) -> Figure | None:
+    """Draw the fluid as it is now, with still cylinders, and with bodies and beams in their places; None if the fluid
+    shows no field. In space it is the vorticity about z in the middle of the box."""
     scene, units = session.scene, session.units
     field = units["fluid"].shown_field("vorticity") if "fluid" in units else None
     if field is None or scene.fluid is None:
-        return
+        return None
     if field.ndim == 3:  # the slice in the middle of the box along z
         field = field[:, :, field.shape[2] // 2]
     flat = [] if scene.fluid.box.z else session.facts.beams
@@ -320,7 +320,7 @@ def vorticity(session: Session) -> None:
     picture.show(field, solids)
     picture.say(session.time, scene)
     flow.colour_bar(figure, axes, picture.image, scene)
-    save(figure, session.folder / "vorticity.png")
+    return figure
 
 
 def save(figure: Figure, path: Path) -> Path:

@@ -101,8 +101,13 @@ class Shape(Observer):
         self.session, self.mesh = session, mesh
 
     def finish(self, results: Results) -> None:
-        points = wing_nodes(self.session.units["wing"])
-        picture = WingPicture(results.scene, self.mesh, points[None], plots.WIDTH)
-        picture.show(points)
-        picture.said.set_text(f"t = {self.session.time:.3f} {picture.clock}")
-        plots.save(picture.figure, results.folder / "wing.png")
+        plots.save(draw(self.session, self.mesh), results.folder / "wing.png")
+
+
+def draw(session: Session, mesh: WingMesh) -> Figure:
+    """Draw the wing of a session as it is now."""
+    points = wing_nodes(session.units["wing"])
+    picture = WingPicture(session.scene, mesh, points[None], plots.WIDTH)
+    picture.show(points)
+    picture.said.set_text(f"t = {session.time:.3f} {picture.clock}")
+    return picture.figure
