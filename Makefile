@@ -209,14 +209,20 @@ $(MASTERS_VENV)/.ready: requirements/dev.lock requirements/masters.lock
 .PHONY: lab lab-test
 
 PAGE := target/lab/index.html
+AXE := target/axe/package/axe.min.js
 BROWSERS := wasm32-unknown-unknown
 
 lab: ## build the lab, a page that simulates in the browser, as the file PAGE=target/lab/index.html
 	[ -d "$$(rustc --print target-libdir --target $(BROWSERS))" ] || rustup target add $(BROWSERS)
 	$(PYTHON) lab/make_lab.py $(PAGE) $(HOME_OF_LAB)
 
-lab-test: lab $(READY_DEV) ## test the lab in Chromium
+lab-test: lab $(AXE) $(READY_DEV) ## test the lab in Chromium
 	$(RUN) -m pytest tests/test_lab.py
+
+# Without npm the tests of accessibility are left out.
+$(AXE):
+	mkdir -p target/axe
+	cd target/axe && npm pack --silent axe-core@4.14.1 | xargs tar xzf || echo "axe-core was not fetched"
 
 .PHONY: site gallery
 
@@ -235,7 +241,8 @@ $(SITE_VENV)/.ready: requirements/site.lock
 MOVING := vein-forward-288x144 vein-hover-216x192 vein-hover-tapered-288x256 vein-pitching-320x240 vein-3d csm1 csm3 \
 	vein-pair-hover-256x288 vein-pair-forward-288x192
 
-gallery: build $(READY_DEV) ## make the GIFs of the gallery in docs/pictures (some minutes)
+gallery: build $(READY_DEV) ## run the scripts of the gallery and make its pictures in docs/pictures (some minutes)
+	$(RUN) site/gallery.py
 	for name in $(MOVING); do $(NERVURE) run $$name --fields-every 0.04 --output results/gallery/$$name --force --quiet || exit; done
 	$(NERVURE) run cylinder-oscillating-460x100 --fields-every 0.1 --force --quiet \
 	--output results/gallery/cylinder-oscillating-460x100

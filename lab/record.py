@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image
 
 from nervure.output import animation
-from tests.browser import Browser
+from tests.browser import Browser, wait
 
 SCENE = "#flag"
 SIZE = (1100, 540)  # Of the recorded part of the page, pixels
@@ -84,8 +84,7 @@ def main() -> None:
         browser.call("Emulation.setScrollbarsHidden", hidden=True)
         browser.call("Emulation.setDeviceMetricsOverride", **size, deviceScaleFactor=1, mobile=False)
         browser.open(f"{wanted.page.resolve().as_uri()}{SCENE}")
-        while not browser.run("Boolean(globalThis.lab?.scene())"):
-            time.sleep(0.1)
+        wait(browser, "Boolean(globalThis.lab?.scene())")
         browser.run("lab.pause(), lab.restart()")
         pictures = list(frames(browser))
     some = Image.fromarray(np.concatenate(pictures[:: FRAMES // 6]))

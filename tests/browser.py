@@ -6,8 +6,13 @@ import os
 import shutil
 import subprocess
 import tempfile
+import time
 from typing import Any
 
+from nervure.resources import ROOT
+
+PAGE = ROOT / "target" / "lab" / "index.html"  # Of `make lab`
+AXE = ROOT / "target" / "axe" / "package" / "axe.min.js"  # Of `make lab-test`: checks of accessibility
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next((found for name in NAMES if (found := shutil.which(name))), None)
 
@@ -18,6 +23,7 @@ OPTIONS = (
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
+    "--disable-renderer-backgrounding",  # It would run behind everything else on the machine
     "--disable-component-update",
     "--disable-sync",
     "--remote-debugging-pipe",
@@ -103,3 +109,27 @@ class Browser:
         """Return what the page could not do, and its errors on the console."""
         thrown = [e["params"]["exceptionDetails"] for e in self.events if e.get("method") == "Runtime.exceptionThrown"]
         return [str(own.get("exception", own).get("description", own)) for own in thrown]
+
+
+def wait(browser: Browser, condition: str, seconds: float = 60) -> None:
+    """Wait until JavaScript is true."""
+    end = time.monotonic() + seconds
+    while not browser.run(condition):
+        assert time.monotonic() < end, f"{condition} did not become true: {browser.errors()}"
+        time.sleep(0.05)
+
+
+def opened(browser: Browser, state: str = "") -> Browser:
+    """Open the page of the lab in a state, paused at t = 0."""
+    browser.open("about:blank")
+    browser.open(f"{PAGE.as_uri()}{state}")
+    wait(browser, "Boolean(globalThis.lab?.scene())")
+    browser.run("(lab.pause(), lab.restart())")
+    return browser
+
+
+def rows(browser: Browser, steps: int) -> list[list[float]]:
+    """Step, and return the samples of the steps."""
+    flat = browser.run(f"lab.step({steps}).then((rows) => Array.from(rows))")
+    columns = len(flat) // steps
+    return [flat[i : i + columns] for i in range(0, len(flat), columns)]

@@ -3,20 +3,22 @@
 import json
 import subprocess
 import sys
-import time
 
 import make_lab
+import numpy as np
 import pytest
 
+import nervure
+from nervure.evaluate import statistics
 from nervure.resources import ROOT
 from nervure.scene import validate
-from tests.browser import CHROMIUM, Browser
+from tests.browser import AXE, CHROMIUM, PAGE, Browser, opened, rows, wait
 
-PAGE = ROOT / "target" / "lab" / "index.html"
 RECORDED = json.loads((ROOT / "tests" / "recorded.json").read_text(encoding="utf-8"))["early"]
 SCENES = {own["id"]: own for own in make_lab.scenes()}
 
 pytestmark = [
+    pytest.mark.usefixtures("libraries"),
     pytest.mark.skipif(not PAGE.is_file(), reason="`make lab` has not built the page"),
     pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium"),
 ]
@@ -29,35 +31,28 @@ def browser():
         yield browser
 
 
-def wait(browser, condition, seconds=60):
-    """Wait until JavaScript is true."""
-    end = time.monotonic() + seconds
-    while not browser.run(condition):
-        assert time.monotonic() < end, f"{condition} did not become true: {browser.errors()}"
-        time.sleep(0.05)
-
-
-def opened(browser, state=""):
-    """Open the page in a state, paused at t = 0."""
-    browser.open("about:blank")
-    browser.open(f"{PAGE.as_uri()}{state}")
-    wait(browser, "Boolean(globalThis.lab?.scene())")
-    browser.run("(lab.pause(), lab.restart())")
-    return browser
-
-
-def rows(browser, steps):
-    """Step, and return the samples of the steps."""
-    flat = browser.run(f"lab.step({steps}).then((rows) => Array.from(rows))")
-    columns = len(flat) // steps
-    return [flat[i : i + columns] for i in range(0, len(flat), columns)]
-
-
 def test_fsi3_has_the_digits_of_the_units(browser):
     found = rows(opened(browser, "#fsi3"), 500)
     for i in (0, 1):  # t = 0.1 s and 0.2 s
         expected = [RECORDED[name][i] for name in ("drag", "lift", "tip_ux", "tip_uy")]
         assert found[250 * (i + 1) - 1][1:] == pytest.approx(expected, rel=1e-8)
+
+
+def test_fsi3_flaps_as_with_the_units(browser, tmp_path):
+    coarse = {"fluid.box.cells": [162, 36], "fluid.inflow.mean_velocity": {"constant": 2.0}, "time.end": 3.0}
+    coarse |= {"time.communication_step": 8e-4, "fluid.time_stepping.max_step": 8e-4}
+    scene = nervure.load("fsi3-325x72").copy(coarse)
+    units = nervure.run(scene, tmp_path, quiet=True).series
+    text = json.dumps(json.dumps(scene.document()))
+    opened(browser, "#fsi3").run(f"lab.ask('load', {{ scene: {text} }})")
+    found = np.array(rows(browser, len(units["time"]) - 1))
+    series = {"time": found[:, 0], "tip_uy": found[:, 4]}
+    page, expected = (
+        statistics.evaluate(time, uy, statistics.find_window(time, uy))
+        for time, uy in ((own["time"], own["tip_uy"]) for own in (series, units))
+    )
+    assert expected.amplitude > 0.03 and expected.frequency_hz > 6, "the bar flaps"
+    assert vars(page) == pytest.approx(vars(expected), rel=0.01, abs=0.01 * expected.amplitude)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -131,3 +126,18 @@ def test_controls_have_names(browser):
     named = [own for own in controls if own.get("role", {}).get("value") != "RootWebArea"]
     assert len(named) > 15
     assert all(own["name"]["value"] for own in named), [own for own in named if not own["name"]["value"]]
+
+
+@pytest.mark.skipif(not AXE.is_file(), reason="`make lab-test` has not fetched axe-core")
+@pytest.mark.parametrize("dark", [False, True])
+@pytest.mark.parametrize("width", [390, 1280])
+def test_nothing_stands_in_the_way_of_anybody(browser, width, dark):
+    feature = {"name": "prefers-color-scheme", "value": "dark" if dark else "light"}
+    browser.call("Emulation.setEmulatedMedia", features=[feature])
+    browser.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
+    rows(opened(browser, "#fsi3"), 100)
+    browser.run(AXE.read_text(encoding="utf-8"))
+    found = browser.run("axe.run().then(({ violations, passes }) => ({ violations, passes: passes.length }))")
+    told = [(own["id"], own["help"], [node["html"] for node in own["nodes"]]) for own in found["violations"]]
+    browser.call("Emulation.clearDeviceMetricsOverride")
+    assert not told and found["passes"] > 20

@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 
 import nervure
-from nervure.output import live
+from nervure.output import flow, live
+from nervure.resources import ROOT
 from nervure.scene import validate
+from nervure.scene.facts import Facts
 from nervure.simulation.results import CHECKPOINT
 
 pytestmark = pytest.mark.usefixtures("libraries")
@@ -129,6 +131,38 @@ def test_a_rod_alone_has_curves_and_an_outline(rod_only, tmp_path, pages):
     run.thread.join(20)
     assert state["fields"] == [] and state["frame"].keys() == {"time", "solids"} and len(state["frame"]["solids"]) == 1
     assert state["curves"]["tip_uy"]["values"][-1] <= 0.0
+
+
+@pytest.mark.usefixtures("wing_library")
+def test_a_wing_is_seen_from_above(tmp_path, pages):
+    scene = nervure.load(ROOT / "examples" / "wing-hanging.json").copy({"time.end": 100.0})
+    run = Run(pages, lambda: nervure.run(scene, tmp_path, quiet=True, live=True))
+    around, *veins = wait(lambda: (found := run.state())["frame"] and found)["frame"]["solids"]
+    run.ask("/stop", "POST")
+    run.thread.join(20)
+    mesh = Facts(scene).wing
+    assert len(veins) == len(mesh.veins) and veins[0] == veins[0][::-1]
+    assert np.abs(np.array(around) - mesh.nodes[mesh.edge(), :2]).max() < 0.1 * np.ptp(mesh.nodes[:, 0])
+    sides, corners = (
+        np.array([line, np.roll(line, -1, axis=-2)]) for line in (mesh.nodes[mesh.edge()], mesh.nodes[mesh.triangles])
+    )
+    area = np.linalg.norm(np.cross(*sides).sum(axis=0)), np.linalg.norm(np.cross(*corners).sum(axis=(0, 1)))
+    assert area[0] == pytest.approx(area[1]), "the edge is that of all triangles"
+
+
+def test_a_slice_of_a_flow_in_space_has_the_mean_of_pictures(tmp_path, pages):
+    scene = nervure.load("sphere-stream-144x96x96").copy({"fluid.box.cells": [48, 32, 32], "time.end": 100.0})
+    run = Run(pages, lambda: nervure.run(scene, tmp_path, quiet=True, live=True))
+    frame = wait(lambda: (found := run.state(field="speed")["frame"]) and found.get("name") and found)
+    run.ask("/stop", "POST")
+    run.thread.join(60)
+    speed = np.frombuffer(base64.b64decode(frame["values"]), "<f4").reshape(frame["shape"])
+    assert speed.shape == (32, 48) and speed[16, 18] < 0.5 < speed[2, 2] < 1.1, "slow at the sphere"
+    assert len(frame["solids"]) == 1
+    rough = np.random.default_rng(1).normal(size=(24, 18))
+    at = [np.arange(n) / n for n in rough.shape]
+    shown = flow.resample(flow.resample(rough, (0.0, 1.0), at[0]).T, (0.0, 1.0), at[1]).T
+    assert np.allclose(flow.mean(rough), shown, atol=1e-12)
 
 
 def test_without_live_nothing_listens(rod_only, tmp_path, monkeypatch):
