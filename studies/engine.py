@@ -56,6 +56,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
     "limits": ("studies/limits.py",),
     "plate": ("studies/plate.py",),
     "driven bar": ("studies/driven_bar.py",),
+    "lab": ("lab/src/*.rs", "lab/page/*.js"),
 }
 """Files by the names that cases give for their dependencies."""
 
