@@ -2,9 +2,9 @@
 
     python site/make_pages.py target/site/pages
 
-A document keeps its text; a link points to the place of its target on the site, or becomes plain text where the site
-has no such page. Scene keys come from the JSON Schema, variables from the model descriptions, options from the
-command, and Python from docstrings and the comments of fields.
+A document keeps its text, and gets the scripts of the gallery at their marks; a link points to the place of its target
+on the site, or becomes plain text where the site has no such page. Scene keys come from the JSON Schema, variables from
+the model descriptions, options from the command, and Python from docstrings and the comments of fields.
 """
 
 import ast
@@ -20,6 +20,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+import gallery
 import typer
 from lxml import etree
 
@@ -63,6 +64,8 @@ def with_links(text: str, source: Path, pages: dict[Path, Path]) -> str:
         there = os.path.relpath(pages[wanted], pages[source].parent)
         return f"{mark}[{label}]({there}{'#' if anchor else ''}{anchor})"
 
+    lab = os.path.relpath(ROOT / "lab" / "page" / "index.html", (ROOT / source).parent)
+    text = gallery.MARK.sub(lambda found: gallery.told(found[1], lab), text)
     parts = FENCE.split(text)
     return "".join(part if part.startswith("```") else LINK.sub(link, part) for part in parts)
 

@@ -61,7 +61,11 @@ for stiffness in stiffnesses:
 figure = Figure(figsize=(8, 3), layout="constrained")
 left, right = figure.subplots(1, 2)
 left.plot(stiffnesses, thrusts, "o-")
-left.set(xscale="log", xlabel="bending stiffness", ylabel="thrust")
+left.set(ylabel="thrust")
 right.plot(stiffnesses, efficiencies, "o-")
-right.set(xscale="log", xlabel="bending stiffness", ylabel="efficiency")
+right.set(ylabel="efficiency")
+for axes in (left, right):
+    axes.set(xscale="log", xlabel="bending stiffness")
+    axes.set_xticks(stiffnesses, [f"{stiffness:g}" for stiffness in stiffnesses])
+    axes.minorticks_off()
 figure.savefig(given.output / "stiffness.png", dpi=150)

@@ -16,7 +16,7 @@ given = parser.parse_args()
 
 scene = nervure.load("fsi3-325x72")
 scene.time.end = given.end
-run = nervure.run(scene, given.output, fields_every=0.01)
+run = nervure.run(scene, given.output, fields_every=0.01, quiet=True)
 
 for name, found in run.summary.quantities.items():
     published = found.reference

@@ -26,6 +26,7 @@ given = parser.parse_args()
 
 scene = nervure.load("fsi3-325x72")
 scene.time.end = given.end
+scene.reference = None  # of times that come later
 ours = nervure.run(scene, given.output / "rod", quiet=True)
 own_fmu = given.output / "modal-beam.fmu"
 pack(EXAMPLES / "modal_beam.py", ours.folder / "scene.json", own_fmu)
@@ -33,4 +34,4 @@ own = nervure.run(scene, given.output / "modal-beam", rod_fmu=own_fmu, quiet=Tru
 
 apart = np.abs(own.series["tip_uy"] - ours.series["tip_uy"]).max() / np.abs(ours.series["tip_uy"]).max()
 print(f"largest difference of the tip's way: {apart:.2%} of the way")
-nervure.compare(ours, own).savefig(given.output / "tip.png", dpi=150)
+nervure.compare(ours, own, names=["tip_uy"]).savefig(given.output / "tip.png", dpi=150)
