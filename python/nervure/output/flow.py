@@ -100,12 +100,24 @@ class Picture:
         self.axis.set_title(clock, loc="right", fontsize="small")
 
 
+def sigma(n: int) -> np.ndarray:
+    """Return Lanczos' factors of the waves of `n` points: those of a mean over two cells."""
+    return np.sinc(2 * np.arange(n // 2 + 1) / n)
+
+
+def mean(values: np.ndarray) -> np.ndarray:
+    """Return a field that is periodic along both axes at its own points, averaged over two cells along each."""
+    for n in values.shape:  # each pass turns the field
+        values = np.fft.irfft(sigma(n)[:, None] * np.fft.rfft(values, axis=0), n, axis=0).T
+    return values
+
+
 def resample(values: np.ndarray, ends: Sequence[float], places: np.ndarray) -> np.ndarray:
     """Return the Fourier series of `values`, which are periodic along the first axis between `ends`, at `places` along
     that axis, averaged over two cells."""
     n, (begin, end) = len(values), ends
     order = np.arange(n // 2 + 1)
-    weight = np.where(order == 0, 1.0, 2.0) * np.sinc(2 * order / n) / n
+    weight = np.where(order == 0, 1.0, 2.0) * sigma(n) / n
     waves = weight * np.exp(2j * np.pi * np.outer((places - begin) / (end - begin), order))
     found: np.ndarray = (waves @ np.fft.rfft(values, axis=0)).real
     return found

@@ -124,22 +124,26 @@ class Live(Observer):
         """Return a field, empty where there is none, and the solids, as the page draws them."""
         session = self.session
         scene, units, fluid = session.scene, session.units, session.scene.fluid
-        beams = []
+        beams, seen = [], []  # In the plane, and from above
         for own in session.facts.beams:
             if {"x", "y"} <= (units.get(own.unit) or units["fluid"]).variables.keys():
                 points = fields.station_positions(units, own)
-                plane = points.shape[1] == 2
-                beams.append(fields.outline(points, session.facts.thickness[own.force]) if plane else points[:, :2])
+                if points.shape[1] == 2:
+                    beams.append(fields.outline(points, session.facts.thickness[own.force]))
+                else:
+                    seen.append(there_and_back(points))
+        if mesh := session.facts.wing:
+            nodes = fields.wing_nodes(units["wing"])
+            seen += [nodes[mesh.edge()], *(there_and_back(nodes[vein]) for vein in mesh.veins)]
         solids = flow.outlines(scene, beams, self._poses(fluid)) if fluid else beams
+        solids = [*solids, *(line[:, :2] for line in seen)]
         frame: dict[str, Any] = {"time": session.time, "solids": [outline.tolist() for outline in solids]}
         if name and fluid:
             parts = [units["fluid"].field(part) for part in FIELDS[name]]
             parts = [part[..., part.shape[2] // 2] if part.ndim == 3 else part for part in parts]
             stride = max(1, -(-max(parts[0].shape) // MOST_POINTS))
             values = np.hypot(*parts) if len(parts) == 2 else parts[0]
-            for axis in (0, 1):  # the mean over two cells, as in `flow`: the bare series rings
-                values = values / 2 + (np.roll(values, 1, axis) + np.roll(values, -1, axis)) / 4
-            values = values[::stride, ::stride].T.astype("<f4")
+            values = flow.mean(values)[::stride, ::stride].T.astype("<f4")
             unit, _ = displayed_unit(UNITS[name], scene.display)
             frame |= {"name": name, "unit": unit, "shape": values.shape, "box": [*fluid.box.x, *fluid.box.y]}
             frame |= {"view": flow.view(fluid), "values": base64.b64encode(values.tobytes()).decode()}
@@ -202,6 +206,11 @@ class Live(Observer):
         """Note that a page got this answer."""
         if ended:
             self._seen.set()
+
+
+def there_and_back(line: np.ndarray) -> np.ndarray:
+    """Return an open line as an outline."""
+    return np.concatenate([line, line[::-1]])
 
 
 def thinned(values: np.ndarray) -> np.ndarray:

@@ -66,6 +66,15 @@ class WingMesh:
     veins: list[np.ndarray]  # Nodes of each vein from base to tip
     root: np.ndarray  # Held nodes
 
+    def edge(self) -> np.ndarray:
+        """Return the nodes around the wing, in order: sides that belong to one triangle."""
+        sides = {(int(corners[i - 1]), int(corners[i])) for corners in self.triangles for i in range(3)}
+        after = {first: second for first, second in sides if (second, first) not in sides}
+        around = [min(after)]
+        while len(around) < len(after):
+            around.append(after[around[-1]])
+        return np.array(around)
+
 
 class Facts:
     """A scene and everything that follows from it. The library is asked once, when the first fact is needed; it raises
