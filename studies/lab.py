@@ -7,7 +7,6 @@ import json
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,7 @@ from studies.engine import COUPLED, Case, Run, Study
 from tests.browser import CHROMIUM, PAGE, Browser, opened, rows, wait
 
 SCENES: list[dict[str, Any]] = json.loads((ROOT / "lab" / "scenes.json").read_text(encoding="utf-8"))
-ROUNDS, STEPS = 20, 25  # Measurements, of which the shortest counts, and steps in each
+ROUNDS, STEPS = 150, 4  # Measurements, of which the shortest counts, and steps in each
 LOADS, LOOKS = 5, 5  # Times that the page is opened; seconds in which frames are counted
 PRECISIONS = ("double", "single")
 SOURCES = (*COUPLED, "lab")
@@ -53,8 +52,8 @@ def native(scene: dict[str, Any], folder: Path) -> float:
 
 
 def speed(case: Case, folder: Path) -> dict[str, Any]:
-    """Return shortest times of a step, ms, the median time from opening the page to its first frame, s, and the median
-    of the frames in a second while the scene runs."""
+    """Return the shortest times of a step, ms, and from opening the page to its first frame, s, and the most frames in
+    a second while the scene runs: others share the machine."""
     found: dict[str, Any] = {}
     with browser() as page:
         page.call("Page.addScriptToEvaluateOnNewDocument", source=FIRST)
@@ -63,13 +62,13 @@ def speed(case: Case, folder: Path) -> dict[str, Any]:
             opened(page, f"#{case.options['id']}")
             wait(page, "Boolean(globalThis.first)")
             first.append(1e-3 * page.run("first"))
-        found["first_s"] = median(first)
+        found["first_s"] = min(first)
         page.run("document.getElementById('run').click()")
         seen = []
         for _ in range(LOOKS):
             time.sleep(1)
             seen.append(page.run("lab.speed().fps"))
-        found["frames"] = median(seen)
+        found["frames"] = max(seen)
         for precision in PRECISIONS:
             scene = case.built()
             scene["fluid"]["precision"] = precision
