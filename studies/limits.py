@@ -5,6 +5,7 @@ The study of the vein records them, and tests/test_flapping.py checks them.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ PITCHING = "vein-pitching-320x240"
 FORCES = ("beam_drag", "beam_lift", "beam_moment")
 
 STIFF = {"bending_stiffness": 1e5, "axial_stiffness": 1e8}
+LAYER = 1487 / 1134  # Of a line, cells
 FORCE_WIDTH = 0.02
 """Width of the box filter over compared forces, s: a fiftieth of the period. It removes the noise of the mask on the
 grid, in which a rod that gives way by 1e-4 differs from a rigid one."""
@@ -146,15 +148,18 @@ def frequency_of_the_wet_plate(ei: float, mu: float, area: float) -> float:
     return float(np.sqrt(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real.min()) / (2 * np.pi))
 
 
-def free_vibration(run: Run) -> list[Found]:
-    """A plate in still fluid, nudged at its root, vibrates with its added mass."""
-    ei, mu, side = 2.7121, 0.3, 3.0
+def free_vibration(run: Run, mu: float = 0.3, cells: int = 240, surface: str = "mask") -> list[Found]:
+    """A plate in still fluid, nudged at its root, vibrates with its added mass; as a line it has at least the mass of
+    the line's layer of fluid."""
+    ei, side = 2.7121, 3.0
+    layer = LAYER * side / cells if surface == "line" else 0.0
     scene = simulate.changed(PITCHING, {})
     scene["name"], scene["time"] = "free-vibration", {"end": 4.0, "communication_step": 5e-3}
-    scene["fluid"] |= {"box": {"x": [-1.0, 2.0], "y": [-1.5, 1.5], "cells": [240, 240]}, "kinematic_viscosity": 1e-4}
+    box = {"x": [-1.0, 2.0], "y": [-1.5, 1.5], "cells": [cells, cells]}
+    scene["fluid"] |= {"box": box, "kinematic_viscosity": 1e-4}
     del scene["fluid"]["sponge"]
     scene["fluid"]["time_stepping"]["max_step"] = 5e-3
-    scene["beam"] |= {"thickness": 0.03, "segments": 24}
+    scene["beam"] |= {"thickness": 0.03, "segments": 24, "surface": surface}
     scene["rod"]["material"]["section"] = {"line_density": mu, "bending_stiffness": ei, "axial_stiffness": 1e4}
     nudge = {"table": {"times": [0.0, 0.25, 0.5], "values": [0.0, 0.004, 0.0]}}
     scene["rod"]["root_motion"] = {"laws": {"rotations": [{"angle": nudge}]}}
@@ -163,7 +168,7 @@ def free_vibration(run: Run) -> list[Found]:
     time, uy = series["time"][later], series["tip_uy"][later]
     crossings = statistics.upward_crossings(time, uy, 0.0, uy.max())
     found = (crossings.size - 1) / (crossings[-1] - crossings[0])
-    expected = frequency_of_the_wet_plate(ei, mu, side**2)
+    expected = frequency_of_the_wet_plate(ei, max(mu, layer), side**2)
     dry = CANTILEVER[0] ** 2 * np.sqrt(ei / mu) / (2 * np.pi)
     return [
         Found("frequency", float(found), expected, 0.05, "Hz"),
@@ -175,5 +180,7 @@ LIMITS = {
     "stiff limit": stiff_limit,
     "transfer function": transfer_function,
     "free vibration": free_vibration,
+    "free vibration, line": partial(free_vibration, cells=120, surface="line"),
+    "free vibration, light line": partial(free_vibration, mu=1e-6, cells=120, surface="line"),
     "energy": energy,
 }
