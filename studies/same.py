@@ -104,7 +104,7 @@ def group(name: str) -> str:
 
 def witnesses(records: Iterable[Record], everything: Data) -> dict[str, Record]:
     """Return the record that stands for each of `records`: the cheapest of its group, or else of its study."""
-    plain = [r for r in everything.records.values() if runs_a_scene(r)]
+    plain = [r for r in everything.records.values() if runs_a_scene(r) and not r.error]
     plain.sort(key=lambda record: float(record["cpu_s"]), reverse=True)
     by_group = {group(record.name): record for record in plain}
     by_study = {record.name.split("/")[0]: record for record in plain}
