@@ -7,6 +7,7 @@ the scene of the lab there.
 """
 
 import ast
+import hashlib
 import json
 import re
 import resource
@@ -50,7 +51,12 @@ def run(name: str) -> dict[str, Any]:
         if picture := PICTURES.get(name):
             shutil.copy(Path(folder, "out", picture), ROOT / "docs" / "pictures" / f"gallery-{name}.png")
         printed = [line for line in done.stdout.replace(folder, "").splitlines() if "out" not in line]
-    return {"printed": printed, "cpu_s": round(spent)}
+    return {"printed": printed, "cpu_s": round(spent), "digest": digest(name)}
+
+
+def digest(name: str) -> str:
+    """Return the digest of a script."""
+    return hashlib.sha256((SCRIPTS / f"{name}.py").read_bytes()).hexdigest()[:16]
 
 
 def told(name: str, lab: str) -> str:

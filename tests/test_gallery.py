@@ -48,6 +48,7 @@ def test_the_site_tells_of_every_script_what_it_printed():
     for name, kept in json.loads(gallery.KEPT.read_text(encoding="utf-8")).items():
         assert "\n".join(["```text", *kept["printed"], "```"]) in page, name
         assert f"`scripts/gallery/{name}.py` took {kept['cpu_s']} s" in page, name
+        assert kept["digest"] == gallery.digest(name), f"`python site/gallery.py {name}` runs the script again"
     scenes = {own["id"] for own in json.loads((ROOT / "lab" / "scenes.json").read_text(encoding="utf-8"))}
     assert set(gallery.LAB.values()) <= scenes
     assert page.count("(../lab/index.html#") == len(gallery.LAB)
