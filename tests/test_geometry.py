@@ -665,6 +665,12 @@ def solids(*each: dict[str, Any], **more: Any) -> dict[str, Any]:
     return changed(SPACE, fluid__bodies=list(each), **more)
 
 
+def plate(x: float, length: float, width: float, **more: Any) -> dict[str, Any]:
+    """Return a plate of no thickness in the middle of the section."""
+    return {"shape": {"plate": {"length": length, "width": width}}, "position": [x, 0.0, 0.0], **more}
+
+
+ACROSS = {"turn": {"axis": [0, 0, 1], "angle": 1.5707963267948966}}
 WALLS = {"y": [-1.2, 1.2], "z": [-0.8, 0.8]}
 TUBE = {"shape": {"circular_cylinder": {"radius": 0.3}}, "position": [0.0, 0.1, 0.7]}
 QUARTER = {"angle": {"table": {"times": [0.0, 2.0], "values": [0.0, 1.5708]}}}
@@ -678,6 +684,13 @@ IN_SPACE = {
     ),
     "in a wall": (solids(sphere(0.0, 0.0, 0.9, 0.05), fluid__channel=WALLS), "position", "whose fluid is at z [-0.8"),
     "across the box": (solids(cuboid(0.0, [0.5, 3.0, 2.0])), "position", "fills the box from -1.5 to 1.5 and stops"),
+    "a plate in the sponge": (solids(plate(3.5, 1.0, 1.0)), "position", "in the sponge, x [3.0, 4.0]"),
+    "a plate across the box": (solids(plate(0.0, 3.0, 2.0, **ACROSS)), "position", "stops the stream"),
+    "a plate in a ball": (
+        solids(sphere(0.0, 0.0, 0.0, 0.5), plate(0.1, 0.3, 0.3)),
+        "position",
+        "lies inside the other",
+    ),
     "on springs": (solids(sphere(0.0, 0.0, 0.0, 0.3, mount={"mass": 1.0, "y": {}})), "mount", "still or moves by laws"),
     "by the master": (solids(sphere(0.0, 0.0, 0.0, 0.3, motion="master")), "motion", "still or moves by laws"),
 }
@@ -723,6 +736,17 @@ WARNED_IN_SPACE = {
         "is in its own wake",
         (6.0, 6.1),
     ),
+    "a plate without thickness that turns into a ball": (
+        solids(plate(0.0, 1.6, 0.1, motion={**QUARTER, "axis": [0, 1, 0]}), sphere(0.0, 0.0, -0.6, 0.1)),
+        "`fluid.bodies[1]` meets `fluid.bodies[0]`",
+        (1.677, 1.76),
+    ),
+    "a disk that moves out of the box": (
+        solids({"shape": {"disk": {"radius": 0.3}}, "position": [0.0, 0.0, 0.0], "motion": {"z": beat(1.0)}}),
+        "over the edge of the box along z",
+        (0.24, 0.26),
+    ),
+    "a long plate along the box": (solids(plate(0.0, 1.0, 2.0)), None, None),
     "a ball": (solids(sphere(0.0, 0.0, 0.0, 0.3)), None, None),
     "a plate that turns where there is place": (
         solids(cuboid(0.0, [1.6, 0.1, 0.1], motion={**QUARTER, "axis": [0, 1, 0]}), sphere(0.0, 0.6, 0.0, 0.1)),

@@ -2,6 +2,7 @@
 
 import copy
 import importlib.util
+import json
 import subprocess
 import sys
 
@@ -12,6 +13,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
 from nervure import api
+from nervure import load
 from nervure.errors import SceneError, UnitError
 from nervure.output import flow, space, vortices
 from nervure.scene import validate
@@ -137,6 +139,75 @@ def test_sections_are_those_of_turned_bodies():
     assert space.section(flat, [0.0, 0.0, 0.11, 0.0], scene.fluid) == []
     solids = flow.outlines(scene, [], [[0.0, 0.0, 0.0, 0.0]] * 4)
     assert len(solids) == 4
+
+
+PLATE = {"shape": {"plate": {"length": 0.8, "width": 0.6}}, "position": [0.0, 0.0, 0.05]}
+TURNED = {"turn": {"axis": [0, 0, -1], "angle": 0.5}, "pivot": [-0.2, 0, 0]}
+CORNERS = [(-0.4, 0, -0.3), (0.4, 0, -0.3), (0.4, 0, 0.3), (-0.4, 0, 0.3)]
+
+
+def test_a_plate_is_cut_in_a_line_and_a_disk_in_its_diameter():
+    bodies = [PLATE | TURNED, {"shape": {"disk": {"radius": 0.5}}, "position": [0.1, 0, 0.3]}]
+    scene = validate(changed(bodies=bodies))
+    assert scene.fluid
+    first, disk = scene.fluid.bodies
+    lines = np.concatenate(space.section(first, [0.0, 0.0, 0.05, 0.1], scene.fluid))
+    # The length from -0.2 to 0.6 of the pivot, downwards to the right by 0.4.
+    ends = np.array([[-0.2], [0.6]]) * [np.cos(0.4), -np.sin(0.4)]
+    assert lines.min(axis=0) == pytest.approx(ends.min(axis=0)) and lines.max(axis=0) == pytest.approx(ends.max(axis=0))
+    lines = np.concatenate(space.section(disk, [0.1, 0.0, 0.3, 0.0], scene.fluid))
+    assert lines[:, 0].max() == pytest.approx(0.1 + 0.4, rel=2e-3) and abs(lines[:, 1]).max() == 0.0
+    assert space.section(disk, [0.1, 0.0, 0.6, 0.0], scene.fluid) == []
+    assert len(flow.outlines(scene, [], [[0.0, 0.0, 0.05, 0.0], [0.1, 0.0, 0.3, 0.0]])) > 2
+
+
+def test_a_plate_is_the_same_as_its_triangles_also_from_a_file(libraries, tmp_path):
+    """Triangles in the order of the plate's own give its bits; a file in millimetres gives its forces to rounding."""
+    trimesh = pytest.importorskip("trimesh")
+    triangles = [(0, 1, 2), (0, 2, 3)]
+    mesh = trimesh.Trimesh([[1000 * x for x in corner] for corner in CORNERS], triangles, process=False)
+    mesh.export(tmp_path / "plate.obj")
+    shapes = [
+        PLATE["shape"],
+        {"triangulation": {"nodes": CORNERS, "triangles": triangles}},
+        {"triangulation": {"file": "plate.obj", "unit": 1e-3}},
+    ]
+    series, coefficients = [], []
+    for i, shape in enumerate(shapes):
+        (tmp_path / f"{i}.json").write_text(json.dumps(changed(bodies=[PLATE | TURNED | {"shape": shape}])))
+        done = api.run(load(tmp_path / f"{i}.json"), tmp_path / f"run-{i}", quiet=True)
+        series.append(done.series)
+        coefficients.append(done.summary.bodies["body_1"].cd_mean)
+    plate, same, read = series
+    assert coefficients == pytest.approx([coefficients[0]] * 3, rel=1e-9), "they have one area"
+    assert all(np.array_equal(plate[name], same[name]) for name in plate)
+    for name in ("drag", "lift", "body_1_moment_z"):
+        assert read[name] == pytest.approx(plate[name], rel=1e-9, abs=1e-9) and plate[name][-1] != 0.0
+
+
+@pytest.mark.parametrize(
+    ("shape", "named"),
+    [
+        ({"plate": {"length": 1.0}}, ["fluid.bodies[0].shape`", "a width"]),
+        ({"plate": {"length": 1.0, "width": 0.0}}, ["width", "> 0"]),
+        ({"disk": {"radius": -1.0}}, ["disk.radius", "> 0"]),
+        ({"triangulation": {}}, ["triangulation.triangles", "list of 0", "1 to 100000"]),
+        ({"triangulation": {"nodes": CORNERS, "triangles": [[0, 1, 4]]}}, ["triangles[0]", "4 nodes"]),
+        ({"triangulation": {"nodes": CORNERS, "triangles": [[0, 1, 2], [1, 2, 1]]}}, ["triangles[1]", "no area"]),
+        ({"triangulation": {"nodes": CORNERS, "triangles": [[0, 1, -2]]}}, ["triangles[0][2]"]),
+        ({"triangulation": {"nodes": CORNERS, "triangles": [[0, 1, 2]], "unit": 1.0}}, ["triangulation.unit", "file"]),
+        ({"triangulation": {"file": "none.stl"}}, ["triangulation.file", "No such file"]),
+        ({"triangulation": {"file": "scene.json"}}, ["triangulation.file", ".stl"]),
+        ({"triangulation": {"file": "bad.stl"}}, ["triangulation.file", "triangles"]),
+        ({"triangulation": {"file": "bad.stl", "unit": -1.0}}, ["triangulation.unit", "> 0"]),
+    ],
+)
+def test_a_surface_that_is_none_is_refused_by_key(shape, named, libraries, tmp_path):
+    (tmp_path / "bad.stl").write_text("solid nothing\nendsolid nothing\n")
+    (tmp_path / "scene.json").write_text(json.dumps(changed(bodies=[PLATE | {"shape": shape}])))
+    with pytest.raises(SceneError) as refused:
+        load(tmp_path / "scene.json")
+    assert all(part in str(refused.value) for part in named), refused.value
 
 
 def test_an_animation_in_space_has_slices_and_vortices(run, monkeypatch, capsys):

@@ -151,7 +151,10 @@ fn body_in_space(body: &scene::Body) -> space::Body {
                 radius: *radius,
                 half_length: length.map_or(f64::INFINITY, |length| 0.5 * length),
             },
-            _ => unreachable!("checked: a shape of three dimensions"),
+            shape => match shape.surface() {
+                Some((nodes, triangles)) => space::Shape::Surface(nodes, triangles),
+                None => unreachable!("checked: a shape of three dimensions"),
+            },
         },
         position: components(&body.position),
         pivot: components(&body.pivot),
@@ -204,9 +207,11 @@ fn shape(shape: &scene::Shape) -> Shape {
             Shape::Capsule([0.5 * (length - thickness), 0.5 * thickness])
         }
         scene::Shape::Polygon { corners } => Shape::Polygon(corners.clone()),
-        scene::Shape::Plate { length } => Shape::Line(vec![[-0.5 * length, 0.0], [0.5 * length, 0.0]]),
+        scene::Shape::Plate { length, .. } => Shape::Line(vec![[-0.5 * length, 0.0], [0.5 * length, 0.0]]),
         scene::Shape::Polyline { points } => Shape::Line(points.clone()),
-        scene::Shape::Sphere { .. }
+        scene::Shape::Disk { .. }
+        | scene::Shape::Triangulation { .. }
+        | scene::Shape::Sphere { .. }
         | scene::Shape::Ellipsoid { .. }
         | scene::Shape::Cuboid { .. }
         | scene::Shape::CircularCylinder { .. } => unreachable!("checked: a shape of two dimensions"),

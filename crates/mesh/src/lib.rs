@@ -5,4 +5,4 @@ mod generate;
 mod surface;
 
 pub use generate::{ellipse, insect_wing, rectangle};
-pub use surface::{Chain, Mesh};
+pub use surface::{Chain, Mesh, area, triangle_area};

@@ -20,6 +20,21 @@ pub struct Chain {
     pub nodes: Vec<usize>,
 }
 
+/// Return the area of a triangle, m².
+pub fn triangle_area([a, b, c]: &[[f64; 3]; 3]) -> f64 {
+    let [p, q] = [b, c].map(|end| [0, 1, 2].map(|axis| end[axis] - a[axis]));
+    let cross = [0, 1, 2].map(|axis| {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        p[i] * q[j] - p[j] * q[i]
+    });
+    0.5 * cross.iter().map(|component| component.powi(2)).sum::<f64>().sqrt()
+}
+
+/// Return the area of triangles, m².
+pub fn area(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> f64 {
+    triangles.iter().map(|corners| triangle_area(&corners.map(|node| nodes[node]))).sum()
+}
+
 impl Mesh {
     /// Return the nodes of the chain `name`.
     pub fn chain(&self, name: &str) -> Option<&[usize]> {

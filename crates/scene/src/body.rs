@@ -160,11 +160,15 @@ pub enum Shape {
         #[schemars(length(min = 3, max = 1000))]
         corners: Vec<[f64; 2]>,
     },
-    /// A straight plate of no thickness: markers drag the fluid, as at a beam with the surface `line`.
+    /// A flat plate of no thickness: markers drag the fluid, as at a beam with the surface `line`.
     Plate {
         /// Length along the body's x, m.
         #[schemars(extend("exclusiveMinimum" = 0.0))]
         length: f64,
+        /// Width along the body's z, m; only in three dimensions.
+        #[serde(default)]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        width: Option<f64>,
     },
     /// An open line of no thickness, as a plate with corners.
     Polyline {
@@ -187,6 +191,28 @@ pub enum Shape {
     Cuboid {
         /// Lengths along the body's x, y and z, m.
         lengths: [f64; 3],
+    },
+    /// A disk of no thickness across the body's y, as a plate.
+    Disk {
+        /// Radius, m.
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        radius: f64,
+    },
+    /// Triangles of no thickness, as a plate. A closed surface encloses fluid.
+    Triangulation {
+        /// Positions of the nodes, m.
+        #[serde(default)]
+        nodes: Vec<[f64; 3]>,
+        /// Nodes of each triangle, counted from 0.
+        #[serde(default)]
+        triangles: Vec<[usize; 3]>,
+        /// STL, OBJ or PLY file beside the scene's. `nervure` puts its nodes and triangles in the place of this key.
+        #[serde(default)]
+        file: Option<String>,
+        /// Length of the unit of the file, m; by default 1.
+        #[serde(default)]
+        #[schemars(extend("exclusiveMinimum" = 0.0))]
+        unit: Option<f64>,
     },
     /// A circular cylinder in space.
     CircularCylinder {
@@ -243,15 +269,25 @@ impl Body {
             Shape::Ellipse { .. } => (false, "ellipse"),
             Shape::Rectangle { .. } => (false, "rectangle"),
             Shape::Polygon { .. } => (false, "polygon"),
-            Shape::Plate { .. } => (false, "plate"),
+            Shape::Plate { width, .. } => (is_space && width.is_some(), "plate"),
             Shape::Polyline { .. } => (false, "polyline"),
             Shape::Sphere { .. } => (true, "sphere"),
             Shape::Ellipsoid { .. } => (true, "ellipsoid"),
             Shape::Cuboid { .. } => (true, "cuboid"),
             Shape::CircularCylinder { .. } => (true, "circular_cylinder"),
+            Shape::Disk { .. } => (true, "disk"),
+            Shape::Triangulation { .. } => (true, "triangulation"),
         };
+        if let Shape::Plate { width, .. } = self.shape {
+            let key = format!("{key}.shape.plate.width");
+            faults.forbid(!is_space && width.is_some(), &key, || "the fluid has two dimensions".into());
+        }
         faults.require(spatial == is_space, &format!("{key}.shape"), name, || match is_space {
-            true => "in three dimensions it is a sphere, ellipsoid, cuboid or circular_cylinder".into(),
+            true => {
+                "in three dimensions it is a sphere, ellipsoid, cuboid, circular_cylinder, disk, triangulation or a plate \
+                     with a width"
+                    .into()
+            }
             false => "in two dimensions it is a circle, ellipse, rectangle, polygon, plate or polyline".into(),
         });
         let motion = self.laws();
@@ -282,6 +318,12 @@ impl Body {
         }
     }
 }
+
+/// Edges along the diameter of a disk: the area of its triangles is a thousandth smaller.
+const DISK_EDGES: usize = 24;
+
+/// Most triangles of a surface.
+const MOST_TRIANGLES: usize = 100_000;
 
 /// Corners by which a circle is drawn.
 const CORNERS: usize = 64;
@@ -343,8 +385,25 @@ impl Shape {
     /// Return the points of a line of no thickness in the body's own axes, m.
     pub fn line(&self) -> Option<Vec<Point>> {
         match self {
-            Self::Plate { length } => Some(vec![[-length / 2.0, 0.0], [length / 2.0, 0.0]]),
+            Self::Plate { length, width: None } => Some(vec![[-length / 2.0, 0.0], [length / 2.0, 0.0]]),
             Self::Polyline { points } => Some(points.clone()),
+            _ => None,
+        }
+    }
+
+    /// Return nodes (m) and triangles of a surface of no thickness in space, in the body's own axes.
+    pub fn surface(&self) -> Option<(Vec<[f64; 3]>, Vec<[usize; 3]>)> {
+        match self {
+            Self::Plate { length, width: Some(width) } => {
+                let (x, z) = (length / 2.0, width / 2.0);
+                let nodes = vec![[-x, 0.0, -z], [x, 0.0, -z], [x, 0.0, z], [-x, 0.0, z]];
+                Some((nodes, vec![[0, 1, 2], [0, 2, 3]]))
+            }
+            Self::Disk { radius } => {
+                let disk = mesh::ellipse(2.0 * radius, 2.0 * radius, DISK_EDGES);
+                Some((disk.nodes.iter().map(|[x, z, _]| [x - radius, 0.0, *z]).collect(), disk.triangles))
+            }
+            Self::Triangulation { nodes, triangles, .. } => Some((nodes.clone(), triangles.clone())),
             _ => None,
         }
     }
@@ -466,7 +525,11 @@ impl Check for Shape {
             | Self::Ellipse { .. }
             | Self::Plate { .. }
             | Self::Sphere { .. }
+            | Self::Disk { .. }
             | Self::CircularCylinder { .. } => (),
+            Self::Triangulation { nodes, triangles, file, unit } => {
+                check_surface(nodes, triangles, file.as_ref(), *unit, &format!("{key}.triangulation"), faults);
+            }
             Self::Ellipsoid { lengths } | Self::Cuboid { lengths } => {
                 let name = if matches!(self, Self::Cuboid { .. }) { "cuboid" } else { "ellipsoid" };
                 let fits = lengths.iter().all(|length| *length > 0.0);
@@ -483,6 +546,39 @@ impl Check for Shape {
             Self::Polygon { corners } => check_corners(corners, true, &format!("{key}.polygon.corners"), faults),
             Self::Polyline { points } => check_corners(points, false, &format!("{key}.polyline.points"), faults),
         }
+    }
+}
+
+/// Check that triangles have nodes and areas; the first fault of each kind is added.
+fn check_surface(
+    nodes: &[[f64; 3]],
+    triangles: &[[usize; 3]],
+    file: Option<&String>,
+    unit: Option<f64>,
+    key: &str,
+    faults: &mut Faults,
+) {
+    if let Some(file) = file {
+        faults.require(false, &format!("{key}.file"), format!("{file:?}"), || {
+            "only `nervure` reads files: the units need `nodes` and `triangles`".into()
+        });
+        return;
+    }
+    faults.forbid(unit.is_some(), &format!("{key}.unit"), || "it is of a `file`".into());
+    let (name, count) = (format!("{key}.triangles"), triangles.len());
+    faults.require((1..=MOST_TRIANGLES).contains(&count), &name, format!("a list of {count}"), || {
+        format!("a surface has 1 to {MOST_TRIANGLES} triangles")
+    });
+    if let Some(i) = triangles.iter().position(|corners| corners.iter().any(|node| *node >= nodes.len())) {
+        faults.require(false, &format!("{name}[{i}]"), format!("{:?}", triangles[i]), || {
+            format!("the surface has {} nodes, counted from 0", nodes.len())
+        });
+    } else if let Some(i) =
+        triangles.iter().position(|corners| mesh::triangle_area(&corners.map(|node| nodes[node])) <= 0.0)
+    {
+        faults.require(false, &format!("{name}[{i}]"), format!("{:?}", triangles[i]), || {
+            "these nodes lie on a line: the triangle has no area".into()
+        });
     }
 }
 

@@ -428,7 +428,8 @@ impl InflowProfile {
 
 impl Shape {
     /// Reference area of a body in space, m²: the largest cross-section of a sphere or an ellipsoid, the largest face of a
-    /// cuboid, diameter times length of a cylinder, which may go through a box with the `ends` along its axis.
+    /// cuboid, diameter times length of a cylinder, which may go through a box with the `ends` along its axis, one side of
+    /// a surface.
     fn reference_area(&self, ends: &[[f64; 2]]) -> f64 {
         let two_largest = |lengths: &[f64; 3]| {
             let least = lengths.iter().copied().fold(f64::INFINITY, f64::min);
@@ -442,12 +443,13 @@ impl Shape {
                 let [low, high] = ends[*axis as usize];
                 2.0 * radius * length.unwrap_or(high - low)
             }
-            _ => 0.0,
+            _ => self.surface().map_or(0.0, |(nodes, triangles)| mesh::area(&nodes, &triangles)),
         }
     }
 
     /// Length and thickness, m; of a cylinder in space diameter and thickness; of a polygon the largest distance of two
-    /// corners, and its area by that; of a line the largest distance of two points, and 0.
+    /// corners, and its area by that; of a line the largest distance of two points, and 0; of a surface the largest
+    /// side of the frame around it, and 0.
     pub fn size(&self) -> [f64; 2] {
         match self {
             Self::Circle { radius } | Self::Sphere { radius } => [2.0 * radius; 2],
@@ -458,7 +460,15 @@ impl Shape {
                 [2.0 * radius, length.map_or(2.0 * radius, |l| l.min(2.0 * radius))]
             }
             Self::Ellipse { length, thickness } | Self::Rectangle { length, thickness, .. } => [*length, *thickness],
-            Self::Plate { length } => [*length, 0.0],
+            Self::Plate { length, width } => [width.map_or(*length, |width| width.max(*length)), 0.0],
+            Self::Disk { radius } => [2.0 * radius, 0.0],
+            Self::Triangulation { nodes, .. } => {
+                let side = |axis: usize| {
+                    let along = nodes.iter().map(|node| node[axis]);
+                    along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
+                };
+                [(0..3).map(side).fold(0.0, f64::max), 0.0]
+            }
             Self::Polygon { corners } | Self::Polyline { points: corners } => {
                 let distances =
                     corners.iter().flat_map(|a| corners.iter().map(|b| f64::hypot(a[0] - b[0], a[1] - b[1])));

@@ -6,6 +6,9 @@ use crate::plane::Outline;
 /// Samples along each side of the frame around a solid, by which its volume is measured.
 const SAMPLES: usize = 16;
 
+/// Points of a surface, about: many times the parts of a section that it may cover.
+const POINTS: usize = 4096;
+
 /// Samples along each side of the frame that two solids share.
 const SHARED: usize = 8;
 
@@ -14,6 +17,14 @@ const SHARED: usize = 8;
 pub(crate) enum Figure {
     Flat(Outline),
     Solid(Solid),
+    Sheet(Sheet),
+}
+
+/// A surface in space as points on it.
+#[derive(Clone, Debug)]
+pub(crate) struct Sheet {
+    points: Vec<[f64; 3]>,
+    frame: [[f64; 2]; 3],
 }
 
 /// A convex body in space.
@@ -49,6 +60,7 @@ impl Figure {
         match self {
             Self::Flat(outline) => &outline.frame,
             Self::Solid(solid) => &solid.frame,
+            Self::Sheet(sheet) => &sheet.frame,
         }
     }
 
@@ -57,6 +69,9 @@ impl Figure {
         match (self, other) {
             (Self::Flat(a), Self::Flat(b)) => a.overlaps(b, depth),
             (Self::Solid(a), Self::Solid(b)) => a.overlaps(b, depth),
+            (Self::Sheet(a), Self::Solid(b)) | (Self::Solid(b), Self::Sheet(a)) => {
+                a.points.iter().any(|p| b.contains(*p))
+            }
             _ => false,
         }
     }
@@ -66,6 +81,7 @@ impl Figure {
         match self {
             Self::Flat(outline) => outline.share(|p| property(&p)),
             Self::Solid(solid) => solid.share(|p| property(&p)),
+            Self::Sheet(sheet) => sheet.share(|p| property(p)),
         }
     }
 
@@ -74,6 +90,7 @@ impl Figure {
         match (self, other) {
             (Self::Flat(a), Self::Flat(b)) => a.shared(b),
             (Self::Solid(a), Self::Solid(b)) => f64::max(a.share(|p| b.contains(p)), b.share(|p| a.contains(p))),
+            (Self::Sheet(a), Self::Solid(b)) | (Self::Solid(b), Self::Sheet(a)) => a.share(|p| b.contains(*p)),
             _ => 0.0,
         }
     }
@@ -84,7 +101,43 @@ impl Figure {
         match self {
             Self::Flat(_) => true,
             Self::Solid(solid) => solid.covers(axis, ends),
+            Self::Sheet(sheet) => sheet.covers(axis, ends),
         }
+    }
+}
+
+impl Sheet {
+    /// The surface of nodes in the axes of the box and triangles, which has some [`POINTS`] points or one a triangle.
+    fn new(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> Self {
+        let frame = [0, 1, 2].map(|axis| {
+            let along = nodes.iter().map(|node| node[axis]);
+            [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
+        });
+        let n = (POINTS as f64 / triangles.len() as f64).sqrt().ceil().max(1.0);
+        let mut points = Vec::new();
+        for corners in triangles.iter().step_by(triangles.len().div_ceil(POINTS)) {
+            let [a, b, c] = corners.map(|node| nodes[node]);
+            for (i, j) in (0..n as usize).flat_map(|i| (0..n as usize - i).map(move |j| (i, j))) {
+                let [s, t] = [i, j].map(|k| (k as f64 + 1.0 / 3.0) / n);
+                points.push([0, 1, 2].map(|axis| a[axis] + s * (b[axis] - a[axis]) + t * (c[axis] - a[axis])));
+            }
+        }
+        Self { points, frame }
+    }
+
+    fn share(&self, property: impl Fn(&[f64; 3]) -> bool) -> f64 {
+        self.points.iter().filter(|p| property(p)).count() as f64 / self.points.len() as f64
+    }
+
+    fn covers(&self, axis: usize, ends: &[[f64; 2]]) -> bool {
+        let [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
+        let part = |p: &[f64; 3], d: usize| (p[d] - ends[d][0]) / (ends[d][1] - ends[d][0]) * SAMPLES as f64;
+        let mut met = [[false; SAMPLES]; SAMPLES];
+        for p in &self.points {
+            let [a, b] = [i, j].map(|d| part(p, d).clamp(0.0, SAMPLES as f64 - 1.0) as usize);
+            met[a][b] = true;
+        }
+        met.as_flattened().iter().all(|met| *met)
     }
 }
 
@@ -152,7 +205,10 @@ fn turned(v: [f64; 3], axis: [f64; 3], angle: f64) -> [f64; 3] {
 impl Body {
     /// Return the figure at time `t` (s) in a box with these ends, m.
     pub(crate) fn figure_at(&self, t: f64, ends: &[[f64; 2]]) -> Figure {
-        let Some((form, half)) = self.shape.form(ends) else { return Figure::Flat(self.outline_at(t)) };
+        let (form, surface) = (self.shape.form(ends), self.shape.surface());
+        if form.is_none() && surface.is_none() {
+            return Figure::Flat(self.outline_at(t));
+        }
         let motion = self.laws();
         let place = motion.map_or([0.0; 3], |motion| [&motion.x, &motion.y, &motion.z].map(|law| law.value(t)));
         let moved = motion.map_or((Z, 0.0), |motion| (motion.axis.unwrap_or(Z), motion.angle.value(t)));
@@ -164,6 +220,12 @@ impl Body {
         let pivot = |d: usize| self.pivot.get(d).copied().unwrap_or(0.0);
         let center =
             [0, 1, 2].map(|d| self.position[d] + place[d] - (0..3).map(|own| pivot(own) * axes[own][d]).sum::<f64>());
+        let Some((form, half)) = form else {
+            let (nodes, triangles) = surface.unwrap_or_default();
+            let placed =
+                |own: &[f64; 3]| [0, 1, 2].map(|d| center[d] + (0..3).map(|k| own[k] * axes[k][d]).sum::<f64>());
+            return Figure::Sheet(Sheet::new(&nodes.iter().map(placed).collect::<Vec<_>>(), &triangles));
+        };
         let frame = [0, 1, 2].map(|d| {
             let reach = [0, 1, 2].map(|own| half[own] * axes[own][d].abs());
             let extent = match form {

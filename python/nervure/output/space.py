@@ -1,4 +1,4 @@
-"""Rigid bodies in space: their places, and their outlines in a plane across z."""
+"""Rigid bodies in space: their places, surfaces, and outlines in a plane across z."""
 
 from collections.abc import Callable, Sequence
 
@@ -11,12 +11,16 @@ from nervure.scene.types import (
     Fluid,
     ShapeCircularCylinder,
     ShapeCuboid,
+    ShapeDisk,
     ShapeEllipsoid,
+    ShapePlate,
     ShapeSphere,
+    ShapeTriangulation,
 )
 
 POSE = ("x", "y", "z", "angle")  # Outputs of the fluid for a rigid body
 FINE = 400  # Points of the grid on which an outline is found, along each axis
+ROUND = 90  # Edges of a disk
 Z = (0.0, 0.0, 1.0)
 
 
@@ -62,9 +66,41 @@ def half_lengths(body: Body, longest: float) -> tuple[np.ndarray, Callable[[np.n
     raise AssertionError("a body in space has one of these shapes")
 
 
+def surface(body: Body) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return the nodes of a surface of no thickness in its own axes, m, `[n, 3]`, and its triangles, `[m, 3]`; None for a
+    solid."""
+    match body.shape:
+        case ShapePlate(plate=plate):
+            x, z = plate.length / 2, (plate.width or 0.0) / 2
+            return np.array([(-x, 0, -z), (x, 0, -z), (x, 0, z), (-x, 0, z)]), np.array([(0, 1, 2), (0, 2, 3)])
+        case ShapeDisk(disk=disk):
+            angle = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
+            rim = disk.radius * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=-1)
+            first = np.arange(1, ROUND + 1)
+            return np.vstack([np.zeros(3), rim]), np.stack([0 * first, first, first % ROUND + 1], axis=-1)
+        case ShapeTriangulation(triangulation=own):
+            return np.array(own.nodes), np.array(own.triangles)
+    return None
+
+
+def cut(points: np.ndarray, triangles: np.ndarray, z: float) -> list[np.ndarray]:
+    """Return the lines in which a plane across z cuts triangles between points `[n, 3]`, m, each `[2, 2]`."""
+    height = points[:, 2] - z
+    above = height[triangles] > 0
+    lines = []
+    for corners in triangles[above.any(axis=1) & ~above.all(axis=1)]:
+        sides = [(a, b) for a, b in zip(corners, np.roll(corners, -1), strict=True) if (height[a] > 0) != (height[b] > 0)]
+        shares = [height[a] / (height[a] - height[b]) for a, b in sides]
+        ends = [points[a] + share * (points[b] - points[a]) for (a, b), share in zip(sides, shares, strict=True)]
+        lines.append(np.array(ends)[:, :2])
+    return lines
+
+
 def section(body: Body, pose: Sequence[float], fluid: Fluid) -> list[np.ndarray]:
     """Return the outline of a body in the plane of `slice_z`, m, `[n, 2]`; none where the plane misses it."""
     turn, origin = placed(body, pose)
+    if (sheet := surface(body)) is not None:
+        return cut(sheet[0] @ turn.T + origin, sheet[1], slice_z(fluid))
     half, level = half_lengths(body, longest(fluid))
     reach = np.abs(turn) @ half
     x, y = (np.linspace(origin[a] - 1.02 * reach[a], origin[a] + 1.02 * reach[a], FINE) for a in (0, 1))

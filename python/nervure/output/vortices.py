@@ -10,7 +10,7 @@ import numpy as np
 
 from nervure.extras import require
 from nervure.output import displayed_unit, lengths_in, title
-from nervure.output.space import half_lengths, longest, placed
+from nervure.output.space import half_lengths, longest, placed, surface
 from nervure.scene.types import (
     Body,
     Scene,
@@ -66,6 +66,8 @@ class Space:
         free: np.ndarray = inside[0][:, None, None] & inside[1][:, None] & inside[2]
         points = np.stack(np.meshgrid(*self.axes, indexing="ij"), axis=-1)
         for body, pose in zip(self.fluid.bodies, poses, strict=True):
+            if surface(body) is not None:
+                continue
             turn, origin = placed(body, pose)
             half, level = half_lengths(body, longest(self.fluid))
             free &= level((points - origin) @ turn / (half + layer)) > 1
@@ -127,8 +129,10 @@ class Space:
 
     def _solid(self, pyvista: Any, body: Body, pose: Sequence[float]) -> Any:
         """Return the surface of a body."""
-        half, _ = half_lengths(body, longest(self.fluid))
         turn, origin = placed(body, pose)
+        if (sheet := surface(body)) is not None:
+            return pyvista.PolyData.from_regular_faces(sheet[0] @ turn.T + origin, sheet[1])
+        half, _ = half_lengths(body, longest(self.fluid))
         match body.shape:
             case ShapeCuboid():
                 unit = pyvista.Cube(x_length=2, y_length=2, z_length=2)
@@ -142,4 +146,4 @@ class Space:
 
 
 def _has_edges(body: Body) -> bool:
-    return isinstance(body.shape, ShapeCuboid | ShapeCircularCylinder)
+    return isinstance(body.shape, ShapeCuboid | ShapeCircularCylinder) or surface(body) is not None

@@ -17,6 +17,7 @@ from nervure.errors import Fault, SceneError
 from nervure.library import check, is_built
 from nervure.resources import ROOT, SCENES
 from nervure.scene.keys import Document, assign, json_or_text, override
+from nervure.scene.surfaces import embed
 from nervure.scene.types import Beam, Rod, Scene
 
 __all__ = [
@@ -29,9 +30,11 @@ MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is 
 
 def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Document:
     """Return the scene file at the path `name`, or else the shipped scene of that name, with `overrides` (key=value)
-    and another end time, s; raises `SceneError` if it is not a JSON object."""
+    and another end time, s, and with the surfaces of its files; raises `SceneError` if it is not a JSON object."""
     path, source = _open(name)
-    return _changed(_parse(path, source)[0], overrides, end_time)
+    scene = _changed(_parse(path, source)[0], overrides, end_time)
+    embed(scene, path.parent)
+    return scene
 
 
 def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Scene:
@@ -47,6 +50,7 @@ def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     scene, faults = _parse(path, source)
     if assignments or end_time is not None:
         scene = _changed(scene, assignments, end_time)
+    if embed(scene, path.parent) or assignments or end_time is not None:
         faults = check(text(scene), source) if is_built("rod") else []
     if faults:
         raise SceneError("\n".join(_line(fault, path, end_time is not None) for fault in faults), faults)

@@ -314,17 +314,20 @@ class ShapePolygon(Part):
 
 
 class Plate(Part):
-    """A straight plate of no thickness: markers drag the fluid, as at a beam with the surface `line`."""
+    """A flat plate of no thickness: markers drag the fluid, as at a beam with the surface `line`."""
 
     length: Real
     """Length along the body's x, m."""
 
+    width: Real | None = None
+    """Width along the body's z, m; only in three dimensions."""
+
 
 class ShapePlate(Part):
-    """A straight plate of no thickness: markers drag the fluid, as at a beam with the surface `line`."""
+    """A flat plate of no thickness: markers drag the fluid, as at a beam with the surface `line`."""
 
     plate: Plate
-    """A straight plate of no thickness: markers drag the fluid, as at a beam with the surface `line`."""
+    """A flat plate of no thickness: markers drag the fluid, as at a beam with the surface `line`."""
 
 
 class Polyline(Part):
@@ -383,6 +386,43 @@ class ShapeCuboid(Part):
     """A cuboid; a plate is a thin one."""
 
 
+class Disk(Part):
+    """A disk of no thickness across the body's y, as a plate."""
+
+    radius: Real
+    """Radius, m."""
+
+
+class ShapeDisk(Part):
+    """A disk of no thickness across the body's y, as a plate."""
+
+    disk: Disk
+    """A disk of no thickness across the body's y, as a plate."""
+
+
+class Triangulation(Part):
+    """Triangles of no thickness, as a plate. A closed surface encloses fluid."""
+
+    nodes: list[tuple[Real, Real, Real]] = Field(default_factory=list)
+    """Positions of the nodes, m."""
+
+    triangles: list[tuple[Integer, Integer, Integer]] = Field(default_factory=list)
+    """Nodes of each triangle, counted from 0."""
+
+    file: str | None = None
+    """STL, OBJ or PLY file beside the scene's. `nervure` puts its nodes and triangles in the place of this key."""
+
+    unit: Real | None = None
+    """Length of the unit of the file, m; by default 1."""
+
+
+class ShapeTriangulation(Part):
+    """Triangles of no thickness, as a plate. A closed surface encloses fluid."""
+
+    triangulation: Triangulation
+    """Triangles of no thickness, as a plate. A closed surface encloses fluid."""
+
+
 Axis = Literal["x", "y", "z"]
 """An axis of a body. `x`: x. `y`: y. `z`: z."""
 
@@ -417,6 +457,8 @@ Shape = (
     | ShapeSphere
     | ShapeEllipsoid
     | ShapeCuboid
+    | ShapeDisk
+    | ShapeTriangulation
     | ShapeCircularCylinder
 )
 """Outline of a body. The origin of its axes is its middle, except for a polygon or a polyline."""

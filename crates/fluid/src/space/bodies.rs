@@ -16,7 +16,7 @@ pub struct Bodies {
     /// The rigid bodies.
     pub rigid: Vec<Rigid>,
     zones: Vec<DrivingZone>,
-    /// Total drag rate Σ a_b, 1/s; absent without a body.
+    /// Total drag rate Σ a_b, 1/s; absent without a solid.
     rate: Option<Field<f64>>,
     /// Rates before bodies were painted, restored in reverse order, so that painting leaves no rounding behind.
     painted: Vec<(usize, f64)>,
@@ -31,7 +31,7 @@ impl Bodies {
         let zones = DrivingZone::all([&parameters.inflow, &parameters.sponge], mask, nu, walls[1], grid);
         let rigid: Vec<_> = parameters.bodies.iter().map(|body| Rigid::new(body.clone(), grid, mask, nu)).collect();
         let has_walls = walls.iter().any(Option::is_some);
-        let any = !zones.is_empty() || has_walls || !rigid.is_empty();
+        let any = !zones.is_empty() || has_walls || rigid.iter().any(Rigid::is_solid);
         let mut rate = any.then(|| Field::uniform(0.0, grid.len()));
         if let Some(rate) = &mut rate {
             let profile = DragProfile::new(mask, mask.c_eta(), nu, grid.cell_size());
@@ -124,9 +124,9 @@ impl Bodies {
         displaced.map(|displaced| BodyForce { displaced, ..BodyForce::default() }).collect()
     }
 
-    /// Sum up the forces of a step of size `dt` (s) from `drag`, the drag on a cell over the density, m/s².
+    /// Sum up the forces on solids of a step of size `dt` (s) from `drag`, the drag on a cell over the density, m/s².
     pub fn sum_up_forces(&self, dt: f64, drag: impl Fn(&Cell) -> Vector3<f64>, forces: &mut [BodyForce]) {
-        for (known, rigid) in forces.iter_mut().zip(&self.rigid) {
+        for (known, rigid) in forces.iter_mut().zip(&self.rigid).filter(|(_, rigid)| rigid.is_solid()) {
             let (mut force, mut moment) = (Vector3::zeros(), Vector3::zeros());
             for cell in &rigid.cells {
                 let drag = self.cell_mass * drag(cell);

@@ -1,9 +1,10 @@
 //! Parameters of a fluid in space: plain data, in SI units.
 
+use std::borrow::Cow;
+
 use crate::error::Error;
 use crate::grid::Grid;
 use crate::parameters::{Filter, Law, Mask, Precision, Zone};
-use crate::thin::surface;
 
 /// Largest extent of a thin body, cells: more markers take too long to be spread over it.
 const MOST_CELLS: f64 = 4e4;
@@ -80,6 +81,18 @@ pub struct Flexible {
     pub pivot: Option<[f64; 3]>,
 }
 
+impl Body {
+    /// Return the surface as a thin body in its own axes, whose first node is the pivot; none of a solid.
+    pub(super) fn thin(&self) -> Option<Flexible> {
+        let Shape::Surface(own, triangles) = &self.shape else { return None };
+        let mut nodes = vec![self.pivot];
+        nodes.extend(own);
+        let triangles = triangles.iter().map(|corners| corners.map(|node| node.saturating_add(1))).collect();
+        let extent = Extent::Surface(triangles);
+        Some(Flexible { name: "a rigid surface".into(), nodes, extent, pivot: None })
+    }
+}
+
 impl Flexible {
     /// Return the number of markers on cells of a size (m), about; none of nodes that do not exist.
     fn count(&self, cell: f64) -> Option<f64> {
@@ -91,7 +104,7 @@ impl Flexible {
             }
             Extent::Surface(triangles) => {
                 let known = triangles.as_flattened().iter().all(|node| *node < self.nodes.len());
-                known.then(|| surface::area(&self.nodes, triangles) / (cell * cell))
+                known.then(|| mesh::area(&self.nodes, triangles) / (cell * cell))
             }
         }
     }
@@ -144,6 +157,8 @@ pub enum Shape {
     },
     /// Cuboid of half its lengths, m; a plate is a thin one.
     Cuboid([f64; 3]),
+    /// Nodes, m, and triangles of no thickness, which markers represent.
+    Surface(Vec<[f64; 3]>, Vec<[usize; 3]>),
 }
 
 impl Parameters {
@@ -215,13 +230,19 @@ impl Parameters {
     /// Return the number of markers of the thin bodies, about.
     pub(super) fn markers(&self) -> usize {
         let cell = Grid::new(self.domain, self.cells).cell_size();
-        self.flexible.iter().filter_map(|body| body.count(cell)).sum::<f64>() as usize
+        self.thin().filter_map(|body| body.count(cell)).sum::<f64>() as usize
+    }
+
+    /// Return the thin bodies, flexible and rigid.
+    fn thin(&self) -> impl Iterator<Item = Cow<'_, Flexible>> {
+        let rigid = self.bodies.iter().filter_map(|body| body.thin().map(Cow::Owned));
+        self.flexible.iter().map(Cow::Borrowed).chain(rigid)
     }
 
     /// Refuse thin bodies without an extent, or with more markers than a step has time for.
     fn check_flexible(&self) -> Result<(), Error> {
         let cell = Grid::new(self.domain, self.cells).cell_size();
-        for body in &self.flexible {
+        for body in self.thin() {
             let count = body.count(cell).unwrap_or(0.0);
             if count == 0.0 {
                 let allowed = "above 0: a line has two nodes, a surface triangles of its nodes";

@@ -60,13 +60,14 @@ impl Problem {
     /// Put all bodies to their places at a time (s), with the nodes of the thin ones.
     pub fn place(&mut self, time: f64, nodes: &[Stations<3>]) {
         self.bodies.place(time, &self.grid);
-        self.thin.place(nodes, &self.grid);
+        self.thin.place(nodes, &self.bodies.rigid, &self.grid);
     }
 
     /// Return the displaced fluid of all bodies, the rigid ones first, without a force.
     pub fn without_force(&self, nodes: &[Stations<3>]) -> Vec<BodyForce> {
         let mut forces = self.bodies.without_force();
-        forces.extend(self.thin.without_force(nodes));
+        forces.resize(forces.len() + nodes.len(), BodyForce::default());
+        self.thin.set_displaced(nodes, &mut forces);
         forces
     }
 

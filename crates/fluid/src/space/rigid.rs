@@ -20,7 +20,7 @@ pub struct Rigid {
     /// Place and motion.
     pub pose: Pose,
     /// Turns the axes of the body to those of the domain.
-    rotation: Matrix3<f64>,
+    pub rotation: Matrix3<f64>,
     /// Cells at the present place.
     pub cells: Vec<Cell>,
     targeted: Vec<Targeted>,
@@ -104,6 +104,11 @@ impl Rigid {
         self.body.motion.is_some()
     }
 
+    /// Return whether it drags the fluid in cells; a surface does by markers.
+    pub fn is_solid(&self) -> bool {
+        self.body.shape.is_solid()
+    }
+
     /// Return whether its drag on the fluid changes: it moves, or has a wall target.
     pub fn changes(&self) -> bool {
         self.moves() || !self.targeted.is_empty()
@@ -135,6 +140,9 @@ impl Rigid {
             (pose.angle, pose.omega) = (angle, (rate * Vector3::from(motion.axis).normalize()).into());
         }
         (self.pose, self.rotation) = (pose, rotation);
+        if !body.shape.is_solid() {
+            return;
+        }
         let [position, velocity, omega, pivot] =
             [pose.position, pose.velocity, pose.omega, body.pivot].map(Vector3::from);
         let (to_body, reach) = (rotation.transpose(), profile.reach());

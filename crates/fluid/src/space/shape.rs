@@ -11,6 +11,11 @@ const NEWTON_STEPS: usize = 40;
 const OFF_PLANE: f64 = 1e-12;
 
 impl Shape {
+    /// Return whether it has an inside.
+    pub(super) fn is_solid(&self) -> bool {
+        !matches!(self, Self::Surface(..))
+    }
+
     /// Return the diameter of the largest sphere inside, m.
     pub(super) fn thickness(&self) -> f64 {
         match self {
@@ -19,10 +24,11 @@ impl Shape {
                 2.0 * semi_axes.iter().copied().fold(f64::INFINITY, f64::min)
             }
             Self::Cylinder { radius, half_length, .. } => 2.0 * radius.min(*half_length),
+            Self::Surface(..) => 0.0,
         }
     }
 
-    /// Return the extent from the origin in the direction of a unit vector, m.
+    /// Return the extent of a solid from the origin in the direction of a unit vector, m.
     pub(super) fn extent(&self, direction: Vector3<f64>) -> f64 {
         match *self {
             Self::Sphere(radius) => radius,
@@ -33,6 +39,7 @@ impl Shape {
                 let ends = if along == 0.0 { 0.0 } else { half_length * along };
                 radius * (1.0 - along * along).max(0.0).sqrt() + ends
             }
+            Self::Surface(..) => 0.0,
         }
     }
 
@@ -51,11 +58,12 @@ impl Shape {
                 square[axis] = half * half / 3.0;
                 (2.0 * half * PI * radius * radius, square)
             }
+            Self::Surface(..) => (0.0, Vector3::zeros()),
         };
         (volume, volume * (Vector3::repeat(square.sum()) - square))
     }
 
-    /// Return the signed distance (m, positive outside) and the unit normal of the nearest point of the surface.
+    /// Return the signed distance (m, positive outside) and the unit normal of the nearest point of the surface of a solid.
     pub(super) fn nearest(&self, point: Vector3<f64>) -> (f64, Vector3<f64>) {
         match *self {
             Self::Sphere(radius) => {
@@ -79,6 +87,7 @@ impl Shape {
                     (end, Vector3::ith(axis, 1_f64.copysign(point[axis])))
                 }
             }
+            Self::Surface(..) => (f64::INFINITY, Vector3::zeros()),
         }
     }
 }

@@ -115,7 +115,7 @@ impl<R: Stored> FluidSolver for Solver<R> {
         self.solve_locally(step.team, &scheme, bodies.rate());
         bodies.add_velocities(step.end, scheme.c[0], grid, &mut self.w);
         if !thin.is_empty() {
-            thin.place(step.nodes, grid);
+            thin.place(step.nodes, &bodies.rigid, grid);
             let memory = &self.memory;
             let first = |point: usize, w: &[Field<R>; 3]| memory.u_star(&scheme, w, point);
             thin.apply(scheme.c[0], bodies.rate(), first, &mut self.w, step.end, grid)?;
@@ -130,11 +130,10 @@ impl<R: Stored> FluidSolver for Solver<R> {
             let u_star = |point| Vector3::from(self.memory.u_star(&scheme, &self.w, point));
             let drag = |cell: &Cell| cell.rate * (u_star(cell.index) - cell.velocity);
             let Problem { bodies, thin, grid, .. } = problem;
-            let (on_rigid, on_thin) = present.bodies.split_at_mut(bodies.rigid.len());
-            bodies.sum_up_forces(step.dt, drag, on_rigid);
-            thin.sum_up_forces(step.dt, step.nodes, on_thin, &mut present.exchange);
-            if let Some(ahead) = step.ahead {
-                thin.place(ahead, grid);
+            bodies.sum_up_forces(step.dt, drag, &mut present.bodies);
+            thin.sum_up_forces(step.dt, step.nodes, &mut present.bodies, &mut present.exchange);
+            if let Some(ahead) = step.ahead.filter(|ahead| !ahead.is_empty()) {
+                thin.place(ahead, &bodies.rigid, grid);
             }
             Stations::copy_all(&mut present.nodes, step.nodes);
             self.take_over(scheme.c[0]);

@@ -1,10 +1,11 @@
-//! Thin bodies in space, lines and surfaces of markers, whose nodes are set from outside.
+//! Thin bodies in space, lines and surfaces of markers: flexible ones, whose nodes are set from outside, and rigid ones.
 
 use line_fft::Real;
 use nalgebra::Vector3;
 
 use super::force::{BodyForce, Displaced};
 use super::parameters::{Extent, Flexible, Parameters};
+use super::rigid::{Pose, Rigid};
 use crate::bodies::{Loads, Stations};
 use crate::error::Error;
 use crate::field::Field;
@@ -14,6 +15,8 @@ use crate::thin::{LINE_THICKNESS_CELLS, MarkerDrag, Markers, Parts, ROD_SECTION_
 
 /// A thin body.
 struct Thin {
+    /// Number of its force among those of all bodies.
+    number: usize,
     parts: Parts,
     /// Fluid that moves with each marker, m³.
     layers: Vec<f64>,
@@ -21,16 +24,24 @@ struct Thin {
     pivot: Option<[f64; 3]>,
 }
 
-/// The thin bodies of a fluid, in the order of their nodes.
+/// Nodes of a rigid surface; the first one is the pivot.
+struct RigidNodes {
+    /// Nodes from the pivot in the axes of the body, m.
+    rest: Vec<Vector3<f64>>,
+    nodes: Stations<3>,
+}
+
+/// The thin bodies of a fluid: the flexible ones in the order of their nodes, then the rigid ones.
 #[derive(Default)]
 pub struct ThinBodies {
     bodies: Vec<Thin>,
+    rigid: Vec<RigidNodes>,
     drag: MarkerDrag<3>,
     density: f64,
 }
 
 impl Thin {
-    fn new(body: &Flexible, c_eta: f64, cell: f64, markers: &mut Markers<3>) -> Self {
+    fn new(number: usize, body: &Flexible, c_eta: f64, cell: f64, markers: &mut Markers<3>) -> Self {
         let first = markers.len();
         let (parts, measures, layer) = match &body.extent {
             Extent::Line => {
@@ -45,7 +56,7 @@ impl Thin {
             }
         };
         measures.iter().for_each(|measure| markers.add(*measure, layer / c_eta));
-        Self { parts, layers: measures.iter().map(|measure| layer * measure).collect(), pivot: body.pivot }
+        Self { number, parts, layers: measures.iter().map(|measure| layer * measure).collect(), pivot: body.pivot }
     }
 
     /// Return the point about which moments are taken, and its velocity.
@@ -70,13 +81,40 @@ impl Thin {
     }
 }
 
+impl RigidNodes {
+    /// Move to the place of a body.
+    fn place(&mut self, Rigid { pose: Pose { position, velocity, omega, .. }, rotation, .. }: &Rigid) {
+        let [position, velocity, omega] = [position, velocity, omega].map(|vector| Vector3::from(*vector));
+        for (k, rest) in self.rest.iter().enumerate() {
+            let arm = rotation * rest;
+            let (place, rate) = (position + arm, velocity + omega.cross(&arm));
+            for axis in 0..3 {
+                (self.nodes.position[axis][k], self.nodes.velocity[axis][k]) = (place[axis], rate[axis]);
+            }
+        }
+    }
+}
+
 impl ThinBodies {
     /// The thin bodies, not yet at a place.
     pub fn new(parameters: &Parameters, grid: &Grid<3>) -> Self {
         let (mut markers, cell) = (Markers::default(), grid.cell_size());
-        let thin = |body| Thin::new(body, parameters.mask.c_eta(), cell, &mut markers);
-        let bodies = parameters.flexible.iter().map(thin).collect();
-        Self { bodies, drag: MarkerDrag::new(markers), density: parameters.density }
+        let mut thin =
+            |(number, body): (usize, &_)| Thin::new(number, body, parameters.mask.c_eta(), cell, &mut markers);
+        let mut bodies: Vec<_> = (parameters.bodies.len()..).zip(&parameters.flexible).map(&mut thin).collect();
+        let mut rigid = Vec::new();
+        for (number, body) in parameters.bodies.iter().enumerate().filter_map(|(k, body)| Some((k, body.thin()?))) {
+            bodies.push(thin((number, &body)));
+            let [pivot, ..] = body.nodes[..] else { continue };
+            let rest = body.nodes.iter().map(|node| Vector3::from(*node) - Vector3::from(pivot)).collect();
+            rigid.push(RigidNodes { rest, nodes: Stations::at_rest(&body.nodes) });
+        }
+        Self { bodies, rigid, drag: MarkerDrag::new(markers), density: parameters.density }
+    }
+
+    /// Return all bodies with their nodes, of which `nodes` are those of the flexible ones.
+    fn all<'a>(&'a self, nodes: &'a [Stations<3>]) -> impl Iterator<Item = (&'a Thin, &'a Stations<3>)> {
+        self.bodies.iter().zip(nodes.iter().chain(self.rigid.iter().map(|rigid| &rigid.nodes)))
     }
 
     /// Return whether there is none.
@@ -89,10 +127,14 @@ impl ThinBodies {
         self.drag.markers.len()
     }
 
-    /// Move the bodies to nodes.
-    pub fn place(&mut self, nodes: &[Stations<3>], grid: &Grid<3>) {
+    /// Move the flexible bodies to nodes, and the rigid ones to their places among `solids`.
+    pub fn place(&mut self, nodes: &[Stations<3>], solids: &[Rigid], grid: &Grid<3>) {
+        for (body, rigid) in self.bodies[nodes.len()..].iter().zip(&mut self.rigid) {
+            rigid.place(&solids[body.number]);
+        }
         let markers = &mut self.drag.markers;
-        self.bodies.iter().zip(nodes).for_each(|(body, nodes)| body.parts.place(nodes, markers));
+        let all = nodes.iter().chain(self.rigid.iter().map(|rigid| &rigid.nodes));
+        self.bodies.iter().zip(all).for_each(|(body, nodes)| body.parts.place(nodes, markers));
         markers.find_cells(grid);
     }
 
@@ -129,15 +171,14 @@ impl ThinBodies {
         }
     }
 
-    /// Return the displaced fluid of each body without a force.
-    pub fn without_force<'a>(&'a self, nodes: &'a [Stations<3>]) -> impl Iterator<Item = BodyForce> + 'a {
-        self.bodies.iter().zip(nodes).map(|(body, nodes)| BodyForce {
-            displaced: body.displaced(nodes, &self.drag.markers, self.density),
-            ..BodyForce::default()
-        })
+    /// Write the displaced fluid of each body to its number in `forces`.
+    pub fn set_displaced(&self, nodes: &[Stations<3>], forces: &mut [BodyForce]) {
+        for (body, nodes) in self.all(nodes) {
+            forces[body.number].displaced = body.displaced(nodes, &self.drag.markers, self.density);
+        }
     }
 
-    /// Sum up the forces and exchanges of a step of size `dt` (s) that ends with `nodes`.
+    /// Sum up the forces, and the exchanges of the flexible bodies, of a step of size `dt` (s) that ends with `nodes`.
     pub fn sum_up_forces(
         &self,
         dt: f64,
@@ -146,7 +187,7 @@ impl ThinBodies {
         exchange: &mut [Exchange<3>],
     ) {
         let MarkerDrag { markers, force: drag, .. } = &self.drag;
-        for (((body, nodes), known), exchange) in self.bodies.iter().zip(nodes).zip(forces).zip(exchange) {
+        for (k, (body, nodes)) in self.all(nodes).enumerate() {
             let ([centre, _], mut sum, mut power) = (body.centre(nodes), [Vector3::zeros(); 2], 0.0);
             for k in body.parts.markers() {
                 let marker = markers.get(k);
@@ -155,8 +196,10 @@ impl ThinBodies {
                 sum[1] += (Vector3::from(marker.position) - centre).cross(&force);
                 power += force.dot(&Vector3::from(marker.velocity));
             }
-            *exchange = Exchange { force: sum[0].into(), power, work: exchange.work + power * dt };
-            known.update(sum, body.displaced(nodes, markers, self.density), dt);
+            if let Some(exchange) = exchange.get_mut(k) {
+                *exchange = Exchange { force: sum[0].into(), power, work: exchange.work + power * dt };
+            }
+            forces[body.number].update(sum, body.displaced(nodes, markers, self.density), dt);
         }
     }
 }

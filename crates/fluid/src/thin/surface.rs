@@ -3,6 +3,8 @@
 //! The patches are a centroidal Voronoi partition of the surface at rest, so that markers, the centres of the patches,
 //! keep their distance on any mesh.
 
+use mesh::triangle_area;
+
 use super::parts::Parts;
 
 /// Root of the area of a patch, cells. At 1.5 a floppy sheet without mass is unstable with its lumped impedance, because
@@ -29,11 +31,6 @@ struct Grain {
     area: f64,
     weight: f64,
     shares: [(usize, f64); 3],
-}
-
-/// Return the area of triangles, m².
-pub fn area(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> f64 {
-    triangles.iter().map(|corners| area_of(&corners.map(|node| nodes[node]))).sum()
 }
 
 /// Return the number of markers of a surface of an area (m²) on cells of a size (m).
@@ -88,7 +85,7 @@ fn grains(nodes: &[[f64; 3]], triangles: &[[usize; 3]], size: f64) -> Vec<Grain>
         let points = corners.map(|node| nodes[node]);
         let longest = (0..3).map(|k| square(&points[k], &points[(k + 1) % 3])).fold(0.0, f64::max).sqrt();
         let n = (longest / size).ceil().max(1.0);
-        let area = area_of(&points) / (n * n);
+        let area = triangle_area(&points) / (n * n);
         let mut add = |weights: [f64; 3]| {
             let middle = [0, 1, 2].map(|axis| (0..3).map(|k| weights[k] * points[k][axis]).sum());
             grains.push(Grain { middle, area, weight: area, shares: [0, 1, 2].map(|k| (corners[k], weights[k])) });
@@ -193,15 +190,6 @@ fn from_line(point: &[f64; 3], [a, b]: &[[f64; 3]; 2]) -> f64 {
 
 fn square(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum()
-}
-
-fn area_of([a, b, c]: &[[f64; 3]; 3]) -> f64 {
-    let [p, q] = [b, c].map(|end| [0, 1, 2].map(|axis| end[axis] - a[axis]));
-    let cross = [0, 1, 2].map(|axis| {
-        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-        p[i] * q[j] - p[j] * q[i]
-    });
-    0.5 * square(&cross, &[0.0; 3]).sqrt()
 }
 
 #[cfg(test)]
