@@ -12,8 +12,7 @@ from fmpy.validation import validate_fmu
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
-from nervure import api
-from nervure import load
+from nervure import api, load
 from nervure.errors import SceneError, UnitError
 from nervure.output import flow, space, vortices
 from nervure.scene import validate

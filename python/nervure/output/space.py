@@ -67,8 +67,8 @@ def half_lengths(body: Body, longest: float) -> tuple[np.ndarray, Callable[[np.n
 
 
 def surface(body: Body) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the nodes of a surface of no thickness in its own axes, m, `[n, 3]`, and its triangles, `[m, 3]`; None for a
-    solid."""
+    """Return the nodes of a surface of no thickness in its own axes, m, `[n, 3]`, and its triangles, `[m, 3]`; None for
+    a solid."""
     match body.shape:
         case ShapePlate(plate=plate):
             x, z = plate.length / 2, (plate.width or 0.0) / 2
@@ -89,7 +89,9 @@ def cut(points: np.ndarray, triangles: np.ndarray, z: float) -> list[np.ndarray]
     above = height[triangles] > 0
     lines = []
     for corners in triangles[above.any(axis=1) & ~above.all(axis=1)]:
-        sides = [(a, b) for a, b in zip(corners, np.roll(corners, -1), strict=True) if (height[a] > 0) != (height[b] > 0)]
+        sides = [
+            (a, b) for a, b in zip(corners, np.roll(corners, -1), strict=True) if (height[a] > 0) != (height[b] > 0)
+        ]
         shares = [height[a] / (height[a] - height[b]) for a, b in sides]
         ends = [points[a] + share * (points[b] - points[a]) for (a, b), share in zip(sides, shares, strict=True)]
         lines.append(np.array(ends)[:, :2])
