@@ -319,6 +319,9 @@ impl Body {
     }
 }
 
+/// Nodes, m, and the triangles between them.
+type Triangles = (Vec<[f64; 3]>, Vec<[usize; 3]>);
+
 /// Edges along the diameter of a disk: the area of its triangles is a thousandth smaller.
 const DISK_EDGES: usize = 24;
 
@@ -392,7 +395,7 @@ impl Shape {
     }
 
     /// Return nodes (m) and triangles of a surface of no thickness in space, in the body's own axes.
-    pub fn surface(&self) -> Option<(Vec<[f64; 3]>, Vec<[usize; 3]>)> {
+    pub fn surface(&self) -> Option<Triangles> {
         match self {
             Self::Plate { length, width: Some(width) } => {
                 let (x, z) = (length / 2.0, width / 2.0);
