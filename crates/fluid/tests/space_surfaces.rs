@@ -43,9 +43,9 @@ fn stream(speed: [f64; 3], nu: f64, cells: usize) -> Parameters {
 }
 
 /// A disk of radius a drags with 16 mu a U across a slow stream and with 32/3 mu a U along it (Happel & Brenner, Low
-/// Reynolds Number Hydrodynamics, 5-8); in a cubic lattice of period L a body whose drag is that of a sphere of radius b
-/// drags 1/(1 − 2.837 b/L + 4.19 (b/L)³) times as much (Hasimoto 1959). The layer that the markers stand for is 1.3 cells
-/// thick, so that the drag along the stream has an error of first order.
+/// Reynolds Number Hydrodynamics, 5-8); in a cubic lattice of period L a body whose drag is that of a sphere of radius
+/// b drags 1/(1 − 2.837 b/L + 4.19 (b/L)³) times as much (Hasimoto 1959). The layer that the markers stand for is 1.3
+/// cells thick, so that the drag along the stream has an error of first order.
 #[test]
 fn a_disk_has_its_drag_in_a_slow_stream() {
     let radius = 0.16;

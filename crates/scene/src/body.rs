@@ -22,8 +22,8 @@ pub struct Body {
     #[serde(default = "origin")]
     #[schemars(length(min = 2, max = 3))]
     pub pivot: Vec<f64>,
-    /// Angle from the x axis of the box to the body's own, rad, counter-clockwise; motion and mount turn it from there. Only
-    /// in two dimensions.
+    /// Angle from the x axis of the box to the body's own, rad, counter-clockwise; motion and mount turn it from
+    /// there. Only in two dimensions.
     #[serde(default)]
     pub angle: f64,
     /// Turn from the axes of the box to those of the body, before the motion; only in three dimensions.
@@ -284,8 +284,8 @@ impl Body {
         }
         faults.require(spatial == is_space, &format!("{key}.shape"), name, || match is_space {
             true => {
-                "in three dimensions it is a sphere, ellipsoid, cuboid, circular_cylinder, disk, triangulation or a plate \
-                     with a width"
+                "in three dimensions it is a sphere, ellipsoid, cuboid, circular_cylinder, disk, triangulation or a \
+                     plate with a width"
                     .into()
             }
             false => "in two dimensions it is a circle, ellipse, rectangle, polygon, plate or polyline".into(),

@@ -427,9 +427,9 @@ impl InflowProfile {
 }
 
 impl Shape {
-    /// Reference area of a body in space, m²: the largest cross-section of a sphere or an ellipsoid, the largest face of a
-    /// cuboid, diameter times length of a cylinder, which may go through a box with the `ends` along its axis, one side of
-    /// a surface.
+    /// Reference area of a body in space, m²: the largest cross-section of a sphere or an ellipsoid, the largest face
+    /// of a cuboid, diameter times length of a cylinder, which may go through a box with the `ends` along its axis,
+    /// one side of a surface.
     fn reference_area(&self, ends: &[[f64; 2]]) -> f64 {
         let two_largest = |lengths: &[f64; 3]| {
             let least = lengths.iter().copied().fold(f64::INFINITY, f64::min);

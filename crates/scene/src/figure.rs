@@ -283,9 +283,10 @@ mod tests {
     #[test]
     fn a_solid_has_its_frame_its_volume_and_its_overlaps() {
         let plate = figure(
-            r#"{ "shape": { "cuboid": { "lengths": [2.0, 1.0, 0.2] } }, "position": [0.0, 0.0, 0.0], "pivot": [1.0, 0.0, 0.0],
-                "turn": { "axis": [0, 0, 2], "angle": 1.5707963267948966 },
-                "motion": { "x": { "constant": 0.5 }, "angle": { "constant": 1.5707963267948966 }, "axis": [1, 0, 0] } }"#,
+            r#"{ "shape": { "cuboid": { "lengths": [2.0, 1.0, 0.2] } }, "position": [0.0, 0.0, 0.0],
+                "pivot": [1.0, 0.0, 0.0], "turn": { "axis": [0, 0, 2], "angle": 1.5707963267948966 },
+                "motion": {
+                    "x": { "constant": 0.5 }, "angle": { "constant": 1.5707963267948966 }, "axis": [1, 0, 0] } }"#,
             0.0,
         );
         // The length goes to y, and then to z: the pivot is at its end.

@@ -107,7 +107,8 @@ def section(body: Body, pose: Sequence[float], fluid: Fluid) -> list[np.ndarray]
     reach = np.abs(turn) @ half
     x, y = (np.linspace(origin[a] - 1.02 * reach[a], origin[a] + 1.02 * reach[a], FINE) for a in (0, 1))
     points = np.stack(np.broadcast_arrays(x, y[:, None], slice_z(fluid)), axis=-1) - origin
-    lines: list[np.ndarray] = contour_generator(x, y, level(points @ turn / half)).lines(1.0)  # type: ignore[assignment]
+    contours = contour_generator(x, y, level(points @ turn / half))
+    lines: list[np.ndarray] = contours.lines(1.0)  # type: ignore[assignment]
     return [line for line in lines if len(line) > 3]
 
 

@@ -26,8 +26,8 @@ pub struct Parameters {
     pub mean_flow: Option<[Law; 3]>,
     /// Lower and upper wall along each axis, m; absent: periodic.
     pub walls: [Option<[f64; 2]>; 3],
-    /// Zone in which the velocity is imposed, with the drag profile of the walls at its ends. A parabola lies between the
-    /// walls along y.
+    /// Zone in which the velocity is imposed, with the drag profile of the walls at its ends. A parabola lies between
+    /// the walls along y.
     pub inflow: Option<Zone>,
     /// Zone in which the flow is softly drawn to a velocity.
     pub sponge: Option<Zone>,

@@ -63,7 +63,8 @@ impl Shape {
         (volume, volume * (Vector3::repeat(square.sum()) - square))
     }
 
-    /// Return the signed distance (m, positive outside) and the unit normal of the nearest point of the surface of a solid.
+    /// Return the signed distance (m, positive outside) and the unit normal of the nearest point of the surface of a
+    /// solid.
     pub(super) fn nearest(&self, point: Vector3<f64>) -> (f64, Vector3<f64>) {
         match *self {
             Self::Sphere(radius) => {

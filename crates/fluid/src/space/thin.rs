@@ -1,4 +1,5 @@
-//! Thin bodies in space, lines and surfaces of markers: flexible ones, whose nodes are set from outside, and rigid ones.
+//! Thin bodies in space, lines and surfaces of markers: flexible ones, whose nodes are set from outside, and rigid
+//! ones.
 
 use line_fft::Real;
 use nalgebra::Vector3;
@@ -151,8 +152,8 @@ impl ThinBodies {
         self.drag.apply(c_0, rate, first, w, time, grid)
     }
 
-    /// Write the loads on the nodes in a local solve with `right_side` at a grid point; `add` adds `Σ a u_b` of the masks
-    /// at grid points in ascending order. Loads are not finite if no solution was found.
+    /// Write the loads on the nodes in a local solve with `right_side` at a grid point; `add` adds `Σ a u_b` of the
+    /// masks at grid points in ascending order. Loads are not finite if no solution was found.
     pub fn predict_loads(
         &mut self,
         c_0: f64,

@@ -7,8 +7,8 @@ use mesh::triangle_area;
 
 use super::parts::Parts;
 
-/// Root of the area of a patch, cells. At 1.5 a floppy sheet without mass is unstable with its lumped impedance, because
-/// each marker has six neighbours; at 2 a disk leaks, and lacks a sixth of its added mass.
+/// Root of the area of a patch, cells. At 1.5 a floppy sheet without mass is unstable with its lumped impedance,
+/// because each marker has six neighbours; at 2 a disk leaks, and lacks a sixth of its added mass.
 const SPACING_CELLS: f64 = 1.75;
 
 /// Length of the grains that make the patches, by the size of a patch.
