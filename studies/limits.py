@@ -176,7 +176,7 @@ def free_vibration(run: Run, mu: float = 0.3, cells: int = 240, surface: str = "
     ]
 
 
-LIMITS = {
+LIMITS: dict[str, Callable[[Run], list[Found]]] = {
     "stiff limit": stiff_limit,
     "transfer function": transfer_function,
     "free vibration": free_vibration,

@@ -95,7 +95,8 @@ def ordered(case: Case, folder: Path) -> dict[str, Any]:
         with simulate.session(simulate.changed(SCENE, case.changes | steps), folder) as session:
             assert session.run().error is None
             columns = session.recorder.series
-        return np.interp(ORDER_TIMES, columns["time"], columns["tip_uy"])
+        path: np.ndarray = np.interp(ORDER_TIMES, columns["time"], columns["tip_uy"])
+        return path
 
     fine = way(ORDER_REFERENCE)
     off = [float(np.abs(way(step) - fine).max() / np.abs(fine).max()) for step in ORDER_STEPS]
