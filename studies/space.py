@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import pi, radians
+from math import atan2, degrees, hypot, pi, radians
 from pathlib import Path
 from time import process_time, thread_time
 from typing import Any
@@ -19,6 +19,7 @@ from studies.engine import FLUID, Case, Study
 from studies.flapping import curve, off
 
 SPHERE, STREAM, PLATE = "sphere-oscillating-64x64x64", "sphere-stream-144x96x96", "plate-stream-96x72x72"
+HANGING = "rod-hanging-160x160x48"
 SPEED = pi / 4  # Largest of the oscillating sphere, m/s
 AREA = pi / 4  # Of a section of a sphere of diameter 1, m²
 SCALE = pi / 4
@@ -27,6 +28,8 @@ SCALE = pi / 4
 DRAG = {50: 1.581, 100: 1.102}  # Drag coefficients of a sphere by Re (Johnson & Patel 1999)
 PLATES = {90: (1.527, 0.069), 60: (1.145, 0.588), 30: (0.639, 0.758)}
 """Coefficients of drag and lift of a plate of aspect 2 by its angle, ° (Taira et al. 2007, digitised)."""
+SPEEDS = {0.6: (8e-5, 0.08), 1.1: (4e-5, 0.05), 1.6: (3e-5, 0.045), 2.1: (2.4e-5, 0.045)}
+"""Step and end of a run with a hanging rod, s, by the speed of the stream, m/s."""
 STEPS = 12  # Timed steps
 
 Changes = dict[str, Any]
@@ -37,6 +40,20 @@ def grid(cells: list[int], step: float) -> Changes:
     return {"fluid.box.cells": cells, "time.communication_step": step, "fluid.time_stepping.max_step": step}
 
 
+def turned(angle: float) -> Changes:
+    """Return the changes to another angle of the plate, °."""
+    return {"fluid.bodies.0.turn.angle": radians(angle)}
+
+
+def stream(speed: float) -> Changes:
+    """Return the changes to another speed of the stream around the hanging rod, m/s."""
+    step, end = SPEEDS[speed]
+    laws = ("fluid.initial_velocity.0", "fluid.mean_flow.x.constant", "fluid.sponge.mean_velocity.constant")
+    steps = ("time.communication_step", "fluid.time_stepping.max_step")
+    return dict.fromkeys(laws, speed) | dict.fromkeys(steps, step) | {"time.end": end}
+
+
+SHEET = {"fluid.bodies.0.shape": {"plate": {"length": 1.0, "width": 2.0}}}
 WIDE = {"fluid.box.y": [-6.0, 6.0], "fluid.box.z": [-6.0, 6.0]}
 LONG = {"fluid.box.x": [-8.03, 9.97], "fluid.sponge.x": [7.97, 9.97]}
 SINGLE = {"fluid.precision": "single", "time.end": 2.0}
@@ -50,7 +67,10 @@ CASES: dict[str, tuple[str, Changes]] = {
     "sphere/144x64x64, box 18 x 8 x 8": (STREAM, grid([144, 64, 64], 0.03) | LONG),
     "sphere/144x96x96": (STREAM, {}),
     "sphere/144x96x96, Re 50": (STREAM, {"fluid.kinematic_viscosity": 0.02}),
-    **{f"plate/{angle}°": (PLATE, {"fluid.bodies.0.turn.angle": radians(angle)}) for angle in PLATES},
+    **{f"plate/{angle}°": (PLATE, turned(angle)) for angle in PLATES},
+    **{f"sheet/{angle}°": (PLATE, SHEET | turned(angle)) for angle in PLATES},
+    "sheet/30°, 128x96x96": (PLATE, SHEET | turned(30) | grid([128, 96, 96], 0.02)),
+    **{f"hanging/160x160x48, U {speed}": (HANGING, stream(speed)) for speed in SPEEDS},
     "plate/90°, 64x48x48": (PLATE, grid([64, 48, 48], 0.04)),
     "plate/90°, 128x96x96": (PLATE, grid([128, 96, 96], 0.02)),
     "plate/90°, box 8 x 9 x 9": (
@@ -102,12 +122,31 @@ def drag_in_shell(radius: float) -> float:
     return float(abs(force)) / (SPEED**2 * AREA / 2)
 
 
+def angle(series: Series, length: float) -> float:
+    """Return the angle of the line from root to tip with the stream at the end, °, of a rod that hangs along -y."""
+    return degrees(atan2(length - series["tip_uy"][-1], series["tip_ux"][-1]))
+
+
+def law(speed: float, diameter: float) -> float:
+    """Return that angle of the rod of the scene in a stream (m/s) by the law of its experiment, °, with the drag of a
+    cylinder of a diameter (m)."""
+    cd = (1.13 + 11.4 * (speed * diameter / 1.51e-5) ** -0.808) ** 0.952
+    drag_by_weight = 2 / pi * cd * 1.21 / (1000 - 1.21) * speed**2 * diameter / (9.81 * 4e-4**2)
+    return float(90 / (1 + 3.32 * drag_by_weight**1.33) ** 0.407)
+
+
 def run(case: Case, folder: Path) -> dict[str, Any]:
     """Run a scene; return its values."""
     scene = validate(case.built())
     done = nervure.run(scene, folder, force=True, quiet=True)
     if case.scene == SPHERE:
         values = oscillating(done.series)
+    elif case.scene == HANGING:
+        assert scene.beam
+        found, half = angle(done.series, scene.beam.length), len(done.series["time"]) * 4 // 5
+        ux, uy = (done.series[f"tip_{name}"] for name in ("ux", "uy"))
+        speed = hypot(ux[-1] - ux[half], uy[-1] - uy[half]) / (done.series["time"][-1] - done.series["time"][half])
+        values = {"angle": found, "tip_speed": speed}
     elif case.scene == PLATE:
         values = {"cd": float(done.series["drag"][-1]), "cl": float(done.series["lift"][-1])}
     else:
@@ -136,7 +175,9 @@ def time_steps(case: Case, folder: Path) -> dict[str, Any]:
 def expected(name: str) -> dict[str, float]:
     """Return the published values of a case."""
     group, said = name.split("/")
-    if group == "plate":
+    if group == "hanging":
+        return {"angle": law(float(said.split()[-1]), 4e-4)}
+    if group in ("plate", "sheet"):
         angle = int(said.split("°")[0])
         return dict(zip(("cd", "cl") if angle < 90 else ("cd",), PLATES[angle]))
     return {"cd": DRAG[50 if "Re 50" in said else 100]} if group == "sphere" else {"rms": 0.0}
