@@ -5,6 +5,6 @@ mod coupled;
 #[path = "../../fmu-rod/src/from_scene.rs"] // the FMU exports a C interface, so nothing can depend on it
 mod from_scene;
 mod interface;
-mod paint;
+pub mod paint;
 
 pub use coupled::Coupled;

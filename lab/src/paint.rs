@@ -1,4 +1,5 @@
-//! A field as a picture: bicubic interpolation (Catmull and Rom 1974) and a table of colours.
+//! A field as a picture: the mean over two cells, as in the pictures of the command (`nervure.output.flow`), of its
+//! bicubic interpolation (Catmull and Rom 1974), and a table of colours. The mean takes the waves of two cells out.
 
 /// Part of the plane and size of its picture.
 #[derive(Clone, Copy, Debug)]
@@ -20,8 +21,8 @@ pub struct Periodic<'a> {
     pub ends: [[f64; 2]; 2],
 }
 
-/// The four points around a place, and their weights.
-type Taps = ([usize; 4], [f64; 4]);
+/// The six points around a place, and their weights.
+type Taps = ([usize; 6], [f64; 6]);
 
 /// Colours of the numbers from the low to the high end of a range, as bytes of red, green, blue and opacity.
 pub type Colours = [u32; 256];
@@ -35,9 +36,11 @@ pub fn paint(field: &Periodic, view: &View, range: [f64; 2], colours: &Colours, 
     let mut line = vec![0.0; ny];
     picture.resize(width * height, 0);
     for (px, (points, weights)) in columns.iter().enumerate() {
-        let [a, b, c, d] = points.map(|i| &field.values[i * ny..][..ny]);
-        for (j, value) in line.iter_mut().enumerate() {
-            *value = weights[0] * a[j] + weights[1] * b[j] + weights[2] * c[j] + weights[3] * d[j];
+        line.fill(0.0);
+        for (&i, weight) in points.iter().zip(weights) {
+            for (sum, value) in line.iter_mut().zip(&field.values[i * ny..][..ny]) {
+                *sum += weight * value;
+            }
         }
         for (py, (points, weights)) in rows.iter().enumerate() {
             let value: f64 = points.iter().zip(weights).map(|(&j, weight)| weight * line[j]).sum();
@@ -48,6 +51,22 @@ pub fn paint(field: &Periodic, view: &View, range: [f64; 2], colours: &Colours, 
     }
 }
 
+/// Return the weight of a point at the distance `x`, in cells: the mean of Catmull and Rom's kernel over two cells.
+fn weight(x: f64) -> f64 {
+    0.5 * (integral(x + 1.0) - integral(x - 1.0))
+}
+
+/// Return the integral of Catmull and Rom's kernel from 0 to `x`.
+fn integral(x: f64) -> f64 {
+    let d = x.abs().min(2.0);
+    let part = if d < 1.0 {
+        d + d.powi(3) * (0.375 * d - 5.0 / 6.0)
+    } else {
+        -1.0 / 6.0 + d * (2.0 + d * (-2.0 + d * (5.0 / 6.0 - d / 8.0)))
+    };
+    part.copysign(x)
+}
+
 /// Return the taps of each pixel along an axis.
 fn taps(field: &Periodic, view: &View, axis: usize) -> Vec<Taps> {
     let ([low, high], [first, last]) = (view.ends[axis], field.ends[axis]);
@@ -56,16 +75,8 @@ fn taps(field: &Periodic, view: &View, axis: usize) -> Vec<Taps> {
         let at = low + (high - low) * (pixel as f64 + 0.5) / pixels as f64;
         let place = (at - first) / (last - first) * n as f64;
         let (begin, s) = (place.floor() as i64, place - place.floor());
-        let points = [-1, 0, 1, 2].map(|k| (begin + k).rem_euclid(n as i64) as usize);
-        (
-            points,
-            [
-                0.5 * s * (-1.0 + s * (2.0 - s)),
-                1.0 + 0.5 * s * s * (3.0 * s - 5.0),
-                0.5 * s * (1.0 + s * (4.0 - 3.0 * s)),
-                0.5 * s * s * (s - 1.0),
-            ],
-        )
+        let points = [-2, -1, 0, 1, 2, 3].map(|k| (begin + k).rem_euclid(n as i64) as usize);
+        (points, std::array::from_fn(|i| weight(s - (i as f64 - 2.0))))
     };
     (0..pixels).map(taps_at).collect()
 }
