@@ -1,4 +1,4 @@
-"""The page of the lab in a browser: the digits of the units, scenes, controls, and names for screen readers."""
+"""The pages of the lab and of a run in a browser: the digits of the units, scenes, controls, and accessibility."""
 
 import json
 import subprocess
@@ -136,8 +136,25 @@ def test_nothing_stands_in_the_way_of_anybody(browser, width, dark):
     browser.call("Emulation.setEmulatedMedia", features=[feature])
     browser.call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
     rows(opened(browser, "#fsi3"), 100)
+    checked(browser)
+    browser.call("Emulation.clearDeviceMetricsOverride")
+
+
+def checked(browser):
+    """Check the accessibility of the open page."""
     browser.run(AXE.read_text(encoding="utf-8"))
     found = browser.run("axe.run().then(({ violations, passes }) => ({ violations, passes: passes.length }))")
     told = [(own["id"], own["help"], [node["html"] for node in own["nodes"]]) for own in found["violations"]]
-    browser.call("Emulation.clearDeviceMetricsOverride")
-    assert not told and found["passes"] > 20
+    assert not told and found["passes"] > 15
+
+
+def test_the_page_of_a_run_says_that_the_run_was_killed(browser, tmp_path):
+    command = [sys.executable, "-m", "nervure", "run", "fsi3-325x72", "--live", "--quiet", "--output", tmp_path / "run"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT) as run:
+        browser.open(run.stdout.readline().removeprefix("live: ").strip())
+        wait(browser, "document.getElementById('done')?.value > 0 && !document.getElementById('flow').hidden")
+        if AXE.is_file():
+            checked(browser)
+        run.kill()
+    wait(browser, "document.getElementById('said').textContent.includes('was killed')")
+    assert not browser.errors()
