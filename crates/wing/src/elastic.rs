@@ -14,6 +14,9 @@ use crate::{Energy, Error};
 /// Largest turn of a vein at rest, rad: an angle from coordinates in single precision.
 const STRAIGHT: f64 = 1e-6;
 
+/// Largest turn of a hinge in a sub-step, rad: beyond it Newton's method may have found another solution, a fold.
+const MOST_TURN: f64 = std::f64::consts::FRAC_PI_4;
+
 /// Springs of the wing, with the scratch of the last evaluation.
 pub(crate) struct Elastic {
     pub(crate) faces: Vec<Face>,
@@ -35,8 +38,13 @@ pub(crate) struct Elastic {
     pub(crate) omega: Vector,
     pub(crate) shapes: Vec<FaceShape>,
     pub(crate) turns: Vec<Turn>,
+    /// Angles before a solve, rad.
+    angles: Vec<f64>,
     /// Moments of the hinges, N m.
     pub(crate) moments: Vec<f64>,
+    /// Stress of each triangle, N/m, and tension of each segment, N, in Newton's matrix.
+    pub(crate) stresses: Vec<[f64; 3]>,
+    pub(crate) tensions: Vec<f64>,
 }
 
 /// Shape without a finite energy.
@@ -111,7 +119,10 @@ impl Elastic {
         }
         let mut elastic = Self {
             moments: vec![0.0; hinges.len()],
+            stresses: vec![[0.0; 3]; faces.len()],
+            tensions: vec![0.0; segments.len()],
             turns: Vec::with_capacity(hinges.len()),
+            angles: vec![0.0; hinges.len()],
             faces,
             hinges,
             face_hinges,
@@ -136,24 +147,31 @@ impl Elastic {
 
     /// Find normals, angles and moments of the shape `x`, with velocities if they matter.
     pub(crate) fn update(&mut self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> Result<(), BadShape> {
+        self.find_turns(x)?;
+        for ((hinge, turn), moment) in self.hinges.iter().zip(&self.turns).zip(&mut self.moments) {
+            *moment = turn.angle - hinge.rest;
+            if let Some((v, tau)) = rates {
+                *moment += tau * hinge.rate(turn, v, &self.shapes, &self.omega);
+            }
+        }
+        if let Some(compliance) = &mut self.compliance {
+            compliance.solve(&mut self.moments);
+        }
+        Ok(())
+    }
+
+    /// Find normals and angles of the shape `x`.
+    fn find_turns(&mut self, x: &[Vector]) -> Result<(), BadShape> {
         for (shape, face) in self.shapes.iter_mut().zip(&self.faces) {
             let [a, b, _] = face.nodes;
             let lost = BadShape { nodes: [a, b], what: "a triangle there has lost its area" };
             *shape = FaceShape::new(face.nodes.map(|k| x[k])).ok_or(lost)?;
         }
         self.turns.clear();
-        for (hinge, moment) in self.hinges.iter().zip(&mut self.moments) {
+        for hinge in &self.hinges {
             let [a, b, ..] = hinge.nodes;
             let folded = BadShape { nodes: [a, b], what: "the triangles beside this edge turn by more than 160°" };
-            let turn = hinge.turn(&self.shapes, &self.support).ok_or(folded)?;
-            *moment = turn.angle - hinge.rest;
-            if let Some((v, tau)) = rates {
-                *moment += tau * hinge.rate(&turn, v, &self.shapes, &self.omega);
-            }
-            self.turns.push(turn);
-        }
-        if let Some(compliance) = &mut self.compliance {
-            compliance.solve(&mut self.moments);
+            self.turns.push(hinge.turn(&self.shapes, &self.support).ok_or(folded)?);
         }
         Ok(())
     }
@@ -208,6 +226,60 @@ impl Elastic {
             gradient[next] += after;
         }
         Ok(())
+    }
+
+    /// Remember the angles of the hinges in the shape `x`.
+    pub(crate) fn set_angles(&mut self, x: &[Vector]) -> Result<(), BadShape> {
+        self.find_turns(x)?;
+        self.angles.iter_mut().zip(&self.turns).for_each(|(angle, turn)| *angle = turn.angle);
+        Ok(())
+    }
+
+    /// Refuse the last shape if a hinge has turned too far from the angle that is remembered.
+    pub(crate) fn check_angles(&self) -> Result<(), BadShape> {
+        let turned = self.turns.iter().zip(&self.angles).map(|(turn, before)| (turn.angle - before).abs());
+        match turned.zip(&self.hinges).find(|(turned, _)| *turned > MOST_TURN) {
+            None => Ok(()),
+            Some((_, &Hinge { nodes: [a, b, ..], .. })) => {
+                Err(BadShape { nodes: [a, b], what: "the triangles beside this edge turn by 45° in one step" })
+            }
+        }
+    }
+
+    /// Set the stresses and tensions of Newton's matrix to those of the shape `x` at rest.
+    pub(crate) fn set_stresses(&mut self, x: &[Vector]) {
+        for (stress, face) in self.stresses.iter_mut().zip(&self.faces) {
+            *stress = face.stress(x, None).1;
+        }
+        for (tension, Segment { nodes: [a, b], length, stiffness, .. }) in self.tensions.iter_mut().zip(&self.segments)
+        {
+            *tension = stiffness * ((x[*b] - x[*a]).norm() - length);
+        }
+    }
+
+    /// Set the stresses and tensions of Newton's matrix to those of the shape `x` that moves at `v`, plus the
+    /// first-order change by the `update` of the nodes; `viscous` is 1 + τ dv/du.
+    pub(crate) fn extrapolate_stresses(
+        &mut self,
+        x: &[Vector],
+        v: &[Vector],
+        viscous: f64,
+        update: impl Fn(usize) -> Vector,
+    ) {
+        let rates = self.rates(v).map(|(_, tau)| (v, tau));
+        for (stress, face) in self.stresses.iter_mut().zip(&self.faces) {
+            let now = face.stress(x, rates).1;
+            let change = face.stress_change(x, face.nodes.map(&update), viscous);
+            *stress = std::array::from_fn(|i| now[i] + change[i]);
+        }
+        for (tension, Segment { nodes: [a, b], length, stiffness, .. }) in self.tensions.iter_mut().zip(&self.segments)
+        {
+            let edge = x[*b] - x[*a];
+            let l = edge.norm();
+            let change = (update(*b) - update(*a)).dot(&edge) / l;
+            let rate = rates.map_or(0.0, |(v, tau)| tau * (v[*b] - v[*a]).dot(&edge) / l);
+            *tension = stiffness * (l - length + rate + change * viscous);
+        }
     }
 
     /// Return the velocities with τ, if there is damping.

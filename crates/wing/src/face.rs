@@ -120,7 +120,7 @@ impl Face {
     }
 
     /// Return F and the stress S + τ C : E', N/m, of the shape `x` that moves at `v`.
-    fn stress(&self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> ([Vector; 2], [f64; 3]) {
+    pub(crate) fn stress(&self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> ([Vector; 2], [f64; 3]) {
         let f = self.columns(x);
         let mut strain = Self::strain(&f);
         if let Some((v, tau)) = rates {
@@ -133,6 +133,17 @@ impl Face {
         (f, [s_11 + self.tension, s_22 + self.tension, s_12])
     }
 
+    /// Return the first-order change of the stress in the shape `x`, N/m, by changes of the positions of the corners.
+    pub(crate) fn stress_change(&self, x: &[Vector], changes: [Vector; 3], viscous: f64) -> [f64; 3] {
+        let f = self.columns(x);
+        let mut d = [Vector::zeros(); 2];
+        for (change, gradient) in changes.iter().zip(&self.gradients) {
+            d[0] += change * gradient.x;
+            d[1] += change * gradient.y;
+        }
+        self.law([f[0].dot(&d[0]), f[1].dot(&d[1]), f[0].dot(&d[1]) + f[1].dot(&d[0])]).map(|stress| viscous * stress)
+    }
+
     /// Return the gradient by the corners, N.
     pub(crate) fn gradient(&self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> [Vector; 3] {
         let (f, [s_11, s_22, s_12]) = self.stress(x, rates);
@@ -143,18 +154,9 @@ impl Face {
     /// Return the Hessian by the corners j ≥ k, N/m: (0,0), (1,0), (2,0), (1,1), (2,1), (2,2).
     ///
     /// `viscous` is 1 + τ dv/du. A `safe` Hessian leaves out compressive stress, and is positive semi-definite.
-    pub(crate) fn hessian(
-        &self,
-        x: &[Vector],
-        rates: Option<(&[Vector], f64)>,
-        viscous: f64,
-        safe: bool,
-    ) -> [Matrix3<f64>; 6] {
-        let (f, mut stress) = self.stress(x, rates);
-        if safe {
-            stress = tensile(stress);
-        }
-        let [s_11, s_22, s_12] = stress;
+    pub(crate) fn hessian(&self, x: &[Vector], stress: [f64; 3], viscous: f64, safe: bool) -> [Matrix3<f64>; 6] {
+        let f = self.columns(x);
+        let [s_11, s_22, s_12] = if safe { tensile(stress) } else { stress };
         let rows = self.gradients.map(|g| [f[0] * g.x, f[1] * g.y, f[0] * g.y + f[1] * g.x]);
         let (k, nu) = (self.area * self.stiffness * viscous, self.poisson_ratio);
         let shear = 0.5 * (1.0 - nu);

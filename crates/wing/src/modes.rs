@@ -26,6 +26,7 @@ impl Wing {
         let own = vec![0.0; nodes];
         let weights = Weights { mass: 0.0, own: &own, elastic: 1.0, rate: 0.0 };
         newton.forget();
+        elastic.set_stresses(&state.positions);
         newton.system.assemble(elastic, &state.positions, guess, &weights, false)?;
         if !newton.system.matrix.factorise() {
             return Err(Error::Singular);

@@ -14,10 +14,8 @@ use crate::elastic::{BadShape, Elastic};
 use crate::geometry::Vector;
 use crate::system::{System, Weights};
 
-/// Maximum number of plain iterations: 4 … 10 are usual.
-const PLAIN_ITERATIONS: usize = 30;
-/// Maximum number of guarded iterations; beyond it smaller steps cost less.
-const GUARDED_ITERATIONS: usize = 100;
+/// Maximum number of iterations, of which 2 … 10 are usual; beyond it smaller steps cost less.
+const ITERATIONS: usize = 100;
 /// Largest ratio of two residuals with the same factors; beyond it a new factorisation costs less.
 const SLOW: f64 = 0.2;
 /// Tolerance of the residual, relative to the largest force on a node.
@@ -103,9 +101,8 @@ pub(crate) struct Newton {
     inertia: Vec<Vector>,
     /// v, m/s: `[nodes]`.
     velocity: Vec<Vector>,
-    /// Positions before a solve and before a line search, m: `[nodes]`.
+    /// Positions before a line search, m: `[nodes]`.
     before: Vec<Vector>,
-    start: Vec<Vector>,
     /// Whether `system` holds the factors of the last matrix that was not guarded.
     factorised: bool,
     /// Largest diagonal entry of the last matrix, N/m.
@@ -131,7 +128,6 @@ impl Newton {
             inertia: zeros(),
             velocity: zeros(),
             before: zeros(),
-            start: zeros(),
             factorised: false,
             stiffness: 0.0,
             size,
@@ -153,77 +149,49 @@ impl Newton {
         x: &mut [Vector],
         statistics: &mut Statistics,
     ) -> Result<(), Failure> {
-        self.start.copy_from_slice(x);
-        let Err(plain) = self.iterate(elastic, problem, origin, x, statistics, false) else { return Ok(()) };
-        statistics.rescues += 1;
-        x.copy_from_slice(&self.start);
-        let guarded = self.iterate(elastic, problem, origin, x, statistics, true);
-        self.factorised = false;
-        guarded.map_err(|guarded| match plain {
-            Failure::BadShape(_) => plain,
-            Failure::NotConverged(_) => guarded,
-        })
-    }
-
-    fn iterate(
-        &mut self,
-        elastic: &mut Elastic,
-        problem: &Problem,
-        origin: &[Vector],
-        x: &mut [Vector],
-        statistics: &mut Statistics,
-        guarded: bool,
-    ) -> Result<(), Failure> {
-        let limit = if guarded { GUARDED_ITERATIONS } else { PLAIN_ITERATIONS };
+        elastic.set_angles(origin)?;
+        elastic.set_stresses(origin);
         let mut imbalance = self.find_residual(elastic, problem, origin, x)?;
         let mut stale = !self.factorised;
-        for _ in 0..limit {
+        let mut guarded = false;
+        let viscous = 1.0 + elastic.relaxation_time * problem.rate;
+        for _ in 0..ITERATIONS {
             statistics.iterations += 1;
-            if stale || guarded {
-                self.factorise(elastic, problem, x, guarded)?;
+            if stale {
+                guarded |= !self.factorise(elastic, problem, x)?;
                 statistics.factorisations += 1;
             }
             self.system.solve(&self.residual);
+            elastic.extrapolate_stresses(x, &self.velocity, viscous, |k| self.system.update_of(k));
             // Share of the update that changes no edge by more than its own length.
             let allowed = 1.0 / self.edge_change(x);
             let before = imbalance.residual;
-            if guarded {
-                imbalance = self.search(elastic, problem, origin, x, allowed.min(1.0))?;
-            } else if allowed > 1.0 {
-                x.iter_mut().enumerate().for_each(|(k, x)| *x += self.system.update_of(k));
-                imbalance = self.find_residual(elastic, problem, origin, x)?;
-            } else {
-                return Err(imbalance.into());
-            }
+            let whole;
+            (imbalance, whole) = self.search(elastic, problem, origin, x, allowed.min(1.0))?;
+            guarded |= !whole;
             let settled = allowed * SETTLED_UPDATE >= 1.0;
             let rounding = if settled { ROUNDING * self.extent(x) * self.stiffness } else { 0.0 };
             let update = self.system.update[..self.system.positions].iter().fold(0.0_f64, |l, c| c.abs().max(l));
-            if imbalance.residual <= imbalance.tolerance + rounding || update <= RELATIVE_UPDATE * self.size {
-                return Ok(());
+            if imbalance.residual <= imbalance.tolerance + rounding || whole && update <= RELATIVE_UPDATE * self.size {
+                statistics.rescues += usize::from(guarded);
+                return elastic.check_angles().map_err(Failure::from);
             }
             stale = imbalance.residual > SLOW * before;
         }
         Err(imbalance.into())
     }
 
-    /// Assemble and factorise the matrix in the shape `x`.
-    fn factorise(
-        &mut self,
-        elastic: &mut Elastic,
-        problem: &Problem,
-        x: &[Vector],
-        guarded: bool,
-    ) -> Result<(), Failure> {
+    /// Assemble and factorise the matrix in the shape `x`; return whether it is the tangent.
+    fn factorise(&mut self, elastic: &mut Elastic, problem: &Problem, x: &[Vector]) -> Result<bool, Failure> {
         let &Problem { mass, elastic: weight, rate, .. } = problem;
         let weights = Weights { mass, own: &problem.own, elastic: weight, rate };
-        self.factorised = false;
-        // Compression before the first update, of a guess that stretches or compresses the wing, makes no solution.
-        for safe in [false, true].into_iter().skip(usize::from(guarded)) {
+        // Compression, of a guess or before a wing buckles, makes a tangent without a minimum.
+        for safe in [false, true] {
             self.system.assemble(elastic, x, &self.velocity, &weights, safe)?;
             self.stiffness = self.system.stiffness();
             self.factorised = if safe { self.system.factorise_shifted() } else { self.system.matrix.factorise() };
             if self.factorised {
-                return Ok(());
+                return Ok(!safe);
             }
         }
         Err(Imbalance { residual: f64::INFINITY, tolerance: 0.0 }.into())
@@ -281,7 +249,7 @@ impl Newton {
         origin: &[Vector],
         x: &mut [Vector],
         mut share: f64,
-    ) -> Result<Imbalance, Failure> {
+    ) -> Result<(Imbalance, bool), Failure> {
         self.before.copy_from_slice(x);
         let along = |newton: &Self| -> f64 {
             newton.residual.iter().enumerate().map(|(k, r)| r.dot(&newton.system.update_of(k))).sum()
@@ -294,7 +262,7 @@ impl Newton {
             }
             match self.find_residual(elastic, problem, origin, x) {
                 // A component that stays positive means that the minimum lies further on.
-                Ok(imbalance) if along(self) >= -REMAINDER * first => return Ok(imbalance),
+                Ok(imbalance) if along(self) >= -REMAINDER * first => return Ok((imbalance, share == 1.0)),
                 Ok(imbalance) => last = imbalance.into(),
                 Err(shape) => last = shape.into(),
             }

@@ -162,7 +162,7 @@ impl System {
         })
     }
 
-    /// Write the matrix in the shape `x` that moves at `v`; a `safe` matrix leaves out what may be negative.
+    /// Write the matrix in the shape `x` that moves at `v`, with the stresses of `elastic`; a `safe` matrix leaves out what may be negative.
     pub(crate) fn assemble(
         &mut self,
         elastic: &mut Elastic,
@@ -179,7 +179,7 @@ impl System {
         let values = &mut matrix.values;
         values.fill(0.0);
         for (t, (places, face)) in faces.iter().zip(&elastic.faces).enumerate() {
-            let mut blocks = face.hessian(x, rates, viscous, safe);
+            let mut blocks = face.hessian(x, elastic.stresses[t], viscous, safe);
             if !safe {
                 let moments = elastic.face_hinges[t].map(|hinge| hinge.map_or(0.0, |e| elastic.moments[e]));
                 add_hessian(&mut blocks, &elastic.shapes[t], moments);
@@ -210,13 +210,13 @@ impl System {
                 scatter(values, places, block);
             }
         }
-        for (places, segment) in segments.iter().zip(&elastic.segments) {
+        for ((places, segment), &tension) in segments.iter().zip(&elastic.segments).zip(&elastic.tensions) {
             let edge = x[segment.nodes[1]] - x[segment.nodes[0]];
             let l = edge.norm();
             let t = edge / l;
-            let across = if safe { (1.0 - segment.length / l).max(0.0) } else { 1.0 - segment.length / l };
+            let across = if safe { tension.max(0.0) } else { tension } / l;
             let along = t * t.transpose();
-            let stiffness = ((Matrix3::identity() - along) * across + along * viscous) * (s * segment.stiffness);
+            let stiffness = ((Matrix3::identity() - along) * across + along * (viscous * segment.stiffness)) * s;
             let part = mass * segment.mass / 6.0;
             for (i, (sign, weight)) in [(3, (1.0, 2.0)), (4, (-1.0, 1.0)), (5, (1.0, 2.0))] {
                 let mut block = stiffness * sign;

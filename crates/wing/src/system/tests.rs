@@ -31,6 +31,7 @@ fn the_tangent_is_the_derivative_of_the_forces() {
         let still = vec![Vector::zeros(); x.len()];
         let own = vec![0.0; x.len()];
         let weights = Weights { mass: 0.0, own: &own, elastic: 1.0, rate: 0.0 };
+        elastic.set_stresses(&x);
         system.assemble(&mut elastic, &x, &still, &weights, false).expect("a good shape");
         assert!(system.matrix.factorise(), "a positive definite matrix");
         // The matrix has unknowns beside the nodes, so compare its inverse: K⁻¹ (K p) = p.
