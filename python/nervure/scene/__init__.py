@@ -18,6 +18,7 @@ from nervure.library import check, is_built
 from nervure.resources import ROOT, SCENES
 from nervure.scene.keys import Document, assign, json_or_text, override
 from nervure.scene.surfaces import embed
+from nervure.scene.meshes import filled
 from nervure.scene.types import Beam, Rod, Scene
 
 __all__ = [
@@ -92,6 +93,7 @@ def _open(name: str | Path) -> tuple[Path, str]:
 
 def _parse(path: Path, source: str) -> tuple[Document, list[Fault]]:
     """Return the document of a scene file and its faults; raises `SceneError` where it is not JSON."""
+    source = filled(source, path.parent)
     faults = check(source) if is_built("rod") else []
     broken = [fault for fault in faults if fault.kind in ("syntax", "duplicate")]
     if broken:

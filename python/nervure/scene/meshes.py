@@ -1,0 +1,91 @@
+"""Meshes of wings from files of other programs: `"mesh": {"file": "wing.msh"}` in a scene becomes nodes, triangles and
+chains before the units see it."""
+
+import json
+import re
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from nervure.errors import SceneError
+from nervure.extras import require
+
+NAMED = re.compile(r'("mesh"\s*:\s*)\{\s*"file"\s*:\s*("(?:[^"\\]|\\.)*")\s*\}')
+KEY = "wing.mesh.file"
+
+Document = dict[str, Any]
+
+
+def filled(source: str, folder: Path) -> str:
+    """Return the text of a scene with the mesh of a file, relative to `folder`, in place of its name; the lines below keep their numbers."""
+
+    def mesh(match: re.Match[str]) -> str:
+        mesh = json.dumps({"triangles": read(folder / json.loads(match[2]))})
+        return match[1] + mesh + "\n" * match[0].count("\n")
+
+    return NAMED.sub(mesh, source)
+
+
+def read(path: Path) -> Document:
+    """Return `nodes` (m), `triangles` and `chains` of a file that meshio reads: OBJ, STL, VTK, Gmsh and others.
+
+    The line cells of each physical group of Gmsh, or of each value of an array of integers, make a chain of that name.
+    Raises `SceneError` where the file has no triangles, other faces, or lines that are no chain.
+    """
+    meshio = require("meshio", f"`{KEY}`")
+    if not path.is_file():
+        raise SceneError(f"`{KEY}` is {str(path)!r}, but there is no such file")
+    try:
+        with warnings.catch_warnings(action="ignore"):
+            mesh = meshio.read(path)
+    except (Exception, SystemExit) as error:
+        raise SceneError(f"`{KEY}` is {str(path)!r}, which meshio cannot read: {error}") from error
+    faces = {block.type for block in mesh.cells} - {"line", "triangle", "vertex"}
+    if faces:
+        raise SceneError(f"`{KEY}` is {str(path)!r} with cells {', '.join(sorted(faces))}, but a wing has triangles")
+    triangles = np.concatenate([np.empty((0, 3), int), *(c.data for c in mesh.cells if c.type == "triangle")])
+    if not len(triangles):
+        raise SceneError(f"`{KEY}` is {str(path)!r}, but it has no triangles")
+    lines = {name: _chain(name, np.array(segments), path) for name, segments in _groups(mesh).items()}
+    # Gmsh writes points that belong to no cell, too.
+    used = np.unique(np.concatenate([triangles.ravel(), *lines.values()]))
+    places = np.zeros((len(used), 3))
+    places[:, : mesh.points.shape[1]] = mesh.points[used]
+    return {
+        "nodes": places.tolist(),
+        "triangles": np.searchsorted(used, triangles).tolist(),
+        "chains": [{"name": name, "nodes": np.searchsorted(used, nodes).tolist()} for name, nodes in lines.items()],
+    }
+
+
+def _groups(mesh: Any) -> dict[str, list[np.ndarray]]:
+    """Return the line cells by the name of their group."""
+    numbers = next((d for d in mesh.cell_data.values() if all(np.asarray(b).dtype.kind in "iu" for b in d)), None)
+    names = {int(tag): name for name, (tag, dimension) in mesh.field_data.items() if dimension == 1}
+    found: dict[str, list[np.ndarray]] = {}
+    for i, block in enumerate(mesh.cells):
+        if block.type == "line":
+            tags = np.asarray(numbers[i]).ravel() if numbers else np.ones(len(block.data), int)
+            for tag, segment in zip(tags, block.data, strict=True):
+                found.setdefault(names.get(int(tag), str(tag)), []).append(segment)
+    return found
+
+
+def _chain(name: str, segments: np.ndarray, path: Path) -> list[int]:
+    """Return the nodes along segments, from the end that the file names first."""
+    neighbours: dict[int, list[int]] = {}
+    for a, b in segments.tolist():
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    start = next((node for node, others in neighbours.items() if len(others) == 1), None)
+    nodes = [] if start is None else [start]
+    while nodes:
+        ahead = [node for node in neighbours[nodes[-1]] if node not in nodes[-2:]]
+        if len(ahead) != 1 or len(nodes) > len(segments):
+            break
+        nodes += ahead
+    if len(nodes) != len(segments) + 1:
+        raise SceneError(f"`{KEY}` is {str(path)!r}: the lines of {name!r} must be one chain without branches or loops")
+    return nodes
