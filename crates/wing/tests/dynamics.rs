@@ -1,6 +1,6 @@
 //! Steps in time: invariants, order, motion of the base, and the contract of a step.
 
-use nervure_wing::{Membrane, Parameters, Pose, Root, Scheme, Support, Wing, rectangle};
+use nervure_wing::{Membrane, Mesh, Parameters, Pose, Root, Scheme, Support, Wing, rectangle};
 
 fn free_wing(scheme: Scheme) -> Wing {
     let mesh = rectangle(0.2, 0.1, 4);
@@ -189,6 +189,24 @@ fn a_stiff_wing_takes_long_steps() {
         wing.step(5e-3).expect("a step");
     }
     assert!(wing.energy().expect("an energy").total() < 1e-6);
+}
+
+#[test]
+fn a_hinge_that_turns_far_takes_sub_steps() {
+    // A triangle of height 1 turns about a held edge by 2.4 rad in one step, which is turned back within one stage otherwise.
+    let nodes = vec![[0.0, -0.5, 0.0], [0.0, 0.5, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
+    let mesh = Mesh { nodes, triangles: vec![[0, 2, 1], [0, 1, 3]], chains: Vec::new() };
+    let membrane =
+        Membrane { stretching_stiffness: 1e3, bending_stiffness: 1e-6, ..Membrane::plate(1e3, 0.3, 1.0, 0.3) };
+    let root = Root { nodes: vec![0, 1, 3], ..Root::default() };
+    let mut wing = Parameters { root, ..Parameters::new(mesh, membrane) }.build().expect("a wing");
+    let mut velocities = [[0.0; 3]; 4];
+    velocities[2] = [0.0, 0.0, 1.0];
+    wing.set_velocities(&velocities).expect("velocities");
+    wing.step(2.4).expect("a step");
+    let angle = wing.positions(2)[2].atan2(wing.positions(0)[2]);
+    println!("{angle} in {} sub-steps", wing.statistics().substeps);
+    assert!(wing.statistics().substeps >= 2 && (angle / 2.4 - 1.0).abs() < 0.2);
 }
 
 #[test]

@@ -114,3 +114,35 @@ fn a_large_rotation_strains_nothing() {
     let stiffness = plate(0.3).stretching_stiffness;
     assert!(forces.iter().flatten().all(|force| force.abs() < 1e-12 * stiffness), "{forces:?}");
 }
+
+#[test]
+fn a_hanging_strip_of_cloth_is_a_catenary() {
+    // Length 1 between pins 0.8 apart; at rest an arc, whose sag is 4 % less. 0.8 = 2 R sin θ, 1 = 2 R θ.
+    let root_of = |f: &dyn Fn(f64) -> f64| {
+        let (mut low, mut high) = (0.5, 2.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            *if f(middle) < 0.0 { &mut low } else { &mut high } = middle;
+        }
+        low
+    };
+    let theta = root_of(&|x| 0.8 - x.sin() / x);
+    let u = root_of(&|x| 0.8 * x.sinh() / x - 1.0);
+    let sag = 0.4 / u * (u.cosh() - 1.0);
+    let mut mesh = rectangle(1.0, 0.1, 40);
+    let middle = mesh.nodes.iter().position(|&[x, y, _]| (x - 0.5).abs() < 1e-9 && y.abs() < 0.06).expect("a node");
+    let radius = 0.5 / theta;
+    for [x, _, z] in &mut mesh.nodes {
+        let angle = (*x - 0.5) / radius;
+        (*x, *z) = (0.4 + radius * angle.sin(), radius * (theta.cos() - angle.cos()));
+    }
+    let nodes = ["root", "tip"].iter().flat_map(|name| mesh.chain(name).expect("a side").to_vec()).collect();
+    let cloth = Membrane { areal_density: 0.1, stretching_stiffness: 1e4, bending_stiffness: 1e-6, ..plate(0.0) };
+    let root = Root { nodes, support: Support::Pinned, ..Root::default() };
+    let gravity = [0.0, 0.0, -9.81];
+    let mut wing = Parameters { root, gravity, ..Parameters::new(mesh, cloth) }.build().expect("a cloth");
+    wing.solve_static().expect("an equilibrium");
+    let own = -wing.positions(2)[middle];
+    println!("sag {own} and {sag}");
+    assert!((own / sag - 1.0).abs() < 1e-3);
+}
