@@ -41,6 +41,7 @@ SOURCES: dict[str, tuple[str, ...]] = {
     ),
     "rod": ("crates/rod/src/**/*.rs", "crates/rod/Cargo.toml", "fmu-rod/src/**/*.rs"),
     "wing": ("crates/wing/src/**/*.rs", "crates/wing/Cargo.toml", "fmu-wing/src/**/*.rs"),
+    "wing cost": ("crates/wing/examples/*.rs",),
     "coupling": ("python/nervure/coupling/*.py", "python/nervure/simulation/loop.py"),
     "evaluation": ("python/nervure/evaluate/**/*.py", "python/nervure/simulation/summary.py"),
     "rod study": ("studies/rust/rod/src/**/*.rs", "studies/rust/rod/Cargo.toml", "crates/rod/tests/common/*.rs"),

@@ -17,8 +17,8 @@ from nervure.errors import Fault, SceneError
 from nervure.library import check, is_built
 from nervure.resources import ROOT, SCENES
 from nervure.scene.keys import Document, assign, json_or_text, override
-from nervure.scene.surfaces import embed
 from nervure.scene.meshes import filled
+from nervure.scene.surfaces import embed
 from nervure.scene.types import Beam, Rod, Scene
 
 __all__ = [

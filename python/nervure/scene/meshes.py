@@ -19,7 +19,10 @@ Document = dict[str, Any]
 
 
 def filled(source: str, folder: Path) -> str:
-    """Return the text of a scene with the mesh of a file, relative to `folder`, in place of its name; the lines below keep their numbers."""
+    """Return the text of a scene with the mesh of a file, relative to `folder`, in place of its name.
+
+    The lines below keep their numbers.
+    """
 
     def mesh(match: re.Match[str]) -> str:
         mesh = json.dumps({"triangles": read(folder / json.loads(match[2]))})
