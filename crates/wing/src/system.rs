@@ -162,7 +162,8 @@ impl System {
         })
     }
 
-    /// Write the matrix in the shape `x` that moves at `v`, with the stresses of `elastic`; a `safe` matrix leaves out what may be negative.
+    /// Write the matrix in the shape `x` that moves at `v`, with the stresses of `elastic`; a `safe` matrix leaves out
+    /// what may be negative.
     pub(crate) fn assemble(
         &mut self,
         elastic: &mut Elastic,

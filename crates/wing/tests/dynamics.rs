@@ -193,7 +193,7 @@ fn a_stiff_wing_takes_long_steps() {
 
 #[test]
 fn a_hinge_that_turns_far_takes_sub_steps() {
-    // A triangle of height 1 turns about a held edge by 2.4 rad in one step, which is turned back within one stage otherwise.
+    // A triangle of height 1 turns about a held edge by 2.4 rad in one step: otherwise a stage turns it back.
     let nodes = vec![[0.0, -0.5, 0.0], [0.0, 0.5, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
     let mesh = Mesh { nodes, triangles: vec![[0, 2, 1], [0, 1, 3]], chains: Vec::new() };
     let membrane =
