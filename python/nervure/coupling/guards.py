@@ -132,7 +132,8 @@ class EnergyGuard:
         """Return advice where the fluid must divide a step of `h` (s)."""
         if self.limits is None:
             return None
-        cells = h * self.balance[-1]
+        *_, rate, _, _ = self.balance
+        cells = h * rate
         by_beam, by_fluid = cells / self.limits.max_cfl, self.limits.fluid_steps
         if max(by_beam, by_fluid) <= 1.0:
             return None
