@@ -112,6 +112,14 @@ class Frames:
             (self.points(frame, i), float(np.max(thickness[own.force])) / 2) for i, own in enumerate(beams(self.scene))
         ]
 
+    def membrane(self, frame: int) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return nodes, `[n, 3]`, m, and triangles, `[m, 3]`, of the wing, if the scene has one."""
+        mesh = Facts(self.scene).wing if self.wing is not None else None
+        if mesh is None:
+            return None
+        count = len(mesh.nodes)
+        return np.array(self.wing["VTKHDF/Points"][frame * count : (frame + 1) * count]), mesh.triangles
+
     def poses(self, frame: int) -> list[list[float]]:
         """Return the poses of the bodies."""
         return [move[frame].tolist() for move in self.moves]
@@ -191,7 +199,13 @@ def _vortices(frames: Frames, chosen: list[int]) -> list[Path]:
     sampled = chosen[:: max(1, len(chosen) // 3)]
     space = vortices.Space(frames.scene, [(frames.velocity(frame), frames.poses(frame)) for frame in sampled])
     pictures = [
-        space.picture(frames.velocity(frame), frames.poses(frame), frames.rods(frame), float(frames.times[frame]))
+        space.picture(
+            frames.velocity(frame),
+            frames.poses(frame),
+            frames.rods(frame),
+            frames.membrane(frame),
+            float(frames.times[frame]),
+        )
         for frame in chosen
     ]
     path = frames.folder / "vortices.png"

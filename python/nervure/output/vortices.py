@@ -78,10 +78,11 @@ class Space:
         velocity: np.ndarray,
         poses: Sequence[Sequence[float]],
         rods: Sequence[tuple[np.ndarray, float]],
+        wing: tuple[np.ndarray, np.ndarray] | None,
         time: float,
     ) -> np.ndarray:
-        """Return a picture, `[height, width, 3]` of bytes, of a velocity (m/s), bodies, and rods by their centre line
-        `[n, 3]` and radius, m."""
+        """Return a picture, `[height, width, 3]` of bytes, of a velocity (m/s), bodies, rods by their centre line
+        `[n, 3]` and radius (m), and a wing by its nodes `[n, 3]` (m) and triangles `[m, 3]`."""
         pyvista = require("pyvista", "a picture of vortices")
         pyvista.vtk_verbosity("off")  # without a display VTK says so, and draws in memory
         unit, scale = lengths_in(self.scene, max(map(abs, self.bounds)))
@@ -111,6 +112,8 @@ class Space:
             plotter.add_mesh(self._solid(pyvista, body, pose), color="lightgray", smooth_shading=not _has_edges(body))
         for line, radius in rods:
             plotter.add_mesh(pyvista.lines_from_points(line).tube(radius=radius), color="dimgray")
+        if wing is not None:
+            plotter.add_mesh(pyvista.PolyData.from_regular_faces(*wing), color="lightgray")
         plotter.add_mesh(pyvista.Box(self.bounds).extract_all_edges(), color="gray")
         clock = displayed_unit("s", self.scene.display)[0]
         plotter.add_text(title(self.scene, 7.0), position=(0.02, 0.95), viewport=True, font_size=8, color="black")
