@@ -23,6 +23,7 @@ LEVEL, PERCENTILE = 0.15, 99.9  # Q of the surfaces, by this percentile of Q
 LAYER = 3.0  # Thickness of the layer at solids and walls that sets no scale, cells
 VIEW = (0.45, 0.4, 1.0)  # Direction from the middle of the box to the eye; y is up
 CLOSER = 1.1
+VEIL = 0.35  # Opacity of vortices, which wrap a wing
 COLOURS = "viridis"
 FONT = 16
 
@@ -106,14 +107,14 @@ class Space:
             surfaces["speed"] *= speed_scale
             plotter.add_mesh(
                 surfaces, scalars="speed", cmap=COLOURS, clim=(0.0, speed_scale * self.speed), scalar_bar_args=bar,
-                smooth_shading=True, specular=0.2,
+                smooth_shading=True, specular=0.2, opacity=1.0 if wing is None else VEIL,
             )  # fmt: skip
         for body, pose in zip(self.fluid.bodies, poses, strict=True):
             plotter.add_mesh(self._solid(pyvista, body, pose), color="lightgray", smooth_shading=not _has_edges(body))
         for line, radius in rods:
             plotter.add_mesh(pyvista.lines_from_points(line).tube(radius=radius), color="dimgray")
         if wing is not None:
-            plotter.add_mesh(pyvista.PolyData.from_regular_faces(*wing), color="lightgray")
+            plotter.add_mesh(pyvista.PolyData.from_regular_faces(*wing), color="dimgray", ambient=0.3)
         plotter.add_mesh(pyvista.Box(self.bounds).extract_all_edges(), color="gray")
         clock = displayed_unit("s", self.scene.display)[0]
         plotter.add_text(title(self.scene, 7.0), position=(0.02, 0.95), viewport=True, font_size=8, color="black")
