@@ -115,16 +115,19 @@ def witnesses(records: Iterable[Record], everything: Data) -> dict[str, Record]:
     return found
 
 
-def comes_out(record: Record) -> bool:
-    """Run the case of a record to its end, once, in a process of its own; return whether it gives the same values."""
+def dropped(record: Record) -> set[str] | None:
+    """Run the case of a record to its end, once, in a process of its own; return the recorded values that its study no
+    longer takes, or None if one that it takes is another."""
     done = subprocess.run(
         [sys.executable, "-c", WHOLE, record.name], env=environment(ROOT), cwd=ROOT, stdout=subprocess.PIPE, text=True,
         check=False,
     )  # fmt: skip
-    found = json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else None
-    same = found == [record.values, record.tables, bool(record.error)]  # messages may have other words
+    values, *rest = json.loads(done.stdout.splitlines()[-1]) if done.returncode == 0 else (None,)
+    old = record.values.keys() - (values or {})
+    kept = {name: value for name, value in record.values.items() if name not in old}
+    same = [values, *rest] == [kept, record.tables, bool(record.error)]  # messages may have other words
     print(f"{record.name}, to its end: {'the same' if same else 'not the same'} values", flush=True)
-    return same
+    return old if same else None
 
 
 def carry_over(data: Data, names: list[str], checkout: Path, jobs: int) -> list[str]:
@@ -137,8 +140,9 @@ def carry_over(data: Data, names: list[str], checkout: Path, jobs: int) -> list[
     needed = {record.name: record for record in stand_ins.values()}
     print(f"{len(records)} cases give the same first steps; {len(needed)} of them stand for all", flush=True)
     with ThreadPoolExecutor(jobs) as pool:
-        good = {name for name, same in zip(needed, pool.map(comes_out, needed.values())) if same}
-    kept = [record for record in records if stand_ins[record.name].name in good]
+        old = dict(zip(needed, pool.map(dropped, needed.values()), strict=True))
+    kept = [record for record in records if old[stand_ins[record.name].name] is not None]
     for record in kept:
-        data.records[record.name] = replace(record, digest=record.case.digest, carried=True)
+        values = {n: v for n, v in record.values.items() if n not in (old[stand_ins[record.name].name] or ())}
+        data.records[record.name] = replace(record, values=values, digest=record.case.digest, carried=True)
     return [record.name for record in kept]
