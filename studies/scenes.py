@@ -100,6 +100,7 @@ def worst(data: Data) -> list[str]:
     found = [
         (error, f"{part['case']}, {grid(records[-1])}: {QUANTITIES.get(name, name)} {100 * error:+.1f} %")
         for part, records in parts(data)
+        if not part.get("faulty")
         for name, error in records[-1].errors().items()
     ]
     return [f"1. {line}" for _, line in sorted(found, key=lambda one: -abs(one[0]))[:WORST]]
