@@ -46,7 +46,8 @@ def test_the_table_has_each_compared_run_once_and_the_largest_error_first(data):
     runs = "<br>".join(row["runs"] for row in study.tables["right"](data)).split("<br>")
     assert len(runs) == sum(len(records) for _, records in scenes.parts(data)) > 50
     worst = [abs(float(line.split()[-2])) for line in study.tables["worst"](data)]
-    errors = [100 * abs(error) for _, records in scenes.parts(data) for error in records[-1].errors().values()]
+    fair = [records[-1] for part, records in scenes.parts(data) if part["case"] != "FSI3, settings of the thesis"]
+    errors = [100 * abs(error) for record in fair for error in record.errors().values()]
     assert worst == pytest.approx(sorted(errors, reverse=True)[: scenes.WORST], abs=0.06)
 
 
