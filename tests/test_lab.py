@@ -99,7 +99,8 @@ def test_a_placed_cylinder_continues_the_flow(browser):
 
 
 def test_an_arrow_key_pulls_the_rod(browser):
-    opened(browser, "#filament").run("document.getElementById('flow').focus()")
+    wait(opened(browser, "#filament"), "lab.shapes().length > 0")
+    browser.run("document.getElementById('flow').focus()")
     browser.call("Input.dispatchKeyEvent", type="keyDown", key="ArrowDown")
     pulled = rows(browser, 40)[-1][4]
     browser.call("Input.dispatchKeyEvent", type="keyUp", key="ArrowDown")
