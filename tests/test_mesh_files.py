@@ -8,6 +8,7 @@ import pytest
 
 from nervure.errors import InputError, SceneError
 from nervure.scene import load
+from nervure.units.describe import describe
 from tests.reliability.unit import WING
 
 meshio = pytest.importorskip("meshio")
@@ -55,6 +56,14 @@ def test_physical_groups_of_gmsh_are_chains_in_the_order_of_their_lines(scene, t
     mesh = load(scene("wing.msh", root="root", veins=[vein])).wing.mesh.triangles
     assert {chain.name: chain.nodes for chain in mesh.chains} == {"root": [0, 3], "costa": [0, 1, 2]}
     assert len(mesh.nodes) == 6  # Without the point of no cell
+
+
+def test_a_file_is_named_on_the_command_line_and_no_unit_reads_it(scene, tmp_path):
+    write(tmp_path / "wing.stl", lines=False)
+    found = load(scene("none.stl"), ['wing.mesh={"file":"wing.stl"}']).wing.mesh.triangles
+    assert len(found.nodes) == len(POINTS)
+    with pytest.raises(SceneError, match=r"`wing.mesh.file` is \"wing.stl\".* only `nervure` reads files"):
+        describe("wing", WING | {"wing": WING["wing"] | {"mesh": {"file": "wing.stl"}}})
 
 
 def test_numbers_of_line_cells_name_chains(scene, tmp_path):

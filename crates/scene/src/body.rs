@@ -562,10 +562,7 @@ fn check_surface(
     faults: &mut Faults,
 ) {
     if let Some(file) = file {
-        faults.require(false, &format!("{key}.file"), format!("{file:?}"), || {
-            "only `nervure` reads files: the units need `nodes` and `triangles`".into()
-        });
-        return;
+        return faults.refuse_file(&format!("{key}.file"), file);
     }
     faults.forbid(unit.is_some(), &format!("{key}.unit"), || "it is of a `file`".into());
     let (name, count) = (format!("{key}.triangles"), triangles.len());

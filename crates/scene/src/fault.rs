@@ -172,6 +172,13 @@ impl Faults {
         !present
     }
 
+    /// Refuse a file of nodes and triangles, which no unit reads.
+    pub fn refuse_file(&mut self, key: &str, file: &str) {
+        self.require(false, key, format!("{file:?}"), || {
+            "only `nervure` reads files: the units need `nodes` and `triangles`".into()
+        });
+    }
+
     /// Check that an interval has a positive length.
     pub fn interval(&mut self, key: &str, [low, high]: [f64; 2]) -> bool {
         self.require(low < high, key, format!("[{low}, {high}]"), || "the first number must be the smaller".into())

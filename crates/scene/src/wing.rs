@@ -101,6 +101,9 @@ pub enum WingMesh {
         #[serde(default)]
         chains: Vec<WingChain>,
     },
+    /// File of another program beside the scene's: Gmsh, VTK, OBJ, STL. `nervure` puts `triangles` in the place of this
+    /// key; lines of a physical group make a chain of its name.
+    File(String),
 }
 
 /// Named line of nodes.
@@ -180,7 +183,7 @@ pub enum WingSupport {
 }
 
 impl WingMesh {
-    /// Return nodes, triangles and chains.
+    /// Return nodes, triangles and chains; none of a file.
     pub fn build(&self) -> Mesh {
         match self {
             &Self::Rectangular { length, width, along } => mesh::rectangle(length, width, along),
@@ -191,6 +194,7 @@ impl WingMesh {
                 triangles: triangles.clone(),
                 chains: chains.iter().map(|own| Chain { name: own.name.clone(), nodes: own.nodes.clone() }).collect(),
             },
+            Self::File(_) => Mesh { nodes: Vec::new(), triangles: Vec::new(), chains: Vec::new() },
         }
     }
 
@@ -201,12 +205,16 @@ impl WingMesh {
             Self::Elliptical { .. } => vec!["root", "tip"],
             Self::Insect { .. } => vec!["root", "margin", "costa", "radius", "media", "cubitus", "anal"],
             Self::Triangles { chains, .. } => chains.iter().map(|chain| &chain.name[..]).collect(),
+            Self::File(_) => Vec::new(),
         }
     }
 }
 
 impl Check for Wing {
     fn check_at(&self, key: &str, faults: &mut Faults) {
+        if let WingMesh::File(file) = &self.mesh {
+            return faults.refuse_file(&format!("{key}.mesh.file"), file);
+        }
         let names = self.mesh.chains();
         let known = || format!("the chains of the mesh are {}", list(names.iter(), "and"));
         if let Some(root) = &self.root {
@@ -231,6 +239,7 @@ impl Check for Wing {
                     faults.push(Fault::needed("wing.membrane", "triangles need a material"));
                 }
             }
+            WingMesh::File(_) => (),
             _ if self.membrane.is_none() => {
                 faults.push(Fault::needed("wing.membrane", "a generated mesh has triangles, which need a material"));
             }

@@ -16,9 +16,8 @@ from nervure.catalogue import hint
 from nervure.errors import Fault, SceneError
 from nervure.library import check, is_built
 from nervure.resources import ROOT, SCENES
+from nervure.scene import meshes, surfaces
 from nervure.scene.keys import Document, assign, json_or_text, override
-from nervure.scene.meshes import filled
-from nervure.scene.surfaces import embed
 from nervure.scene.types import Beam, Rod, Scene
 
 __all__ = [
@@ -31,10 +30,11 @@ MOST_BYTES = 4 << 20  # Largest scene file, as in crates/scene: a larger one is 
 
 def read(name: str | Path, overrides: Iterable[str] = (), end_time: float | None = None) -> Document:
     """Return the scene file at the path `name`, or else the shipped scene of that name, with `overrides` (key=value)
-    and another end time, s, and with the surfaces of its files; raises `SceneError` if it is not a JSON object."""
+    and another end time, s, and with the nodes and triangles of its files; raises `SceneError` if it is not a JSON
+    object."""
     path, source = _open(name)
     scene = _changed(_parse(path, source)[0], overrides, end_time)
-    embed(scene, path.parent)
+    _embed(scene, path.parent)
     return scene
 
 
@@ -51,7 +51,7 @@ def load(name: str | Path, overrides: Iterable[str] = (), end_time: float | None
     scene, faults = _parse(path, source)
     if assignments or end_time is not None:
         scene = _changed(scene, assignments, end_time)
-    if embed(scene, path.parent) or assignments or end_time is not None:
+    if _embed(scene, path.parent) or assignments or end_time is not None:
         faults = check(text(scene), source) if is_built("rod") else []
     if faults:
         raise SceneError("\n".join(_line(fault, path, end_time is not None) for fault in faults), faults)
@@ -93,7 +93,6 @@ def _open(name: str | Path) -> tuple[Path, str]:
 
 def _parse(path: Path, source: str) -> tuple[Document, list[Fault]]:
     """Return the document of a scene file and its faults; raises `SceneError` where it is not JSON."""
-    source = filled(source, path.parent)
     faults = check(source) if is_built("rod") else []
     broken = [fault for fault in faults if fault.kind in ("syntax", "duplicate")]
     if broken:
@@ -106,6 +105,11 @@ def _parse(path: Path, source: str) -> tuple[Document, list[Fault]]:
     if not isinstance(scene, dict):
         raise SceneError(f"{path} is not a JSON object")
     return scene, faults
+
+
+def _embed(scene: Document, folder: Path) -> bool:
+    """Put what files beside the scene hold in the place of their names; return whether there was one."""
+    return any([surfaces.embed(scene, folder), meshes.embed(scene, folder)])
 
 
 def _changed(scene: Document, overrides: Iterable[str], end_time: float | None) -> Document:

@@ -1,8 +1,5 @@
-"""Meshes of wings from files of other programs: `"mesh": {"file": "wing.msh"}` in a scene becomes nodes, triangles and
-chains before the units see it."""
+"""Meshes of wings from files of other programs, which meshio reads."""
 
-import json
-import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -11,24 +8,20 @@ import numpy as np
 
 from nervure.errors import SceneError
 from nervure.extras import require
+from nervure.scene.keys import Document
 
-NAMED = re.compile(r'("mesh"\s*:\s*)\{\s*"file"\s*:\s*("(?:[^"\\]|\\.)*")\s*\}')
 KEY = "wing.mesh.file"
 
-Document = dict[str, Any]
 
-
-def filled(source: str, folder: Path) -> str:
-    """Return the text of a scene with the mesh of a file, relative to `folder`, in place of its name.
-
-    The lines below keep their numbers.
-    """
-
-    def mesh(match: re.Match[str]) -> str:
-        mesh = json.dumps({"triangles": read(folder / json.loads(match[2]))})
-        return match[1] + mesh + "\n" * match[0].count("\n")
-
-    return NAMED.sub(mesh, source)
+def embed(scene: Document, folder: Path) -> bool:
+    """Put nodes (m), triangles and chains of a file, relative to `folder`, into the wing of `scene`, and return whether
+    there was a file. Raise `SceneError` for a file that is no wing."""
+    wing = scene.get("wing")
+    mesh = wing.get("mesh") if isinstance(wing, dict) else None
+    if not isinstance(mesh, dict) or len(mesh) != 1 or not isinstance(mesh.get("file"), str):
+        return False
+    mesh["triangles"] = read(folder / mesh.pop("file"))
+    return True
 
 
 def read(path: Path) -> Document:

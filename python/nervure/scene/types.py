@@ -1178,7 +1178,16 @@ class WingMeshTriangles(Part):
     """Nodes and triangles of any other program."""
 
 
-WingMesh = WingMeshRectangular | WingMeshElliptical | WingMeshInsect | WingMeshTriangles
+class WingMeshFile(Part):
+    """File of another program beside the scene's: Gmsh, VTK, OBJ, STL. `nervure` puts `triangles` in the place of this
+    key; lines of a physical group make a chain of its name."""
+
+    file: str
+    """File of another program beside the scene's: Gmsh, VTK, OBJ, STL. `nervure` puts `triangles` in the place of this
+    key; lines of a physical group make a chain of its name."""
+
+
+WingMesh = WingMeshRectangular | WingMeshElliptical | WingMeshInsect | WingMeshTriangles | WingMeshFile
 """Mesh of a wing. Chains are named lines of nodes."""
 
 
