@@ -103,7 +103,7 @@ pub(crate) struct Newton {
     velocity: Vec<Vector>,
     /// Positions before a line search, m: `[nodes]`.
     before: Vec<Vector>,
-    /// Whether `system` holds the factors of the last matrix that was not guarded.
+    /// Whether `system` holds factors.
     factorised: bool,
     /// Largest diagonal entry of the last matrix, N/m.
     stiffness: f64,

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -48,6 +49,19 @@ class Limits:
     fluid_steps: int  # Steps of the fluid in a communication step, by `max_step` and the stream
 
 
+class Balance(NamedTuple):
+    """Powers that a guard has seen. A fading sum loses a part of one over the window in each step."""
+
+    steps: float = 0.0
+    difference: float = 0.0  # Fading sum of the magnitudes of the difference, W
+    exchanged: float = 0.0  # Fading sum of the magnitudes of the exchanged power, W
+    on_rod: float = 0.0  # Power of the last step, W
+    on_rod_before: float = 0.0  # Power of the step before, W
+    rate: float = 0.0  # Most cells that a station has passed in a second, 1/s
+    own_difference: float = 0.0  # Sums since the last multiple of the window, W: they forget a violent start
+    own_exchanged: float = 0.0
+
+
 class EnergyGuard:
     """Stops a run whose coupling is unstable: the powers across the interface disagree, or they are noise.
 
@@ -65,25 +79,22 @@ class EnergyGuard:
         self.limits: Limits | None = None
         """Numbers of the scene from which advice is computed; None where they are not known."""
         self.told = False
-        self.balance = [0.0] * 8
-        """Steps, fading sums of the magnitudes of the difference and of the exchanged power, W, the last two powers on
-        the rod, the most cells that a station has passed in a second, 1/s, and both sums since the last multiple of
-        the window, which forget a violent start."""
+        self.balance = Balance()
 
     def check(self, t: float, h: float) -> None:
         """Add the powers at `t`, after a step of `h` (s); raise `CouplingError` where a limit is exceeded."""
         window = self.guards.window_steps
         on_rod = self.rod.outputs.item(self.power_on_rod)
-        steps, difference, exchanged, last, last_but_one, rate, *since = self.balance
+        steps, difference, exchanged, last, last_but_one, rate, *own = self.balance
         if steps % window == 0:
-            since = [0.0, 0.0]
+            own = [0.0, 0.0]
         from_fluid = self.fluid.outputs.item(self.power_from_fluid) if self.momentum else on_rod
         deviation = abs(on_rod - from_fluid) if self.momentum else abs(on_rod - 2 * last + last_but_one)
         difference += deviation - difference / window
         exchanged += abs(from_fluid) - exchanged / window
         rate = max(self._rate(), rate)
-        since = [since[0] + deviation, since[1] + abs(from_fluid)]
-        self.balance = [steps + 1, difference, exchanged, on_rod, last, rate, *since]
+        own = [own[0] + deviation, own[1] + abs(from_fluid)]
+        self.balance = Balance(steps + 1, difference, exchanged, on_rod, last, rate, *own)
         if steps >= window and (reason := self.reason(difference, exchanged, exchanged / window)):
             raise CouplingError(
                 f"the coupling is unstable at t = {t:g} s: over the last {window} steps {reason}; {self.advice(h)} "
@@ -93,12 +104,12 @@ class EnergyGuard:
     def look(self, t: float, h: float) -> Iterator[str]:
         """Yield once, at `t` (s) with a step of `h` (s), that the powers of the momentum load differ in a run that goes
         on."""
-        steps, difference, exchanged, *_ = self.balance
+        steps, difference, exchanged = self.balance.steps, self.balance.difference, self.balance.exchanged
         window, limit = self.guards.window_steps, self.guards.largest_imbalance
         if self.told or limit is None or not self.momentum or steps < window:
             return
         if steps % window == 0 and difference <= TOLD * exchanged:
-            difference, exchanged = self.balance[-2:]
+            difference, exchanged = self.balance.own_difference, self.balance.own_exchanged
         if difference > TOLD * exchanged and exchanged > window * self.guards.min_power:
             self.told = True
             reason = self._differ(difference, exchanged)
@@ -132,8 +143,7 @@ class EnergyGuard:
         """Return advice where the fluid must divide a step of `h` (s)."""
         if self.limits is None:
             return None
-        *_, rate, _, _ = self.balance
-        cells = h * rate
+        cells = h * self.balance.rate
         by_beam, by_fluid = cells / self.limits.max_cfl, self.limits.fluid_steps
         if max(by_beam, by_fluid) <= 1.0:
             return None

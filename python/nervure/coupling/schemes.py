@@ -22,7 +22,7 @@ import numpy as np
 
 from nervure.coupling.acceleration import Aitken, IqnIls
 from nervure.coupling.foreign import RepeatedSteps, StationWatch
-from nervure.coupling.guards import CouplingError, EnergyGuard, guarded_outputs, takes_momentum
+from nervure.coupling.guards import Balance, CouplingError, EnergyGuard, guarded_outputs, takes_momentum
 from nervure.scene.types import Guards, Iterated as Iteration
 from nervure.units.fmu import Unit, prefixes
 
@@ -264,7 +264,7 @@ class Explicit(Scheme):
 
     def remember(self, memory: dict[str, np.ndarray]) -> None:
         for guard, balance in zip(self.guards, memory.get("balance", ()), strict=True):
-            guard.balance = balance.tolist()
+            guard.balance = Balance(*balance.tolist())
 
 
 class ParallelExplicit(Explicit):
