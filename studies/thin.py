@@ -83,23 +83,29 @@ SMOOTH: dict[str, Any] = {
     },
 }  # fmt: skip
 """The flag in a stream that begins at rest without a jump."""
+JUMP: dict[str, Any] = {"coupling": {"load": "pressure_jump", "scheme": "explicit"}}
 ITERATED: dict[str, Any] = {"coupling": {"load": "pressure_jump", "scheme": {"iterated": {"tolerance": 1e-7}}}}
 
 
+def way(changes: dict[str, Any], folder: Path, step: float) -> np.ndarray:
+    """Return the path of the flag's tip across the stream, m, with a step of `step` s."""
+    steps = {"time.communication_step": step, "fluid.time_stepping.max_step": step}
+    with simulate.session(simulate.changed(SCENE, changes | steps), folder) as session:
+        assert session.run().error is None
+        columns = session.recorder.series
+    path: np.ndarray = np.interp(ORDER_TIMES, columns["time"], columns["tip_uy"])
+    return path
+
+
+def apart(path: np.ndarray, other: np.ndarray) -> float:
+    """Return the largest difference of two paths by the largest way of the second."""
+    return float(np.abs(path - other).max() / np.abs(other).max())
+
+
 def ordered(case: Case, folder: Path) -> dict[str, Any]:
-    """Return the largest difference of the tip's path across the stream from that of the reference step, by the largest
-    way, for each step."""
-
-    def way(step: float) -> np.ndarray:
-        steps = {"time.communication_step": step, "fluid.time_stepping.max_step": step}
-        with simulate.session(simulate.changed(SCENE, case.changes | steps), folder) as session:
-            assert session.run().error is None
-            columns = session.recorder.series
-        path: np.ndarray = np.interp(ORDER_TIMES, columns["time"], columns["tip_uy"])
-        return path
-
-    fine = way(ORDER_REFERENCE)
-    off = [float(np.abs(way(step) - fine).max() / np.abs(fine).max()) for step in ORDER_STEPS]
+    """Return how far the tip's path is from that of the reference step, for each step."""
+    fine = way(case.changes, folder, ORDER_REFERENCE)
+    off = [apart(way(case.changes, folder, step), fine) for step in ORDER_STEPS]
     values = {f"off_{step * 1e3:g}": found for step, found in zip(ORDER_STEPS, off)}
     return {"values": values | {"order": float(np.log2(off[0] / off[-1]) / 2)}}
 
@@ -114,6 +120,32 @@ def orders() -> Iterator[Case]:
         about = {"scheme": scheme, "mass": mass, "EI": bending, "c_eta": c_eta}
         name = f"order/{scheme}, {mass:g}, {bending:g}, {c_eta:g}"
         yield Case(name, COUPLED, SCENE, SMOOTH | changes, action=ordered, about=about)
+
+
+LOAD_GRIDS = (1, 2, 4)  # Times 96 x 48 points and 16 segments
+LOAD_STEP = 0.002  # On the coarsest grid, s
+
+
+def loads(case: Case, folder: Path) -> dict[str, Any]:
+    """Return, for each grid, how far the tip's path with the pressure jump is from that with the momentum load, and one
+    exchange from the iterated scheme, both with the pressure jump."""
+    rows = []
+    for times in LOAD_GRIDS:
+        grid = {"fluid.box.cells": [96 * times, 48 * times], "beam.segments": 16 * times}
+        momentum, once, repeated = (
+            way(case.changes | grid | scheme, folder, LOAD_STEP / times) for scheme in ({}, JUMP, ITERATED)
+        )
+        label = f"{96 * times} x {48 * times}"
+        rows.append({"grid": label, "loads": apart(once, momentum), "schemes": apart(once, repeated)} | case.about)
+    return {"tables": {"loads": rows}}
+
+
+def load_cases() -> Iterator[Case]:
+    for mass, bending in ((1.0, 1e-4), (1.0, 0.1), (10.0, 0.1)):
+        section = {"line_density": mass, "bending_stiffness": bending, "axial_stiffness": 100.0}
+        changes = SMOOTH | {"rod.material.section": section, "fluid.mask.log_linear.c_eta": 1e-8}
+        about = {"mass": mass, "EI": bending}
+        yield Case(f"load/{mass:g}, {bending:g}", COUPLED, SCENE, changes, action=loads, about=about)
 
 
 FLAG, FILAMENT, INVERTED, PLATE = (
@@ -221,6 +253,7 @@ def published(case: Case, folder: Path) -> dict[str, Any]:
 def cases() -> Iterator[Case]:
     yield from maps()
     yield from orders()
+    yield from load_cases()
     for name, (scene, changes) in CHANGES.items():
         group, grid = name.split("/")
         about = {"expected": EXPECTED.get(group, {}), "grid": grid.replace("x", " x ")}
@@ -240,4 +273,8 @@ def counts(data: Data) -> list[dict[str, Any]]:
     return rows
 
 
-STUDY = Study("thin", cases, lambda case, run: run.found, tables={"thin-map": counts})
+def load_rows(data: Data) -> list[dict[str, Any]]:
+    return [row for record in data.of("thin/load/*") for row in record.tables.get("loads", [])]
+
+
+STUDY = Study("thin", cases, lambda case, run: run.found, tables={"thin-map": counts, "thin-loads": load_rows})
