@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 use crate::face::{Face, FaceShape};
 use crate::geometry::{Geometry, Vector};
 use crate::parameters::{Parameters, Support, Vein};
-use crate::plate::{Hinge, Side, Turn, compliance};
+use crate::plate::{Hinge, Side, compliance};
 use crate::sparse::Symmetric;
 use crate::vein::{Segment, Vertex};
 use crate::{Energy, Error};
@@ -37,9 +37,9 @@ pub(crate) struct Elastic {
     pub(crate) support: Matrix3<f64>,
     pub(crate) omega: Vector,
     pub(crate) shapes: Vec<FaceShape>,
-    pub(crate) turns: Vec<Turn>,
-    /// Angles before a solve, rad.
-    angles: Vec<f64>,
+    /// Angles of the hinges, rad, and those before a solve.
+    turns: Vec<f64>,
+    turns_before: Vec<f64>,
     /// Moments of the hinges, N m.
     pub(crate) moments: Vec<f64>,
     /// Stress of each triangle, N/m, and tension of each segment, N, in Newton's matrix.
@@ -122,7 +122,7 @@ impl Elastic {
             stresses: vec![[0.0; 3]; faces.len()],
             tensions: vec![0.0; segments.len()],
             turns: Vec::with_capacity(hinges.len()),
-            angles: vec![0.0; hinges.len()],
+            turns_before: vec![0.0; hinges.len()],
             faces,
             hinges,
             face_hinges,
@@ -140,7 +140,7 @@ impl Elastic {
         let rest: Vec<_> = (0..mesh.nodes.len()).map(|k| mesh.node(k)).collect();
         elastic.update(&rest, None)?;
         for (hinge, turn) in elastic.hinges.iter_mut().zip(&elastic.turns) {
-            hinge.rest = turn.angle;
+            hinge.rest = *turn;
         }
         Ok(elastic)
     }
@@ -149,15 +149,33 @@ impl Elastic {
     pub(crate) fn update(&mut self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> Result<(), BadShape> {
         self.find_turns(x)?;
         for ((hinge, turn), moment) in self.hinges.iter().zip(&self.turns).zip(&mut self.moments) {
-            *moment = turn.angle - hinge.rest;
-            if let Some((v, tau)) = rates {
-                *moment += tau * hinge.rate(turn, v, &self.shapes, &self.omega);
-            }
+            *moment = turn - hinge.rest;
+        }
+        if let Some((v, tau)) = rates {
+            self.add_rates(x, v, tau);
         }
         if let Some(compliance) = &mut self.compliance {
             compliance.solve(&mut self.moments);
         }
         Ok(())
+    }
+
+    /// Add the rates of the angles in the shape `x` that moves at `v`, times `tau`, to the moments.
+    fn add_rates(&mut self, x: &[Vector], v: &[Vector], tau: f64) {
+        for ((shape, face), hinges) in self.shapes.iter().zip(&self.faces).zip(&self.face_hinges) {
+            let out = Vector::from(face.nodes.map(|k| shape.normal.dot(&v[k])));
+            let rates = shape.by_across * out * tau;
+            for (hinge, rate) in hinges.iter().zip(&rates) {
+                if let Some(e) = *hinge {
+                    self.moments[e] += rate;
+                }
+            }
+        }
+        for (hinge, moment) in self.hinges.iter().zip(&mut self.moments) {
+            if let Side::Support(_) = hinge.second {
+                *moment -= tau * self.omega.dot(&hinge.edge(x).normalize());
+            }
+        }
     }
 
     /// Find normals and angles of the shape `x`.
@@ -169,9 +187,9 @@ impl Elastic {
         }
         self.turns.clear();
         for hinge in &self.hinges {
-            let [a, b, ..] = hinge.nodes;
+            let [a, b] = hinge.nodes;
             let folded = BadShape { nodes: [a, b], what: "the triangles beside this edge turn by more than 160°" };
-            self.turns.push(hinge.turn(&self.shapes, &self.support).ok_or(folded)?);
+            self.turns.push(hinge.turn(x, &self.shapes, &self.support).ok_or(folded)?);
         }
         Ok(())
     }
@@ -181,7 +199,7 @@ impl Elastic {
         self.update(x, None)?;
         let stretching: f64 = self.faces.iter().map(|face| face.energy(x)).sum();
         let turns = self.turns.iter().zip(&self.hinges).zip(&self.moments);
-        let bending = turns.map(|((turn, hinge), moment)| 0.5 * moment * (turn.angle - hinge.rest)).sum();
+        let bending = turns.map(|((turn, hinge), moment)| 0.5 * moment * (turn - hinge.rest)).sum();
         let mut veins = 0.0;
         for Segment { nodes, length, stiffness, .. } in &self.segments {
             veins += 0.5 * stiffness * ((x[nodes[1]] - x[nodes[0]]).norm() - length).powi(2);
@@ -197,14 +215,11 @@ impl Elastic {
         let rates = self.rates(v);
         self.update(x, rates)?;
         gradient.fill(Vector::zeros());
-        for face in &self.faces {
-            for (&k, force) in face.nodes.iter().zip(face.gradient(x, rates)) {
-                gradient[k] += force;
-            }
-        }
-        for ((hinge, turn), moment) in self.hinges.iter().zip(&self.turns).zip(&self.moments) {
-            for (j, &k) in hinge.nodes[..hinge.count()].iter().enumerate() {
-                gradient[k] += turn.gradient.column(j) * *moment;
+        for ((shape, face), hinges) in self.shapes.iter().zip(&self.faces).zip(&self.face_hinges) {
+            let moments = Vector::from(hinges.map(|hinge| hinge.map_or(0.0, |e| self.moments[e])));
+            let out = shape.by_across.tr_mul(&moments);
+            for ((&k, force), out) in face.nodes.iter().zip(face.gradient(x, rates)).zip(&out) {
+                gradient[k] += force + shape.normal * *out;
             }
         }
         for &Segment { nodes: [a, b], length, stiffness, .. } in &self.segments {
@@ -231,16 +246,16 @@ impl Elastic {
     /// Remember the angles of the hinges in the shape `x`.
     pub(crate) fn set_angles(&mut self, x: &[Vector]) -> Result<(), BadShape> {
         self.find_turns(x)?;
-        self.angles.iter_mut().zip(&self.turns).for_each(|(angle, turn)| *angle = turn.angle);
+        self.turns_before.copy_from_slice(&self.turns);
         Ok(())
     }
 
     /// Refuse the last shape if a hinge has turned too far from the angle that is remembered.
     pub(crate) fn check_angles(&self) -> Result<(), BadShape> {
-        let turned = self.turns.iter().zip(&self.angles).map(|(turn, before)| (turn.angle - before).abs());
+        let turned = self.turns.iter().zip(&self.turns_before).map(|(turn, before)| (turn - before).abs());
         match turned.zip(&self.hinges).find(|(turned, _)| *turned > MOST_TURN) {
             None => Ok(()),
-            Some((_, &Hinge { nodes: [a, b, ..], .. })) => {
+            Some((_, &Hinge { nodes: [a, b], .. })) => {
                 Err(BadShape { nodes: [a, b], what: "the triangles beside this edge turn by 45° in one step" })
             }
         }
@@ -336,17 +351,12 @@ fn hinges(
             None if ends_held && supported => Side::Support(shapes[first.0].normal),
             _ => continue,
         };
-        let corner = |(t, i): (usize, usize), k: usize| mesh.triangles[t][(i + k) % 3];
-        let opposite = match side {
-            Side::Face(t, i) => corner((t, i), 0),
-            Side::Support(_) => usize::MAX,
-        };
         let place = Some(hinges.len());
         face_hinges[first.0][first.1] = place;
         if let Side::Face(t, i) = side {
             face_hinges[t][i] = place;
         }
-        let nodes = [corner(first, 1), corner(first, 2), corner(first, 0), opposite];
+        let nodes = [1, 2].map(|k| mesh.triangles[first.0][(first.1 + k) % 3]);
         hinges.push(Hinge { nodes, first, second: side, rest: 0.0 });
     }
     Ok((hinges, face_hinges))

@@ -34,6 +34,8 @@ pub(crate) struct FaceShape {
     pub(crate) normal: Vector,
     /// ∇λ_j in the plane of the triangle, 1/m.
     pub(crate) gradients: [Vector; 3],
+    /// p_i · ∇λ_j, 1/m, with p_i across edge i: the turn of each edge by each corner that moves along the normal.
+    pub(crate) by_across: Matrix3<f64>,
 }
 
 /// Components p · ∇λ_j and t · ∇λ_j, 1/m, of the frame (t, p, n) of an edge; p points to the opposite corner.
@@ -54,8 +56,18 @@ impl FaceShape {
         }
         let normal = twice / area;
         let over = 1.0 / area;
-        let gradient = |from: Vector, to: Vector| normal.cross(&(to - from)) * over;
-        Some(Self { normal, gradients: [gradient(b, c), gradient(c, a), gradient(a, b)] })
+        let edges = [c - b, a - c, b - a];
+        let [e_0, e_1, e_2] = edges;
+        let (e_01, e_12, e_20) = (e_0.dot(&e_1), e_1.dot(&e_2), e_2.dot(&e_0));
+        let [l_0, l_1, l_2] = edges.map(|edge| edge.norm());
+        let [r_0, r_1, r_2] = [over / l_0, over / l_1, over / l_2];
+        #[rustfmt::skip]
+        let by_across = Matrix3::new(
+            over * l_0, e_01 * r_0, e_20 * r_0,
+            e_01 * r_1, over * l_1, e_12 * r_1,
+            e_20 * r_2, e_12 * r_2, over * l_2,
+        );
+        Some(Self { normal, gradients: edges.map(|edge| normal.cross(&edge) * over), by_across })
     }
 
     /// Return the frame of the edge opposite to corner `i`.

@@ -5,10 +5,10 @@
 //! ```
 //!
 //! x are the positions of the nodes and M is the consistent mass matrix of linear elements. The membrane strains by
-//! constant-strain triangles with the law of St. Venant–Kirchhoff and an isotropic pretension ([`Membrane`]). It bends
-//! as a plate of Kirchhoff with constant moments in each triangle and hinges at the edges (`plate`). Veins are chains
-//! of nodes with the springs of the elastic rod ([`rod`]). The root is free, or it is held and moves as a rigid body
-//! ([`Pose`]). Time schemes are the schemes of the rod. All quantities are in SI units.
+//! constant-strain triangles with the law of St. Venant–Kirchhoff and an isotropic pretension ([`Membrane`]). It
+//! bends as a plate of Kirchhoff with constant moments in each triangle and hinges at the edges (`plate`). Veins are
+//! chains of nodes with the springs of the elastic rod ([`rod`]). The root is free, or it is held and moves as a
+//! rigid body ([`Pose`]). Time schemes are the schemes of the rod. All quantities are in SI units.
 
 #![forbid(unsafe_code)]
 
@@ -16,6 +16,7 @@ mod crossings;
 mod elastic;
 mod error;
 mod face;
+mod frames;
 mod geometry;
 mod loads;
 mod modes;

@@ -6,11 +6,12 @@
 //! r(u) = b − w M u − d u − s F(x_0 + u, c_v u + v*) = 0,
 //! ```
 //!
-//! where F are the elastic and viscous forces. One factorisation serves as long as each iteration shrinks r enough. If
-//! that fails, the matrix is made positive definite and a line search limits the update: it looks for a point where r
-//! has lost its component along the update.
+//! where F are the elastic and viscous forces. One factorisation serves as long as each iteration shrinks r enough;
+//! it turns with the nodes (`frames`). If that fails, the matrix is made positive definite and a line search limits
+//! the update: it looks for a point where r has lost its component along the update.
 
 use crate::elastic::{BadShape, Elastic};
+use crate::frames::Frames;
 use crate::geometry::Vector;
 use crate::system::{System, Weights};
 
@@ -111,11 +112,12 @@ pub(crate) struct Newton {
     pub(crate) size: f64,
     /// Ends of the edges whose length limits an update.
     edges: Vec<[usize; 2]>,
+    frames: Frames,
 }
 
 impl Newton {
-    pub(crate) fn new(system: System, elastic: &Elastic, nodes: usize, size: f64) -> Self {
-        let zeros = || vec![Vector::zeros(); nodes];
+    pub(crate) fn new(system: System, elastic: &Elastic, rest: &[Vector], size: f64) -> Self {
+        let zeros = || vec![Vector::zeros(); rest.len()];
         let of_faces = elastic.faces.iter().flat_map(|face| (0..3).map(|i| [face.nodes[i], face.nodes[(i + 1) % 3]]));
         let mut edges: Vec<_> = of_faces.chain(elastic.segments.iter().map(|segment| segment.nodes)).collect();
         edges.iter_mut().for_each(|ends| ends.sort_unstable());
@@ -132,6 +134,7 @@ impl Newton {
             stiffness: 0.0,
             size,
             edges,
+            frames: Frames::new(rest, &elastic.faces),
         }
     }
 
@@ -153,6 +156,11 @@ impl Newton {
         elastic.set_stresses(origin);
         let mut imbalance = self.find_residual(elastic, problem, origin, x)?;
         let mut stale = !self.factorised;
+        // Factors that do not turn keep the momentum of a free wing in each iteration.
+        let rooted = self.system.positions < 3 * origin.len();
+        if !stale && rooted {
+            self.frames.turn(&elastic.faces, x, &mut self.system.rotations);
+        }
         let mut guarded = false;
         let viscous = 1.0 + elastic.relaxation_time * problem.rate;
         for _ in 0..ITERATIONS {
@@ -191,6 +199,7 @@ impl Newton {
             self.stiffness = self.system.stiffness();
             self.factorised = if safe { self.system.factorise_shifted() } else { self.system.matrix.factorise() };
             if self.factorised {
+                self.frames.set(&elastic.faces, x);
                 return Ok(!safe);
             }
         }

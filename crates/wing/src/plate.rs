@@ -17,7 +17,7 @@
 //! A held edge has one triangle and turns from the normal of the support; a torsion spring there adds its compliance.
 //! C⁻¹ is full, so Newton's matrix has the turn of each edge as an unknown beside the nodes (`system`).
 
-use nalgebra::{Matrix3, Matrix3x4};
+use nalgebra::Matrix3;
 
 use crate::face::{EdgeFrame, Face, FaceShape};
 use crate::geometry::Vector;
@@ -27,8 +27,8 @@ const FOLD: f64 = -0.95;
 
 /// Edge with a moment.
 pub(crate) struct Hinge {
-    /// Ends in the direction of the first triangle, then the opposite corners of both; one at a held edge.
-    pub(crate) nodes: [usize; 4],
+    /// Ends in the direction of the first triangle.
+    pub(crate) nodes: [usize; 2],
     /// Triangle and corner opposite to the edge.
     pub(crate) first: (usize, usize),
     pub(crate) second: Side,
@@ -43,57 +43,22 @@ pub(crate) enum Side {
     Support(Vector),
 }
 
-/// Angle of a hinge and its derivatives by the nodes of the hinge.
-pub(crate) struct Turn {
-    pub(crate) angle: f64,
-    /// 1/m, in columns.
-    pub(crate) gradient: Matrix3x4<f64>,
-}
-
 impl Hinge {
-    /// Return the number of nodes.
-    pub(crate) fn count(&self) -> usize {
-        match self.second {
-            Side::Face(..) => 4,
-            Side::Support(_) => 3,
-        }
-    }
-
-    /// Return θ with its gradient in the shapes of the triangles, with the `support` turned; `None` at a fold.
-    pub(crate) fn turn(&self, shapes: &[FaceShape], support: &Matrix3<f64>) -> Option<Turn> {
-        let first = &shapes[self.first.0];
-        let frame = first.edge(self.first.1);
-        let mut gradient = Matrix3x4::zeros();
-        add(&mut gradient, [0, 1, 2], self.first.1, first, &frame);
+    /// Return θ in the shape `x`, rad, with the `support` turned; `None` at a fold.
+    pub(crate) fn turn(&self, x: &[Vector], shapes: &[FaceShape], support: &Matrix3<f64>) -> Option<f64> {
+        let first = &shapes[self.first.0].normal;
         let other = match self.second {
-            Side::Face(t, i) => {
-                let second = &shapes[t];
-                // The second triangle runs through the edge from end to begin.
-                add(&mut gradient, [1, 0, 3], i, second, &second.edge(i));
-                second.normal
-            }
+            Side::Face(t, _) => shapes[t].normal,
             Side::Support(normal) => support * normal,
         };
-        let (sin, cos) = (other.cross(&first.normal).dot(&frame.along), other.dot(&first.normal));
-        (cos > FOLD).then(|| Turn { angle: sin.atan2(cos), gradient })
+        let edge = self.edge(x);
+        let (sin, cos) = (other.cross(first).dot(&edge) / edge.norm(), other.dot(first));
+        (cos > FOLD).then(|| sin.atan2(cos))
     }
 
-    /// Return the rate of θ for the velocities `v` and the angular velocity of the support, rad/s.
-    pub(crate) fn rate(&self, turn: &Turn, v: &[Vector], shapes: &[FaceShape], omega: &Vector) -> f64 {
-        let nodes = self.nodes[..self.count()].iter().enumerate();
-        let of_nodes: f64 = nodes.map(|(j, &k)| turn.gradient.column(j).dot(&v[k])).sum();
-        match self.second {
-            Side::Face(..) => of_nodes,
-            Side::Support(_) => of_nodes - omega.dot(&shapes[self.first.0].edge(self.first.1).along),
-        }
-    }
-}
-
-/// Add the gradient of one side of the edge opposite to corner `i`: begin, end and opposite corner go to `columns`.
-fn add(gradient: &mut Matrix3x4<f64>, columns: [usize; 3], i: usize, shape: &FaceShape, frame: &EdgeFrame) {
-    for (column, corner) in columns.into_iter().zip([(i + 1) % 3, (i + 2) % 3, i]) {
-        let sum = gradient.column(column) + shape.normal * frame.by_across[corner];
-        gradient.set_column(column, &sum);
+    /// Return the vector from begin to end of the edge, m.
+    pub(crate) fn edge(&self, x: &[Vector]) -> Vector {
+        x[self.nodes[1]] - x[self.nodes[0]]
     }
 }
 
@@ -114,14 +79,11 @@ pub(crate) fn add_hessian(blocks: &mut [Matrix3<f64>; 6], shape: &FaceShape, mom
     }
 }
 
-/// Return Σ π_ij Q_il π_lk of the turns of the edges i and l of a triangle by its corners j and k, and Σ Q_il π_lk.
+/// Return Σ π_ij Q_il π_lk and Σ Q_il π_lk, with the turns π of the edges i and l of a triangle by its corners j
+/// and k.
 pub(crate) fn stiffness(shape: &FaceShape, bending: &Matrix3<f64>) -> (Matrix3<f64>, Matrix3<f64>) {
-    let by_across = Matrix3::from_fn(|i, j| {
-        let gradient = &shape.gradients[i];
-        gradient.dot(&shape.gradients[j]) / gradient.norm()
-    });
-    let moments = bending * by_across;
-    (by_across.transpose() * moments, moments)
+    let moments = bending * shape.by_across;
+    (shape.by_across.transpose() * moments, moments)
 }
 
 /// Return C_T of a triangle of bending stiffness D, rad/(N m).

@@ -4,7 +4,8 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
-use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, factorize_symbolic_cholesky};
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymbolicCholeskyRaw, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
 
@@ -21,6 +22,8 @@ pub(crate) struct Symmetric {
     symbolic: SymbolicCholesky<usize>,
     factors: Vec<f64>,
     memory: MemBuffer,
+    /// Right-hand side in the order of the factor, and the part below a supernode: `[2, order]`.
+    work: Vec<f64>,
 }
 
 impl Symmetric {
@@ -42,7 +45,8 @@ impl Symmetric {
             symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
         ]));
         let factors = vec![0.0; symbolic.len_val()];
-        Ok(Self { values: vec![0.0; rows.len()], columns, rows, symbolic, factors, memory })
+        let work = vec![0.0; 2 * order];
+        Ok(Self { values: vec![0.0; rows.len()], columns, rows, symbolic, factors, memory, work })
     }
 
     /// Return the number of rows.
@@ -77,7 +81,7 @@ impl Symmetric {
 
     /// Factorise the matrix; `false` means that it is not positive definite.
     pub(crate) fn factorise(&mut self) -> bool {
-        let Self { columns, rows, values, symbolic, factors, memory } = self;
+        let Self { columns, rows, values, symbolic, factors, memory, .. } = self;
         let order = columns.len() - 1;
         let pattern = SymbolicSparseColMatRef::new_checked(order, order, columns, None, rows);
         let matrix = SparseColMatRef::new(pattern, values);
@@ -90,6 +94,14 @@ impl Symmetric {
     /// Replace `b` by the solution of the factorised matrix.
     pub(crate) fn solve(&mut self, b: &mut [f64]) {
         let order = self.order();
+        if let (SymbolicCholeskyRaw::Supernodal(raw), Some(order)) = (self.symbolic.raw(), self.symbolic.perm()) {
+            let (order, _) = order.arrays();
+            let (y, below) = self.work.split_at_mut(order.len());
+            y.iter_mut().zip(order).for_each(|(y, &i)| *y = b[i]);
+            solve_supernodes(raw, &self.factors, y, below);
+            y.iter().zip(order).for_each(|(y, &i)| b[i] = *y);
+            return;
+        }
         let stack = MemStack::new(&mut self.memory);
         LltRef::new(&self.symbolic, &self.factors).solve_in_place_with_conj(
             Conj::No,
@@ -98,4 +110,65 @@ impl Symmetric {
             stack,
         );
     }
+}
+
+/// Replace `y` by the solution of L Lᵀ y; `below` is scratch.
+///
+/// A supernode is a block of columns that have the same rows below their triangle. It is too small to pay for the
+/// matrix products that a solve by faer calls.
+fn solve_supernodes(symbolic: &SymbolicSupernodalCholesky<usize>, factors: &[f64], y: &mut [f64], below: &mut [f64]) {
+    let block = |s: usize| {
+        let (start, end) = (symbolic.supernode_begin()[s], symbolic.supernode_end()[s]);
+        let places = symbolic.col_ptr_for_val();
+        let values = &factors[places[s]..places[s + 1]];
+        (start, end - start, symbolic.supernode(s).pattern(), values)
+    };
+    for s in 0..symbolic.n_supernodes() {
+        let (start, count, rows, values) = block(s);
+        let height = values.len() / count;
+        let own = &mut y[start..start + count];
+        for (j, column) in values.chunks_exact(height).enumerate() {
+            own[j] /= column[j];
+            let y_j = own[j];
+            own[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(y, l)| *y -= l * y_j);
+        }
+        let below = &mut below[..rows.len()];
+        below.fill(0.0);
+        for (columns, own) in values.chunks(4 * height).zip(own.chunks(4)) {
+            let tail = |j: usize| &columns[j * height + count..][..rows.len()];
+            if let [y_0, y_1, y_2, y_3] = *own {
+                let (l_0, l_1, l_2, l_3) = (tail(0), tail(1), tail(2), tail(3));
+                for (i, sum) in below.iter_mut().enumerate() {
+                    *sum += l_0[i] * y_0 + l_1[i] * y_1 + (l_2[i] * y_2 + l_3[i] * y_3);
+                }
+            } else {
+                for (j, y_j) in own.iter().enumerate() {
+                    below.iter_mut().zip(tail(j)).for_each(|(sum, l)| *sum += l * y_j);
+                }
+            }
+        }
+        rows.iter().zip(&*below).for_each(|(&row, sum)| y[row] -= sum);
+    }
+    for s in (0..symbolic.n_supernodes()).rev() {
+        let (start, count, rows, values) = block(s);
+        let height = values.len() / count;
+        let below = &mut below[..rows.len()];
+        below.iter_mut().zip(rows).for_each(|(below, &row)| *below = y[row]);
+        let own = &mut y[start..start + count];
+        for (j, column) in values.chunks_exact(height).enumerate().rev() {
+            let sum = dot(&column[count..], below) + dot(&column[j + 1..count], &own[j + 1..]);
+            own[j] = (own[j] - sum) / column[j];
+        }
+    }
+}
+
+/// Return Σ a b, in lanes that a processor adds at once.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a_chunks.zip(b_chunks) {
+        lanes.iter_mut().zip(a.iter().zip(b)).for_each(|(lane, (a, b))| *lane += a * b);
+    }
+    rest + lanes.iter().sum::<f64>()
 }

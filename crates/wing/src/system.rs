@@ -1,9 +1,10 @@
 //! Newton's matrix: pattern and assembly.
 //!
-//! The unknowns are the free nodes, then the turns α of the edges with hinges. With the weights w of the masses, d of
-//! the impedance and s of the elastic forces, and the Hessian ∂²U/∂x∂x at constant moments, the matrix of the nodes is
-//! w M + d + s ∂²U/∂x∂x + s Bᵀ C⁻¹ B, B = ∂θ/∂x. The last term is full. But B = Σ B_T and C = Σ C_T are sums over the
-//! triangles, and each triangle has moments of its own if α makes them equal on both sides of each edge:
+//! The unknowns are the free nodes, then the turns α of the edges with hinges. With the weights w of the masses, d
+//! of the impedance and s of the elastic forces, and the Hessian ∂²U/∂x∂x at constant moments, the matrix of
+//! the nodes is w M + d + s ∂²U/∂x∂x + s Bᵀ C⁻¹ B, B = ∂θ/∂x. The last term is full. But B = Σ B_T
+//! and C = Σ C_T are sums over the triangles, and each triangle has moments of its own if α makes them equal on
+//! both sides of each edge:
 //!
 //! ```text
 //! δM_T = C_T⁻¹ (B_T δx ∓ α),     [ … + s Σ B_Tᵀ C_T⁻¹ B_T    ∓ s Σ B_Tᵀ C_T⁻¹ ]
@@ -54,6 +55,8 @@ pub(crate) struct System {
     pub(crate) matrix: Symmetric,
     /// First unknown of each node; `None` at a held node.
     pub(crate) unknowns: Vec<Option<usize>>,
+    /// Rotation of each node since the assembly: `[nodes]`.
+    pub(crate) rotations: Vec<Matrix3<f64>>,
     /// Number of unknown positions.
     pub(crate) positions: usize,
     faces: Vec<Places>,
@@ -151,6 +154,7 @@ impl System {
         let springs = turns.iter().map(|turn| turn.map_or(NOWHERE, |i| place(i, i))).collect();
         Ok(Self {
             update: vec![0.0; order],
+            rotations: vec![Matrix3::identity(); held.len()],
             faces: blocks,
             matrix,
             unknowns,
@@ -174,6 +178,7 @@ impl System {
     ) -> Result<(), BadShape> {
         let rates = elastic.rates(v);
         elastic.update(x, rates)?;
+        self.rotations.fill(Matrix3::identity());
         let &Weights { mass, own, elastic: s, rate } = weights;
         let viscous = 1.0 + elastic.relaxation_time * rate;
         let Self { matrix, faces, segments, vertices, turns, springs, unknowns, .. } = self;
@@ -284,12 +289,18 @@ impl System {
     /// Solve for the update of the nodes under `residual`, N: `[nodes]`; the result is in `update`.
     pub(crate) fn solve(&mut self, residual: &[Vector]) {
         self.update.fill(0.0);
-        for (first, residual) in self.unknowns.iter().zip(residual) {
+        for ((first, residual), rotation) in self.unknowns.iter().zip(residual).zip(&self.rotations) {
             if let Some(first) = *first {
-                self.update[first..first + 3].copy_from_slice(residual.as_slice());
+                self.update[first..first + 3].copy_from_slice(rotation.tr_mul(residual).as_slice());
             }
         }
         self.matrix.solve(&mut self.update);
+        for (first, rotation) in self.unknowns.iter().zip(&self.rotations) {
+            if let Some(first) = *first {
+                let turned = rotation * Vector3::from_column_slice(&self.update[first..first + 3]);
+                self.update[first..first + 3].copy_from_slice(turned.as_slice());
+            }
+        }
     }
 
     /// Return the update of node `k`.

@@ -103,7 +103,7 @@ impl Wing {
             crossings: Crossings::new(elastic.faces.len()),
             loads: Loads::default(),
             base_motion: None,
-            newton: Newton::new(system, &elastic, nodes, size),
+            newton: Newton::new(system, &elastic, &rest, size),
             problem: Problem {
                 load: zeros.clone(),
                 own: vec![0.0; nodes],

@@ -1,8 +1,11 @@
 //! Newton's matrix against differences of the forces.
 
+use nalgebra::Rotation3;
+
 use super::{System, Weights};
 use crate::elastic::Elastic;
-use crate::geometry::Vector;
+use crate::frames::Frames;
+use crate::geometry::{Geometry, Vector};
 use crate::{Membrane, Parameters, Root, Support, Vein, rectangle};
 
 /// Return a wing with all kinds of springs, in a shape bent, stretched and sheared by some percent.
@@ -74,4 +77,34 @@ fn the_forces_are_the_derivative_of_the_energy() {
             }
         }
     }
+}
+
+#[test]
+fn the_factors_of_a_shape_serve_the_shape_that_has_turned() {
+    let (parameters, held, x) = wing(Support::Clamped);
+    let mut elastic = Elastic::new(&parameters, &held).expect("springs");
+    let mut system = System::new(&elastic, &held).expect("a matrix");
+    let rest: Vec<_> = (0..x.len()).map(|k| parameters.mesh.node(k)).collect();
+    let mut frames = Frames::new(&rest, &elastic.faces);
+    let still = vec![Vector::zeros(); x.len()];
+    let own = vec![0.0; x.len()];
+    elastic.set_stresses(&x);
+    system
+        .assemble(&mut elastic, &x, &still, &Weights { mass: 0.0, own: &own, elastic: 1.0, rate: 0.0 }, false)
+        .expect("a good shape");
+    assert!(system.matrix.factorise(), "a positive definite matrix");
+    frames.set(&elastic.faces, &x);
+    let force: Vec<_> = (0..x.len()).map(|k| Vector::from_fn(|d, _| ((7 * k + 3 * d) as f64).sin())).collect();
+    let solved = |system: &mut System, force: &[Vector]| -> Vec<Vector> {
+        system.solve(force);
+        (0..x.len()).map(|k| system.update_of(k)).collect()
+    };
+    let update = solved(&mut system, &force);
+    let turn = Rotation3::from_euler_angles(0.4, -0.7, 1.1);
+    let turned = |vectors: &[Vector]| -> Vec<Vector> { vectors.iter().map(|vector| turn * vector).collect() };
+    frames.turn(&elastic.faces, &turned(&x), &mut system.rotations);
+    let update_turned = solved(&mut system, &turned(&force));
+    let largest = update.iter().map(|u| u.amax()).fold(0.0, f64::max);
+    let off = turned(&update).iter().zip(&update_turned).map(|(a, b)| (a - b).amax()).fold(0.0, f64::max);
+    assert!(off < 1e-9 * largest, "off by {off:.1e} of {largest:.1e}");
 }
