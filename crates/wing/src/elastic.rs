@@ -188,7 +188,10 @@ impl Elastic {
         self.turns.clear();
         for hinge in &self.hinges {
             let [a, b] = hinge.nodes;
-            let folded = BadShape { nodes: [a, b], what: "the triangles beside this edge turn by more than 160°" };
+            let folded = BadShape {
+                nodes: [a, b],
+                what: "the triangles beside this edge turn by more than 160°; stiffer bending helps",
+            };
             self.turns.push(hinge.turn(x, &self.shapes, &self.support).ok_or(folded)?);
         }
         Ok(())
@@ -255,9 +258,10 @@ impl Elastic {
         let turned = self.turns.iter().zip(&self.turns_before).map(|(turn, before)| (turn - before).abs());
         match turned.zip(&self.hinges).find(|(turned, _)| *turned > MOST_TURN) {
             None => Ok(()),
-            Some((_, &Hinge { nodes: [a, b], .. })) => {
-                Err(BadShape { nodes: [a, b], what: "the triangles beside this edge turn by 45° in one step" })
-            }
+            Some((_, &Hinge { nodes: [a, b], .. })) => Err(BadShape {
+                nodes: [a, b],
+                what: "the triangles beside this edge turn by 45° in a sub-step; shorter steps help",
+            }),
         }
     }
 

@@ -9,8 +9,8 @@ use crate::{Error, Wing};
 impl Wing {
     /// Move to the equilibrium under the present loads, at rest, as before a first step; ignore the impedance.
     ///
-    /// If Newton's method fails, the loads grow in parts, halved up to six times, from the loads that the present shape
-    /// balances.
+    /// If Newton's method fails, the loads grow in parts, halved up to twelve times, from the loads that the present
+    /// shape balances.
     ///
     /// # Errors
     /// Newton's method may fail, and a free wing has no equilibrium. After an error the state is unchanged.
