@@ -124,6 +124,14 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
             m.wing.state().drive.work
         }));
     }
+    if unit.wing.twist().is_some() {
+        let text =
+            "Turn of the chord at three quarters of the span about the span, from its direction on the base at rest";
+        list.push(output("section.twist", "rad", text, |m| m.wing.twist().unwrap_or_default()));
+        let text =
+            "Largest distance of the membrane from that chord, by its length, positive along the triangles' normal";
+        list.push(output("section.camber", "1", text, |m| m.wing.camber().unwrap_or_default()));
+    }
     list.push(output("damping.power", "W", "Power lost by damping at the end of the step", |m| m.damping_power));
     list.extend([
         output("energy.elastic", "J", "Energy of membrane and veins", |m| {

@@ -24,6 +24,7 @@ mod newton;
 mod parameters;
 mod plate;
 mod pose;
+mod section;
 mod sparse;
 mod state;
 mod statics;

@@ -8,6 +8,7 @@ use crate::loads::Loads;
 use crate::newton::{Failure, Newton, Problem, Statistics};
 use crate::parameters::Parameters;
 use crate::pose::Pose;
+use crate::section::Section;
 use crate::state::State;
 use crate::system::System;
 
@@ -57,6 +58,7 @@ pub struct Wing {
     velocities: Vec<f64>,
     pub(crate) newton: Newton,
     crossings: Crossings,
+    section: Option<Section>,
     pub(crate) problem: Problem,
     /// State before the step and before the sub-step.
     pub(crate) before: State,
@@ -101,6 +103,7 @@ impl Wing {
         }
         let mut wing = Self {
             crossings: Crossings::new(elastic.faces.len()),
+            section: Section::new(&parameters.mesh, &parameters.root.nodes),
             loads: Loads::default(),
             base_motion: None,
             newton: Newton::new(system, &elastic, &rest, size),
@@ -216,6 +219,18 @@ impl Wing {
     /// Return the number of pairs of triangles that cross each other: nothing holds the parts of a wing apart.
     pub fn crossings(&mut self) -> usize {
         self.crossings.count(&self.elastic.faces, &self.state.positions)
+    }
+
+    /// Return the turn of the chord at three quarters of the span about the span, rad, from its direction at rest on the
+    /// base; `None` for a wing without a line of the root or without triangles.
+    pub fn twist(&self) -> Option<f64> {
+        self.section.as_ref().map(|section| section.twist(&self.state.positions, &self.state.pose.matrix()))
+    }
+
+    /// Return the largest distance of the membrane from that chord, by its length, positive on the side of the normal of
+    /// the triangles; `None` as the twist.
+    pub fn camber(&self) -> Option<f64> {
+        self.section.as_ref().map(|section| section.camber(&self.state.positions, &self.state.pose.matrix()))
     }
 
     /// Return the effort of the last step.
