@@ -45,16 +45,17 @@ def test_triangles_of_each_format_are_those_of_the_file(suffix, scene, tmp_path)
     assert len(mesh.nodes) == len(POINTS)
 
 
-def test_physical_groups_of_gmsh_are_chains_in_the_order_of_their_lines(scene, tmp_path):
-    tags = [np.zeros(4, int) + 3, np.array([1, 2, 2])]
+def test_physical_groups_of_gmsh_are_chains_in_the_order_of_their_lines_and_groups(scene, tmp_path):
+    tags = [np.array([3, 4, 3, 3]), np.array([1, 2, 2])]
     data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-    names = {"root": np.array([1, 1]), "costa": np.array([2, 1]), "film": np.array([3, 2])}
+    names = {"root": np.array([1, 1]), "costa": np.array([2, 1]), "film": np.array([3, 2]), "cell": np.array([4, 2])}
     meshio.Mesh(
         np.vstack([POINTS, [9, 9, 9.0]]), [("triangle", TRIANGLES), ("line", LINES)], cell_data=data, field_data=names
     ).write(tmp_path / "wing.msh", file_format="gmsh22", binary=False)
     vein = {"chain": "costa", "line_density": 0.1, "bending_stiffness": 1.0, "axial_stiffness": 10.0}
     mesh = load(scene("wing.msh", root="root", veins=[vein])).wing.mesh.triangles
     assert {chain.name: chain.nodes for chain in mesh.chains} == {"root": [0, 3], "costa": [0, 1, 2]}
+    assert {group.name: group.triangles for group in mesh.groups} == {"film": [0, 2, 3], "cell": [1]}
     assert len(mesh.nodes) == 6  # Without the point of no cell
 
 

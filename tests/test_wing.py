@@ -46,7 +46,10 @@ def run(tmp_path_factory, wing_library):
 def test_its_energies_and_works_balance(run):
     """Gravity gives what bending, motion and damping take, within 2 % in 20 steps."""
     series = run.series
-    assert run.summary.completed and {"tip_ux", "tip_uz", "root_force_z", "load_work"} <= series.keys()
+    assert (
+        run.summary.completed
+        and {"tip_ux", "tip_uz", "root_force_z", "load_work", "section_twist", "section_camber"} <= series.keys()
+    )
     held = series["energy_elastic"] + series["energy_kinetic"] + series["energy_gravity"]
     lost = np.trapezoid(series["damping_power"], series["time"])
     assert series["energy_gravity"][-1] < -1e-6
@@ -166,6 +169,83 @@ def test_a_bad_mesh_is_refused_with_its_place(key, value, said, wing):
     wing["wing"]["mesh"] = {"triangles": SQUARE | {key: value}}
     with pytest.raises(SceneError, match=said):
         describe("wing", wing)
+
+
+STRIP: dict[str, Any] = {
+    "nodes": [[0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [2, 0, 0], [2, 1, 0]],
+    "triangles": [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]],
+    "chains": [{"name": "root", "nodes": [0, 1]}, {"name": "tip", "nodes": [4, 5]}],
+    "groups": [{"name": "stiff", "triangles": [2, 3]}],
+}
+FILM = {"areal_density": 1e-6, "stretching_stiffness": 100.0, "bending_stiffness": 1.0}
+
+
+def with_regions(regions, mesh, membrane=FILM):
+    """A scene of a wing alone with regions, as JSON."""
+    own = {"mesh": mesh, "membrane": membrane, "regions": regions}
+    return {"name": "regions", "time": {"end": 4.0, "communication_step": 0.02}, "wing": own}
+
+
+@pytest.mark.parametrize("where", [{}, {"polygon": [[1, 0], [3, 0], [3, 1], [1, 1]]}])
+def test_two_materials_in_a_row_strain_by_their_stiffnesses(where):
+    """A bar of 1 kg/m in a pull of 0.01 m/s² hangs from a strip, of which the outer half is three times as stiff."""
+    scene = with_regions(
+        [{"name": "stiff", "membrane": FILM | {"stretching_stiffness": 300.0}} | where], {"triangles": STRIP}
+    )
+    bar = {"chain": "tip", "line_density": 1.0, "bending_stiffness": 1.0, "axial_stiffness": 1e3}
+    scene["wing"] |= {"root": "root", "veins": [bar], "gravity": [0.01, 0.0, 0.0], "relaxation_time": 0.23}
+    with Session(validate(scene)) as session:
+        session.run()
+        x = np.array(session.units["wing"].read("x"))
+    strains = np.diff(x[::2]) - 1.0
+    print(strains)
+    assert strains == pytest.approx([1e-4, 1e-4 / 3], rel=1e-3)
+
+
+def test_a_falling_wing_has_the_mass_of_its_regions(tmp_path):
+    """The second region takes triangles from the first; the kinetic energy of a free fall gives the mass."""
+    square = [[0.5, -1], [2, -1], [2, 1], [0.5, 1]]
+    heavy, heavier = (FILM | {"areal_density": density} for density in (2.0, 5.0))
+    regions = [
+        {"name": "outer", "polygon": square, "membrane": heavy},
+        {"name": "left", "polygon": [[0.5, 0], [2, 0], [2, 1], [0.5, 1]], "membrane": heavier},
+    ]
+    mesh = {"rectangular": {"length": 1.0, "width": 1.0, "along": 6}}
+    scene = with_regions(regions, mesh, FILM | {"areal_density": 1.0})
+    scene["wing"]["gravity"], scene["time"]["end"] = [0.0, 0.0, -10.0], 0.1
+    run = nervure.run(validate(scene), tmp_path, force=True, quiet=True)
+    own = run.facts.wing
+    corners = own.nodes[own.triangles]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    mass = areas @ np.array([1.0, 2.0, 5.0])[own.materials]
+    found = run.series["energy_kinetic"][-1] / 0.5
+    print(found, mass)
+    assert sorted(set(own.materials)) == [0, 1, 2] and found == pytest.approx(mass, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("region", "groups", "said"),
+    [
+        ({"name": "soft"}, None, r'`wing\.regions\[0\]\.name` is "soft", .*groups of the mesh are `stiff`.*`polygon`'),
+        ({"name": "soft"}, [], r'`wing\.regions\[0\]\.name` is "soft", .*no groups: a region needs a `polygon`'),
+        ({"name": "a", "polygon": [[5, 0], [6, 0], [6, 1]]}, None, r"regions\[0\]\.polygon` is .*middle of a triangle"),
+        ({"name": "a", "polygon": [[5, 0], [6, 0]]}, None, r"regions\[0\]\.polygon` .*3"),
+        ({"name": "stiff"}, [{"name": "stiff", "triangles": [4]}], r"groups\[0\]\.triangles` is 4, .*triangles 0 to 3"),
+    ],
+)  # fmt: skip
+def test_a_bad_region_is_refused_with_its_key(region, groups, said):
+    mesh = {"triangles": STRIP if groups is None else STRIP | {"groups": groups}}
+    with pytest.raises(SceneError, match=said):
+        validate(with_regions([region | {"membrane": FILM}], mesh))
+
+
+def test_the_picture_of_a_mesh_names_its_regions(tmp_path):
+    regions = ['wing.regions=[{"name": "outer", "polygon": [[0.03, -1], [1, -1], [1, 1], [0.03, 1]], "membrane": '
+               '{"areal_density": 0.1, "stretching_stiffness": 500}}]']  # fmt: skip
+    done = command("inspect", HANGING, "--set", COARSE[0], "--set", regions[0], cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "regions outer (" in " ".join(done.stdout.split())
+    assert (tmp_path / "results" / "wing-hanging" / "mesh.png").stat().st_size > 10_000
 
 
 def test_without_its_library_the_message_says_what_builds_it(monkeypatch, tmp_path):

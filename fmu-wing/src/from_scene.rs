@@ -26,7 +26,8 @@ pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters
         let uniform = Vein::new(name, &nodes, vein.line_density, vein.bending_stiffness, vein.axial_stiffness);
         Vein { diameter, ..uniform }
     });
-    let membranes = own.membrane.iter().map(|membrane| Membrane {
+    let materials = own.membrane.iter().chain(own.regions.iter().map(|region| &region.membrane));
+    let membranes = materials.map(|membrane| Membrane {
         areal_density: membrane.areal_density,
         stretching_stiffness: membrane.stretching_stiffness,
         bending_stiffness: membrane.bending_stiffness,
@@ -36,7 +37,7 @@ pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters
     Ok(Parameters {
         veins: veins.collect(),
         membranes: membranes.collect(),
-        regions: Vec::new(),
+        regions: own.materials(&mesh),
         root,
         gravity: own.gravity,
         relaxation_time: own.relaxation_time,

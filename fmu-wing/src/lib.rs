@@ -34,7 +34,7 @@ pub struct WingUnit {
 /// Parameters that a master may set before the start.
 #[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
-    /// Absent for veins alone.
+    /// The one outside regions; absent for veins alone.
     membrane: Option<Membrane>,
     gravity: [f64; 3],
     relaxation_time: f64,
@@ -87,7 +87,7 @@ impl WingUnit {
         {
             return Ok(());
         }
-        parameters.membranes = membrane.into_iter().collect();
+        parameters.membranes.iter_mut().zip(membrane).for_each(|(own, membrane)| *own = membrane);
         (parameters.gravity, parameters.relaxation_time) = (gravity, relaxation_time);
         parameters.displaced_density = displaced_density;
         let mut rebuilt = parameters.build()?;

@@ -80,6 +80,9 @@ pub struct WingFacts {
     pub veins: Vec<Vec<usize>>,
     /// Held nodes.
     pub root: Vec<usize>,
+    /// Material of each triangle: 0, or the number of a region from 1; absent without regions.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub materials: Vec<usize>,
 }
 
 /// Facts of a law of time.
@@ -192,13 +195,16 @@ fn beam_facts(scene: &Scene, BeamWithRod { beam, rod, .. }: &BeamWithRod) -> Bea
 }
 
 fn wing_facts(wing: &Wing) -> WingFacts {
-    let Mesh { nodes, triangles, chains } = wing.mesh.build();
+    let mesh = wing.mesh.build();
+    let materials = wing.materials(&mesh);
+    let Mesh { nodes, triangles, chains } = mesh;
     let chain = |name: &String| chains.iter().find(|own| own.name == *name).map(|own| own.nodes.clone());
     WingFacts {
         veins: wing.veins.iter().filter_map(|vein| chain(&vein.chain)).collect(),
         root: wing.root.as_ref().and_then(chain).unwrap_or_default(),
         nodes,
         triangles,
+        materials,
     }
 }
 

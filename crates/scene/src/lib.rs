@@ -54,7 +54,7 @@ pub use scene::{BeamWithRod, Display, Scene, Time};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS};
 pub use warnings::Warning;
-pub use wing::{Membrane, Vein, Wing, WingChain, WingMesh, WingSupport};
+pub use wing::{Membrane, Region, Vein, Wing, WingChain, WingGroup, WingMesh, WingSupport};
 
 /// The example of the README, as a test.
 #[cfg(doctest)]

@@ -17,9 +17,12 @@ const MOST_NODES: usize = 100_000;
 pub struct Wing {
     /// Nodes and triangles at rest.
     pub mesh: WingMesh,
-    /// Material of the membrane; absent for veins alone.
+    /// Material of the membrane outside regions; absent for veins alone.
     #[serde(default)]
     pub membrane: Option<Membrane>,
+    /// Parts of the membrane of other materials; the last one counts where several hold a triangle.
+    #[serde(default)]
+    pub regions: Vec<Region>,
     /// Veins.
     #[serde(default)]
     pub veins: Vec<Vein>,
@@ -100,9 +103,12 @@ pub enum WingMesh {
         /// Chains.
         #[serde(default)]
         chains: Vec<WingChain>,
+        /// Groups of triangles, for regions.
+        #[serde(default)]
+        groups: Vec<WingGroup>,
     },
     /// File of another program beside the scene's: Gmsh, VTK, OBJ, STL. `nervure` puts `triangles` in the place of this
-    /// key; lines of a physical group make a chain of its name.
+    /// key; lines of a physical group make a chain of its name, and triangles a group.
     File(String),
 }
 
@@ -114,6 +120,30 @@ pub struct WingChain {
     pub name: String,
     /// Nodes in order, counted from 0.
     pub nodes: Vec<usize>,
+}
+
+/// Named group of triangles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WingGroup {
+    /// Name.
+    pub name: String,
+    /// Triangles, counted from 0.
+    pub triangles: Vec<usize>,
+}
+
+/// Part of the membrane of a material of its own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Name; without a polygon the name of a group of the mesh.
+    pub name: String,
+    /// Corners of a polygon in x and y, m: the region has the triangles whose middle at rest lies inside.
+    #[serde(default)]
+    #[schemars(length(min = 3, max = 1000))]
+    pub polygon: Option<Vec<[f64; 2]>>,
+    /// Material.
+    pub membrane: Membrane,
 }
 
 /// Material of a membrane.
@@ -189,7 +219,7 @@ impl WingMesh {
             &Self::Rectangular { length, width, along } => mesh::rectangle(length, width, along),
             &Self::Elliptical { length, width, along } => mesh::ellipse(length, width, along),
             &Self::Insect { span, chord, along } => mesh::insect_wing(span, chord, along),
-            Self::Triangles { nodes, triangles, chains } => Mesh {
+            Self::Triangles { nodes, triangles, chains, .. } => Mesh {
                 nodes: nodes.clone(),
                 triangles: triangles.clone(),
                 chains: chains.iter().map(|own| Chain { name: own.name.clone(), nodes: own.nodes.clone() }).collect(),
@@ -208,6 +238,93 @@ impl WingMesh {
             Self::File(_) => Vec::new(),
         }
     }
+
+    /// Return the groups of triangles.
+    fn groups(&self) -> &[WingGroup] {
+        match self {
+            Self::Triangles { groups, .. } => groups,
+            _ => &[],
+        }
+    }
+}
+
+impl Region {
+    /// Return the triangles of the region in a mesh with these groups.
+    fn triangles(&self, mesh: &Mesh, groups: &[WingGroup]) -> Vec<usize> {
+        let Some(polygon) = &self.polygon else {
+            let group = groups.iter().find(|group| group.name == self.name);
+            return group.map(|group| group.triangles.clone()).unwrap_or_default();
+        };
+        let is_inside = |corners: &[usize; 3]| {
+            let places = corners.map(|k| mesh.nodes.get(k).copied().unwrap_or([f64::NAN; 3]));
+            let [x, y] = [0, 1].map(|axis| places.iter().map(|place| place[axis]).sum::<f64>() / 3.0);
+            // A ray towards +x crosses the sides an odd number of times.
+            let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
+            let crossed = sides
+                .filter(|([ax, ay], [bx, by])| (*ay > y) != (*by > y) && x < ax + (y - ay) / (by - ay) * (bx - ax));
+            crossed.count() % 2 == 1
+        };
+        (0..mesh.triangles.len()).filter(|t| is_inside(&mesh.triangles[*t])).collect()
+    }
+}
+
+impl Wing {
+    /// Return the material of each triangle of the built mesh: 0 for `membrane`, 1 for the first of `regions`, and so on;
+    /// empty without regions.
+    pub fn materials(&self, mesh: &Mesh) -> Vec<usize> {
+        if self.regions.is_empty() {
+            return Vec::new();
+        }
+        let mut materials = vec![0; mesh.triangles.len()];
+        for (i, region) in self.regions.iter().enumerate() {
+            for t in region.triangles(mesh, self.mesh.groups()) {
+                if let Some(material) = materials.get_mut(t) {
+                    *material = i + 1;
+                }
+            }
+        }
+        materials
+    }
+
+    /// Check that regions have triangles, and triangles outside of them a material.
+    fn check_regions(&self, key: &str, faults: &mut Faults) {
+        let groups = self.mesh.groups();
+        if self.regions.is_empty() && groups.is_empty() {
+            return;
+        }
+        let bare = self.membrane.is_none() && !self.regions.is_empty();
+        faults.forbid(bare, &format!("{key}.regions"), || "regions are parts of a `membrane`".into());
+        let mesh = self.mesh.build();
+        let count = mesh.triangles.len();
+        for (i, group) in groups.iter().enumerate() {
+            if let Some(t) = group.triangles.iter().find(|t| **t >= count) {
+                let key = format!("{key}.mesh.triangles.groups[{i}].triangles");
+                faults.require(false, &key, t, || format!("the mesh has triangles 0 to {}", count.saturating_sub(1)));
+            }
+        }
+        for (i, region) in self.regions.iter().enumerate() {
+            let own = format!("{key}.regions[{i}]");
+            let is_group = groups.iter().any(|group| group.name == region.name);
+            let said = format!("{:?}", region.name);
+            match &region.polygon {
+                None => {
+                    faults.require(is_group, &format!("{own}.name"), said, || match groups {
+                        [] => "the mesh has no groups: a region needs a `polygon`".into(),
+                        _ => {
+                            let names = list(groups.iter().map(|group| &group.name), "and");
+                            format!("the groups of the mesh are {names}; another region needs a `polygon`")
+                        }
+                    });
+                }
+                Some(polygon) => {
+                    let has_some = !region.triangles(&mesh, groups).is_empty();
+                    faults.require(has_some, &format!("{own}.polygon"), format!("{polygon:?}"), || {
+                        "the middle of a triangle must lie inside".into()
+                    });
+                }
+            }
+        }
+    }
 }
 
 impl Check for Wing {
@@ -215,6 +332,7 @@ impl Check for Wing {
         if let WingMesh::File(file) = &self.mesh {
             return faults.refuse_file(&format!("{key}.mesh.file"), file);
         }
+        let before = faults.len();
         let names = self.mesh.chains();
         let known = || format!("the chains of the mesh are {}", list(names.iter(), "and"));
         if let Some(root) = &self.root {
@@ -254,6 +372,9 @@ impl Check for Wing {
                     format!("a wing has at most {MOST_NODES} nodes: it must be <= 350")
                 });
             }
+        }
+        if faults.len() == before {
+            self.check_regions(key, faults);
         }
     }
 }

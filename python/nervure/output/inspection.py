@@ -109,6 +109,9 @@ def show_scene(console: Console, scene: Scene) -> None:
         rows.append((f"beam of {own.unit}" if own.prefix else "beam", size))
     if mesh := session.facts.wing:
         size = f"{len(mesh.nodes)} nodes, {len(mesh.triangles)} triangles, {len(mesh.veins)} veins"
+        if scene.wing and scene.wing.regions:
+            names = [region.name for region in scene.wing.regions]
+            size += f", regions {', '.join(f'{n} ({(mesh.materials == i).sum()})' for i, n in enumerate(names, 1))}"
         wings = importlib.import_module("nervure.output.wings")  # Drawing in space is slow to import
         rows += [("wing", size), ("picture", str(wings.save_mesh(session, mesh)))]
     recorder = session.recorder

@@ -4,7 +4,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from mpl_toolkits.mplot3d.art3d import Line3D, Poly3DCollection  # type: ignore[import-untyped]
 
 from nervure.output import axis_label, displayed_unit, layout, lengths_in, plots, title
@@ -20,6 +22,7 @@ LIGHT = np.array([0.3, -0.4, 0.87])  # Direction of the light
 DARK, BRIGHT = 0.3, 0.95  # Greys of triangles along and across the light
 ABOVE, ASIDE = 28.0, -60.0  # Place of the eye, degrees
 VEIN, ROOT = 1.2, 2.4  # Widths of lines
+TINTS = ("#F4A582", "#92C5DE", "#A6D96A", "#E6C35C", "#C2A5CF")  # Of regions, in turn
 
 
 class WingPicture:
@@ -60,7 +63,7 @@ class WingPicture:
         placed = self.scale * points
         corners = placed[self.mesh.triangles]
         self.skin.set_verts(corners)
-        self.skin.set_facecolor(shades(corners))
+        self.skin.set_facecolor(tinted(shades(corners), self.mesh.materials))
         for line, nodes in zip(self.veins, self.mesh.veins, strict=True):
             line.set_data_3d(*placed[nodes].T)
         self.root.set_data_3d(*placed[self.mesh.root].T)
@@ -84,11 +87,26 @@ def shades(corners: np.ndarray) -> np.ndarray:
     return np.column_stack([grey, grey, grey, np.ones_like(grey)])
 
 
+def tinted(colours: np.ndarray, materials: np.ndarray) -> np.ndarray:
+    """Return colours of triangles, `[n, 4]`, with those of each region in a tint of its own; `materials` is `[n]` or
+    empty."""
+    tinted = colours.copy()
+    for region in np.unique(materials[materials > 0]):
+        tinted[materials == region, :3] *= to_rgb(TINTS[(region - 1) % len(TINTS)])
+    return tinted
+
+
 def save_mesh(session: Session, mesh: WingMesh) -> Path:
-    """Write mesh.png, the mesh of a wing at rest with root and veins, into the folder of a session; return its path."""
+    """Write mesh.png, the mesh of a wing at rest with root, veins and regions, into the folder of a session; return its
+    path."""
     picture = WingPicture(session.scene, mesh, mesh.nodes[None], plots.WIDTH)
     picture.show(mesh.nodes)
     parts = [f"{len(mesh.nodes)} nodes", f"{len(mesh.triangles)} triangles", f"{len(mesh.veins)} veins"]
+    assert session.scene.wing is not None, "the mesh is of a wing"
+    if regions := session.scene.wing.regions:
+        parts.append(f"{len(regions)} region{'s' if len(regions) > 1 else ''}")
+        squares = [Patch(color=TINTS[i % len(TINTS)], label=region.name) for i, region in enumerate(regions)]
+        picture.figure.legend(handles=squares, loc="lower left", fontsize="small", frameon=False)
     picture.said.set_text(", ".join(parts))
     session.folder.mkdir(parents=True, exist_ok=True)
     return plots.save(picture.figure, session.folder / "mesh.png")

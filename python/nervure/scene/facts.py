@@ -65,6 +65,7 @@ class WingMesh:
     triangles: np.ndarray  # Corners, `[triangles, 3]`
     veins: list[np.ndarray]  # Nodes of each vein from base to tip
     root: np.ndarray  # Held nodes
+    materials: np.ndarray  # Of each triangle, `[triangles]`: 0, or the number of a region from 1; empty without regions
 
     def edge(self) -> np.ndarray:
         """Return the nodes around the wing, in order: sides that belong to one triangle."""
@@ -135,6 +136,7 @@ class Facts:
             triangles=np.array(found["triangles"], int).reshape(-1, 3),
             veins=[np.array(nodes, int) for nodes in found["veins"]],
             root=np.array(found["root"], int),
+            materials=np.array(found.get("materials", ()), int),
         )
 
     @property

@@ -25,9 +25,10 @@ def embed(scene: Document, folder: Path) -> bool:
 
 
 def read(path: Path) -> Document:
-    """Return `nodes` (m), `triangles` and `chains` of a file that meshio reads: OBJ, STL, VTK, Gmsh and others.
+    """Return `nodes` (m), `triangles`, `chains` and `groups` of a file that meshio reads: OBJ, STL, VTK, Gmsh, others.
 
-    The line cells of each physical group of Gmsh, or of each value of an array of integers, make a chain of that name.
+    The line cells of each physical group of Gmsh, or of each value of an array of integers, make a chain of that name,
+    and the triangles a group.
     Raises `SceneError` where the file has no triangles, other faces, or lines that are no chain.
     """
     meshio = require("meshio", f"`{KEY}`")
@@ -53,12 +54,31 @@ def read(path: Path) -> Document:
         "nodes": places.tolist(),
         "triangles": np.searchsorted(used, triangles).tolist(),
         "chains": [{"name": name, "nodes": np.searchsorted(used, nodes).tolist()} for name, nodes in lines.items()],
-    }
+    } | _surfaces(mesh)
+
+
+def _surfaces(mesh: Any) -> Document:
+    """Return the `groups` of triangles, counted in the order of the file; nothing without numbers of cells."""
+    found: dict[str, list[int]] = {}
+    if (numbers := _numbers(mesh)) is None:
+        return {}
+    names = {int(tag): name for name, (tag, dimension) in mesh.field_data.items() if dimension == 2}
+    tags = np.concatenate(
+        [np.asarray(n).ravel() for n, c in zip(numbers, mesh.cells, strict=True) if c.type == "triangle"]
+    )
+    for i, tag in enumerate(tags):
+        found.setdefault(names.get(int(tag), str(tag)), []).append(i)
+    return {"groups": [{"name": name, "triangles": group} for name, group in found.items()]}
+
+
+def _numbers(mesh: Any) -> list[np.ndarray] | None:
+    """Return the first array of integers of the cells, by blocks of cells."""
+    return next((d for d in mesh.cell_data.values() if all(np.asarray(b).dtype.kind in "iu" for b in d)), None)
 
 
 def _groups(mesh: Any) -> dict[str, list[np.ndarray]]:
     """Return the line cells by the name of their group."""
-    numbers = next((d for d in mesh.cell_data.values() if all(np.asarray(b).dtype.kind in "iu" for b in d)), None)
+    numbers = _numbers(mesh)
     names = {int(tag): name for name, (tag, dimension) in mesh.field_data.items() if dimension == 1}
     found: dict[str, list[np.ndarray]] = {}
     for i, block in enumerate(mesh.cells):

@@ -1158,6 +1158,16 @@ class WingChain(Part):
     """Nodes in order, counted from 0."""
 
 
+class WingGroup(Part):
+    """Named group of triangles."""
+
+    name: str
+    """Name."""
+
+    triangles: list[Integer]
+    """Triangles, counted from 0."""
+
+
 class Triangles(Part):
     """Nodes and triangles of any other program."""
 
@@ -1170,6 +1180,9 @@ class Triangles(Part):
     chains: list[WingChain] = Field(default_factory=list)
     """Chains."""
 
+    groups: list[WingGroup] = Field(default_factory=list)
+    """Groups of triangles, for regions."""
+
 
 class WingMeshTriangles(Part):
     """Nodes and triangles of any other program."""
@@ -1180,11 +1193,11 @@ class WingMeshTriangles(Part):
 
 class WingMeshFile(Part):
     """File of another program beside the scene's: Gmsh, VTK, OBJ, STL. `nervure` puts `triangles` in the place of this
-    key; lines of a physical group make a chain of its name."""
+    key; lines of a physical group make a chain of its name, and triangles a group."""
 
     file: str
     """File of another program beside the scene's: Gmsh, VTK, OBJ, STL. `nervure` puts `triangles` in the place of this
-    key; lines of a physical group make a chain of its name."""
+    key; lines of a physical group make a chain of its name, and triangles a group."""
 
 
 WingMesh = WingMeshRectangular | WingMeshElliptical | WingMeshInsect | WingMeshTriangles | WingMeshFile
@@ -1208,6 +1221,19 @@ class Membrane(Part):
 
     tension: Real = 0.0
     """Tension at rest, N/m."""
+
+
+class Region(Part):
+    """Part of the membrane of a material of its own."""
+
+    name: str
+    """Name; without a polygon the name of a group of the mesh."""
+
+    polygon: list[tuple[Real, Real]] | None = None
+    """Corners of a polygon in x and y, m: the region has the triangles whose middle at rest lies inside."""
+
+    membrane: Membrane
+    """Material."""
 
 
 class Vein(Part):
@@ -1255,7 +1281,10 @@ class Wing(Part):
     """Nodes and triangles at rest."""
 
     membrane: Membrane | None = None
-    """Material of the membrane; absent for veins alone."""
+    """Material of the membrane outside regions; absent for veins alone."""
+
+    regions: list[Region] = Field(default_factory=list)
+    """Parts of the membrane of other materials; the last one counts where several hold a triangle."""
 
     veins: list[Vein] = Field(default_factory=list)
     """Veins."""
