@@ -1,4 +1,5 @@
-"""A wing: a square plate that vibrates as exact ones do, a hovering wing by its stiffness, and the cost of a step."""
+"""A wing: a square plate that vibrates as exact ones do, the limit of a rigid plate, a hovering wing by its stiffness,
+and the cost of a step."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ import numpy as np
 
 import nervure
 from nervure.scene import validate
+from nervure.scene.facts import Facts
 from studies import commands, flapping, simulate, space
 from studies.engine import COUPLED, Case, Study
 from studies.show import exponent
@@ -21,7 +23,7 @@ FACTORS = (0.25, 1.0, 4.0, 16.0)
 """Stiffness of membrane and veins by that of the scene."""
 STROKE = 10.0  # Period of the hovering wing, s; the last one counts
 POWERS = ("root_power", "load_power", "damping_power", "energy_elastic", "energy_kinetic", "wing_drag", "wing_lift",
-          "wing_side")  # fmt: skip
+          "wing_side", "section_twist", "section_camber")  # fmt: skip
 COST = ["cargo", "run", "--release", "--quiet", "--locked", "-p", "nervure-wing", "--example", "cost"]
 
 LEISSA = 3.4917
@@ -45,6 +47,74 @@ PLATE: dict[str, Any] = {
         "root_motion": {"z": {"table": {"times": [0.0, 0.5, 1.0], "values": [0.0, NUDGE, 0.0]}}},
     },
 }
+
+CELLS = 48  # Along a side of the box of the plate that heaves and pitches
+HEAVE = {"sine": {"amplitude": 0.2, "frequency": 0.5, "ramp": 0.6}}
+PITCH = {"sine": {"amplitude": 0.4, "frequency": 0.5, "phase": 1.0, "ramp": 0.6}}
+SPAN = [1.0, 0.0, 0.0]  # Axis of the pitch
+STIFF = (1e2, 1e3, 1e4, 1e5)
+"""Stiffness of a plate that heaves and pitches: D/(rho U² c³) for chord and largest speed of the heave of about 1."""
+
+
+def heaving(stiffness: float, cells: int = CELLS) -> dict[str, Any]:
+    """Return the scene of a square wing that heaves and pitches at its root, of the bending stiffness D, N m."""
+    step = 0.64 / cells
+    return {
+        "name": "heaving",
+        "time": {"end": 2.0, "communication_step": step},
+        "fluid": {
+            "density": 1.0,
+            "kinematic_viscosity": 0.02,
+            "box": {"x": [-1.5, 2.5], "y": [-2.0, 2.0], "z": [-2.0, 2.0], "cells": 3 * [cells]},
+            "mask": {"log_linear": {"c_eta": 1e-3}},
+            "time_stepping": {"max_step": step, "max_cfl": 0.4},
+        },
+        "wing": {
+            "mesh": {"rectangular": {"length": 1.0, "width": 1.0, "along": 4}},
+            "membrane": {
+                "areal_density": 0.5,
+                "stretching_stiffness": 400.0 * stiffness,
+                "bending_stiffness": stiffness,
+            },
+            "root": "root",
+            "root_motion": {"z": HEAVE, "rotations": [{"angle": PITCH, "axis": SPAN}]},
+        },
+    }
+
+
+def rigid(scene: dict[str, Any]) -> dict[str, Any]:
+    """Return the scene of the triangles of a heaving wing as a rigid body of the same motion."""
+    mesh = Facts(validate(scene)).wing
+    assert mesh is not None
+    body = {
+        "shape": {"triangulation": {"nodes": mesh.nodes.tolist(), "triangles": mesh.triangles.tolist()}},
+        "position": [0.0, 0.0, 0.0],
+        "pivot": [0.0, 0.0, 0.0],
+        "motion": {"z": HEAVE, "angle": PITCH, "axis": SPAN},
+    }
+    rest = {key: part for key, part in scene.items() if key not in ("wing", "fluid")}
+    return rest | {"fluid": scene["fluid"] | {"bodies": [body]}}
+
+
+def forces(scene: dict[str, Any], body: str, folder: Path) -> np.ndarray:
+    """Return the forces of the fluid on a body over time, `[3, times]`, N."""
+    series = nervure.run(validate(scene), folder, force=True, quiet=True).series
+    return np.array([series[f"{body}_{name}"] for name in ("drag", "lift", "side")])
+
+
+def differences(scene: dict[str, Any], folder: Path, rigid_forces: np.ndarray) -> dict[str, float]:
+    """Return the difference of the forces on a wing from those on a rigid plate: root mean square by root mean square,
+    and largest by largest."""
+    off = np.linalg.norm(forces(scene, "wing", folder) - rigid_forces, axis=0)
+    size = np.linalg.norm(rigid_forces, axis=0)
+    return {"mean": float(np.sqrt((off**2).mean() / (size**2).mean())), "largest": float(off.max() / size.max())}
+
+
+def of_rigid(case: Case, folder: Path) -> dict[str, Any]:
+    """Return the differences of a wing from the rigid plate of its triangles and motion."""
+    scene = heaving(**case.options)
+    found = differences(scene, folder / "wing", forces(rigid(scene), "body_1", folder / "rigid"))
+    return {"values": found}
 
 
 def vibrating(case: Case, folder: Path) -> dict[str, Any]:
@@ -82,7 +152,8 @@ def of_stiffness(case: Case, folder: Path) -> dict[str, Any]:
 
 def means(series: Any) -> dict[str, float]:
     """Return means of a hovering wing over its last period: lift, the force in the plane of the stroke, N, power of the
-    drive, W, lift by power, N/W, and what is missing in the balance of energies, by the work of the drive."""
+    drive, W, lift by power, N/W, what is missing in the balance of energies, by the work of the drive, and the
+    largest twist, rad, and camber."""
     time = np.asarray(series["time"])
     late = time > time[-1] - STROKE
     column = {name: np.asarray(series[name])[late] for name in POWERS}
@@ -98,6 +169,8 @@ def means(series: Any) -> dict[str, float]:
         "power": power,
         "by_power": lift / power,
         "missing": missing / works["root_power"],
+        "twist": float(np.abs(column["section_twist"]).max()),
+        "camber": float(np.abs(column["section_camber"]).max()),
     }
 
 
@@ -112,6 +185,10 @@ def cases() -> Iterator[Case]:
     for n in ELEMENTS:
         about = {"expected": {"frequency": LEISSA}, "grid": f"{n} a side"}
         yield Case(f"plate/{n}", ("scene", "wing"), options={"along": n}, action=vibrating, about=about)
+    for stiffness in STIFF:
+        about = {"expected": {"mean": 0.0}, "grid": f"{CELLS}^3"}
+        options = {"stiffness": stiffness}
+        yield Case(f"rigid/{stiffness:g}", (*COUPLED, "wing"), options=options, action=of_rigid, about=about)
     for cells, step in (([48, 48, 63], 0.00833333), ([64, 64, 84], 0.00625)):
         said = "x".join(map(str, cells))
         about = {"expected": {"imbalance": 0.0}, "grid": said}

@@ -8,6 +8,7 @@ from nervure.coupling import Explicit
 from nervure.scene import validate
 from nervure.simulation import checkpoint
 from nervure.simulation.session import Session
+from studies import wing as wing_study
 
 pytestmark = pytest.mark.usefixtures("wing_library")
 
@@ -94,3 +95,12 @@ def test_a_wing_that_is_too_fast_for_the_step_is_told_of(tmp_path):
         session.run()
         assert guard.limits is not None
         assert "the wing passes up to 1.2 cells in a step, and a step of the fluid has 0.4" in guard.advice(STEP)
+
+
+def test_a_stiff_wing_has_the_forces_of_a_rigid_plate(tmp_path):
+    """The difference falls as the compliance, and is within 1 % where the wing bends little."""
+    plate = wing_study.forces(wing_study.rigid(wing_study.heaving(1.0, 32)), "body_1", tmp_path)
+    found = {d: wing_study.differences(wing_study.heaving(d, 32), tmp_path, plate)["mean"] for d in (500.0, 5000.0)}
+    print(found)
+    assert found[5000.0] < 0.01
+    assert found[500.0] / found[5000.0] == pytest.approx(10.0, abs=3.0)
