@@ -236,7 +236,7 @@ def test_a_falling_wing_has_the_mass_of_its_regions(tmp_path):
 def test_a_bad_region_is_refused_with_its_key(region, groups, said):
     mesh = {"triangles": STRIP if groups is None else STRIP | {"groups": groups}}
     with pytest.raises(SceneError, match=said):
-        validate(with_regions([region | {"membrane": FILM}], mesh))
+        describe("wing", with_regions([region | {"membrane": FILM}], mesh))
 
 
 def test_the_picture_of_a_mesh_names_its_regions(tmp_path):
