@@ -164,8 +164,8 @@ def means(series: Any) -> dict[str, float]:
     lift, power = float(column["wing_lift"].mean()), works["root_power"] / STROKE
     drag = float(np.hypot(column["wing_drag"], column["wing_side"]).mean())
     return {
-        "lift": lift,
-        "drag": drag,
+        "lift_force": lift,
+        "drag_force": drag,
         "power": power,
         "by_power": lift / power,
         "missing": missing / works["root_power"],
