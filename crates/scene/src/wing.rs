@@ -269,7 +269,7 @@ impl Region {
 }
 
 impl Wing {
-    /// Return the material of each triangle of the built mesh: 0 for `membrane`, 1 for the first of `regions`, and so on;
+    /// Return the material of each triangle of the built mesh: 0 for `membrane`, 1 and more for the `regions` in order;
     /// empty without regions.
     pub fn materials(&self, mesh: &Mesh) -> Vec<usize> {
         if self.regions.is_empty() {
@@ -286,7 +286,7 @@ impl Wing {
         materials
     }
 
-    /// Check that regions have triangles, and triangles outside of them a material.
+    /// Check that regions have triangles, and that groups have triangles of the mesh.
     fn check_regions(&self, key: &str, faults: &mut Faults) {
         let groups = self.mesh.groups();
         if self.regions.is_empty() && groups.is_empty() {
