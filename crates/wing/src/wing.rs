@@ -221,8 +221,8 @@ impl Wing {
         self.crossings.count(&self.elastic.faces, &self.state.positions)
     }
 
-    /// Return the turn of the chord at three quarters of the span about the span, rad, from its direction on the base at
-    /// rest; `None` for a wing without a line of the root or without triangles.
+    /// Return the turn of the chord at three quarters of the span about the span, rad, from its direction on the base
+    /// at rest; `None` for a wing without a line of the root or without triangles.
     pub fn twist(&self) -> Option<f64> {
         self.section.as_ref().map(|section| section.twist(&self.state.positions, &self.state.pose.matrix()))
     }
