@@ -1,6 +1,6 @@
 //! Conversion of a scene to the parameters and loads of a rod.
 
-use rod::{Bending, Calibration, Error, Loads, Parameters, Rod, RootSupport, Scheme, Section, Taper};
+use rod::{Bending, Calibration, Error, Loads, Parameters, Rod, RootSupport, Scheme, Section, Slide, Taper};
 use scene::{Beam, Load, Material, Scene};
 
 /// Return the rod of a scene, at rest, with the loads of the scene.
@@ -45,6 +45,7 @@ fn parameters<const D: usize>(scene: &Scene, beam: &Beam, rod: &scene::Rod) -> P
             }
             scene::RootSupport::Free { .. } => RootSupport::Free,
         },
+        slide: rod.slide.as_ref().map(|slide| Slide { axis: slide.along as usize, mass: slide.mass }),
         clamp_compliance_length: rod.clamp_compliance_length,
         scheme: match rod.scheme {
             scene::RodScheme::Trapezoid => Scheme::Trapezoid,

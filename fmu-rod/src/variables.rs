@@ -27,6 +27,7 @@ pub fn list(unit: &RodUnit) -> Vec<Variable> {
     let at_the_end = |output: Variable| output.depends_on(&[]);
     list.extend(station_outputs(unit).into_iter().map(at_the_end));
     list.extend(hinge_outputs(unit).into_iter().map(at_the_end));
+    list.extend(slide_outputs(unit).into_iter().map(at_the_end));
     if unit.rod.root_motion.is_some() || matches!(unit.rod.root, scene::RootSupport::Free { .. }) {
         list.extend(drive_outputs(unit).into_iter().map(at_the_end));
     }
@@ -151,11 +152,15 @@ fn load_inputs(unit: &RodUnit) -> Vec<Variable> {
 /// Return the motion of the root as inputs of a master that drives it.
 fn base_inputs(unit: &RodUnit) -> Vec<Variable> {
     let mut list = Vec::new();
-    list.extend(along_axes(unit, |d, axis| {
+    let driven = |make: &dyn Fn(usize, &str) -> Variable| {
+        let axes = AXES[..unit.body.dimension()].iter().enumerate();
+        axes.filter(|(d, _)| slide_axis(unit) != Some(*d)).map(|(d, axis)| make(d, axis)).collect::<Vec<_>>()
+    };
+    list.extend(driven(&|d, axis| {
         let text = "Position of the root at the end of the step";
         Real::input(format!("root.{axis}"), "m", text, move |m| from_mut(&mut m.base.position[d]))
     }));
-    list.extend(along_axes(unit, |d, axis| {
+    list.extend(driven(&|d, axis| {
         let text = "Velocity of the root at the end of the step";
         Real::input(format!("root.v{axis}"), "m/s", text, move |m| from_mut(&mut m.base.velocity[d]))
     }));
@@ -238,6 +243,31 @@ fn hinge_outputs(unit: &RodUnit) -> Vec<Variable> {
         of_hinge("hinge.angle", "rad", "Angle of the torsion spring, positive to the left", 0),
         of_hinge("hinge.omega", "rad/s", "Rate of the angle of the torsion spring", 1),
     ]
+}
+
+/// Return displacement and velocity of the root along its slide.
+fn slide_outputs(unit: &RodUnit) -> Vec<Variable> {
+    let Some(axis) = slide_axis(unit) else { return Vec::new() };
+    let name = AXES[axis];
+    vec![
+        output(
+            format!("root.u{name}"),
+            "m",
+            format!("Displacement of the root along {name}, on its slide"),
+            move |body| either!(body, rod => rod.state().positions[0][axis] - rod.parameters().attachment[axis]),
+        ),
+        output(
+            format!("root.v{name}"),
+            "m/s",
+            format!("Velocity of the root along {name}, on its slide"),
+            move |body| body.velocities(axis)[0],
+        ),
+    ]
+}
+
+/// Return the axis along which the root slides.
+fn slide_axis(unit: &RodUnit) -> Option<usize> {
+    either!(&unit.body, rod => rod.parameters().slide.map(|slide| slide.axis))
 }
 
 /// Return force, moment, power and work of a drive or of a towing force.

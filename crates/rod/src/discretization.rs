@@ -8,9 +8,9 @@ use crate::shear::Shear;
 use crate::vector::Vector;
 
 impl<const D: usize> Parameters<D> {
-    /// Return the first node that moves freely: 1, or 0 with a free root.
+    /// Return the first node that moves freely: 1, or 0 with a free or sliding root.
     pub(crate) fn first_node(&self) -> usize {
-        usize::from(self.support != RootSupport::Free)
+        usize::from(self.support != RootSupport::Free && self.slide.is_none())
     }
 
     /// Return the length l0 of a segment at rest, m.
@@ -94,11 +94,19 @@ impl<const D: usize> Parameters<D> {
         Self { displaced: 0.0, taper, ..self.clone() }.masses()
     }
 
-    /// Return the mass of each node less the mass of the fluid it displaces, kg: `[n + 1]`.
+    /// Return the mass of each node, with the mass of a slide, less the mass of the fluid it displaces, kg: `[n + 1]`.
     ///
     /// On a tapered rod it is ∫ μ N ds with the hat function N of the node, by Simpson's rule in each segment. Sum and
     /// centre of the masses are exact.
     pub(crate) fn masses(&self) -> Vec<f64> {
+        let mut masses = self.rod_masses();
+        if let Some(slide) = self.slide {
+            masses[0] += slide.mass;
+        }
+        masses
+    }
+
+    fn rod_masses(&self) -> Vec<f64> {
         let Taper { line_density, displaced, .. } = &self.taper;
         let tributary = self.tributary();
         if line_density.is_empty() && displaced.is_empty() {

@@ -46,7 +46,7 @@ pub(crate) struct Elastic<const D: usize> {
     pub(crate) bending: Vec<f64>,
     /// Resistance of the root against turning.
     pub(crate) joint: Joint,
-    /// First node that moves freely: 1, or 0 with a free root.
+    /// First node that moves freely: 1, or 0 with a free or sliding root.
     pub(crate) first: usize,
     /// Unit tangent at the root.
     pub(crate) direction: Vector<D>,
@@ -184,7 +184,8 @@ impl<const D: usize> Elastic<D> {
             if node > self.first {
                 emit(node - 1, by_earlier - by_before);
             }
-            (by_earlier, by_before) = (by_before, new_by_before);
+            // The edge of the support does not move with node 0.
+            (by_earlier, by_before) = (if node > 0 { by_before } else { Vector::zeros() }, new_by_before);
         }
         Ok(())
     }
@@ -216,6 +217,9 @@ impl<const D: usize> Elastic<D> {
                 let vertex = self.vertex(node, before, after, k_b, moments.get(node))?;
                 if self.shear.is_some() {
                     turns[2] = self.turn_gradient(node, before, after)?;
+                    if node == 0 {
+                        turns[2].0 = Vector::zeros(); // the edge of the support does not move with node 0
+                    }
                 }
                 gradient += vertex.by_before;
                 block += vertex.before_before;
@@ -239,8 +243,11 @@ impl<const D: usize> Elastic<D> {
                     },
                 );
             }
-            (earlier_gradient, earlier_block) = (gradient, block);
-            earlier_coupling = if node > 0 { coupling } else { Matrix::zeros() };
+            (earlier_gradient, earlier_block, earlier_coupling) = (gradient, block, coupling);
+            if node == 0 {
+                (earlier_gradient, earlier_block, earlier_coupling) =
+                    (Vector::zeros(), Matrix::zeros(), Matrix::zeros());
+            }
             (gradient, block) = (new_gradient, new_block);
         }
         Ok(())

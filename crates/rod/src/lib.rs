@@ -35,7 +35,7 @@ pub use crate::banded::{Banded, Singular};
 pub use crate::base_motion::BaseMotion;
 pub use crate::error::Error;
 pub use crate::loads::Loads;
-pub use crate::model::{Bending, Calibration, RootSupport, Scheme, Section, Taper};
+pub use crate::model::{Bending, Calibration, RootSupport, Scheme, Section, Slide, Taper};
 pub use crate::newton::Statistics;
 pub use crate::parameters::Parameters;
 pub use crate::rod::{Energy, Rod};

@@ -87,6 +87,15 @@ pub enum RootSupport {
     Free,
 }
 
+/// Guide along which the root moves freely; in all else the support holds it or the prescribed motion moves it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slide {
+    /// Axis of the guide: 0 is x.
+    pub axis: usize,
+    /// Mass that moves with the root, kg, besides the mass of the rod.
+    pub mass: f64,
+}
+
 /// Implicit time scheme; each is of second order in the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Scheme {

@@ -140,15 +140,24 @@ pub(crate) struct Newton<const D: usize> {
     length: f64,
     /// Largest expected coordinate, m.
     pub(crate) extent: f64,
-    /// First node that moves freely: 1, or 0 with a free root.
+    /// First node that moves freely: 1, or 0 with a free or sliding root.
     first: usize,
+    /// Only component in which node 0 moves freely, with a sliding root.
+    slide: Option<usize>,
 }
 
 impl<const D: usize> Newton<D> {
     /// Return the solver of a rod of `segments` and `length` (m), with coordinates up to `extent` (m).
     ///
     /// The nodes from `first` on move freely; `shear` adds a moment per segment to the unknowns.
-    pub(crate) fn new(segments: usize, length: f64, extent: f64, shear: bool, first: usize) -> Self {
+    pub(crate) fn new(
+        segments: usize,
+        length: f64,
+        extent: f64,
+        shear: bool,
+        first: usize,
+        slide: Option<usize>,
+    ) -> Self {
         let (order, half_bandwidth) = if shear { (D + 1, 3 * D + 1) } else { (D, 3 * D - 1) };
         let (moments, nodes) = (if shear { segments } else { 0 }, segments + 1 - first);
         Self {
@@ -162,6 +171,7 @@ impl<const D: usize> Newton<D> {
             length,
             extent,
             first,
+            slide,
         }
     }
 
@@ -180,6 +190,9 @@ impl<const D: usize> Newton<D> {
         let potential = |x: &[Vector<D>]| problem.potential(x).map_or(f64::INFINITY, |(of_x, _)| of_x);
         let of_guess = potential(x);
         x[self.first..].copy_from_slice(&problem.origin[self.first..]);
+        if let Some(axis) = self.slide {
+            x[0] = kept(self.before[0], axis, x[0]);
+        }
         if of_guess <= potential(x) {
             x.copy_from_slice(&self.before);
         }
@@ -263,12 +276,15 @@ impl<const D: usize> Newton<D> {
 
     /// Write −∇Π at `x` to `descent` and return the residual.
     fn find_descent(&mut self, problem: Problem<D>, x: &[Vector<D>]) -> Result<Imbalance, BadShape> {
-        let Self { descent, moments, first, .. } = self;
+        let Self { descent, moments, first, slide, .. } = self;
         // Largest components of ∇Π and of the forces against the elastic forces. `larger` skips NaN, `sum` does not.
         let (mut residual, mut outer, mut sum) = (0.0_f64, 0.0_f64, 0.0);
         problem.elastic.gradient(x, moments, |k, gradient| {
             let of_node = problem.outer(k, x);
-            let descent_of_node = of_node - gradient * problem.balance.elastic_weight;
+            let mut descent_of_node = of_node - gradient * problem.balance.elastic_weight;
+            if let (0, Some(axis)) = (k, *slide) {
+                descent_of_node = kept(Vector::zeros(), axis, descent_of_node);
+            }
             residual = larger(residual, descent_of_node);
             outer = larger(larger(outer, of_node), problem.balance.load[k]);
             sum += descent_of_node.sum();
@@ -321,7 +337,25 @@ impl<const D: usize> Newton<D> {
                     others[first + block + i] = s * by.next_but_one[(i, j)];
                 }
             }
-        })
+        })?;
+        if let Some(axis) = self.slide {
+            self.hold_root(axis, first);
+        }
+        Ok(())
+    }
+
+    /// Uncouple the components of node 0 except `axis`, which get the update 0; `first` is their first column.
+    fn hold_root(&mut self, axis: usize, first: usize) {
+        for j in 0..D {
+            let column = self.matrix.column_mut(first + j);
+            if j == axis {
+                column[1..D - j].fill(0.0);
+            } else {
+                column.fill(0.0);
+                column[0] = self.stiffness;
+                self.descent[j] = 0.0;
+            }
+        }
     }
 
     /// Factorise `matrix` and return the number of negative eigenvalues of ∇∇Π.
@@ -409,6 +443,12 @@ impl<const D: usize> Newton<D> {
         });
         square.sqrt()
     }
+}
+
+/// Return `vector` with the component `axis` of `free`.
+pub(crate) fn kept<const D: usize>(mut vector: Vector<D>, axis: usize, free: Vector<D>) -> Vector<D> {
+    vector[axis] = free[axis];
+    vector
 }
 
 /// Return the largest of a number and the magnitudes of a vector; skip NaN. Each comparison is one instruction.

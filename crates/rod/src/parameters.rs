@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::Error;
-use crate::model::{Bending, Calibration, RootSupport, Scheme, Section, Taper};
+use crate::model::{Bending, Calibration, RootSupport, Scheme, Section, Slide, Taper};
 use crate::vector::Vector;
 
 /// Tolerance of the ratios of a taper, for rounding.
@@ -53,6 +53,8 @@ pub struct Parameters<const D: usize> {
     pub calibration: Calibration,
     /// Support of the root.
     pub support: RootSupport,
+    /// Guide of the root; `None` holds the root in all directions, unless it is free.
+    pub slide: Option<Slide>,
     /// Length of rod whose bending compliance is added to the clamp, m.
     pub clamp_compliance_length: f64,
     /// Time scheme.
@@ -80,6 +82,7 @@ impl<const D: usize> Parameters<D> {
             bending: Bending::default(),
             calibration: Calibration::default(),
             support: RootSupport::default(),
+            slide: None,
             clamp_compliance_length: 0.0,
             scheme: Scheme::default(),
             max_step: None,
@@ -164,6 +167,16 @@ impl<const D: usize> Parameters<D> {
             let found = format!("{:?}", self.support);
             let allowed = "Clamped with projected bending or the calibration of the thesis";
             return Err(Error::value("support", found, allowed));
+        }
+        let Some(Slide { axis, mass }) = self.slide else { return Ok(()) };
+        if axis >= D || self.support == RootSupport::Free || !plain {
+            let found = format!("{:?}", self.slide);
+            let allowed = "an axis of the rod's space, and absent with a free root, projected bending or the \
+                           calibration of the thesis";
+            return Err(Error::value("slide", found, allowed));
+        }
+        if !(mass.is_finite() && mass >= 0.0) {
+            return Err(Error::value("slide.mass", mass, "a finite number of at least 0"));
         }
         Ok(())
     }

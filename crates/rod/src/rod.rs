@@ -6,7 +6,7 @@ use crate::elastic::{BadShape, Elastic, FOLD};
 use crate::hinge::Hinge;
 use crate::loads::Loads;
 use crate::model::RootSupport;
-use crate::newton::{Balance, Failure, Imbalance, Newton, Statistics};
+use crate::newton::{Balance, Failure, Imbalance, Newton, Statistics, kept};
 use crate::parameters::Parameters;
 use crate::state::State;
 use crate::vector::Vector;
@@ -77,7 +77,7 @@ impl<const D: usize> Rod<D> {
         let hinge = parameters.hinge();
         let mut at_rest = State::at_rest(rest.clone(), direction, hinge.map(|hinge| hinge.at_rest(0.0)));
         at_rest.pressure = vec![0.0; if parameters.strain_per_pressure > 0.0 { nodes } else { 0 }];
-        let first = parameters.first_node();
+        let (first, slide) = (parameters.first_node(), parameters.slide.map(|slide| slide.axis));
         let shear = parameters.section.shear_stiffness.is_some();
         let mut rod = Self {
             loads: Loads::default(),
@@ -93,7 +93,7 @@ impl<const D: usize> Rod<D> {
             statistics: Statistics::default(),
             positions: vec![0.0; D * nodes],
             velocities: vec![0.0; D * nodes],
-            newton: Newton::new(segments, length, attachment.amax() + length, shear, first),
+            newton: Newton::new(segments, length, attachment.amax() + length, shear, first, slide),
             hinge,
             balance: Balance { weight: vec![0.0; nodes], load: vec![Vector::zeros(); nodes], elastic_weight: 1.0 },
             force: vec![Vector::zeros(); nodes],
@@ -214,14 +214,16 @@ impl<const D: usize> Rod<D> {
     /// Continue from `state`; the same loads and steps repeat the same bits.
     ///
     /// # Errors The rod refuses a state with another number of nodes, with numbers that are not finite, with a root
-    /// away from its place at rest (unless it is free or driven), without the angle of a torsion spring, or with a
+    /// away from its place at rest (unless it is free, driven or on a slide), without the angle of a torsion spring, or with a
     /// singular shape.
     pub fn restore(&mut self, state: &State<D>) -> Result<(), Error> {
         state.check(self.rest.len())?;
         let (direction, still) = (Vector::from(self.parameters.direction).normalize(), Vector::zeros());
+        let held =
+            |vector: Vector<D>| self.parameters.slide.map_or(vector, |slide| kept(vector, slide.axis, Vector::zeros()));
         for (name, found, expected, allowed) in [
-            ("positions[0]", state.positions[0], self.rest[0], "the position of the root at rest"),
-            ("velocities[0]", state.velocities[0], still, "0 at a root at rest"),
+            ("positions[0]", held(state.positions[0]), held(self.rest[0]), "the position of the root at rest"),
+            ("velocities[0]", held(state.velocities[0]), still, "0 at a root at rest"),
             ("direction", state.direction, direction, "the direction at rest"),
             ("direction_rate", state.direction_rate, still, "0 at a root at rest"),
         ] {

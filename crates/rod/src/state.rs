@@ -174,6 +174,17 @@ impl<const D: usize> State<D> {
         self.set_base(base);
     }
 
+    /// Give node 0, in all components but `axis`, and the tangent there the state `base`; `root` is the motion of node 0
+    /// `dt` earlier.
+    pub(crate) fn move_slide(&mut self, root: &Motion<Vector<D>>, base: &BaseState<D>, dt: f64, axis: usize) {
+        let (x, v, a) = (self.positions[0], self.velocities[0], self.accelerations[0]);
+        (self.positions[0], self.velocities[0]) = (root.x, root.v);
+        self.move_base(base, dt);
+        self.positions[0][axis] = x[axis];
+        self.velocities[0][axis] = v[axis];
+        self.accelerations[0][axis] = a[axis];
+    }
+
     /// Copy `other`, of the same number of nodes, without allocation.
     pub(crate) fn copy_from(&mut self, other: &Self) {
         self.positions.copy_from_slice(&other.positions);

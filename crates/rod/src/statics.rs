@@ -16,11 +16,15 @@ impl<const D: usize> Rod<D> {
     /// balances. A pressure jump keeps its direction in the present shape.
     ///
     /// # Errors
-    /// Newton's method may fail, and a free rod has no equilibrium. After an error the state is unchanged.
+    /// Newton's method may fail, and a free or sliding rod has no equilibrium. After an error the state is unchanged.
     pub fn solve_static(&mut self) -> Result<(), Error> {
         if self.parameters.support == RootSupport::Free {
             let allowed = "another support: a free rod has no equilibrium";
             return Err(Error::value("support", "Free".to_string(), allowed));
+        }
+        if self.parameters.slide.is_some() {
+            let allowed = "absent: a rod on a slide has no equilibrium";
+            return Err(Error::value("slide", format!("{:?}", self.parameters.slide), allowed));
         }
         self.collect_loads()?;
         self.statistics = Statistics::default();

@@ -9,7 +9,7 @@ use crate::error::LARGEST_GAIN;
 use crate::hinge::{Hinge, advance};
 use crate::loads::Loads;
 use crate::model::{RootSupport, Scheme};
-use crate::newton::{Failure, Problem, Statistics};
+use crate::newton::{Failure, Problem, Statistics, kept};
 use crate::rod::Rod;
 use crate::scheme::{StepRule, TRAPEZOID_PART};
 use crate::state::{Drive, Exchange, State};
@@ -170,6 +170,9 @@ impl<const D: usize> Rod<D> {
         if let Some(impedance) = self.loads.impedance.first() {
             force += (v - self.before.velocities[0]) * *impedance;
         }
+        if let Some(slide) = self.parameters.slide {
+            force[slide.axis] = 0.0;
+        }
         let turning = cross(direction, direction_rate).into_iter().zip(moment).map(|(omega, m)| omega * m);
         let power = force.dot(&v) + turning.sum::<f64>();
         let work = self.state.drive.work + power * duration;
@@ -306,12 +309,17 @@ impl<const D: usize> Rod<D> {
             self.guess[k] = self.state.positions[k] + v * dt + a * (0.5 * dt * dt);
         }
         let base = span.base.map(|end| self.before.base().towards(end, span.to, span.duration));
+        let free = self.guess[0];
         if let Some(base) = &base {
             self.guess[0] = base.position;
             self.elastic.direction = base.direction;
-        } else if self.elastic.first == 1 {
+        } else if self.parameters.support != RootSupport::Free {
             self.guess[0] = self.state.positions[0];
-        } else {
+        }
+        if let Some(slide) = self.parameters.slide {
+            self.guess[0] = kept(self.guess[0], slide.axis, free);
+        }
+        if self.elastic.first == 0 {
             // The coordinates of a free rod may grow without limit.
             self.newton.extent = self.guess[0].amax() + self.parameters.length;
         }
@@ -345,6 +353,7 @@ impl<const D: usize> Rod<D> {
             }
         }
 
+        let root = self.state.motion(0);
         let per_new_force = 1.0 / new_force;
         for k in self.elastic.first..self.rest.len() {
             let m = self.masses[k];
@@ -360,7 +369,10 @@ impl<const D: usize> Rod<D> {
             state.accelerations[k] = a;
             state.net_forces[k] = (blended - state.net_forces[k] * old_force) * per_new_force;
         }
-        if let Some(base) = &base {
+        if let Some(slide) = self.parameters.slide {
+            let still = self.before.base();
+            self.state.move_slide(&root, base.as_ref().unwrap_or(&still), dt, slide.axis);
+        } else if let Some(base) = &base {
             self.state.move_base(base, dt);
         }
         self.align_elastic();
@@ -379,6 +391,11 @@ impl<const D: usize> Rod<D> {
                 accelerations[k] = net_forces[k] / m;
             }
         });
+        if let Some(slide) = parameters.slide {
+            for held in [&mut net_forces[0], &mut accelerations[0]] {
+                *held = kept(Vector::zeros(), slide.axis, *held);
+            }
+        }
         loads.copy_from_slice(force);
         result.map_err(|shape| self.error(shape.into()))
     }

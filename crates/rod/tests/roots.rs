@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 use common::{SCHEMES, total_energy, unit_rod};
 use modes::{RitzBeam, frequencies};
-use nervure_rod::{BaseMotion, Bending, Parameters, Rod, RootSupport, Scheme, Section, Taper};
+use nervure_rod::{BaseMotion, Bending, Calibration, Parameters, Rod, RootSupport, Scheme, Section, Slide, Taper};
 
 fn spring(stiffness: f64) -> RootSupport {
     RootSupport::TorsionSpring { stiffness, damping: 0.0, rest_angle: 0.0 }
@@ -385,4 +385,142 @@ fn towing_force_does_its_work_at_the_root() {
         let tip = rod.state().velocities[8];
         assert!((work - energy).abs() < 0.02 * energy, "{work} against {energy}, tip {tip}");
     }
+}
+
+/// Return a root that slides along x, with this mass.
+fn along_x(mass: f64) -> Option<Slide> {
+    Some(Slide { axis: 0, mass })
+}
+
+/// A root driven across its slide and turned gives the rod no momentum along the slide, in every scheme; the work of the
+/// drive is the energy of the rod.
+#[test]
+fn driven_root_gives_no_momentum_along_its_slide() {
+    let heave = |t: f64| {
+        let (angle, rate) = (0.4 * (1.0 - t.cos()), 0.4 * t.sin());
+        BaseMotion {
+            position: [0.0, 0.3 * (1.0 - t.cos())],
+            velocity: [0.0, 0.3 * t.sin()],
+            direction: [angle.cos(), angle.sin()],
+            direction_rate: [-rate * angle.sin(), rate * angle.cos()],
+        }
+    };
+    for support in [RootSupport::Clamped, RootSupport::Pinned, spring(0.5)] {
+        for (shear, scheme) in SCHEMES.into_iter().flat_map(|scheme| [(None, scheme), (Some(40.0), scheme)]) {
+            let rod = unit_rod::<2>(16, 1e3, scheme);
+            let section = Section { shear_stiffness: shear, ..rod.section };
+            let mut rod = Rod::new(Parameters { section, support, slide: along_x(0.2), ..rod }).unwrap();
+            rod.place(heave(0.0)).unwrap();
+            let centre = invariants(&rod).1[0];
+            let (dt, mut farthest, mut work) = (2e-3, 0.0_f64, 0.0);
+            for step in 1..=1000 {
+                let before = rod.state().drive.power;
+                rod.base_motion = Some(heave(dt * f64::from(step)));
+                rod.step(dt).unwrap();
+                work += 0.5 * dt * (before + rod.state().drive.power);
+                let (momentum, place, _) = invariants(&rod);
+                assert!(momentum[0].abs() < 1e-8, "{support:?}, {scheme:?}: momentum {}", momentum[0]);
+                assert!((place[0] - centre).abs() < 1e-8, "{support:?}, {scheme:?}: {} from {centre}", place[0]);
+                assert_eq!(rod.state().positions[0][1], heave(dt * f64::from(step)).position[1]);
+                farthest = farthest.max(rod.state().positions[0][0].abs());
+            }
+            let energy = total_energy(&rod);
+            println!("{support:?}, {shear:?}, {scheme:?}: root moves {farthest}, work {work}, energy {energy}");
+            assert!(farthest > 5e-3, "{support:?}: the root does not slide: {farthest}");
+            assert!((work / energy - 1.0).abs() < 0.01, "{support:?}, {scheme:?}: work {work}, energy {energy}");
+        }
+    }
+}
+
+/// Along its slide a rod falls as a point does, with the mass of the slide; the trapezoid keeps energy and momentum of
+/// a rod that a load has bent.
+#[test]
+fn sliding_rod_falls_as_a_point_does_and_keeps_its_energy() {
+    for shear in [None, Some(40.0)] {
+        let parameters = |gravity| {
+            let rod = unit_rod::<2>(16, 1e3, Scheme::Trapezoid);
+            Parameters {
+                section: Section { shear_stiffness: shear, ..rod.section },
+                slide: along_x(0.7),
+                gravity,
+                ..rod
+            }
+        };
+        let mut rod = Rod::new(parameters([9.81, 0.0])).unwrap();
+        for step in 1..=200 {
+            rod.step(5e-3).unwrap();
+            let t = 5e-3 * f64::from(step);
+            for (x, rest) in rod.positions(0).iter().zip(0..) {
+                let exact = f64::from(rest) / 16.0 + 0.5 * 9.81 * t * t;
+                assert!((x - exact).abs() < 1e-9, "{x} against {exact}");
+            }
+        }
+        let mut rod = Rod::new(parameters([0.0; 2])).unwrap();
+        rod.loads.force = vec![0.0; 2 * 17];
+        (rod.loads.force[16], rod.loads.force[33]) = (0.5, 1.0);
+        for _ in 0..500 {
+            rod.step(1e-3).unwrap();
+        }
+        rod.loads.force.fill(0.0);
+        rod.step(1e-3).unwrap();
+        let (energy, momentum) = (total_energy(&rod), invariants(&rod).0[0]);
+        assert!(momentum > 0.2, "{momentum}");
+        for _ in 0..2000 {
+            rod.step(1e-3).unwrap();
+            assert!((total_energy(&rod) / energy - 1.0).abs() < 1e-3, "{} J of {energy}", total_energy(&rod));
+            assert!((invariants(&rod).0[0] - momentum).abs() < 1e-9, "momentum {}", invariants(&rod).0[0]);
+        }
+    }
+}
+
+/// A stiff rod that hangs from a pin on a cart: ω² = (M + m) m g c / ((M + m) I − m² c²) with c = L/2, I about the pin.
+#[test]
+fn pinned_rod_on_a_slide_is_a_pendulum_on_a_cart() {
+    let g = 9.81;
+    let stiff = Section { line_density: 1.0, bending_stiffness: 1e3, axial_stiffness: 1e6, shear_stiffness: None };
+    for (cart, scheme) in [(0.5, Scheme::TrBdf2), (2.0, Scheme::Bdf2), (1e6, Scheme::TrBdf2)] {
+        let (support, slide) = (RootSupport::Pinned, along_x(cart));
+        let rod = unit_rod::<2>(16, 1.0, scheme);
+        let (gravity, direction) = ([0.0, -g], [0.0, -1.0]);
+        let mut rod = Rod::new(Parameters { section: stiff, support, slide, gravity, direction, ..rod }).unwrap();
+        // After a short push the pendulum swings beside a uniform motion.
+        rod.loads.force = vec![0.0; 2 * 17];
+        rod.loads.force[16] = 0.05;
+        let dt = 1e-3;
+        for _ in 0..50 {
+            rod.step(dt).unwrap();
+        }
+        rod.loads.force.fill(0.0);
+        let lean: Vec<f64> = (0..6000)
+            .map(|_| {
+                rod.step(dt).unwrap();
+                rod.positions(0)[16] - rod.positions(0)[0]
+            })
+            .collect();
+        let passed = crossings(&lean, dt);
+        let period = 2.0 * (passed[passed.len() - 1] - passed[0]) / (passed.len() - 1) as f64;
+        // n segments have the moment of inertia (1 + 1/(2 n²))/3.
+        let (c, inertia) = (0.5, (1.0 + 0.5 / 256.0) / 3.0);
+        let square = (cart + 1.0) * g * c / ((cart + 1.0) * inertia - c * c);
+        let exact = TAU / square.sqrt();
+        println!("cart {cart}: {period} against {exact}");
+        assert!((period / exact - 1.0).abs() < 5e-4, "cart {cart}: {period} against {exact}");
+    }
+}
+
+#[test]
+fn slide_is_refused_where_it_has_no_meaning() {
+    let rod = || Parameters { slide: along_x(0.0), ..unit_rod::<2>(8, 1e3, Scheme::TrBdf2) };
+    for (parameters, word) in [
+        (Parameters { support: RootSupport::Free, ..rod() }, "slide"),
+        (Parameters { slide: Some(Slide { axis: 2, mass: 0.0 }), ..rod() }, "slide"),
+        (Parameters { slide: along_x(-1.0), ..rod() }, "slide.mass"),
+        (Parameters { calibration: Calibration::Thesis { k_e: 1.0 }, ..rod() }, "slide"),
+        (Parameters { bending: Bending::Projected, ..rod() }, "slide"),
+    ] {
+        let error = Rod::new(parameters).err().unwrap().to_string();
+        assert!(error.contains(word), "{error}");
+    }
+    let error = Rod::new(rod()).unwrap().solve_static().unwrap_err().to_string();
+    assert!(error.contains("no equilibrium"), "{error}");
 }

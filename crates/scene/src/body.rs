@@ -110,7 +110,7 @@ pub struct Turn {
     pub angle: f64,
 }
 
-/// An axis of a body.
+/// An axis of the coordinates or of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Axis {

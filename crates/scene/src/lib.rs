@@ -49,7 +49,7 @@ pub use read::{check_text, facts_text};
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
 pub use rod::{Bending, Calibration, Material, Rod, RodScheme, Section, SectionProfile};
 pub use rods::NamedRod;
-pub use root::{RootLaws, RootMotion, RootSupport, Rotation};
+pub use root::{RootLaws, RootMotion, RootSupport, Rotation, Slide};
 pub use scene::{BeamWithRod, Display, Scene, Time};
 pub use spanwise::{Spanwise, SpanwiseProfile};
 pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS};

@@ -82,7 +82,7 @@ impl Scene {
                 own: material.section(thickness, s).line_density,
                 displaced: displaced(s),
                 line,
-                free: matches!(rod.root, RootSupport::Free { .. }),
+                free: matches!(rod.root, RootSupport::Free { .. }) || rod.slide.is_some(),
             })
         });
         let ratio = |weight: &Weight| weight.own / weight.displaced;

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use crate::beam::{Beam, Root, Surface};
+use crate::body::Axis;
 use crate::coupling::{CouplingScheme, Load};
 use crate::fault::{Check, Fault, Faults, list};
 use crate::law::TimeLaw;
@@ -10,7 +11,7 @@ use crate::load::Weight;
 use crate::method::{TimeScheme, TimeStepping};
 use crate::places;
 use crate::rod::{Bending, Calibration, Material, Rod};
-use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Z_AXIS};
+use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Slide, Z_AXIS};
 use crate::scene::{BeamWithRod, Scene, Time};
 use crate::wing::WingMesh;
 
@@ -166,6 +167,34 @@ fn check_beam(scene: &Scene, own: &BeamWithRod, faults: &mut Faults) {
         format!("it must be at most the length of the beam, {longest}")
     });
     check_support(rod, own.beam, dimension, &format!("{key}rod"), faults);
+    check_slide(rod, own.beam, dimension, &format!("{key}rod"), faults);
+}
+
+/// Check the guide of a root; `key` is the path of the rod.
+fn check_slide(rod: &Rod, beam: &Beam, dimension: usize, key: &str, faults: &mut Faults) {
+    let Some(Slide { along, .. }) = rod.slide else { return };
+    let at = |name: &str| format!("{key}.{name}");
+    let no_z = dimension == 2 && along == Axis::Z;
+    faults.forbid(no_z, &at("slide.along"), || "a beam in two dimensions has no z".into());
+    let free = matches!(rod.root, RootSupport::Free { .. });
+    faults.forbid(free, &at("slide"), || "a free root has no guide".into());
+    let on_cylinder = matches!(beam.root, Root::OnCylinder { .. });
+    faults.forbid(on_cylinder, &at("slide"), || "the beam is attached to a cylinder".into());
+    if let Some(RootMotion::Laws(laws)) = &rod.root_motion {
+        let (law, name) = match along {
+            Axis::X => (&laws.x, "x"),
+            Axis::Y => (&laws.y, "y"),
+            Axis::Z => (&laws.z, "z"),
+        };
+        faults.forbid(*law != TimeLaw::default(), &at(&format!("root_motion.laws.{name}")), || {
+            format!("the root moves freely along {name}: `{key}.slide`")
+        });
+    }
+    for (name, plain) in
+        [("bending", rod.bending == Bending::Invariant), ("calibration", rod.calibration == Calibration::SecondOrder)]
+    {
+        faults.forbid(!plain, &at("slide"), || format!("a slide needs the default of `{key}.{name}`"));
+    }
 }
 
 fn check_planar_motion(laws: &RootLaws, key: &str, faults: &mut Faults) {

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::fault::{Check, Faults};
-use crate::root::{RootMotion, RootSupport};
+use crate::root::{RootMotion, RootSupport, Slide};
 use crate::spanwise::Spanwise;
 
 /// Elastic model of the beam.
@@ -34,6 +34,9 @@ pub struct Rod {
     /// Support of the root.
     #[serde(default)]
     pub root: RootSupport,
+    /// Guide along which the root moves freely, as a swimmer does; absent: `root` holds it in all directions.
+    #[serde(default)]
+    pub slide: Option<Slide>,
     /// Prescribed motion of the root; absent for a still or a free root.
     #[serde(default)]
     pub root_motion: Option<RootMotion>,

@@ -424,7 +424,7 @@ class ShapeTriangulation(Part):
 
 
 Axis = Literal["x", "y", "z"]
-"""An axis of a body. `x`: x. `y`: y. `z`: z."""
+"""An axis of the coordinates or of a body. `x`: x. `y`: y. `z`: z."""
 
 
 class CircularCylinder(Part):
@@ -982,6 +982,16 @@ RootSupport = Literal["clamped", "pinned"] | RootSupportTorsionSpring | RootSupp
 freely, and turns without resistance."""
 
 
+class Slide(Part):
+    """Guide of the root: along one axis the root moves under the loads, in all else as `root` and `root_motion` say."""
+
+    along: Axis
+    """Axis of the guide; z in three dimensions only."""
+
+    mass: Real = 0.0
+    """Mass that moves with the root besides the rod, kg (per metre of depth in two dimensions)."""
+
+
 class Rotation(Part):
     """Rotation about a fixed axis."""
 
@@ -1064,6 +1074,9 @@ class Rod(Part):
 
     root: RootSupport = "clamped"
     """Support of the root."""
+
+    slide: Slide | None = None
+    """Guide along which the root moves freely, as a swimmer does; absent: `root` holds it in all directions."""
 
     root_motion: RootMotion | None = None
     """Prescribed motion of the root; absent for a still or a free root."""

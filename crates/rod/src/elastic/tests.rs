@@ -42,7 +42,7 @@ fn springs_of_all_kinds<const D: usize>() -> Vec<Elastic<D>> {
         kinds.push(with(Angles::curved(rest)));
     }
     let spring = Joint::Spring { rest: if D == 2 { 0.3 } else { 0.0 }, stored: 0.0 };
-    for (joint, first) in [(Joint::Loose, 1), (Joint::Loose, 0), (spring, 1)] {
+    for (joint, first) in [(Joint::Loose, 1), (Joint::Loose, 0), (spring, 1), (spring, 0), (Joint::Clamped, 0)] {
         let mut bending = bending();
         if matches!(joint, Joint::Loose) {
             bending[0] = 0.0;
