@@ -99,3 +99,20 @@ def test_powers_that_differ_are_told_of(tmp_path):
     coarse, fine = (flag(tmp_path / str(step), *heavy, *keys).summary.warnings for step, keys in steps.items())
     assert coarse and "of the exchanged power" in coarse[0] and "`time.communication_step` of 0.0" in coarse[0]
     assert fine is None
+
+
+def test_a_filament_that_heaves_swims(tmp_path):
+    """It swims ahead; driven along the way that it swam, it needs no force along it."""
+
+    def swim(name, changes):
+        scene = simulate.changed("filament-swimming-144x48", {"time.end": 3.0} | changes)
+        return nervure.run(validate(scene), tmp_path / name, quiet=True).series
+
+    free = swim("free", {})
+    way = {"times": free["time"].tolist(), "values": free["root_ux"].tolist()}
+    driven = swim("driven", {"rod.slide": "absent", "rod.root_motion.laws.x": {"table": way}})
+    late = free["time"] > 1.0
+    assert free["root_vx"][late].mean() < -0.5
+    force, load = driven["root_force_x"][late].mean(), np.ptp(driven["load_x"][late]) / 2
+    assert abs(force) < 0.01 * load, (force, load)
+    assert np.abs(driven["tip_uy"] - free["tip_uy"]).max() < 0.01
