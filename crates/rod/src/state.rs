@@ -174,8 +174,8 @@ impl<const D: usize> State<D> {
         self.set_base(base);
     }
 
-    /// Give node 0, in all components but `axis`, and the tangent there the state `base`; `root` is the motion of node 0
-    /// `dt` earlier.
+    /// Give the tangent at node 0, and node 0 in all components but `axis`, the state `base`; `root` is the motion of
+    /// node 0 `dt` earlier.
     pub(crate) fn move_slide(&mut self, root: &Motion<Vector<D>>, base: &BaseState<D>, dt: f64, axis: usize) {
         let (x, v, a) = (self.positions[0], self.velocities[0], self.accelerations[0]);
         (self.positions[0], self.velocities[0]) = (root.x, root.v);

@@ -392,8 +392,8 @@ fn along_x(mass: f64) -> Option<Slide> {
     Some(Slide { axis: 0, mass })
 }
 
-/// A root driven across its slide and turned gives the rod no momentum along the slide, in every scheme; the work of the
-/// drive is the energy of the rod.
+/// A root driven across its slide and turned gives the rod no momentum along the slide, in every scheme; the work of
+/// the drive is the energy of the rod.
 #[test]
 fn driven_root_gives_no_momentum_along_its_slide() {
     let heave = |t: f64| {
