@@ -214,8 +214,8 @@ impl<const D: usize> Rod<D> {
     /// Continue from `state`; the same loads and steps repeat the same bits.
     ///
     /// # Errors
-    /// The rod refuses a state with another number of nodes, with numbers that are not finite, with a root away from its
-    /// place at rest (unless it is free, driven or on a slide), without the angle of a torsion spring, or with a
+    /// The rod refuses a state with another number of nodes, with numbers that are not finite, with a root away from
+    /// its place at rest (unless it is free, driven or on a slide), without the angle of a torsion spring, or with a
     /// singular shape.
     pub fn restore(&mut self, state: &State<D>) -> Result<(), Error> {
         state.check(self.rest.len())?;

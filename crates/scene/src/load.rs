@@ -47,8 +47,8 @@ impl Scene {
     }
 
     /// Return the mass of the fluid that moves with a beam at its places, per length and metre of depth, kg/m²: `[2
-    /// segments + 1]`; 0 without the momentum load. With that load the rod's own mass is reduced by it, because the fluid
-    /// inside the mask or on the line has it.
+    /// segments + 1]`; 0 without the momentum load. With that load the rod's own mass is reduced by it, because the
+    /// fluid inside the mask or on the line has it.
     pub fn displaced_line_density(&self, beam: &Beam, rod: &Rod) -> Vec<f64> {
         match (self.load(), &self.fluid) {
             (Some(Load::Momentum), Some(fluid)) => beam.places().map(self.displaced(fluid, beam, rod)).collect(),

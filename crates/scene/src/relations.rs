@@ -274,8 +274,8 @@ fn check_substeps(scene: &Scene, faults: &mut Faults) {
         let longest = 0.999 * step / cfl * MOST_SUBSTEPS * largest;
         faults.require(fits, "time.communication_step", shown(&step), || {
             format!(
-                "the flow has the CFL number {cfl:.3e} in it, more than {MOST_SUBSTEPS} steps of {largest}, the largest \
-                 of the scheme: it must be <= {longest:.3e}"
+                "the flow has the CFL number {cfl:.3e} in it, more than {MOST_SUBSTEPS} steps of {largest}, the \
+                 largest of the scheme: it must be <= {longest:.3e}"
             )
         });
         return;
