@@ -148,6 +148,35 @@ def load_cases() -> Iterator[Case]:
         yield Case(f"load/{mass:g}, {bending:g}", COUPLED, SCENE, changes, action=loads, about=about)
 
 
+COSTS = {
+    "line in the plane": SCENE, "rod in space": "rod-hanging-160x160x48", "wing": "wing-hover-64x64x84"
+}  # fmt: skip
+THIN = ("beam", "rod", "wing")  # Parts of a scene that the fluid meets as markers
+TIMED, PAIRS = 30, 7  # Steps of a run, and pairs of runs
+
+
+def cost(case: Case, folder: Path) -> dict[str, Any]:
+    """Time a step of the fluid with the thin body and without, in turns; the ratio is the median of those of pairs."""
+    bare = case.changes | {part: "absent" for part in THIN if part in simulate.changed(case.scene, {})}
+
+    def seconds(changes: dict[str, Any]) -> float:
+        with simulate.session(simulate.changed(case.scene, changes), folder) as session:
+            assert session.run().error is None
+            return session.units["fluid"].seconds / TIMED
+
+    found = np.array([(seconds(case.changes), seconds(bare)) for _ in range(PAIRS)])
+    least = 1e3 * found.min(axis=0)
+    ratio = float(np.median(found[:, 0] / found[:, 1]))
+    return {"times": {"with_ms": float(least[0]), "without_ms": float(least[1]), "ratio": ratio}}
+
+
+def costs() -> Iterator[Case]:
+    for name, scene in COSTS.items():
+        step = simulate.changed(scene, {})["time"]["communication_step"]
+        changes = {"time.end": TIMED * step, "fluid.threads": 1}
+        yield Case(f"cost/{name}", COUPLED, scene, changes, action=cost, about={"scene": scene})
+
+
 FLAG, FILAMENT, INVERTED, PLATE = (
     "flag-line-480x240", "filament-line-192x192", "flag-inverted-192x126", "plate-pitched-288x384",
 )  # fmt: skip
@@ -254,6 +283,7 @@ def cases() -> Iterator[Case]:
     yield from maps()
     yield from orders()
     yield from load_cases()
+    yield from costs()
     for name, (scene, changes) in CHANGES.items():
         group, grid = name.split("/")
         about = {"expected": EXPECTED.get(group, {}), "grid": grid.replace("x", " x ")}
