@@ -19,7 +19,7 @@ use cpu_time::ThreadTime;
 use libloading::Library;
 use nervure_fluid::internals::{Implicit, Phase, Projection};
 use nervure_fluid::{Filter, Fluid, Parameters};
-use nervure_line_fft::{Fft2, Real, Scratch};
+use nervure_line_fft::{Fft2, Fft3, Real, Scratch, Team};
 use scene::{Precision, Scene};
 
 use machine::{Clock, Fused};
@@ -92,8 +92,8 @@ struct Table {
 }
 
 impl Table {
-    fn begin(&mut self, table: &str, scene: &str, [nx, ny]: [usize; 2]) {
-        self.part = [table.into(), scene.into(), format!("{nx} x {ny}")];
+    fn begin<const D: usize>(&mut self, table: &str, scene: &str, cells: [usize; D]) {
+        self.part = [table.into(), scene.into(), cells.map(|count| count.to_string()).join(" x ")];
     }
 
     fn row(&mut self, what: &str, value: f64, unit: &str) {
@@ -147,12 +147,43 @@ fn pairs(library: &Library, table: &mut Table) {
             }
         };
         let (mut whole, mut pruned, mut rustfft) = (ours(ny / 2 + 1), ours(ny / 3 + 1), rows::pair(nx, ny));
-        let theirs = fftw::plan(library, [nx, ny]);
+        let theirs = fftw::plan::<f64>(library, &[nx, ny]);
         let mut fftw = || theirs.iter().for_each(|transform| transform());
         let things: [Thing; 4] =
             [("ours", &mut whole), ("FFTW", &mut fftw), ("pruned", &mut pruned), ("rustfft", &mut rustfft)];
         let ratios = [("ours/FFTW", 0, 1), ("pruned/FFTW", 2, 1), ("ours/rustfft", 0, 3)];
         table.compare(&processor_time, things, &ratios);
+    }
+}
+
+/// The nine transforms of a step in space, three forward and six back: those of the step, which leave out what the
+/// filter cuts off, beside FFTW's.
+fn volume<R: Real>(library: &Library, precision: &str, table: &mut Table) {
+    for shape in [[64; 3], [128; 3], [144, 96, 96]] {
+        table.begin("volume", precision, shape);
+        let [_, ny, nz] = shape;
+        let points = shape.iter().product();
+        let field: Vec<_> = noise(points).into_iter().map(R::rounded).collect();
+        // The smooth filter of a step leaves the waves within the ellipsoid of the shortest ones.
+        let share = |mode: usize, points: usize| (2.0 * mode as f64 / points as f64).powi(2);
+        let kept = (0..nz / 2).step_by(R::LANES);
+        let kept = kept.map(|k| (0..=ny / 2).take_while(|j| share(*j, ny) + share(k, nz) < 1.0).count()).collect();
+        let fft = Fft3::<R>::new(shape, kept);
+        let (mut spectra, mut scratch): ([_; 6], _) = (from_fn(|_| fft.spectrum()), vec![fft.scratch::<6>()]);
+        let (mut fields, team): ([_; 6], _) = (from_fn(|_| vec![R::zero(); points]), Team::alone());
+        let mut ours = || {
+            fft.forward(&team, [&field[..]; 3], &mut spectra, &mut scratch);
+            fft.along_x(&team, &mut spectra, [0..3, 0..6], &mut scratch, |_, _, _| ());
+            let fields = fields.each_mut().map(|field| &mut field[..]);
+            fft.inverse(&team, spectra.each_ref().map(|spectrum| &spectrum[..]), fields, &mut scratch, |_| ());
+        };
+        let [forward, inverse] = fftw::plan::<R>(library, &shape);
+        let mut nine = || {
+            (0..3).for_each(|_| forward());
+            (0..6).for_each(|_| inverse());
+        };
+        let things: [Thing; 2] = [("ours", &mut ours), ("FFTW", &mut nine)];
+        table.compare(&processor_time, things, &[("ours/FFTW", 0, 1)]);
     }
 }
 
@@ -223,7 +254,7 @@ fn steps(library: &Library, table: &mut Table) {
         table.begin("step", name, cells);
         let [mut double, mut single] =
             [Precision::Double, Precision::Single].map(|precision| Flow::new(name, cells, step, 1, precision));
-        let [forward, inverse] = fftw::plan(library, cells);
+        let [forward, inverse] = fftw::plan::<f64>(library, &cells);
         let mut five = || {
             (0..2).for_each(|_| forward());
             (0..3).for_each(|_| inverse());
@@ -392,15 +423,18 @@ type Measure<'a> = &'a dyn Fn(&mut Table);
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let path = std::env::args().nth(1).ok_or("give the file to write to")?;
     let library = std::env::var("FFTW_LIBRARY").map_err(|error| format!("FFTW_LIBRARY: {error}"))?;
-    // SAFETY: FFTW's initialisation has no requirements.
-    let library = unsafe { Library::new(library) }?;
+    let (library, single) = (fftw::load(library.as_ref())?, fftw::load_single(library.as_ref())?);
     let mut table = Table { file: csv::Writer::from_path(path)?, part: Default::default() };
     table.file.write_record(["table", "scene", "grid", "what", "value", "unit"])?;
     table.begin("about", &fftw::version(&library), [0, 0]);
     table.row("FFTW, planned by measuring", 1.0, "1");
-    let tables: [(&str, Measure); 7] = [
+    let tables: [(&str, Measure); 8] = [
         ("machine", &machine),
         ("pair", &|table| pairs(&library, table)),
+        ("volume", &|table| {
+            volume::<f32>(&single, "single", table);
+            volume::<f64>(&library, "double", table);
+        }),
         ("step", &|table| steps(&library, table)),
         ("phases", &|table| phases::<f64>(Precision::Double, ["phases", "roofline"], table)),
         ("phases-single", &|table| {
