@@ -43,7 +43,7 @@ pub fn version(library: &Library) -> String {
 }
 
 /// The transform of a field of a shape, and that of its spectrum into another field.
-pub fn plan<R: Real>(library: &Library, shape: &[usize]) -> [impl Fn() + use<'_, R>; 2] {
+pub fn plan<'a, R: Real>(library: &'a Library, shape: &[usize]) -> [impl Fn() + use<'a, R>; 2] {
     let allocate: Symbol<Allocate> = symbol::<R, _>(library, "malloc");
     let plans: [Symbol<Plan>; 2] = ["plan_dft_r2c", "plan_dft_c2r"].map(|name| symbol::<R, _>(library, name));
     let points: usize = shape.iter().product();
