@@ -1,6 +1,7 @@
 """Speed of the fluid beside other transforms and the machine's peaks, by phase, motion and threads, by
 studies/rust/fluid."""
 
+import math
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -31,8 +32,8 @@ def found(data: Data, table: str) -> list[dict[str, Any]]:
     lines: dict[tuple[str, str], dict[str, Any]] = {}
     for name, scene, grid, what, value, unit in data["fluid-speed/bench/speed"].times["rows"]:
         if name == table:
-            nx, ny = map(int, grid.split(" x "))
-            line = lines.setdefault((scene, grid), {"scene": scene or "", "grid": grid, "points": nx * ny})
+            points = math.prod(map(int, grid.split(" x ")))
+            line = lines.setdefault((scene, grid), {"scene": scene or "", "grid": grid, "points": points})
             line[what] = float(f"{value:.0f}" if unit == "µs" and value >= 10 else f"{value:.3g}")
     return list(lines.values())
 
@@ -78,6 +79,7 @@ def rooflines(data: Data) -> list[dict[str, Any]]:
 TABLES: dict[str, Callable[[Data], Any]] = {
     "speed-pairs": partial(found, table="pair"),
     "speed-steps": partial(found, table="step"),
+    "speed-volume": partial(found, table="volume"),
     "speed-threads": partial(found, table="threads"),
     "speed-phases": phases,
     "speed-roofline": rooflines,

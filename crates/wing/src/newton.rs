@@ -69,6 +69,8 @@ pub struct Statistics {
 pub(crate) enum Failure {
     NotConverged(Imbalance),
     BadShape(BadShape),
+    /// Energy that a wing gains by itself, and energy that it exchanges, J.
+    Gain([f64; 2]),
 }
 
 /// Residual of a shape.

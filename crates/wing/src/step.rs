@@ -4,10 +4,15 @@ use rod::{Drive, Exchange, Scheme, StepRule, TRAPEZOID_PART};
 
 use crate::geometry::Vector;
 use crate::newton::{Failure, Statistics};
-use crate::{Error, Pose, Wing};
+use crate::{Energy, Error, Pose, Wing};
 
 /// Maximum number of halvings of a failed sub-step. Six stopped a film of 100 Pa before it folded.
 pub(crate) const HALVINGS: u32 = 12;
+/// Energy that a wing without loads and drive may gain in a sub-step, by the energy that it exchanges. At long steps
+/// Newton's method may find another solution, as of wrinkles, and each one may add energy.
+const MOST_GAIN: f64 = 0.01;
+/// Motion in a step, by the extent of the wing, below which energies are rounding.
+const QUIET: f64 = 1e-10;
 /// Maximum number of sub-steps of `max_step` in a step.
 const MAX_STEPS: f64 = 1e4;
 /// Maximum number of iterations for the first accelerations; the mass matrix needs about twenty.
@@ -65,6 +70,9 @@ impl Wing {
         if self.state.last_step == 0.0 {
             self.start()?;
         }
+        let mut energy = if self.moves_by_itself(&base) { Some(self.energy_of_state()?) } else { None };
+        let extent = self.rest.iter().map(|x| (x - self.rest[0]).norm()).fold(0.0, f64::max);
+        let quiet = 0.5 * self.masses.iter().sum::<f64>() * (QUIET * extent / duration).powi(2);
         let whole = 1_u64 << HALVINGS;
         let total = steps as u64 * whole;
         let (mut size, mut remaining) = (whole, total);
@@ -76,8 +84,9 @@ impl Wing {
                 duration,
                 base,
             };
-            match self.substep(span) {
+            match self.substep(span).and_then(|()| self.check_gain(&mut energy, quiet)) {
                 Ok(()) => {
+                    self.statistics.substeps += 1;
                     remaining -= size;
                     if size < whole && remaining.is_multiple_of(2 * size) {
                         size *= 2;
@@ -100,6 +109,34 @@ impl Wing {
         self.align_support();
         self.sum_up(duration)?;
         self.publish();
+        Ok(())
+    }
+
+    /// Return whether nothing but gravity moves the wing in a step to the pose `base`.
+    fn moves_by_itself(&self, base: &Pose) -> bool {
+        let pose = &self.before.pose;
+        let still = |pose: &Pose| [pose.velocity, pose.angular_velocity].as_flattened().iter().all(|c| *c == 0.0);
+        let held =
+            (base.displacement, base.rotation) == (pose.displacement, pose.rotation) && still(base) && still(pose);
+        let loads = self.loads.force.iter().chain(&self.loads.impedance);
+        (held || self.parameters.root.nodes.is_empty()) && loads.copied().all(|load| load == 0.0)
+    }
+
+    /// Compare the energy after a sub-step with `energy` before it, which is absent where loads or a drive do work. A
+    /// gain above the rounding of `quiet` joules takes the sub-step back.
+    fn check_gain(&mut self, energy: &mut Option<Energy>, quiet: f64) -> Result<(), Failure> {
+        let Some(before) = energy else { return Ok(()) };
+        let now = self.energy_of_state()?;
+        let elastic = |energy: &Energy| energy.stretching + energy.bending + energy.veins;
+        let [elastic, gravity] = [elastic(&now) - elastic(before), now.gravity - before.gravity];
+        let gain = now.kinetic - before.kinetic + elastic + gravity;
+        let exchanged = now.kinetic + before.kinetic + elastic.abs() + gravity.abs();
+        if exchanged > quiet && gain > MOST_GAIN * exchanged {
+            self.state.copy_from(&self.before_substep);
+            self.align_support();
+            return Err(Failure::Gain([gain, exchanged]));
+        }
+        *before = now;
         Ok(())
     }
 
@@ -145,6 +182,7 @@ impl Wing {
     /// Make a sub-step by the time scheme; a failure leaves the state unchanged.
     fn substep(&mut self, span: Span) -> Result<(), Failure> {
         let last_step = self.state.last_step;
+        self.before_substep.copy_from(&self.state);
         match self.parameters.scheme {
             Scheme::Trapezoid => self.stage(StepRule::trapezoid(span.dt), 1.0, span)?,
             Scheme::GeneralisedAlpha { rho_inf } => {
@@ -152,7 +190,6 @@ impl Wing {
             }
             Scheme::Bdf2 => self.stage(StepRule::bdf2(span.dt, last_step), 1.0, span)?,
             Scheme::TrBdf2 => {
-                self.before_substep.copy_from(&self.state);
                 let (first, second) = span.split(TRAPEZOID_PART);
                 self.stage(StepRule::trapezoid(first.dt), TRAPEZOID_PART, first)?;
                 let second_stage = self.stage(StepRule::bdf2(second.dt, first.dt), 1.0, second);
@@ -164,7 +201,6 @@ impl Wing {
             }
         }
         self.state.loads.copy_from_slice(&self.force);
-        self.statistics.substeps += 1;
         Ok(())
     }
 

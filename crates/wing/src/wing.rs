@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::crossings::Crossings;
-use crate::elastic::Elastic;
+use crate::elastic::{BadShape, Elastic};
 use crate::geometry::{Geometry, Vector};
 use crate::loads::Loads;
 use crate::newton::{Failure, Newton, Problem, Statistics};
@@ -174,6 +174,11 @@ impl Wing {
 
     /// Return the energies of the state.
     pub fn energy(&mut self) -> Result<Energy, Error> {
+        Ok(self.energy_of_state()?)
+    }
+
+    /// Return them with the reason why a shape has none.
+    pub(crate) fn energy_of_state(&mut self) -> Result<Energy, BadShape> {
         let Self { elastic, state, parameters, rest, masses, product, .. } = self;
         let mut energy = elastic.energy(&state.positions)?;
         elastic.mass_times(&state.velocities, product);
@@ -324,6 +329,7 @@ impl Wing {
                 iterations: self.statistics.iterations,
             },
             Failure::BadShape(shape) => shape.into(),
+            Failure::Gain([gain, exchanged]) => Error::Gain { gain, exchanged },
         }
     }
 }
