@@ -154,6 +154,8 @@ def test_the_page_of_a_run_says_that_the_run_was_killed(browser, tmp_path):
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT) as run:
         browser.open(run.stdout.readline().removeprefix("live: ").strip())
         wait(browser, "document.getElementById('done')?.value > 0 && !document.getElementById('flow').hidden")
+        browser.run("drawChart = () => {}; charts.length = 0; find('charts').replaceChildren(); addCharts()")
+        assert browser.run("[...document.querySelectorAll('[role=img]')].every((own) => own.ariaLabel)")
         if AXE.is_file():
             checked(browser)
         run.kill()
