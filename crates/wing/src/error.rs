@@ -57,7 +57,7 @@ pub enum Error {
         /// What is wrong, as a sentence.
         what: &'static str,
     },
-    /// A wing without loads and drive gains energy, even in the smallest sub-step.
+    /// A wing without a drive gains more energy than its loads put in, even in the smallest sub-step.
     #[error(
         "the wing gains {gain:.3e} J that nothing puts in, of {exchanged:.3e} J that it exchanges in the smallest \
          sub-step; a shorter time.communication_step or stiffer bending helps"
@@ -65,7 +65,7 @@ pub enum Error {
     Gain {
         /// Gain, J.
         gain: f64,
-        /// Kinetic energy before and after, and changes of the other energies, J.
+        /// Kinetic energy before and after, changes of the other energies, and work of the loads, J.
         exchanged: f64,
     },
     /// The matrix of the wing is singular: a part of it is not held, or it buckles.

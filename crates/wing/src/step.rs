@@ -8,8 +8,8 @@ use crate::{Energy, Error, Pose, Wing};
 
 /// Maximum number of halvings of a failed sub-step. Six stopped a film of 100 Pa before it folded.
 pub(crate) const HALVINGS: u32 = 12;
-/// Energy that a wing without loads and drive may gain in a sub-step, by the energy that it exchanges. At long steps
-/// Newton's method may find another solution, as of wrinkles, and each one may add energy.
+/// Energy that a wing may gain in a sub-step beyond the work of its loads, by the energy that it exchanges. At long
+/// steps Newton's method may find another solution, as of wrinkles, and each one may add energy.
 const MOST_GAIN: f64 = 0.01;
 /// Motion in a step, by the extent of the wing, below which energies are rounding.
 const QUIET: f64 = 1e-10;
@@ -70,7 +70,7 @@ impl Wing {
         if self.state.last_step == 0.0 {
             self.start()?;
         }
-        let mut energy = if self.moves_by_itself(&base) { Some(self.energy_of_state()?) } else { None };
+        let mut energy = if self.has_no_drive(&base) { Some(self.energy_of_state()?) } else { None };
         let extent = self.rest.iter().map(|x| (x - self.rest[0]).norm()).fold(0.0, f64::max);
         let quiet = 0.5 * self.masses.iter().sum::<f64>() * (QUIET * extent / duration).powi(2);
         let whole = 1_u64 << HALVINGS;
@@ -112,25 +112,27 @@ impl Wing {
         Ok(())
     }
 
-    /// Return whether nothing but gravity moves the wing in a step to the pose `base`.
-    fn moves_by_itself(&self, base: &Pose) -> bool {
+    /// Return whether the root is absent, or at rest in a step to the pose `base`.
+    ///
+    /// The work of a root that moves is known to first order only, too coarse for a check.
+    fn has_no_drive(&self, base: &Pose) -> bool {
         let pose = &self.before.pose;
         let still = |pose: &Pose| [pose.velocity, pose.angular_velocity].as_flattened().iter().all(|c| *c == 0.0);
         let held =
             (base.displacement, base.rotation) == (pose.displacement, pose.rotation) && still(base) && still(pose);
-        let loads = self.loads.force.iter().chain(&self.loads.impedance);
-        (held || self.parameters.root.nodes.is_empty()) && loads.copied().all(|load| load == 0.0)
+        held || self.parameters.root.nodes.is_empty()
     }
 
-    /// Compare the energy after a sub-step with `energy` before it, which is absent where loads or a drive do work. A
-    /// gain above the rounding of `quiet` joules takes the sub-step back.
+    /// Compare the energy after a sub-step with `energy` before it plus the work of the loads. `energy`
+    /// is absent where a drive does work. A gain above the rounding of `quiet` joules takes the sub-step back.
     fn check_gain(&mut self, energy: &mut Option<Energy>, quiet: f64) -> Result<(), Failure> {
         let Some(before) = energy else { return Ok(()) };
         let now = self.energy_of_state()?;
         let elastic = |energy: &Energy| energy.stretching + energy.bending + energy.veins;
         let [elastic, gravity] = [elastic(&now) - elastic(before), now.gravity - before.gravity];
-        let gain = now.kinetic - before.kinetic + elastic + gravity;
-        let exchanged = now.kinetic + before.kinetic + elastic.abs() + gravity.abs();
+        let [work, worked] = self.work_of_loads();
+        let gain = now.kinetic - before.kinetic + elastic + gravity - work;
+        let exchanged = now.kinetic + before.kinetic + elastic.abs() + gravity.abs() + worked;
         if exchanged > quiet && gain > MOST_GAIN * exchanged {
             self.state.copy_from(&self.before_substep);
             self.align_support();
@@ -138,6 +140,24 @@ impl Wing {
         }
         *before = now;
         Ok(())
+    }
+
+    /// Return the most work of the loads in the last sub-step, and the sum of its magnitudes over the nodes, J.
+    ///
+    /// At each node the load changes on the way: the more of the works of the loads before and after counts.
+    fn work_of_loads(&self) -> [f64; 2] {
+        let gravity = Vector::from(self.parameters.gravity);
+        let (old, new) = (&self.before_substep, &self.state);
+        let (mut most, mut sum) = (0.0, 0.0);
+        for k in 0..self.rest.len() {
+            let moved = new.positions[k] - old.positions[k];
+            let [first, last] = [old, new].map(|state| {
+                (state.loads[k] - gravity * self.masses[k] - self.resistance(k, &state.velocities[k])).dot(&moved)
+            });
+            most += first.max(last);
+            sum += first.abs().max(last.abs());
+        }
+        [most, sum]
     }
 
     /// Record force, power and work of the loads and of the base in the step of `duration` seconds just made.
