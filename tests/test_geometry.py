@@ -828,7 +828,7 @@ MET = {
                 "root_motion": {"laws": {"rotations": [{"angle": beat(4.0, 1.0)}]}},
             },
         },
-        "the rod crosses itself near",
+        "the rod meets itself near",
         (0.2, 0.4),
     ),
     "a body on springs and another": (
@@ -883,6 +883,80 @@ def told(scene: dict[str, Any]) -> list[str]:
         return session.warnings
 
 
+STILL_SPACE = changed(SPACE, fluid__mean_flow=None, fluid__initial_velocity=[0.0, 0.0, 0.0], fluid__sponge=None)
+STILL_SPACE["fluid"]["box"]["cells"] = [24, 12, 8]
+STILL_SPACE["time"] = {"end": 0.2, "communication_step": 0.01}
+"""Still fluid in space on a coarse grid."""
+
+
+def hanging(at: list[float], gravity: float, direction: list[float] | None = None, **more: Any) -> dict[str, Any]:
+    """Return a thin rod in space along x, or another direction, that gravity pulls along z."""
+    root = {"at": {"position": at, "direction": direction or [1.0, 0.0, 0.0]}}
+    own = {"root": root, "length": 1.0, "thickness": 0.06, "segments": 12, "surface": "line"}
+    return {"beam": own, "rod": {**ROD, "gravity": [0.0, 0.0, gravity], **more}}
+
+
+def in_space(*own: dict[str, Any], **fluid: Any) -> dict[str, Any]:
+    """Return still fluid in space with rods or with one, or without."""
+    parts = own[0] if len(own) == 1 else {"rods": [{"name": n, **rod} for n, rod in zip("ab", own, strict=False)]}
+    return changed(STILL_SPACE, **{f"fluid__{key}": value for key, value in fluid.items()}, **(parts if own else {}))
+
+
+def cloth(height: float, gravity: float) -> dict[str, Any]:
+    """Return a wing that gravity pulls along z."""
+    mesh = {"rectangular": {"length": 1.0, "width": 0.5, "along": 4}}
+    skin = {"areal_density": 1.0, "stretching_stiffness": 100.0, "bending_stiffness": 0.01}
+    motion = {"z": {"constant": height}}
+    wing = {"mesh": mesh, "membrane": skin, "root": "root", "root_motion": motion, "gravity": [0.0, 0.0, gravity]}
+    return {"wing": wing}
+
+
+LEVEL = {"turn": {"axis": [1, 0, 0], "angle": 1.5707963267948966}, "position": [0.8, 0.0, -0.3]}
+MET_IN_SPACE = {
+    "rods": (
+        in_space(hanging([0.0, 0.0, 0.2], -20.0), hanging([0.8, -0.5, 0.0], 0.0, [0.0, 1.0, 0.0])),
+        "the rod b meets the rod a near (0.8",
+        (0.145, 0.155),
+    ),
+    "a rod and a ball": (
+        in_space(hanging([0.0, 0.0, 0.0], -20.0), bodies=[sphere(0.8, 0.0, -0.3, 0.15)]),
+        "the rod meets body 1 near (0.77",
+        (0.1, 0.14),
+    ),
+    "a rod and a plate": (
+        in_space(hanging([0.0, 0.0, 0.0], -20.0), bodies=[plate(0.8, 0.4, 0.4, **LEVEL)]),
+        "the rod meets body 1 near (0.7",
+        (0.16, 0.2),
+    ),
+    "a rod and a wall across z": (
+        in_space(hanging([0.0, 0.0, -0.6], -20.0), channel=WALLS),
+        "m into a wall of the channel",
+        (0.14, 0.18),
+    ),
+    "a rod and the edge along z": (
+        in_space(hanging([0.0, 0.0, -0.8], -20.0)),
+        "over the edge of the box along z",
+        (0.12, 0.16),
+    ),
+    "a wing and a ball": (
+        in_space(cloth(0.0, -20.0), bodies=[sphere(0.8, 0.25, -0.3, 0.2)]),
+        "the wing meets body 1 near (0.",
+        (0.05, 0.2),
+    ),
+    "a wing and the edge": (in_space(cloth(-0.9, -20.0)), "the wing reaches 0.0", (0.05, 0.2)),
+    "a rod alone that lies on itself": (
+        {
+            "name": "loop",
+            "time": {"end": 0.5, "communication_step": 0.005},
+            **hanging([0.0, 0.0, 0.0], -9.81, [0.1, 0.02, 1.0], **LIMP, damping=0.01),
+        },
+        "the rod meets itself near (0, 0, 0) m",
+        (0.3, 0.4),
+    ),
+}  # fmt: skip
+MET |= {f"in space {name}": case for name, case in MET_IN_SPACE.items()}
+
+
 @pytest.mark.parametrize("scene, words, time", MET.values(), ids=MET)
 def test_what_meets_during_a_run_is_told_of_with_place_and_time(scene, words, time, libraries):
     (found,) = told(scene)
@@ -898,6 +972,13 @@ UNTOLD = {
     "a rod on its cylinder": changed(
         STILL, fluid__cylinders=cylinder(0.0, 0.0, 0.3), beam=HELD, rod={**LIMP, "gravity": [0.0, -1.0]}
     ),
+    "rods in space that pass": in_space(
+        hanging([0.0, 0.0, 0.08], 20.0), hanging([0.8, -0.5, 0.0], 0.0, [0.0, 1.0, 0.0])
+    ),
+    "rods in space of one root": in_space(
+        hanging([0.0, 0.0, 0.0], 5.0, [1.0, 0.0, 0.3]), hanging([0.0, 0.0, 0.0], -5.0, [1.0, 0.0, -0.3])
+    ),
+    "a rod that a ball holds": in_space(hanging([0.0, 0.0, 0.0], -20.0), bodies=[sphere(-0.1, 0.0, 0.0, 0.2)]),
     "bodies side by side": changed(
         STILL, fluid__bodies=[circle(0.0, 0.0, 0.2), sprung(0.0, 0.6, y={"stiffness": 20.0, "rest": -0.1})]
     ),

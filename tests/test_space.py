@@ -16,6 +16,7 @@ from nervure import api, load
 from nervure.errors import SceneError, UnitError
 from nervure.output import flow, space, vortices
 from nervure.scene import validate
+from nervure.scene.solids import rotation
 from nervure.simulation.results import FLUID_FIELDS
 from nervure.units.fmu import read_description
 from tests.conftest import TOOL
@@ -127,7 +128,7 @@ def test_sections_are_those_of_turned_bodies():
     assert scene.fluid
     turned, tipped, cylinder, flat = scene.fluid.bodies
     (outline,) = space.section(turned, [0.0, 0.0, 0.0, 0.0], scene.fluid)
-    corner = space.rotation([0, 0, 1], 0.5)[:2, :2] @ [0.4, -0.1]
+    corner = rotation([0, 0, 1], 0.5)[:2, :2] @ [0.4, -0.1]
     assert outline.max(axis=0)[0] == pytest.approx(corner[0], abs=2e-3)
     (outline,) = space.section(tipped, [0.4, 0.0, 0.0, 0.0], scene.fluid)
     ends = [*outline.min(axis=0), *outline.max(axis=0)]

@@ -17,7 +17,7 @@ from matplotlib.patches import Polygon
 from matplotlib.path import Path
 
 from nervure.output import axis_label, displayed_unit, layout, lengths_in, space, title
-from nervure.scene import Scene
+from nervure.scene import Scene, solids
 from nervure.scene.outline import POSE, body_outline, circle
 from nervure.scene.types import Fluid
 
@@ -42,7 +42,7 @@ def outlines(scene: Scene, beams: Solids, poses: Sequence[Sequence[float]]) -> l
 
 def pose(scene: Scene) -> tuple[str, ...]:
     """Return the outputs of the fluid for the place of a rigid body."""
-    return space.POSE if _fluid(scene).box.z else POSE
+    return solids.POSE if _fluid(scene).box.z else POSE
 
 
 def panels(

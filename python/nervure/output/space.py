@@ -1,86 +1,14 @@
-"""Rigid bodies in space: their places, surfaces, and outlines in a plane across z."""
+"""Outlines of rigid bodies in space in a plane across z."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from contourpy import contour_generator
 
-from nervure.scene.types import (
-    Body,
-    BodyMotion,
-    Fluid,
-    ShapeCircularCylinder,
-    ShapeCuboid,
-    ShapeDisk,
-    ShapeEllipsoid,
-    ShapePlate,
-    ShapeSphere,
-    ShapeTriangulation,
-)
+from nervure.scene.solids import half_lengths, longest, placed, surface
+from nervure.scene.types import Body, Fluid
 
-POSE = ("x", "y", "z", "angle")  # Outputs of the fluid for a rigid body
 FINE = 400  # Points of the grid on which an outline is found, along each axis
-ROUND = 90  # Edges of a disk
-Z = (0.0, 0.0, 1.0)
-
-
-def rotation(axis: Sequence[float], angle: float) -> np.ndarray:
-    """Return the matrix that turns by an angle (rad) about an axis of any length (Rodrigues' formula)."""
-    x, y, z = np.array(axis) / np.linalg.norm(axis)
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    turned: np.ndarray = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-    return turned
-
-
-def placed(body: Body, pose: Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the matrix from the axes of a body to those of the box, and the place of their origin, m."""
-    motion = body.motion if isinstance(body.motion, BodyMotion) else None
-    turn = rotation((motion and motion.axis) or Z, pose[3])
-    if body.turn:
-        turn = turn @ rotation(body.turn.axis, body.turn.angle)
-    pivot = np.resize(body.pivot, 3) if any(body.pivot) else np.zeros(3)
-    return turn, np.array(pose[:3]) - turn @ pivot
-
-
-def half_lengths(body: Body, longest: float) -> tuple[np.ndarray, Callable[[np.ndarray], np.ndarray]]:
-    """Return half the lengths of a body along its own axes, m, and a function of points over these lengths, `[..., 3]`,
-    which is below 1 inside. A cylinder through the box has the length `longest` (m)."""
-
-    def round_(points: np.ndarray) -> np.ndarray:
-        distance: np.ndarray = np.linalg.norm(points, axis=-1)
-        return distance
-
-    match body.shape:
-        case ShapeSphere(sphere=sphere):
-            return np.full(3, sphere.radius), round_
-        case ShapeEllipsoid(ellipsoid=ellipsoid):
-            return np.array(ellipsoid.lengths) / 2, round_
-        case ShapeCuboid(cuboid=cuboid):
-            return np.array(cuboid.lengths) / 2, lambda points: np.abs(points).max(axis=-1)
-        case ShapeCircularCylinder(circular_cylinder=cylinder):
-            along = "xyz".index(cylinder.axis)
-            half = np.full(3, cylinder.radius)
-            half[along] = (cylinder.length or longest) / 2
-            across = [axis for axis in range(3) if axis != along]
-            return half, lambda points: np.maximum(np.abs(points[..., along]), round_(points[..., across]))
-    raise AssertionError("a body in space has one of these shapes")
-
-
-def surface(body: Body) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the nodes of a surface of no thickness in its own axes, m, `[n, 3]`, and its triangles, `[m, 3]`; None for
-    a solid."""
-    match body.shape:
-        case ShapePlate(plate=plate):
-            x, z = plate.length / 2, (plate.width or 0.0) / 2
-            return np.array([(-x, 0, -z), (x, 0, -z), (x, 0, z), (-x, 0, z)]), np.array([(0, 1, 2), (0, 2, 3)])
-        case ShapeDisk(disk=disk):
-            angle = np.linspace(0, 2 * np.pi, ROUND, endpoint=False)
-            rim = disk.radius * np.stack([np.cos(angle), 0 * angle, np.sin(angle)], axis=-1)
-            first = np.arange(1, ROUND + 1)
-            return np.vstack([np.zeros(3), rim]), np.stack([0 * first, first, first % ROUND + 1], axis=-1)
-        case ShapeTriangulation(triangulation=own):
-            return np.array(own.nodes), np.array(own.triangles)
-    return None
 
 
 def cut(points: np.ndarray, triangles: np.ndarray, z: float) -> list[np.ndarray]:
@@ -110,12 +38,6 @@ def section(body: Body, pose: Sequence[float], fluid: Fluid) -> list[np.ndarray]
     contours = contour_generator(x, y, level(points @ turn / half))
     lines: list[np.ndarray] = contours.lines(1.0)  # type: ignore[assignment]
     return [line for line in lines if len(line) > 3]
-
-
-def longest(fluid: Fluid) -> float:
-    """Return the diagonal of the box, m."""
-    assert fluid.box.z, "the box has three dimensions"
-    return float(np.linalg.norm([high - low for low, high in (fluid.box.x, fluid.box.y, fluid.box.z)]))
 
 
 def slice_z(fluid: Fluid) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from nervure.extras import require
 from nervure.output import displayed_unit, lengths_in, title
-from nervure.output.space import half_lengths, longest, placed, surface
+from nervure.scene.solids import half_lengths, longest, placed, surface
 from nervure.scene.types import (
     Body,
     Scene,

@@ -22,7 +22,7 @@ from nervure.units import package
 from nervure.units.describe import describe_all, unit_label
 from nervure.units.fmu import Unit, read_description
 
-LOOKS, LOOK_EVERY = 100, 20  # Least looks at places in a run, and most steps between two
+LOOKS, LOOK_EVERY = 100, 40  # Least looks at places in a run, and most steps between two
 
 Units = dict[str, Unit]  # By name: `rod`, the names of several rods, `fluid`
 
