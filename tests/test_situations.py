@@ -2,6 +2,7 @@
 
 import copy
 import math
+import re
 
 import numpy as np
 import pytest
@@ -106,3 +107,16 @@ def test_a_table_of_a_sine_drives_as_the_sine_does(run, points):
         {"sum": [{"fourier": {"frequency": 1.0, "sines": [0.3]}}, {"sine": {"amplitude": -0.1, "frequency": 1.0}}]}
     )
     assert series == pytest.approx(sine, abs=1e-6 * np.abs(sine).max())
+
+
+def test_short_waves_of_the_flow_are_told_and_the_step_that_is_named_damps_them(run):
+    scene = copy.deepcopy(SQUARE)
+    scene["time"]["end"] = 8.0
+    scene["fluid"]["kinematic_viscosity"] = 1e-3
+
+    def told(step):
+        scene["time"]["communication_step"] = scene["fluid"]["time_stepping"]["max_step"] = step
+        return [text for text in run(scene).summary.warnings or [] if text.startswith("short waves along x")]
+
+    (text,) = told(0.011)
+    assert not told(float(re.search(r"`fluid\.time_stepping\.max_step` of (\S+) s damps", text)[1]))

@@ -11,7 +11,7 @@ from nervure.coupling.guards import Limits
 from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
-from nervure.simulation import results
+from nervure.simulation import results, waves
 from nervure.simulation.fit import check_fit
 from nervure.simulation.loop import TimeGrid, TimeLoop
 from nervure.simulation.places import Places
@@ -130,6 +130,9 @@ class Session(TimeLoop):
         super().step()
         if self.steps % max(1, min(self.grid.steps // LOOKS, LOOK_EVERY)) == 0 or self.steps == self.grid.steps:
             self._look()
+        quarter = self.steps * waves.LOOKS // self.grid.steps > (self.steps - 1) * waves.LOOKS // self.grid.steps
+        if quarter and (flow := self.scene.fluid):
+            self.warnings += list(waves.look(flow, self.units["fluid"], self.time, self.warnings))
 
     def finish(self) -> Results:
         """Evaluate the run, write its results into the folder in place of earlier ones, and return them."""

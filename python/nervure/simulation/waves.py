@@ -1,0 +1,71 @@
+"""What a run tells of waves as short as the grid, which extrapolated advection lets grow where steps are long.
+
+In a stream U a wave of the wave number k grows with the rate 3/4 (k U)⁴ dt³ by SBDF2, the first term of its
+amplification factor, and decays with ν k². Results hardly show it: such waves cancel in forces.
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from nervure.scene.types import Fluid
+from nervure.units.fmu import Unit
+
+LEFT = 0.8  # Of the highest wave number: above, the filter damps
+GROWTH = {"sbdf2": 3 / 4, "rk2": 1 / 8}  # Of a wave per (k U)⁴ dt³
+SHORT, LONGER = (0.7, 0.85), (0.5, 0.65)  # Bands of waves, parts of the highest wave number; in flows the first is less
+LEAST = 0.005  # Part of the enstrophy in short waves above which it is told of
+LOOKS = 4  # In a run
+
+
+def look(flow: Fluid, fluid: Unit, time: float, told: Sequence[str]) -> Iterator[str]:
+    """Yield what is to be told, and was not `told` before, of a vorticity about z that has more waves of two to three
+    cells than of three to four. In space it is looked at in the middle of the box."""
+    vorticity = _plane(fluid, "vorticity")
+    if not vorticity.size:
+        return
+    power, stepping = vorticity.var(), flow.time_stepping
+    box = zip((flow.box.x, flow.box.y), vorticity.shape, strict=True)
+    cells = [(high - low) / n for (low, high), n in box]
+    speeds = [float(np.abs(_plane(fluid, name)).max(initial=0.0)) for name in "uv"]
+    rate = sum(speed / cell for speed, cell in zip(speeds, cells, strict=True))
+    for i, axis in enumerate("xy"):
+        wave = np.abs(np.fft.rfft(vorticity, axis=i)) ** 2
+        by_order = 2 * wave.mean(axis=1 - i) / vorticity.shape[i] ** 2 / (power or 1.0)
+        short, longer = (_share(by_order, *band) for band in (SHORT, LONGER))
+        opening = f"short waves along {axis}"
+        step, most = min(stepping.max_step, stepping.max_cfl / rate), _longest_step(flow, cells[i], speeds[i])
+        if step < most or short < max(longer, LEAST) or any(text.startswith(opening) for text in told):
+            continue
+        yield (
+            f"{opening}: at t = {time:.4g} s waves of two to three cells hold {short:.1%} of the square of the "
+            f"vorticity, because they grow in steps of {step:.2g} s at {speeds[i]:.3g} m/s; "
+            f"`fluid.time_stepping.max_step` of {_below(most):g} s damps them"
+        )
+
+
+def _plane(fluid: Unit, name: str) -> np.ndarray:
+    """Return a field, `[nx, ny]`, in space that in the middle of the box along z; empty if the unit shows none."""
+    field = fluid.shown_field(name)
+    if field is None:
+        return np.empty((0, 0))
+    return field[:, :, field.shape[2] // 2].copy() if field.ndim == 3 else field
+
+
+def _share(by_order: np.ndarray, low: float, high: float) -> float:
+    """Return the part of the waves between two parts of the highest order."""
+    n = len(by_order) - 1
+    return float(by_order[int(low * n) : int(high * n)].sum())
+
+
+def _longest_step(flow: Fluid, cell: float, speed: float) -> float:
+    """Return the step (s) above which a wave along an axis with cells of `cell` (m) grows at `speed` (m/s)."""
+    k = LEFT * np.pi / cell
+    growth = GROWTH[flow.time_stepping.scheme]
+    return float((flow.kinematic_viscosity / (growth * k**2 * max(speed, 1e-30) ** 4)) ** (1 / 3))
+
+
+def _below(value: float) -> float:
+    """Return a number rounded down to two digits."""
+    digit = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return float(f"{np.floor(value / digit) * digit:.2g}")
