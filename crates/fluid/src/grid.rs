@@ -107,7 +107,7 @@ impl<const D: usize> Grid<D> {
 
     /// Return the point below a coordinate (m) along an axis, and the distance from it in spacings.
     #[inline(always)] // as `interpolation`
-    fn split(&self, axis: usize, coordinate: f64) -> (i64, f64) {
+    pub fn split(&self, axis: usize, coordinate: f64) -> (i64, f64) {
         floor((coordinate - self.origin[axis]) / self.spacing[axis])
     }
 }

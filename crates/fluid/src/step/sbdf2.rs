@@ -292,6 +292,7 @@ impl<'a, R: Real> Known<'a, R> {
 
     /// Return a component, at point `i`, of `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, the right-hand side
     /// without the bodies, and of G^n.
+    #[inline(always)] // A call for each component reads all twice.
     fn right_side(&self, &Differences { c, e, .. }: &Differences, axis: usize, i: usize) -> (f64, f64) {
         let [u, u_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[axis][i].to_f64());
         let [v, v_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[1 - axis][i].to_f64());

@@ -14,7 +14,7 @@ use crate::grid::Grid;
 pub struct MarkerDrag<const D: usize> {
     /// The markers.
     pub markers: Markers<D>,
-    system: System,
+    system: System<D>,
     /// Force on each marker over the density, per axis: m³/s² in two dimensions, m⁴/s² in space.
     pub force: [Vec<f64>; D],
     /// Decrease of that force if all markers become faster, m²/s or m³/s.
@@ -79,8 +79,8 @@ impl<const D: usize> MarkerDrag<D> {
         Ok(())
     }
 
-    /// Write how the forces on all markers fall with a motion, of which `velocity` gives that of a marker, along any axis,
-    /// after [`Self::solve`]. Return whether it was found.
+    /// Write how the forces on all markers fall with a motion, of which `velocity` gives that of a marker, along any
+    /// axis, after [`Self::solve`]. Return whether it was found.
     pub fn respond(&mut self, velocity: impl Fn(usize, &Markers<D>) -> f64, response: &mut [f64]) -> bool {
         let [motion, ..] = &mut self.right_side[..] else { return false };
         motion.iter_mut().enumerate().for_each(|(k, own)| *own = velocity(k, &self.markers));
@@ -88,13 +88,13 @@ impl<const D: usize> MarkerDrag<D> {
     }
 
     /// Take the forces off `w`.
-    pub fn spread<R: Real>(&self, w: &mut [Field<R>; D], grid: &Grid<D>) {
+    pub fn spread<R: Real>(&mut self, w: &mut [Field<R>; D], grid: &Grid<D>) {
         let scale = 1.0 / grid.cell_volume();
-        for (axis, w) in w.iter_mut().enumerate() {
-            self.markers.spread(&self.force[axis], |point, weight| {
-                w[point] = R::rounded(w[point].to_f64() - scale * weight);
-            });
-        }
+        self.markers.spread(&self.force, |point, sum| {
+            for (w, sum) in w.iter_mut().zip(sum) {
+                w[point] = R::rounded(w[point].to_f64() - scale * sum);
+            }
+        });
     }
 
     /// List the grid points around the markers where the drag rate of the masks (1/s) is not 0.
@@ -103,7 +103,6 @@ impl<const D: usize> MarkerDrag<D> {
         if let Some(rate) = rate {
             self.dragged.extend(self.markers.points().iter().filter(|point| rate[**point] > 0.0));
             self.dragged.sort_unstable();
-            self.dragged.dedup();
         }
         self.sums.clear();
         self.sums.resize(self.dragged.len(), [0.0; D]);

@@ -1,9 +1,7 @@
 //! The kernel of a marker along an axis: the cubic B-spline.
 
-/// Half the width of the kernel, spacings.
-pub const HALF_WIDTH: f64 = 2.0;
-
-/// Thickness of the plate that a line of markers stands for, cells: twice the mean of |Y|, where Y is the difference of two independent variables whose density is the kernel.
+/// Thickness of the plate that a line of markers stands for, cells: twice the mean of |Y|, where Y is the difference of
+/// two independent variables whose density is the kernel.
 ///
 /// In a shear flow along the line the plane of no slip lies the mean of |Y| off the line on both sides, exactly. Across
 /// the line a wave of the wavenumber k, interpolated and spread, loses the factor `1 − |k| mean|Y|` to first order, as
@@ -13,26 +11,31 @@ pub const LINE_THICKNESS_CELLS: f64 = 1487.0 / 1134.0;
 /// Cross-section of the rod that a line of markers in space stands for, cells²: the inverse of the density at 0 of the
 /// difference of two points of the kernel in the plane across the line.
 ///
-/// A force on the line gives its markers the velocity ½ p(0) f t/rho in a fluid without viscosity, and f t/(2 rho A) to a
-/// cylinder of the section A with the fluid in it. Its radius is 1.18 cells. In slow viscous flow, across and along, the
-/// line drags like a cylinder of exp(mean ln|Y|) = 0.87 cells, Y being that difference.
+/// A force on the line gives its markers the velocity ½ p(0) f t/rho in a fluid without viscosity, and f t/(2 rho A) to
+/// a cylinder of the section A with the fluid in it. Its radius is 1.18 cells. In slow viscous flow, across and along,
+/// the line drags like a cylinder of exp(mean ln|Y|) = 0.87 cells, Y being that difference.
 pub const ROD_SECTION_CELLS: f64 = (315.0 / 151.0) * (315.0 / 151.0);
 
-/// Return the cubic B-spline, whose integral is 1, at a distance in spacings.
-pub fn value(distance: f64) -> f64 {
-    let r = distance.abs();
-    if r < 1.0 {
-        2.0 / 3.0 - r * r + 0.5 * r * r * r
-    } else if r < HALF_WIDTH {
-        (HALF_WIDTH - r).powi(3) / 6.0
-    } else {
-        0.0
-    }
+/// Return the values of the cubic B-spline, whose integral is 1, at the four points around a place that is `share` of a
+/// spacing beyond the second of them.
+pub fn weights(share: f64) -> [f64; 4] {
+    let (s, rest) = (share, 1.0 - share);
+    let near = |s: f64| 2.0 / 3.0 - s * s + 0.5 * s * s * s;
+    [rest * rest * rest / 6.0, near(s), near(rest), s * s * s / 6.0]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Return the cubic B-spline at a distance in spacings.
+    fn value(distance: f64) -> f64 {
+        match distance.abs() {
+            r if r < 1.0 => weights(r)[1],
+            r if r < 2.0 => weights(r - 1.0)[0],
+            _ => 0.0,
+        }
+    }
 
     #[test]
     fn thickness_of_a_line_is_twice_the_mean_distance_of_two_points_of_the_kernel() {

@@ -2,21 +2,27 @@
 
 use std::ops::Range;
 
-use super::kernel::{self, HALF_WIDTH};
+use super::kernel;
 use crate::grid::Grid;
-
-/// Grid points in the kernel along an axis.
-const WIDTH: i64 = 4;
 
 /// Markers with their grid points.
 pub struct Markers<const D: usize> {
     own: Vec<Marker<D>>,
     /// Weights along each axis, marker by marker.
     along: Vec<f64>,
-    /// Grid points of all markers, the weight of each, and the weight over C, s.
-    points: Vec<usize>,
+    /// Weights of the grid points of all markers, marker by marker, and the weights over C, s.
     weights: Vec<f64>,
     weighed: Vec<f64>,
+    /// Grid points of all markers, each once, and the place there of each point of each marker.
+    points: Vec<usize>,
+    places: Vec<u32>,
+    /// 1 + the place in `points`, at each point of the grid; 0 at the others.
+    numbers: Vec<u32>,
+    /// The inverse of C (s) at each of `points`, and at all of them if it is the same.
+    inverse: Vec<f64>,
+    uniform: Option<f64>,
+    /// What is interpolated or spread, at each of `points`.
+    at_points: Vec<[f64; D]>,
 }
 
 /// A marker.
@@ -31,13 +37,24 @@ pub struct Marker<const D: usize> {
     kappa: f64,
     /// First grid point along each axis, and the weights from there on.
     spans: [(usize, Range<usize>); D],
-    /// Its grid points.
+    /// Its grid points in `weights` and `places`.
     points: Range<usize>,
 }
 
 impl<const D: usize> Default for Markers<D> {
     fn default() -> Self {
-        Self { own: vec![], along: vec![], points: vec![], weights: vec![], weighed: vec![] }
+        Self {
+            own: vec![],
+            along: vec![],
+            weights: vec![],
+            weighed: vec![],
+            points: vec![],
+            places: vec![],
+            numbers: vec![],
+            inverse: vec![],
+            uniform: None,
+            at_points: vec![],
+        }
     }
 }
 
@@ -71,55 +88,74 @@ impl<const D: usize> Markers<D> {
 
     /// Find the grid points around the markers at their present places.
     pub fn find_cells(&mut self, grid: &Grid<D>) {
-        let Self { own, along, points, weights, .. } = self;
+        let Self { own, along, weights, points, places, numbers, .. } = self;
+        numbers.resize(grid.len(), 0);
+        points.drain(..).for_each(|point| numbers[point] = 0);
         along.clear();
-        points.clear();
         weights.clear();
+        places.clear();
         for marker in own {
             for axis in 0..D {
-                let place = (marker.position[axis] - grid.coordinate(axis, 0)) / grid.spacing[axis];
-                let (first, begin) = ((place - HALF_WIDTH).ceil() as i64, along.len());
-                along.extend((first..first + WIDTH).map(|i| kernel::value(i as f64 - place)));
-                marker.spans[axis] = (grid.wrap(axis, first), begin..along.len());
+                let (low, share) = grid.split(axis, marker.position[axis]);
+                let begin = along.len();
+                along.extend(kernel::weights(share));
+                marker.spans[axis] = (grid.wrap(axis, low.saturating_sub(1)), begin..along.len());
             }
-            let begin = points.len();
+            let begin = weights.len();
             multiply(grid, &marker.spans, along, 0, (0, 1.0), &mut |point, weight| {
-                points.push(point);
+                if numbers[point] == 0 {
+                    points.push(point);
+                    numbers[point] = points.len() as u32;
+                }
+                places.push(numbers[point] - 1);
                 weights.push(weight);
             });
-            marker.points = begin..points.len();
+            marker.points = begin..weights.len();
         }
     }
 
-    /// Return the grid points around all markers.
+    /// Return the grid points around all markers, each once.
     pub fn points(&self) -> &[usize] {
         &self.points
     }
 
     /// Set the inverse of C (s), given at a grid point.
     pub fn weigh(&mut self, inverse: impl Fn(usize) -> f64) {
-        let Self { points, weights, weighed, .. } = self;
-        weighed.clear();
-        weighed.extend(points.iter().zip(weights).map(|(point, weight)| *weight * inverse(*point)));
+        self.inverse.clear();
+        self.inverse.extend(self.points.iter().map(|point| inverse(*point)));
+        self.uniform = self.inverse.first().copied().filter(|first| self.inverse.iter().all(|own| own == first));
+        self.weighed.clear();
+        let pairs = self.places.iter().zip(&self.weights);
+        self.weighed.extend(pairs.map(|(place, weight)| weight * self.inverse[*place as usize]));
     }
 
     /// Write a field of vectors, given at a grid point, as interpolated at the markers, `[D][markers]`.
-    pub fn interpolate(&self, field: impl Fn(usize) -> [f64; D], values: &mut [Vec<f64>; D]) {
-        for (k, marker) in self.own.iter().enumerate() {
+    pub fn interpolate(&mut self, field: impl Fn(usize) -> [f64; D], values: &mut [Vec<f64>; D]) {
+        let Self { own, weights, points, places, at_points, .. } = self;
+        at_points.clear();
+        at_points.extend(points.iter().map(|point| field(*point)));
+        for (k, marker) in own.iter().enumerate() {
             let mut sum = [0.0; D];
-            for (point, weight) in self.points[marker.points.clone()].iter().zip(&self.weights[marker.points.clone()]) {
-                sum.iter_mut().zip(field(*point)).for_each(|(sum, field)| *sum += weight * field);
+            for (place, weight) in places[marker.points.clone()].iter().zip(&weights[marker.points.clone()]) {
+                sum.iter_mut().zip(at_points[*place as usize]).for_each(|(sum, field)| *sum += weight * field);
             }
             values.iter_mut().zip(sum).for_each(|(values, sum)| values[k] = sum);
         }
     }
 
-    /// Call `add` with each grid point and the number of each marker there times its weight over C.
-    pub fn spread(&self, numbers: &[f64], mut add: impl FnMut(usize, f64)) {
-        for (marker, number) in self.own.iter().zip(numbers) {
-            let pairs = self.points[marker.points.clone()].iter().zip(&self.weighed[marker.points.clone()]);
-            pairs.for_each(|(point, weighed)| add(*point, number * weighed));
+    /// Call `add` with each grid point and the sum over the markers there of vectors, `[D][markers]`, times their
+    /// weights over C.
+    pub fn spread(&mut self, vectors: &[Vec<f64>; D], mut add: impl FnMut(usize, [f64; D])) {
+        let Self { own, weighed, points, places, at_points, .. } = self;
+        at_points.clear();
+        at_points.resize(points.len(), [0.0; D]);
+        for (k, marker) in own.iter().enumerate() {
+            let vector = vectors.each_ref().map(|vectors| vectors[k]);
+            for (place, weight) in places[marker.points.clone()].iter().zip(&weighed[marker.points.clone()]) {
+                at_points[*place as usize].iter_mut().zip(vector).for_each(|(sum, part)| *sum += weight * part);
+            }
         }
+        points.iter().zip(at_points).for_each(|(point, sum)| add(*point, *sum));
     }
 
     /// Return the first grid point of a marker along each axis.
@@ -147,7 +183,17 @@ impl<const D: usize> Markers<D> {
             let from = (span_b.start as i64 + range.start - offset) as usize;
             *overlap = (range.start as usize..range.end as usize, from);
         }
-        Some(self.sum_of_products(one, &overlap, 0, 0, 1.0))
+        Some(match self.uniform {
+            Some(inverse) => {
+                let spans = one.spans.iter().zip(&overlap);
+                spans.fold(inverse, |product, ((_, span), (range, from))| {
+                    let own = &self.along[span.start + range.start..span.start + range.end];
+                    let pairs = own.iter().zip(&self.along[*from..]);
+                    product * pairs.map(|(own, other)| own * other).sum::<f64>()
+                })
+            }
+            None => self.sum_of_products(one, &overlap, 0, 0, 1.0),
+        })
     }
 
     /// Sum up over `axis` and the later ones; `row` counts the points of the earlier axes, `weight` is the product of
