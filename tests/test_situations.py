@@ -120,3 +120,12 @@ def test_short_waves_of_the_flow_are_told_and_the_step_that_is_named_damps_them(
 
     (text,) = told(0.011)
     assert not told(float(re.search(r"`fluid\.time_stepping\.max_step` of (\S+) s damps", text)[1]))
+
+
+def test_fluid_at_rest_has_no_waves_to_tell_of(run):
+    scene = copy.deepcopy(SQUARE)
+    scene["time"]["end"] = 0.1
+    del scene["fluid"]["bodies"]
+    for key in ("initial_velocity", "mean_flow", "sponge", "inflow"):
+        scene["fluid"].pop(key, None)
+    assert run(scene).summary.warnings is None

@@ -22,7 +22,7 @@ def look(flow: Fluid, fluid: Unit, time: float, told: Sequence[str]) -> Iterator
     """Yield what is to be told, and was not `told` before, of a vorticity about z that has more waves of two to three
     cells than of three to four. In space it is looked at in the middle of the box."""
     vorticity = _plane(fluid, "vorticity")
-    if not vorticity.size:
+    if not vorticity.any():
         return
     power, stepping = vorticity.var(), flow.time_stepping
     box = zip((flow.box.x, flow.box.y), vorticity.shape, strict=True)
