@@ -72,6 +72,7 @@ CASES: dict[str, tuple[str, Changes]] = {
     **{f"plate/{angle}°": (PLATE, turned(angle)) for angle in PLATES},
     **{f"sheet/{angle}°": (PLATE, SHEET | turned(angle)) for angle in PLATES},
     "sheet/30°, 128x96x96": (PLATE, SHEET | turned(30) | grid([128, 96, 96], 0.02)),
+    "sheet/30°, 192x144x144": (PLATE, SHEET | turned(30) | grid([192, 144, 144], 0.0125)),
     **{f"hanging/160x160x48, U {speed}": (HANGING, stream(speed)) for speed in SPEEDS},
     "plate/90°, 64x48x48": (PLATE, grid([64, 48, 48], 0.04)),
     "plate/90°, 128x96x96": (PLATE, grid([128, 96, 96], 0.02)),
