@@ -37,6 +37,10 @@ pub(crate) struct Elastic {
     pub(crate) support: Matrix3<f64>,
     pub(crate) omega: Vector,
     pub(crate) shapes: Vec<FaceShape>,
+    /// Positions, m, and support of the normals and angles: `[nodes]`, or empty.
+    found_at: (Vec<Vector>, Matrix3<f64>),
+    /// Whether the moments are those of the angles, without rates.
+    without_rates: bool,
     /// Angles of the hinges, rad, and those before a solve.
     turns: Vec<f64>,
     turns_before: Vec<f64>,
@@ -135,6 +139,8 @@ impl Elastic {
             support: Matrix3::identity(),
             omega: Vector::zeros(),
             shapes,
+            found_at: (Vec::with_capacity(mesh.nodes.len()), Matrix3::identity()),
+            without_rates: false,
         };
         // The rest angles of the hinges are still 0.
         let rest: Vec<_> = (0..mesh.nodes.len()).map(|k| mesh.node(k)).collect();
@@ -142,12 +148,17 @@ impl Elastic {
         for (hinge, turn) in elastic.hinges.iter_mut().zip(&elastic.turns) {
             hinge.rest = *turn;
         }
+        elastic.without_rates = false;
         Ok(elastic)
     }
 
     /// Find normals, angles and moments of the shape `x`, with velocities if they matter.
     pub(crate) fn update(&mut self, x: &[Vector], rates: Option<(&[Vector], f64)>) -> Result<(), BadShape> {
         self.find_turns(x)?;
+        if self.without_rates && rates.is_none() {
+            return Ok(());
+        }
+        self.without_rates = rates.is_none();
         for ((hinge, turn), moment) in self.hinges.iter().zip(&self.turns).zip(&mut self.moments) {
             *moment = turn - hinge.rest;
         }
@@ -178,8 +189,13 @@ impl Elastic {
         }
     }
 
-    /// Find normals and angles of the shape `x`.
+    /// Find normals and angles of the shape `x`, if they are not those of the last shape.
     fn find_turns(&mut self, x: &[Vector]) -> Result<(), BadShape> {
+        if self.found_at.0 == x && self.found_at.1 == self.support {
+            return Ok(());
+        }
+        self.found_at.0.clear();
+        self.without_rates = false;
         for (shape, face) in self.shapes.iter_mut().zip(&self.faces) {
             let [a, b, _] = face.nodes;
             let lost = BadShape { nodes: [a, b], what: "a triangle there has lost its area" };
@@ -194,6 +210,8 @@ impl Elastic {
             };
             self.turns.push(hinge.turn(x, &self.shapes, &self.support).ok_or(folded)?);
         }
+        self.found_at.0.extend_from_slice(x);
+        self.found_at.1 = self.support;
         Ok(())
     }
 

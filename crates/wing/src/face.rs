@@ -48,6 +48,7 @@ pub(crate) struct EdgeFrame {
 
 impl FaceShape {
     /// Return the shape of a triangle; `None` if it has no area.
+    #[inline(always)]
     pub(crate) fn new([a, b, c]: [Vector; 3]) -> Option<Self> {
         let twice = (b - a).cross(&(c - a));
         let area = twice.norm();
