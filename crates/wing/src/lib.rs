@@ -29,6 +29,7 @@ mod sparse;
 mod state;
 mod statics;
 mod step;
+mod supernodes;
 mod system;
 mod vein;
 mod wing;

@@ -1,6 +1,6 @@
-//! Sparse symmetric matrices and their Cholesky factors by faer, with an order of approximate minimum degree.
+//! Sparse symmetric matrices and their Cholesky factors, with an order of approximate minimum degree.
 //!
-//! Order and pattern of the factor are found once.
+//! Order and pattern of the factor are found once, by faer; it also factorises matrices without supernodes.
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
@@ -8,8 +8,10 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, SymbolicCholeskyRaw, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side};
+use pulp::{Arch, Simd, WithSimd};
 
 use crate::Error;
+use crate::supernodes::{MARGIN, Plan};
 
 /// Lower triangle of a sparse symmetric matrix with its factors.
 pub(crate) struct Symmetric {
@@ -20,6 +22,8 @@ pub(crate) struct Symmetric {
     /// Entries.
     pub(crate) values: Vec<f64>,
     symbolic: SymbolicCholesky<usize>,
+    /// Places of the entries in supernodes; `None` for a matrix without any.
+    plan: Option<Plan>,
     factors: Vec<f64>,
     memory: MemBuffer,
     /// Right-hand side in the order of the factor, and the part below a supernode: `[2, order]`.
@@ -44,9 +48,16 @@ impl Symmetric {
             symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()),
             symbolic.solve_in_place_scratch::<f64>(1, Par::Seq),
         ]));
-        let factors = vec![0.0; symbolic.len_val()];
+        let plan = match (symbolic.raw(), symbolic.perm()) {
+            (SymbolicCholeskyRaw::Supernodal(raw), Some(order)) => {
+                let (_, new) = order.arrays();
+                Some(Plan::new(raw, places.iter().map(|&(i, j)| (new[i as usize], new[j as usize]))))
+            }
+            _ => None,
+        };
+        let factors = vec![0.0; symbolic.len_val() + MARGIN];
         let work = vec![0.0; 2 * order];
-        Ok(Self { values: vec![0.0; rows.len()], columns, rows, symbolic, factors, memory, work })
+        Ok(Self { values: vec![0.0; rows.len()], columns, rows, symbolic, plan, factors, memory, work })
     }
 
     /// Return the number of rows.
@@ -56,7 +67,7 @@ impl Symmetric {
 
     /// Return the number of entries of L.
     pub(crate) fn fill(&self) -> usize {
-        self.factors.len()
+        self.symbolic.len_val()
     }
 
     /// Return the place of an entry of the pattern in `values`.
@@ -81,11 +92,15 @@ impl Symmetric {
 
     /// Factorise the matrix; `false` means that it is not positive definite.
     pub(crate) fn factorise(&mut self) -> bool {
-        let Self { columns, rows, values, symbolic, factors, memory, .. } = self;
+        let Self { columns, rows, values, symbolic, plan, factors, memory, .. } = self;
+        if let Some(plan) = plan {
+            return plan.factorise(values, factors);
+        }
         let order = columns.len() - 1;
         let pattern = SymbolicSparseColMatRef::new_checked(order, order, columns, None, rows);
         let matrix = SparseColMatRef::new(pattern, values);
         let (plain, stack) = (LltRegularization::default(), MemStack::new(memory));
+        let factors = &mut factors[..symbolic.len_val()];
         let factorised =
             symbolic.factorize_numeric_llt(factors, matrix, Side::Lower, plain, Par::Seq, stack, Default::default());
         factorised.is_ok()
@@ -98,12 +113,12 @@ impl Symmetric {
             let (order, _) = order.arrays();
             let (y, below) = self.work.split_at_mut(order.len());
             y.iter_mut().zip(order).for_each(|(y, &i)| *y = b[i]);
-            solve_supernodes(raw, &self.factors, y, below);
+            Arch::new().dispatch(Solve { symbolic: raw, factors: &self.factors, y, below });
             y.iter().zip(order).for_each(|(y, &i)| b[i] = *y);
             return;
         }
         let stack = MemStack::new(&mut self.memory);
-        LltRef::new(&self.symbolic, &self.factors).solve_in_place_with_conj(
+        LltRef::new(&self.symbolic, &self.factors[..self.symbolic.len_val()]).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(b, order, 1),
             Par::Seq,
@@ -112,10 +127,28 @@ impl Symmetric {
     }
 }
 
+/// Solve by [`solve_supernodes`] with the instructions of the processor at hand.
+struct Solve<'a> {
+    symbolic: &'a SymbolicSupernodalCholesky<usize>,
+    factors: &'a [f64],
+    y: &'a mut [f64],
+    below: &'a mut [f64],
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        solve_supernodes(self.symbolic, self.factors, self.y, self.below);
+    }
+}
+
 /// Replace `y` by the solution of L Lᵀ y; `below` is scratch.
 ///
 /// A supernode is a block of columns that have the same rows below their triangle. It is too small to pay for the
 /// matrix products that a solve by faer calls.
+#[inline(always)]
 fn solve_supernodes(symbolic: &SymbolicSupernodalCholesky<usize>, factors: &[f64], y: &mut [f64], below: &mut [f64]) {
     let block = |s: usize| {
         let (start, end) = (symbolic.supernode_begin()[s], symbolic.supernode_end()[s]);
@@ -163,6 +196,7 @@ fn solve_supernodes(symbolic: &SymbolicSupernodalCholesky<usize>, factors: &[f64
 }
 
 /// Return Σ a b, in lanes that a processor adds at once.
+#[inline(always)]
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; 8];
     let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
@@ -172,3 +206,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     rest + lanes.iter().sum::<f64>()
 }
+
+#[cfg(test)]
+#[path = "sparse/tests.rs"]
+mod tests;

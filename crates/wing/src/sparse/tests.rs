@@ -1,0 +1,51 @@
+//! Factors of a matrix with supernodes against its products.
+
+use super::Symmetric;
+
+/// Return the pattern of `side`² nodes of three unknowns on a grid, each with the nodes up to three lines ahead.
+fn places(side: u32) -> Vec<(u32, u32)> {
+    let mut places = Vec::new();
+    for node in 0..side * side {
+        let (x, y) = (node % side, node / side);
+        for (other_x, other_y) in (0..16).map(|i| (x + i % 4, y + i / 4)) {
+            let other = other_y * side + other_x;
+            if other_x < side && other_y < side {
+                let pairs = (0..9).map(|i| (3 * node + i / 3, 3 * other + i % 3));
+                places.extend(pairs.filter(|(column, row)| row >= column));
+            }
+        }
+    }
+    places
+}
+
+#[test]
+fn factors_by_supernodes_solve_and_tell_of_a_matrix_that_is_not_positive_definite() {
+    for side in [3, 4, 8, 17, 30] {
+        let order = 3 * (side * side) as usize;
+        let places = places(side);
+        let mut matrix = Symmetric::new(order, places.clone()).expect("a pattern");
+        let entry = |i: u32, j: u32| if i == j { 90.0 } else { f64::from(7 * i + 3 * j).sin() };
+        for &(j, i) in &places {
+            let place = matrix.place(i as usize, j as usize);
+            matrix.values[place] = entry(i, j);
+        }
+        assert!(matrix.factorise(), "a positive definite matrix");
+        let x: Vec<_> = (0..order).map(|i| (i as f64).cos()).collect();
+        let mut b = vec![0.0; order];
+        for &(j, i) in &places {
+            b[i as usize] += entry(i, j) * x[j as usize];
+            if i != j {
+                b[j as usize] += entry(i, j) * x[i as usize];
+            }
+        }
+        matrix.solve(&mut b);
+        let off = b.iter().zip(&x).map(|(b, x)| (b - x).abs()).fold(0.0, f64::max);
+        println!("{order} rows, supernodes: {}, off by {off:.1e}", matrix.plan.is_some());
+        assert!(
+            off < 1e-14 * order as f64 && (order < 2000 || matrix.plan.is_some()),
+            "{order} rows: off by {off:.1e}"
+        );
+        matrix.add_to_diagonal(order / 2, -180.0);
+        assert!(!matrix.factorise(), "{order} rows: not positive definite");
+    }
+}

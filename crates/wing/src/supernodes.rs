@@ -1,0 +1,226 @@
+//! Cholesky factors by supernodes: blocks of columns that have the same rows below their triangle.
+//!
+//! Each block is factorised and then subtracts its products from the blocks of its rows:
+//!
+//! ```text
+//! L_11 L_11ᵀ = A_11,     L_21 = A_21 L_11⁻ᵀ,     A_22 −= L_21 L_21ᵀ.
+//! ```
+//!
+//! The blocks of a wing are small. A general matrix product would cost more in its calls than in its sums, and each
+//! entry of a product has one known place in a later block. All processors sum in the same order.
+
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Columns of a product at once; the registers of AVX2 hold them with [`TALL`] vectors.
+const WIDE: usize = 4;
+/// Vectors of a product at once.
+const TALL: usize = 2;
+/// Entries behind the factors that a vector may read.
+pub(crate) const MARGIN: usize = 8 * TALL;
+
+/// Column of a later supernode from which a row of a supernode subtracts.
+struct Target {
+    /// Place of the column.
+    start: usize,
+    /// Places in the column of this row and of those below it, in `rows`.
+    rows: usize,
+}
+
+/// Places of the entries, which do not change.
+pub(crate) struct Plan {
+    /// First column of each supernode, and of none: `[supernodes + 1]`.
+    columns: Vec<usize>,
+    /// First entry of each supernode: `[supernodes + 1]`.
+    entries: Vec<usize>,
+    /// Targets of the rows below each supernode, one supernode after the other.
+    targets: Vec<Target>,
+    rows: Vec<u32>,
+    /// Place of each entry of the matrix.
+    places: Vec<u32>,
+    /// Columns of a product and its factors in rows of [`WIDE`].
+    product: Vec<f64>,
+    packed: Vec<[f64; WIDE]>,
+}
+
+impl Plan {
+    /// Return the places of the entries (row, column) of one triangle of the matrix, in the order of the factors.
+    pub(crate) fn new(
+        symbolic: &SymbolicSupernodalCholesky<usize>,
+        matrix: impl Iterator<Item = (usize, usize)>,
+    ) -> Self {
+        let count = symbolic.n_supernodes();
+        let mut columns = symbolic.supernode_begin()[..count].to_vec();
+        columns.push(symbolic.supernode_end().last().copied().unwrap_or(0));
+        let entries = symbolic.col_ptr_for_val()[..=count].to_vec();
+        let mut supernode = vec![0; columns[count]];
+        (0..count).for_each(|s| supernode[columns[s]..columns[s + 1]].fill(s));
+        let below = |s: usize| symbolic.supernode(s).pattern();
+        let width = |s: usize| columns[s + 1] - columns[s];
+        let height = |s: usize| width(s) + below(s).len();
+        let place_in = |s: usize, row: usize| match row < columns[s + 1] {
+            true => row - columns[s],
+            false => width(s) + below(s).partition_point(|&other| other < row),
+        };
+        let (mut targets, mut rows, mut last) = (Vec::new(), Vec::new(), None);
+        for s in 0..count {
+            for (j, &row) in below(s).iter().enumerate() {
+                let later = supernode[row];
+                if last != Some((s, later)) {
+                    rows.extend(below(s)[j..].iter().map(|&row| place_in(later, row) as u32));
+                    last = Some((s, later));
+                }
+                let start = entries[later] + (row - columns[later]) * height(later);
+                targets.push(Target { start, rows: rows.len() + j - below(s).len() });
+            }
+        }
+        let places = matrix.map(|(i, j)| {
+            let (row, column) = (i.max(j), i.min(j));
+            let s = supernode[column];
+            (entries[s] + (column - columns[s]) * height(s) + place_in(s, row)) as u32
+        });
+        let places = places.collect();
+        let tallest = (0..count).map(height).max().unwrap_or(0);
+        let widest = (0..count).map(width).max().unwrap_or(0);
+        let (product, packed) = (vec![0.0; WIDE * (tallest + MARGIN)], vec![[0.0; WIDE]; widest]);
+        Self { columns, entries, targets, rows, places, product, packed }
+    }
+
+    /// Write the factors of the matrix of `values`; `false` means that it is not positive definite.
+    pub(crate) fn factorise(&mut self, values: &[f64], factors: &mut [f64]) -> bool {
+        factors.fill(0.0);
+        self.places.iter().zip(values).for_each(|(&place, value)| factors[place as usize] = *value);
+        Arch::new().dispatch(Factorise { plan: self, factors })
+    }
+}
+
+struct Factorise<'a> {
+    plan: &'a mut Plan,
+    factors: &'a mut [f64],
+}
+
+impl WithSimd for Factorise<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        let Self { plan: Plan { columns, entries, targets, rows, product, packed, .. }, factors } = self;
+        let mut targets = targets.as_slice();
+        for s in 0..columns.len() - 1 {
+            let width = columns[s + 1] - columns[s];
+            let height = (entries[s + 1] - entries[s]) / width;
+            let block = &mut factors[entries[s]..];
+            for left in (0..width).step_by(WIDE) {
+                let wide = WIDE.min(width - left);
+                if left > 0 {
+                    let stride = multiply(simd, block, height, left, left, wide, product, packed);
+                    let columns = block[left * height..].chunks_exact_mut(height).zip(product.chunks_exact(stride));
+                    for (column, sums) in columns.take(wide) {
+                        column[left..].iter_mut().zip(sums).for_each(|(a, sum)| *a -= sum);
+                    }
+                }
+                if !factorise_columns(&mut block[left * height..(left + wide) * height], height, left) {
+                    return false;
+                }
+            }
+            let (own, others) = targets.split_at(height - width);
+            targets = others;
+            for (i, own) in own.chunks(WIDE).enumerate() {
+                let first = width + WIDE * i;
+                let stride = multiply(simd, &factors[entries[s]..], height, width, first, own.len(), product, packed);
+                for (j, (target, sums)) in own.iter().zip(product.chunks_exact(stride)).enumerate() {
+                    let (sums, column) = (&sums[j..height - first], &mut factors[target.start..]);
+                    for (&place, sum) in rows[target.rows..].iter().zip(sums) {
+                        column[place as usize] -= sum;
+                    }
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Factorise columns `first` … of a block, whose earlier columns are subtracted; `false` where they have no root.
+#[inline(always)]
+fn factorise_columns(columns: &mut [f64], height: usize, first: usize) -> bool {
+    for j in 0..columns.len() / height {
+        let (before, column) = columns.split_at_mut(j * height);
+        let column = &mut column[first + j..height];
+        for earlier in before.chunks_exact(height) {
+            let earlier = &earlier[first + j..];
+            let factor = earlier[0];
+            column.iter_mut().zip(earlier).for_each(|(a, l)| *a -= l * factor);
+        }
+        if !(column[0] > 0.0 && column[0].is_finite()) {
+            return false;
+        }
+        let over = 1.0 / column[0].sqrt();
+        column.iter_mut().for_each(|a| *a *= over);
+    }
+    true
+}
+
+/// Write Σ l_ik l_jk over the first `depth` columns k of a block, for `wide` rows j from `first` on and all rows i from
+/// there on. Return the distance of the columns of the product.
+///
+/// Vectors reach into what follows a column; these sums are not used.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn multiply<S: Simd>(
+    simd: S,
+    block: &[f64],
+    height: usize,
+    depth: usize,
+    first: usize,
+    wide: usize,
+    product: &mut [f64],
+    packed: &mut [[f64; WIDE]],
+) -> usize {
+    let packed = &mut packed[..depth];
+    for (k, packed) in packed.iter_mut().enumerate() {
+        *packed = [0.0; WIDE];
+        packed[..wide].copy_from_slice(&block[k * height + first..][..wide]);
+    }
+    let vectors = (height - first).div_ceil(S::F64_LANES);
+    let stride = vectors * S::F64_LANES;
+    let from = &block[first..];
+    let mut done = 0;
+    while done + TALL <= vectors {
+        multiply_tile::<S, TALL>(simd, from, height, done, stride, product, packed);
+        done += TALL;
+    }
+    if vectors > done {
+        multiply_tile::<S, 1>(simd, from, height, done, stride, product, packed);
+    }
+    stride
+}
+
+/// Write `N` vectors of each column of a product, from vector `done` on.
+#[inline(always)]
+fn multiply_tile<S: Simd, const N: usize>(
+    simd: S,
+    from: &[f64],
+    height: usize,
+    done: usize,
+    stride: usize,
+    product: &mut [f64],
+    packed: &[[f64; WIDE]],
+) {
+    let row = done * S::F64_LANES;
+    let mut sums = [[simd.splat_f64s(0.0); N]; WIDE];
+    let mut place = row;
+    for factors in packed {
+        let (vectors, _) = S::as_simd_f64s(&from[place..place + N * S::F64_LANES]);
+        for j in 0..WIDE {
+            let factor = simd.splat_f64s(factors[j]);
+            for i in 0..N {
+                sums[j][i] = simd.mul_add_e_f64s(vectors[i], factor, sums[j][i]);
+            }
+        }
+        place += height;
+    }
+    for (product, sums) in product.chunks_exact_mut(stride).zip(&sums) {
+        let (vectors, _) = S::as_mut_simd_f64s(&mut product[row..row + N * S::F64_LANES]);
+        vectors.copy_from_slice(sums);
+    }
+}
