@@ -1,7 +1,8 @@
-//! Figures that bodies fill: outlines in the plane, and solids in space.
+//! Figures that bodies, beams and the wing fill: outlines in the plane, solids, surfaces and cords in space.
 
 use crate::body::{Axis, Body, Shape, Turn};
 use crate::plane::Outline;
+use crate::space::{self, ROUNDING, Vector, are_near, between, dot};
 
 /// Samples along each side of the frame around a solid, by which its volume is measured.
 const SAMPLES: usize = 16;
@@ -12,18 +13,37 @@ const POINTS: usize = 4096;
 /// Samples along each side of the frame that two solids share.
 const SHARED: usize = 8;
 
+/// Places along each side of a cord at which it is looked for inside a solid.
+const PLACES: usize = 4;
+
+/// Part of a surface at its rim that may touch another.
+const RIM: f64 = 1e-6;
+
+/// Most triangles of a surface in the frame that it shares with another; of more, some are left out.
+const MOST_NEAR: usize = 300;
+
 /// The place that a body fills.
 #[derive(Clone, Debug)]
 pub(crate) enum Figure {
     Flat(Outline),
     Solid(Solid),
     Sheet(Sheet),
+    Cord(Cord),
 }
 
-/// A surface in space as points on it.
+/// A surface in space.
 #[derive(Clone, Debug)]
 pub(crate) struct Sheet {
-    points: Vec<[f64; 3]>,
+    nodes: Vec<Vector>,
+    triangles: Vec<[usize; 3]>,
+    frame: [[f64; 2]; 3],
+}
+
+/// A beam in space: a line with half its thickness.
+#[derive(Clone, Debug)]
+pub(crate) struct Cord {
+    points: Vec<Vector>,
+    half: f64,
     frame: [[f64; 2]; 3],
 }
 
@@ -50,17 +70,13 @@ enum Form {
 }
 
 impl Figure {
-    /// Return the outline of a figure of the plane.
-    pub fn into_outline(self) -> Option<Outline> {
-        if let Self::Flat(outline) = self { Some(outline) } else { None }
-    }
-
     /// Return least and largest place along each axis of the box, m.
     pub fn frame(&self) -> &[[f64; 2]] {
         match self {
             Self::Flat(outline) => &outline.frame,
             Self::Solid(solid) => &solid.frame,
             Self::Sheet(sheet) => &sheet.frame,
+            Self::Cord(cord) => &cord.frame,
         }
     }
 
@@ -70,9 +86,15 @@ impl Figure {
             (Self::Flat(a), Self::Flat(b)) => a.overlaps(b, depth),
             (Self::Solid(a), Self::Solid(b)) => a.overlaps(b, depth),
             (Self::Sheet(a), Self::Solid(b)) | (Self::Solid(b), Self::Sheet(a)) => {
-                a.points.iter().any(|p| b.contains(*p))
+                are_near(&a.frame, &b.frame, 0.0) && a.points().any(|p| b.contains(p, 0.0))
             }
-            _ => false,
+            (Self::Sheet(a), Self::Sheet(b)) => a.meets(b, depth) || b.meets(a, depth),
+            (Self::Cord(a), Self::Cord(b)) => a.distance(b) < a.half + b.half - depth,
+            (Self::Cord(a), Self::Solid(b)) | (Self::Solid(b), Self::Cord(a)) => {
+                are_near(&a.frame, &b.frame, 0.0) && a.places().any(|p| b.contains(p, a.half - depth))
+            }
+            (Self::Cord(a), Self::Sheet(b)) | (Self::Sheet(b), Self::Cord(a)) => a.touches(b, depth),
+            (Self::Flat(_), _) | (_, Self::Flat(_)) => false,
         }
     }
 
@@ -81,7 +103,8 @@ impl Figure {
         match self {
             Self::Flat(outline) => outline.share(|p| property(&p)),
             Self::Solid(solid) => solid.share(|p| property(&p)),
-            Self::Sheet(sheet) => sheet.share(|p| property(p)),
+            Self::Sheet(sheet) => sheet.share(|p| property(&p)),
+            Self::Cord(cord) => share(cord.points.iter(), |p| property(&p[..])),
         }
     }
 
@@ -89,8 +112,13 @@ impl Figure {
     pub fn shared(&self, other: &Self) -> f64 {
         match (self, other) {
             (Self::Flat(a), Self::Flat(b)) => a.shared(b),
-            (Self::Solid(a), Self::Solid(b)) => f64::max(a.share(|p| b.contains(p)), b.share(|p| a.contains(p))),
-            (Self::Sheet(a), Self::Solid(b)) | (Self::Solid(b), Self::Sheet(a)) => a.share(|p| b.contains(*p)),
+            (Self::Solid(a), Self::Solid(b)) => {
+                f64::max(a.share(|p| b.contains(p, 0.0)), b.share(|p| a.contains(p, 0.0)))
+            }
+            (Self::Sheet(a), Self::Solid(b)) | (Self::Solid(b), Self::Sheet(a)) => a.share(|p| b.contains(p, 0.0)),
+            (Self::Sheet(a), Self::Sheet(b)) if are_near(&a.frame, &b.frame, 0.0) => {
+                f64::max(a.share(|p| b.has(p)), b.share(|p| a.has(p)))
+            }
             _ => 0.0,
         }
     }
@@ -102,39 +130,168 @@ impl Figure {
             Self::Flat(_) => true,
             Self::Solid(solid) => solid.covers(axis, ends),
             Self::Sheet(sheet) => sheet.covers(axis, ends),
+            Self::Cord(_) => false,
+        }
+    }
+
+    /// Whether the image of the figure in the plane across `axis` at `middle` fills a figure of `all`, to `close`, m.
+    pub fn is_mirrored(&self, all: &[Self], axis: usize, middle: f64, close: f64) -> bool {
+        let image = |p: &[f64]| {
+            let mut image = p.to_vec();
+            image[axis] = 2.0 * middle - p[axis];
+            image
+        };
+        let near = |p: &[f64], q: &[f64]| p.iter().zip(q).map(|(a, b)| (a - b) * (a - b)).sum::<f64>() <= close * close;
+        let (points, others): (Vec<_>, Vec<Vec<_>>) = (self.corners(), all.iter().map(Self::corners).collect());
+        others.iter().any(|other| points.iter().all(|p| other.iter().any(|q| near(&image(p), q))))
+    }
+
+    /// Return points by which two figures of one kind and size are the same.
+    fn corners(&self) -> Vec<Vec<f64>> {
+        match self {
+            Self::Flat(outline) => outline.corners().iter().map(|p| p.to_vec()).collect(),
+            Self::Solid(solid) => solid.corners().iter().map(|p| p.to_vec()).collect(),
+            Self::Sheet(Sheet { nodes: points, .. }) | Self::Cord(Cord { points, .. }) => {
+                points.iter().map(|p| p.to_vec()).collect()
+            }
         }
     }
 }
 
-impl Sheet {
-    /// The surface of nodes in the axes of the box and triangles, which has some [`POINTS`] points or one a triangle.
-    fn new(nodes: &[[f64; 3]], triangles: &[[usize; 3]]) -> Self {
-        let frame = [0, 1, 2].map(|axis| {
-            let along = nodes.iter().map(|node| node[axis]);
-            [along.clone().fold(f64::INFINITY, f64::min), along.fold(f64::NEG_INFINITY, f64::max)]
-        });
-        let n = (POINTS as f64 / triangles.len() as f64).sqrt().ceil().max(1.0);
-        let mut points = Vec::new();
-        for corners in triangles.iter().step_by(triangles.len().div_ceil(POINTS)) {
-            let [a, b, c] = corners.map(|node| nodes[node]);
-            for (i, j) in (0..n as usize).flat_map(|i| (0..n as usize - i).map(move |j| (i, j))) {
-                let [s, t] = [i, j].map(|k| (k as f64 + 1.0 / 3.0) / n);
-                points.push([0, 1, 2].map(|axis| a[axis] + s * (b[axis] - a[axis]) + t * (c[axis] - a[axis])));
-            }
-        }
-        Self { points, frame }
+/// Return the share of points with a property.
+fn share<T>(points: impl Iterator<Item = T>, property: impl Fn(T) -> bool) -> f64 {
+    let (all, some) = points.fold((0_u32, 0_u32), |(all, some), p| (all + 1, some + u32::from(property(p))));
+    f64::from(some) / f64::from(all.max(1))
+}
+
+impl Cord {
+    /// The beam through `points` of that half thickness, m.
+    pub fn new(points: Vec<Vector>, half: f64) -> Self {
+        let frame = space::frame(points.iter()).map(|[low, high]| [low - half, high + half]);
+        Self { points, half, frame }
     }
 
-    fn share(&self, property: impl Fn(&[f64; 3]) -> bool) -> f64 {
-        self.points.iter().filter(|p| property(p)).count() as f64 / self.points.len() as f64
+    fn sides(&self) -> impl Iterator<Item = [Vector; 2]> + '_ {
+        self.points.windows(2).map(|pair| [pair[0], pair[1]])
+    }
+
+    /// Return points along the line.
+    fn places(&self) -> impl Iterator<Item = Vector> + '_ {
+        self.sides().flat_map(|[a, b]| (0..=PLACES).map(move |i| between(a, b, i as f64 / PLACES as f64)))
+    }
+
+    /// Return the distance of two lines, m; infinite where their frames are apart.
+    pub fn distance(&self, other: &Self) -> f64 {
+        if !are_near(&self.frame, &other.frame, 0.0) {
+            return f64::INFINITY;
+        }
+        let pairs = self.sides().flat_map(|one| other.sides().map(move |two| space::distance(one, two)));
+        pairs.fold(f64::INFINITY, f64::min)
+    }
+
+    /// Return where a beam passes through a surface, not only with its root or its tip.
+    pub fn piercing(&self, sheet: &Sheet) -> Option<Vector> {
+        let (corners, last) = (sheet.near(&self.frame, 0.0), self.points.len() - 2);
+        self.sides().enumerate().find_map(|(k, side)| {
+            let mut shares = corners.iter().filter_map(|triangle| space::piercing(side, *triangle));
+            let is_end = |share: f64| (k == 0 && share < ROUNDING) || (k == last && share > 1.0 - ROUNDING);
+            shares.find(|share| !is_end(*share)).map(|share| between(side[0], side[1], share))
+        })
+    }
+
+    /// Whether a beam reaches to a surface by more than `depth`, m, or through it.
+    fn touches(&self, sheet: &Sheet, depth: f64) -> bool {
+        let corners = sheet.near(&self.frame, 0.0);
+        let close = (self.half - depth).max(0.0);
+        let reaches = |side: [Vector; 2], triangle: &[Vector; 3]| {
+            side.iter().any(|p| space::height(*p, *triangle) < close)
+                || edges(*triangle).iter().any(|edge| space::distance(side, *edge) < close)
+        };
+        self.piercing(sheet).is_some() || self.sides().any(|side| corners.iter().any(|own| reaches(side, own)))
+    }
+}
+
+/// Return the edges of a triangle.
+fn edges([a, b, c]: [Vector; 3]) -> [[Vector; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
+impl Sheet {
+    /// The surface of nodes in the axes of the box and triangles.
+    pub fn new(nodes: Vec<Vector>, triangles: Vec<[usize; 3]>) -> Self {
+        let frame = space::frame(nodes.iter());
+        Self { nodes, triangles, frame }
+    }
+
+    /// Return some [`POINTS`] points on the surface, or one a triangle.
+    fn points(&self) -> impl Iterator<Item = Vector> + '_ {
+        let count = self.triangles.len();
+        let n = (POINTS as f64 / count as f64).sqrt().ceil().max(1.0) as usize;
+        let at = move |[a, b, c]: [Vector; 3], i: usize, j: usize| {
+            let [s, t] = [i, j].map(|k| (k as f64 + 1.0 / 3.0) / n as f64);
+            [0, 1, 2].map(|axis| a[axis] + s * (b[axis] - a[axis]) + t * (c[axis] - a[axis]))
+        };
+        self.corners(count.div_ceil(POINTS)).flat_map(move |corners| {
+            (0..n).flat_map(move |i| (0..n - i).map(move |j| (i, j))).map(move |(i, j)| at(corners, i, j))
+        })
+    }
+
+    /// Return the corners of each triangle, or of some.
+    fn corners(&self, stride: usize) -> impl Iterator<Item = [Vector; 3]> + '_ {
+        self.triangles.iter().step_by(stride.max(1)).map(|corners| corners.map(|node| self.nodes[node]))
+    }
+
+    /// Return the triangles at most `gap` from a frame, of more than [`MOST_NEAR`] some.
+    fn near(&self, frame: &[[f64; 2]; 3], gap: f64) -> Vec<[Vector; 3]> {
+        if !are_near(&self.frame, frame, gap) {
+            return Vec::new();
+        }
+        let all: Vec<_> =
+            self.corners(1).filter(|corners| are_near(&space::frame(corners.iter()), frame, gap)).collect();
+        let stride = all.len().div_ceil(MOST_NEAR).max(1);
+        all.into_iter().step_by(stride).collect()
+    }
+
+    /// Whether an edge passes through the other surface, or comes closer than `gap` to it, m.
+    fn meets(&self, other: &Self, gap: f64) -> bool {
+        let own = self.near(&other.frame, gap);
+        // The edge of one may lie on the other.
+        let middle = other.frame.map(|[low, high]| (low + high) / 2.0);
+        let inner = |corners: [Vector; 3]| corners.map(|corner| between(corner, middle, RIM));
+        let others: Vec<_> = other.near(&self.frame, gap).into_iter().map(inner).collect();
+        let framed: Vec<_> = others.iter().map(|corners| (corners, space::frame(corners.iter()))).collect();
+        let through = |side: [Vector; 2], triangle: [Vector; 3]| {
+            space::piercing(side, triangle).is_some_and(|share| ROUNDING < share && share < 1.0 - ROUNDING)
+        };
+        let close = |side: [Vector; 2], triangle: [Vector; 3]| {
+            space::height(side[0], triangle) < gap
+                || edges(triangle).iter().any(|edge| space::distance(side, *edge) < gap)
+        };
+        own.iter().any(|corners| {
+            let frame = space::frame(corners.iter());
+            let mut met = framed.iter().filter(|(_, other)| are_near(&frame, other, gap));
+            met.any(|(other, _)| edges(*corners).iter().any(|side| through(*side, **other) || close(*side, **other)))
+        })
+    }
+
+    /// Whether a point lies on the surface.
+    fn has(&self, p: Vector) -> bool {
+        let size = self.frame.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
+        let close = 1e-6 * size;
+        let framed = |corners: &[Vector; 3]| are_near(&space::frame(corners.iter()), &p.map(|at| [at, at]), close);
+        self.corners(1).any(|corners| framed(&corners) && space::height(p, corners) <= close)
+    }
+
+    fn share(&self, property: impl Fn(Vector) -> bool) -> f64 {
+        share(self.points(), property)
     }
 
     fn covers(&self, axis: usize, ends: &[[f64; 2]]) -> bool {
         let [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
-        let part = |p: &[f64; 3], d: usize| (p[d] - ends[d][0]) / (ends[d][1] - ends[d][0]) * SAMPLES as f64;
+        let part = |p: &Vector, d: usize| (p[d] - ends[d][0]) / (ends[d][1] - ends[d][0]) * SAMPLES as f64;
         let mut met = [[false; SAMPLES]; SAMPLES];
-        for p in &self.points {
-            let [a, b] = [i, j].map(|d| part(p, d).clamp(0.0, SAMPLES as f64 - 1.0) as usize);
+        for p in self.points() {
+            let [a, b] = [i, j].map(|d| part(&p, d).clamp(0.0, SAMPLES as f64 - 1.0) as usize);
             met[a][b] = true;
         }
         met.as_flattened().iter().all(|met| *met)
@@ -142,11 +299,27 @@ impl Sheet {
 }
 
 impl Solid {
-    /// Return whether a point lies inside.
-    fn contains(&self, p: [f64; 3]) -> bool {
+    /// Return half the least length, m.
+    pub fn least_half(&self) -> f64 {
+        self.half.into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Return the corners of the cuboid around the body.
+    fn corners(&self) -> Vec<Vector> {
+        let [a, b, c] = self.half;
+        let is_ball = matches!(self.form, Form::Ellipsoid) && a == b && b == c;
+        let axes = if is_ball { [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], Z] } else { self.axes };
+        let signed = |k: usize, own: usize| if k >> own & 1 == 0 { self.half[own] } else { -self.half[own] };
+        let corner =
+            |k: usize| [0, 1, 2].map(|d| self.center[d] + (0..3).map(|own| signed(k, own) * axes[own][d]).sum::<f64>());
+        (0..8).map(corner).collect()
+    }
+
+    /// Return whether a point lies inside, or at most `by` (m) outside.
+    pub fn contains(&self, p: Vector, by: f64) -> bool {
         let from = [0, 1, 2].map(|d| p[d] - self.center[d]);
         let own = self.axes.map(|axis| dot(axis, from));
-        let part = [0, 1, 2].map(|d| own[d] / self.half[d]);
+        let part = [0, 1, 2].map(|d| own[d] / (self.half[d] + by).max(f64::MIN_POSITIVE));
         match self.form {
             Form::Ellipsoid => dot(part, part) <= 1.0,
             Form::Cuboid => part.iter().all(|x| x.abs() <= 1.0),
@@ -156,7 +329,7 @@ impl Solid {
 
     fn share(&self, property: impl Fn([f64; 3]) -> bool) -> f64 {
         let (mut all, mut some) = (0_u32, 0_u32);
-        for p in grid(self.frame, SAMPLES).filter(|&p| self.contains(p)) {
+        for p in grid(self.frame, SAMPLES).filter(|&p| self.contains(p, 0.0)) {
             all += 1;
             some += u32::from(property(p));
         }
@@ -167,7 +340,7 @@ impl Solid {
         let frame =
             [0, 1, 2].map(|d| [self.frame[d][0].max(other.frame[d][0]), self.frame[d][1].min(other.frame[d][1])]);
         frame.iter().all(|[low, high]| high - low > depth)
-            && grid(frame, SHARED).any(|p| self.contains(p) && other.contains(p))
+            && grid(frame, SHARED).any(|p| self.contains(p, 0.0) && other.contains(p, 0.0))
     }
 
     fn covers(&self, axis: usize, ends: &[[f64; 2]]) -> bool {
@@ -177,7 +350,7 @@ impl Solid {
         grid(section, SAMPLES).all(|mut p| {
             (0..=SAMPLES).any(|i| {
                 p[axis] = low + (high - low) * i as f64 / SAMPLES as f64;
-                self.contains(p)
+                self.contains(p, 0.0)
             })
         })
     }
@@ -187,10 +360,6 @@ impl Solid {
 fn grid(frame: [[f64; 2]; 3], n: usize) -> impl Iterator<Item = [f64; 3]> {
     let at = move |[low, high]: [f64; 2], i: usize| low + (high - low) * (i as f64 + 0.5) / n as f64;
     (0..n * n * n).map(move |k| [at(frame[0], k / (n * n)), at(frame[1], k / n % n), at(frame[2], k % n)])
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Return a vector after a turn about an axis by the right-hand rule.
@@ -224,7 +393,7 @@ impl Body {
             let (nodes, triangles) = surface.unwrap_or_default();
             let placed =
                 |own: &[f64; 3]| [0, 1, 2].map(|d| center[d] + (0..3).map(|k| own[k] * axes[k][d]).sum::<f64>());
-            return Figure::Sheet(Sheet::new(&nodes.iter().map(placed).collect::<Vec<_>>(), &triangles));
+            return Figure::Sheet(Sheet::new(nodes.iter().map(placed).collect(), triangles));
         };
         let frame = [0, 1, 2].map(|d| {
             let reach = [0, 1, 2].map(|own| half[own] * axes[own][d].abs());

@@ -30,6 +30,7 @@ mod rods;
 mod root;
 mod scene;
 mod schema;
+mod space;
 mod spanwise;
 mod spline;
 mod surface;

@@ -3,17 +3,21 @@
 use crate::beam::{Beam, Root};
 use crate::body::Body;
 use crate::fault::{Fault, Faults};
-use crate::figure::Figure;
+use crate::figure::{Cord, Figure, Sheet};
 use crate::fluid::Fluid;
 use crate::law::TimeLaw;
 use crate::plane::{Outline, Point, cross, distance, meet, sides};
 use crate::scene::{BeamWithRod, Scene};
+use crate::space::Vector;
 
 /// Least share of its area in an inflow zone or a sponge with which a body is refused.
 const IN_ZONE: f64 = 0.5;
 
 /// Least share of its area in another body or beyond a wall with which a body is refused.
 const HIDDEN: f64 = 0.95;
+
+/// Part of the sum of half thicknesses below which the distance of two beams is an overlap.
+const ALONG: f64 = 0.95;
 
 /// Most stations of a beam at which it is looked at.
 const MOST_STATIONS: usize = 128;
@@ -34,8 +38,12 @@ pub(crate) struct Obstacle {
 pub(crate) struct Line {
     /// Path of the beam, e.g. `rods[0].beam`.
     pub key: String,
-    /// Some of the stations at rest, the first at the root and the last at the tip, m.
+    /// Some of the stations at rest, the first at the root and the last at the tip, m; z = 0 in two dimensions.
+    pub nodes: Vec<Vector>,
+    /// The same in the plane.
     pub points: Vec<Point>,
+    /// Whether it has three dimensions.
+    pub is_space: bool,
     /// Half the largest thickness, m.
     pub half_thickness: f64,
     /// Index of the cylinder that holds the beam.
@@ -66,13 +74,15 @@ fn line(scene: &Scene, own: &BeamWithRod) -> Line {
     let beam: &Beam = own.beam;
     let stations = scene.beam_stations(beam);
     let stride = beam.segments.div_ceil(MOST_STATIONS);
-    let mut points: Vec<_> = stations.iter().step_by(stride).map(|&[x, y, _]| [x, y]).collect();
+    let mut nodes: Vec<_> = stations.iter().step_by(stride).copied().collect();
     if !beam.segments.is_multiple_of(stride) {
-        points.extend(stations.last().map(|&[x, y, _]| [x, y]));
+        nodes.extend(stations.last());
     }
     Line {
         key: format!("{}beam", own.key()),
-        points,
+        points: nodes.iter().map(|&[x, y, _]| [x, y]).collect(),
+        nodes,
+        is_space: scene.dimension(beam) == 3,
         half_thickness: beam.places().map(|s| beam.thickness.at(s)).fold(0.0, f64::max) / 2.0,
         support: match beam.root {
             Root::OnCylinder { cylinder, .. } => Some(cylinder),
@@ -88,6 +98,34 @@ impl Line {
             Some(_) => format!("{}.root.on_cylinder.angle", self.key),
             None => format!("{}.root.at.position", self.key),
         }
+    }
+
+    /// Return the place of the root.
+    fn root(&self) -> String {
+        shown(&self.nodes[0][..if self.is_space { 3 } else { 2 }])
+    }
+
+    /// Return the beam as a figure in space.
+    pub fn cord(&self) -> Cord {
+        Cord::new(self.nodes.clone(), self.half_thickness)
+    }
+
+    /// Whether beams overlap between their ends, or half of one lies in the other.
+    pub fn overlaps(&self, other: &Self) -> bool {
+        let close = ALONG * (self.half_thickness + other.half_thickness);
+        let inside = |a: &Self, b: &Self| {
+            let cord = b.cord();
+            let near = |p: &Vector| Cord::new(vec![*p; 2], 2.0 * close).distance(&cord);
+            let last = a.nodes.len() - 1;
+            let by_end = [0, last].iter().any(|&end| near(&a.nodes[end]) < 2.0 * close);
+            (by_end, 2 * a.nodes.iter().filter(|p| near(p) < close).count() > last)
+        };
+        let ((by_one, one), (by_other, two)) = (inside(self, other), inside(other, self));
+        one || two || (!by_one && !by_other && self.cord().distance(&other.cord()) < close)
+    }
+
+    fn refused(&self, reason: &str) -> Fault {
+        Fault::conflict(&self.place(), &self.root(), reason)
     }
 
     /// Return the distance of a point from the line, m.
@@ -124,10 +162,13 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     }
     let obstacles = obstacles(fluid);
     check_bodies(fluid, &obstacles, faults);
-    if fluid.is_space() {
-        return;
-    }
     let lines = lines(scene);
+    if fluid.is_space() {
+        if let Some(reason) = wing_at(scene, 0.0).and_then(|wing| misplaced(fluid, &Figure::Sheet(wing), "wing")) {
+            faults.push(Fault::conflict("wing.mesh", "the mesh of the wing", &reason));
+        }
+        return check_lines_in_space(fluid, &lines, &obstacles, faults);
+    }
     let outlines: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.outline_at(0.0)).collect();
     for line in &lines {
         check_line(fluid, line, faults);
@@ -141,8 +182,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     }
     for (j, line) in lines.iter().enumerate() {
         if let Some((i, at)) = (0..j).find_map(|i| Some((i, crossing(&lines[i], line)?))) {
-            let reason = format!("the beam meets `{}` at {}", lines[i].key, shown(&at));
-            faults.push(Fault::conflict(&line.place(), &shown(&line.points[0]), &reason));
+            faults.push(line.refused(&format!("the beam meets `{}` at {}", lines[i].key, shown(&at))));
         }
     }
 }
@@ -152,7 +192,7 @@ fn check_bodies(fluid: &Fluid, obstacles: &[Obstacle], faults: &mut Faults) {
     let ends: Vec<_> = fluid.r#box.ends().collect();
     let figures: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.figure_at(0.0, &ends)).collect();
     for (obstacle, figure) in obstacles.iter().zip(&figures) {
-        if let Some(reason) = misplaced(fluid, figure) {
+        if let Some(reason) = misplaced(fluid, figure, "body") {
             faults.push(refused(obstacle, &reason));
         }
     }
@@ -242,28 +282,39 @@ fn check_outside(scene: &Scene, fluid: &Fluid, faults: &mut Faults) {
     }
 }
 
-/// Return why a body with this figure cannot be at its place at t = 0.
-fn misplaced(fluid: &Fluid, figure: &Figure) -> Option<String> {
+/// Return the surface of the wing at time `t` (s), as if it were rigid; none without triangles.
+pub(crate) fn wing_at(scene: &Scene, t: f64) -> Option<Sheet> {
+    let wing = scene.wing.as_ref()?;
+    let mesh = wing.mesh.build();
+    let moved = |node: &Vector| match &wing.root_motion {
+        Some(laws) => laws.moved(*node, wing.pivot, t),
+        None => *node,
+    };
+    (!mesh.triangles.is_empty()).then(|| Sheet::new(mesh.nodes.iter().map(moved).collect(), mesh.triangles))
+}
+
+/// Return why `what`, which has this figure, cannot be at its place at t = 0.
+fn misplaced(fluid: &Fluid, figure: &Figure, what: &str) -> Option<String> {
     let bounds: Vec<_> = fluid.r#box.ends().collect();
     let outside = |p: &[f64]| p.iter().zip(&bounds).any(|(at, ends)| beyond(*at, *ends) > 0.0);
     if figure.share(outside) > HIDDEN {
         let each: Vec<_> = bounds.iter().zip(AXES).map(|(ends, axis)| format!("{axis} {ends:?}")).collect();
-        return Some(format!("the body lies outside the box, {}", each.join(", ")));
+        return Some(format!("the {what} lies outside the box, {}", each.join(", ")));
     }
     for (axis, walls) in walls(fluid) {
         if figure.share(|p| beyond(p[axis], walls) > 0.0) > HIDDEN {
             let axis = AXES[axis];
-            return Some(format!("the body lies in a wall of the channel, whose fluid is at {axis} {walls:?}"));
+            return Some(format!("the {what} lies in a wall of the channel, whose fluid is at {axis} {walls:?}"));
         }
     }
     if let Some(reason) = blocked(fluid, figure) {
-        return Some(format!("the body {reason}"));
+        return Some(format!("the {what} {reason}"));
     }
     let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
     let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
     let (name, x) =
         inflow.into_iter().chain(sponge).find(|(_, x)| figure.share(|p| beyond(p[0], *x) == 0.0) > IN_ZONE)?;
-    Some(format!("most of the body lies in the {name}, x {x:?}, whose velocity is imposed inside bodies too"))
+    Some(format!("most of the {what} lies in the {name}, x {x:?}, whose velocity is imposed inside bodies too"))
 }
 
 /// Names of the axes.
@@ -303,27 +354,26 @@ pub(crate) fn blocked(fluid: &Fluid, figure: &Figure) -> Option<String> {
 
 /// Check that a beam neither passes through a wall of the channel nor lies in a zone.
 fn check_line(fluid: &Fluid, line: &Line, faults: &mut Faults) {
-    let [dx, dy] = fluid.r#box.in_plane();
-    let root = shown(&line.points[0]);
-    if let Some(channel) = &fluid.channel {
+    let (cell, axes) = (fluid.r#box.spacing(), if line.is_space { 3 } else { 2 });
+    for (axis, walls) in walls(fluid) {
         // A root may be embedded in a wall; what leaves the channel never comes from there.
-        let in_wall = |p: &Point| beyond(p[1], channel.y) > dy;
-        let free = line.points.iter().position(|p| !in_wall(p));
-        let reason = match free.map(|free| line.points[free..].iter().find(|p| in_wall(p))) {
+        let in_wall = |p: &Vector| beyond(p[axis], walls) > cell[axis];
+        let free = line.nodes.iter().position(|p| !in_wall(p));
+        let reason = match free.map(|free| line.nodes[free..].iter().find(|p| in_wall(p))) {
             None => Some("the beam lies in a wall of the channel".into()),
-            Some(Some(p)) => Some(format!("the beam passes through a wall of the channel at {}", shown(p))),
+            Some(Some(p)) => Some(format!("the beam passes through a wall of the channel at {}", shown(&p[..axes]))),
             Some(None) => None,
         };
         if let Some(reason) = reason {
-            let reason = format!("{reason}, whose fluid is at y {:?}", channel.y);
-            faults.push(Fault::conflict(&line.place(), &root, &reason));
+            faults.push(line.refused(&format!("{reason}, whose fluid is at {} {walls:?}", AXES[axis])));
         }
     }
+    let dx = cell[0];
     let inflow = fluid.inflow.as_ref().map(|inflow| ("inflow zone", inflow.x));
     let sponge = fluid.sponge.as_ref().map(|sponge| ("sponge", sponge.x));
     for (name, [low, high]) in inflow.into_iter().chain(sponge) {
         let inside = line.points.iter().filter(|p| low + dx < p[0] && p[0] < high - dx).count();
-        faults.require(inside as f64 <= IN_ZONE * line.points.len() as f64, &line.place(), &root, || {
+        faults.require(inside as f64 <= IN_ZONE * line.points.len() as f64, &line.place(), line.root(), || {
             format!("most of the beam lies in the {name}, x [{low}, {high}]")
         });
     }
@@ -334,28 +384,83 @@ fn check_passage(fluid: &Fluid, line: &Line, obstacle: &Obstacle, outline: &Outl
     let [dx, dy] = fluid.r#box.in_plane();
     let size = outline.frame.iter().map(|[low, high]| high - low).fold(f64::INFINITY, f64::min);
     let deep = dx.max(dy).min(size / 4.0);
-    let key = &obstacle.key;
-    let inside = |p: &Point| outline.depth(*p) > deep;
+    if let Some(fault) = passage(line, &obstacle.key, |&[x, y, _]| outline.depth([x, y]) > deep) {
+        faults.push(fault);
+    }
+}
+
+/// Return the fault of a beam that passes through a body, in which points are inside.
+fn passage(line: &Line, key: &str, inside: impl Fn(&Vector) -> bool) -> Option<Fault> {
     let is_cylinder = key.starts_with("fluid.cylinders");
     // A root may be embedded in a body, and a beam may begin at the surface of any.
-    let free = line.points.iter().position(|p| !inside(p));
+    let free = line.nodes.iter().position(|p| !inside(p));
     let reason = match free {
         None => format!("the beam lies inside `{key}`"),
         Some(1..) if is_cylinder => format!("the root lies inside `{key}`; `on_cylinder` holds a beam at its surface"),
-        Some(free) => match line.points[free..].iter().find(|p| inside(p)) {
-            Some(p) => format!("the beam passes through `{key}` at {}", shown(p)),
-            None => return,
-        },
+        Some(free) => {
+            let at = line.nodes[free..].iter().find(|p| inside(p))?;
+            format!("the beam passes through `{key}` at {}", shown(&at[..if line.is_space { 3 } else { 2 }]))
+        }
     };
-    faults.push(Fault::conflict(&line.place(), &shown(&line.points[0]), &reason));
+    Some(line.refused(&reason))
+}
+
+/// Check that beams in space do not pass through walls, bodies or one another.
+fn check_lines_in_space(fluid: &Fluid, lines: &[Line], obstacles: &[Obstacle], faults: &mut Faults) {
+    let ends: Vec<_> = fluid.r#box.ends().collect();
+    let cell = fluid.r#box.spacing().into_iter().fold(0.0, f64::max);
+    for line in lines {
+        check_line(fluid, line, faults);
+        for Obstacle { key, body, .. } in obstacles {
+            let fault = match body.figure_at(0.0, &ends) {
+                Figure::Solid(solid) => {
+                    let deep = cell.min(solid.least_half() / 2.0);
+                    passage(line, key, |p| solid.contains(*p, -deep))
+                }
+                Figure::Sheet(sheet) => {
+                    let at = line.cord().piercing(&sheet);
+                    at.map(|at| line.refused(&format!("the beam meets `{key}` at {}", shown(&at))))
+                }
+                _ => None,
+            };
+            if let Some(fault) = fault {
+                faults.push(fault);
+            }
+        }
+    }
+    for (j, line) in lines.iter().enumerate() {
+        if let Some((i, at)) = (0..j).find_map(|i| Some((i, crossing_in_space(&lines[i], line)?))) {
+            faults.push(line.refused(&format!("the beam meets `{}` at {}", lines[i].key, shown(&at))));
+        }
+    }
+}
+
+/// Return a point at which two beams in space cross, or from which on they lie on each other. An end of one may touch
+/// the other.
+fn crossing_in_space(a: &Line, b: &Line) -> Option<Vector> {
+    let point = |p: Vector| Cord::new(vec![p, p], 0.0);
+    let (one, other) = (a.cord(), b.cord());
+    let close = a.half_thickness.min(b.half_thickness) / 4.0;
+    let touches = |line: &Line, cord: &Cord| {
+        [line.nodes[0], line.nodes[line.nodes.len() - 1]].iter().any(|end| point(*end).distance(cord) < close)
+    };
+    let lies_on = |line: &Line, cord: &Cord| {
+        let near: Vec<_> = line.nodes.iter().filter(|p| point(**p).distance(cord) < close).collect();
+        (near.len() * 10 > line.nodes.len().max(10)).then(|| *near[0])
+    };
+    let crosses = !touches(a, &other) && !touches(b, &one) && one.distance(&other) < close;
+    let nearest = || {
+        let apart = |p: &&Vector| point(**p).distance(&one);
+        b.nodes.iter().min_by(|p, q| apart(p).total_cmp(&apart(q))).copied()
+    };
+    if crosses { nearest() } else { lies_on(b, &one).or_else(|| lies_on(a, &other)) }
 }
 
 /// Check that a beam does not cross a rigid line.
 fn check_crossing(line: &Line, obstacle: &Obstacle, points: &[Point], faults: &mut Faults) {
     let pairs = sides(&line.points).flat_map(|own| sides(points).map(move |other| (own, other)));
     if let Some(((at, _), _)) = pairs.into_iter().find(|((p, q), (r, s))| cross(*p, *q, *r, *s)) {
-        let reason = format!("the beam meets `{}` at {}", obstacle.key, shown(&at));
-        faults.push(Fault::conflict(&line.place(), &shown(&line.points[0]), &reason));
+        faults.push(line.refused(&format!("the beam meets `{}` at {}", obstacle.key, shown(&at))));
     }
 }
 

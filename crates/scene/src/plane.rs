@@ -107,6 +107,12 @@ impl Outline {
         self.is_near(other) && (enters(self, other) || enters(other, self) || through())
     }
 
+    /// Whether `p` lies inside or on the outline, as all of a line does.
+    fn holds(&self, p: Point) -> bool {
+        let size = self.frame.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
+        self.contains(p) || sides(&self.points).any(|(a, b)| distance(p, a, b) <= 1e-6 * size)
+    }
+
     /// Return the share of the area whose points have `property`.
     pub fn share(&self, property: impl Fn(Point) -> bool) -> f64 {
         let at = |[low, high]: [f64; 2], i: usize| low + (high - low) * (i as f64 + 0.5) / SAMPLES as f64;
@@ -135,11 +141,7 @@ impl Outline {
 
     /// Return the larger of both shares of the areas of two outlines that lie inside each other.
     pub fn shared(&self, other: &Self) -> f64 {
-        if self.is_near(other) {
-            f64::max(self.share(|p| other.contains(p)), other.share(|p| self.contains(p)))
-        } else {
-            0.0
-        }
+        if self.is_near(other) { f64::max(self.share(|p| other.holds(p)), other.share(|p| self.holds(p))) } else { 0.0 }
     }
 }
 

@@ -115,6 +115,13 @@ impl RootLaws {
         ([x.0, y.0, z.0], [x.1, y.1, z.1])
     }
 
+    /// Return where a point at rest is at time `t` (s), m, if it moves with the base, whose rotations are about `pivot`.
+    pub(crate) fn moved(&self, point: [f64; 3], pivot: [f64; 3], t: f64) -> [f64; 3] {
+        let from = std::array::from_fn(|d| point[d] - pivot[d]);
+        let (displacement, turned) = (self.displacement(t).0, self.direction(t, from).0);
+        std::array::from_fn(|d| pivot[d] + displacement[d] + turned[d])
+    }
+
     /// Return the direction at time `t` (s) of a vector that has `direction` at rest, and its rate, 1/s.
     pub fn direction(&self, t: f64, direction: [f64; 3]) -> ([f64; 3], [f64; 3]) {
         self.rotations.iter().fold((direction, [0.0; 3]), |(direction, rate), rotation| {

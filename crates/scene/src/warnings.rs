@@ -4,13 +4,14 @@
 use serde::Serialize;
 
 use crate::body::Body;
-use crate::figure::Figure;
+use crate::figure::{Cord, Figure, Sheet};
 use crate::fluid::Fluid;
 use crate::law::TimeLaw;
 use crate::places::{self, AXES, Line, Obstacle, beyond, rounded, shown};
 use crate::plane::{Outline, Point};
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
+use crate::space::Vector;
 
 /// Times at which motions are looked at, over the whole run and once more at its beginning.
 const TIMES: usize = 2000;
@@ -20,6 +21,9 @@ const TIMES_PER_PERIOD: f64 = 40.0;
 
 /// Least Reynolds number at which the wake of a body may shed vortices: 47 for a cylinder (Provansal et al. 1987).
 const SHEDDING: f64 = 45.0;
+
+/// Least Reynolds number at which a body that is round on all sides may: 270 for a sphere (Johnson & Patel 1999).
+const SHEDDING_ROUND: f64 = 270.0;
 
 /// Tips of clamped linear beams sink by this number of lengths, times 8, under a weight that is hardly meant.
 const HEAVIEST: f64 = 300.0;
@@ -54,37 +58,68 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
     found
 }
 
-/// A body or a beam that the fluid sees; a beam that a law drives as if it were rigid.
+/// A body, a beam or the wing, which the fluid sees; what a law drives at its root moves as if it were rigid.
 struct Part<'a> {
     key: String,
     motion: Motion<'a>,
     /// Index of the cylinder that holds the beam, which is a part of this index too.
     support: Option<usize>,
-    is_beam: bool,
+    kind: Kind,
+    /// Half the thickness of a beam, m; infinite for others.
+    half: f64,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Body,
+    Beam,
+    Wing,
 }
 
 /// The motion of a part over time.
 enum Motion<'a> {
     Rigid { body: Box<Body>, ends: Vec<[f64; 2]> },
-    Still(Outline),
-    Root { points: Vec<Point>, half_thickness: f64, direction: [f64; 3], laws: &'a RootLaws },
+    Still(Figure),
+    Root { nodes: Vec<Vector>, form: Form, pivot: Vector, laws: &'a RootLaws },
+}
+
+/// The figure through nodes.
+enum Form {
+    /// Of half that thickness in the plane, m.
+    Strip(f64),
+    /// Of half that thickness in space, m.
+    Cord(f64),
+    /// Of these triangles.
+    Sheet(Vec<[usize; 3]>),
+}
+
+impl Form {
+    fn through(&self, nodes: Vec<Vector>) -> Figure {
+        match self {
+            Self::Strip(half) => Figure::Flat(strip(&nodes.iter().map(|&[x, y, _]| [x, y]).collect::<Vec<_>>(), *half)),
+            Self::Cord(half) => Figure::Cord(Cord::new(nodes, *half)),
+            Self::Sheet(triangles) => Figure::Sheet(Sheet::new(nodes, triangles.clone())),
+        }
+    }
+}
+
+impl<'a> Motion<'a> {
+    /// The motion of what is held at its root.
+    fn of_root(nodes: Vec<Vector>, form: Form, pivot: Vector, laws: Option<&'a RootLaws>) -> Self {
+        match laws {
+            Some(laws) => Self::Root { nodes, form, pivot, laws },
+            None => Self::Still(form.through(nodes)),
+        }
+    }
 }
 
 impl Part<'_> {
     fn at(&self, t: f64) -> Figure {
         match &self.motion {
             Motion::Rigid { body, ends } => body.figure_at(t, ends),
-            Motion::Still(outline) => Figure::Flat(outline.clone()),
-            Motion::Root { points, half_thickness, direction, laws } => {
-                let ([x, y, _], _) = laws.displacement(t);
-                let ([a, b, _], _) = laws.direction(t, *direction);
-                let (cos, sin) = (a * direction[0] + b * direction[1], b * direction[0] - a * direction[1]);
-                let root = points[0];
-                let moved = points.iter().map(|p| {
-                    let [u, v] = [p[0] - root[0], p[1] - root[1]];
-                    [root[0] + x + cos * u - sin * v, root[1] + y + sin * u + cos * v]
-                });
-                Figure::Flat(strip(&moved.collect::<Vec<_>>(), *half_thickness))
+            Motion::Still(figure) => figure.clone(),
+            Motion::Root { nodes, form, pivot, laws } => {
+                form.through(nodes.iter().map(|node| laws.moved(*node, *pivot, t)).collect())
             }
         }
     }
@@ -105,14 +140,18 @@ impl Part<'_> {
             }
             Motion::Still(_) => Vec::new(),
             Motion::Root { laws, .. } => {
-                [&laws.x, &laws.y].into_iter().chain(laws.rotations.iter().map(|turn| &turn.angle)).collect()
+                [&laws.x, &laws.y, &laws.z].into_iter().chain(laws.rotations.iter().map(|turn| &turn.angle)).collect()
             }
         }
     }
 
     /// Return the name in a sentence.
     fn name(&self) -> String {
-        let rigid = if self.is_beam && self.moves() { " (as a rigid beam)" } else { "" };
+        let rigid = match self.kind {
+            Kind::Beam if self.moves() => " (as a rigid beam)",
+            Kind::Wing if self.moves() => " (as a rigid wing)",
+            _ => "",
+        };
         format!("`{}`{rigid}", self.key)
     }
 }
@@ -137,22 +176,26 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid) -> Vec<Part<'a>> {
         key,
         motion: Motion::Rigid { body: Box::new(body), ends: ends.clone() },
         support: None,
-        is_beam: false,
+        kind: Kind::Body,
+        half: f64::INFINITY,
     };
-    if fluid.is_space() {
-        return places::obstacles(fluid).into_iter().map(rigid).collect();
-    }
     let beams = scene.beams_with_rods().zip(places::lines(scene)).map(|(own, line)| {
-        let Line { key, points, half_thickness, support } = line;
-        let motion = match own.rod.and_then(|rod| rod.root_motion.as_ref()) {
-            Some(RootMotion::Laws(laws)) => {
-                Motion::Root { points, half_thickness, direction: scene.beam_root(own.beam).1, laws }
-            }
-            _ => Motion::Still(strip(&points, half_thickness)),
+        let laws = match own.rod.and_then(|rod| rod.root_motion.as_ref()) {
+            Some(RootMotion::Laws(laws)) => Some(laws),
+            _ => None,
         };
-        Part { key, motion, support, is_beam: true }
+        let Line { key, nodes, half_thickness: half, support, .. } = line;
+        let form = if fluid.is_space() { Form::Cord(half) } else { Form::Strip(half) };
+        let root = nodes[0];
+        Part { key, motion: Motion::of_root(nodes, form, root, laws), support, kind: Kind::Beam, half }
     });
-    places::obstacles(fluid).into_iter().map(rigid).chain(beams).collect()
+    let wing = scene.wing.as_ref().map(|wing| {
+        let mesh = wing.mesh.build();
+        let (form, laws) = (Form::Sheet(mesh.triangles), wing.root_motion.as_ref());
+        let motion = Motion::of_root(mesh.nodes, form, wing.pivot, laws);
+        Part { key: "wing".into(), motion, support: None, kind: Kind::Wing, half: f64::INFINITY }
+    });
+    places::obstacles(fluid).into_iter().map(rigid).chain(beams).chain(wing).collect()
 }
 
 /// Return times of the run, from 0 on: closely at the beginning, then over all of it.
@@ -171,9 +214,19 @@ fn meetings(scene: &Scene, fluid: &Fluid, parts: &[Part], found: &mut Vec<Warnin
     let start: Vec<_> = parts.iter().map(|part| part.at(0.0)).collect();
     let known: Vec<Vec<String>> =
         start.iter().zip(parts).map(|(outline, part)| told(fluid, outline, part, 0.0, None, found)).collect();
+    let lines = places::lines(scene);
+    let bodies = parts.iter().filter(|part| part.kind == Kind::Body).count();
     for (j, (part, outline)) in parts.iter().zip(&start).enumerate() {
         for (i, other) in parts[..j].iter().enumerate() {
-            if !part.is_beam && !other.is_beam && start[i].overlaps(outline, 0.0) {
+            let overlap = match (part.kind, other.kind) {
+                (Kind::Body, Kind::Body) => start[i].overlaps(outline, 0.0),
+                (Kind::Beam, Kind::Beam) => {
+                    let [one, two] = [i, j].map(|part| &lines[part - bodies]);
+                    one.overlaps(two)
+                }
+                _ => false, // Roots may be embedded
+            };
+            if overlap {
                 let at = between(&start[i], outline);
                 found.push(warning(part, 0.0, format!("{} overlaps `{}` near {at}", part.name(), other.key)));
             }
@@ -182,10 +235,11 @@ fn meetings(scene: &Scene, fluid: &Fluid, parts: &[Part], found: &mut Vec<Warnin
     if !parts.iter().any(Part::moves) {
         return;
     }
-    let depth = fluid.r#box.spacing().into_iter().fold(f64::INFINITY, f64::min) / 4.0;
+    let cell = fluid.r#box.spacing().into_iter().fold(f64::INFINITY, f64::min);
+    let depth = |i: usize, j: usize| (cell / 4.0).min(parts[i].half / 2.0).min(parts[j].half / 2.0);
     let mut known = known;
     let mut met: Vec<_> =
-        (0..parts.len()).map(|j| (0..j).map(|i| start[i].overlaps(&start[j], depth)).collect()).collect();
+        (0..parts.len()).map(|j| (0..j).map(|i| start[i].overlaps(&start[j], depth(i, j))).collect()).collect();
     let met: &mut Vec<Vec<bool>> = &mut met;
     for t in times(scene.time.end, parts).into_iter().skip(1) {
         let now: Vec<_> = parts
@@ -200,7 +254,7 @@ fn meetings(scene: &Scene, fluid: &Fluid, parts: &[Part], found: &mut Vec<Warnin
             }
             for (i, other) in parts[..j].iter().enumerate() {
                 let apart = !met[j][i] && part.support != Some(i) && (part.moves() || other.moves());
-                if apart && now[i].overlaps(&now[j], depth) {
+                if apart && now[i].overlaps(&now[j], depth(i, j)) {
                     met[j][i] = true;
                     let at = between(&now[i], &now[j]);
                     let (name, other) = (part.name(), other.name());
@@ -259,7 +313,7 @@ fn told(
         let depth = |figure: &Figure| figure.frame()[axis].iter().map(|&at| beyond(at, walls)).fold(0.0, f64::max);
         let (now, start) = (depth(figure), before.map_or(0.0, |(start, _)| depth(start)));
         // A beam may be embedded in a wall.
-        if now > start + cell[axis] && (before.is_some() || !part.is_beam) {
+        if now > start + cell[axis] && (before.is_some() || part.kind == Kind::Body) {
             tell("wall", format!("{name} reaches {} m into a wall of the channel", rounded(now)));
         }
     }
@@ -312,64 +366,92 @@ fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
 
 /// Return what is to be told of a scene whose wake stays symmetric.
 fn symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], reynolds: Option<f64>) -> Option<Warning> {
-    let driven = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.root_motion.is_some()));
-    if fluid.is_space()
-        || parts.is_empty()
-        || driven
-        || fluid.disturbance.is_some()
-        || reynolds.is_none_or(|re| re < SHEDDING)
-    {
+    let driven = scene.beams_with_rods().any(|own| own.rod.is_some_and(|rod| rod.root_motion.is_some()))
+        || scene.wing.as_ref().is_some_and(|wing| wing.root_motion.is_some());
+    if parts.is_empty() || driven || fluid.disturbance.is_some() {
         return None;
     }
-    let streams = places::streams(fluid);
-    let axis = (0..2).find(|&axis| streams[axis] || fluid.initial_velocity[axis] != 0.0)?;
-    let across = 1 - axis;
-    let free = parts.iter().flat_map(|part| match &part.motion {
-        Motion::Rigid { body, .. } => {
-            body.laws().into_iter().flat_map(|motion| [[&motion.x, &motion.y][across], &motion.angle]).collect()
-        }
+    let (ends, figures): (Vec<_>, Vec<_>) =
+        (fluid.r#box.ends().collect(), parts.iter().map(|part| part.at(0.0)).collect());
+    let fills = |axis: usize| {
+        let [low, high]: [f64; 2] = ends[axis];
+        figures.iter().any(|figure| figure.frame()[axis][1] - figure.frame()[axis][0] >= (high - low) * (1.0 - 1e-9))
+    };
+    let streams =
+        |axis: usize| places::streams(fluid)[axis] || fluid.initial_velocity.get(axis).is_some_and(|u| *u != 0.0);
+    let axis = (0..ends.len()).find(|&axis| streams(axis))?;
+    let mut across: Vec<_> = (0..ends.len()).filter(|&other| other != axis && !fills(other)).collect();
+    // What is flat is moved and sheds across itself, and a rigid plate along the stream does neither.
+    let is_flat = |axis: usize| figures.iter().all(|figure| figure.frame()[axis][0] == figure.frame()[axis][1]);
+    if across.iter().any(|&axis| is_flat(axis)) {
+        across.retain(|&axis| is_flat(axis) && parts.iter().any(|part| part.kind != Kind::Body));
+    }
+    let is_round = across.len() == 2 && figures.iter().all(|figure| matches!(figure, Figure::Solid(_)));
+    // A wing has no length among the dimensionless numbers.
+    let of_wing = || {
+        let frame = figures.last()?.frame();
+        let mean = fluid.mean_flow.as_ref().map_or(0.0, |mean| mean.laws()[axis].1.largest());
+        let speed = fluid.initial_velocity.get(axis).copied().unwrap_or(0.0).abs().max(mean);
+        Some(speed * (frame[axis][1] - frame[axis][0]) / fluid.kinematic_viscosity)
+    };
+    let reynolds = if scene.wing.is_some() { of_wing() } else { reynolds };
+    if across.is_empty() || reynolds.is_none_or(|re| re < if is_round { SHEDDING_ROUND } else { SHEDDING }) {
+        return None;
+    }
+    let middles: Option<Vec<_>> = across
+        .iter()
+        .map(|&axis| if streams(axis) { None } else { plane_of_symmetry(scene, fluid, parts, &figures, axis) })
+        .collect();
+    let planes: Vec<_> =
+        middles?.iter().zip(&across).map(|(at, &axis)| format!("{} = {}", AXES[axis], rounded(*at))).collect();
+    let (key, remedy) = match fluid.is_space() {
+        true => (
+            "fluid.mean_flow",
+            "a short pulse of `fluid.mean_flow` across it, or a place off the lines of the grid, makes",
+        ),
+        false => ("fluid.disturbance", "`fluid.disturbance` makes"),
+    };
+    Some(Warning {
+        key: key.into(),
+        time: None,
+        text: format!(
+            "bodies and stream are mirror images at {}: the wake may never shed vortices, and drag and lift are then \
+             too small; {remedy} the start asymmetric",
+            planes.join(" and at ")
+        ),
+    })
+}
+
+/// Return the middle of parts, their forces and the grid if they are mirror images along `across`.
+fn plane_of_symmetry(scene: &Scene, fluid: &Fluid, parts: &[Part], figures: &[Figure], across: usize) -> Option<f64> {
+    let mut laws = parts.iter().flat_map(|part| match &part.motion {
+        Motion::Rigid { body, .. } => body
+            .laws()
+            .into_iter()
+            .flat_map(|motion| [[&motion.x, &motion.y, &motion.z][across], &motion.angle])
+            .collect(),
         _ => Vec::new(),
     });
     let released = fluid.bodies.iter().filter_map(|body| body.mount.as_ref()).any(|mount| {
         let supports = mount.supports();
-        [supports[across], supports[2]].into_iter().flatten().any(|support| support.rest * support.stiffness != 0.0)
+        [supports[across.min(1)], supports[2]].into_iter().flatten().any(|own| own.rest * own.stiffness != 0.0)
     });
-    let driven = fluid.bodies.iter().any(Body::is_driven);
-    let moved = driven || released || free.into_iter().any(|law| law.largest_rate() > 0.0);
-    let pulled = scene.beams_with_rods().filter_map(|own| own.rod?.gravity.get(across)).any(|&g| g != 0.0);
-    if streams[across] || fluid.initial_velocity[across] != 0.0 || moved || pulled {
+    let moved = released || fluid.bodies.iter().any(Body::is_driven) || laws.any(|law| law.largest_rate() > 0.0);
+    let mut pulls = scene.beams_with_rods().filter_map(|own| own.rod?.gravity.get(across).copied());
+    if moved || pulls.any(|g| g != 0.0) || scene.wing.as_ref().is_some_and(|wing| wing.gravity[across] != 0.0) {
         return None;
     }
-    let outlines: Vec<_> = parts.iter().filter_map(|part| part.at(0.0).into_outline()).collect();
-    let middle = outlines.iter().map(|outline| outline.middle()[across]).sum::<f64>() / outlines.len() as f64;
-    let size = outlines.iter().map(|outline| outline.frame[across][1] - outline.frame[across][0]).fold(0.0, f64::max);
-    let close = 1e-9 * size;
-    let box_ = [fluid.r#box.x, fluid.r#box.y][across];
-    let walls = fluid.channel.as_ref().filter(|_| axis == 0).map(|channel| (channel.y[0] + channel.y[1]) / 2.0);
+    let middles = figures.iter().map(|figure| figure.frame()[across].iter().sum::<f64>() / 2.0);
+    let middle = middles.sum::<f64>() / figures.len() as f64;
+    let sides = figures.iter().flat_map(|figure| figure.frame().iter().map(|[low, high]| high - low));
+    let close = 1e-9 * sides.fold(0.0, f64::max);
+    let walls = places::walls(fluid).into_iter().find(|(axis, _)| *axis == across);
+    let off_walls = walls.is_some_and(|(_, [low, high])| ((low + high) / 2.0 - middle).abs() > close);
     // The grid is symmetric at its lines and halfway between them.
-    let halves = 2.0 * (middle - box_[0]) / fluid.r#box.in_plane()[across];
-    if walls.is_some_and(|walls| (walls - middle).abs() > close) || (halves - halves.round()).abs() > 1e-6 {
-        return None;
-    }
-    let mirrored = |p: &Point| {
-        let mut image = *p;
-        image[across] = 2.0 * middle - p[across];
-        image
-    };
-    let near = |p: Point, q: &Point| f64::hypot(p[0] - q[0], p[1] - q[1]) <= close;
-    let is_image =
-        |a: &Outline, b: &Outline| a.corners().iter().map(mirrored).all(|p| b.corners().iter().any(|q| near(p, q)));
-    let symmetric = outlines.iter().all(|outline| outlines.iter().any(|other| is_image(outline, other)));
-    symmetric.then(|| Warning {
-        key: "fluid.disturbance".into(),
-        time: None,
-        text: format!(
-            "bodies and stream are mirror images at {} = {}: the wake may never shed vortices, and drag and lift are \
-             then too small; `fluid.disturbance` makes the start asymmetric",
-            ["x", "y"][across],
-            rounded(middle)
-        ),
-    })
+    let [low, _] = fluid.r#box.ends().nth(across)?;
+    let halves = 2.0 * (middle - low) / fluid.r#box.spacing()[across];
+    let is_symmetric = || figures.iter().all(|figure| figure.is_mirrored(figures, across, middle, close));
+    (!off_walls && (halves - halves.round()).abs() <= 1e-6 && is_symmetric()).then_some(middle)
 }
 
 /// Return what is to be told of a rod that is too heavy for its stiffness.
