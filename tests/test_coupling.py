@@ -165,7 +165,7 @@ def test_noise_under_the_pressure_jump_ends_the_run_and_a_rod_at_rest_does_not()
     stopped, said = steps_made(made(lambda i: swing(i) + (i > 1000) * noise(i)), 3000)
     assert 1000 < stopped < 1000 + 2 * WINDOW
     assert "the coupling is unstable at t = " in said and "is noise" in said, said
-    assert "`coupling.scheme` out, which iterates, or take a `time.communication_step` shorter than 0.001 s" in said
+    assert "`coupling.scheme` out, which iterates, or take a `time.communication_step` of 0.0005 s" in said
 
 
 @pytest.mark.parametrize(
@@ -187,6 +187,23 @@ def test_advice_of_a_guard_names_key_and_value(own, said):
     rod.outputs = np.concatenate([np.linspace(0.0, 1.0, 10), np.zeros(10)])
     guard.limits = Limits(**(numbers | own))
     assert guard.advice(1e-3).startswith(said)
+
+
+@pytest.mark.parametrize(
+    ("own", "said"),
+    [
+        ({"max_step": 4e-4}, "of 0.0004 s, a step of the fluid"),
+        ({"c_eta": 1.5e-4}, "of 0.0003 s, 2 C_eta"),
+        ({"c_eta": 1.0}, "of 0.0005 s"),
+    ],
+)
+def test_advice_under_the_pressure_jump_names_a_step(own, said):
+    numbers = {"cell": (0.1, 0.1), "max_cfl": 0.4, "c_eta": 1e-4, "max_step": 1e-3, "thickness": 0.1, "fluid_steps": 1}
+    rod = Powered("rod", ["pressure_jump"], ["x", "y", "vx", "vy"], "load.power", float)
+    fluid = Powered("fluid", ["x", "y", "vx", "vy"], ["pressure_jump"], "beam.power", float)
+    guard = coupling.Explicit([rod], fluid, guards=Guards()).guards[0]
+    guard.limits = Limits(**(numbers | {"line": False} | own))
+    assert guard.advice(1e-3).endswith(f"take a `time.communication_step` {said}")
 
 
 def test_a_burst_at_the_start_is_no_instability():

@@ -22,7 +22,7 @@ import numpy as np
 
 from nervure.coupling.acceleration import Aitken, IqnIls
 from nervure.coupling.foreign import RepeatedSteps, StationWatch
-from nervure.coupling.guards import Balance, CouplingError, EnergyGuard, guarded_outputs, takes_momentum
+from nervure.coupling.guards import Balance, CouplingError, EnergyGuard, below, guarded_outputs, takes_momentum
 from nervure.scene.types import Guards, Iterated as Iteration
 from nervure.units.fmu import Unit, prefixes
 
@@ -31,6 +31,9 @@ STATION_ROUNDING = 1e-12
 
 FALLING = 5
 """Last iterations within which a slowly converging iteration halves its least residual."""
+
+FALL = 0.5
+"""Fall of the residual in an iteration that is expected where the first ones show none."""
 
 COARSEST_TOLERANCE = 1e-2
 """Largest residual, relative to the displacement in the step, that a user may want to accept."""
@@ -347,29 +350,30 @@ class Iterated(Explicit):
             if not np.isfinite(error):
                 break
             given[:] = a.guess(given, stations)
-        advice = self._advice(error, iteration, h)
+        advice = self._advice(error, limit, iteration, h)
         raise CouplingError(
             f"the step from t = {t:g} s to {t + h:g} s did not converge in {iteration} iterations: the "
             f"residual of the stations is {error:.3g} m, but {limit:.3g} m is the limit; {advice}"
         )
 
-    def _advice(self, error: float, iterations: int, h: float) -> str:
+    def _advice(self, error: float, limit: float, iterations: int, h: float) -> str:
         """Return advice after `iterations` iterations of a step of `h` (s) that did not converge, with the residual
-        `error` (m)."""
+        `error` and its limit (m)."""
         residuals = np.array(self.convergence).reshape(-1, len(CONVERGENCE))[-iterations:, 2]
-        least = residuals.min()
+        least, fall = residuals.min(), float(residuals[-1] / residuals[0]) ** (1 / max(iterations - 1, 1))
         if not np.isfinite(error):
-            said = f"the stations became no numbers: take a `time.communication_step` shorter than {h:g} s"
+            said = f"the stations became no numbers: take a `time.communication_step` of {below(h / 2)} s"
         elif isinstance(self.acceleration, Aitken):
             said = "`acceleration` iqn_ils holds where aitken does not"
         elif residuals[-FALLING:].min() < 0.5 * residuals[:-FALLING].min(initial=np.inf):
-            said = f"it was still falling: a `max_iterations` above {self.max_iterations} lets it go on"
+            more = int(np.ceil(np.log(limit / error) / np.log(fall if fall < 1.0 else FALL)))
+            said = f"it was still falling: take a `max_iterations` of {iterations + max(1, more)}"
         elif least < COARSEST_TOLERANCE:
             said = f"at best it was {least:.2g} of the step's displacement, which a `tolerance` above that accepts"
         else:
             said = (
-                f"at best it was {least:.2g} of the step's displacement: take a `time.communication_step` shorter than "
-                f"{h:g} s, a heavier rod or a larger `c_eta`"
+                f"at best it was {least:.2g} of the step's displacement: take a `time.communication_step` of "
+                f"{below(h / 2)} s, a heavier rod or a larger `c_eta`"
             )
         why = reason_of(self.rods)
         return said if why is None else f"{said} (it iterates under the load pressure_jump: {why})"
