@@ -115,7 +115,7 @@ impl RootLaws {
         ([x.0, y.0, z.0], [x.1, y.1, z.1])
     }
 
-    /// Return where a point at rest is at time `t` (s), m, if it moves with the base, whose rotations are about `pivot`.
+    /// Return where a point at rest is at time `t` (s), m, if it moves with the base and turns about `pivot`.
     pub(crate) fn moved(&self, point: [f64; 3], pivot: [f64; 3], t: f64) -> [f64; 3] {
         let from = std::array::from_fn(|d| point[d] - pivot[d]);
         let (displacement, turned) = (self.displacement(t).0, self.direction(t, from).0);
