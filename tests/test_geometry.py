@@ -440,6 +440,45 @@ WARNED = {
         "`beam` is in its own wake",
         (10.9, 11.1),
     ),
+    "a stream along y with a sponge across x": (
+        changed(
+            STREAM,
+            fluid__mean_flow={"y": {"constant": 1.0}},
+            fluid__initial_velocity=[0.0, 1.0],
+            fluid__sponge__mean_velocity={"constant": 0.0},
+            fluid__bodies=[circle(0.03, 0.0, 0.5)],
+        ),
+        "the stream along y passes the periodic box without a `sponge`: `fluid.bodies[0]` is in its own wake",
+        (12.0, 12.1),
+    ),
+    "a sponge slower than the stream": (
+        changed(STREAM, fluid__sponge__mean_velocity={"constant": 0.5}, fluid__bodies=[circle(0.0, 0.02, 0.5)]),
+        "`fluid.sponge.mean_velocity` is 0.5 m/s and `fluid.mean_flow.x` 1 m/s",
+        (0.0, 60.0),
+    ),
+    "a sponge that starts later than the inflow": (
+        changed(
+            CHANNEL,
+            fluid__sponge={
+                "x": [3.0, 4.0],
+                "mean_velocity": {"cosine_ramp": {"value": 1.0, "duration": 0.5}},
+                "c_eta": 0.1,
+            },
+        ),
+        "`fluid.sponge.mean_velocity` is 0 m/s and `fluid.inflow.mean_velocity` 1 m/s at t = 0 s",
+        (0.0, 0.0),
+    ),
+    # probes
+    "a probe in a body": (
+        changed(bodies(circle(0.0, 0.05, 0.3)), fluid__probes=[{"name": "p", "position": [0.0, 0.1]}]),
+        "the probe `p` at [0, 0.1] lies in `fluid.bodies[0]`",
+        None,
+    ),
+    "a probe in a wall": (
+        changed(CHANNEL, fluid__probes=[{"name": "p", "position": [0.0, 1.2]}]),
+        "the probe `p` at [0, 1.2] lies in a wall of the channel",
+        None,
+    ),
     # wakes that stay symmetric
     "sym-cylinder": (changed(STREAM, fluid__bodies=[circle(0.0, 0.0, 0.5)]), "mirror images at y = 0:", None),
     "a cylinder anywhere in a periodic box": (
@@ -476,6 +515,12 @@ WARNED = {
     "a sine that the step does not follow": (
         driven_root(beat(1e-3, 40.0)),
         "a period has 2.50 communication steps: the run does not follow it; a step of 0.00125 s would",
+        None,
+    ),
+    "a ramp within a step": (
+        driven_root({"cosine_ramp": {"value": 0.1, "duration": 1e-3}}),
+        "`rod.root_motion.laws.y` moves by 0.1 within 0.10 communication steps: the run does not follow it; a duration "
+        "of 0.1 s would do",
         None,
     ),
     "a harmonic that the step does not follow": (
@@ -552,6 +597,15 @@ SOUND = {
     "a table that goes on beyond the run": driven_root({"table": {"times": [-1.0, 9.0], "values": [-1.0, 9.0]}}),
     "a sine of ten steps": driven_root(beat(0.1, 10.0)),
     "a body beside the axis of the grid": changed(STREAM, fluid__bodies=[circle(0.0, 0.02, 0.5)]),
+    "a stream at an angle with a sponge": changed(
+        STREAM,
+        fluid__mean_flow={"x": {"constant": 1.0}, "y": {"constant": 0.5}},
+        fluid__initial_velocity=[1.0, 0.5],
+        fluid__bodies=[circle(0.0, 0.02, 0.5)],
+    ),
+    "a probe beside a body": changed(
+        bodies(circle(0.0, 0.05, 0.3)), fluid__probes=[{"name": "p", "position": [0.4, 0.1]}]
+    ),
     "a start that is disturbed": changed(STREAM, fluid__bodies=[circle(0.0, 0.0, 0.5)], fluid__disturbance=0.01),
     "a Reynolds number without shedding": changed(
         STREAM, fluid__bodies=[circle(0.0, 0.0, 0.5)], fluid__kinematic_viscosity=0.03

@@ -98,6 +98,15 @@ impl Figure {
         }
     }
 
+    /// Whether a point lies inside.
+    pub fn contains(&self, p: &[f64]) -> bool {
+        match (self, p) {
+            (Self::Flat(outline), &[x, y, ..]) => outline.contains([x, y]),
+            (Self::Solid(solid), &[x, y, z]) => solid.contains([x, y, z], 0.0),
+            _ => false,
+        }
+    }
+
     /// Return the share of the figure whose points have `property`.
     pub fn share(&self, property: impl Fn(&[f64]) -> bool) -> f64 {
         match self {

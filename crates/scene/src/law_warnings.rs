@@ -39,6 +39,7 @@ pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
     for (key, law) in laws(scene) {
         law.visit(&key, &mut |key, law| {
             found.extend(tables(key, law, scene.time.end));
+            found.extend(sudden(key, law, step));
             found.extend(law.highest_frequency().and_then(|frequency| fast(key, "`", "", frequency, step)));
         });
     }
@@ -142,6 +143,21 @@ fn tables(key: &str, law: &TimeLaw, end: f64) -> Vec<Warning> {
         }
     }
     found
+}
+
+/// Return what is to be told of a ramp of a motion in communication steps of `step` (s).
+fn sudden(key: &str, law: &TimeLaw, step: f64) -> Option<Warning> {
+    let TimeLaw::CosineRamp { value, duration } = law else { return None };
+    let steps = duration / step;
+    (key.contains("motion.") && *value != 0.0 && steps < STEPS / 2.0 * (1.0 - 1e-9)).then(|| {
+        let text = format!(
+            "`{key}` moves by {} within {steps:.2} communication steps: the run does not follow it; a duration of {} s \
+             would do",
+            rounded(*value),
+            rounded(ADVISED / 2.0 * step)
+        );
+        warning(key, None, text)
+    })
 }
 
 /// Return what is to be told of an oscillation of so many Hz with communication steps of `step` (s).

@@ -28,6 +28,12 @@ const SHEDDING_ROUND: f64 = 270.0;
 /// Tips of clamped linear beams sink by this number of lengths, times 8, under a weight that is hardly meant.
 const HEAVIEST: f64 = 300.0;
 
+/// Difference of the velocities of sponge and stream by the larger one above which it is told of.
+const OTHER: f64 = 0.05;
+
+/// Times at which they are compared.
+const OTHER_TIMES: usize = 200;
+
 /// Weight by bending stiffness of a rod in a fluid that is a chain.
 const CHAIN: f64 = 1e5;
 
@@ -52,6 +58,8 @@ pub(crate) fn warnings(scene: &Scene, reynolds: Option<f64>) -> Vec<Warning> {
         let parts = parts(scene, fluid);
         meetings(scene, fluid, &parts, &mut found);
         found.extend(own_wake(scene, fluid, &parts));
+        found.extend(probes(fluid, &parts));
+        found.extend(other_sponge(scene, fluid));
         found.extend(symmetry(scene, fluid, &parts, reynolds));
     }
     found.extend(scene.beams_with_rods().filter_map(|own| weight(scene, &own)));
@@ -333,22 +341,70 @@ fn told(
     names
 }
 
-/// Return what is to be told of a stream that meets its own wake.
+/// Return what is to be told of probes that a body or a wall covers at the start.
+fn probes(fluid: &Fluid, parts: &[Part]) -> Vec<Warning> {
+    let rigid: Vec<_> =
+        parts.iter().filter(|part| part.kind == Kind::Body).map(|part| (&part.key, part.at(0.0))).collect();
+    let walls = places::walls(fluid);
+    let covered = |p: &[f64]| {
+        let body = rigid.iter().find(|(_, figure)| figure.contains(p)).map(|(key, _)| format!("`{key}`"));
+        let in_wall = walls.iter().any(|(axis, ends)| p.get(*axis).is_some_and(|at| beyond(*at, *ends) > 0.0));
+        body.or_else(|| in_wall.then(|| "a wall of the channel".into()))
+    };
+    let found = fluid.probes.iter().enumerate().filter_map(|(i, probe)| {
+        let cover = covered(&probe.position)?;
+        let (key, at) = (format!("fluid.probes[{i}].position"), shown(&probe.position));
+        let text = format!("the probe `{}` at {at} lies in {cover} at the start, not in the fluid", probe.name);
+        Some(Warning { key, time: None, text })
+    });
+    found.collect()
+}
+
+/// Return what is to be told of a sponge that brakes or drives the stream.
+fn other_sponge(scene: &Scene, fluid: &Fluid) -> Option<Warning> {
+    let sponge = &fluid.sponge.as_ref()?.mean_velocity;
+    let (key, stream) = match (&fluid.inflow, &fluid.mean_flow) {
+        (Some(inflow), _) => ("fluid.inflow.mean_velocity", &inflow.mean_velocity),
+        (None, Some(mean)) => ("fluid.mean_flow.x", &mean.x),
+        _ => return None,
+    };
+    let end = scene.time.end;
+    let times = (0..=OTHER_TIMES).map(|i| end * i as f64 / OTHER_TIMES as f64);
+    let apart = |t: f64| (sponge.value(t) - stream.value(t)).abs();
+    let most = times.max_by(|a, b| apart(*a).total_cmp(&apart(*b)))?;
+    let (given, wanted) = (rounded(sponge.value(most)), rounded(stream.value(most)));
+    (apart(most) > OTHER * sponge.largest().max(stream.largest())).then(|| Warning {
+        key: "fluid.sponge.mean_velocity".into(),
+        time: Some(most),
+        text: format!(
+            "`fluid.sponge.mean_velocity` is {given} m/s and `{key}` {wanted} m/s at t = {} s: the sponge works against \
+             the stream",
+            rounded(most)
+        ),
+    })
+}
+
+/// Return what is to be told of a stream that meets its own wake. An inflow renews it, and a sponge what passes along x.
 fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
-    if fluid.inflow.is_some() || fluid.sponge.is_some() || parts.is_empty() {
+    if fluid.inflow.is_some() || parts.is_empty() {
         return None;
     }
     let steps = TIMES as f64;
     let h = scene.time.end / steps;
+    let velocity = |axis: usize, t: f64| match &fluid.mean_flow {
+        Some(mean) => mean.laws()[axis].1.value(t),
+        None => fluid.initial_velocity.get(axis).copied().unwrap_or(0.0),
+    };
+    let [begin, end] = fluid.r#box.x;
     for (axis, [low, high]) in fluid.r#box.ends().enumerate() {
-        let velocity = |t: f64| match &fluid.mean_flow {
-            Some(mean) => mean.laws()[axis].1.value(t),
-            None => fluid.initial_velocity.get(axis).copied().unwrap_or(0.0),
-        };
-        let mut way = 0.0;
+        let (mut way, mut way_x) = (0.0, 0.0);
         for i in 0..TIMES {
-            way += h * velocity((i as f64 + 0.5) * h);
-            if way.abs() >= high - low {
+            way += h * velocity(axis, (i as f64 + 0.5) * h);
+            way_x += h * velocity(0, (i as f64 + 0.5) * h);
+            if fluid.sponge.is_some() && f64::abs(way_x) >= end - begin {
+                break;
+            }
+            if f64::abs(way) >= high - low {
                 let (key, time) = ("fluid.sponge".to_string(), (i + 1) as f64 * h);
                 let name = parts[0].name();
                 let text = format!(
