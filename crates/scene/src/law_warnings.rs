@@ -55,7 +55,7 @@ pub(crate) fn of(scene: &Scene) -> Vec<Warning> {
     found
 }
 
-/// Return what is to be told of the drag rate of solids; `passage` is the time in which the flow passes the first one, s.
+/// Return what is to be told of the drag rate of solids; `passage` is the time in which the flow passes one, s.
 pub(crate) fn of_drag(fluid: &Fluid, step: f64, passage: Option<f64>) -> Option<Warning> {
     let (c_eta, step) = (fluid.mask.c_eta(), step.min(fluid.time_stepping.max_step));
     let least = step
@@ -136,8 +136,8 @@ fn tables(key: &str, law: &TimeLaw, end: f64) -> Vec<Warning> {
         if 0.0 < t && t < end && (slope * interval).abs() > STOP * (high - low) {
             let (at, slope) = (rounded(t), rounded(slope));
             let text = format!(
-                "`{key}` starts or stops at once at t = {at} s, where its table ends with the slope {slope} per second: \
-                 forces have a peak there; `end_slopes` of 0 make it smooth"
+                "`{key}` starts or stops at once at t = {at} s, where its table ends with the slope {slope} per \
+                 second: forces have a peak there; `end_slopes` of 0 make it smooth"
             );
             found.push(warning(key, Some(t), text));
         }
@@ -166,8 +166,8 @@ fn fast(key: &str, before: &str, after: &str, frequency: f64, step: f64) -> Opti
     (steps < STEPS * (1.0 - 1e-9)).then(|| {
         let (frequency, steps, advised) = (rounded(frequency), format!("{steps:.2}"), 1.0 / (ADVISED * frequency));
         let text = format!(
-            "{before}{key}` oscillates with {frequency} Hz{after}, and a period has {steps} communication steps: the run \
-             does not follow it; a step of {} s would",
+            "{before}{key}` oscillates with {frequency} Hz{after}, and a period has {steps} communication steps: the \
+             run does not follow it; a step of {} s would",
             rounded(advised)
         );
         warning(key, None, text)

@@ -377,14 +377,14 @@ fn other_sponge(scene: &Scene, fluid: &Fluid) -> Option<Warning> {
         key: "fluid.sponge.mean_velocity".into(),
         time: Some(most),
         text: format!(
-            "`fluid.sponge.mean_velocity` is {given} m/s and `{key}` {wanted} m/s at t = {} s: the sponge works against \
-             the stream",
+            "`fluid.sponge.mean_velocity` is {given} m/s and `{key}` {wanted} m/s at t = {} s: the sponge works \
+             against the stream",
             rounded(most)
         ),
     })
 }
 
-/// Return what is to be told of a stream that meets its own wake. An inflow renews it, and a sponge what passes along x.
+/// Return what is to be told of a stream that meets its own wake. An inflow renews it, a sponge what passes along x.
 fn own_wake(scene: &Scene, fluid: &Fluid, parts: &[Part]) -> Option<Warning> {
     if fluid.inflow.is_some() || parts.is_empty() {
         return None;
