@@ -11,13 +11,14 @@ from nervure.coupling.guards import Limits
 from nervure.errors import InputError
 from nervure.scene import Scene
 from nervure.scene.facts import Facts
-from nervure.simulation import results, waves
+from nervure.simulation import results
 from nervure.simulation.fit import check_fit
 from nervure.simulation.loop import TimeGrid, TimeLoop
 from nervure.simulation.places import Places
 from nervure.simulation.recorder import Recorder
 from nervure.simulation.results import Results
 from nervure.simulation.summary import summarize
+from nervure.simulation.waves import Waves
 from nervure.units import package
 from nervure.units.describe import describe_all, unit_label
 from nervure.units.fmu import Unit, read_description
@@ -71,6 +72,7 @@ class Session(TimeLoop):
         self.warnings: list[str] = []
         """What was told of places during the run."""
         self.places = Places(self.facts, self.units)
+        self.waves = Waves(scene.fluid, self.units["fluid"], grid.steps) if scene.fluid else None
         self._limit_guards()
 
     def _limit_guards(self) -> None:
@@ -130,9 +132,8 @@ class Session(TimeLoop):
         super().step()
         if self.steps % max(1, min(self.grid.steps // LOOKS, LOOK_EVERY)) == 0 or self.steps == self.grid.steps:
             self._look()
-        quarter = self.steps * waves.LOOKS // self.grid.steps > (self.steps - 1) * waves.LOOKS // self.grid.steps
-        if quarter and (flow := self.scene.fluid):
-            self.warnings += list(waves.look(flow, self.units["fluid"], self.time, self.warnings))
+        if self.waves:
+            self.warnings += self.waves.look(self.steps, self.time, self.warnings)
 
     def finish(self) -> Results:
         """Evaluate the run, write its results into the folder in place of earlier ones, and return them."""

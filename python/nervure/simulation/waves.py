@@ -15,33 +15,51 @@ LEFT = 0.8  # Of the highest wave number: above, the filter damps
 GROWTH = {"sbdf2": 3 / 4, "rk2": 1 / 8}  # Of a wave per (k U)⁴ dt³
 SHORT, LONGER = (0.7, 0.85), (0.5, 0.65)  # Bands of waves, parts of the highest wave number; in flows the first is less
 LEAST = 0.005  # Part of the enstrophy in short waves above which it is told of
-LOOKS = 4  # In a run
+LOOKS = 8  # In a run
 
 
-def look(flow: Fluid, fluid: Unit, time: float, told: Sequence[str]) -> Iterator[str]:
-    """Yield what is to be told, and was not `told` before, of a vorticity about z that has more waves of two to three
-    cells than of three to four. In space it is looked at in the middle of the box."""
-    vorticity = _plane(fluid, "vorticity")
-    if not vorticity.any():
-        return
-    power, stepping = vorticity.var(), flow.time_stepping
-    box = zip((flow.box.x, flow.box.y), vorticity.shape, strict=True)
-    cells = [(high - low) / n for (low, high), n in box]
-    speeds = [float(np.abs(_plane(fluid, name)).max(initial=0.0)) for name in "uv"]
-    rate = sum(speed / cell for speed, cell in zip(speeds, cells, strict=True))
-    for i, axis in enumerate("xy"):
-        wave = np.abs(np.fft.rfft(vorticity, axis=i)) ** 2
-        by_order = 2 * wave.mean(axis=1 - i) / vorticity.shape[i] ** 2 / (power or 1.0)
-        short, longer = (_share(by_order, *band) for band in (SHORT, LONGER))
-        opening = f"short waves along {axis}"
-        step, most = min(stepping.max_step, stepping.max_cfl / rate), _longest_step(flow, cells[i], speeds[i])
-        if step < most or short < max(longer, LEAST) or any(text.startswith(opening) for text in told):
-            continue
-        yield (
-            f"{opening}: at t = {time:.4g} s waves of two to three cells hold {short:.1%} of the square of the "
-            f"vorticity, because they grow in steps of {step:.2g} s at {speeds[i]:.3g} m/s; "
-            f"`fluid.time_stepping.max_step` of {_below(most):g} s damps them"
-        )
+class Waves:
+    """Looks at the vorticity about z, in space at that in the middle of the box, for more waves of two to three cells
+    than of three to four."""
+
+    def __init__(self, flow: Fluid, fluid: Unit, steps: int):
+        self.flow, self.fluid = flow, fluid
+        self.looks = {round(steps * i / LOOKS) for i in range(1, LOOKS + 1)}
+        """Steps of the run, of so many `steps`, after which it looks."""
+        self.seen: set[str] = set()
+        """Axes along which the last look found some; the start of a flow may have them for a while."""
+
+    def look(self, step: int, time: float, told: Sequence[str]) -> list[str]:
+        """Return what two looks in turn have found, the second after `step`, and was not `told` before."""
+        if step not in self.looks:
+            return []
+        known = {text.partition(":")[0] for text in told}
+        found = {axis: text for axis, text in self._found(time) if text.partition(":")[0] not in known}
+        again = [text for axis, text in found.items() if axis in self.seen]
+        self.seen = set(found)
+        return again
+
+    def _found(self, time: float) -> Iterator[tuple[str, str]]:
+        vorticity, stepping = _plane(self.fluid, "vorticity"), self.flow.time_stepping
+        if not vorticity.any():
+            return
+        box = zip((self.flow.box.x, self.flow.box.y), vorticity.shape, strict=True)
+        cells = [(high - low) / n for (low, high), n in box]
+        speeds = [float(np.abs(_plane(self.fluid, name)).max(initial=0.0)) for name in "uv"]
+        rate = sum(speed / cell for speed, cell in zip(speeds, cells, strict=True)) or np.finfo(float).tiny
+        for i, axis in enumerate("xy"):
+            wave = np.abs(np.fft.rfft(vorticity, axis=i)) ** 2
+            by_order = 2 * wave.mean(axis=1 - i) / vorticity.shape[i] ** 2 / (vorticity.var() or 1.0)
+            short, longer = (_share(by_order, *band) for band in (SHORT, LONGER))
+            step, most = min(stepping.max_step, stepping.max_cfl / rate), _longest_step(self.flow, cells[i], speeds[i])
+            if short > max(longer, LEAST) and step > most:
+                yield (
+                    axis,
+                    f"short waves along {axis}: at t = {time:.4g} s waves of two to three cells hold {short:.1%} of "
+                    f"the square of the vorticity, because they grow in steps of {step:.2g} s at "
+                    f"{speeds[i]:.3g} m/s; "
+                    f"`fluid.time_stepping.max_step` of {_below(most):g} s damps them",
+                )
 
 
 def _plane(fluid: Unit, name: str) -> np.ndarray:
