@@ -38,7 +38,9 @@ def cases() -> Iterator[Case]:
 
     plate = {"time.end": 2.0, "beam.thickness": 0.06, "rod.material.section.line_density": 0.06}
     for nx, ny in ((128, 96), (192, 144)):
-        yield case(f"noise/{nx}x{ny}", PITCHING, plate | on_grid(nx, ny, 1e-3 * 128 / nx), rigid=True)
+        changes = plate | on_grid(nx, ny, 1e-3 * 128 / nx)
+        yield case(f"noise/{nx}x{ny}", PITCHING, changes, rigid=True)
+        yield case(f"noise/{nx}x{ny}, line", PITCHING, changes | {"beam.surface": "line"}, rigid=True)
     for name, stiffness in (("the tutorial's vein", 4.0), ("the same, five times as stiff", 20.0)):
         yield case(f"noise/{name}", FORWARD, tutorial() | {STIFFNESS: stiffness})
         masked = {"beam.surface": "mask", "fluid.box.cells": [160, 96]}
