@@ -32,14 +32,15 @@ def parts(scene: Scene) -> Iterator[tuple[str, Scene]]:
         at = {f"beam.root.at.{key}": [*scene["beam"]["root"]["at"][key], 0.0] for key in ("position", "direction")}
         yield SPACE, NO_SHEAR | at | {"rod.gravity": [*rod["gravity"], 0.0]}
     if fluid:
-        end, (low, high) = fluid["box"]["x"][1], fluid["box"]["y"]
+        end = fluid["box"]["x"][1]
         if "sponge" not in fluid:
             sponge = {"x": [end - 0.2, end], "mean_velocity": {"constant": 0.0}, "c_eta": WEAK}
             yield f"sponge of C_eta = {WEAK:g} s", {"fluid.sponge": sponge}
         # A beam needs a still cylinder.
         if fluid.get("cylinders") and not scene.get("beam") and "motion" not in fluid["cylinders"][0]:
             yield "cylinder in motion, standing still", {"fluid.cylinders.0.motion": {}}
-        probes = [{"name": f"unused{i}", "position": [end - 0.1 * (i + 1), (low + high) / 2]} for i in range(4)]
+        middle = [sum(fluid["box"][axis]) / 2 for axis in "yz" if axis in fluid["box"]]
+        probes = [{"name": f"unused{i}", "position": [end - 0.1 * (i + 1), *middle]} for i in range(4)]
         yield "four probes, read at every step", {"fluid.probes": fluid.get("probes", []) + probes}
 
 

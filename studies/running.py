@@ -134,10 +134,11 @@ def versions(case: Case, folder: Path) -> dict[str, Any]:
     with TemporaryDirectory() as place:
         pairs = {version: Pair(validate(case.built()), version, Path(place)) for version in (2, 3)}
         rounds = [{version: pair.measure() for version, pair in pairs.items()} for _ in range(ROUNDS)]
+        sizes = {version: pair.sizes() for version, pair in pairs.items()}
     rows: list[dict[str, Any]] = []
-    for version, pair in pairs.items():
+    for version in pairs:
         least = {name: min(times[version][name] for times in rounds) for name in rounds[0][version]}
-        rows.append({"version": f"{version}.0"} | pair.sizes() | least)
+        rows.append({"version": f"{version}.0"} | sizes[version] | least)
     return {"versions": rows}
 
 
