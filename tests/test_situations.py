@@ -3,6 +3,7 @@
 import copy
 import math
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 import nervure
 from nervure.scene import validate
 
-SQUARE = {
+SQUARE: dict[str, Any] = {
     "name": "square",
     "time": {"end": 60.0, "communication_step": 0.02},
     "fluid": {
