@@ -1217,6 +1217,7 @@ MET_IN_SPACE = {
 MET |= {f"in space {name}": case for name, case in MET_IN_SPACE.items()}
 
 
+@pytest.mark.usefixtures("wing_library")
 @pytest.mark.parametrize("scene, words, time", MET.values(), ids=MET)
 def test_what_meets_during_a_run_is_told_of_with_place_and_time(scene, words, time, libraries):
     (found,) = told(scene)

@@ -72,7 +72,8 @@ class Session(TimeLoop):
         self.warnings: list[str] = []
         """What was told of places during the run."""
         self.places = Places(self.facts, self.units)
-        self.waves = Waves(scene.fluid, self.units["fluid"], grid.steps) if scene.fluid else None
+        fluid = self.units.get("fluid")
+        self.waves = Waves(scene.fluid, fluid, grid.steps) if scene.fluid and fluid else None
         self._limit_guards()
 
     def _limit_guards(self) -> None:
