@@ -198,7 +198,7 @@ def _parts(facts: Facts, units: Mapping[str, Unit]) -> Iterator[Part]:
     if wing and facts.wing and {"x", "y", "z"} <= wing.variables.keys():
         triangles = facts.wing.triangles
         edges = np.sort(np.vstack([triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]))
-        yield Part("the wing", _stations(wing, ["x", "y", "z"]), none, True, np.unique(edges, axis=0))
+        yield Part("the wing", wing.reader(["x", "y", "z"]), none, True, np.unique(edges, axis=0))
     for own in facts.beams:
         rod = units.get(own.unit)
         if rod and {"x", "y"} <= rod.variables.keys():
@@ -207,7 +207,7 @@ def _parts(facts: Facts, units: Mapping[str, Unit]) -> Iterator[Part]:
             root = own.beam.root
             holder = holders.get(root.on_cylinder.cylinder) if isinstance(root, RootOnCylinder) else None
             length = own.beam.length
-            yield Part(f"the {rod.name}", _stations(rod, axes), half, True, length=length, holder=holder)
+            yield Part(f"the {rod.name}", rod.reader(axes), half, True, length=length, holder=holder)
 
 
 def _corners(body: Body, unit: Unit, names: list[str]) -> Callable[[], np.ndarray]:
@@ -218,10 +218,6 @@ def _corners(body: Body, unit: Unit, names: list[str]) -> Callable[[], np.ndarra
 def _solid(body: Body, unit: Unit, names: list[str], fluid: Fluid) -> Callable[[], Solid]:
     pose = unit.reader(names)
     return lambda: Solid(body, pose()[0].tolist(), fluid)
-
-
-def _stations(rod: Unit, axes: list[str]) -> Callable[[], np.ndarray]:
-    return rod.reader(axes)
 
 
 def _box(fluid: Fluid) -> list[tuple[str, Bounds, int]]:

@@ -73,7 +73,7 @@ class Session(TimeLoop):
         """What was told of places during the run."""
         self.places = Places(self.facts, self.units)
         fluid = self.units.get("fluid")
-        self.waves = Waves(scene.fluid, fluid, grid.steps) if scene.fluid and fluid else None
+        self.waves = Waves(scene.fluid, fluid, grid) if scene.fluid and fluid else None
         self._limit_guards()
 
     def _limit_guards(self) -> None:

@@ -8,7 +8,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from nervure.coupling.guards import below
 from nervure.scene.types import Fluid
+from nervure.simulation.loop import TimeGrid
 from nervure.units.fmu import Unit
 
 LEFT = 0.8  # Of the highest wave number: above, the filter damps
@@ -22,10 +24,12 @@ class Waves:
     """Looks at the vorticity about z, in space at that in the middle of the box, for more waves of two to three cells
     than of three to four."""
 
-    def __init__(self, flow: Fluid, fluid: Unit, steps: int):
+    def __init__(self, flow: Fluid, fluid: Unit, grid: TimeGrid):
         self.flow, self.fluid = flow, fluid
-        self.looks = {round(steps * i / LOOKS) for i in range(1, LOOKS + 1)}
-        """Steps of the run, of so many `steps`, after which it looks."""
+        self.longest = min(grid.communication_step, flow.time_stepping.max_step)
+        """Longest step of the fluid, s."""
+        self.looks = {round(grid.steps * i / LOOKS) for i in range(1, LOOKS + 1)}
+        """Steps of the run after which it looks."""
         self.seen: set[str] = set()
         """Axes along which the last look found some; the start of a flow may have them for a while."""
 
@@ -40,25 +44,25 @@ class Waves:
         return again
 
     def _found(self, time: float) -> Iterator[tuple[str, str]]:
-        vorticity, stepping = _plane(self.fluid, "vorticity"), self.flow.time_stepping
+        vorticity, box = _plane(self.fluid, "vorticity"), self.flow.box
         if not vorticity.any():
             return
-        box = zip((self.flow.box.x, self.flow.box.y), vorticity.shape, strict=True)
-        cells = [(high - low) / n for (low, high), n in box]
-        speeds = [float(np.abs(_plane(self.fluid, name)).max(initial=0.0)) for name in "uv"]
+        ends = (own for own in (box.x, box.y, box.z) if own)
+        cells = [(high - low) / n for (low, high), n in zip(ends, box.cells, strict=True)]
+        speeds = [float(np.abs(_plane(self.fluid, name)).max(initial=0.0)) for name in "uvw"[: len(cells)]]
         rate = sum(speed / cell for speed, cell in zip(speeds, cells, strict=True)) or np.finfo(float).tiny
+        step = min(self.longest, self.flow.time_stepping.max_cfl / rate)
         for i, axis in enumerate("xy"):
             wave = np.abs(np.fft.rfft(vorticity, axis=i)) ** 2
             by_order = 2 * wave.mean(axis=1 - i) / vorticity.shape[i] ** 2 / (vorticity.var() or 1.0)
             short, longer = (_share(by_order, *band) for band in (SHORT, LONGER))
-            step, most = min(stepping.max_step, stepping.max_cfl / rate), _longest_step(self.flow, cells[i], speeds[i])
+            most = _longest_step(self.flow, cells[i], speeds[i])
             if short > max(longer, LEAST) and step > most:
                 yield (
                     axis,
                     f"short waves along {axis}: at t = {time:.4g} s waves of two to three cells hold {short:.1%} of "
-                    f"the square of the vorticity, because they grow in steps of {step:.2g} s at "
-                    f"{speeds[i]:.3g} m/s; "
-                    f"`fluid.time_stepping.max_step` of {_below(most):g} s damps them",
+                    f"the square of the vorticity, because they grow in steps of {step:.2g} s at {speeds[i]:.3g} m/s; "
+                    f"`fluid.time_stepping.max_step` of {below(most)} s damps them",
                 )
 
 
@@ -81,9 +85,3 @@ def _longest_step(flow: Fluid, cell: float, speed: float) -> float:
     k = LEFT * np.pi / cell
     growth = GROWTH[flow.time_stepping.scheme]
     return float((flow.kinematic_viscosity / (growth * k**2 * max(speed, 1e-30) ** 4)) ** (1 / 3))
-
-
-def _below(value: float) -> float:
-    """Return a number rounded down to two digits."""
-    digit = 10.0 ** (np.floor(np.log10(value)) - 1)
-    return float(f"{np.floor(value / digit) * digit:.2g}")
