@@ -24,7 +24,7 @@ PITCHING = "vein-pitching-320x240"
 FORCES = ("beam_drag", "beam_lift", "beam_moment")
 
 STIFF = {"bending_stiffness": 1e5, "axial_stiffness": 1e8}
-LAYER = 1487 / 1134  # Of a line, cells
+LAYER = 2286280459 / 1556755200  # Of a line, cells
 FORCE_WIDTH = 0.02
 """Width of the box filter over compared forces, s: a fiftieth of the period. It removes the noise of the mask on the
 grid, in which a rod that gives way by 1e-4 differs from a rigid one."""

@@ -23,7 +23,7 @@ from studies.store import Data
 SCENE = "flag-massless-240x120"
 MASSES = (1e-6, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1000.0)  # Of the flag over that of the fluid
 BENDINGS = (1e-5, 1e-3, 0.1, 10.0, 100.0)  # EI/(rho U² L³)
-SEGMENTS = (8, 12, 24)  # 2.4, 1.6 and 0.8 cells long; markers are 1.5 cells apart
+SEGMENTS = (8, 12, 24)  # 2.4, 1.6 and 0.8 cells long; markers are 1.75 cells apart
 STEPS = (0.01, 0.0025)  # CFL numbers of the stream 0.19 and 0.05; in steps of 0.01 s short waves grow
 SCHEMES = ("bdf2", "tr_bdf2")  # Of the rod
 END, WINDOW = 4.0, 200  # End of a run, s, and steps of the guards' means

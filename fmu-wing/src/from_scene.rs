@@ -1,6 +1,6 @@
 //! Conversion of a scene to the parameters of a wing, and of its laws to poses.
 
-use scene::{Fluid, LINE_THICKNESS_CELLS, RodScheme, RootLaws, WingSupport};
+use scene::{Fluid, RodScheme, RootLaws, SURFACE_THICKNESS_CELLS, WingSupport};
 use wing::{Error, Membrane, Parameters, Pose, Root, Scheme, Support, Vein};
 
 /// Return the parameters of the wing of a scene, in its fluid if it has one.
@@ -41,7 +41,7 @@ pub fn parameters(own: &scene::Wing, fluid: Option<&Fluid>) -> Result<Parameters
         root,
         gravity: own.gravity,
         relaxation_time: own.relaxation_time,
-        displaced_density: fluid.map_or(0.0, |fluid| fluid.density * LINE_THICKNESS_CELLS * largest_cell(fluid)),
+        displaced_density: fluid.map_or(0.0, |fluid| fluid.density * SURFACE_THICKNESS_CELLS * largest_cell(fluid)),
         scheme: match own.scheme {
             RodScheme::Trapezoid => Scheme::Trapezoid,
             RodScheme::GeneralisedAlpha { rho_inf } => Scheme::GeneralisedAlpha { rho_inf },

@@ -177,7 +177,7 @@ pub struct Beam {
 pub enum Surface {
     /// By the mask of the band around its line, for a thickness of some cells.
     Mask,
-    /// By markers along its line, which stands for a plate of 1.3 cells whatever its thickness.
+    /// By markers along its line, which stands for a plate of 1.5 cells whatever its thickness.
     Line,
 }
 

@@ -53,7 +53,7 @@ fn added_mass(size: f64, points: usize) -> f64 {
 /// much (a fit to the rectangles of DNV-RP-C205). The neighbours in the lattice count with the square of its size.
 #[test]
 fn a_line_has_the_added_mass_of_a_plate() {
-    for points in [16, 32] {
+    for points in [12, 16, 32] {
         let [near, far] = [6.0, 12.0].map(|size| added_mass(size, points));
         let found = far + (far - near) / 3.0;
         let thickness = scene::LINE_THICKNESS_CELLS / points as f64;
@@ -198,18 +198,21 @@ fn added(size: f64, points: usize) -> [f64; 2] {
 }
 
 /// A plate across has the added mass of a beam, see [`a_line_has_the_added_mass_of_a_plate`]. One of the half length a
-/// and no thickness has the added moment of inertia `π/8 rho a⁴`; the excess of a line falls with the cells.
+/// and no thickness has the added moment of inertia `π/8 rho a⁴`; that of a thin rectangle exceeds it as the mass does,
+/// by 17.6 % for a thickness of a tenth of the length (DNV-RP-C205).
 #[test]
 fn a_plate_has_its_added_mass_and_moment_of_inertia() {
-    let [middle, fine] = [24, 48].map(|points| {
+    for points in [24, 48] {
         let thickness = scene::LINE_THICKNESS_CELLS / f64::from(points);
         let [near, far] = [6.0, 12.0].map(|size| added(size, points as usize));
         let [mass, inertia] = [0, 1].map(|i| far[i] + (far[i] - near[i]) / 3.0);
-        let expected = 0.25 * PI * (1.0 + thickness * (0.237 + 0.505 * (1.0 / thickness).ln()));
-        [mass / expected - 1.0, inertia / (PI / 128.0) - 1.0]
-    });
-    assert!(middle[0].abs() < 0.03 && fine[0].abs() < 0.03, "mass: {middle:?}, {fine:?}");
-    assert!(fine[1] > 0.0 && fine[1] < 0.9 * middle[1] && middle[1] < 0.1, "inertia: {middle:?}, {fine:?}");
+        let excess = |t: f64| t * (0.237 + 0.505 * (1.0 / t).ln());
+        let of_mass = mass / (0.25 * PI) / (1.0 + excess(thickness)) - 1.0;
+        let of_inertia = inertia / (PI / 128.0) / (1.0 + 0.176 * excess(thickness) / excess(0.1)) - 1.0;
+        println!("{points} points: mass {of_mass}, inertia {of_inertia}");
+        assert!(of_mass.abs() < 0.03, "{points} points: mass {of_mass}");
+        assert!(of_inertia.abs() < 0.03, "{points} points: inertia {of_inertia}");
+    }
 }
 
 /// A plate on springs has the period of its mass and the added one, however light it is, with at least the mass of the
@@ -277,10 +280,10 @@ fn a_line_along_a_stream_has_its_friction() {
         drag / 500.0
     };
     let expected = 2.0 * (1.328 / 40_f64.sqrt() + 2.67 / 40_f64.powf(0.875));
-    let [coarse, fine] = [8, 16].map(|points| drag(points) / expected - 1.0);
+    let [coarse, fine] = [12, 24].map(|points| drag(points) / expected - 1.0);
     let limit = 2.0 * fine - coarse;
     println!("friction: {coarse}, {fine}, {limit}");
-    assert!(coarse < 0.45 && fine < 0.25 && limit.abs() < 0.04, "{coarse}, {fine}, {limit}");
+    assert!(coarse < 0.33 && fine < 0.19 && limit.abs() < 0.04, "{coarse}, {fine}, {limit}");
 }
 
 /// A flag on a cylinder leaves no gap and drags nothing twice: the forces are those of a line that begins inside the

@@ -72,7 +72,7 @@ fn a_disk_has_its_added_mass() {
             added_mass(&mut parameters)
         });
         let found = far + (far - near) * 8.0 / 19.0;
-        let t = scene::LINE_THICKNESS_CELLS / f64::from(points);
+        let t = scene::SURFACE_THICKNESS_CELLS / f64::from(points);
         let expected = (1.0 + 1.5 * t * (0.237 + 0.505 * (1.0 / t).ln())) / 3.0;
         assert!((found / expected - 1.0).abs() < 0.03, "{points} points a diameter: {found} against {expected}");
     }

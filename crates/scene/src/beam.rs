@@ -35,7 +35,7 @@ pub struct Beam {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Surface {
-    /// Markers along the beam drag the fluid. Whatever the beam's thickness, the line stands for a plate of 1.3 cells,
+    /// Markers along the beam drag the fluid. Whatever the beam's thickness, the line stands for a plate of 1.5 cells,
     /// in space for a rod with a radius of 0.87 (slow flow) to 1.18 cells (added mass), and the rod may have any mass,
     /// with one exchange per step.
     Line,

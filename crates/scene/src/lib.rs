@@ -53,7 +53,7 @@ pub use rods::NamedRod;
 pub use root::{RootLaws, RootMotion, RootSupport, Rotation, Slide};
 pub use scene::{BeamWithRod, Display, Scene, Time};
 pub use spanwise::{Spanwise, SpanwiseProfile};
-pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS};
+pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
 pub use warnings::Warning;
 pub use wing::{Membrane, Region, Vein, Wing, WingChain, WingGroup, WingMesh, WingSupport};
 

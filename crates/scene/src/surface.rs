@@ -5,8 +5,11 @@ use crate::fluid::Fluid;
 use crate::rod::Rod;
 use crate::scene::Scene;
 
-/// Thickness of the plate that a line in the plane or a surface in space stands for, cells. `fluid` derives it from the kernel of its markers.
-pub const LINE_THICKNESS_CELLS: f64 = 1487.0 / 1134.0;
+/// Thickness of the plate that a line in the plane stands for, cells. `fluid` derives it from the kernel of its markers.
+pub const LINE_THICKNESS_CELLS: f64 = 2_286_280_459.0 / 1_556_755_200.0;
+
+/// Thickness of the plate that a surface in space stands for, cells.
+pub const SURFACE_THICKNESS_CELLS: f64 = 1487.0 / 1134.0;
 
 /// Cross-section of the rod that a line stands for in space, cells². `fluid` derives it from the kernel of its markers.
 pub const ROD_SECTION_CELLS: f64 = (315.0 / 151.0) * (315.0 / 151.0);

@@ -95,7 +95,7 @@ fn iteration_has_defaults() {
     assert_eq!(fsi3(&[iterated]).unwrap().coupling.unwrap().scheme, Some(expected));
 }
 
-/// A line takes a layer of 1.3 cells of fluid along, of which a light rod accounts for no more than its own mass.
+/// A line takes a layer of 1.5 cells of fluid along, of which a light rod accounts for no more than its own mass.
 #[test]
 fn rod_on_a_line_accounts_for_the_layer_that_moves_with_it() {
     let on_line = |density: &str, given: &str| {

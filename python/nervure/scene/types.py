@@ -821,7 +821,7 @@ SpanwiseProfile = SpanwiseProfileTaper | SpanwiseProfilePoints
 
 Surface = Literal["line", "mask"]
 """How a beam meets the fluid. `line`: Markers along the beam drag the fluid. Whatever the beam's thickness, the line
-stands for a plate of 1.3 cells, in space for a rod with a radius of 0.87 (slow flow) to 1.18 cells (added mass), and
+stands for a plate of 1.5 cells, in space for a rod with a radius of 0.87 (slow flow) to 1.18 cells (added mass), and
 the rod may have any mass, with one exchange per step. `mask`: The mask of the band around the beam, which wants four
 cells of thickness or more."""
 

@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::force::Exchange;
 use crate::grid::Grid;
-use crate::thin::{LINE_THICKNESS_CELLS, MarkerDrag, Markers, Parts, ROD_SECTION_CELLS, surface};
+use crate::thin::{MarkerDrag, Markers, Parts, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS, surface};
 
 /// A thin body.
 struct Thin {
@@ -53,7 +53,7 @@ impl Thin {
             }
             Extent::Surface(triangles) => {
                 let (parts, areas) = surface::parts(&body.nodes, triangles, cell, first);
-                (parts, areas, LINE_THICKNESS_CELLS * cell)
+                (parts, areas, SURFACE_THICKNESS_CELLS * cell)
             }
         };
         measures.iter().for_each(|measure| markers.add(*measure, layer / c_eta));

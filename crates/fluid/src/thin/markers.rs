@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::kernel;
+use super::kernel::Kernel;
 use crate::grid::Grid;
 
 /// Markers with their grid points.
@@ -89,6 +89,7 @@ impl<const D: usize> Markers<D> {
     /// Find the grid points around the markers at their present places.
     pub fn find_cells(&mut self, grid: &Grid<D>) {
         let Self { own, along, weights, points, places, numbers, .. } = self;
+        let kernel = Kernel::of(D);
         numbers.resize(grid.len(), 0);
         points.drain(..).for_each(|point| numbers[point] = 0);
         along.clear();
@@ -98,8 +99,8 @@ impl<const D: usize> Markers<D> {
             for axis in 0..D {
                 let (low, share) = grid.split(axis, marker.position[axis]);
                 let begin = along.len();
-                along.extend(kernel::weights(share));
-                marker.spans[axis] = (grid.wrap(axis, low.saturating_sub(1)), begin..along.len());
+                kernel.add_weights(share, along);
+                marker.spans[axis] = (grid.wrap(axis, low.saturating_sub(kernel.reach as i64 - 1)), begin..along.len());
             }
             let begin = weights.len();
             multiply(grid, &marker.spans, along, 0, (0, 1.0), &mut |point, weight| {

@@ -29,7 +29,7 @@ use crate::grid::Grid;
 use crate::parameters::{Body, Parameters, Shape, Surface};
 
 pub use drag::MarkerDrag;
-pub use kernel::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS};
+pub use kernel::{ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
 use line::Line;
 pub use markers::Markers;
 pub use parts::Parts;

@@ -6,16 +6,9 @@
 
 use std::ops::Range;
 
+use super::kernel::Kernel;
 use super::markers::Markers;
 use crate::bodies::{Loads, Stations};
-
-/// Distance of neighbouring markers, cells. Closer markers make a matrix of useless condition, whose solutions
-/// alternate; beyond 2 a body leaks.
-const SPACING_CELLS: f64 = 1.5;
-
-/// Length by which a free end is drawn in, cells, because the kernel reaches beyond the last marker. With it a line has
-/// the added mass of a plate of its length.
-const DRAWN_IN_CELLS: f64 = 0.4;
 
 /// Shares of the nodes in each part.
 #[derive(Default)]
@@ -36,9 +29,10 @@ impl Parts {
     pub fn of_line<const D: usize>(points: &[[f64; D]], free: [bool; 2], cell: f64, first: usize) -> (Self, f64) {
         let arc = arc(points);
         let length = arc[arc.len() - 1];
-        let [begin, left] = free.map(|free| if free { (DRAWN_IN_CELLS * cell).min(0.25 * length) } else { 0.0 });
+        let kernel = Kernel::of(D);
+        let [begin, left] = free.map(|free| if free { (kernel.drawn_in * cell).min(0.25 * length) } else { 0.0 });
         let span = length - begin - left;
-        let count = (span / (SPACING_CELLS * cell)).round().max(1.0);
+        let count = (span / (kernel.spacing * cell)).round().max(1.0);
         let (part, mut parts) = (span / count, Self::new(first));
         for k in 0..count as usize {
             let middle = begin + (k as f64 + 0.5) * part;

@@ -6,11 +6,9 @@
 
 use std::array::from_fn;
 
+use super::kernel::Kernel;
 use super::markers::Markers;
 use crate::grid::Grid;
-
-/// Grid points in a block along an axis, at least: one more than the distance of two kernels that share a point.
-const BLOCK: usize = 4;
 
 /// Residual over the right-hand side at which a solution is taken.
 const TOLERANCE: f64 = 1e-12;
@@ -161,7 +159,8 @@ impl<const D: usize> System<D> {
 
     fn sort_into_blocks(&mut self, markers: &Markers<D>, grid: &Grid<D>) {
         let count = markers.len();
-        self.counts = grid.cells.map(|cells| (cells / BLOCK).max(1));
+        // A block has one grid point more than the largest distance of two kernels that share a point, or more.
+        self.counts = grid.cells.map(|cells| (cells / (2 * Kernel::of(D).reach)).max(1));
         self.heads.clear();
         self.heads.resize(self.counts.iter().product(), count);
         self.blocks.clear();
