@@ -29,22 +29,23 @@ SCHEMES = ("bdf2", "tr_bdf2")  # Of the rod
 END, WINDOW = 4.0, 200  # End of a run, s, and steps of the guards' means
 COARSE = {"fluid.box.cells": [96, 48], "time.end": END, "coupling": {"guards": {"window_steps": WINDOW}}}
 
+ADVICE = ("take a `time", "helps")  # Words of an error that says what to change
 MOST = 0.2
 """Difference of the powers on the rod and from the fluid by the exchanged power, over the second half: a silent run
 above it is bad. The guard tells of 0.1 in a mean that reaches further back."""
 
 
-def outcome(scene: dict[str, Any], folder: Path) -> tuple[str, float]:
-    """Return the outcome of a coupling: `ok`, `told` with a warning, `error` with advice, or `bad` where powers differ
-    and nothing is said, or no advice is given; and the difference of both powers by the exchanged power over its second
-    half."""
+def outcome(scene: dict[str, Any], folder: Path, body: str = "beam") -> tuple[str, float]:
+    """Return the outcome of a coupling with a beam or the wing: `ok`, `told` with a warning, `error` with advice, or
+    `bad` where powers differ and nothing is said, or no advice is given; and the difference of both powers by the
+    exchanged power over its second half."""
     with simulate.session(scene, folder) as session:
         status, columns = session.run(), session.recorder.series
         warnings = [text for text in session.warnings if not text.startswith("short waves")]  # of the flow
     if status.error:
-        return "error" if "take a `time" in status.error else "bad", np.inf
-    late = columns["time"] > END / 2
-    on_rod, from_fluid = columns["load_power"][late], columns["beam_power"][late]
+        return "error" if any(advice in status.error for advice in ADVICE) else "bad", np.inf
+    late = columns["time"] > columns["time"][-1] / 2
+    on_rod, from_fluid = columns["load_power"][late], columns[f"{body}_power"][late]
     exchanged = float(np.abs(from_fluid).sum())
     difference = float(np.abs(on_rod - from_fluid).sum()) / exchanged if exchanged else 0.0
     sound = all(np.isfinite(column).all() for column in columns.values()) and difference < MOST

@@ -1,11 +1,14 @@
 """A wing: a square plate that vibrates as exact ones do, the limit of a rigid plate, a hovering wing by its stiffness,
-and the cost of a step."""
+the map of stability, and the cost of a step."""
 
 from __future__ import annotations
 
 import csv
+from collections import Counter
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -13,7 +16,7 @@ import numpy as np
 import nervure
 from nervure.scene import validate
 from nervure.scene.facts import Facts
-from studies import commands, flapping, simulate, space
+from studies import commands, flapping, simulate, space, thin
 from studies.engine import COUPLED, Case, Study
 from studies.show import exponent
 from studies.store import Data
@@ -174,6 +177,78 @@ def means(series: Any) -> dict[str, float]:
     }
 
 
+MEMBRANES = {"limp": (1e2, 1e-6), "film": (1e3, 1e-3), "plate": (1e6, 1e2)}
+"""Stretching stiffness, N/m, and bending stiffness, N m, by rho U² c and rho U² c³ of the stream."""
+MASSES = (1.0, 1e-3, 1e-6)  # Of the wing by rho c³
+MAPS = {"falls, alone": (5e-3, 5e-2), "in a stream": (1.25e-2, 5e-2)}  # Communication steps, s
+GAIN = 0.02  # Energy that a wing alone may gain by the energy of its fall; the scheme takes energy
+STREAM: dict[str, Any] = {
+    "density": 1.0,
+    "kinematic_viscosity": 0.01,
+    "box": {"x": [-1.5, 4.5], "y": [-2.0, 2.0], "z": [-2.0, 2.0], "cells": [48, 32, 32]},
+    "initial_velocity": [1.0, 0.0, 0.0],
+    "mean_flow": {
+        "x": {"constant": 1.0},
+        "z": {"table": {"times": [0.0, 0.5, 1.0, 1.5], "values": [0.0, 0.3, 0.3, 0.0]}},
+    },
+    "sponge": {"x": [3.5, 4.5], "mean_velocity": {"constant": 1.0}, "c_eta": 0.08},
+    "mask": {"log_linear": {"c_eta": 1e-3}},
+    "precision": "single",
+}
+"""A stream with a gust across it."""
+
+
+def square(membrane: str, mass: float, step: float, stream: bool) -> dict[str, Any]:
+    """Return the scene of a square wing that hangs on its root under gravity, or meets a stream."""
+    stretching, bending = MEMBRANES[membrane]
+    wing: dict[str, Any] = {
+        "mesh": {"rectangular": {"length": 1.0, "width": 1.0, "along": 8}},
+        "membrane": {"areal_density": mass, "stretching_stiffness": stretching, "bending_stiffness": bending},
+        "root": "root",
+    }
+    scene = {"name": "map", "time": {"end": 4.0, "communication_step": step}, "wing": wing}
+    if stream:
+        return scene | {"fluid": STREAM | {"time_stepping": {"max_step": step, "max_cfl": 0.4}}}
+    return scene | {"wing": wing | {"gravity": [0.0, 0.0, -1.0]}}
+
+
+def fallen(scene: dict[str, Any], folder: Path) -> tuple[str, float]:
+    """Return the outcome of a wing alone as `thin.outcome` does, and the energy that it gained by that of its fall."""
+    with simulate.session(scene, folder) as session:
+        status, columns = session.run(), session.recorder.series
+        warnings = session.warnings
+    if status.error:
+        return "error" if any(advice in status.error for advice in thin.ADVICE) else "bad", np.inf
+    energy = sum(columns[f"energy_{kind}"] for kind in ("elastic", "kinetic", "gravity"))
+    gain = float(energy.max() - energy[0]) / float(-columns["energy_gravity"].min())
+    sound = all(np.isfinite(column).all() for column in columns.values()) and gain < GAIN
+    return "told" if warnings else "ok" if sound else "bad", gain
+
+
+def mapped(case: Case, folder: Path) -> dict[str, Any]:
+    """Run square wings over membranes, masses and steps."""
+    rows, stream = [], case.options["map"] == "in a stream"
+    with TemporaryDirectory(dir=folder) as place:
+        for membrane, mass, step in product(MEMBRANES, MASSES, MAPS[case.options["map"]]):
+            scene = square(membrane, mass, step, stream)
+            said, off = thin.outcome(scene, Path(place), "wing") if stream else fallen(scene, Path(place))
+            off = off if np.isfinite(off) else None
+            rows.append({"membrane": membrane, "mass": mass, "step": step, "outcome": said, "off": off})
+    return {"tables": {"map": rows}}
+
+
+def counts(data: Data) -> list[dict[str, Any]]:
+    """Return how many cells of each map came out how, and the largest error of those that ran without a word."""
+    rows = []
+    for record in data.of("wing/map/*"):
+        cells = record.tables["map"]
+        count = Counter(row["outcome"] for row in cells)
+        named = {name: count[name] for name in ("ok", "told", "error", "bad")}
+        largest = max((row["off"] for row in cells if row["outcome"] == "ok"), default=None)
+        rows.append({"label": record["label"], "largest": largest} | named)
+    return rows
+
+
 def cost(case: Case, folder: Path) -> dict[str, Any]:
     """Return the rows of the program that times a step; they depend on the machine."""
     rows = csv.DictReader(commands.output(COST).splitlines())
@@ -196,6 +271,8 @@ def cases() -> Iterator[Case]:
         yield Case(f"hover/{said}", (*COUPLED, "wing"), HOVER, changes, action=hovering, about=about)
     for factor in FACTORS:
         yield Case(f"stiffness/{factor:g}", (*COUPLED, "wing"), HOVER, stiffer(factor), action=of_stiffness)
+    for name in MAPS:
+        yield Case(f"map/{name}", (*COUPLED, "wing"), options={"map": name}, action=mapped)
     yield Case("cost/step", ("scene", "wing", "wing cost"), action=cost)
 
 
@@ -210,4 +287,4 @@ def costs(data: Data) -> list[dict[str, Any]]:
     return found
 
 
-STUDY = Study("wing", cases, lambda case, run: run.found, tables={"wing-cost": costs})
+STUDY = Study("wing", cases, lambda case, run: run.found, tables={"wing-cost": costs, "wing-map": counts})

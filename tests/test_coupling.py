@@ -211,7 +211,7 @@ def test_a_burst_at_the_start_is_no_instability():
     assert steps_made(coupling.Explicit(*powered(burst, lambda i: 1.0), guards=Guards()), 2000)[0] == 2000
 
 
-@pytest.mark.parametrize(("part", "told"), [(0.3, [30.0]), (0.05, [])])
+@pytest.mark.parametrize(("part", "told"), [(0.3, [15.0]), (0.05, [])])
 def test_a_burst_at_the_start_hides_no_difference(part, told):
     """Both powers are 100 times larger in the first steps; then `part` of the power is missing."""
     scheme = coupling.Explicit(
@@ -224,6 +224,28 @@ def test_a_burst_at_the_start_hides_no_difference(part, told):
         guard.check(i + 1.0, 1.0)
         found += [i + 1.0 for _ in guard.look(i + 1.0, 1.0)]
     assert found == told
+
+
+@pytest.mark.parametrize(
+    ("steps", "on_rod", "tells"),
+    [
+        (40, lambda i: 0.7, True),
+        (40, lambda i: 0.95, False),
+        (12, lambda i: 0.7, False),
+        (40, lambda i: 100.0 if i < 3 else 1.0, False),
+        (40, lambda i: 0.2 if i > 37 else 1.0, False),
+    ],
+    ids=["differs", "agrees", "too short to judge", "differs at the start", "differs at the end"],
+)
+def test_a_run_shorter_than_the_window_is_judged_at_its_end(steps, on_rod, tells):
+    [guard] = coupling.Explicit(*powered(on_rod, lambda i: 1.0), guards=Guards(window_steps=200)).guards
+    told = []
+    for i in range(steps):
+        guard.rod.step(float(i), 1.0), guard.fluid.step(float(i), 1.0)
+        guard.check(i + 1.0, 1.0)
+        told += guard.look(i + 1.0, 1.0, i + 1 == steps)
+    assert bool(told) == tells, told
+    assert not tells or told[0].startswith("over the last 10 steps to t = 40 s the power on the rod"), told
 
 
 def test_a_guard_can_be_off():

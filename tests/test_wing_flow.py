@@ -8,7 +8,7 @@ from nervure.coupling import Explicit
 from nervure.scene import validate
 from nervure.simulation import checkpoint
 from nervure.simulation.session import Session
-from studies import wing as wing_study
+from studies import simulate, wing as wing_study
 
 pytestmark = pytest.mark.usefixtures("wing_library")
 
@@ -104,3 +104,12 @@ def test_a_stiff_wing_has_the_forces_of_a_rigid_plate(tmp_path):
     print(found)
     assert found[5000.0] < 0.01
     assert found[500.0] / found[5000.0] == pytest.approx(10.0, abs=3.0)
+
+
+def test_a_short_run_tells_of_lost_work(tmp_path):
+    """In a step that the fluid divides by three, a film gets a fifth of the work that the fluid gives."""
+    scene = wing_study.square("film", 1e-3, 0.05, stream=True)
+    scene["time"]["end"] = 1.5
+    with simulate.session(scene, tmp_path) as session:
+        assert session.run().error is None
+        assert any("the power on the wing and the power from the fluid differ" in said for said in session.warnings)

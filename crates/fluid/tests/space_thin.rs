@@ -27,7 +27,8 @@ fn line(depth: f64) -> Flexible {
     body((0..=20).map(|k| [0.25 / 32.0, 0.25 / 32.0, depth * f64::from(k) / 20.0]).collect(), Extent::Line)
 }
 
-/// Length (m) of a line that closes over a periodic box of 0.25 m, after its free ends are drawn in by 0.4 cells of 1/32 m.
+/// Length (m) of a line that closes over a periodic box of 0.25 m, after its free ends are drawn in by 0.4 cells of
+/// 1/32 m.
 const CLOSED: f64 = 0.25 + 0.8 / 32.0;
 
 /// Let the nodes move for a step of `h` seconds with a velocity, given at their place.
@@ -45,8 +46,8 @@ fn step(fluid: &mut Fluid, h: f64, velocity: impl Fn([f64; 3]) -> [f64; 3]) {
     fluid.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
 }
 
-/// Added mass over the density of the first body when it starts along x in still fluid: the impulse of a start so gentle
-/// that the first, shorter memory of the scheme does not count.
+/// Added mass over the density of the first body when it starts along x in still fluid: the impulse of a start so
+/// gentle that the first, shorter memory of the scheme does not count.
 fn added_mass(parameters: &mut Parameters) -> f64 {
     parameters.mean_flow = Some([0.0; 3].map(Law::constant));
     let (mut fluid, h, speed, mut impulse) = (made(parameters), 2e-3, 1e-3, 0.0);
@@ -91,8 +92,8 @@ fn across_a_slow_stream(turn: usize) -> f64 {
 }
 
 /// The radius of a line in a slow stream is exp(mean ln|Y|), Y being the difference of two points of the kernel: a
-/// square lattice of cylinders, which fill the share c, drags with 4π mu U/(½ ln(1/c) − 0.738 + c) per length across and
-/// with 4π mu U/(ln(1/c) − 1.476 + 2c) along (Hasimoto 1959; Drummond & Tahir 1984).
+/// square lattice of cylinders, which fill the share c, drags with 4π mu U/(½ ln(1/c) − 0.738 + c) per length across
+/// and with 4π mu U/(ln(1/c) − 1.476 + 2c) along (Hasimoto 1959; Drummond & Tahir 1984).
 #[test]
 fn a_line_in_a_slow_stream_drags_like_a_cylinder() {
     let share = PI * (0.8735_f64 / 32.0).powi(2);

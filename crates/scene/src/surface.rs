@@ -5,7 +5,8 @@ use crate::fluid::Fluid;
 use crate::rod::Rod;
 use crate::scene::Scene;
 
-/// Thickness of the plate that a line in the plane stands for, cells. `fluid` derives it from the kernel of its markers.
+/// Thickness of the plate that a line in the plane stands for, cells. `fluid` derives it from the kernel of its
+/// markers.
 pub const LINE_THICKNESS_CELLS: f64 = 2_286_280_459.0 / 1_556_755_200.0;
 
 /// Thickness of the plate that a surface in space stands for, cells.
@@ -15,9 +16,9 @@ pub const SURFACE_THICKNESS_CELLS: f64 = 1487.0 / 1134.0;
 pub const ROD_SECTION_CELLS: f64 = (315.0 / 151.0) * (315.0 / 151.0);
 
 impl Scene {
-    /// Return the mass of the fluid that moves with a beam, per length and, in the plane, metre of depth, at a place from 0 at the
-    /// root to 1 at the tip: of the fluid inside the mask, or in the layer that a line stands for. A rod on a line that
-    /// is lighter than this layer has as little as itself.
+    /// Return the mass of the fluid that moves with a beam, per length and, in the plane, metre of depth, at a place
+    /// from 0 at the root to 1 at the tip: of the fluid inside the mask, or in the layer that a line stands for. A rod
+    /// on a line that is lighter than this layer has as little as itself.
     pub(crate) fn displaced<'a>(&self, fluid: &'a Fluid, beam: &'a Beam, rod: &'a Rod) -> impl Fn(f64) -> f64 + 'a {
         let cell = fluid.r#box.spacing().into_iter().fold(0.0, f64::max);
         let layer = if fluid.is_space() { ROD_SECTION_CELLS * cell * cell } else { LINE_THICKNESS_CELLS * cell };

@@ -20,6 +20,12 @@ PENALIZED = 2.0
 """Longest step by C_eta under the pressure jump without iteration, for rods lighter than the added mass: of one with
 0.3 of the density of the fluid, 2 holds and 5 does not."""
 
+SOON, RECENT = 20, 0.25
+"""Least steps of a run shorter than the window that is judged, and the part of its steps that its sums look back."""
+
+ROUNDING = 1e-9
+"""Relative tolerance of a step."""
+
 MARGIN = 1.25
 """Part by which an advised step is shorter than the longest one by the speed of the stations so far."""
 
@@ -38,10 +44,6 @@ def guarded_outputs(rod: Unit, beam: str) -> tuple[list[str], list[str]]:
     """Return the outputs of `rod` and of the fluid that an `EnergyGuard` needs in every step; the fluid's names begin
     with `beam`."""
     return ["load.power"], [f"{beam}power"] if takes_momentum(rod) else []
-
-
-ROUNDING = 1e-9
-"""Relative tolerance of a step."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ class Balance(NamedTuple):
     on_rod: float = 0.0  # Power of the last step, W
     on_rod_before: float = 0.0  # Power of the step before, W
     rate: float = 0.0  # Most cells that a station has passed in a second, 1/s
-    own_difference: float = 0.0  # Sums since the last multiple of the window, W: they forget a violent start
+    own_difference: float = 0.0  # Sums since the last multiple of the window, W, which in the first one fade
     own_exchanged: float = 0.0
 
 
@@ -96,6 +98,8 @@ class EnergyGuard:
         steps, difference, exchanged, last, last_but_one, rate, *own = self.balance
         if steps % window == 0:
             own = [0.0, 0.0]
+        elif steps < window:  # A violent start is forgotten
+            own = [total - total / max(RECENT * steps, 1.0) for total in own]
         from_fluid = self.fluid.outputs.item(self.power_from_fluid) if self.momentum else on_rod
         deviation = abs(on_rod - from_fluid) if self.momentum else abs(on_rod - 2 * last + last_but_one)
         difference += deviation - difference / window
@@ -109,19 +113,21 @@ class EnergyGuard:
                 "(the limits are in `coupling.guards`)"
             )
 
-    def look(self, t: float, h: float) -> Iterator[str]:
+    def look(self, t: float, h: float, at_end: bool = False) -> Iterator[str]:
         """Yield once, at `t` (s) with a step of `h` (s), that the powers of the momentum load differ in a run that goes
-        on."""
+        on, or at its end."""
         steps, difference, exchanged = self.balance.steps, self.balance.difference, self.balance.exchanged
         window, limit = self.guards.window_steps, self.guards.largest_imbalance
-        if self.told or limit is None or not self.momentum or steps < window:
+        soon = at_end and SOON <= steps < window
+        if self.told or limit is None or not self.momentum or (steps < window and not soon):
             return
-        if steps % window == 0 and difference <= TOLD * exchanged:
+        count, differs = round(RECENT * steps) if soon else window, difference > TOLD * exchanged
+        if (soon and differs) or (not soon and steps % window == 0 and not differs):
             difference, exchanged = self.balance.own_difference, self.balance.own_exchanged
-        if difference > TOLD * exchanged and exchanged > window * self.guards.min_power:
+        if difference > TOLD * exchanged and exchanged > count * self.guards.min_power:
             self.told = True
             reason = self._differ(difference, exchanged)
-            yield f"over the last {window} steps to t = {t:.4g} s {reason}; {self.advice(h)}"
+            yield f"over the last {count} steps to t = {t:.4g} s {reason}; {self.advice(h)}"
 
     def advice(self, h: float) -> str:
         """Return advice for this scene, whose step is `h` (s)."""

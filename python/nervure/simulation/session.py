@@ -96,7 +96,8 @@ class Session(TimeLoop):
     def _look(self) -> None:
         self.warnings += self.places.look(self.time)
         for guard in self.scheme.guards:
-            self.warnings += guard.look(self.time, self.grid.communication_step)
+            at_end = self.steps == self.grid.steps
+            self.warnings += guard.look(self.time, self.grid.communication_step, at_end)
 
     @classmethod
     def packed(

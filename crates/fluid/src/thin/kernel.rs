@@ -1,9 +1,9 @@
 //! The kernel of a marker along an axis: a sharpened quintic B-spline in the plane, the cubic one in space.
 //!
 //! A kernel spreads a wave of the wavenumber k also as waves of `k ± 2π` a cell, and their part changes as a line
-//! crosses cells: the noise of its forces. They fall with the degree of a B-spline, but its width grows. The quintic one
-//! less a 24th of its second derivative has the width of the quartic one, and a third of the noise of the cubic one. In
-//! space it would weigh 216 points for each marker in place of 64.
+//! crosses cells: the noise of its forces. They fall with the degree of a B-spline, but its width grows. The quintic
+//! one less a 24th of its second derivative has the width of the quartic one, and a third of the noise of the cubic
+//! one. In space it would weigh 216 points for each marker in place of 64.
 
 /// The kernel of a number of dimensions, and what was found by measurement for it.
 pub struct Kernel {
