@@ -219,7 +219,7 @@ def fallen(scene: dict[str, Any], folder: Path) -> tuple[str, float]:
         warnings = session.warnings
     if status.error:
         return "error" if any(advice in status.error for advice in thin.ADVICE) else "bad", np.inf
-    energy = sum(columns[f"energy_{kind}"] for kind in ("elastic", "kinetic", "gravity"))
+    energy = columns["energy_elastic"] + columns["energy_kinetic"] + columns["energy_gravity"]
     gain = float(energy.max() - energy[0]) / float(-columns["energy_gravity"].min())
     sound = all(np.isfinite(column).all() for column in columns.values()) and gain < GAIN
     return "told" if warnings else "ok" if sound else "bad", gain
@@ -232,8 +232,8 @@ def mapped(case: Case, folder: Path) -> dict[str, Any]:
         for membrane, mass, step in product(MEMBRANES, MASSES, MAPS[case.options["map"]]):
             scene = square(membrane, mass, step, stream)
             said, off = thin.outcome(scene, Path(place), "wing") if stream else fallen(scene, Path(place))
-            off = off if np.isfinite(off) else None
-            rows.append({"membrane": membrane, "mass": mass, "step": step, "outcome": said, "off": off})
+            row = {"membrane": membrane, "mass": mass, "step": step, "outcome": said}
+            rows.append(row | ({"off": off} if said == "ok" else {}))
     return {"tables": {"map": rows}}
 
 

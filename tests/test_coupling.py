@@ -239,7 +239,7 @@ def test_a_burst_at_the_start_hides_no_difference(part, told):
 )
 def test_a_run_shorter_than_the_window_is_judged_at_its_end(steps, on_rod, tells):
     [guard] = coupling.Explicit(*powered(on_rod, lambda i: 1.0), guards=Guards(window_steps=200)).guards
-    told = []
+    told: list[str] = []
     for i in range(steps):
         guard.rod.step(float(i), 1.0), guard.fluid.step(float(i), 1.0)
         guard.check(i + 1.0, 1.0)
