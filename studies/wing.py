@@ -232,8 +232,8 @@ def mapped(case: Case, folder: Path) -> dict[str, Any]:
         for membrane, mass, step in product(MEMBRANES, MASSES, MAPS[case.options["map"]]):
             scene = square(membrane, mass, step, stream)
             said, off = thin.outcome(scene, Path(place), "wing") if stream else fallen(scene, Path(place))
-            row = {"membrane": membrane, "mass": mass, "step": step, "outcome": said}
-            rows.append(row | ({"off": off} if said == "ok" else {}))
+            off = off if said == "ok" else 0.0
+            rows.append({"membrane": membrane, "mass": mass, "step": step, "outcome": said, "off": off})
     return {"tables": {"map": rows}}
 
 
@@ -244,7 +244,7 @@ def counts(data: Data) -> list[dict[str, Any]]:
         cells = record.tables["map"]
         count = Counter(row["outcome"] for row in cells)
         named = {name: count[name] for name in ("ok", "told", "error", "bad")}
-        largest = max((row["off"] for row in cells if row["outcome"] == "ok"), default=None)
+        largest = max(row["off"] for row in cells)
         rows.append({"label": record["label"], "largest": largest} | named)
     return rows
 
