@@ -235,7 +235,7 @@ def test_a_burst_at_the_start_hides_no_difference(part, told):
         (40, lambda i: 100.0 if i < 3 else 1.0, False),
         (40, lambda i: 0.2 if i > 37 else 1.0, False),
     ],
-    ids=["differs", "agrees", "too short to judge", "differs at the start", "differs at the end"],
+    ids=["differs", "agrees", "too short to judge", "differs at the start", "differs in the last two steps"],
 )
 def test_a_run_shorter_than_the_window_is_judged_at_its_end(steps, on_rod, tells):
     [guard] = coupling.Explicit(*powered(on_rod, lambda i: 1.0), guards=Guards(window_steps=200)).guards
