@@ -15,7 +15,9 @@ import numpy as np
 
 import nervure
 from nervure.scene import validate
-from nervure.scene.facts import Facts
+from nervure.scene.facts import Facts, WingMesh
+from nervure.simulation.loop import Observer, TimeLoop
+from nervure.simulation.session import Session
 from studies import commands, flapping, simulate, space, thin
 from studies.engine import COUPLED, Case, Study
 from studies.show import exponent
@@ -54,9 +56,33 @@ PLATE: dict[str, Any] = {
 CELLS = 48  # Along a side of the box of the plate that heaves and pitches
 HEAVE = {"sine": {"amplitude": 0.2, "frequency": 0.5, "ramp": 0.6}}
 PITCH = {"sine": {"amplitude": 0.4, "frequency": 0.5, "phase": 1.0, "ramp": 0.6}}
-SPAN = [1.0, 0.0, 0.0]  # Axis of the pitch
+ORIGIN, SPAN = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]  # Axis of the pitch
+HEAVING: dict[str, Any] = {"z": HEAVE, "angle": PITCH, "axis": SPAN}
 STIFF = (1e2, 1e3, 1e4, 1e5)
 """Stiffness of a plate that heaves and pitches: D/(rho U² c³) for chord and largest speed of the heave of about 1."""
+
+PIVOT, UPWARDS = [-0.5, 0.0, 0.0], [0.0, 1.0, 0.0]
+GYRATION = np.sqrt((2.5**3 - 0.5**3) / (3 * 2.0))  # Radius of the revolving plate, m
+OMEGA = 1.0 / GYRATION  # rad/s
+START, REVOLVED = 1.0, 5.5  # Time to full speed, and the end after half a turn, s
+STARTS = np.linspace(0.0, START, 9)
+REVOLUTION = {
+    "table": {
+        "times": [*STARTS.tolist(), REVOLVED],
+        "values": [
+            *(0.5 * OMEGA * (STARTS - START / np.pi * np.sin(np.pi * STARTS / START))).tolist(),
+            OMEGA * (REVOLVED - 0.5 * START),
+        ],
+        "end_slopes": [0.0, OMEGA],
+    }
+}
+"""Angle of the revolving plate, rad, whose speed begins by a cosine."""
+EXPECTED: dict[str, dict[str, float]] = simulate.LISTED["wing"]
+FLAG, SETTLED = "flag-square-144x96x96", 10.0  # s
+FLAGS = {24: "144x96x96", 36: "216x144x144", 48: "288x192x192"}
+"""Grids of the square flag by the cells along its side."""
+FLEXIBLE = (3.0, 10.0, 30.0, 1000.0, None)
+"""Stiffness of the revolving plate, D/(rho U² c³); none of a rigid one."""
 
 
 def heaving(stiffness: float, cells: int = CELLS) -> dict[str, Any]:
@@ -85,15 +111,21 @@ def heaving(stiffness: float, cells: int = CELLS) -> dict[str, Any]:
     }
 
 
-def rigid(scene: dict[str, Any]) -> dict[str, Any]:
-    """Return the scene of the triangles of a heaving wing as a rigid body of the same motion."""
+def mesh_of(scene: dict[str, Any]) -> WingMesh:
+    """Return the mesh of the wing of a scene."""
     mesh = Facts(validate(scene)).wing
     assert mesh is not None
+    return mesh
+
+
+def rigid(scene: dict[str, Any], motion: dict[str, Any] = HEAVING, pivot: list[float] = ORIGIN) -> dict[str, Any]:
+    """Return the scene of the triangles of a wing as a rigid body that moves."""
+    mesh = mesh_of(scene)
     body = {
         "shape": {"triangulation": {"nodes": mesh.nodes.tolist(), "triangles": mesh.triangles.tolist()}},
-        "position": [0.0, 0.0, 0.0],
-        "pivot": [0.0, 0.0, 0.0],
-        "motion": {"z": HEAVE, "angle": PITCH, "axis": SPAN},
+        "position": pivot,
+        "pivot": pivot,
+        "motion": motion,
     }
     rest = {key: part for key, part in scene.items() if key not in ("wing", "fluid")}
     return rest | {"fluid": scene["fluid"] | {"bodies": [body]}}
@@ -118,6 +150,80 @@ def of_rigid(case: Case, folder: Path) -> dict[str, Any]:
     scene = heaving(**case.options)
     found = differences(scene, folder / "wing", forces(rigid(scene), "body_1", folder / "rigid"))
     return {"values": found}
+
+
+def revolving(stiffness: float | None, cells: int) -> dict[str, Any]:
+    """Return the scene of a plate of aspect 2, 45° to its path, that revolves about an axis half a chord off its root,
+    at Re 100 by its radius of gyration, of the bending stiffness D, N m, or rigid; `cells` are those of a chord."""
+    box = {"x": [-4.0, 4.0], "y": [-2.5, 2.5], "z": [-4.0, 4.0]}
+    scene: dict[str, Any] = {"name": "revolving", "time": {"end": REVOLVED, "communication_step": 0.25 / cells}}
+    scene["wing"] = {
+        "mesh": {"rectangular": {"length": 2.0, "width": 1.0, "along": 12}},
+        "membrane": {
+            "areal_density": 1.0,
+            "stretching_stiffness": 400.0 * (stiffness or 1.0),
+            "bending_stiffness": stiffness or 1.0,
+        },
+        "root": "root",
+    }
+    flat = mesh_of(scene)
+    x, y, _ = flat.nodes.T
+    nodes = np.sqrt(0.5) * np.transpose([np.sqrt(2.0) * x, y, -y])
+    chain = {"name": "root", "nodes": flat.root.tolist()}
+    mesh = {"nodes": nodes.tolist(), "triangles": flat.triangles.tolist(), "chains": [chain]}
+    motion = {"rotations": [{"angle": REVOLUTION, "axis": UPWARDS}]}
+    scene["wing"] |= {"mesh": {"triangles": mesh}, "pivot": PIVOT, "root_motion": motion}
+    scene["fluid"] = {
+        "density": 1.0,
+        "kinematic_viscosity": 0.01,
+        "box": box | {"cells": [round(cells * (high - low)) for low, high in box.values()]},
+        "mask": {"log_linear": {"c_eta": 1e-3}},
+        "time_stepping": {"max_step": 0.25 / cells, "max_cfl": 0.4},
+        "precision": "single",
+    }
+    return scene if stiffness else rigid(scene, {"angle": REVOLUTION, "axis": UPWARDS}, PIVOT)
+
+
+def of_revolving(case: Case, folder: Path) -> dict[str, Any]:
+    """Return the mean coefficients of a revolving plate over its last quarter of a turn, and the mean twist, rad."""
+    scene = revolving(**case.options)
+    done = nervure.run(validate(scene), folder, force=True, quiet=True)
+    series, body = done.series, "wing" if "wing" in scene else "body_1"
+    late = np.asarray(series["time"]) > REVOLVED - 0.25 * 2 * np.pi / OMEGA
+    time, drag, lift, side = (np.asarray(series[name])[late] for name in
+                              ("time", f"{body}_drag", f"{body}_lift", f"{body}_side"))  # fmt: skip
+    angle = OMEGA * (time - 0.5 * START)
+    back = drag * np.sin(angle) + side * np.cos(angle)
+    values = {"lift": lift, "drag": back}  # By rho U² S/2, which is 1
+    if "section_twist" in series:
+        values["twist"] = np.abs(np.asarray(series["section_twist"])[late])
+    means = {name: float(column.mean()) for name, column in values.items()}
+    return {"values": means, "times": {"cpu_s": done.summary.cpu_s}}
+
+
+class Middle(Observer):
+    """Records the height of the middle of the free edge of a flag of unit sides."""
+
+    def __init__(self, session: Session):
+        self.wing = session.units["wing"]
+        nodes = mesh_of(session.scene.document()).nodes
+        self.node = int(np.argmin(np.linalg.norm(nodes - [1.0, 0.0, 0.0], axis=1)))
+        self.rows: list[tuple[float, float]] = []
+
+    def step(self, loop: TimeLoop) -> None:
+        self.rows.append((loop.time, float(self.wing.outputs[self.wing.slices["z"]][self.node])))
+
+
+def of_flag(case: Case, folder: Path) -> dict[str, Any]:
+    """Return amplitude and frequency of the middle of the free edge of a flag."""
+    with simulate.session(case.built(), folder) as session:
+        session.observers.append(middle := Middle(session))
+        status = session.run()
+    assert status.error is None, status.error
+    time, z = np.transpose(middle.rows)
+    found = flapping.swing({"time": time, "z": z}, "z", SETTLED)
+    values = {"height": found["amplitude"], "frequency": found["frequency"]}
+    return {"values": values, "times": {"cpu_s": status.cpu}}
 
 
 def vibrating(case: Case, folder: Path) -> dict[str, Any]:
@@ -269,6 +375,16 @@ def cases() -> Iterator[Case]:
         about = {"expected": {"imbalance": 0.0}, "grid": said}
         changes = {"time.end": 10.0, "fluid.threads": 1} | space.grid(cells, step)
         yield Case(f"hover/{said}", (*COUPLED, "wing"), HOVER, changes, action=hovering, about=about)
+    for points, said in FLAGS.items():
+        changes = space.grid([int(n) for n in said.split("x")], round(0.15 / points, 9))
+        changes |= {"wing.mesh.rectangular.along": 2 * points // 3}
+        about = {"expected": EXPECTED["flag"], "grid": said}
+        sources = (*COUPLED, "wing")
+        yield Case(f"flag/{said}", sources, FLAG, changes, action=of_flag, about=about, quick=points < 48)
+    for bending in FLEXIBLE:
+        label = f"{bending:g}" if bending else "rigid"
+        plate: dict[str, Any] = {"stiffness": bending, "cells": 16}
+        yield Case(f"revolving/{label}", (*COUPLED, "wing"), options=plate, action=of_revolving)
     for factor in FACTORS:
         yield Case(f"stiffness/{factor:g}", (*COUPLED, "wing"), HOVER, stiffer(factor), action=of_stiffness)
     for name in MAPS:

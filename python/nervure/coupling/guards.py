@@ -20,8 +20,8 @@ PENALIZED = 2.0
 """Longest step by C_eta under the pressure jump without iteration, for rods lighter than the added mass: of one with
 0.3 of the density of the fluid, 2 holds and 5 does not."""
 
-SOON, RECENT = 20, 0.25
-"""Least steps of a run shorter than the window that is judged, and the part of its steps that its sums look back."""
+SOON, RECENT = 40, 0.25
+"""Least steps of a window that is judged before its end, and the part of the first one that its own sums look back."""
 
 ROUNDING = 1e-9
 """Relative tolerance of a step."""
@@ -116,18 +116,28 @@ class EnergyGuard:
     def look(self, t: float, h: float, at_end: bool = False) -> Iterator[str]:
         """Yield once, at `t` (s) with a step of `h` (s), that the powers of the momentum load differ in a run that goes
         on, or at its end."""
-        steps, difference, exchanged = self.balance.steps, self.balance.difference, self.balance.exchanged
-        window, limit = self.guards.window_steps, self.guards.largest_imbalance
-        soon = at_end and SOON <= steps < window
-        if self.told or limit is None or not self.momentum or (steps < window and not soon):
+        window, steps = self.guards.window_steps, int(self.balance.steps)
+        if self.told or self.guards.largest_imbalance is None or not self.momentum:
             return
-        count, differs = round(RECENT * steps) if soon else window, difference > TOLD * exchanged
-        if (soon and differs) or (not soon and steps % window == 0 and not differs):
-            difference, exchanged = self.balance.own_difference, self.balance.own_exchanged
-        if difference > TOLD * exchanged and exchanged > count * self.guards.min_power:
-            self.told = True
-            reason = self._differ(difference, exchanged)
-            yield f"over the last {count} steps to t = {t:.4g} s {reason}; {self.advice(h)}"
+        last = (steps - 1) % window + 1 if steps else 0  # Steps since the end of a window, or in the whole one
+        fading = (window, self.balance.difference, self.balance.exchanged)
+        own = (last if steps > window else round(RECENT * steps), *self.balance[-2:])
+        judged = [fading] if steps >= window else []
+        # The last quarter of a short run is too few steps to judge by alone.
+        if last == window or (at_end and last >= SOON and (steps > window or self._is_told(*fading))):
+            judged.append(own)
+        for count, difference, exchanged in judged:
+            if self._is_told(count, difference, exchanged):
+                self.told = True
+                yield (
+                    f"over the last {count} steps to t = {t:.4g} s {self._differ(difference, exchanged)}; "
+                    f"{self.advice(h)}"
+                )
+                return
+
+    def _is_told(self, count: int, difference: float, exchanged: float) -> bool:
+        """Return whether sums over `count` steps are told of."""
+        return difference > TOLD * exchanged and exchanged > count * self.guards.min_power
 
     def advice(self, h: float) -> str:
         """Return advice for this scene, whose step is `h` (s)."""
