@@ -109,7 +109,7 @@ def test_a_stiff_wing_has_the_forces_of_a_rigid_plate(tmp_path):
 def test_a_short_run_tells_of_lost_work(tmp_path):
     """In a step that the fluid divides by three, a film gets a fifth of the work that the fluid gives."""
     scene = wing_study.square("film", 1e-3, 0.05, stream=True)
-    scene["time"]["end"] = 1.5
+    scene["time"]["end"] = 2.5
     with simulate.session(scene, tmp_path) as session:
         assert session.run().error is None
         assert any("the power on the wing and the power from the fluid differ" in said for said in session.warnings)
