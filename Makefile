@@ -297,14 +297,14 @@ $(DIST_VENV)/.ready: requirements/dist.lock
 
 .PHONY: fuzz
 
-fuzz: build $(READY_DEV) ## fuzz scene files and states of both units, five minutes each; needs nightly and cargo-fuzz
+fuzz: build $(READY_DEV) ## fuzz scene files and states of the units, 90 s each; needs nightly and cargo-fuzz
 	$(STUDY) reliability --force --only 'fuzz/*' $(ARGS)
 
 .PHONY: sanitizers
 
 SANITIZERS := $(RUST_STUDIES) -p sanitizers --profile sanitizers --bins --target-dir target/sanitizers
 
-sanitizers: $(READY_DEV) ## call both units under AddressSanitizer and valgrind; needs nightly and valgrind
+sanitizers: $(READY_DEV) ## call the units under AddressSanitizer and valgrind; needs nightly and valgrind
 	RUSTFLAGS=-Zsanitizer=address cargo +nightly build $(SANITIZERS)/asan --target x86_64-unknown-linux-gnu
 	cargo build $(SANITIZERS)/plain
 	$(RUN) -m pytest tests/sanitizers

@@ -19,7 +19,7 @@ from nervure.units.describe import unit_names
 from tests.conftest import COUPLED
 from tests.reliability.checks import unpack
 from tests.reliability.trials import header
-from tests.reliability.unit import SCENE, FMU2Unit
+from tests.reliability.unit import SCENE, WING, FMU2Unit
 
 FUZZ = ROOT / "tests" / "fuzz"
 BUILD = ROOT / "target" / "fuzz"
@@ -28,18 +28,23 @@ OPTIONS = ("-timeout=30", "-max_len=65536", f"-dict={BUILD / 'scene.dict'}", "-p
 
 
 def write_seeds() -> None:
-    """Scenes with a small grid and a short beam, states of both units, and a dictionary of the scene's words."""
-    files = {BUILD / "flag" / "scene.json": text(SCENE).encode()}
+    """Scenes with a small grid and a short beam, states of the units, and a dictionary of the scene's words."""
+    files: dict[Path, bytes] = {}
     for path in sorted((ROOT / "scenes").glob("*.json")):
         scene = read(path)
-        for part, key, value in (("fluid", "box", {"cells": [32, 16]}), ("beam", "segments", 6)):
-            if scene.get(part):
-                scene[part][key] = scene[part][key] | value if key == "box" else value
+        if fluid := scene.get("fluid"):
+            fluid["box"]["cells"] = [32, 16] if len(fluid["box"]["cells"]) == 2 else [16, 8, 8]
+        if beam := scene.get("beam"):
+            beam["segments"] = 6
+        if wing := scene.get("wing"):
+            (mesh,) = wing["mesh"].values()
+            mesh["along"] = 4
         files |= {
             FUZZ / f"corpus/{kind_of(unit)}_scene/{path.stem}": text(scene).encode() for unit in unit_names(scene)
         }
-    for kind in COUPLED:
-        files[FUZZ / f"corpus/{kind}_scene/flag"] = text(SCENE).encode()
+    for kind in (*COUPLED, "wing"):
+        own = text(WING if kind == "wing" else SCENE).encode()
+        files[BUILD / kind / "scene.json"] = files[FUZZ / f"corpus/{kind}_scene/small"] = own
         with TemporaryDirectory() as folder:
             unit = FMU2Unit(kind, unpack(kind, Path(folder))).new()
             for step in range(4):

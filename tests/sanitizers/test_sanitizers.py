@@ -1,4 +1,4 @@
-"""Both units under AddressSanitizer and under valgrind without a report, and planted bugs that both report.
+"""The units under AddressSanitizer and under valgrind without a report, and planted bugs that both report.
 
 `make sanitizers` builds what is run here; the calls are in `src/calls.rs`. AddressSanitizer looks for leaks at the end
 as well.
@@ -33,6 +33,9 @@ BUGS = {
 }
 """What each tool says about a bug."""
 
+FSI3 = "scenes/fsi3-325x72.json"
+SCENES = {"rod": FSI3, "fluid": FSI3, "wing": "tests/reliability/wing.json"}
+
 with_each_tool = pytest.mark.parametrize("tool", TOOLS)
 
 
@@ -42,9 +45,9 @@ def run(tool: str, program: str, argument: str) -> subprocess.CompletedProcess:
 
 
 @with_each_tool
-@pytest.mark.parametrize("kind", ["rod", "fluid"])
+@pytest.mark.parametrize("kind", SCENES)
 def test_unit_gives_no_report(tool, kind):
-    answer = run(tool, kind, str(ROOT / "scenes" / "fsi3-325x72.json"))
+    answer = run(tool, kind, str(ROOT / SCENES[kind]))
     assert answer.returncode == 0, answer.stderr
     assert "==" not in answer.stderr, answer.stderr
 

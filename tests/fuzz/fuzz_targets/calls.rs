@@ -8,7 +8,9 @@ use std::ptr::null_mut;
 use std::sync::LazyLock;
 
 use fmi_export::sys::*;
-use scene::Scene;
+use scene::{Scene, WingMesh};
+
+use super::KIND;
 
 unsafe extern "C" {
     safe fn fmi2Instantiate(
@@ -51,7 +53,7 @@ unsafe extern "C" {
 
 const OK: fmi2Status = fmi2Status::fmi2OK;
 
-/// Communication step of the flag, s: that of `tests/reliability/scene.json`.
+/// Communication step of the scenes of the units, s: that of `tests/reliability/scene.json` and `wing.json`.
 const STEP: f64 = 2e-4;
 
 /// A panic inside the unit becomes an error there, and a finding here.
@@ -189,7 +191,13 @@ pub fn scene(data: &[u8]) {
     // What is allowed and takes long is left out.
     let cells = scene.fluid.as_ref().map_or(0, |fluid| fluid.r#box.cells.iter().product());
     let threads = scene.fluid.as_ref().map_or(1, |fluid| fluid.threads);
-    if cells > 2048 || threads > 2 || scene.beams().any(|beam| beam.segments > 64) {
+    let along = match scene.wing.as_ref().map(|wing| &wing.mesh) {
+        Some(
+            WingMesh::Rectangular { along, .. } | WingMesh::Elliptical { along, .. } | WingMesh::Insect { along, .. },
+        ) => *along,
+        _ => 0,
+    };
+    if cells > 2048 || threads > 2 || along > 16 || scene.beams().any(|beam| beam.segments > 64) {
         return;
     }
     let own = scene.fluid.as_ref().map(|fluid| fluid.time_stepping.max_step);
@@ -206,38 +214,34 @@ pub fn scene(data: &[u8]) {
     }
 }
 
-/// The flag, its state at t = 0, and its outputs after a step from there.
-struct Flag {
+/// A unit, its state at t = 0, and its outputs after a step from there.
+struct Good {
     unit: Unit,
     clean: fmi2FMUstate,
     expected: Vec<f64>,
 }
 
-impl Flag {
+impl Good {
     fn new() -> Self {
-        let unit = Unit::new(&scratch().join("flag")).expect("the flag is a good scene");
+        let unit = Unit::new(&scratch().join(KIND)).expect("its scene is good");
         let mut clean = null_mut();
         assert_eq!(fmi2GetFMUstate(unit.c, &mut clean), OK);
         assert!(unit.step(0.0, STEP));
-        Flag { clean, expected: unit.outputs(), unit }
+        Good { clean, expected: unit.outputs(), unit }
     }
 }
 
 thread_local! {
-    static FLAG: Flag = Flag::new();
+    static GOOD: Good = Good::new();
 }
 
 /// Any bytes as the payload of a serialized state, under a right header and checksum: refused, or a state from which steps
 /// succeed with finite outputs or fail; after it a good state leads to the same bits as ever.
 pub fn state(payload: &[u8]) {
-    FLAG.with(|Flag { unit, clean, expected }| {
-        let bytes = [
-            &unit.header[..],
-            &(payload.len() as u64).to_le_bytes(),
-            &crc32fast::hash(payload).to_le_bytes(),
-            payload,
-        ]
-        .concat();
+    GOOD.with(|Good { unit, clean, expected }| {
+        let bytes =
+            [&unit.header[..], &(payload.len() as u64).to_le_bytes(), &crc32fast::hash(payload).to_le_bytes(), payload]
+                .concat();
         let mut state = null_mut();
         if fmi2DeSerializeFMUstate(unit.c, bytes.as_ptr().cast(), bytes.len(), &mut state) == OK {
             if fmi2SetFMUstate(unit.c, state) == OK {

@@ -1,7 +1,10 @@
 #![no_main]
 
+use fmu_fluid as _;
+
 mod calls;
-#[path = "../../../fmu-fluid/src/lib.rs"]
-mod unit;
+
+/// Folder of the unit's scene in `target/fuzz`.
+const KIND: &str = "fluid";
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| calls::scene(data));
