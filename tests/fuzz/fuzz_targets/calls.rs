@@ -235,8 +235,8 @@ thread_local! {
     static GOOD: Good = Good::new();
 }
 
-/// Any bytes as the payload of a serialized state, under a right header and checksum: refused, or a state from which steps
-/// succeed with finite outputs or fail; after it a good state leads to the same bits as ever.
+/// Any bytes as the payload of a serialized state, under a right header and checksum: refused, or a state from which
+/// steps succeed with finite outputs or fail; after it a good state leads to the same bits as ever.
 pub fn state(payload: &[u8]) {
     GOOD.with(|Good { unit, clean, expected }| {
         let bytes =
