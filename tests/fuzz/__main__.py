@@ -34,8 +34,9 @@ def write_seeds() -> None:
         scene = read(path)
         if fluid := scene.get("fluid"):
             fluid["box"]["cells"] = [32, 16] if len(fluid["box"]["cells"]) == 2 else [16, 8, 8]
-        if beam := scene.get("beam"):
-            beam["segments"] = 6
+        for owner in (scene, *scene.get("rods", ())):
+            if beam := owner.get("beam"):
+                beam["segments"] = 6
         if wing := scene.get("wing"):
             (mesh,) = wing["mesh"].values()
             mesh["along"] = 4

@@ -197,7 +197,8 @@ pub fn scene(data: &[u8]) {
         ) => *along,
         _ => 0,
     };
-    if cells > 2048 || threads > 2 || along > 16 || scene.beams().any(|beam| beam.segments > 64) {
+    let segments: usize = scene.beams().map(|beam| beam.segments).sum();
+    if cells > 2048 || threads > 2 || along > 16 || segments > 24 {
         return;
     }
     let own = scene.fluid.as_ref().map(|fluid| fluid.time_stepping.max_step);
