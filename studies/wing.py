@@ -56,7 +56,7 @@ PLATE: dict[str, Any] = {
 CELLS = 48  # Along a side of the box of the plate that heaves and pitches
 HEAVE = {"sine": {"amplitude": 0.2, "frequency": 0.5, "ramp": 0.6}}
 PITCH = {"sine": {"amplitude": 0.4, "frequency": 0.5, "phase": 1.0, "ramp": 0.6}}
-ORIGIN, SPAN = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]  # Axis of the pitch
+ORIGIN, SPAN = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]  # Pivot and axis of the pitch
 HEAVING: dict[str, Any] = {"z": HEAVE, "angle": PITCH, "axis": SPAN}
 STIFF = (1e2, 1e3, 1e4, 1e5)
 """Stiffness of a plate that heaves and pitches: D/(rho U² c³) for chord and largest speed of the heave of about 1."""
@@ -78,9 +78,14 @@ REVOLUTION = {
 }
 """Angle of the revolving plate, rad, whose speed begins by a cosine."""
 EXPECTED: dict[str, dict[str, float]] = simulate.LISTED["wing"]
-FLAG, SETTLED = "flag-square-144x96x96", 10.0  # s
+FLAG, SETTLED = "flag-square-144x96x96", 10.0  # Scene, and begin of the evaluated part, s
 FLAGS = {24: "144x96x96", 36: "216x144x144", 48: "288x192x192"}
 """Grids of the square flag by the cells along its side."""
+VARIED: dict[str, dict[str, Any]] = {
+    "144x96x192, twice as high": {"fluid.box.z": [-4.0, 4.0], "fluid.box.cells": [144, 96, 192]},
+    "144x96x96, to 30 s": {"time.end": 30.0},
+}
+"""Changes to the square flag on the coarsest grid."""
 FLEXIBLE = (3.0, 10.0, 30.0, 1000.0, None)
 """Stiffness of the revolving plate, D/(rho U² c³); none of a rigid one."""
 
@@ -206,8 +211,8 @@ class Middle(Observer):
 
     def __init__(self, session: Session):
         self.wing = session.units["wing"]
-        nodes = mesh_of(session.scene.document()).nodes
-        self.node = int(np.argmin(np.linalg.norm(nodes - [1.0, 0.0, 0.0], axis=1)))
+        assert session.facts.wing
+        self.node = int(np.argmin(np.linalg.norm(session.facts.wing.nodes - [1.0, 0.0, 0.0], axis=1)))
         self.rows: list[tuple[float, float]] = []
 
     def step(self, loop: TimeLoop) -> None:
@@ -361,6 +366,12 @@ def cost(case: Case, folder: Path) -> dict[str, Any]:
     return {"times": {"rows": [{name: float(value) for name, value in row.items()} for row in rows]}}
 
 
+def flag(name: str, grid: str, changes: dict[str, Any], quick: bool = True) -> Case:
+    """Return a case of the square flag with changes."""
+    about = {"expected": EXPECTED["flag"], "grid": grid}
+    return Case(name, (*COUPLED, "wing"), FLAG, changes, action=of_flag, about=about, quick=quick)
+
+
 def cases() -> Iterator[Case]:
     about: dict[str, Any]
     for n in ELEMENTS:
@@ -378,9 +389,9 @@ def cases() -> Iterator[Case]:
     for points, said in FLAGS.items():
         changes = space.grid([int(n) for n in said.split("x")], round(0.15 / points, 9))
         changes |= {"wing.mesh.rectangular.along": 2 * points // 3}
-        about = {"expected": EXPECTED["flag"], "grid": said}
-        sources = (*COUPLED, "wing")
-        yield Case(f"flag/{said}", sources, FLAG, changes, action=of_flag, about=about, quick=points < 48)
+        yield flag(f"flag/{said}", said, changes, quick=points < 48)
+    for said, changes in VARIED.items():
+        yield flag(f"flag-varied/{said}", said, changes)
     for bending in FLEXIBLE:
         label = f"{bending:g}" if bending else "rigid"
         plate: dict[str, Any] = {"stiffness": bending, "cells": 16}

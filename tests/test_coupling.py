@@ -237,7 +237,15 @@ def test_a_burst_at_the_start_hides_no_difference(part, told):
         (50, 90, lambda i: 0.88 if i >= 50 else 1.0, 40),
         (50, 89, lambda i: 0.88 if i >= 50 else 1.0, None),
     ],
-    ids=["differs", "agrees", "too short to judge", "at the start", "in two steps", "between windows", "behind one"],
+    ids=[
+        "differs",
+        "agrees",
+        "too short to judge",
+        "differs at the start",
+        "differs in the last two steps",
+        "differs behind a window",
+        "too short behind a window",
+    ],
 )
 def test_a_run_that_ends_within_a_window_is_judged_at_its_end(window, steps, on_rod, count):
     [guard] = coupling.Explicit(*powered(on_rod, lambda i: 1.0), guards=Guards(window_steps=window)).guards

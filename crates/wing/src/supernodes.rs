@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The blocks of a wing are small. A general matrix product would cost more in its calls than in its sums, and each
-//! entry of a product has one known place in a later block. All processors sum in the same order; those that
-//! fuse a product with its sum round once less.
+//! entry of a product has one known place in a later block. All processors sum in the same order; those that fuse a
+//! product with its sum round once less.
 
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use pulp::{Arch, Simd, WithSimd};
