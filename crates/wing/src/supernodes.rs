@@ -29,7 +29,9 @@ struct Target {
 }
 
 /// Places of the entries, which do not change.
+#[derive(Default)]
 pub(crate) struct Plan {
+    supernodes: usize,
     /// First column of each supernode, and of none: `[supernodes + 1]`.
     columns: Vec<usize>,
     /// First entry of each supernode: `[supernodes + 1]`.
@@ -37,6 +39,8 @@ pub(crate) struct Plan {
     /// Targets of the rows below each supernode, one supernode after the other.
     targets: Vec<Target>,
     rows: Vec<u32>,
+    /// Rows below each supernode, one supernode after the other.
+    below: Vec<u32>,
     /// Place of each entry of the matrix.
     places: Vec<u32>,
     /// Columns of a product and its factors in rows of [`WIDE`].
@@ -75,6 +79,7 @@ impl Plan {
                 targets.push(Target { start, rows: rows.len() + j - below(s).len() });
             }
         }
+        let patterns = (0..count).flat_map(|s| below(s).iter().map(|&row| row as u32)).collect();
         let places = matrix.map(|(i, j)| {
             let (row, column) = (i.max(j), i.min(j));
             let s = supernode[column];
@@ -84,7 +89,7 @@ impl Plan {
         let tallest = (0..count).map(height).max().unwrap_or(0);
         let widest = (0..count).map(width).max().unwrap_or(0);
         let (product, packed) = (vec![0.0; WIDE * (tallest + MARGIN)], vec![[0.0; WIDE]; widest]);
-        Self { columns, entries, targets, rows, places, product, packed }
+        Self { supernodes: count, columns, entries, targets, rows, below: patterns, places, product, packed }
     }
 
     /// Write the factors of the matrix of `values`; `false` means that it is not positive definite.
@@ -92,6 +97,11 @@ impl Plan {
         factors.fill(0.0);
         self.places.iter().zip(values).for_each(|(&place, value)| factors[place as usize] = *value);
         Arch::new().dispatch(Factorise { plan: self, factors })
+    }
+
+    /// Replace `y` by the solution of L Lᵀ y, in the order of the factors; `below` is scratch of the same size.
+    pub(crate) fn solve(&self, factors: &[f64], y: &mut [f64], below: &mut [f64]) {
+        Arch::new().dispatch(Solve { plan: self, factors, y, below });
     }
 }
 
@@ -105,9 +115,9 @@ impl WithSimd for Factorise<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self { plan: Plan { columns, entries, targets, rows, product, packed, .. }, factors } = self;
+        let Self { plan: Plan { supernodes, columns, entries, targets, rows, product, packed, .. }, factors } = self;
         let mut targets = targets.as_slice();
-        for s in 0..columns.len() - 1 {
+        for s in 0..*supernodes {
             let width = columns[s + 1] - columns[s];
             let height = (entries[s + 1] - entries[s]) / width;
             let block = &mut factors[entries[s]..];
@@ -138,6 +148,67 @@ impl WithSimd for Factorise<'_> {
             }
         }
         true
+    }
+}
+
+struct Solve<'a> {
+    plan: &'a Plan,
+    factors: &'a [f64],
+    y: &'a mut [f64],
+    below: &'a mut [f64],
+}
+
+impl WithSimd for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { plan: Plan { supernodes, columns, entries, below: patterns, .. }, factors, y, below } = self;
+        let block = |s: usize| (columns[s], columns[s + 1] - columns[s], &factors[entries[s]..entries[s + 1]]);
+        let all = patterns.as_slice();
+        let mut patterns = all;
+        for s in 0..*supernodes {
+            let (start, count, values) = block(s);
+            let height = values.len() / count;
+            let (rows, others) = patterns.split_at(height - count);
+            patterns = others;
+            let own = &mut y[start..start + count];
+            for (j, column) in values.chunks_exact(height).enumerate() {
+                own[j] /= column[j];
+                let y_j = own[j];
+                own[j + 1..].iter_mut().zip(&column[j + 1..]).for_each(|(y, l)| *y -= l * y_j);
+            }
+            let below = &mut below[..rows.len()];
+            below.fill(0.0);
+            for (columns, own) in values.chunks(4 * height).zip(own.chunks(4)) {
+                let tail = |j: usize| &columns[j * height + count..][..rows.len()];
+                if let [y_0, y_1, y_2, y_3] = *own {
+                    let (l_0, l_1, l_2, l_3) = (tail(0), tail(1), tail(2), tail(3));
+                    for (i, sum) in below.iter_mut().enumerate() {
+                        *sum += l_0[i] * y_0 + l_1[i] * y_1 + (l_2[i] * y_2 + l_3[i] * y_3);
+                    }
+                } else {
+                    for (j, y_j) in own.iter().enumerate() {
+                        below.iter_mut().zip(tail(j)).for_each(|(sum, l)| *sum += l * y_j);
+                    }
+                }
+            }
+            rows.iter().zip(&*below).for_each(|(&row, sum)| y[row as usize] -= sum);
+        }
+        patterns = all;
+        for s in (0..*supernodes).rev() {
+            let (start, count, values) = block(s);
+            let height = values.len() / count;
+            let (others, rows) = patterns.split_at(patterns.len() + count - height);
+            patterns = others;
+            let below = &mut below[..rows.len()];
+            below.iter_mut().zip(rows).for_each(|(below, &row)| *below = y[row as usize]);
+            let own = &mut y[start..start + count];
+            for (j, column) in values.chunks_exact(height).enumerate().rev() {
+                let sum = dot(&column[count..], below) + dot(&column[j + 1..count], &own[j + 1..]);
+                own[j] = (own[j] - sum) / column[j];
+            }
+        }
     }
 }
 
@@ -224,4 +295,16 @@ fn multiply_tile<S: Simd, const N: usize>(
         let (vectors, _) = S::as_mut_simd_f64s(&mut product[row..row + N * S::F64_LANES]);
         vectors.copy_from_slice(sums);
     }
+}
+
+/// Return Σ a b, in lanes that a processor adds at once.
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let (a_chunks, b_chunks) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a_chunks.remainder().iter().zip(b_chunks.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a_chunks.zip(b_chunks) {
+        lanes.iter_mut().zip(a.iter().zip(b)).for_each(|(lane, (a, b))| *lane += a * b);
+    }
+    rest + lanes.iter().sum::<f64>()
 }
