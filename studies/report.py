@@ -15,6 +15,7 @@ from studies import commands, elastica, maps, show, simulate, speed, turek_hron
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study, simulated
 from studies.show import COLOURS
 from studies.simulate import on_grid
+from studies.space import time_steps
 from studies.store import Data, Record
 
 LISTED: dict[str, Any] = simulate.LISTED["report"]
@@ -25,6 +26,13 @@ PYTHON = ROOT / "target" / "report" / "venv" / "bin" / "python"
 LONGEST = 3600.0  # Largest wall time of a peer, s
 
 LARGEST = (8192, 2048)  # Grid of the largest measured step
+BESIDE = {
+    "cylinder-2d2-900x180": ((450, 90), (900, 180)),
+    "sphere-stream-144x96x96": ((96, 64, 64), (144, 96, 96)),
+}
+"""Scenes of the fluid whose steps are timed beside fluidsim's, and their points."""
+TURNS = 3  # Of fluidsim and ours
+
 SPIN = {"sine": {"amplitude": 0.5, "frequency": 0.2}}
 COST_STEPS = 200  # Communication steps of the runs that measure the cost of a step
 
@@ -46,6 +54,13 @@ def run_peer(case: Case, folder: Path) -> dict[str, Any]:
     command = [str(PYTHON), str(PEERS / script), *arguments]
     found: dict[str, Any] = json.loads(commands.output(command, LONGEST).strip().splitlines()[-1])
     return found
+
+
+def time_beside(case: Case, folder: Path) -> dict[str, Any]:
+    """Time steps of a peer and of a scene in turn; return the medians of both, ms."""
+    turns = [run_peer(case, folder) | {"ours_ms": time_steps(case, folder)["times"]["step_ms"]} for _ in range(TURNS)]
+    times = {name: float(np.median([turn[name] for turn in turns])) for name in turns[0]}
+    return {"times": times | {"ours/rk2": times["ours_ms"] / times["rk2_ms"]}}
 
 
 def cases() -> Iterator[Case]:
@@ -72,6 +87,12 @@ def cases() -> Iterator[Case]:
             command, quick = ["ngsolve_cylinder.py", flow, f"{size:g}", "1"], flow == "2d1" or size > 0.07
             name = f"cylinder-{flow}"
             yield case(name, "NGSolve, Taylor–Hood", f"mesh {size:g} m", {}, command=command, quick=quick)
+    for name, grids in BESIDE.items():
+        for points in grids:
+            command = ["fluidsim_step.py", "x".join(map(str, points))]
+            changes = {"fluid.box.cells": list(points), "fluid.precision": "double", "fluid.threads": 1}
+            options, about = {"command": command}, {"kind": "step", "grid": " x ".join(map(str, points))}
+            yield Case(f"step/{about['grid']}", ("peers", *FLUID), name, changes, options, time_beside, about)
     short = {"time.end": COST_STEPS * 4e-4}
     for n in (21, 42, 84, 168):
         yield case("cost", "stations", f"{n} segments", short | {"beam.segments": n}, n, repeats=9)
@@ -91,6 +112,8 @@ def cases() -> Iterator[Case]:
 
 def extract(case: Case, run: Run) -> dict[str, Any]:
     found = run.found
+    if case.about["kind"] == "step":
+        return found
     if "command" in case.options:
         walls, cpus = (np.percentile(spent, [25, 50, 75]).tolist() for spent in zip(*found["runs"]))
         times = {"wall_s": walls, "cpu_s": cpus, "runs": len(found["runs"])}
