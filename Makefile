@@ -257,7 +257,9 @@ gallery: build $(READY_DEV) ## run the scripts of the gallery and make its pictu
 .PHONY: dist dist-libraries wheel wheel-told foreign-test
 
 DIST_TARGETS := x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu x86_64-pc-windows-gnu x86_64-apple-darwin aarch64-apple-darwin
-DIST_BUILDS := $(addsuffix .2.17,$(wordlist 1,2,$(DIST_TARGETS))) $(word 3,$(DIST_TARGETS)) universal2-apple-darwin
+DIST_BUILDS := $(addsuffix .2.17,$(wordlist 1,2,$(DIST_TARGETS))) $(word 3,$(DIST_TARGETS))
+DIST_UNITS := nervure-fmu-rod nervure-fmu-wing nervure-fmu-fluid
+UNIVERSAL := universal2-apple-darwin
 DIST_LIBRARIES := $(CURDIR)/target/dist/$(firstword $(DIST_TARGETS))/release
 DIST_VENV := target/dist/venv
 CARGO_FOLDER = $(or $(CARGO_HOME),$(HOME)/.cargo)
@@ -267,14 +269,16 @@ ZIGBUILD = PATH="$(abspath $(DIST_VENV))/bin:$$PATH" RUSTFLAGS="--remap-path-pre
 
 dist-libraries: $(DIST_VENV)/.ready ## build the libraries for Linux (glibc 2.17), Windows and macOS; needs rustup
 	rustup target add $(DIST_TARGETS)
-	for target in $(DIST_BUILDS); do $(ZIGBUILD) --package nervure-fmu-rod --package nervure-fmu-wing --package nervure-fmu-fluid --target $$target \
+	for target in $(DIST_BUILDS); do $(ZIGBUILD) $(addprefix --package ,$(DIST_UNITS)) --target $$target \
 	--target-dir target/dist || exit; done
+# A unit a call: of several, cargo-zigbuild joins the Intel part of one with the ARM part of another.
+	for unit in $(DIST_UNITS); do $(ZIGBUILD) --package $$unit --target $(UNIVERSAL) --target-dir target/dist || exit; done
 
 dist: dist-libraries $(READY) ## pack FMUs and SSP of SCENE=scenes/NAME.json for all systems, with checksums and manifest, into dist/; FMI=3
 	NERVURE_LIBRARIES=$(DIST_LIBRARIES) $(NERVURE) dist $(SCENE) dist --fmi $(FMI)
 
 wheel: wheel-told dist-libraries $(READY) ## make a wheel for each of these systems and the source archive in target/wheel
-	for target in $(wordlist 1,3,$(DIST_TARGETS)) universal2-apple-darwin; do \
+	for target in $(wordlist 1,3,$(DIST_TARGETS)) $(UNIVERSAL); do \
 	NERVURE_LIBRARIES=$(CURDIR)/target/dist/$$target/release $(RUN) $(PIP) wheel --no-deps --no-build-isolation \
 	--wheel-dir target/wheel . || exit; done
 	$(RUN) -m hatchling build --target sdist --directory target/wheel

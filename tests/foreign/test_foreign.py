@@ -26,7 +26,9 @@ SCALES = {"": 1.0, "1": 1.0, "m": LENGTH, "m/s": SPEED, "Pa": PRESSURE, "N/m": P
 SCALES |= {"N.m/m": PRESSURE * LENGTH**2, "J/m": PRESSURE * LENGTH**2, "W/m": PRESSURE * LENGTH * SPEED}
 SCALES |= {"kg/(m.s)": DENSITY * SPEED * LENGTH, "m2/s": LENGTH * SPEED, "m2/s2": SPEED**2}
 
-BUILT = ROOT / "target" / "foreign"
+BUILT, DIST = ROOT / "target" / "foreign", ROOT / "target" / "dist"
+PROCESSORS = {0x01000007: "x86_64", 0x0100000C: "aarch64"}
+"""Of a library for macOS, by their number in its file."""
 SYSTEMS = {
     "linux64": ([], "x86_64-unknown-linux-gnu", ""),
     "win64": (["wine64", "/usr/lib/wine/wine64"], "x86_64-pc-windows-gnu", ".exe"),
@@ -88,18 +90,21 @@ def test_another_system_agrees(system, unpacked, tmp_path):
 
 
 def test_the_libraries_of_macos_are_for_both_processors_and_export_the_functions(unpacked):
-    """A Mach-O file for several processors (`mach-o/fat.h`), each part of which is a dynamic library."""
+    """A Mach-O file for several processors (`mach-o/fat.h`), each part of which is the library made for it."""
     for folder in unpacked:
-        data = next(folder.glob("binaries/darwin64/*.dylib")).read_bytes()
+        path = next(folder.glob("binaries/darwin64/*.dylib"))
+        data = path.read_bytes()
         magic, count = struct.unpack_from(">II", data)
-        assert (magic, count) == (0xCAFEBABE, 2)
-        processors = set()
+        assert (magic, count) == (0xCAFEBABE, len(PROCESSORS))
+        found = set()
         for part in range(count):
-            processor, _, offset, _, _ = struct.unpack_from(">IIIII", data, 8 + 20 * part)
+            processor, _, offset, size, _ = struct.unpack_from(">IIIII", data, 8 + 20 * part)
             header, own, _, kind = struct.unpack_from("<IIII", data, offset)
             assert (header, own, kind) == (0xFEEDFACF, processor, 6), "a dynamic library of 64 bits"
-            processors.add(processor)
-        assert processors == {0x01000007, 0x0100000C}, "x86-64 and ARM"
+            made = DIST / f"{PROCESSORS[processor]}-apple-darwin" / "release" / f"lib{path.name}"
+            assert data[offset : offset + size] == made.read_bytes(), f"{made} is not in {path.name}"
+            found.add(processor)
+        assert found == set(PROCESSORS)
         assert b"_fmi2DoStep\0" in data or b"fmi2DoStep" in data
 
 
@@ -108,7 +113,7 @@ def test_no_path_of_the_machine_is_in_a_library(unpacked):
         for path in folder.glob("binaries/*/*"):
             data = path.read_bytes()
             for place in (str(ROOT), str(Path.home())):
-                assert place.encode() not in data, f"{place} is in {path.name} of {path.parent.name}"
+                assert f"{place}/".encode() not in data, f"{place} is in {path.name} of {path.parent.name}"
 
 
 def test_linux_libraries_export_what_is_documented_and_nothing_else(unpacked):
