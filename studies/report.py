@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 
 from nervure.resources import ROOT
-from studies import commands, elastica, maps, show, simulate, speed, turek_hron
+from studies import commands, elastica, maps, show, simulate, space, speed, turek_hron
 from studies.engine import COUPLED, FLUID, ROD, Case, Run, Study, simulated
 from studies.show import COLOURS
 from studies.simulate import on_grid
-from studies.space import time_steps
 from studies.store import Data, Record
 
 LISTED: dict[str, Any] = simulate.LISTED["report"]
@@ -27,10 +26,10 @@ LONGEST = 3600.0  # Largest wall time of a peer, s
 
 LARGEST = (8192, 2048)  # Grid of the largest measured step
 BESIDE = {
-    "cylinder-2d2-900x180": ((450, 90), (900, 180)),
-    "sphere-stream-144x96x96": ((96, 64, 64), (144, 96, 96)),
+    "cylinder-2d2-900x180": (1e-4, ((450, 90), (900, 180))),
+    "sphere-stream-144x96x96": (5e-3, ((96, 64, 64), (144, 96, 96))),
 }
-"""Scenes of the fluid whose steps are timed beside fluidsim's, and their points."""
+"""Scenes of the fluid whose steps are timed beside fluidsim's, a step (s) that no limit divides, and their points."""
 TURNS = 3  # Of fluidsim and ours
 
 SPIN = {"sine": {"amplitude": 0.5, "frequency": 0.2}}
@@ -58,9 +57,9 @@ def run_peer(case: Case, folder: Path) -> dict[str, Any]:
 
 def time_beside(case: Case, folder: Path) -> dict[str, Any]:
     """Time steps of a peer and of a scene in turn; return the medians of both, ms."""
-    turns = [run_peer(case, folder) | {"ours_ms": time_steps(case, folder)["times"]["step_ms"]} for _ in range(TURNS)]
+    turns = [run_peer(case, folder) | space.time_steps(case, folder)["times"] for _ in range(TURNS)]
     times = {name: float(np.median([turn[name] for turn in turns])) for name in turns[0]}
-    return {"times": times | {"ours/rk2": times["ours_ms"] / times["rk2_ms"]}}
+    return {"times": times | {"step/rk2": times["step_ms"] / times["rk2_ms"]}}
 
 
 def cases() -> Iterator[Case]:
@@ -87,10 +86,10 @@ def cases() -> Iterator[Case]:
             command, quick = ["ngsolve_cylinder.py", flow, f"{size:g}", "1"], flow == "2d1" or size > 0.07
             name = f"cylinder-{flow}"
             yield case(name, "NGSolve, Taylor–Hood", f"mesh {size:g} m", {}, command=command, quick=quick)
-    for name, grids in BESIDE.items():
+    for name, (step, grids) in BESIDE.items():
         for points in grids:
             command = ["fluidsim_step.py", "x".join(map(str, points))]
-            changes = {"fluid.box.cells": list(points), "fluid.precision": "double", "fluid.threads": 1}
+            changes = space.grid(list(points), step) | {"fluid.precision": "double", "fluid.threads": 1}
             options, about = {"command": command}, {"kind": "step", "grid": " x ".join(map(str, points))}
             yield Case(f"step/{about['grid']}", ("peers", *FLUID), name, changes, options, time_beside, about)
     short = {"time.end": COST_STEPS * 4e-4}

@@ -128,7 +128,7 @@ def test_linux_libraries_export_what_is_documented_and_nothing_else(unpacked):
 
 def test_the_pair_is_small_and_carries_its_licences(unpacked):
     size = sum(path.stat().st_size for path in (ROOT / "dist").glob("*.fmu"))
-    assert size < 20e6, f"{size / 1e6:.1f} MB"
+    assert size < 25e6, f"{size / 1e6:.1f} MB"
     for path in (ROOT / "dist").glob("*.fmu"):
         with zipfile.ZipFile(path) as archive:
             text = archive.read("documentation/licenses/third-party.txt").decode("utf-8")
