@@ -271,7 +271,7 @@ dist-libraries: $(DIST_VENV)/.ready ## build the libraries for Linux (glibc 2.17
 	rustup target add $(DIST_TARGETS)
 	for target in $(DIST_BUILDS); do $(ZIGBUILD) $(addprefix --package ,$(DIST_UNITS)) --target $$target \
 	--target-dir target/dist || exit; done
-# A unit a call: of several, cargo-zigbuild joins the Intel part of one with the ARM part of another.
+# Each unit in a call of its own: from several, cargo-zigbuild joins the Intel part of one to the ARM part of another.
 	for unit in $(DIST_UNITS); do $(ZIGBUILD) --package $$unit --target $(UNIVERSAL) --target-dir target/dist || exit; done
 
 dist: dist-libraries $(READY) ## pack FMUs and SSP of SCENE=scenes/NAME.json for all systems, with checksums and manifest, into dist/; FMI=3
@@ -316,7 +316,7 @@ sanitizers: $(READY_DEV) ## call the units under AddressSanitizer and valgrind; 
 .PHONY: report report-full report-pictures
 
 PEERS_VENV := target/report/venv
-report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (six minutes on a free machine, ten on a busy one)
+report: build $(READY_DEV) $(PEERS_VENV)/.ready ## measure the short form of the report (ten minutes on a free machine)
 	$(STUDY) report leave-out --force $(ARGS)
 
 STUDIES := fluid-speed rod fluid fluid-measures fsi3 coupling driven-bar turek-hron vein flapping thin space wing scenes running report leave-out

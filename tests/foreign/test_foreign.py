@@ -127,6 +127,7 @@ def test_linux_libraries_export_what_is_documented_and_nothing_else(unpacked):
 
 
 def test_the_pair_is_small_and_carries_its_licences(unpacked):
+    """22 MB for five processors: a fluid in the plane and in space, in two precisions."""
     size = sum(path.stat().st_size for path in (ROOT / "dist").glob("*.fmu"))
     assert size < 25e6, f"{size / 1e6:.1f} MB"
     for path in (ROOT / "dist").glob("*.fmu"):

@@ -38,7 +38,7 @@ impl Symmetric {
         }
         let rows: Vec<_> = places.iter().map(|&(_, row)| row as usize).collect();
         let pattern = SymbolicSparseColMatRef::new_checked(order, order, &columns, None, &rows);
-        // Also for a small or diagonal matrix, which faer would otherwise leave without supernodes.
+        // Below zero: supernodes also for a small or a diagonal matrix, which faer would leave without any.
         let supernodal_flop_ratio_threshold = SupernodalThreshold(-1.0);
         let forced = CholeskySymbolicParams { supernodal_flop_ratio_threshold, ..Default::default() };
         let symbolic = factorize_symbolic_cholesky(pattern, Side::Lower, Default::default(), forced)
