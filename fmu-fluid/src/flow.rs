@@ -1,175 +1,171 @@
-//! The fluid of a scene, in two or three dimensions.
+//! The fluid of a scene, in the plane or in space.
 
-use fluid::{Error, Fluid, Pose, Stations, space};
+use std::any::Any;
+
+use fluid::{Error, Fluid, Parameters, Pose, Solvable, State, Stations};
 use fmi_export::require_memory;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// A fluid of two or three dimensions.
-pub enum Flow {
-    Plane(Box<Fluid>),
-    Space(Box<space::Fluid>),
-}
+/// A fluid of any number of dimensions.
+pub trait Flow: Any + Send {
+    /// Return the number of cells along each axis.
+    fn cells(&self) -> &[usize];
 
-/// A state of it.
-#[derive(Clone, Serialize, Deserialize)]
-pub enum FlowState {
-    Plane(fluid::State),
-    Space(space::State),
-}
-
-impl Flow {
-    /// Make the fluid of a scene; fails if there is no memory for it.
-    pub fn new(scene: &Scene) -> Result<Self, String> {
-        let text = |error: Error| error.to_string();
-        if scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()) {
-            let parameters = space::Parameters::try_from(scene).map_err(text)?;
-            require_memory(space::Fluid::bytes(&parameters))?;
-            return space::Fluid::new(&parameters).map(|fluid| Self::Space(Box::new(fluid))).map_err(text);
-        }
-        let parameters = fluid::Parameters::try_from(scene).map_err(text)?;
-        require_memory(Fluid::bytes(&parameters))?;
-        Fluid::new(&parameters).map(|fluid| Self::Plane(Box::new(fluid))).map_err(text)
-    }
-
-    /// Return the fluid that has two dimensions.
-    pub fn plane(&mut self) -> &mut Fluid {
-        match self {
-            Self::Plane(fluid) => fluid,
-            Self::Space(_) => unreachable!("its variables are those of three dimensions"),
-        }
-    }
-
-    /// Return the fluid that has three dimensions.
-    pub fn space(&mut self) -> &mut space::Fluid {
-        match self {
-            Self::Space(fluid) => fluid,
-            Self::Plane(_) => unreachable!("its variables are those of two dimensions"),
-        }
-    }
-
-    /// Return the stations of the beams at the end of the coming step; none in three dimensions.
-    pub fn stations(&self) -> &[Stations] {
-        match self {
-            Self::Plane(fluid) => fluid.stations(),
-            Self::Space(_) => &[],
-        }
-    }
-
-    /// Return the stations of the beams, to be set.
-    pub fn stations_mut(&mut self) -> &mut [Stations] {
-        match self {
-            Self::Plane(fluid) => fluid.stations_mut(),
-            Self::Space(_) => &mut [],
-        }
-    }
-
-    /// Return the nodes of thin bodies in space at the end of the coming step; none in two dimensions.
-    pub fn nodes(&self) -> &[Stations<3>] {
-        match self {
-            Self::Plane(_) => &[],
-            Self::Space(fluid) => fluid.nodes(),
-        }
-    }
-
-    /// Return the same, to be set.
-    pub fn nodes_mut(&mut self) -> &mut [Stations<3>] {
-        match self {
-            Self::Plane(_) => &mut [],
-            Self::Space(fluid) => fluid.nodes_mut(),
-        }
-    }
-
-    /// Return the displacements of the bodies that the master moves; none in three dimensions.
-    pub fn displacements(&self) -> &[Pose] {
-        match self {
-            Self::Plane(fluid) => fluid.displacements(),
-            Self::Space(_) => &[],
-        }
-    }
-
-    /// Return the same, to be set.
-    pub fn displacements_mut(&mut self) -> &mut [Pose] {
-        match self {
-            Self::Plane(fluid) => fluid.displacements_mut(),
-            Self::Space(_) => &mut [],
-        }
-    }
-
-    /// Return the numbers of cells as a text.
-    pub fn cells(&self) -> String {
-        let cells = match self {
-            Self::Plane(fluid) => fluid.grid().cells.to_vec(),
-            Self::Space(fluid) => fluid.grid().cells.to_vec(),
-        };
-        cells.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ")
-    }
+    /// Return the number of stations and nodes of the flexible bodies.
+    fn stations(&self) -> usize;
 
     /// Start at another time than the present one, s.
-    pub fn start_at(&mut self, start: f64) {
-        match self {
-            Self::Plane(fluid) if start != fluid.time() => fluid.start_at(start),
-            Self::Space(fluid) if start != fluid.time() => fluid.start_at(start),
-            _ => {}
-        }
-    }
+    fn start_at(&mut self, start: f64);
 
     /// Advance from `t` to `t + h` (s).
-    pub fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
-        match self {
-            Self::Plane(fluid) => fluid.advance(t, h),
-            Self::Space(fluid) => fluid.advance(t, h),
-        }
-    }
+    fn advance(&mut self, t: f64, h: f64) -> Result<(), Error>;
 
     /// Return the approximate memory of a state, bytes.
-    pub fn state_bytes(&self) -> usize {
-        match self {
-            Self::Plane(fluid) => fluid.state_bytes(),
-            Self::Space(fluid) => fluid.state_bytes(),
-        }
-    }
+    fn state_bytes(&self) -> usize;
 
-    /// Return a copy of everything that the next step depends on.
-    pub fn state(&self) -> FlowState {
-        match self {
-            Self::Plane(fluid) => FlowState::Plane(fluid.state()),
-            Self::Space(fluid) => FlowState::Space(fluid.state()),
-        }
-    }
+    /// Return a copy of everything that the next step depends on, with the inputs.
+    fn save(&self) -> FlowState;
 
     /// Go to a state.
-    pub fn restore(&mut self, state: &FlowState) -> Result<(), String> {
-        match (self, state) {
-            (Self::Plane(fluid), FlowState::Plane(state)) => fluid.restore(state).map_err(|e| e.to_string()),
-            (Self::Space(fluid), FlowState::Space(state)) => fluid.restore(state).map_err(|e| e.to_string()),
-            _ => Err("it is the state of a fluid with another number of dimensions".into()),
+    fn restore(&mut self, state: &FlowState) -> Result<(), String>;
+
+    /// Copy the inputs of another fluid of the same bodies.
+    fn copy_inputs(&mut self, other: &dyn Any);
+
+    /// Return the values of a field at the points of the grid, in SI units; none of an unknown name.
+    fn field(&mut self, name: &str) -> Option<Vec<f64>>;
+}
+
+/// A state with the inputs.
+#[derive(Clone, Serialize, Deserialize)]
+pub enum FlowState {
+    Plane(Saved<2>),
+    Space(Saved<3>),
+}
+
+/// A state of a fluid of D dimensions with its inputs.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Saved<const D: usize>
+where
+    [f64; D]: Solvable<D>,
+{
+    state: State<D>,
+    stations: Vec<Stations<D>>,
+    displacements: Vec<Pose<D>>,
+}
+
+/// The numbers of dimensions.
+pub trait Dimensions<const D: usize>: Solvable<D> {
+    fn wrap(saved: Saved<D>) -> FlowState
+    where
+        [f64; D]: Solvable<D>;
+    fn unwrap(state: &FlowState) -> Option<&Saved<D>>
+    where
+        [f64; D]: Solvable<D>;
+}
+
+impl Dimensions<2> for [f64; 2] {
+    fn wrap(saved: Saved<2>) -> FlowState {
+        FlowState::Plane(saved)
+    }
+
+    fn unwrap(state: &FlowState) -> Option<&Saved<2>> {
+        if let FlowState::Plane(saved) = state { Some(saved) } else { None }
+    }
+}
+
+impl Dimensions<3> for [f64; 3] {
+    fn wrap(saved: Saved<3>) -> FlowState {
+        FlowState::Space(saved)
+    }
+
+    fn unwrap(state: &FlowState) -> Option<&Saved<3>> {
+        if let FlowState::Space(saved) = state { Some(saved) } else { None }
+    }
+}
+
+/// Make the fluid of a scene; fails if there is no memory for it.
+pub fn new(scene: &Scene) -> Result<Box<dyn Flow>, String> {
+    if scene.fluid.as_ref().is_some_and(|fluid| fluid.is_space()) { make::<3>(scene) } else { make::<2>(scene) }
+}
+
+fn make<const D: usize>(scene: &Scene) -> Result<Box<dyn Flow>, String>
+where
+    [f64; D]: Dimensions<D>,
+    Parameters<D>: for<'a> TryFrom<&'a Scene, Error = Error>,
+{
+    let text = |error: Error| error.to_string();
+    let parameters = Parameters::<D>::try_from(scene).map_err(text)?;
+    require_memory(Fluid::bytes(&parameters))?;
+    Ok(Box::new(Fluid::new(&parameters).map_err(text)?))
+}
+
+impl<const D: usize> Flow for Fluid<D>
+where
+    [f64; D]: Dimensions<D>,
+{
+    fn cells(&self) -> &[usize] {
+        &self.grid().cells
+    }
+
+    fn stations(&self) -> usize {
+        Fluid::stations(self).iter().map(Stations::len).sum()
+    }
+
+    fn start_at(&mut self, start: f64) {
+        if start != self.time() {
+            Fluid::start_at(self, start);
         }
     }
 
-    /// Return shape and values of a field, in SI units; none of an unknown name.
-    pub fn field(&mut self, name: &str) -> Option<(Vec<usize>, Vec<f64>)> {
-        let axis = ["u", "v", "w"].iter().position(|known| *known == name);
-        let values = match self {
-            Self::Plane(fluid) => match (name, axis) {
-                ("vorticity", _) => fluid.vorticity().into_owned(),
-                ("p", _) => fluid.pressure(),
-                (_, Some(axis @ (0 | 1))) => fluid.velocity(axis).into_owned(),
-                _ => return None,
-            },
-            Self::Space(fluid) => match (name, axis) {
-                ("vorticity_x", _) => fluid.vorticity(0).into_owned(),
-                ("vorticity_y", _) => fluid.vorticity(1).into_owned(),
-                ("vorticity", _) => fluid.vorticity(2).into_owned(),
-                ("p", _) => fluid.pressure(),
-                (_, Some(axis)) => fluid.velocity(axis).into_owned(),
-                _ => return None,
-            },
+    fn advance(&mut self, t: f64, h: f64) -> Result<(), Error> {
+        Fluid::advance(self, t, h)
+    }
+
+    fn state_bytes(&self) -> usize {
+        Fluid::state_bytes(self)
+    }
+
+    fn save(&self) -> FlowState {
+        let (stations, displacements) = (Fluid::stations(self).to_vec(), self.displacements().to_vec());
+        <[f64; D]>::wrap(Saved { state: self.state(), stations, displacements })
+    }
+
+    fn restore(&mut self, state: &FlowState) -> Result<(), String> {
+        let Some(saved) = <[f64; D]>::unwrap(state) else {
+            return Err("it is the state of a fluid with another number of dimensions".into());
         };
-        let cells = match self {
-            Self::Plane(fluid) => fluid.grid().cells.to_vec(),
-            Self::Space(fluid) => fluid.grid().cells.to_vec(),
-        };
-        Some((cells, values))
+        let own = Fluid::stations(self);
+        if own.len() != saved.stations.len() || own.iter().zip(&saved.stations).any(|(a, b)| !a.has_shape_of(b)) {
+            return Err("its stations are not as many as those of this beam".into());
+        }
+        if self.displacements().len() != saved.displacements.len() {
+            return Err("its bodies are not as many as those of this fluid".into());
+        }
+        Fluid::restore(self, &saved.state).map_err(|e| e.to_string())?;
+        self.stations_mut().iter_mut().zip(&saved.stations).for_each(|(own, saved)| own.copy_from(saved));
+        self.displacements_mut().copy_from_slice(&saved.displacements);
+        Ok(())
+    }
+
+    fn copy_inputs(&mut self, other: &dyn Any) {
+        if let Some(other) = other.downcast_ref::<Self>() {
+            let stations = Fluid::stations(other);
+            self.stations_mut().iter_mut().zip(stations).for_each(|(own, set)| own.copy_from(set));
+            self.displacements_mut().copy_from_slice(other.displacements());
+        }
+    }
+
+    fn field(&mut self, name: &str) -> Option<Vec<f64>> {
+        let about = ["vorticity_x", "vorticity_y", "vorticity"].iter().position(|known| *known == name);
+        let along = ["u", "v", "w"].iter().position(|known| *known == name).filter(|axis| *axis < D);
+        match (name, about, along) {
+            ("p", ..) => Some(self.pressure()),
+            (_, Some(about), _) if D == 3 => Some(self.vorticity(about).into_owned()),
+            (_, Some(2), _) => Some(self.vorticity(0).into_owned()),
+            (_, _, Some(axis)) => Some(self.velocity(axis).into_owned()),
+            _ => None,
+        }
     }
 }

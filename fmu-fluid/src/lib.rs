@@ -2,12 +2,10 @@
 
 mod flow;
 mod parameters;
-mod space;
 mod variables;
 
 use std::slice::from_ref;
 
-use fluid::{Fluid, Pose, Stations};
 use fmi_export::{Description, Log, Model, Resources, Variable};
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -19,7 +17,7 @@ use parameters::Parameters;
 struct FluidUnit {
     scene: Scene,
     parameters: Parameters,
-    flow: Flow,
+    flow: Box<dyn Flow>,
     /// The last scalar that was read.
     scalar: f64,
 }
@@ -27,9 +25,6 @@ struct FluidUnit {
 #[derive(Clone, Serialize, Deserialize)]
 struct State {
     parameters: Parameters,
-    stations: Vec<Stations>,
-    nodes: Vec<Stations<3>>,
-    displacements: Vec<Pose>,
     flow: FlowState,
 }
 
@@ -44,11 +39,9 @@ impl FluidUnit {
         }
         parameters.apply(part);
         let checked = self.scene.check().map_err(|e| e.to_string());
-        match checked.and_then(|()| Flow::new(&self.scene)) {
+        match checked.and_then(|()| flow::new(&self.scene)) {
             Ok(mut flow) => {
-                flow.stations_mut().iter_mut().zip(self.flow.stations()).for_each(|(own, set)| own.copy_from(set));
-                flow.nodes_mut().iter_mut().zip(self.flow.nodes()).for_each(|(own, set)| own.copy_from(set));
-                flow.displacements_mut().copy_from_slice(self.flow.displacements());
+                flow.copy_inputs(&*self.flow);
                 self.flow = flow;
             }
             Err(message) => {
@@ -59,15 +52,9 @@ impl FluidUnit {
         Ok(())
     }
 
-    /// Read a scalar of a fluid of two dimensions.
-    fn read(&mut self, read: impl FnOnce(&mut Fluid) -> f64) -> &[f64] {
-        self.scalar = read(self.flow.plane());
-        from_ref(&self.scalar)
-    }
-
-    /// Read a scalar of a fluid of three dimensions.
-    fn read_space(&mut self, read: impl FnOnce(&mut fluid::space::Fluid) -> f64) -> &[f64] {
-        self.scalar = read(self.flow.space());
+    /// Read a scalar.
+    fn scalar(&mut self, read: impl FnOnce(&mut Self) -> f64) -> &[f64] {
+        self.scalar = read(self);
         from_ref(&self.scalar)
     }
 }
@@ -76,12 +63,12 @@ impl Model for FluidUnit {
     const IDENTIFIER: &'static str = "fmu_fluid";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    const STATE_LAYOUT: u32 = 5;
+    const STATE_LAYOUT: u32 = 6;
     type State = State;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
-        let flow = Flow::new(&scene)?;
+        let flow = flow::new(&scene)?;
         let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);
         Ok(Self { parameters, scene, flow, scalar: 0.0 })
@@ -101,18 +88,14 @@ impl Model for FluidUnit {
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
-        match &self.flow {
-            Flow::Plane(_) => variables::of(self),
-            Flow::Space(_) => space::variables(self),
-        }
+        variables::of(self)
     }
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.set_parameters(self.parameters)?;
         self.flow.start_at(start);
-        let stations = self.flow.stations().iter().map(Stations::len).sum::<usize>()
-            + self.flow.nodes().iter().map(Stations::len).sum::<usize>();
-        log.info(format_args!("{} cells, {stations} stations, start at t = {start} s", self.flow.cells()));
+        let cells = self.flow.cells().iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
+        log.info(format_args!("{cells} cells, {} stations, start at t = {start} s", self.flow.stations()));
         Ok(())
     }
 
@@ -125,42 +108,20 @@ impl Model for FluidUnit {
     }
 
     fn save(&self) -> State {
-        State {
-            parameters: self.parameters,
-            stations: self.flow.stations().to_vec(),
-            nodes: self.flow.nodes().to_vec(),
-            displacements: self.flow.displacements().to_vec(),
-            flow: self.flow.state(),
-        }
+        State { parameters: self.parameters, flow: self.flow.save() }
     }
 
     fn restore(&mut self, state: &State) -> Result<(), String> {
         self.set_parameters(state.parameters)?;
-        self.flow.restore(&state.flow)?;
-        copy_stations(self.flow.stations_mut(), &state.stations)?;
-        copy_stations(self.flow.nodes_mut(), &state.nodes)?;
-        let (own, known) = (self.flow.displacements_mut(), &state.displacements);
-        if own.len() != known.len() {
-            return Err("its bodies are not as many as those of this fluid".into());
-        }
-        own.copy_from_slice(known);
-        Ok(())
+        self.flow.restore(&state.flow)
     }
 
     /// Return `vorticity`, `u`, `v` or `p`, in SI units, x the slow axis; in three dimensions also `w` and
     /// `vorticity_x`, `vorticity_y`, and the component along z as `vorticity`.
     fn field(&mut self, name: &str) -> Option<(Vec<usize>, Vec<f64>)> {
-        self.flow.field(name)
+        let values = self.flow.field(name)?;
+        Some((self.flow.cells().to_vec(), values))
     }
-}
-
-/// Copy the stations of a state.
-fn copy_stations<const D: usize>(own: &mut [Stations<D>], known: &[Stations<D>]) -> Result<(), String> {
-    if own.len() != known.len() || own.iter().zip(known).any(|(own, known)| !known.has_shape_of(own)) {
-        return Err("its stations are not as many as those of this beam".into());
-    }
-    own.iter_mut().zip(known).for_each(|(own, known)| own.copy_from(known));
-    Ok(())
 }
 
 fmi_export::export_fmu!(FluidUnit);

@@ -1,222 +1,394 @@
 //! The list of the variables, in the order of their value references.
+//!
+//! Quantities of the plane are per metre of depth. A moment is about z there; in space it has a component about each
+//! axis.
 
 use std::slice::from_mut;
 
-use fluid::{Fluid, Force, Pose};
+use fluid::{Fluid, Force, Pose, Space, Stations};
 
 use super::FluidUnit;
-use super::flow::Flow;
+use super::flow::Dimensions;
 
 type Real = fmi_export::Real<FluidUnit>;
 type Variable = fmi_export::Variable<FluidUnit>;
 
+const AXES: [&str; 3] = ["x", "y", "z"];
+/// Names of the force along each axis.
+const FORCES: [&str; 3] = ["drag", "lift", "side"];
+/// Names of the velocity along each axis.
+const VELOCITIES: [&str; 3] = ["u", "v", "w"];
+
 /// Return the variables of a unit; absent parts of the scene have none.
 pub fn of(unit: &FluidUnit) -> Vec<Variable> {
-    let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
-    let (cylinders, bodies, beams) = (part.cylinders.len(), part.bodies.len(), unit.flow.stations().len());
-    let loads = matches!(&unit.flow, Flow::Plane(fluid) if !fluid.loads().is_empty());
-    let mut list = Vec::from(parameters("max(|u|/dx + |v|/dy) dt"));
-    list.extend(totals());
-    if cylinders > 0 || bodies > 0 || beams > 0 {
-        let all = if bodies > 0 || beams > 1 { "all bodies" } else { "all cylinders and the beam" };
-        let text = |axis| format!("Force of the fluid on {all} along {axis}, per metre of depth");
-        list.push(output("drag", "N/m", text("x"), |fluid| fluid.force()[0]));
-        list.push(output("lift", "N/m", text("y"), |fluid| fluid.force()[1]));
+    if unit.flow.cells().len() == 2 { List::<2>::new(unit) } else { List::<3>::new(unit) }
+}
+
+/// The list for D dimensions.
+struct List<const D: usize>(Vec<Variable>);
+
+/// What a flexible body is called.
+struct Names {
+    /// In outputs, e.g. `beam[2]`.
+    name: String,
+    /// In texts, e.g. `beam 2`.
+    text: String,
+    /// In front of the variables of its stations.
+    prefix: String,
+    /// The stations and the point of the moments in texts.
+    stations: &'static str,
+    centre: &'static str,
+}
+
+impl Names {
+    /// Names of flexible body number `k`: one beam has the names without a number.
+    fn of(unit: &FluidUnit, k: usize) -> Self {
+        let beams = unit.scene.beams().count();
+        let number = k + 1;
+        let (name, text, prefix, stations, centre) = if k >= beams {
+            ("wing".into(), "the wing".into(), "wing.".into(), "nodes", "the pivot of the wing")
+        } else if beams == 1 {
+            ("beam".into(), "the beam".into(), String::new(), "stations", "its root")
+        } else {
+            (format!("beam[{number}]"), format!("beam {number}"), format!("beam[{number}]."), "stations", "its root")
+        };
+        Self { name, text, prefix, stations, centre }
     }
-    for k in 0..cylinders {
-        let (name, body) = (format!("cylinder[{}]", k + 1), format!("cylinder {}", k + 1));
-        list.extend(force(&name, &body, "its centre", move |fluid| fluid.force_on_cylinder(k)));
+}
+
+/// Return the fluid of a unit, whose list is that of its dimensions.
+fn fluid<const D: usize>(unit: &mut FluidUnit) -> &mut Fluid<D>
+where
+    [f64; D]: Dimensions<D>,
+{
+    let flow: &mut dyn std::any::Any = &mut *unit.flow;
+    flow.downcast_mut().expect("the list is that of the dimensions of the fluid")
+}
+
+/// Return the unit of a quantity, in the plane per metre of depth.
+fn per_depth<const D: usize>(unit: &'static str) -> &'static str {
+    match (D, unit) {
+        (2, "N") => "N/m",
+        (2, "N.m") => "N.m/m",
+        (2, "W") => "W/m",
+        (2, "J") => "J/m",
+        (2, "kg/s") => "kg/(m.s)",
+        (2, "m3/s") => "m2/s",
+        (2, "m3/s2") => "m2/s2",
+        _ => unit,
     }
-    for k in 0..bodies {
-        let (name, body) = (format!("body[{}]", k + 1), format!("body {}", k + 1));
-        list.extend(force(&name, &body, "its pivot", move |fluid| fluid.force_on_body(k)));
-        list.extend(motion(&name, &body, k));
-        if part.bodies[k].is_driven() {
-            list.extend(displacement(&name, &body, k));
+}
+
+impl<const D: usize> List<D>
+where
+    [f64; D]: Dimensions<D>,
+{
+    fn new(unit: &FluidUnit) -> Vec<Variable> {
+        let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
+        let (cylinders, bodies) = (part.cylinders.len(), part.bodies.len());
+        let flow: &dyn std::any::Any = &*unit.flow;
+        let fluid: &Fluid<D> = flow.downcast_ref().expect("the list is that of the dimensions of the fluid");
+        let names: Vec<_> = (0..fluid.stations().len()).map(|k| Names::of(unit, k)).collect();
+        let mut list = Self(Vec::new());
+        list.parameters();
+        list.totals();
+        if cylinders + bodies + names.len() > 0 {
+            let all = if D == 3 || bodies > 0 || names.len() > 1 { "all bodies" } else { "all cylinders and the beam" };
+            list.force("", all, |fluid, axis| fluid.force()[axis]);
         }
-        if part.bodies[k].mount.is_some() {
-            list.extend(velocity(&name, &body, k));
+        for k in 0..cylinders {
+            let (name, body) = (format!("cylinder[{}].", k + 1), format!("cylinder {}", k + 1));
+            list.force_and_moment(&name, &body, "its centre", move |fluid| fluid.force_on_body(k));
         }
+        for (k, of) in part.bodies.iter().enumerate() {
+            let (name, body, k) = (format!("body[{}].", k + 1), format!("body {}", k + 1), cylinders + k);
+            list.force_and_moment(&name, &body, "its pivot", move |fluid| fluid.force_on_body(k));
+            list.motion(&name, &body, k, !of.is_driven() && of.mount.is_none());
+            if of.is_driven() {
+                list.displacement(&name, &body, k);
+            }
+            if of.mount.is_some() {
+                list.velocity(&name, &body, k);
+            }
+        }
+        for (k, names) in names.iter().enumerate() {
+            list.exchange(names, k);
+        }
+        for (k, probe) in part.probes.iter().enumerate() {
+            list.probe(&probe.name, &probe.position, k);
+        }
+        for (k, names) in names.iter().enumerate() {
+            let is_line = !fluid.shear()[k].is_empty();
+            let (loads, pressure) = (!fluid.loads().is_empty(), unit.scene.axial_pressure_strain());
+            let parts = Parts { is_line, loads, pressure };
+            list.stations(names, k, fluid.stations()[k].len(), &parts);
+        }
+        list.0
     }
-    for k in 0..beams {
-        // One beam has the names without a number.
-        let [name, beam] = if beams == 1 { ["beam".into(), "the beam".into()] } else { numbered(k) };
-        list.extend(force(&name, &beam, "its root", move |fluid| fluid.force_on_beam(k)));
-        list.extend(exchange(&name, k));
+
+    /// Add an output that is read from the fluid.
+    fn output(
+        &mut self,
+        name: impl Into<String>,
+        unit: &'static str,
+        text: impl Into<String>,
+        read: impl Fn(&mut Fluid<D>) -> f64 + Copy + Send + Sync + 'static,
+    ) {
+        let read = move |m: &mut FluidUnit| read(fluid(m));
+        self.0.push(Real::output(name, per_depth::<D>(unit), text, move |m| m.scalar(read)).depends_on(&[]));
     }
-    for (k, probe) in part.probes.iter().enumerate() {
-        let (name, x, y) = (&probe.name, probe.position[0], probe.position[1]);
-        let text = |what| format!("{what} at ({x}, {y})");
-        list.extend([
-            output(format!("probe.{name}.u"), "m/s", text("Velocity along x"), move |f| f.probe_velocity(k)[0]),
-            output(format!("probe.{name}.v"), "m/s", text("Velocity along y"), move |f| f.probe_velocity(k)[1]),
-            output(format!("probe.{name}.p"), "Pa", text("Static pressure"), move |f| f.probe_pressure(k)),
+
+    /// Add time and parameters.
+    fn parameters(&mut self) {
+        let rate: Vec<_> = (0..D).map(|axis| format!("|{}|/d{}", VELOCITIES[axis], AXES[axis])).collect();
+        let max_cfl = format!("Largest CFL number max({}) dt", rate.join(" + "));
+        self.0.extend([
+            Real::time(),
+            Real::parameter("density", "kg/m3", "Density", |m| from_mut(&mut m.parameters.density)).above(0.0),
+            Real::parameter("kinematic_viscosity", "m2/s", "Kinematic viscosity", |m| {
+                from_mut(&mut m.parameters.kinematic_viscosity)
+            })
+            .above(0.0),
+            Real::parameter("c_eta", "s", "Relaxation time of the fluid inside solids", |m| {
+                from_mut(&mut m.parameters.c_eta)
+            })
+            .above(0.0),
+            Real::parameter("max_step", "s", "Largest step of the fluid's own", |m| {
+                from_mut(&mut m.parameters.max_step)
+            })
+            .above(0.0),
+            Real::parameter("max_cfl", "1", max_cfl, |m| from_mut(&mut m.parameters.max_cfl)).above(0.0),
         ]);
     }
-    for (k, stations) in unit.flow.stations().iter().enumerate() {
-        let prefix = if beams == 1 { String::new() } else { format!("{}.", numbered(k)[0]) };
-        let line = matches!(&unit.flow, Flow::Plane(fluid) if !fluid.shear()[k].is_empty());
-        let loads = [line, loads, unit.scene.axial_pressure_strain()];
-        list.extend(station_variables(&prefix, k, stations.len(), loads));
+
+    /// Add the outputs of every scene.
+    fn totals(&mut self) {
+        let depth = if D == 2 { " per metre of depth" } else { "" };
+        self.output("cfl", "1", "CFL number of the last step", |fluid| fluid.cfl());
+        let flow_rate = format!("Flow rate through the middle of the box{depth}");
+        self.output("flow_rate", "m3/s", flow_rate, |fluid| fluid.flow_rate());
+        let mut local = |name: &str, unit: &'static str, text: String, read: fn(&mut Fluid<D>) -> f64| {
+            let read = move |m: &mut FluidUnit| read(fluid(m));
+            self.0.push(Real::local(name, per_depth::<D>(unit), text, move |m: &mut FluidUnit| m.scalar(read)));
+        };
+        local("kinetic_energy", "J", format!("Kinetic energy of the whole box{depth}"), |f| f.kinetic_energy());
+        let enstrophy = "Half the integral of the squared vorticity over the whole box";
+        local("enstrophy", "m3/s2", enstrophy.into(), |f| f.enstrophy());
+        let divergence = "Largest divergence times the cell size over the largest speed";
+        local("divergence", "1", divergence.into(), Fluid::divergence);
     }
-    list
-}
 
-/// Return the names of beam number `k` from 0 among several, in variables and in texts.
-fn numbered(k: usize) -> [String; 2] {
-    [format!("beam[{}]", k + 1), format!("beam {}", k + 1)]
-}
-
-/// Return an output that is read from the fluid.
-fn output(
-    name: impl Into<String>,
-    unit: &str,
-    text: impl Into<String>,
-    read: impl Fn(&mut Fluid) -> f64 + Copy + Send + Sync + 'static,
-) -> Variable {
-    Real::output(name, unit, text, move |m| m.read(read)).depends_on(&[])
-}
-
-/// Return time and parameters, with the formula of the CFL number.
-pub fn parameters(cfl: &str) -> [Variable; 6] {
-    let max_cfl = format!("Largest CFL number {cfl}");
-    [
-        Real::time(),
-        Real::parameter("density", "kg/m3", "Density", |m| from_mut(&mut m.parameters.density)).above(0.0),
-        Real::parameter("kinematic_viscosity", "m2/s", "Kinematic viscosity", |m| {
-            from_mut(&mut m.parameters.kinematic_viscosity)
-        })
-        .above(0.0),
-        Real::parameter("c_eta", "s", "Relaxation time of the fluid inside solids", |m| {
-            from_mut(&mut m.parameters.c_eta)
-        })
-        .above(0.0),
-        Real::parameter("max_step", "s", "Largest step of the fluid's own", |m| from_mut(&mut m.parameters.max_step))
-            .above(0.0),
-        Real::parameter("max_cfl", "1", max_cfl, |m| from_mut(&mut m.parameters.max_cfl)).above(0.0),
-    ]
-}
-
-/// Return the outputs of every scene of two dimensions.
-fn totals() -> [Variable; 5] {
-    let local = |name: &str, unit: &str, text: &str, read: fn(&mut Fluid) -> f64| {
-        Real::local(name, unit, text, move |m: &mut FluidUnit| m.read(read))
-    };
-    [
-        output("cfl", "1", "CFL number of the last step", |fluid| fluid.cfl()),
-        output("flow_rate", "m2/s", "Flow rate through the middle of the box per metre of depth", |f| f.flow_rate()),
-        local("kinetic_energy", "J/m", "Kinetic energy of the whole box per metre of depth", |f| f.kinetic_energy()),
-        local("enstrophy", "m2/s2", "Half the integral of the squared vorticity over the whole box", |f| f.enstrophy()),
-        local("divergence", "1", "Largest divergence times the cell size over the largest speed", Fluid::divergence),
-    ]
-}
-
-/// Return drag, lift and moment of a body under a name.
-fn force(
-    name: &str,
-    body: &str,
-    point: &str,
-    of: impl Fn(&Fluid) -> Force + Copy + Send + Sync + 'static,
-) -> [Variable; 3] {
-    let text = |axis| format!("Force of the fluid on {body} along {axis}, per metre of depth");
-    let moment = format!("Moment of the fluid on {body} about {point}, positive to the left, per metre of depth");
-    [
-        output(format!("{name}.drag"), "N/m", text("x"), move |fluid| of(fluid).force[0]),
-        output(format!("{name}.lift"), "N/m", text("y"), move |fluid| of(fluid).force[1]),
-        output(format!("{name}.moment"), "N.m/m", moment, move |fluid| of(fluid).moment),
-    ]
-}
-
-/// Return power, place and angle of body number `k` under a name.
-fn motion(name: &str, body: &str, k: usize) -> [Variable; 4] {
-    let power = format!("Power of the force and the moment of the fluid on {body}, at the end of the step");
-    let position = |axis| format!("Position of the pivot of {body} along {axis}");
-    let angle = format!("Angle from the x axis to that of {body}, positive to the left");
-    [
-        output(format!("{name}.power"), "W/m", power, move |fluid| fluid.power_on_body(k)),
-        output(format!("{name}.x"), "m", position("x"), move |fluid| fluid.pose(k).position[0]),
-        output(format!("{name}.y"), "m", position("y"), move |fluid| fluid.pose(k).position[1]),
-        output(format!("{name}.angle"), "rad", angle, move |fluid| fluid.pose(k).angle),
-    ]
-}
-
-/// Return the motion of body number `k`, which the master moves, as inputs.
-fn displacement(name: &str, body: &str, k: usize) -> [Variable; 6] {
-    let input = |part: &str, unit: &str, what: &str, of: fn(&mut Pose) -> &mut f64| {
-        let text = format!("{what} of {body} at the end of the step");
-        Real::input(format!("{name}.motion.{part}"), unit, text, move |m: &mut FluidUnit| {
-            from_mut(of(m.flow.plane().displacement_mut(k)))
-        })
-    };
-    [
-        input("x", "m", "Displacement along x", |pose| &mut pose.position[0]),
-        input("y", "m", "Displacement along y", |pose| &mut pose.position[1]),
-        input("angle", "rad", "Angle, added to that of the scene,", |pose| &mut pose.angle),
-        input("vx", "m/s", "Velocity along x", |pose| &mut pose.velocity[0]),
-        input("vy", "m/s", "Velocity along y", |pose| &mut pose.velocity[1]),
-        input("omega", "rad/s", "Rate of the angle", |pose| &mut pose.omega),
-    ]
-}
-
-/// Return the velocities of body number `k`, which is on springs.
-fn velocity(name: &str, body: &str, k: usize) -> [Variable; 3] {
-    let text = |axis| format!("Velocity of the pivot of {body} along {axis}");
-    [
-        output(format!("{name}.vx"), "m/s", text("x"), move |fluid| fluid.pose(k).velocity[0]),
-        output(format!("{name}.vy"), "m/s", text("y"), move |fluid| fluid.pose(k).velocity[1]),
-        output(format!("{name}.omega"), "rad/s", format!("Rate of the angle of {body}"), move |f| f.pose(k).omega),
-    ]
-}
-
-/// Return the exchange with beam number `k` in the last step, to be compared with the rod's.
-fn exchange(name: &str, k: usize) -> [Variable; 4] {
-    let sum = |axis| format!("Sum of what the fluid exerted on the stations along {axis}: no unsteady term");
-    let power = "Power of what the fluid exerted on the stations, at the end of the step";
-    let work = "Its work since the start: the sum of power times step";
-    [
-        output(format!("{name}.load_x"), "N/m", sum("x"), move |fluid| fluid.exchange()[k].force[0]),
-        output(format!("{name}.load_y"), "N/m", sum("y"), move |fluid| fluid.exchange()[k].force[1]),
-        output(format!("{name}.power"), "W/m", power, move |fluid| fluid.exchange()[k].power),
-        output(format!("{name}.work"), "J/m", work, move |fluid| fluid.exchange()[k].work),
-    ]
-}
-
-/// Return the variables of the `n` stations of beam number `k`: motion, pressure jump, and if present shear of a line,
-/// loads and pressure around the beam.
-fn station_variables(prefix: &str, k: usize, n: usize, [line, loads, pressure]: [bool; 3]) -> Vec<Variable> {
-    let (position, velocity) =
-        ("Position of the stations at the end of the step", "Velocity of the stations at the end of the step");
-    let (jump, load) = ("Pressure above minus below the beam", "Load on the stations for the coming step");
-    let impedance = "Rate at which the load falls with the station's velocity";
-    let name = |name: &str| format!("{prefix}{name}");
-    let mut list = vec![
-        Real::input(name("x"), "m", position, move |m| &mut m.flow.stations_mut()[k].position[0]).array(n),
-        Real::input(name("y"), "m", position, move |m| &mut m.flow.stations_mut()[k].position[1]).array(n),
-        Real::input(name("vx"), "m/s", velocity, move |m| &mut m.flow.stations_mut()[k].velocity[0]).array(n),
-        Real::input(name("vy"), "m/s", velocity, move |m| &mut m.flow.stations_mut()[k].velocity[1]).array(n),
-        Real::output(name("pressure_jump"), "Pa", jump, move |m| &m.flow.plane().pressure_jump()[k])
-            .array(n)
-            .depends_on(&[]),
-    ];
-    if line {
-        let text = "Shear stress on both faces of the line, towards the tip";
-        let shear = Real::output(name("shear"), "Pa", text, move |m| &m.flow.plane().shear()[k]);
-        list.push(shear.array(n).depends_on(&[]));
+    /// Add the force on something along each axis.
+    fn force(
+        &mut self,
+        name: &str,
+        body: &str,
+        force: impl Fn(&Fluid<D>, usize) -> f64 + Copy + Send + Sync + 'static,
+    ) {
+        let depth = if D == 2 { ", per metre of depth" } else { "" };
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            let text = format!("Force of the fluid on {body} along {along}{depth}");
+            self.output(format!("{name}{}", FORCES[axis]), "N", text, move |fluid| force(fluid, axis));
+        }
     }
-    if loads {
-        list.extend(
-            [
-                Real::output(name("force_x"), "N/m", load, move |m| &m.flow.plane().loads()[k].force[0]),
-                Real::output(name("force_y"), "N/m", load, move |m| &m.flow.plane().loads()[k].force[1]),
-                Real::output(name("impedance"), "kg/(m.s)", impedance, move |m| &m.flow.plane().loads()[k].impedance),
-            ]
-            .map(|variable| variable.array(n).depends_on(&[])),
-        );
+
+    /// Add force and moment on a body about a point.
+    fn force_and_moment(
+        &mut self,
+        name: &str,
+        body: &str,
+        point: &str,
+        of: impl Fn(&Fluid<D>) -> Force<D> + Copy + Send + Sync + 'static,
+    ) {
+        self.force(name, body, move |fluid, axis| of(fluid).force[axis]);
+        let moment = move |fluid: &mut Fluid<D>, about| <[f64; D]>::components(of(fluid).moment)[about];
+        if D == 2 {
+            let text = format!("Moment of the fluid on {body} about {point}, positive to the left, per metre of depth");
+            self.output(format!("{name}moment"), "N.m", text, move |fluid| moment(fluid, 0));
+            return;
+        }
+        for (axis, about) in AXES.into_iter().enumerate() {
+            let text = format!("Moment of the fluid on {body} about an axis along {about} through {point}");
+            self.output(format!("{name}moment_{about}"), "N.m", text, move |fluid| moment(fluid, axis));
+        }
     }
-    if pressure {
-        let text = "Pressure around the beam, the mean of both sides, less that of the outlet";
-        let pressure = Real::output(name("pressure"), "Pa", text, move |m| &m.flow.plane().pressure_around()[k]);
-        list.push(pressure.array(n).depends_on(&[]));
+
+    /// Add power, place and angle of rigid body number `k`.
+    fn motion(&mut self, name: &str, body: &str, k: usize, follows_laws: bool) {
+        let power = format!("Power of the force and the moment of the fluid on {body}, at the end of the step");
+        self.output(format!("{name}power"), "W", power, move |fluid| fluid.power_on_body(k));
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            let text = format!("Position of the pivot of {body} along {along}");
+            self.output(format!("{name}{along}"), "m", text, move |fluid| fluid.pose(k).position[axis]);
+        }
+        let angle = move |fluid: &mut Fluid<D>, about| <[f64; D]>::components(fluid.pose(k).angle)[about];
+        if D == 2 {
+            let text = format!("Angle from the x axis to that of {body}, positive to the left");
+            self.output(format!("{name}angle"), "rad", text, move |fluid| angle(fluid, 0));
+        } else if follows_laws {
+            let text = format!("Angle of the motion of {body} about its axis");
+            self.output(format!("{name}angle"), "rad", text, move |fluid| fluid.angle_of_law(k));
+        } else {
+            for (axis, about) in AXES.into_iter().enumerate() {
+                let text = format!("Component along {about} of the rotation vector of {body} from rest");
+                self.output(format!("{name}angle_{about}"), "rad", text, move |fluid| angle(fluid, axis));
+            }
+        }
     }
-    list
+
+    /// Add the motion of rigid body number `k`, which the master moves, as inputs.
+    fn displacement(&mut self, name: &str, body: &str, k: usize) {
+        let mut input = |part: String, unit: &str, what: String, of: Component<D>| {
+            let text = format!("{what} of {body} at the end of the step");
+            self.0.push(Real::input(format!("{name}motion.{part}"), unit, text, move |m: &mut FluidUnit| {
+                from_mut(of.of(fluid::<D>(m).displacement_mut(k)))
+            }));
+        };
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            input(along.into(), "m", format!("Displacement along {along}"), Component::Position(axis));
+        }
+        if D == 2 {
+            input("angle".into(), "rad", "Angle, added to that of the scene,".into(), Component::Angle(0));
+        } else {
+            for (axis, about) in AXES.into_iter().enumerate() {
+                let what = format!("Component along {about} of the rotation vector from rest");
+                input(format!("angle_{about}"), "rad", what, Component::Angle(axis));
+            }
+        }
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            input(format!("v{along}"), "m/s", format!("Velocity along {along}"), Component::Velocity(axis));
+        }
+        if D == 2 {
+            input("omega".into(), "rad/s", "Rate of the angle".into(), Component::Omega(0));
+        } else {
+            for (axis, about) in AXES.into_iter().enumerate() {
+                let what = format!("Angular velocity about {about}");
+                input(format!("omega_{about}"), "rad/s", what, Component::Omega(axis));
+            }
+        }
+    }
+
+    /// Add the velocities of rigid body number `k`, which is on springs.
+    fn velocity(&mut self, name: &str, body: &str, k: usize) {
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            let text = format!("Velocity of the pivot of {body} along {along}");
+            self.output(format!("{name}v{along}"), "m/s", text, move |fluid| fluid.pose(k).velocity[axis]);
+        }
+        let omega = move |fluid: &mut Fluid<D>, about| <[f64; D]>::components(fluid.pose(k).omega)[about];
+        if D == 2 {
+            let text = format!("Rate of the angle of {body}");
+            self.output(format!("{name}omega"), "rad/s", text, move |fluid| omega(fluid, 0));
+            return;
+        }
+        for (axis, about) in AXES.into_iter().enumerate() {
+            let text = format!("Angular velocity of {body} about {about}");
+            self.output(format!("{name}omega_{about}"), "rad/s", text, move |fluid| omega(fluid, axis));
+        }
+    }
+
+    /// Add force, moment, power and work of flexible body number `k` in the last step, to be compared with the rod's.
+    fn exchange(&mut self, Names { name, text, stations, centre, .. }: &Names, k: usize) {
+        let name = format!("{name}.");
+        self.force_and_moment(&name, text, centre, move |fluid| fluid.force_on_flexible(k));
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            let text = format!("Sum of what the fluid exerted on the {stations} along {along}: no unsteady term");
+            self.output(format!("{name}load_{along}"), "N", text, move |fluid| fluid.exchange()[k].force[axis]);
+        }
+        let power = format!("Power of what the fluid exerted on the {stations}, at the end of the step");
+        self.output(format!("{name}power"), "W", power, move |fluid| fluid.exchange()[k].power);
+        let work = "Its work since the start: the sum of power times step";
+        self.output(format!("{name}work"), "J", work, move |fluid| fluid.exchange()[k].work);
+    }
+
+    /// Add velocity and pressure at probe number `k`.
+    fn probe(&mut self, name: &str, position: &[f64], k: usize) {
+        let place = if D == 2 { format!("({}, {})", position[0], position[1]) } else { format!("{position:?}") };
+        for (axis, along) in AXES.into_iter().enumerate().take(D) {
+            let text = format!("Velocity along {along} at {place}");
+            let velocity = move |fluid: &mut Fluid<D>| fluid.probe_velocity(k)[axis];
+            self.output(format!("probe.{name}.{}", VELOCITIES[axis]), "m/s", text, velocity);
+        }
+        let text = format!("Static pressure at {place}");
+        self.output(format!("probe.{name}.p"), "Pa", text, move |fluid| fluid.probe_pressure(k));
+    }
+
+    /// Add the variables of the `n` stations of flexible body number `k`: motion, stresses, loads.
+    fn stations(&mut self, Names { prefix, stations, .. }: &Names, k: usize, n: usize, parts: &Parts) {
+        let mut input = |name: &str, unit: &str, what: &str, of: fn(&mut Stations<D>) -> &mut [Vec<f64>; D]| {
+            for (axis, along) in AXES.into_iter().enumerate().take(D) {
+                let text = format!("{what} of the {stations} at the end of the step");
+                let variable = Real::input(format!("{prefix}{name}{along}"), unit, text, move |m| {
+                    &mut of(&mut fluid::<D>(m).stations_mut()[k])[axis]
+                });
+                self.0.push(variable.array(n));
+            }
+        };
+        input("", "m", "Position", |stations| &mut stations.position);
+        input("v", "m/s", "Velocity", |stations| &mut stations.velocity);
+        if D == 2 {
+            let text = "Pressure above minus below the beam";
+            self.array(format!("{prefix}pressure_jump"), "Pa", text, n, move |fluid| &fluid.pressure_jump()[k]);
+        }
+        if parts.is_line {
+            let text = "Shear stress on both faces of the line, towards the tip";
+            self.array(format!("{prefix}shear"), "Pa", text, n, move |fluid| &fluid.shear()[k]);
+        }
+        if parts.loads {
+            for (axis, along) in AXES.into_iter().enumerate().take(D) {
+                let text = format!("Load on the {stations} for the coming step");
+                let name = format!("{prefix}force_{along}");
+                self.array(name, "N", text, n, move |fluid| &fluid.loads()[k].force[axis]);
+            }
+            let of = if D == 2 { "station" } else { "node" };
+            let text = format!("Rate at which the load falls with the {of}'s velocity");
+            self.array(format!("{prefix}impedance"), "kg/s", text, n, move |fluid| &fluid.loads()[k].impedance);
+        }
+        if parts.pressure {
+            let text = "Pressure around the beam, the mean of both sides, less that of the outlet";
+            self.array(format!("{prefix}pressure"), "Pa", text, n, move |fluid| &fluid.pressure_around()[k]);
+        }
+    }
+
+    /// Add an output of `n` numbers.
+    fn array(
+        &mut self,
+        name: String,
+        unit: &'static str,
+        text: impl Into<String>,
+        n: usize,
+        of: impl Fn(&mut Fluid<D>) -> &Vec<f64> + Send + Sync + 'static,
+    ) {
+        let variable = Real::output(name, per_depth::<D>(unit), text, move |m| of(fluid(m)));
+        self.0.push(variable.array(n).depends_on(&[]));
+    }
+}
+
+/// Which variables the stations of a flexible body have beside their motion.
+struct Parts {
+    is_line: bool,
+    loads: bool,
+    pressure: bool,
+}
+
+/// A component of a pose.
+#[derive(Clone, Copy)]
+enum Component<const D: usize> {
+    Position(usize),
+    Angle(usize),
+    Velocity(usize),
+    Omega(usize),
+}
+
+impl<const D: usize> Component<D>
+where
+    [f64; D]: Dimensions<D>,
+{
+    fn of(self, pose: &mut Pose<D>) -> &mut f64 {
+        match self {
+            Self::Position(axis) => &mut pose.position[axis],
+            Self::Angle(about) => <[f64; D]>::component_mut(&mut pose.angle, about),
+            Self::Velocity(axis) => &mut pose.velocity[axis],
+            Self::Omega(about) => <[f64; D]>::component_mut(&mut pose.omega, about),
+        }
+    }
 }

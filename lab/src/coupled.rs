@@ -129,7 +129,7 @@ impl Coupled {
         if let Some(fluid) = &mut scene.fluid {
             fluid.threads = 1;
         }
-        let parameters = Parameters::try_from(&scene).map_err(|e| e.to_string())?;
+        let parameters = Parameters::<2>::try_from(&scene).map_err(|e| e.to_string())?;
         let fluid = Fluid::new(&parameters).map_err(|e| e.to_string())?;
         let of_rod = |name: Option<String>| Scene { this_rod: name, ..scene.clone() }.of_unit();
         let rods = if scene.rods.is_empty() {
@@ -230,8 +230,12 @@ impl Coupled {
     /// Return time, drag and lift, the displacement of the tip of each rod, and the position of each body, in SI units.
     pub fn sample(&self) -> impl Iterator<Item = f64> {
         let tips = self.rods.iter().flat_map(|own| own.rod.tip_displacement());
-        let bodies = self.scene.fluid.as_ref().map_or(0, |fluid| fluid.bodies.len());
-        let places = (0..bodies).flat_map(|body| self.fluid.pose(body).position);
+        let bodies = self
+            .scene
+            .fluid
+            .as_ref()
+            .map_or(0..0, |fluid| fluid.cylinders.len()..fluid.cylinders.len() + fluid.bodies.len());
+        let places = bodies.flat_map(|body| <[f64; 2]>::from(self.fluid.pose(body).position));
         [self.time()].into_iter().chain(self.fluid.force()).chain(tips).chain(places)
     }
 }

@@ -194,7 +194,7 @@ pub extern "C" fn lab_field(lab: &mut Lab, kind: u32) -> *const f64 {
             return room.as_ptr();
         }
         3 | 4 => fluid.velocity(kind as usize - 3),
-        _ => fluid.vorticity(),
+        _ => fluid.vorticity(0),
     };
     match own {
         std::borrow::Cow::Borrowed(own) => own.as_ptr(),

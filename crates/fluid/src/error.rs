@@ -34,25 +34,20 @@ pub enum Error {
     },
     /// A place of a body, set from outside, that is not finite or far outside the domain.
     #[error(
-        "body {body} is moved by ({x:.3e}, {y:.3e}) m and {angle:.3e} rad with ({vx:.3e}, {vy:.3e}) m/s and \
-         {omega:.3e} rad/s, but all must be finite, and its place no farther from the middle of the box than one and \
-         a half times the box"
+        "{body} is moved by {displacement} m and {angle} rad with {velocity} m/s and {omega} rad/s, but all must be \
+         finite, and its place no farther from the middle of the box than one and a half times the box"
     )]
     Displacement {
-        /// Number of the body, from 1.
-        body: usize,
+        /// Name of the body, e.g. `body 2`.
+        body: String,
         /// Displacement, m.
-        x: f64,
-        /// Displacement, m.
-        y: f64,
+        displacement: String,
         /// Angle, rad.
-        angle: f64,
+        angle: String,
         /// Velocity, m/s.
-        vx: f64,
-        /// Velocity, m/s.
-        vy: f64,
+        velocity: String,
         /// Rate of the angle, rad/s.
-        omega: f64,
+        omega: String,
     },
     /// The scene has no fluid.
     #[error("the scene `{0}` has no fluid")]
@@ -97,29 +92,23 @@ pub enum Error {
         /// Longest step, s.
         longest: f64,
     },
-    /// A station of a beam that is not finite or far outside the domain.
+    /// A station or node that is not finite or far outside the domain.
     #[error(
-        "station {station} of {beam} is at ({x:.3e}, {y:.3e}) m with velocity ({vx:.3e}, {vy:.3e}) m/s, but it must \
-         be finite and within one box length of the box"
+        "{place} is at {position} m with velocity {velocity} m/s, but it must be finite and within one box length of \
+         the box"
     )]
     Station {
-        /// Name of the beam: `the beam`, or `beam 2` of several.
-        beam: String,
-        /// Number of the station, from 1.
-        station: usize,
+        /// Name of the station, e.g. `station 3 of the beam`, `node 2 of the wing`.
+        place: String,
         /// Position, m.
-        x: f64,
-        /// Position, m.
-        y: f64,
+        position: String,
         /// Velocity, m/s.
-        vx: f64,
-        /// Velocity, m/s.
-        vy: f64,
+        velocity: String,
     },
     /// Two neighbouring stations of a beam at one point.
     #[error(
-        "stations {station} and {} of {beam} coincide at ({x:.3e}, {y:.3e}) m, where no segment can be; a master has \
-         to give their places before the first step: the start values are those at rest", station + 1
+        "stations {station} and {} of {beam} coincide at {position} m, where no segment can be; a master has to give \
+         their places before the first step: the start values are those at rest", station + 1
     )]
     Coincide {
         /// Name of the beam: `the beam`, or `beam 2` of several.
@@ -127,14 +116,12 @@ pub enum Error {
         /// Number of the first one, from 1.
         station: usize,
         /// Position, m.
-        x: f64,
-        /// Position, m.
-        y: f64,
+        position: String,
     },
     /// A beam that is folded back on itself at a station.
     #[error(
-        "{beam} is folded back on itself at station {station}, ({x:.3e}, {y:.3e}) m: two neighbouring segments must \
-         not point against each other"
+        "{beam} is folded back on itself at station {station}, {position} m: two neighbouring segments must not point \
+         against each other"
     )]
     Folded {
         /// Name of the beam: `the beam`, or `beam 2` of several.
@@ -142,44 +129,21 @@ pub enum Error {
         /// Number of the station, from 1.
         station: usize,
         /// Position, m.
-        x: f64,
-        /// Position, m.
-        y: f64,
+        position: String,
     },
-    /// A station of a beam that is too fast for any reasonable step.
+    /// A station or node that is too fast for any reasonable step.
     #[error(
-        "station {station} of {beam} has the velocity ({vx:.3e}, {vy:.3e}) m/s, for which `max_cfl` asks for steps of \
-         {needed:.3e} s, but they may be no shorter than {shortest:.3e} s, a hundredth of the usual step: the smaller \
-         of `max_step` and the scene's communication step"
+        "{place} has the velocity {velocity} m/s, for which `max_cfl` asks for steps of {needed:.3e} s, but they may \
+         be no shorter than {shortest:.3e} s, a hundredth of the usual step: the smaller of `max_step` and the scene's \
+         communication step"
     )]
     FastStation {
-        /// Name of the beam: `the beam`, or `beam 2` of several.
-        beam: String,
-        /// Number of the station, from 1.
-        station: usize,
-        /// Velocity, m/s.
-        vx: f64,
-        /// Velocity, m/s.
-        vy: f64,
-        /// Step that its velocity requires, s.
-        needed: f64,
-        /// Shortest step, s.
-        shortest: f64,
-    },
-    /// A node of a thin body in space that is not finite, far outside the domain or too fast.
-    #[error(
-        "node {node} of {body} is at {position} m with velocity {velocity} m/s, but it must be finite, within one box \
-         length of the box, and slow enough for steps of {shortest:.3e} s by `max_cfl`, a hundredth of the usual step"
-    )]
-    Node {
-        /// Name of the body, e.g. `the wing`.
-        body: String,
-        /// Number of the node, from 1.
-        node: usize,
-        /// Position, m.
-        position: String,
+        /// Name of the station.
+        place: String,
         /// Velocity, m/s.
         velocity: String,
+        /// Step that its velocity requires, s.
+        needed: f64,
         /// Shortest step, s.
         shortest: f64,
     },

@@ -1,5 +1,6 @@
 //! A field of the flow, and its place in memory.
 
+use std::hint::black_box;
 use std::ops::{Deref, DerefMut};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -71,6 +72,14 @@ impl<'de, R: Real> Deserialize<'de> for Field<R> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Ok(Self { numbers: Vec::deserialize(deserializer)?, start: 0 })
     }
+}
+
+/// Return whether the system gives memory of a size: Rust ends the process if it does not.
+pub fn is_available(bytes: usize) -> bool {
+    let mut probe = Vec::<u8>::new();
+    let found = probe.try_reserve_exact(bytes).is_ok();
+    drop(black_box(probe));
+    found
 }
 
 #[cfg(test)]

@@ -1,35 +1,68 @@
 //! Forces on a body: the penalization integral, and the unsteady term of the displaced fluid.
 
 use serde::{Deserialize, Serialize};
+use serde_big_array::BigArray;
 
-/// Force and moment of the fluid on a body in the last step.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Force {
-    /// Force, N per metre of depth.
-    pub force: [f64; 2],
-    /// Moment about the pivot of a body or the root of a beam, N m per metre of depth, positive to the left.
-    pub moment: f64,
-}
+use crate::space::{Space, Spin, Vector};
 
-impl Force {
-    /// Add a force (N/m) that acts at `arm` (m) from the point about which the moment is taken.
-    pub fn add(&mut self, [fx, fy]: [f64; 2], arm: [f64; 2]) {
-        self.force[0] += fx;
-        self.force[1] += fy;
-        self.moment += arm[0] * fy - arm[1] * fx;
-    }
-}
-
-/// Force, power and work of the drag on a beam or a wing; in two dimensions per metre of depth.
+/// Force and moment of the fluid on a body in the last step, in the plane per metre of depth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(serialize = "[f64; D]: Serialize", deserialize = "[f64; D]: Deserialize<'de>"))]
+pub struct Force<const D: usize = 2>
+where
+    [f64; D]: Space<D>,
+{
+    /// Force, N.
+    pub force: Vector<D>,
+    /// Moment about the pivot of a body or the root of a beam, N m.
+    pub moment: Spin<D>,
+}
+
+/// Force, power and work of the drag on a flexible body, in the plane per metre of depth.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exchange<const D: usize = 2> {
     /// Sum of the drag in the last step, N.
+    #[serde(with = "BigArray")]
     pub force: [f64; D],
     /// Power, with the velocity of the sections at the end of the step, W.
     pub power: f64,
     /// Work since the start, J: the sum of power times step.
     pub work: f64,
+}
+
+/// The force on a body, and what the next step needs for its unsteady term.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BodyForce<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    /// Force in the last step.
+    pub force: Force<D>,
+    /// Displaced fluid at the end of the step.
+    pub displaced: Displaced<D>,
+}
+
+/// Momentum that the fluid displaced by a body would have, in the plane per metre of depth. It is integrated over the
+/// true body, so that neither the width of the mask nor its position on the grid matters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Displaced<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    /// Momentum, kg m/s.
+    pub momentum: Vector<D>,
+    /// Angular momentum about the point about which the body's moment is taken, kg m²/s.
+    pub angular: Spin<D>,
+    /// Cross product of that point's velocity and the momentum, N m.
+    pub transport: Spin<D>,
+}
+
+impl<const D: usize> Default for Force<D>
+where
+    [f64; D]: Space<D>,
+{
+    fn default() -> Self {
+        Self { force: Vector::zeros(), moment: Default::default() }
+    }
 }
 
 impl<const D: usize> Default for Exchange<D> {
@@ -38,46 +71,53 @@ impl<const D: usize> Default for Exchange<D> {
     }
 }
 
-/// The force on a body, and what the next step needs for its unsteady term.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct BodyForce {
-    /// Force in the last step.
-    pub force: Force,
-    /// Displaced fluid at the end of the step.
-    pub displaced: Displaced,
+impl<const D: usize> Default for Displaced<D>
+where
+    [f64; D]: Space<D>,
+{
+    fn default() -> Self {
+        Self { momentum: Vector::zeros(), angular: Default::default(), transport: Default::default() }
+    }
 }
 
-impl BodyForce {
+impl<const D: usize> Force<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Add a force (N) that acts at `arm` (m) from the point about which the moment is taken.
+    pub fn add(&mut self, force: &Vector<D>, arm: &Vector<D>) {
+        self.force += force;
+        self.moment += <[f64; D]>::cross(arm, force);
+    }
+
+    /// Return the sum with another force and moment about the same point.
+    pub fn plus(&self, other: &Self) -> Self {
+        Self { force: self.force + other.force, moment: self.moment + other.moment }
+    }
+}
+
+impl<const D: usize> BodyForce<D>
+where
+    [f64; D]: Space<D>,
+{
     /// Become the force of a step of size `dt` (s), from the drag and from the displaced fluid at its end.
-    pub fn update(&mut self, drag: Force, displaced: Displaced, dt: f64) {
+    pub fn update(&mut self, drag: Force<D>, displaced: Displaced<D>, dt: f64) {
         self.update_with(drag, displaced.rate_of_change(&self.displaced, dt), displaced);
     }
 
     /// Become the force of a step from the drag, the unsteady term, and the displaced fluid at its end.
-    pub fn update_with(&mut self, drag: Force, unsteady: Force, displaced: Displaced) {
-        let force = [0, 1].map(|axis| drag.force[axis] + unsteady.force[axis]);
-        *self = Self { force: Force { force, moment: drag.moment + unsteady.moment }, displaced };
+    pub fn update_with(&mut self, drag: Force<D>, unsteady: Force<D>, displaced: Displaced<D>) {
+        *self = Self { force: drag.plus(&unsteady), displaced };
     }
 }
 
-/// Momentum that the fluid displaced by a body would have, per metre of depth.
-///
-/// It is integrated over the true section, so that neither the width of the mask nor its position on the grid matters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Displaced {
-    /// Momentum, kg/s.
-    pub momentum: [f64; 2],
-    /// Angular momentum about the point about which the body's moment is taken, kg m/s.
-    pub angular: f64,
-    /// Cross product of that point's velocity and the momentum, N m/m.
-    pub transport: f64,
-}
-
-impl Displaced {
+impl<const D: usize> Displaced<D>
+where
+    [f64; D]: Space<D>,
+{
     /// Return the rate of change over `dt` seconds, as a force and a moment.
-    pub fn rate_of_change(&self, before: &Self, dt: f64) -> Force {
-        let force = [0, 1].map(|axis| (self.momentum[axis] - before.momentum[axis]) / dt);
-        let moment = (self.angular - before.angular) / dt + 0.5 * (self.transport + before.transport);
-        Force { force, moment }
+    pub fn rate_of_change(&self, before: &Self, dt: f64) -> Force<D> {
+        let force = (self.momentum - before.momentum) / dt;
+        Force { force, moment: (self.angular - before.angular) / dt + (self.transport + before.transport) * 0.5 }
     }
 }

@@ -3,53 +3,89 @@
 //! This stands here behind the feature `scene`, and not in the FMU: tests, benchmarks and the FMU share it, and nothing
 //! can depend on the FMU's library. Without the feature the crate knows no scene files.
 
+use std::sync::Arc;
+
 use scene::{BodyDrive, Ends, InflowProfile, Load, Root, Scene, TimeLaw};
 
 use crate::error::Error;
 use crate::parameters::{
-    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, Surface, TimeScheme,
+    Body, Extent, Filter, Flexible, Law, Mask, Motion, Mount, Parameters, Precision, Support, TimeScheme,
     WallCorrection, Zone,
 };
-use crate::space;
+use crate::shapes::{Outline, Shape, Solid};
+use crate::space::{Space, Spin, Turn, Vector};
 
-impl TryFrom<&Scene> for Parameters {
+impl TryFrom<&Scene> for Parameters<2> {
     type Error = Error;
 
     /// Fails for a scene without a fluid of two dimensions.
     fn try_from(scene: &Scene) -> Result<Self, Error> {
-        let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
-        if fluid.is_space() {
-            return Err(Error::Dimension { scene: scene.name.clone(), dimensions: 3 });
-        }
+        let fluid = of_dimension(scene, 2)?;
+        let cylinders = fluid.cylinders.iter().enumerate().map(cylinder);
         Ok(Self {
-            domain: [fluid.r#box.x, fluid.r#box.y],
-            cells: components(&fluid.r#box.cells),
-            density: fluid.density,
-            kinematic_viscosity: fluid.kinematic_viscosity,
-            initial_velocity: components(&fluid.initial_velocity),
-            disturbance: fluid.disturbance,
-            mean_flow: fluid.mean_flow.as_ref().map(|mean| [law(&mean.x), law(&mean.y)]),
-            channel: fluid.channel.as_ref().map(|channel| channel.y),
-            inflow: fluid.inflow.as_ref().map(inflow),
-            sponge: fluid.sponge.as_ref().map(sponge),
-            cylinders: fluid.cylinders.iter().map(cylinder).collect(),
-            bodies: fluid.bodies.iter().map(body).collect(),
-            beams: scene.beams().map(|of| beam(scene, of)).collect(),
-            mask: mask(&fluid.mask),
-            probes: fluid.probes.iter().map(|probe| components(&probe.position)).collect(),
-            filter: filter(fluid.filter),
-            precision: precision(fluid.precision),
-            threads: fluid.threads,
-            scheme: match fluid.time_stepping.scheme {
-                scene::TimeScheme::Sbdf2 => TimeScheme::Sbdf2,
-                scene::TimeScheme::Rk2 => TimeScheme::Rk2,
-            },
-            max_step: fluid.time_stepping.max_step,
-            max_cfl: fluid.time_stepping.max_cfl,
-            communication_step: scene.time.communication_step,
-            loads: scene.load().is_none_or(|load| load == Load::Momentum),
-            pressure_around: scene.axial_pressure_strain(),
+            bodies: cylinders.chain(bodies(fluid, shape, |body| body.angle, |_| 1.0)).collect(),
+            flexible: beams(scene),
+            ..common(scene, fluid, [fluid.r#box.x, fluid.r#box.y])
         })
+    }
+}
+
+impl TryFrom<&Scene> for Parameters<3> {
+    type Error = Error;
+
+    /// Fails for a scene without a fluid of three dimensions.
+    fn try_from(scene: &Scene) -> Result<Self, Error> {
+        const Z: [f64; 3] = [0.0, 0.0, 1.0];
+        let fluid = of_dimension(scene, 3)?;
+        let turn = |body: &scene::Body| {
+            body.turn.as_ref().map_or(Turn { axis: Z, angle: 0.0 }, |turn| Turn { axis: turn.axis, angle: turn.angle })
+        };
+        let axis = |motion: &scene::BodyMotion| Vector::from(motion.axis.unwrap_or(Z));
+        Ok(Self {
+            bodies: bodies(fluid, solid, turn, axis).collect(),
+            flexible: rods_and_wing(scene),
+            ..common(scene, fluid, [fluid.r#box.x, fluid.r#box.y, fluid.r#box.z.unwrap_or_default()])
+        })
+    }
+}
+
+/// Return the fluid of a scene that has so many dimensions.
+fn of_dimension(scene: &Scene, dimensions: usize) -> Result<&scene::Fluid, Error> {
+    let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
+    let own = if fluid.is_space() { 3 } else { 2 };
+    if own == dimensions { Ok(fluid) } else { Err(Error::Dimension { scene: scene.name.clone(), dimensions: own }) }
+}
+
+/// Return the parameters that depend on no shape, without bodies.
+fn common<const D: usize>(scene: &Scene, fluid: &scene::Fluid, domain: [[f64; 2]; D]) -> Parameters<D>
+where
+    [f64; D]: Space<D>,
+{
+    let step = scene.time.communication_step;
+    let (channel, time) = (fluid.channel.as_ref(), &fluid.time_stepping);
+    let walls = channel.map_or([None; 3], |channel| [channel.x, Some(channel.y), channel.z]);
+    let mean_flow = fluid.mean_flow.as_ref().map(|mean| [&mean.x, &mean.y, &mean.z]);
+    Parameters {
+        initial_velocity: components(&fluid.initial_velocity),
+        disturbance: fluid.disturbance,
+        mean_flow: mean_flow.map(|mean| std::array::from_fn(|axis| law(mean[axis]))),
+        walls: std::array::from_fn(|axis| walls[axis]),
+        inflow: fluid.inflow.as_ref().map(inflow),
+        sponge: fluid.sponge.as_ref().map(sponge),
+        mask: mask(&fluid.mask),
+        probes: fluid.probes.iter().map(|probe| components(&probe.position)).collect(),
+        filter: filter(fluid.filter),
+        precision: precision(fluid.precision),
+        threads: fluid.threads,
+        scheme: match time.scheme {
+            scene::TimeScheme::Sbdf2 => TimeScheme::Sbdf2,
+            scene::TimeScheme::Rk2 => TimeScheme::Rk2,
+        },
+        max_step: time.max_step,
+        max_cfl: time.max_cfl,
+        loads: scene.load().is_none_or(|load| load == Load::Momentum),
+        pressure_around: scene.axial_pressure_strain(),
+        ..Parameters::new(domain, components(&fluid.r#box.cells), fluid.density, fluid.kinematic_viscosity, step)
     }
 }
 
@@ -85,85 +121,41 @@ fn precision(precision: scene::Precision) -> Precision {
     }
 }
 
-impl TryFrom<&Scene> for space::Parameters {
-    type Error = Error;
-
-    /// Fails for a scene without a fluid of three dimensions.
-    fn try_from(scene: &Scene) -> Result<Self, Error> {
-        let fluid = scene.fluid.as_ref().ok_or_else(|| Error::NoFluid(scene.name.clone()))?;
-        let (of, channel) = (&fluid.r#box, fluid.channel.as_ref());
-        let z = of.z.ok_or_else(|| Error::Dimension { scene: scene.name.clone(), dimensions: 2 })?;
-        Ok(Self {
-            domain: [of.x, of.y, z],
-            cells: components(&of.cells),
-            density: fluid.density,
-            kinematic_viscosity: fluid.kinematic_viscosity,
-            initial_velocity: components(&fluid.initial_velocity),
-            mean_flow: fluid.mean_flow.as_ref().map(|mean| [law(&mean.x), law(&mean.y), law(&mean.z)]),
-            walls: channel.map_or([None; 3], |channel| [channel.x, Some(channel.y), channel.z]),
-            inflow: fluid.inflow.as_ref().map(inflow),
-            sponge: fluid.sponge.as_ref().map(sponge),
-            bodies: fluid.bodies.iter().map(body_in_space).collect(),
-            flexible: flexible(scene),
-            mask: mask(&fluid.mask),
-            probes: fluid.probes.iter().map(|probe| components(&probe.position)).collect(),
-            filter: filter(fluid.filter),
-            precision: precision(fluid.precision),
-            threads: fluid.threads,
-            max_step: fluid.time_stepping.max_step,
-            max_cfl: fluid.time_stepping.max_cfl,
-            communication_step: scene.time.communication_step,
-        })
-    }
-}
-
-/// Return the thin bodies of a scene in space: its beams in their order, then its wing.
-fn flexible(scene: &Scene) -> Vec<space::Flexible> {
-    let beams = scene.beams_with_rods().map(|own| space::Flexible {
+/// Return the flexible bodies of a scene in space: its beams in their order, then its wing.
+fn rods_and_wing(scene: &Scene) -> Vec<Flexible<3>> {
+    let beams = scene.beams_with_rods().map(|own| Flexible {
         name: own.number.map_or("the beam".into(), |number| format!("beam {number}")),
         nodes: scene.beam_stations(own.beam),
-        extent: space::Extent::Line,
+        extent: Extent::Line { free: [true; 2] },
         pivot: None,
     });
     let wing = scene.wing.iter().map(|wing| {
         let mesh = wing.mesh.build();
-        let extent = space::Extent::Surface(mesh.triangles);
-        space::Flexible { name: "the wing".into(), nodes: mesh.nodes, extent, pivot: Some(wing.pivot) }
+        let extent = Extent::Surface(mesh.triangles);
+        Flexible { name: "the wing".into(), nodes: mesh.nodes, extent, pivot: Some(wing.pivot) }
     });
     beams.chain(wing).collect()
 }
 
-fn body_in_space(body: &scene::Body) -> space::Body {
-    const Z: [f64; 3] = [0.0, 0.0, 1.0];
-    let half = |lengths: &[f64; 3]| lengths.map(|length| 0.5 * length);
-    let motion = |motion: &scene::BodyMotion| space::Motion {
-        displacement: [&motion.x, &motion.y, &motion.z].map(law),
-        axis: motion.axis.unwrap_or(Z),
-        angle: law(&motion.angle),
+/// Return the beams of a scene in the plane.
+fn beams(scene: &Scene) -> Vec<Flexible<2>> {
+    let beam = |own: scene::BeamWithRod| {
+        let beam = own.beam;
+        let support = if let Root::OnCylinder { cylinder, .. } = beam.root { Some(cylinder) } else { None };
+        Flexible {
+            name: own.number.map_or("the beam".into(), |number| format!("beam {number}")),
+            nodes: scene.beam_stations(beam).into_iter().map(|[x, y, _]| [x, y]).collect(),
+            extent: match beam.surface {
+                scene::Surface::Line => Extent::Line { free: [support.is_none(), true] },
+                scene::Surface::Mask => {
+                    let thickness = beam.places().map(|s| beam.thickness.at(s)).collect();
+                    Extent::Band { length: beam.length, thickness, support }
+                }
+            },
+            pivot: None,
+        }
     };
-    space::Body {
-        shape: match &body.shape {
-            scene::Shape::Sphere { radius } => space::Shape::Sphere(*radius),
-            scene::Shape::Ellipsoid { lengths } => space::Shape::Ellipsoid(half(lengths)),
-            scene::Shape::Cuboid { lengths } => space::Shape::Cuboid(half(lengths)),
-            scene::Shape::CircularCylinder { axis, radius, length } => space::Shape::Cylinder {
-                axis: *axis as usize,
-                radius: *radius,
-                half_length: length.map_or(f64::INFINITY, |length| 0.5 * length),
-            },
-            shape => match shape.surface() {
-                Some((nodes, triangles)) => space::Shape::Surface(nodes, triangles),
-                None => unreachable!("checked: a shape of three dimensions"),
-            },
-        },
-        position: components(&body.position),
-        pivot: components(&body.pivot),
-        turn: body
-            .turn
-            .as_ref()
-            .map_or(space::Turn { axis: Z, angle: 0.0 }, |turn| space::Turn { axis: turn.axis, angle: turn.angle }),
-        motion: body.laws().map(motion),
-    }
+    scene.beams_with_rods().map(beam).collect()
 }
 
 fn law(law: &TimeLaw) -> Law {
@@ -171,44 +163,67 @@ fn law(law: &TimeLaw) -> Law {
     Law::new(move |t| law.value_and_rate(t))
 }
 
-fn cylinder(cylinder: &scene::Cylinder) -> Cylinder {
-    let motion = |motion: &scene::Motion| [law(&motion.x), law(&motion.y)];
-    Cylinder { center: cylinder.center, radius: cylinder.radius, motion: cylinder.motion.as_ref().map(motion) }
-}
-
-fn body(body: &scene::Body) -> Body {
-    let motion = |drive: &BodyDrive| match drive {
-        BodyDrive::Master(_) => Motion::Master,
-        BodyDrive::Laws(laws) => Motion::Laws { displacement: [law(&laws.x), law(&laws.y)], angle: law(&laws.angle) },
-    };
-    let support = |scene::Support { stiffness, damping, rest }| Support { stiffness, damping, rest };
-    let mount = |mount: &scene::Mount| Mount {
-        mass: mount.mass,
-        inertia: mount.inertia.unwrap_or_default(),
-        supports: mount.supports().map(|own| own.map(support)),
-    };
+fn cylinder((k, cylinder): (usize, &scene::Cylinder)) -> Body {
+    let motion = |motion: &scene::Motion| Motion::laws([law(&motion.x), law(&motion.y)], 1.0, Law::constant(0.0));
     Body {
-        shape: shape(&body.shape),
-        position: components(&body.position),
-        pivot: components(&body.pivot),
-        angle: body.angle,
-        motion: body.motion.as_ref().map(motion).or(body.mount.as_ref().map(mount).map(Motion::Mount)),
+        motion: cylinder.motion.as_ref().map(motion),
+        ..Body::still(format!("cylinder {}", k + 1), Outline::Circle(cylinder.radius), cylinder.center)
     }
 }
 
-fn shape(shape: &scene::Shape) -> Shape {
+/// Return the bodies of a scene, with their shapes, turns at rest and axes of their motions.
+fn bodies<'a, const D: usize, S: Into<Arc<dyn Shape<D>>>>(
+    fluid: &'a scene::Fluid,
+    shape: impl Fn(&scene::Shape) -> S + 'a,
+    turn: impl Fn(&scene::Body) -> <[f64; D] as Space<D>>::Turn + 'a,
+    axis: impl Fn(&scene::BodyMotion) -> Spin<D> + 'a,
+) -> impl Iterator<Item = Body<D>> + 'a
+where
+    [f64; D]: Space<D>,
+{
+    fluid.bodies.iter().enumerate().map(move |(k, body)| {
+        let driven = |drive: &BodyDrive| match drive {
+            BodyDrive::Master(_) => Motion::Master,
+            BodyDrive::Laws(laws) => {
+                let displacement = std::array::from_fn(|axis| law([&laws.x, &laws.y, &laws.z][axis]));
+                Motion::laws(displacement, axis(laws), law(&laws.angle))
+            }
+        };
+        Body {
+            name: format!("body {}", k + 1),
+            shape: shape(&body.shape).into(),
+            position: components(&body.position),
+            pivot: components(&body.pivot),
+            turn: turn(body),
+            motion: body.motion.as_ref().map(driven).or(body.mount.as_ref().map(mount).map(Motion::Mount)),
+        }
+    })
+}
+
+/// Return springs and dampers; a mount of the plane supports x, y and the angle.
+fn mount<const D: usize>(mount: &scene::Mount) -> Mount<D>
+where
+    [f64; D]: Space<D>,
+{
+    let support = |scene::Support { stiffness, damping, rest }| Support { stiffness, damping, rest };
+    let own = mount.supports().map(|own| own.map(support));
+    let inertia = <[f64; D]>::inertia([mount.inertia.unwrap_or_default(); 3]);
+    Mount { mass: mount.mass, inertia, supports: std::array::from_fn(|i| own.get(i).copied().flatten()) }
+}
+
+fn shape(shape: &scene::Shape) -> Outline {
     match shape {
-        scene::Shape::Circle { radius } => Shape::Circle(*radius),
-        scene::Shape::Ellipse { length, thickness } => Shape::Ellipse([0.5 * length, 0.5 * thickness]),
+        scene::Shape::Circle { radius } => Outline::Circle(*radius),
+        scene::Shape::Ellipse { length, thickness } => Outline::Ellipse([0.5 * length, 0.5 * thickness]),
         scene::Shape::Rectangle { length, thickness, ends: Ends::Square } => {
-            Shape::Rectangle([0.5 * length, 0.5 * thickness])
+            Outline::Rectangle([0.5 * length, 0.5 * thickness])
         }
         scene::Shape::Rectangle { length, thickness, ends: Ends::Round } => {
-            Shape::Capsule([0.5 * (length - thickness), 0.5 * thickness])
+            Outline::Capsule([0.5 * (length - thickness), 0.5 * thickness])
         }
-        scene::Shape::Polygon { corners } => Shape::Polygon(corners.clone()),
-        scene::Shape::Plate { length, .. } => Shape::Line(vec![[-0.5 * length, 0.0], [0.5 * length, 0.0]]),
-        scene::Shape::Polyline { points } => Shape::Line(points.clone()),
+        scene::Shape::Polygon { corners } => Outline::Polygon(corners.clone()),
+        scene::Shape::Plate { length, .. } => Outline::Line(vec![[-0.5 * length, 0.0], [0.5 * length, 0.0]]),
+        scene::Shape::Polyline { points } => Outline::Line(points.clone()),
         scene::Shape::Disk { .. }
         | scene::Shape::Triangulation { .. }
         | scene::Shape::Sphere { .. }
@@ -218,18 +233,20 @@ fn shape(shape: &scene::Shape) -> Shape {
     }
 }
 
-fn beam(scene: &Scene, beam: &scene::Beam) -> Beam {
-    Beam {
-        stations: scene.beam_stations(beam).into_iter().map(|[x, y, _]| [x, y]).collect(),
-        length: beam.length,
-        thickness: beam.places().map(|s| beam.thickness.at(s)).collect(),
-        support_cylinder: match beam.root {
-            Root::OnCylinder { cylinder, .. } => Some(cylinder),
-            Root::At { .. } => None,
+fn solid(shape: &scene::Shape) -> Solid {
+    let half = |lengths: &[f64; 3]| lengths.map(|length| 0.5 * length);
+    match shape {
+        scene::Shape::Sphere { radius } => Solid::Sphere(*radius),
+        scene::Shape::Ellipsoid { lengths } => Solid::Ellipsoid(half(lengths)),
+        scene::Shape::Cuboid { lengths } => Solid::Cuboid(half(lengths)),
+        scene::Shape::CircularCylinder { axis, radius, length } => Solid::Cylinder {
+            axis: *axis as usize,
+            radius: *radius,
+            half_length: length.map_or(f64::INFINITY, |length| 0.5 * length),
         },
-        surface: match beam.surface {
-            scene::Surface::Line => Surface::Line,
-            scene::Surface::Mask => Surface::Mask,
+        shape => match shape.surface() {
+            Some((nodes, triangles)) => Solid::Surface(nodes, triangles),
+            None => unreachable!("checked: a shape of three dimensions"),
         },
     }
 }

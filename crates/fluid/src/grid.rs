@@ -1,5 +1,9 @@
 //! The periodic grid.
 
+use std::ops::Range;
+
+use crate::space::Space;
+
 /// A periodic grid, the last axis contiguous in memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid<const D: usize = 2> {
@@ -67,7 +71,7 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Return the points along an axis between two coordinates (m), at most one period.
-    fn between(&self, axis: usize, ends: [f64; 2]) -> std::ops::Range<i64> {
+    fn between(&self, axis: usize, ends: [f64; 2]) -> Range<i64> {
         let [first, last] = ends.map(|end| (end - self.origin[axis]) / self.spacing[axis]);
         let (first, last) = (first.ceil() as i64, last.floor() as i64);
         first..last.saturating_add(1).min(first.saturating_add(self.cells[axis] as i64))
@@ -85,6 +89,44 @@ impl<const D: usize> Grid<D> {
         ];
         let place = |k: usize| wrap(low.saturating_add(k as i64 - 1), self.cells[axis]);
         std::array::from_fn(|k| (place(k), weights[k]))
+    }
+
+    /// Call `visit(index, point)` for the points inside a box, with the coordinates (m) of the periodic image that lies
+    /// in it. A box larger than the domain is cut to one period.
+    pub fn for_each_in(&self, ends: [[f64; 2]; D], mut visit: impl FnMut(usize, [f64; D])) {
+        let ranges = std::array::from_fn(|axis| self.between(axis, ends[axis]));
+        self.visit(&ranges, 0, 0, [0.0; D], &mut visit);
+    }
+
+    /// Visit the points of all `ranges` from `axis` on; `index` and `point` are those of the axes before.
+    fn visit(
+        &self,
+        ranges: &[Range<i64>; D],
+        axis: usize,
+        index: usize,
+        mut point: [f64; D],
+        visit: &mut impl FnMut(usize, [f64; D]),
+    ) {
+        for i in ranges[axis].clone() {
+            let index = index * self.cells[axis] + wrap(i, self.cells[axis]);
+            point[axis] = self.origin[axis] + i as f64 * self.spacing[axis];
+            if axis + 1 == D { visit(index, point) } else { self.visit(ranges, axis + 1, index, point, visit) }
+        }
+    }
+
+    /// Return the points around a point (m), four along each axis, and their weights in a cubic (Lagrange)
+    /// interpolation.
+    pub fn cubic_interpolation(&self, point: [f64; D]) -> Vec<(usize, f64)> {
+        let mut points = vec![(0, 1.0)];
+        for (axis, coordinate) in point.into_iter().enumerate() {
+            let along = self.cubic(axis, coordinate);
+            let next = |&(index, before): &(usize, f64)| {
+                along
+                    .map(|(i, weight)| (index * self.cells[axis] + i, if axis == 0 { weight } else { before * weight }))
+            };
+            points = points.iter().flat_map(next).collect();
+        }
+        points
     }
 
     /// Return the number of a point along an axis in the first period.
@@ -112,80 +154,18 @@ impl<const D: usize> Grid<D> {
     }
 }
 
-impl Grid {
-    /// Call `visit(index, x, y)` for the points inside a rectangle, with the coordinates of the periodic image that
-    /// lies in it. A rectangle larger than the domain is cut to one period.
-    pub fn for_each_in(&self, rectangle: [[f64; 2]; 2], mut visit: impl FnMut(usize, f64, f64)) {
-        let [columns, rows] = [0, 1].map(|axis| self.between(axis, rectangle[axis]));
-        let [nx, ny] = self.cells;
-        for i in columns {
-            let row = wrap(i, nx) * ny;
-            for j in rows.clone() {
-                let [x, y] = [(0, i), (1, j)].map(|(axis, i)| self.origin[axis] + i as f64 * self.spacing[axis]);
-                visit(row + wrap(j, ny), x, y);
-            }
-        }
-    }
-
-    /// Return the four points around a point (m) and their weights in a bilinear interpolation.
+impl<const D: usize> Grid<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Return the points around a point (m), two along each axis, and their weights in a linear interpolation.
     #[inline(always)] // A call would pass the pairs in memory, which takes as long as finding them.
-    pub fn interpolation(&self, [x, y]: [f64; 2]) -> [(usize, f64); 4] {
-        let [nx, ny] = self.cells;
-        let ((i, s), (j, t)) = (self.split(0, x), self.split(1, y));
-        let (i0, i1) = (wrap(i, nx), wrap(i.saturating_add(1), nx));
-        let (j0, j1) = (wrap(j, ny), wrap(j.saturating_add(1), ny));
-        [
-            (i0 * ny + j0, (1.0 - s) * (1.0 - t)),
-            (i0 * ny + j1, (1.0 - s) * t),
-            (i1 * ny + j0, s * (1.0 - t)),
-            (i1 * ny + j1, s * t),
-        ]
-    }
-
-    /// Return the sixteen points around a point (m) and their weights in a cubic (Lagrange) interpolation.
-    pub fn cubic_interpolation(&self, point: [f64; 2]) -> [(usize, f64); 16] {
-        let [columns, rows] = [0, 1].map(|axis| self.cubic(axis, point[axis]));
-        std::array::from_fn(|k| {
-            let ((i, a), (j, b)) = (columns[k / 4], rows[k % 4]);
-            (i * self.cells[1] + j, a * b)
-        })
-    }
-}
-
-impl Grid<3> {
-    /// Call `visit(index, point)` for the points inside a cuboid, with the coordinates (m) of the periodic image that
-    /// lies in it. A cuboid larger than the domain is cut to one period.
-    pub fn for_each_in(&self, cuboid: [[f64; 2]; 3], mut visit: impl FnMut(usize, [f64; 3])) {
-        let [along_x, along_y, along_z] = [0, 1, 2].map(|axis| self.between(axis, cuboid[axis]));
-        let [nx, ny, nz] = self.cells;
-        let coordinate = |axis: usize, i: i64| self.origin[axis] + i as f64 * self.spacing[axis];
-        for i in along_x {
-            for j in along_y.clone() {
-                let line = (wrap(i, nx) * ny + wrap(j, ny)) * nz;
-                let (x, y) = (coordinate(0, i), coordinate(1, j));
-                along_z.clone().for_each(|k| visit(line + wrap(k, nz), [x, y, coordinate(2, k)]));
-            }
-        }
-    }
-
-    /// Return the eight points around a point (m) and their weights in a trilinear interpolation.
-    pub fn interpolation(&self, point: [f64; 3]) -> [(usize, f64); 8] {
-        let along = [0, 1, 2].map(|axis| {
-            let (low, share) = self.split(axis, point[axis]);
-            let place = |i| wrap(i, self.cells[axis]);
-            [(place(low), 1.0 - share), (place(low.saturating_add(1)), share)]
+    pub fn interpolation(&self, point: [f64; D]) -> <[f64; D] as Space<D>>::Corners {
+        let along = std::array::from_fn(|axis| {
+            let ((low, share), cells) = (self.split(axis, point[axis]), self.cells[axis]);
+            [(wrap(low, cells), 1.0 - share), (wrap(low.saturating_add(1), cells), share)]
         });
-        std::array::from_fn(|n| self.product([along[0][n / 4], along[1][n / 2 % 2], along[2][n % 2]]))
-    }
-
-    /// Return the 64 points around a point (m) and their weights in a cubic (Lagrange) interpolation.
-    pub fn cubic_interpolation(&self, point: [f64; 3]) -> [(usize, f64); 64] {
-        let along = [0, 1, 2].map(|axis| self.cubic(axis, point[axis]));
-        std::array::from_fn(|n| self.product([along[0][n / 16], along[1][n / 4 % 4], along[2][n % 4]]))
-    }
-
-    fn product(&self, [(i, a), (j, b), (k, c)]: [(usize, f64); 3]) -> (usize, f64) {
-        ((i * self.cells[1] + j) * self.cells[2] + k, a * b * c)
+        <[f64; D]>::corners(along, &self.cells)
     }
 }
 

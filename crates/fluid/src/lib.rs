@@ -8,10 +8,11 @@
 //!
 //! are solved by a Fourier pseudo-spectral method; `a_b` is the drag rate of body b (1/s; chi/C_eta for a mask).
 //!
-//! A [`Fluid`] is made from [`Parameters`]. Each communication step sets the [`Stations`] of the beams, advances the
-//! fluid, and reads forces, [`Loads`] and fields. Inside, `step` has the time schemes, `wall` the profiles of `a`,
-//! `bodies` the rigid bodies and the beams with a mask, and `thin` the bodies that are lines. [`space`] has the flow in
-//! three dimensions. With the feature `scene` the parameters can be made from a scene.
+//! A [`Fluid`] is made from [`Parameters`], in the plane (`D` = 2, the default) or in space (`D` = 3). Each communication
+//! step sets the [`Stations`] of the flexible bodies, advances the fluid, and reads forces, [`Loads`] and fields. Inside,
+//! `space` has what differs between the dimensions, `step` the time schemes, `spectral` the solve in Fourier space, `wall`
+//! the profiles of `a`, `shapes` and `bodies` the rigid bodies and the beams with a mask, and `thin` the bodies that are
+//! lines or surfaces. With the feature `scene` the parameters can be made from a scene.
 
 mod bodies;
 mod error;
@@ -23,6 +24,7 @@ mod force;
 #[cfg(feature = "scene")]
 mod from_scene;
 mod grid;
+mod kernel;
 mod limits;
 mod outlet;
 mod outputs;
@@ -31,32 +33,37 @@ mod present;
 mod pressures;
 mod probe;
 mod problem;
-mod projection;
+mod shapes;
 mod solver;
-pub mod space;
+mod space;
 mod spectral;
 mod state;
+mod stations;
 mod step;
 mod thin;
 mod timer;
 mod wall;
 mod zone;
 
-pub use bodies::{Loads, Pose, Stations};
+pub use bodies::Pose;
 pub use error::Error;
 pub use fluid::Fluid;
 pub use force::{Exchange, Force};
 pub use grid::Grid;
 pub use parameters::{
-    Beam, Body, Cylinder, Filter, Law, Mask, Motion, Mount, Parameters, Precision, Shape, Support, Surface, TimeScheme,
+    Body, Extent, Filter, Flexible, Law, Mask, Motion, Mount, Parameters, Precision, Support, TimeScheme,
     WallCorrection, Zone,
 };
+pub use shapes::{Outline, Shape, Solid};
+pub use solver::Solvable;
+pub use space::{Space, Spin, Turn};
 pub use state::State;
+pub use stations::{Loads, Stations};
 
 /// Parts for benchmarks and tables: not part of the interface, and without promises.
 #[cfg(feature = "internals")]
 pub mod internals {
-    pub use crate::projection::{Implicit, Projection};
+    pub use crate::spectral::{Implicit, Projection};
     pub use crate::timer::{Phase, PhaseTimer};
     pub use crate::wall::{DragProfile, WallTarget};
 }

@@ -1,8 +1,11 @@
 //! Limits of the steps and of the motion of the beams.
 
-use crate::bodies::{Bodies, Pose, Stations};
+use crate::bodies::{Pose, Rigid};
 use crate::error::Error;
 use crate::grid::Grid;
+use crate::parameters::{Extent, Flexible};
+use crate::space::Space;
+use crate::stations::Stations;
 
 /// Flow and beams may shorten the usual step of the fluid by this factor. The usual step is the smaller of `max_step`
 /// and the usual communication step.
@@ -75,66 +78,101 @@ impl StepLimits {
     }
 
     /// Refuse `displacements` of the bodies that laws do not move which are not finite or lead far outside the domain.
-    pub fn check_bodies(&self, bodies: &Bodies, displacements: &[Pose], grid: &Grid) -> Result<(), Error> {
-        for ((rigid, _), displacement) in bodies.carried().zip(displacements) {
-            let finite = displacement.places().iter().chain(&displacement.rates()).all(|value| value.is_finite());
-            let position = bodies.displaced_pose(rigid, displacement).position;
-            let far = (0..2).any(|axis| (position[axis] - grid.middle(axis)).abs() > 1.5 * grid.size[axis]);
-            if !finite || far {
-                let &Pose { position: [x, y], angle, velocity: [vx, vy], omega } = displacement;
-                return Err(Error::Displacement { body: rigid + 1 - bodies.cylinders(), x, y, angle, vx, vy, omega });
+    pub fn check_displacements<'a, const D: usize>(
+        &self,
+        carried: impl Iterator<Item = &'a Rigid<D>>,
+        displacements: &[Pose<D>],
+        grid: &Grid<D>,
+    ) -> Result<(), Error>
+    where
+        [f64; D]: Space<D>,
+    {
+        for (rigid, displacement) in carried.zip(displacements) {
+            let (places, rates) = (displacement.places(), displacement.rates());
+            let finite = places.iter().chain(&rates).all(|value| value.is_finite());
+            if !finite || is_far(rigid.pose_of(displacement).position.into(), grid) {
+                let freedoms = <[f64; D]>::FREEDOMS;
+                return Err(Error::Displacement {
+                    body: rigid.name().into(),
+                    displacement: list(&places[..D]),
+                    angle: list(&places[D..freedoms]),
+                    velocity: list(&rates[..D]),
+                    omega: list(&rates[D..freedoms]),
+                });
             }
         }
         Ok(())
     }
 
-    /// Refuse stations that are not finite, far outside the domain, coincident, folded back or too fast.
-    pub fn check_beams(&self, beams: &[Stations], grid: &Grid) -> Result<(), Error> {
-        let name = |k| if beams.len() == 1 { "the beam".into() } else { format!("beam {}", k + 1) };
-        beams.iter().enumerate().try_for_each(|(k, stations)| self.check_beam(&|| name(k), stations, grid))
+    /// Refuse stations that are not finite, far outside the domain or too fast, and lines of coincident stations or
+    /// folded back.
+    pub fn check_stations<const D: usize>(
+        &self,
+        bodies: &[Contour],
+        all: &[Stations<D>],
+        grid: &Grid<D>,
+    ) -> Result<(), Error> {
+        bodies.iter().zip(all).try_for_each(|(body, stations)| self.check_body(body, stations, grid))
     }
 
-    /// Refuse nodes of a thin body in space that are not finite, far outside the domain or too fast.
-    pub fn check_nodes(&self, body: &str, nodes: &Stations<3>, grid: &Grid<3>) -> Result<(), Error> {
-        for k in 0..nodes.len() {
-            let [position, velocity] = [&nodes.position, &nodes.velocity].map(|all| all.each_ref().map(|all| all[k]));
-            let near = |axis: usize| (position[axis] - grid.middle(axis)).abs() <= 1.5 * grid.size[axis];
-            let rate = (0..3).map(|axis| velocity[axis].abs() / grid.spacing[axis]).sum::<f64>();
-            if !((0..3).all(near) && rate * self.shortest <= self.max_cfl) {
-                let [position, velocity] = [position, velocity].map(|[x, y, z]| format!("({x:.3e}, {y:.3e}, {z:.3e})"));
-                let (body, shortest) = (body.to_owned(), self.shortest);
-                return Err(Error::Node { body, node: k + 1, position, velocity, shortest });
+    fn check_body<const D: usize>(&self, body: &Contour, at: &Stations<D>, grid: &Grid<D>) -> Result<(), Error> {
+        let get = |field: &[Vec<f64>; D], k: usize| field.each_ref().map(|of| of[k]);
+        let along = |k: usize| {
+            let [from, to] = [k - 1, k].map(|k| get(&at.position, k));
+            let along: [f64; D] = std::array::from_fn(|axis| to[axis] - from[axis]);
+            (along, along.iter().fold(0.0_f64, |length, component| length.hypot(*component)))
+        };
+        for k in 0..at.len() {
+            let (position, velocity) = (get(&at.position, k), get(&at.velocity, k));
+            let place = || format!("{} {} of {}", body.part, k + 1, body.name);
+            if !position.iter().chain(&velocity).all(|c| c.is_finite()) || is_far(position, grid) {
+                let (position, velocity) = (list(&position), list(&velocity));
+                return Err(Error::Station { place: place(), position, velocity });
             }
-        }
-        Ok(())
-    }
-
-    /// Check the stations of the beam with the name that `name` returns.
-    fn check_beam(&self, name: &dyn Fn() -> String, stations: &Stations, grid: &Grid) -> Result<(), Error> {
-        let Stations { position: [x, y], velocity: [vx, vy] } = stations;
-        let [dx, dy] = grid.spacing;
-        let far = |p: f64, axis: usize| (p - grid.middle(axis)).abs() > 1.5 * grid.size[axis];
-        for k in 0..x.len() {
-            let finite = [x[k], y[k], vx[k], vy[k]].iter().all(|c| c.is_finite());
-            if !finite || far(x[k], 0) || far(y[k], 1) {
-                let (beam, station) = (name(), k + 1);
-                return Err(Error::Station { beam, station, x: x[k], y: y[k], vx: vx[k], vy: vy[k] });
+            if k > 0 && body.is_line && position == get(&at.position, k - 1) {
+                return Err(Error::Coincide { beam: body.name.clone(), station: k, position: list(&position) });
             }
-            if k > 0 && x[k] == x[k - 1] && y[k] == y[k - 1] {
-                return Err(Error::Coincide { beam: name(), station: k, x: x[k], y: y[k] });
-            }
-            if k > 1 {
-                let [[ax, ay], [bx, by]] = [k - 1, k].map(|k| [x[k] - x[k - 1], y[k] - y[k - 1]]);
-                if ax * bx + ay * by < FOLDED * ax.hypot(ay) * bx.hypot(by) {
-                    return Err(Error::Folded { beam: name(), station: k, x: x[k - 1], y: y[k - 1] });
+            if k > 1 && body.is_line {
+                let ((a, length_a), (b, length_b)) = (along(k - 1), along(k));
+                if a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() < FOLDED * length_a * length_b {
+                    let position = list(&get(&at.position, k - 1));
+                    return Err(Error::Folded { beam: body.name.clone(), station: k, position });
                 }
             }
-            let needed = self.max_cfl / (vx[k].abs() / dx + vy[k].abs() / dy);
+            let rate = velocity.iter().zip(grid.spacing).map(|(u, spacing)| u.abs() / spacing).sum::<f64>();
+            let needed = self.max_cfl / rate;
             if needed < self.shortest {
-                let (beam, station, shortest) = (name(), k + 1, self.shortest);
-                return Err(Error::FastStation { beam, station, vx: vx[k], vy: vy[k], needed, shortest });
+                let (velocity, shortest) = (list(&velocity), self.shortest);
+                return Err(Error::FastStation { place: place(), velocity, needed, shortest });
             }
         }
         Ok(())
+    }
+}
+
+/// What the stations of a flexible body are called, and whether they form a line.
+pub struct Contour {
+    name: String,
+    part: &'static str,
+    is_line: bool,
+}
+
+impl<const D: usize> From<&Flexible<D>> for Contour {
+    fn from(body: &Flexible<D>) -> Self {
+        let is_line = !matches!(body.extent, Extent::Surface(_));
+        Self { name: body.name.clone(), part: if is_line { "station" } else { "node" }, is_line }
+    }
+}
+
+/// Return whether a point is farther from the middle of the domain than one and a half times its size.
+fn is_far<const D: usize>(position: [f64; D], grid: &Grid<D>) -> bool {
+    (0..D).any(|axis| (position[axis] - grid.middle(axis)).abs() > 1.5 * grid.size[axis])
+}
+
+/// Return numbers as a text: one alone, several in parentheses.
+fn list(numbers: &[f64]) -> String {
+    match numbers {
+        [number] => format!("{number:.3e}"),
+        _ => format!("({})", numbers.iter().map(|number| format!("{number:.3e}")).collect::<Vec<_>>().join(", ")),
     }
 }

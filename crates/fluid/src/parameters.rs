@@ -1,43 +1,52 @@
-//! Parameters of a fluid: plain data, in SI units, per metre of depth.
+//! Parameters of a fluid: plain data, in SI units, in the plane per metre of depth.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
 use crate::error::Error;
+use crate::grid::Grid;
+use crate::shapes::{Between, Shape};
+use crate::space::{Freedoms, Space, Spin};
+
+/// Largest extent of a thin body, cells: more markers take too long to be spread over it.
+const MOST_CELLS: f64 = 4e4;
 
 /// A fluid and the bodies in it. [`Parameters::new`] has every default: a periodic domain without a body.
 #[derive(Clone, Debug)]
-pub struct Parameters {
-    /// Lower and upper end of the periodic domain along x and y, m.
-    pub domain: [[f64; 2]; 2],
-    /// Number of grid points along x and y; lengths with prime factors up to 13 are fastest.
-    pub cells: [usize; 2],
+pub struct Parameters<const D: usize = 2>
+where
+    [f64; D]: Space<D>,
+{
+    /// Lower and upper end of the periodic domain along each axis, m.
+    pub domain: [[f64; 2]; D],
+    /// Number of grid points along each axis; lengths with prime factors up to 13 are fastest.
+    pub cells: [usize; D],
     /// Density, kg/m³.
     pub density: f64,
     /// Kinematic viscosity, m²/s.
     pub kinematic_viscosity: f64,
     /// Uniform velocity at t = 0, m/s.
-    pub initial_velocity: [f64; 2],
+    pub initial_velocity: [f64; D],
     /// Amplitude of the disturbance of the initial velocity, m/s; absent: none.
     pub disturbance: Option<f64>,
     /// Prescribed mean velocity of the domain, m/s; absent: free.
-    pub mean_flow: Option<[Law; 2]>,
-    /// y of the lower and the upper wall of a channel, m.
-    pub channel: Option<[f64; 2]>,
-    /// Zone in which the velocity is imposed, with the drag profile of the walls at its ends.
+    pub mean_flow: Option<[Law; D]>,
+    /// Lower and upper wall along each axis, m; absent: periodic.
+    pub walls: [Option<[f64; 2]>; D],
+    /// Zone in which the velocity is imposed, with the drag profile of the walls at its ends. A parabola lies between
+    /// the walls along y.
     pub inflow: Option<Zone>,
     /// Zone in which the flow is softly drawn to a velocity.
     pub sponge: Option<Zone>,
-    /// Circular cylinders.
-    pub cylinders: Vec<Cylinder>,
-    /// Other rigid bodies.
-    pub bodies: Vec<Body>,
-    /// Beams.
-    pub beams: Vec<Beam>,
+    /// Rigid bodies.
+    pub bodies: Vec<Body<D>>,
+    /// Beams, rods and wings: bodies whose nodes are set from outside.
+    pub flexible: Vec<Flexible<D>>,
     /// Drag of solids on the fluid.
     pub mask: Mask,
     /// Points at which velocity and pressure are read, m.
-    pub probes: Vec<[f64; 2]>,
+    pub probes: Vec<[f64; D]>,
     /// Removal of aliasing errors.
     pub filter: Filter,
     /// Precision of fields and transforms.
@@ -48,13 +57,13 @@ pub struct Parameters {
     pub scheme: TimeScheme,
     /// Largest step of the fluid, s.
     pub max_step: f64,
-    /// Largest CFL number `max(|u|/dx + |v|/dy) dt`.
+    /// Largest CFL number `max(|u|/dx + |v|/dy + …) dt`.
     pub max_cfl: f64,
     /// Usual communication step, s.
     pub communication_step: f64,
-    /// Whether loads on the stations of the beams are predicted for the coming step.
+    /// Whether loads on the nodes of flexible bodies are predicted for the coming step.
     pub loads: bool,
-    /// Whether the pressure around the beams is an output; it needs an inflow.
+    /// Whether the pressure around beams with a mask is an output; it needs an inflow.
     pub pressure_around: bool,
 }
 
@@ -75,110 +84,106 @@ pub struct Zone {
     pub c_eta: f64,
 }
 
-/// A circular cylinder.
-#[derive(Clone, Debug)]
-pub struct Cylinder {
-    /// Centre, m.
-    pub center: [f64; 2],
-    /// Radius, m.
-    pub radius: f64,
-    /// Prescribed displacement, m; absent: still.
-    pub motion: Option<[Law; 2]>,
-}
-
 /// A rigid body.
 #[derive(Clone, Debug)]
-pub struct Body {
-    /// Outline, in the axes of the body.
-    pub shape: Shape,
+pub struct Body<const D: usize = 2>
+where
+    [f64; D]: Space<D>,
+{
+    /// Name in errors, e.g. `body 2`.
+    pub name: String,
+    /// Shape, in the axes of the body.
+    pub shape: Arc<dyn Shape<D>>,
     /// Position of the pivot, m.
-    pub position: [f64; 2],
+    pub position: [f64; D],
     /// Pivot in the axes of the body, m.
-    pub pivot: [f64; 2],
-    /// Angle from the x axis to the body's, rad, positive to the left.
-    pub angle: f64,
+    pub pivot: [f64; D],
+    /// Turn from the axes of the domain to those of the body; in the plane an angle, rad, positive to the left.
+    pub turn: <[f64; D] as Space<D>>::Turn,
     /// How it moves; absent: still.
-    pub motion: Option<Motion>,
+    pub motion: Option<Motion<D>>,
 }
 
 /// How a body moves.
 #[derive(Clone, Debug)]
-pub enum Motion {
+pub enum Motion<const D: usize = 2>
+where
+    [f64; D]: Space<D>,
+{
     /// By laws of time.
     Laws {
         /// Displacement of the pivot, m.
-        displacement: [Law; 2],
-        /// Angle that is added, rad.
+        displacement: [Law; D],
+        /// Axis in the domain about which the body turns, of the length 1; in the plane 1.
+        axis: Spin<D>,
+        /// Angle, rad, after the turn at rest.
         angle: Law,
     },
     /// As set from outside for the end of each communication step.
     Master,
     /// On springs and dampers, under the force of the fluid.
-    Mount(Mount),
+    Mount(Mount<D>),
 }
 
 /// A body on springs and dampers. Its centre of mass is the pivot.
 #[derive(Clone, Copy, Debug)]
-pub struct Mount {
-    /// Mass, kg per metre of depth.
+pub struct Mount<const D: usize = 2>
+where
+    [f64; D]: Space<D>,
+{
+    /// Mass, kg, in the plane per metre of depth.
     pub mass: f64,
-    /// Moment of inertia about the pivot, kg m²/m.
-    pub inertia: f64,
-    /// Spring and damper along x and y and about the pivot; absent in a direction in which the body cannot move.
-    pub supports: [Option<Support>; 3],
+    /// Moments of inertia about the pivot in the axes of the body, kg m², in the plane per metre of depth.
+    pub inertia: <[f64; D] as Space<D>>::Inertia,
+    /// Spring and damper along each axis, then about z in the plane or each axis in space; absent in a direction in
+    /// which the body cannot move.
+    pub supports: [Option<Support>; 6],
 }
 
 /// A spring and a damper in parallel.
 #[derive(Clone, Copy, Debug)]
 pub struct Support {
-    /// Stiffness, N/m or N m/rad, per metre of depth.
+    /// Stiffness, N/m or N m/rad, in the plane per metre of depth.
     pub stiffness: f64,
-    /// Damping, N s/m or N m s/rad, per metre of depth.
+    /// Damping, N s/m or N m s/rad, in the plane per metre of depth.
     pub damping: f64,
     /// Displacement or angle at which the spring has no force, m or rad.
     pub rest: f64,
 }
 
-/// Outline of a body, about the origin of its axes.
+/// A body with nodes that are set from outside: a beam or rod from root to tip, or a wing.
 #[derive(Clone, Debug)]
-pub enum Shape {
-    /// Circle of a radius, m.
-    Circle(f64),
-    /// Ellipse of semi-axes, m.
-    Ellipse([f64; 2]),
-    /// Rectangle of half its length and half its thickness, m.
-    Rectangle([f64; 2]),
-    /// Rectangle whose ends are half circles: half the length of its straight sides, and half its thickness, m.
-    Capsule([f64; 2]),
-    /// Polygon of at least 3 corners in either order, m. Its sides must not cross.
-    Polygon(Vec<[f64; 2]>),
-    /// Open line of no thickness through at least 2 points, m: markers drag the fluid, as at a beam with
-    /// [`Surface::Line`].
-    Line(Vec<[f64; 2]>),
+pub struct Flexible<const D: usize = 2> {
+    /// Name in errors, e.g. `the beam`.
+    pub name: String,
+    /// Nodes at rest, m.
+    pub nodes: Vec<[f64; D]>,
+    /// What lies between the nodes.
+    pub extent: Extent,
+    /// Point about which moments are taken, m; absent: the first node.
+    pub pivot: Option<[f64; D]>,
 }
 
-/// A beam: a band around the line of its stations.
+/// What lies between the nodes of a flexible body, or of the shape of a rigid one.
 #[derive(Clone, Debug)]
-pub struct Beam {
-    /// Stations at rest from root to tip, m, at least 3.
-    pub stations: Vec<[f64; 2]>,
-    /// Length, m.
-    pub length: f64,
-    /// Thickness at the stations and at the middles of the segments in turn, m: `[2 segments + 1]`.
-    pub thickness: Vec<f64>,
-    /// The cylinder that the beam is clamped to. It bears the forces on the mask behind the root.
-    pub support_cylinder: Option<usize>,
-    /// How it meets the fluid.
-    pub surface: Surface,
-}
-
-/// How a beam meets the fluid.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Surface {
-    /// By the mask of the band around its line, for a thickness of some cells.
-    Mask,
-    /// By markers along its line, which stands for a plate of 1.5 cells whatever its thickness.
-    Line,
+pub enum Extent {
+    /// A line of markers through them, which stands for a plate of 1.5 cells in the plane whatever its thickness.
+    Line {
+        /// Which ends are free.
+        free: [bool; 2],
+    },
+    /// Triangles, each of three nodes, in space: a surface of markers.
+    Surface(Vec<[usize; 3]>),
+    /// The mask of a band around the line through them, for a thickness of some cells in the plane.
+    Band {
+        /// Length, m.
+        length: f64,
+        /// Thickness at the nodes and at the middles of the segments in turn, m: `[2 segments + 1]`.
+        thickness: Vec<f64>,
+        /// The circle that the beam is clamped to, by its number among the rigid bodies. It bears the forces on the
+        /// mask behind the root.
+        support: Option<usize>,
+    },
 }
 
 /// Drag rate of a solid as a function of the signed distance to its surface.
@@ -253,12 +258,15 @@ pub enum TimeScheme {
     Rk2,
 }
 
-impl Parameters {
+impl<const D: usize> Parameters<D>
+where
+    [f64; D]: Space<D>,
+{
     /// Fluid at rest in a periodic domain: double precision, one thread, smooth filter, two-step backward differences
     /// with CFL numbers up to 0.4, and a log-linear mask.
     pub fn new(
-        domain: [[f64; 2]; 2],
-        cells: [usize; 2],
+        domain: [[f64; 2]; D],
+        cells: [usize; D],
         density: f64,
         kinematic_viscosity: f64,
         communication_step: f64,
@@ -268,15 +276,14 @@ impl Parameters {
             cells,
             density,
             kinematic_viscosity,
-            initial_velocity: [0.0; 2],
+            initial_velocity: [0.0; D],
             disturbance: None,
             mean_flow: None,
-            channel: None,
+            walls: [None; D],
             inflow: None,
             sponge: None,
-            cylinders: Vec::new(),
             bodies: Vec::new(),
-            beams: Vec::new(),
+            flexible: Vec::new(),
             mask: Mask::log_linear(1e-5),
             probes: Vec::new(),
             filter: Filter::Smooth,
@@ -293,10 +300,10 @@ impl Parameters {
 
     /// Refuse numbers with which no step can be made.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let [x, y] = self.domain.map(|[low, high]| high - low);
+        const WIDTHS: [&str; 3] =
+            ["width of the domain along x", "width of the domain along y", "width of the domain along z"];
+        let widths = WIDTHS.into_iter().zip(self.domain.map(|[low, high]| high - low));
         let numbers = [
-            ("width of the domain along x", x),
-            ("width of the domain along y", y),
             ("density", self.density),
             ("kinematic viscosity", self.kinematic_viscosity),
             ("C_eta of the mask", self.mask.c_eta()),
@@ -304,67 +311,202 @@ impl Parameters {
             ("largest CFL number", self.max_cfl),
             ("communication step", self.communication_step),
         ];
-        for (name, value) in numbers {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Error::Parameter { name, value, allowed: "a finite number above 0" });
-            }
-        }
-        let [nx, ny] = self.cells;
-        if nx < self.precision.least_block() {
-            let allowed = "at least 8, or 16 in single precision";
-            return Err(Error::Parameter { name: "number of cells along x", value: nx as f64, allowed });
-        }
-        if ny < 8 {
-            return Err(Error::Parameter { name: "number of cells along y", value: ny as f64, allowed: "at least 8" });
-        }
-        for body in &self.bodies {
-            if let Shape::Line(points) = &body.shape {
-                if self.scheme != TimeScheme::Sbdf2 {
-                    return Err(Error::LineScheme);
-                }
-                if points.len() < 2 {
-                    let (name, value) = ("number of points of a line", points.len() as f64);
-                    return Err(Error::Parameter { name, value, allowed: "at least 2" });
-                }
-            }
-            let Some(Motion::Mount(mount)) = &body.motion else { continue };
-            if self.scheme != TimeScheme::Sbdf2 {
-                return Err(Error::MountScheme);
-            }
-            for (name, value, used) in [
-                ("mass of a body on springs", mount.mass, true),
-                ("moment of inertia of a body on springs", mount.inertia, mount.supports[2].is_some()),
-            ] {
-                if used && !(value.is_finite() && value > 0.0) {
-                    return Err(Error::Parameter { name, value, allowed: "a finite number above 0" });
-                }
-            }
-            let round = matches!(body.shape, Shape::Circle(_));
-            let [mass, inertia] = body.displaced(self.density);
-            for (name, value, displaced, used) in [
-                ("mass", mount.mass, mass, mount.supports[0].or(mount.supports[1]).is_some()),
-                ("moment of inertia", mount.inertia, inertia, mount.supports[2].is_some()),
-            ] {
-                if used && !round && value < displaced {
-                    return Err(Error::LightBody { name, value, displaced });
-                }
-            }
-        }
-        for beam in &self.beams {
-            let segments = beam.stations.len().saturating_sub(1);
-            if segments < 2 || beam.thickness.len() != 2 * segments + 1 {
-                let allowed = "twice the number of segments plus 1, of at least 2 segments";
-                let value = beam.thickness.len() as f64;
-                return Err(Error::Parameter { name: "number of thicknesses of a beam", value, allowed });
-            }
-            if beam.support_cylinder.is_some_and(|cylinder| cylinder >= self.cylinders.len()) {
-                let value = beam.support_cylinder.map_or(0.0, |cylinder| cylinder as f64);
-                let allowed = "less than the number of cylinders";
-                return Err(Error::Parameter { name: "cylinder of a beam", value, allowed });
+        widths.chain(numbers).try_for_each(|(name, value)| require_positive(name, value))?;
+        self.check_cells()?;
+        self.bodies.iter().try_for_each(|body| self.check_body(body))?;
+        self.flexible.iter().try_for_each(|body| self.check_flexible(body))
+    }
+
+    /// Refuse fewer cells than the transforms work on: blocks of lines along the axis before the last.
+    fn check_cells(&self) -> Result<(), Error> {
+        const NAMES: [&str; 3] = ["number of cells along x", "number of cells along y", "number of cells along z"];
+        for (axis, (name, cells)) in NAMES.into_iter().zip(self.cells).enumerate() {
+            let (least, allowed) = if axis + 2 == D {
+                (self.precision.least_block(), "at least 8, or 16 in single precision")
+            } else {
+                (8, "at least 8")
+            };
+            if cells < least {
+                return Err(Error::Parameter { name, value: cells as f64, allowed });
             }
         }
         Ok(())
     }
+
+    fn check_body(&self, body: &Body<D>) -> Result<(), Error> {
+        let implicit = self.scheme == TimeScheme::Sbdf2;
+        if let Some(thin) = body.thin() {
+            if !implicit {
+                return Err(Error::LineScheme);
+            }
+            self.check_thin(&thin)?;
+        }
+        let Some(Motion::Mount(mount)) = &body.motion else { return Ok(()) };
+        if !implicit {
+            return Err(Error::MountScheme);
+        }
+        let (about, displaced) = (&mount.supports[D..], self.displaced_by(body));
+        let turns = (D..<[f64; D]>::FREEDOMS).filter(|i| about[i - D].is_some());
+        let moves = mount.supports[..D].iter().any(Option::is_some);
+        let own = mount.own_inertia();
+        require_positive("mass of a body on springs", mount.mass)?;
+        turns.clone().try_for_each(|i| require_positive("moment of inertia of a body on springs", own[i]))?;
+        let name = |i: usize| if i < D { "mass" } else { "moment of inertia" };
+        for i in moves.then_some(0).into_iter().chain(turns) {
+            if !body.shape.is_round() && own[i] < displaced[i] {
+                return Err(Error::LightBody { name: name(i), value: own[i], displaced: displaced[i] });
+            }
+        }
+        Ok(())
+    }
+
+    /// Return the mass of the fluid that a body displaces along each axis, then its moments of inertia about the axes of
+    /// the body through the pivot.
+    fn displaced_by(&self, body: &Body<D>) -> Freedoms {
+        let (mass, inertia) = body.shape.moments(&self.grid().size).about(body.pivot, self.density);
+        freedoms::<D>(mass, inertia)
+    }
+
+    fn check_flexible(&self, body: &Flexible<D>) -> Result<(), Error> {
+        let Extent::Band { thickness, support, .. } = &body.extent else { return self.check_thin(body) };
+        let segments = body.nodes.len().saturating_sub(1);
+        if segments < 2 || thickness.len() != 2 * segments + 1 {
+            let allowed = "twice the number of segments plus 1, of at least 2 segments";
+            return Err(Error::Parameter {
+                name: "number of thicknesses of a beam",
+                value: thickness.len() as f64,
+                allowed,
+            });
+        }
+        if D != 2 {
+            return Err(Error::Parameter {
+                name: "number of dimensions of a mask of a beam",
+                value: 3.0,
+                allowed: "2",
+            });
+        }
+        match support {
+            Some(body) if *body >= self.bodies.len() => {
+                let allowed = "less than the number of rigid bodies";
+                Err(Error::Parameter { name: "cylinder of a beam", value: *body as f64, allowed })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Refuse a thin body without an extent, or with more markers than a step has time for.
+    fn check_thin(&self, body: &Flexible<D>) -> Result<(), Error> {
+        let count = body.markers(self.grid().cell_size()).unwrap_or(0.0);
+        if count == 0.0 {
+            let allowed = "above 0: a line has two nodes, a surface triangles of its nodes";
+            return Err(Error::Parameter { name: "extent of a thin body", value: 0.0, allowed });
+        }
+        if count.is_nan() || count > MOST_CELLS {
+            let allowed = "at most 4e4: coarser cells or a smaller body";
+            return Err(Error::Parameter { name: "extent of a thin body in cells", value: count, allowed });
+        }
+        Ok(())
+    }
+
+    /// Return the grid.
+    pub(crate) fn grid(&self) -> Grid<D> {
+        Grid::new(self.domain, self.cells)
+    }
+
+    /// Return the number of markers of the thin bodies, about.
+    pub(crate) fn markers(&self) -> usize {
+        let cell = self.grid().cell_size();
+        self.thin().filter_map(|(_, body)| body.markers(cell)).sum::<f64>() as usize
+    }
+
+    /// Return the thin bodies, first the flexible ones, with the number of each among all bodies, of which the rigid
+    /// ones are first.
+    pub(crate) fn thin(&self) -> impl Iterator<Item = (usize, Cow<'_, Flexible<D>>)> {
+        let flexible = (self.bodies.len()..).zip(&self.flexible).map(|(k, body)| (k, Cow::Borrowed(body)));
+        let rigid = self.bodies.iter().enumerate().filter_map(|(k, body)| Some((k, Cow::Owned(body.thin()?))));
+        flexible.filter(|(_, body)| !matches!(body.extent, Extent::Band { .. })).chain(rigid)
+    }
+}
+
+fn require_positive(name: &'static str, value: f64) -> Result<(), Error> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(());
+    }
+    Err(Error::Parameter { name, value, allowed: "a finite number above 0" })
+}
+
+impl<const D: usize> Body<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// A still body with its pivot (m) at the origin of its axes, which are those of the domain.
+    pub fn still(name: impl Into<String>, shape: impl Into<Arc<dyn Shape<D>>>, position: [f64; D]) -> Self {
+        let (name, shape, turn) = (name.into(), shape.into(), Default::default());
+        Self { name, shape, position, pivot: [0.0; D], turn, motion: None }
+    }
+
+    /// Return a thin body as one with nodes, in its own axes; none of a solid.
+    pub(crate) fn thin(&self) -> Option<Flexible<D>> {
+        let (nodes, between) = self.shape.thin()?;
+        let extent = match between {
+            Between::Line => Extent::Line { free: [true; 2] },
+            Between::Triangles(triangles) => Extent::Surface(triangles),
+        };
+        Some(Flexible { name: self.name.clone(), nodes, extent, pivot: None })
+    }
+}
+
+impl<const D: usize> Flexible<D> {
+    /// Return the number of markers on cells of a size (m), about; none of nodes that do not exist, and of a mask.
+    fn markers(&self, cell: f64) -> Option<f64> {
+        match &self.extent {
+            Extent::Line { .. } => {
+                let square = |ends: &[[f64; D]]| (0..D).map(|k| (ends[1][k] - ends[0][k]).powi(2)).sum::<f64>();
+                Some(self.nodes.windows(2).map(|ends| square(ends).sqrt()).sum::<f64>() / cell)
+            }
+            Extent::Surface(triangles) => {
+                let known = triangles.as_flattened().iter().all(|node| *node < self.nodes.len());
+                known.then(|| mesh::area(&self.nodes_in_space(), triangles) / (cell * cell))
+            }
+            Extent::Band { .. } => None,
+        }
+    }
+
+    /// Return the nodes with three coordinates, m.
+    pub(crate) fn nodes_in_space(&self) -> Vec<[f64; 3]> {
+        let coordinate = |node: &[f64; D], axis: usize| node.get(axis).copied().unwrap_or(0.0);
+        self.nodes.iter().map(|node| [0, 1, 2].map(|axis| coordinate(node, axis))).collect()
+    }
+}
+
+impl<const D: usize> Motion<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// A motion by laws, with an axis of any length above 0.
+    pub fn laws(displacement: [Law; D], axis: Spin<D>, angle: Law) -> Self {
+        let length = <[f64; D]>::components(axis).iter().fold(0.0_f64, |length, part| length.hypot(*part));
+        Self::Laws { displacement, axis: axis / length, angle }
+    }
+}
+
+impl<const D: usize> Mount<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Return the mass along each axis, then the moments of inertia about z in the plane or the axes of the body.
+    pub(crate) fn own_inertia(&self) -> Freedoms {
+        freedoms::<D>(self.mass, self.inertia)
+    }
+}
+
+/// Return a mass along each axis, then the moments of inertia.
+fn freedoms<const D: usize>(mass: f64, inertia: <[f64; D] as Space<D>>::Inertia) -> Freedoms
+where
+    [f64; D]: Space<D>,
+{
+    let about = <[f64; D]>::diagonal(inertia);
+    std::array::from_fn(|i| if i < D { mass } else { about.get(i - D).copied().unwrap_or(0.0) })
 }
 
 impl Law {
@@ -428,21 +570,6 @@ impl Precision {
         match self {
             Self::Double => 8,
             Self::Single => 16,
-        }
-    }
-}
-
-/// A cylinder is a circle that does not turn.
-impl From<&Cylinder> for Body {
-    fn from(cylinder: &Cylinder) -> Self {
-        let motion =
-            |displacement: &[Law; 2]| Motion::Laws { displacement: displacement.clone(), angle: Law::constant(0.0) };
-        Self {
-            shape: Shape::Circle(cylinder.radius),
-            position: cylinder.center,
-            pivot: [0.0; 2],
-            angle: 0.0,
-            motion: cylinder.motion.as_ref().map(motion),
         }
     }
 }

@@ -1,50 +1,78 @@
-//! The present time: bodies and beams as the fluid last saw them. All of it is in double precision.
+//! The present time: the bodies as the fluid last saw them. All of it is in double precision.
 
 use serde::{Deserialize, Serialize};
 
-use crate::bodies::{Carried, Loads, Stations};
+use crate::bodies::Carried;
 use crate::force::{BodyForce, Exchange};
+use crate::space::Space;
+use crate::stations::{Loads, Stations};
 
 /// What a fluid of any precision and scheme has at the present time, without the flow.
-#[derive(Clone, Debug)]
-pub struct Present {
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Present<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
     /// Time, s.
     pub time: f64,
     /// Last step, s; 0 before the first.
     pub step: f64,
-    /// Largest `|u|/dx + |v|/dy`, 1/s.
+    /// Largest `|u|/dx + |v|/dy + …`, 1/s.
     pub advection_rate: f64,
-    /// Forces on the cylinders, the other rigid bodies and the beams.
-    pub bodies: Vec<BodyForce>,
+    /// Forces on the rigid bodies, then on the flexible ones.
+    pub bodies: Vec<BodyForce<D>>,
     /// Displacements of the bodies that laws do not move.
-    pub carried: Vec<Carried>,
-    /// The beams.
-    pub beams: Beams,
+    pub carried: Vec<Carried<D>>,
+    /// The flexible bodies.
+    pub flexible: Interfaces<D>,
 }
 
-/// The beams as the fluid last saw them; every list is empty without one.
+/// What is exchanged with the flexible bodies, as the fluid last saw them; every list is empty without one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Beams {
+pub struct Interfaces<const D: usize> {
     /// Stations.
-    pub stations: Vec<Stations>,
+    pub stations: Vec<Stations<D>>,
     /// Loads for the coming step; empty if no loads are predicted.
-    pub loads: Vec<Loads>,
-    /// Forces, powers and works of the fluid on the beams.
-    pub exchange: Vec<Exchange>,
-    /// Pressure above less the pressure below the stations of each thin beam, Pa; empty for a beam with a mask.
+    pub loads: Vec<Loads<D>>,
+    /// Forces, powers and works of the fluid on the bodies.
+    pub exchange: Vec<Exchange<D>>,
+    /// Pressure above less the pressure below the stations of each line in the plane, Pa; empty for other bodies.
     pub line_jump: Vec<Vec<f64>>,
-    /// Shear stress on both faces of each thin beam towards its tip, Pa, in the same places.
+    /// Shear stress on both faces of each line towards its tip, Pa, in the same places.
     pub line_shear: Vec<Vec<f64>>,
 }
 
-impl Present {
+impl<const D: usize> Present<D>
+where
+    [f64; D]: Space<D>,
+{
     /// Return the CFL number of the last step, or of a step of another length (s) in the present flow.
     pub fn cfl(&self, step: f64) -> f64 {
         self.advection_rate * step
     }
+
+    /// Copy `other`, which has the same shape; unlike `clone_from` this allocates nothing.
+    pub fn copy_from(&mut self, other: &Self) {
+        (self.time, self.step, self.advection_rate) = (other.time, other.step, other.advection_rate);
+        self.bodies.copy_from_slice(&other.bodies);
+        self.carried.copy_from_slice(&other.carried);
+        self.flexible.copy_from(&other.flexible);
+    }
+
+    /// Return the first part that differs in size from `own`, or is a number and not finite.
+    pub fn misfit(&self, own: &Self) -> Option<&'static str> {
+        let numbers = [self.time, self.step, self.advection_rate];
+        let parts = [
+            ("the time or a step", numbers.iter().all(|number| number.is_finite())),
+            ("the list of bodies", self.bodies.len() == own.bodies.len() && self.carried.len() == own.carried.len()),
+            ("the place of a body", self.carried.iter().all(Carried::is_finite)),
+            ("the list of stations", self.flexible.have_shape_of(&own.flexible)),
+        ];
+        parts.into_iter().find(|(_, fits)| !fits).map(|(part, _)| part)
+    }
 }
 
-impl Beams {
+impl<const D: usize> Interfaces<D> {
     /// Copy `other`, which has the same shape; unlike `clone_from` this allocates nothing.
     pub fn copy_from(&mut self, other: &Self) {
         Stations::copy_all(&mut self.stations, &other.stations);
@@ -55,11 +83,11 @@ impl Beams {
         }
     }
 
-    /// Return whether `other` has as many beams with as many stations.
+    /// Return whether `other` has as many bodies with as many stations.
     pub fn have_shape_of(&self, other: &Self) -> bool {
-        let lengths = |beams: &Self| [beams.stations.len(), beams.loads.len(), beams.exchange.len()];
+        let lengths = |all: &Self| [all.stations.len(), all.loads.len(), all.exchange.len()];
         let stresses =
-            |beams: &Self| [&beams.line_jump, &beams.line_shear].map(|of| of.iter().map(Vec::len).collect::<Vec<_>>());
+            |all: &Self| [&all.line_jump, &all.line_shear].map(|of| of.iter().map(Vec::len).collect::<Vec<_>>());
         lengths(self) == lengths(other)
             && stresses(self) == stresses(other)
             && self.stations.iter().zip(&other.stations).all(|(a, b)| a.has_shape_of(b))

@@ -1,9 +1,11 @@
 //! Pressures at probes and beams, made on the first request after a step.
 
-use crate::bodies::{Bodies, Stations};
+use crate::bodies::Beam;
 use crate::grid::Grid;
 use crate::outlet::Outlet;
 use crate::probe::Probe;
+use crate::space::Space;
+use crate::stations::Stations;
 
 /// A value that is made on request and kept until it is stale. It cannot be read while it is stale.
 pub struct Cached<T> {
@@ -44,8 +46,8 @@ pub struct Pressures {
 
 impl Pressures {
     /// Zeros.
-    pub fn new(probes: usize, stations: &[Stations], around: bool) -> Self {
-        let zeros = |stations: &Stations| vec![0.0; stations.len()];
+    pub fn new<const D: usize>(probes: usize, stations: &[Stations<D>], around: bool) -> Self {
+        let zeros = |stations: &Stations<D>| vec![0.0; stations.len()];
         Self {
             probes: vec![0.0; probes],
             jump: stations.iter().map(zeros).collect(),
@@ -55,42 +57,50 @@ impl Pressures {
 }
 
 /// Where pressures are read.
-pub struct PressurePlaces<'a> {
+pub struct PressurePlaces<'a, const D: usize>
+where
+    [f64; D]: Space<D>,
+{
     /// The grid.
-    pub grid: &'a Grid,
+    pub grid: &'a Grid<D>,
     /// Density of the fluid, kg/m³.
     pub density: f64,
     /// Probes.
     pub probes: &'a [Probe],
     /// Reference of the pressure around the beams.
     pub outlet: Option<&'a Outlet>,
-    /// Bodies with the beams.
-    pub bodies: &'a Bodies,
-    /// Stations of the beams.
-    pub stations: &'a [Stations],
+    /// Beams with a mask.
+    pub beams: &'a [Beam<D>],
+    /// Stations of the flexible bodies.
+    pub stations: &'a [Stations<D>],
     /// Pressure jumps of the thin beams; empty for a beam with a mask.
     pub line_jump: &'a [Vec<f64>],
 }
 
-impl PressurePlaces<'_> {
+impl<const D: usize> PressurePlaces<'_, D>
+where
+    [f64; D]: Space<D>,
+{
     /// Write the pressures from the static pressure over the density (m²/s²), given at a grid point.
     pub fn read(&self, at: &dyn Fn(usize) -> f64, pressures: &mut Pressures) {
         for (pressure, probe) in pressures.probes.iter_mut().zip(self.probes) {
             *pressure = self.density * probe.pressure(at);
         }
         let level = self.outlet.map_or(0.0, |outlet| outlet.mean(at));
-        for (beam, (stations, jumps)) in self.stations.iter().zip(&mut pressures.jump).enumerate() {
-            let Some(own) = self.bodies.masked_beam(beam) else {
-                jumps.copy_from_slice(&self.line_jump[beam]);
+        for (number, (stations, jumps)) in self.stations.iter().zip(&mut pressures.jump).enumerate() {
+            let Some(beam) = self.beams.iter().find(|beam| beam.number == number) else {
+                // Only a line in the plane has a jump.
+                let known = &self.line_jump[number];
+                jumps[..known.len()].copy_from_slice(known);
                 continue;
             };
             for (k, jump) in jumps.iter_mut().enumerate() {
-                let [above, below] = [1.0, -1.0].map(|side| {
-                    let point = own.surface_point(stations, k, side);
-                    self.grid.interpolation(point).iter().map(|&(c, weight)| weight * at(c)).sum::<f64>()
+                let [above, below] = beam.faces(stations, k).map(|point| {
+                    let around = self.grid.interpolation(point.into());
+                    around.as_ref().iter().map(|&(c, weight)| weight * at(c)).sum::<f64>()
                 });
                 *jump = self.density * (above - below);
-                if let Some(around) = pressures.around.get_mut(beam) {
+                if let Some(around) = pressures.around.get_mut(number) {
                     around[k] = self.density * (0.5 * (above + below) - level);
                 }
             }

@@ -4,6 +4,7 @@ use nalgebra::{Matrix3xX, Vector3};
 
 use crate::grid::Grid;
 use crate::parameters::Parameters;
+use crate::space::{Space, Vector};
 
 /// Extrapolation of the pressure to a probe in the smeared surface of a still cylinder, where the pressure has a kink.
 ///
@@ -19,42 +20,52 @@ const FIRST_POINT_IN_CELLS: f64 = 1.5;
 
 /// A point, with the grid points and weights that its values come from.
 pub struct Probe {
-    /// Cubic interpolation along both axes, of fourth order in smooth flow.
-    pub around: [(usize, f64); 16],
+    /// Cubic interpolation along all axes, of fourth order in smooth flow.
+    pub around: Vec<(usize, f64)>,
     /// Points and weights of the pressure of a probe at a wall; absent elsewhere.
     at_wall: Option<Vec<(usize, f64)>>,
 }
 
 impl Probe {
     /// Return the probes.
-    pub fn all(parameters: &Parameters, grid: &Grid) -> Vec<Self> {
-        let still = parameters.cylinders.iter().filter(|cylinder| cylinder.motion.is_none());
-        let circles: Vec<_> = still.map(|cylinder| (cylinder.center, cylinder.radius)).collect();
-        parameters.probes.iter().map(|probe| Self::new(*probe, &circles, parameters.channel, grid)).collect()
+    pub fn all<const D: usize>(parameters: &Parameters<D>, grid: &Grid<D>) -> Vec<Self>
+    where
+        [f64; D]: Space<D>,
+    {
+        let still = parameters.bodies.iter().filter(|body| body.motion.is_none() && body.pivot == [0.0; D]);
+        let circles: Vec<_> =
+            still.filter_map(|body| Some((Vector::from(body.position), body.shape.radius()?))).collect();
+        parameters.probes.iter().map(|probe| Self::new(*probe, &circles, &parameters.walls, grid)).collect()
     }
 
-    /// A probe at a point (m), with the still `circles` (centre and radius, m) and the y of the walls of a channel (m).
-    fn new(position: [f64; 2], circles: &[([f64; 2], f64)], channel: Option<[f64; 2]>, grid: &Grid) -> Self {
+    /// A probe at a point (m), with the still `circles` (centre and radius, m) and the walls along each axis (m).
+    fn new<const D: usize>(
+        position: [f64; D],
+        circles: &[(Vector<D>, f64)],
+        walls: &[Option<[f64; 2]>; D],
+        grid: &Grid<D>,
+    ) -> Self {
         let cell = grid.cell_size();
         let mut at_wall = None;
         for (own, &(center, radius)) in circles.iter().enumerate() {
-            let offset = [position[0] - center[0], position[1] - center[1]];
-            let from_center = offset[0].hypot(offset[1]);
+            let offset = Vector::from(position) - center;
+            let from_center = length(&offset);
             let distance = (from_center - radius) / cell;
             if distance.abs() >= 1.0 {
                 continue;
             }
             let place = |i: usize| {
                 let out = (radius + (i as f64 + FIRST_POINT_IN_CELLS) * cell) / from_center;
-                [0, 1].map(|axis| center[axis] + out * offset[axis])
+                center + out * offset
             };
-            let clear = |[x, y]: [f64; 2]| {
+            let clear = |place: Vector<D>| {
                 let gap = FIRST_POINT_IN_CELLS * cell;
-                channel.is_none_or(|[low, high]| y - low >= gap && high - y >= gap)
+                let mut pairs = walls.iter().zip(&place);
+                pairs.all(|(walls, at)| walls.is_none_or(|[low, high]| at - low >= gap && high - at >= gap))
                     && circles
                         .iter()
                         .enumerate()
-                        .all(|(other, &([cx, cy], r))| other == own || (x - cx).hypot(y - cy) >= r + gap)
+                        .all(|(other, (center, r))| other == own || length(&(place - center)) >= r + gap)
             };
             let wanted = (FIT_LENGTH_IN_RADII * radius / cell).round().max(LEAST_FIT_POINTS as f64) as usize;
             let count = (0..wanted).take_while(|&i| clear(place(i))).count();
@@ -74,8 +85,8 @@ impl Probe {
                 (0..3).for_each(|k| shares[i + k] += mean * [0.25, 0.5, 0.25][k]);
             }
             let sample = |(i, share): (usize, f64)| {
-                let around = grid.cubic_interpolation(place(i));
-                around.map(|(point, weight)| (point, share * weight))
+                let around = grid.cubic_interpolation(place(i).into());
+                around.into_iter().map(move |(point, weight)| (point, share * weight))
             };
             at_wall = Some(shares.into_iter().enumerate().flat_map(sample).collect());
         }
@@ -87,6 +98,11 @@ impl Probe {
         let around = self.at_wall.as_deref().unwrap_or(&self.around);
         around.iter().map(|&(point, share)| share * at(point)).sum()
     }
+}
+
+/// Return the length of a vector.
+fn length<const D: usize>(vector: &Vector<D>) -> f64 {
+    vector.iter().fold(0.0_f64, |length, component| length.hypot(*component))
 }
 
 #[cfg(test)]
@@ -106,7 +122,7 @@ mod tests {
                 if inside || y > blocked { 1e3 * (point as f64).sin() } else { 1.0 + y + 5.0 * (y - 0.6).powi(2) }
             }
         };
-        let probe = |channel| Probe::new([0.5, 0.6], &[(center, radius)], channel, &grid);
+        let probe = |channel| Probe::new([0.5, 0.6], &[(center.into(), radius)], &[None, channel], &grid);
         for (channel, blocked) in [(None, 1.0), (Some([0.0, 0.72]), 0.72)] {
             let found = probe(channel).pressure(field(blocked));
             assert!((found - 1.6).abs() < 1e-9, "{channel:?}: {found}");

@@ -1,43 +1,43 @@
 //! The flow with its time scheme, in one precision behind an object: a communication step chooses no precision inside.
 
 use std::borrow::Cow;
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use line_fft::Real;
 
-use crate::bodies::{PredictedBeams, Stations};
 use crate::error::Error;
 use crate::flow::Flow;
-use crate::parameters::{Parameters, Precision};
+use crate::parameters::{Parameters, Precision, TimeScheme};
 use crate::present::Present;
 use crate::problem::Problem;
-use crate::state::{SolverState, State, Stored};
-use crate::step::{Scheme, Substep, Work};
+use crate::space::Space;
+use crate::spectral::{PlaneTransforms, Transforms, VolumeTransforms};
+use crate::state::{ByPrecision, Fields, Stored};
+use crate::step::{Rk2, Sbdf2, Scheme, Substep};
 
 /// Reads the static pressure over the density, given at a grid point.
-pub type PressureReader<'a> = dyn FnMut(&Problem, &dyn Fn(usize) -> f64) + 'a;
+pub type PressureReader<'a, const D: usize> = dyn FnMut(&Problem<D>, &dyn Fn(usize) -> f64) + 'a;
 
 /// A flow that can be stepped.
-pub trait FluidSolver: Send {
+pub trait FluidSolver<const D: usize>: Send
+where
+    [f64; D]: Space<D>,
+{
     /// Start from the divergence-free part of a velocity (m/s), given at a grid point.
-    fn start(&mut self, velocity: &dyn Fn(usize) -> [f64; 2], present: &mut Present, problem: &mut Problem);
+    fn start(&mut self, velocity: &dyn Fn(usize) -> [f64; D], present: &mut Present<D>, problem: &mut Problem<D>);
 
     /// Return the longest step that is stable with the bodies, s; none if there is no limit.
-    fn longest_step(&self, problem: &Problem) -> Option<f64>;
+    fn longest_step(&self, problem: &Problem<D>) -> Option<f64>;
 
     /// Make a step; see [`Scheme::step`].
-    fn step(
-        &mut self,
-        step: Substep,
-        present: &mut Present,
-        problem: &mut Problem,
-    ) -> Result<Option<PredictedBeams>, Error>;
+    fn step(&mut self, step: &Substep<D>, present: &mut Present<D>, problem: &mut Problem<D>) -> Result<(), Error>;
 
     /// Write the loads for the coming step to `present`; see [`Scheme::predict_loads`].
-    fn predict_loads(&self, predicted: Option<PredictedBeams>, present: &mut Present, problem: &mut Problem);
+    fn predict_loads(&self, present: &mut Present<D>, problem: &mut Problem<D>);
 
     /// Call `read` with the problem and the static pressure over the density, `Pi − u²/2` (m²/s²), at a grid point.
-    fn read_pressure(&mut self, present: &Present, problem: &mut Problem, read: &mut PressureReader);
+    fn read_pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>, read: &mut PressureReader<D>);
 
     /// Return the largest divergence (1/s) and the largest speed (m/s).
     fn divergence(&mut self) -> [f64; 2];
@@ -45,11 +45,11 @@ pub trait FluidSolver: Send {
     /// Return a velocity component, m/s; in single precision a copy.
     fn velocity(&self, axis: usize) -> Cow<'_, [f64]>;
 
-    /// Return the vorticity, 1/s; in single precision a copy.
-    fn vorticity(&self) -> Cow<'_, [f64]>;
+    /// Return a vorticity component, 1/s; in single precision a copy.
+    fn vorticity(&self, component: usize) -> Cow<'_, [f64]>;
 
     /// Return the velocity interpolated by grid points and weights, m/s.
-    fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; 2];
+    fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D];
 
     /// Return the sum of the velocity along x over some points, m/s.
     fn sum_of_u(&self, points: Range<usize>) -> f64;
@@ -60,103 +60,129 @@ pub trait FluidSolver: Send {
     /// Return the number of threads that share a step.
     fn threads(&self) -> usize;
 
-    /// Return a copy of everything that the next step depends on.
-    fn state(&self, present: &Present) -> State;
+    /// Return a copy of everything that the next step depends on, but what is in `present`.
+    fn fields(&self) -> ByPrecision<D>;
 
-    /// Overwrite a state of this fluid; allocates nothing.
-    fn save(&self, present: &Present, state: &mut State);
+    /// Overwrite such a copy; allocates nothing.
+    fn save(&self, fields: &mut ByPrecision<D>);
 
-    /// Return the stations of a state, or why it is not one of this fluid.
-    fn check_state<'a>(&self, present: &Present, state: &'a State) -> Result<&'a [Stations], Error>;
+    /// Refuse fields of another precision, scheme or size.
+    fn check(&self, fields: &ByPrecision<D>) -> Result<(), Error>;
 
-    /// Go to a state of this fluid; fails, and changes nothing, if it is in another precision.
-    fn restore(&mut self, state: &State, present: &mut Present) -> Result<(), Error>;
+    /// Go to fields that [`Self::check`] accepts; fails, and changes nothing, if they are in another precision.
+    fn restore(&mut self, fields: &ByPrecision<D>) -> Result<(), Error>;
 }
 
-/// Make the solver of the wanted precision.
-pub fn new_solver(parameters: &Parameters, problem: &Problem) -> Box<dyn FluidSolver> {
-    match parameters.precision {
-        Precision::Double => Box::new(Solver::<f64>::new(parameters, problem)),
-        Precision::Single => Box::new(Solver::<f32>::new(parameters, problem)),
-    }
+/// A number of dimensions for which there are solvers.
+pub trait Solvable<const D: usize>: Space<D> {
+    /// Make the solver of the wanted scheme and precision; space has one scheme.
+    fn new_solver(parameters: &Parameters<D>) -> Box<dyn FluidSolver<D>>
+    where
+        [f64; D]: Space<D>;
 }
 
-/// The flow of a precision.
-struct Solver<R: Real> {
-    flow: Flow<R>,
-    scheme: Scheme<R>,
-    work: Work<R>,
-}
-
-impl<R: Real> Solver<R> {
-    fn new(parameters: &Parameters, problem: &Problem) -> Self {
-        let (velocity, work) = (parameters.initial_velocity, Work::new(parameters, &problem.grid));
-        Self {
-            flow: Flow::uniform(velocity, problem.grid.len()),
-            scheme: Scheme::new(parameters.scheme, velocity, problem, &work),
-            work,
+impl Solvable<2> for [f64; 2] {
+    fn new_solver(parameters: &Parameters) -> Box<dyn FluidSolver<2>> {
+        match (parameters.scheme, parameters.precision) {
+            (TimeScheme::Sbdf2, Precision::Double) => sbdf2::<f64, PlaneTransforms<f64>, 2>(parameters),
+            (TimeScheme::Sbdf2, Precision::Single) => sbdf2::<f32, PlaneTransforms<f32>, 2>(parameters),
+            (TimeScheme::Rk2, Precision::Double) => rk2::<f64>(parameters),
+            (TimeScheme::Rk2, Precision::Single) => rk2::<f32>(parameters),
         }
     }
 }
 
-impl<R: Stored> FluidSolver for Solver<R> {
-    fn start(&mut self, velocity: &dyn Fn(usize) -> [f64; 2], present: &mut Present, problem: &mut Problem) {
+impl Solvable<3> for [f64; 3] {
+    fn new_solver(parameters: &Parameters<3>) -> Box<dyn FluidSolver<3>> {
+        match parameters.precision {
+            Precision::Double => sbdf2::<f64, VolumeTransforms<f64>, 3>(parameters),
+            Precision::Single => sbdf2::<f32, VolumeTransforms<f32>, 3>(parameters),
+        }
+    }
+}
+
+fn transforms<R: Real, T: Transforms<R, D>, const D: usize>(parameters: &Parameters<D>) -> T
+where
+    [f64; D]: Space<D>,
+{
+    T::new(&parameters.grid(), parameters.filter, parameters.threads)
+}
+
+fn sbdf2<R: Stored, T: Transforms<R, D> + 'static, const D: usize>(
+    parameters: &Parameters<D>,
+) -> Box<dyn FluidSolver<D>>
+where
+    [f64; D]: Space<D>,
+{
+    let points = parameters.grid().len();
+    let flow = Flow::uniform(parameters.initial_velocity, points);
+    let scheme = Sbdf2::new(transforms::<R, T, D>(parameters), points);
+    Box::new(Solver { flow, scheme, precision: PhantomData })
+}
+
+fn rk2<R: Stored>(parameters: &Parameters) -> Box<dyn FluidSolver<2>> {
+    let (grid, velocity) = (parameters.grid(), parameters.initial_velocity);
+    let scheme = Rk2::new(transforms::<R, _, 2>(parameters), velocity, &grid);
+    Box::new(Solver { flow: Flow::uniform(velocity, grid.len()), scheme, precision: PhantomData })
+}
+
+/// The flow of a precision with its scheme.
+struct Solver<R: Real, S, const D: usize> {
+    flow: Flow<R, D>,
+    scheme: S,
+    precision: PhantomData<R>,
+}
+
+impl<R: Stored, S: Scheme<R, D>, const D: usize> FluidSolver<D> for Solver<R, S, D>
+where
+    [f64; D]: Space<D>,
+{
+    fn start(&mut self, velocity: &dyn Fn(usize) -> [f64; D], present: &mut Present<D>, problem: &mut Problem<D>) {
+        let room = self.scheme.room();
         for point in 0..problem.grid.len() {
-            for (w, u) in self.work.w.iter_mut().zip(velocity(point)) {
+            for (w, u) in room.iter_mut().zip(velocity(point)) {
                 w[point] = R::rounded(u);
             }
         }
-        self.scheme.start(&mut self.flow, present, problem, &mut self.work);
+        present.step = 0.0;
+        self.scheme.start(&mut self.flow, present, problem);
     }
 
-    fn longest_step(&self, problem: &Problem) -> Option<f64> {
+    fn longest_step(&self, problem: &Problem<D>) -> Option<f64> {
         self.scheme.longest_step(problem)
     }
 
-    fn step(
-        &mut self,
-        step: Substep,
-        present: &mut Present,
-        problem: &mut Problem,
-    ) -> Result<Option<PredictedBeams>, Error> {
-        self.scheme.step(step, &mut self.flow, present, problem, &mut self.work)
+    fn step(&mut self, step: &Substep<D>, present: &mut Present<D>, problem: &mut Problem<D>) -> Result<(), Error> {
+        self.scheme.step(step, &mut self.flow, present, problem)
     }
 
-    fn predict_loads(&self, predicted: Option<PredictedBeams>, present: &mut Present, problem: &mut Problem) {
-        let mut loads = std::mem::take(&mut present.beams.loads);
-        if !loads.is_empty() {
-            self.scheme.predict_loads(predicted, &self.flow, present, problem, &mut loads);
-        }
-        present.beams.loads = loads;
+    fn predict_loads(&self, present: &mut Present<D>, problem: &mut Problem<D>) {
+        self.scheme.predict_loads(&self.flow, present, problem);
     }
 
-    fn read_pressure(&mut self, present: &Present, problem: &mut Problem, read: &mut PressureReader) {
-        let Self { flow, scheme, work } = self;
-        let pi = scheme.total_pressure(flow, present, problem, work);
-        read(problem, &|point| {
-            let [u, v] = flow.velocity_at(point);
-            pi[point].to_f64() - 0.5 * (u * u + v * v)
-        });
+    fn read_pressure(&mut self, present: &Present<D>, problem: &mut Problem<D>, read: &mut PressureReader<D>) {
+        let Self { flow, scheme, .. } = self;
+        let pi = scheme.total_pressure(flow, present, problem);
+        read(problem, &|point| pi[point].to_f64() - 0.5 * square(flow.velocity_at(point)));
     }
 
     fn divergence(&mut self) -> [f64; 2] {
-        let velocity @ [u, v] = &self.flow.velocity;
-        let Work { spectral, projection, w: [divergence, _] } = &mut self.work;
-        spectral.divergence(projection, velocity, divergence);
+        let Self { flow, scheme, .. } = self;
+        let divergence = scheme.divergence(&flow.velocity);
         let largest = divergence.iter().fold(0.0_f64, |most, divergence| most.max(divergence.to_f64().abs()));
-        let fastest = u.iter().zip(&**v).fold(0.0_f64, |most, (u, v)| most.max(u.to_f64().hypot(v.to_f64())));
-        [largest, fastest]
+        let speed = |point| flow.velocity_at(point).iter().fold(0.0_f64, |speed, u| speed.hypot(*u));
+        [largest, (0..divergence.len()).map(speed).fold(0.0, f64::max)]
     }
 
     fn velocity(&self, axis: usize) -> Cow<'_, [f64]> {
         R::field_to_f64(&self.flow.velocity[axis])
     }
 
-    fn vorticity(&self) -> Cow<'_, [f64]> {
-        R::field_to_f64(&self.flow.vorticity)
+    fn vorticity(&self, component: usize) -> Cow<'_, [f64]> {
+        R::field_to_f64(&self.flow.vorticity[component])
     }
 
-    fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; 2] {
+    fn velocity_by(&self, weights: &[(usize, f64)]) -> [f64; D] {
         let component = |u: &[R]| weights.iter().map(|&(point, weight)| weight * u[point].to_f64()).sum();
         self.flow.velocity.each_ref().map(|u| component(u))
     }
@@ -166,35 +192,42 @@ impl<R: Stored> FluidSolver for Solver<R> {
     }
 
     fn squares(&self) -> [f64; 2] {
-        let Flow { velocity: [u, v], vorticity } = &self.flow;
-        let velocity = u.iter().zip(&**v).map(|(u, v)| u.to_f64().powi(2) + v.to_f64().powi(2)).sum();
-        [velocity, vorticity.iter().map(|omega| omega.to_f64().powi(2)).sum()]
+        let Flow { velocity, vorticity } = &self.flow;
+        let velocity = (0..velocity[0].len()).map(|point| square(self.flow.velocity_at(point))).sum();
+        let vorticity = vorticity.iter().flat_map(|omega| omega.iter());
+        [velocity, vorticity.map(|omega| omega.to_f64().powi(2)).sum()]
     }
 
     fn threads(&self) -> usize {
-        self.work.spectral.threads()
+        self.scheme.threads()
     }
 
-    fn state(&self, present: &Present) -> State {
-        R::wrap(SolverState::new(present, &self.flow, self.scheme.memory()))
+    fn fields(&self) -> ByPrecision<D> {
+        R::wrap(Fields { flow: self.flow.clone(), memory: self.scheme.memory() })
     }
 
-    fn save(&self, present: &Present, state: &mut State) {
-        if let Ok(state) = R::of_mut(state) {
-            state.save(present, &self.flow);
-            self.scheme.save(&mut state.memory);
+    fn save(&self, fields: &mut ByPrecision<D>) {
+        if let Ok(fields) = R::of_mut(fields) {
+            fields.flow.copy_from(&self.flow);
+            self.scheme.save(&mut fields.memory);
         }
     }
 
-    fn check_state<'a>(&self, present: &Present, state: &'a State) -> Result<&'a [Stations], Error> {
-        let state = R::of(state)?;
-        state.check(present, &self.flow, self.scheme.fits(&state.memory))
+    fn check(&self, fields: &ByPrecision<D>) -> Result<(), Error> {
+        let fields = R::of(fields)?;
+        let fits = self.flow.has_shape_of(&fields.flow) && self.scheme.fits(&fields.memory);
+        if fits { Ok(()) } else { Err(Error::State("a field")) }
     }
 
-    fn restore(&mut self, state: &State, present: &mut Present) -> Result<(), Error> {
-        let state = R::of(state)?;
-        state.restore(present, &mut self.flow);
-        self.scheme.restore(&state.memory);
+    fn restore(&mut self, fields: &ByPrecision<D>) -> Result<(), Error> {
+        let fields = R::of(fields)?;
+        self.flow.copy_from(&fields.flow);
+        self.scheme.restore(&fields.memory);
         Ok(())
     }
+}
+
+/// Return the square of a vector.
+fn square<const D: usize>(vector: [f64; D]) -> f64 {
+    vector[1..].iter().fold(vector[0] * vector[0], |sum, component| sum + component * component)
 }

@@ -69,7 +69,7 @@ fn stations_have_x_and_y_of_the_box() {
             run(&mut fluid, 1, 2e-3);
         }
         let Loads { force, impedance } = fluid.loads()[0].clone();
-        let body = fluid.force_on_beam(0);
+        let body = fluid.force_on_flexible(0);
         let moment = if transposed { -body.moment } else { body.moment };
         [force[along].clone(), force[across].clone(), impedance, vec![body.force[along], body.force[across], moment]]
     });
@@ -165,7 +165,7 @@ fn each_station_is_announced_its_own_load_impedance_and_moment() {
         run(&mut fluid, 1, 2e-3);
         let arm = |axis: usize, k: usize| position[axis][k] - position[axis][0];
         let announced: f64 = (0..n).map(|k| arm(0, k) * force[1][k] - arm(1, k) * force[0][k]).sum();
-        let exerted = fluid.force_on_beam(0).moment;
+        let exerted = fluid.force_on_flexible(0).moment;
         // The tail of the mask beyond the tip has a longer arm than the section that takes its load; with a wall target
         // it drags more, as the flow goes through the surface there (found 5.7e-6, and 2.2e-6 with a core).
         assert!((exerted / announced - 1.0).abs() < 1e-5, "{mask:?}: announced {announced} N m/m, exerted {exerted}");

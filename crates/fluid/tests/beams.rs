@@ -53,7 +53,7 @@ fn both_beams_get_the_momentum_that_the_fluid_loses() {
     let third = momentum(&fluid);
     for axis in 0..2 {
         let lost = -(1.5 * third[axis] - 2.0 * second[axis] + 0.5 * first[axis]) / h;
-        let parts = [0, 1].map(|beam| fluid.force_on_beam(beam).force[axis]);
+        let parts = [0, 1].map(|beam| fluid.force_on_flexible(beam).force[axis]);
         let sum = parts[0] + parts[1];
         assert!((sum / lost - 1.0).abs() < 1e-9, "axis {axis}: drag {parts:?} N/m, momentum lost {lost}");
         assert!(parts.iter().all(|part| part / sum > 0.1), "axis {axis}: {parts:?}");
@@ -75,7 +75,7 @@ fn beams_keep_what_is_theirs_in_another_order() {
         let sum = |fluid: &Fluid, k: usize| fluid.loads()[k].force[1].iter().sum::<f64>();
         close("load", sum(&one, k), sum(&other, j));
         assert_eq!(one.loads()[k].impedance.len(), one.stations()[k].len());
-        close("moment", one.force_on_beam(k).moment, other.force_on_beam(j).moment);
+        close("moment", one.force_on_flexible(k).moment, other.force_on_flexible(j).moment);
     }
     assert!(one.exchange()[0].work != 0.0, "the lifted beam does work");
     assert_eq!(one.exchange()[1].work, 0.0, "the still one does none");
@@ -114,7 +114,7 @@ fn state_holds_all_beams() {
     let refused = fluid_of(&fewer).restore(&state).unwrap_err().to_string();
     assert!(refused.contains("the list of bodies of the state"), "{refused}");
     let refused = fluid_of(&beams([1, 0])).restore(&state).unwrap_err().to_string();
-    assert!(refused.contains("the list of beams of the state"), "{refused}");
+    assert!(refused.contains("the list of stations of the state"), "{refused}");
 }
 
 /// A wrong station is said with its beam.

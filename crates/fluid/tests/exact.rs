@@ -333,7 +333,7 @@ fn divergence_is_an_error_with_the_time() {
     let mut scene = scene(text, "");
     scene.fluid.as_mut().expect("it has one").time_stepping.max_cfl = 1e9;
     let mut fluid = fluid_of(&scene);
-    fluid.set_velocity(|x, y| [10.0 * (TAU * y).sin() + (3.0 * TAU * x).cos(), 7.0 * (2.0 * TAU * x).cos()]);
+    fluid.set_velocity(|[x, y]| [10.0 * (TAU * y).sin() + (3.0 * TAU * x).cos(), 7.0 * (2.0 * TAU * x).cos()]);
     let error = (0..10_000).find_map(|step| fluid.advance(0.5 * step as f64, 0.5).err());
     let error = error.expect("CFL numbers of a hundred cannot be stable").to_string();
     assert!(error.contains("diverged at t ="), "{error}");

@@ -57,7 +57,7 @@ fn the_bodies_get_the_momentum_that_the_fluid_loses() {
         }
         before = [now, before[0]];
     }
-    let parts = [fluid.force_on_cylinder(0), fluid.force_on_cylinder(1), fluid.force_on_beam(0)];
+    let parts = [fluid.force_on_body(0), fluid.force_on_body(1), fluid.force_on_flexible(0)];
     for axis in 0..2 {
         let sum: f64 = parts.iter().map(|part| part.force[axis]).sum();
         assert!((sum - fluid.force()[axis]).abs() <= 1e-12 * sum.abs(), "{parts:?}");
@@ -83,7 +83,7 @@ fn moments_are_those_of_symmetry() {
             stations.position[1].fill(t * t);
             run(&mut fluid, 1, 1e-3);
         }
-        let beam = fluid.force_on_beam(0);
+        let beam = fluid.force_on_flexible(0);
         assert!(beam.force[1] < -20.0, "{scheme:?}: {beam:?}");
         assert!((beam.moment / beam.force[1] / 0.15 - 1.0).abs() < 1e-9, "{scheme:?}: {beam:?}");
         let load: f64 = fluid.loads()[0].force[1].iter().sum();
@@ -98,7 +98,7 @@ fn moments_are_those_of_symmetry() {
         );
         let mut fluid = fluid_of(&with(pair, scheme));
         run(&mut fluid, 60, 2e-3);
-        let [upper, lower] = [0, 1].map(|k| fluid.force_on_cylinder(k));
+        let [upper, lower] = [0, 1].map(|k| fluid.force_on_body(k));
         assert!(upper.moment.abs() > 1e-4 * upper.force[0], "{upper:?}");
         for (a, b) in
             [(upper.moment, -lower.moment), (upper.force[0], lower.force[0]), (upper.force[1], -lower.force[1])]
@@ -125,7 +125,7 @@ fn probes_read_the_taylor_green_vortex() {
             let mut scene = scene(&text, "");
             scene.fluid.as_mut().expect("it has one").time_stepping.scheme = scheme;
             let mut fluid = fluid_of(&scene);
-            fluid.set_velocity(|x, y| [x.sin() * y.cos(), -x.cos() * y.sin()]);
+            fluid.set_velocity(|[x, y]| [x.sin() * y.cos(), -x.cos() * y.sin()]);
             run(&mut fluid, 2, 1e-3);
             let [u, v] = fluid.probe_velocity(1);
             let centre = fluid.probe_pressure(0);
@@ -170,7 +170,7 @@ fn a_sponge_damps_what_passes_through_it() {
     for scheme in SCHEMES {
         let mut fluid = fluid_of(&with(scene(text, ""), scheme));
         let wave = |x: f64| 0.1 * (TAU * x).sin();
-        fluid.set_velocity(|x, _| [1.0, wave(x)]);
+        fluid.set_velocity(|[x, _]| [1.0, wave(x)]);
         run(&mut fluid, 4000, 5e-4);
         let factor = (-0.6_f64 / (2.0 * 0.2)).exp();
         let grid = *fluid.grid();
@@ -213,8 +213,8 @@ fn bodies_leave_through_one_end_and_come_in_at_the_other() {
                     stations.velocity[0][k] = 8.0 * t;
                 }
                 run(&mut fluid, 1, 2e-3);
-                let (cylinder, beam) = (fluid.force_on_cylinder(0), fluid.force_on_beam(0));
-                history.extend([cylinder.force, [cylinder.moment, beam.moment], beam.force].concat());
+                let (cylinder, beam) = (fluid.force_on_body(0), fluid.force_on_flexible(0));
+                history.extend([cylinder.force.into(), [cylinder.moment, beam.moment], beam.force.into()].concat());
             }
             history
         };
@@ -250,7 +250,7 @@ fn bodies_may_touch() {
         run(&mut fluid, 150, 2e-3);
         let divergence = fluid.divergence();
         assert!(divergence < 1e-12, "{scheme:?}: divergence {divergence}");
-        let forces: Vec<_> = (0..5).map(|k| fluid.force_on_cylinder(k)).collect();
+        let forces: Vec<_> = (0..5).map(|k| fluid.force_on_body(k)).collect();
         assert!(forces.iter().all(|f| f.force[0].is_finite() && f.force[0].abs() > 1.0), "{forces:?}");
         // The mover has gone through the wall, the box's end and back to where it was: one box height on.
         let energy = fluid.kinetic_energy();
@@ -282,8 +282,8 @@ fn both_schemes_agree_on_forces() {
     let forces = SCHEMES.map(|scheme| {
         let mut fluid = fluid_of(&with(three_bodies(), scheme));
         run(&mut fluid, 400, 2.5e-4);
-        let cylinders = [0, 1].map(|k| fluid.force_on_cylinder(k));
-        [cylinders[0], cylinders[1], fluid.force_on_beam(0)]
+        let cylinders = [0, 1].map(|k| fluid.force_on_body(k));
+        [cylinders[0], cylinders[1], fluid.force_on_flexible(0)]
     });
     let scale = forces[0][0].force[0].abs();
     for (a, b) in forces[0].iter().zip(&forces[1]) {
@@ -333,7 +333,7 @@ fn a_circle_is_a_cylinder() {
         run(fluid, 20, 2e-3);
     }
     assert!(one.state() == other.state(), "{:?}, {:?}", one.force(), other.force());
-    assert_eq!([0, 1].map(|k| one.force_on_body(k)), [0, 1].map(|k| other.force_on_cylinder(k)));
+    assert_eq!([0, 1].map(|k| one.force_on_body(k)), [0, 1].map(|k| other.force_on_body(k)));
 }
 
 /// The same body told in other ways: a rectangle as a polygon with its corners elsewhere in its axes, and axes that are

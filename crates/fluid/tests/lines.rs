@@ -44,7 +44,7 @@ fn added_mass(size: f64, points: usize) -> f64 {
     let (h, speed, mut impulse) = (2e-3, 1e-3, 0.0);
     for k in 1..=60 {
         step(&mut fluid, h, |_| [speed * start(k), 0.0]);
-        impulse -= h * fluid.force_on_beam(0).force[0];
+        impulse -= h * fluid.force_on_flexible(0).force[0];
     }
     impulse / (1000.0 * speed)
 }
@@ -83,7 +83,7 @@ fn loads_and_pressure_jump_add_up_to_the_force() {
     let exchanged = fluid.exchange()[0];
     // The stations kept their velocities, so the loads came true but for the change of the flow beside them.
     assert!((exchanged.force[0] / sum - 1.0).abs() < 2e-2, "{} against {sum}", exchanged.force[0]);
-    let force = fluid.force_on_beam(0).force[0];
+    let force = fluid.force_on_flexible(0).force[0];
     let jump = fluid.pressure_jump()[0].clone();
     let along: f64 = (0..40).map(|k| 0.5 * (jump[k] + jump[k + 1]) / 40.0).sum();
     // The left-hand normal of a beam along y is −x.
@@ -103,7 +103,7 @@ fn threads_and_states_change_no_bit() {
     let mut results = Vec::new();
     for fluid in [&mut one, &mut two] {
         (0..5).for_each(|_| step(fluid, 1e-3, |s| [0.3 * s, 0.1]));
-        results.push((fluid.loads()[0].clone(), fluid.vorticity().into_owned(), fluid.pressure_jump()[0].clone()));
+        results.push((fluid.loads()[0].clone(), fluid.vorticity(0).into_owned(), fluid.pressure_jump()[0].clone()));
     }
     assert!(results[0] == results[1], "threads");
     let stations: Stations = {
@@ -112,7 +112,7 @@ fn threads_and_states_change_no_bit() {
     };
     assert_eq!(stations.len(), 41);
     (0..5).for_each(|_| step(&mut one, 1e-3, |s| [0.3 * s, 0.1]));
-    assert!((one.loads()[0].clone(), one.vorticity().into_owned()) == (results[0].0.clone(), results[0].1.clone()));
+    assert!((one.loads()[0].clone(), one.vorticity(0).into_owned()) == (results[0].0.clone(), results[0].1.clone()));
 }
 
 /// The legs of a hairpin, half a cell apart, share grid points: their system has a solution too.
@@ -158,11 +158,11 @@ fn a_plate_is_a_rigid_beam() {
             stations.velocity[1][k] = -rate * arm * sin;
         }
         *plate.displacement_mut(0) =
-            Pose { position: [0.5 * t, 0.0], angle: rate * t, velocity: [0.5, 0.0], omega: rate };
+            Pose { position: [0.5 * t, 0.0].into(), angle: rate * t, velocity: [0.5, 0.0].into(), omega: rate };
         run(&mut beam, 1, h);
         run(&mut plate, 1, h);
     }
-    let (one, other) = (beam.force_on_beam(0), plate.force_on_body(0));
+    let (one, other) = (beam.force_on_flexible(0), plate.force_on_body(0));
     let root = [0, 1].map(|axis| beam.stations()[0].position[axis][0] - plate.pose(0).position[axis]);
     let moment = one.moment + root[0] * one.force[1] - root[1] * one.force[0];
     let size = one.force[0].hypot(one.force[1]);
@@ -173,7 +173,8 @@ fn a_plate_is_a_rigid_beam() {
     ] {
         assert!((found - expected).abs() < 1e-7 * size, "{name}: {found} against {expected}");
     }
-    let Pose { velocity: [u, v], omega, .. } = plate.pose(0);
+    let Pose { velocity, omega, .. } = plate.pose(0);
+    let [u, v]: [f64; 2] = velocity.into();
     let power = other.force[0] * u + other.force[1] * v + other.moment * omega;
     assert!((plate.power_on_body(0) - power).abs() < 1e-9 * power.abs());
 }
@@ -188,7 +189,8 @@ fn added(size: f64, points: usize) -> [f64; 2] {
     for k in 1..=60 {
         let rate = speed * start(k);
         way += h * rate;
-        *plate.displacement_mut(0) = Pose { position: [way, 0.0], angle: way, velocity: [rate, 0.0], omega: rate };
+        *plate.displacement_mut(0) =
+            Pose { position: [way, 0.0].into(), angle: way, velocity: [rate, 0.0].into(), omega: rate };
         run(&mut plate, 1, h);
         let on_plate = plate.force_on_body(0);
         impulses[0] -= h * on_plate.force[0];
@@ -243,7 +245,8 @@ fn a_plate_on_springs_obeys_the_force() {
     let mut rates = Vec::new();
     for _ in 0..30 {
         run(&mut plate, 1, h);
-        let Pose { velocity: [u, v], omega, .. } = plate.pose(0);
+        let Pose { velocity, omega, .. } = plate.pose(0);
+        let [u, v]: [f64; 2] = velocity.into();
         rates.push([u, v, omega]);
     }
     let rate = |i: usize| (1.5 * rates[29][i] - 2.0 * rates[28][i] + 0.5 * rates[27][i]) / h;
@@ -273,7 +276,7 @@ fn a_line_along_a_stream_has_its_friction() {
             "thickness": 0.01, "segments": 40, "surface": "line" }"#;
         let mut fluid = fluid_of(&scene(&text, beam));
         run(&mut fluid, 10 * points, 0.6 / points as f64);
-        let (drag, shear) = (fluid.force_on_beam(0).force[0], &fluid.shear()[0]);
+        let (drag, shear) = (fluid.force_on_flexible(0).force[0], &fluid.shear()[0]);
         let sum: f64 = (0..40).map(|k| 0.5 * (shear[k] + shear[k + 1]) / 40.0).sum();
         assert!((sum / drag - 1.0).abs() < 0.03, "shear {sum} against drag {drag}");
         assert!(shear[1] > 2.0 * shear[20] && shear.iter().all(|stress| *stress > 0.0), "{shear:?}");

@@ -2,20 +2,22 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nervure_fluid::space::{self, Body, Motion, Parameters, Shape, Turn};
-use nervure_fluid::{Filter, Fluid, Law, Precision, Zone};
+use nervure_fluid::{Filter, Fluid, Law, Motion, Outline, Precision, Solid, Turn, Zone};
+
+type Body = nervure_fluid::Body<3>;
+type Parameters = nervure_fluid::Parameters<3>;
 
 fn sine(amplitude: f64, frequency: f64) -> Law {
     let omega = TAU * frequency;
     Law::new(move |t| (amplitude * (omega * t).sin(), amplitude * omega * (omega * t).cos()))
 }
 
-fn made(parameters: &Parameters) -> space::Fluid {
-    space::Fluid::new(parameters).unwrap_or_else(|e| panic!("{e}"))
+fn made(parameters: &Parameters) -> Fluid<3> {
+    Fluid::<3>::new(parameters).unwrap_or_else(|e| panic!("{e}"))
 }
 
-fn still(shape: Shape, position: [f64; 3]) -> Body {
-    Body { shape, position, pivot: [0.0; 3], turn: Turn { axis: [0.0, 0.0, 1.0], angle: 0.0 }, motion: None }
+fn still(shape: Solid, position: [f64; 3]) -> Body {
+    Body::still("the body", shape, position)
 }
 
 /// A cylinder along z in a channel with inflow and sponge, which turns about a line beside its axis while it moves, has
@@ -28,26 +30,25 @@ fn a_long_cylinder_is_a_circle_in_two_dimensions() {
     };
     let mut flat = nervure_fluid::Parameters::new(domain, cells, 3.0, 2e-3, 0.01);
     let mut deep = Parameters::new([domain[0], domain[1], [0.0, depth]], [64, 24, 8], 3.0, 2e-3, 0.01);
-    flat.channel = Some([0.0, 0.41]);
-    deep.walls[1] = flat.channel;
+    flat.walls[1] = Some([0.0, 0.41]);
+    deep.walls[1] = flat.walls[1];
     (flat.inflow, flat.sponge) = (zone([-0.4, -0.2], true, 1e-3), zone([0.9, 1.2], false, 0.2));
     (deep.inflow, deep.sponge) = (flat.inflow.clone(), flat.sponge.clone());
     (flat.initial_velocity, deep.initial_velocity) = ([1.0, 0.0], [1.0, 0.0, 0.0]);
     let (x, y, angle) = (sine(0.02, 2.0), sine(0.03, 1.0), sine(0.5, 1.5));
     flat.bodies = vec![nervure_fluid::Body {
-        // Of a circle two dimensions keep the whole square around it.
-        shape: nervure_fluid::Shape::Ellipse([0.08, 0.08]),
-        position: [0.2, 0.2],
         pivot: [0.03, -0.02],
-        angle: 0.3,
-        motion: Some(nervure_fluid::Motion::Laws { displacement: [x.clone(), y.clone()], angle: angle.clone() }),
+        turn: 0.3,
+        motion: Some(Motion::laws([x.clone(), y.clone()], 1.0, angle.clone())),
+        // Of a circle two dimensions keep the whole square around it.
+        ..nervure_fluid::Body::still("the cylinder", Outline::Ellipse([0.08, 0.08]), [0.2, 0.2])
     }];
+    let round = Solid::Cylinder { axis: 2, radius: 0.08, half_length: f64::INFINITY };
     deep.bodies = vec![Body {
-        shape: Shape::Cylinder { axis: 2, radius: 0.08, half_length: f64::INFINITY },
-        position: [0.2, 0.2, 0.07],
         pivot: [0.03, -0.02, 0.0],
         turn: Turn { axis: [0.0, 0.0, 2.0], angle: 0.3 },
-        motion: Some(Motion { displacement: [x, y, Law::constant(0.0)], axis: [0.0, 0.0, 5.0], angle }),
+        motion: Some(Motion::laws([x, y, Law::constant(0.0)], [0.0, 0.0, 5.0].into(), angle)),
+        ..still(round, [0.2, 0.2, 0.07])
     }];
     // The smooth filter cuts more waves off in space.
     (flat.filter, deep.filter) = (Filter::TwoThirds, Filter::TwoThirds);
@@ -87,11 +88,10 @@ fn axes_are_treated_alike_by_bodies() {
         let mut displacement = [0.05, 0.0, 0.02].map(|amplitude| sine(amplitude, 1.0));
         displacement.rotate_right(turn);
         parameters.bodies = vec![Body {
-            shape: Shape::Ellipsoid(place([0.3, 0.2, 0.15])),
-            position: place([0.05, -0.02, 0.03]),
             pivot: place([0.05, 0.1, -0.03]),
             turn: Turn { axis: place([1.0, 2.0, -1.0]), angle: 0.4 },
-            motion: Some(Motion { displacement, axis: place([2.0, -1.0, 1.0]), angle: sine(0.8, 1.0) }),
+            motion: Some(Motion::laws(displacement, place([2.0, -1.0, 1.0]).into(), sine(0.8, 1.0))),
+            ..still(Solid::Ellipsoid(place([0.3, 0.2, 0.15])), place([0.05, -0.02, 0.03]))
         }];
         let mut fluid = made(&parameters);
         for _ in 0..10 {
@@ -100,7 +100,7 @@ fn axes_are_treated_alike_by_bodies() {
         }
         let force = fluid.force_on_body(0);
         let back = |all: [f64; 3]| [0, 1, 2].map(|axis| all[(axis + turn) % 3]);
-        [back(force.force), back(force.moment), [fluid.power_on_body(0), fluid.kinetic_energy(), 1.0]]
+        [back(force.force.into()), back(force.moment.into()), [fluid.power_on_body(0), fluid.kinetic_energy(), 1.0]]
     });
     for (one, other) in runs[0].as_flattened().iter().zip(runs[1].as_flattened()) {
         assert!((one - other).abs() < 1e-10, "{runs:?}");
@@ -120,15 +120,15 @@ fn an_oscillating_sphere_feels_the_forces_of_stokes() {
     let omega = TAU * frequency;
     let depth = (2.0 * nu / omega).sqrt();
     let q = radius / depth;
-    let motion = |along: bool| Motion {
-        displacement: [sine(if along { 1e-3 } else { 0.0 }, frequency), Law::constant(0.0), Law::constant(0.0)],
-        axis: [0.0, 1.0, 1.0],
-        angle: sine(if along { 0.0 } else { 1e-2 }, frequency),
+    let motion = |along: bool| {
+        let x = sine(if along { 1e-3 } else { 0.0 }, frequency);
+        let angle = sine(if along { 0.0 } else { 1e-2 }, frequency);
+        Motion::laws([x, Law::constant(0.0), Law::constant(0.0)], [0.0, 1.0, 1.0].into(), angle)
     };
     let found = |along: bool| {
         let mut parameters = Parameters::new([[-0.5, 0.5]; 3], [40; 3], density, nu, 5e-3);
         parameters.bodies =
-            vec![Body { motion: Some(motion(along)), ..still(Shape::Sphere(radius), [0.01, 0.0, 0.0]) }];
+            vec![Body { motion: Some(motion(along)), ..still(Solid::Sphere(radius), [0.01, 0.0, 0.0]) }];
         let (mut fluid, h, period) = (made(&parameters), 5e-3, 50);
         // The drag belongs to the end of a step, the momentum of the displaced fluid changes in it.
         let volume = 4.0 / 3.0 * PI * radius.powi(3);
@@ -169,16 +169,15 @@ fn forces_and_states_of_moving_bodies_have_the_same_bits() {
     let mut one = Parameters::new([[-0.5, 0.5]; 3], [48; 3], 2.0, 0.01, 0.01);
     one.precision = Precision::Single;
     one.initial_velocity = [1.0, 0.0, 0.0];
-    let motion =
-        Motion { displacement: [0.05, 0.02, 0.0].map(|a| sine(a, 1.0)), axis: [1.0; 3], angle: sine(0.5, 1.0) };
+    let motion = Motion::laws([0.05, 0.02, 0.0].map(|a| sine(a, 1.0)), [1.0; 3].into(), sine(0.5, 1.0));
     one.bodies = vec![
-        still(Shape::Sphere(0.15), [-0.2, 0.0, 0.0]),
-        Body { motion: Some(motion), ..still(Shape::Cuboid([0.1, 0.08, 0.2]), [0.2, 0.1, 0.0]) },
+        still(Solid::Sphere(0.15), [-0.2, 0.0, 0.0]),
+        Body { motion: Some(motion), ..still(Solid::Cuboid([0.1, 0.08, 0.2]), [0.2, 0.1, 0.0]) },
     ];
     let mut two = one.clone();
     two.threads = 2;
     let mut fluids = [made(&one), made(&two)];
-    let run = |fluid: &mut space::Fluid, steps: usize| {
+    let run = |fluid: &mut Fluid<3>, steps: usize| {
         (0..steps).for_each(|_| fluid.advance(fluid.time(), 0.004).unwrap_or_else(|e| panic!("{e}")));
     };
     fluids.iter_mut().for_each(|fluid| run(fluid, 3));

@@ -2,8 +2,11 @@
 
 use std::f64::consts::PI;
 
-use nervure_fluid::space::{Body, Extent, Flexible, Fluid, Motion, Parameters, Shape, Turn};
-use nervure_fluid::{Error, Law, Mask, Precision};
+use nervure_fluid::{Error, Extent, Flexible, Law, Mask, Motion, Precision, Solid, Turn};
+
+type Body = nervure_fluid::Body<3>;
+type Fluid = nervure_fluid::Fluid<3>;
+type Parameters = nervure_fluid::Parameters<3>;
 
 fn made(parameters: &Parameters) -> Fluid {
     Fluid::new(parameters).unwrap_or_else(|e| panic!("{e}"))
@@ -17,19 +20,19 @@ fn run(fluid: &mut Fluid, steps: usize, h: f64) {
 }
 
 /// A disk across y.
-fn disk(radius: f64) -> Shape {
+fn disk(radius: f64) -> Solid {
     let (nodes, triangles) = scene::Shape::Disk { radius }.surface().expect("it is a surface");
-    Shape::Surface(nodes, triangles)
+    Solid::Surface(nodes, triangles)
 }
 
 /// A plate across y, with lengths along x and z.
-fn plate(length: f64, width: f64) -> Shape {
+fn plate(length: f64, width: f64) -> Solid {
     let (nodes, triangles) = scene::Shape::Plate { length, width: Some(width) }.surface().expect("it is a surface");
-    Shape::Surface(nodes, triangles)
+    Solid::Surface(nodes, triangles)
 }
 
-fn still(shape: Shape, turn: Turn) -> Body {
-    Body { shape, position: [0.01, 0.02, -0.015], pivot: [0.0; 3], turn, motion: None }
+fn still(shape: Solid, turn: Turn) -> Body {
+    Body { turn, ..Body::still("the body", shape, [0.01, 0.02, -0.015]) }
 }
 
 fn about_z(angle: f64) -> Turn {
@@ -72,11 +75,8 @@ fn forces_and_moments_turn_with_the_plate_and_the_stream() {
     let force = |speed: [f64; 3], pivot: [f64; 3], turned: bool| {
         let mut parameters = stream(speed, 1e-2, 24);
         // The axes x, y and z go to y, z and x.
-        let motion = turned.then(|| Motion {
-            displacement: [0.0; 3].map(Law::constant),
-            axis: [1.0; 3],
-            angle: Law::constant(2.0 * PI / 3.0),
-        });
+        let third = || Law::constant(2.0 * PI / 3.0);
+        let motion = turned.then(|| Motion::laws([0.0; 3].map(Law::constant), [1.0; 3].into(), third()));
         let (sin, cos) = (-0.5_f64).sin_cos();
         let at = [cos * pivot[0], sin * pivot[0], pivot[2]];
         let at = if turned { [at[2], at[0], at[1]] } else { at };
@@ -116,11 +116,8 @@ fn moved([x, y, z]: [f64; 3], t: f64) -> [[f64; 3]; 2] {
 /// The plate that moves by laws.
 fn flapping() -> Body {
     let sine = |a: f64| Law::new(move |t: f64| (a * (OMEGA * t).sin(), a * OMEGA * (OMEGA * t).cos()));
-    let motion = Motion {
-        displacement: [Law::constant(0.0), sine(0.1), Law::constant(0.0)],
-        axis: [0.0, 0.0, 2.0],
-        angle: sine(0.6),
-    };
+    let displacement = [Law::constant(0.0), sine(0.1), Law::constant(0.0)];
+    let motion = Motion::laws(displacement, [0.0, 0.0, 2.0].into(), sine(0.6));
     Body { position: [0.0; 3], motion: Some(motion), ..still(plate(0.4, 0.5), about_z(0.0)) }
 }
 
@@ -128,7 +125,7 @@ fn flapping() -> Body {
 #[test]
 fn a_plate_that_laws_move_is_that_whose_nodes_are_set() {
     let mut by_laws = stream([0.5, 0.0, 0.0], 1e-2, 24);
-    let Shape::Surface(rest, triangles) = plate(0.4, 0.5) else { unreachable!("it is a surface") };
+    let Solid::Surface(rest, triangles) = plate(0.4, 0.5) else { unreachable!("it is a surface") };
     let mut by_nodes = by_laws.clone();
     by_laws.bodies = vec![flapping()];
     let (nodes, extent) = (rest.clone(), Extent::Surface(triangles));
@@ -139,12 +136,12 @@ fn a_plate_that_laws_move_is_that_whose_nodes_are_set() {
         for (k, node) in rest.iter().enumerate() {
             let [place, velocity] = moved(*node, end);
             for axis in 0..3 {
-                by_nodes.nodes_mut()[0].position[axis][k] = place[axis];
-                by_nodes.nodes_mut()[0].velocity[axis][k] = velocity[axis];
+                by_nodes.stations_mut()[0].position[axis][k] = place[axis];
+                by_nodes.stations_mut()[0].velocity[axis][k] = velocity[axis];
             }
         }
         [&mut by_laws, &mut by_nodes].into_iter().for_each(|fluid| run(fluid, 1, 2e-3));
-        let [found, expected] = [by_laws.force_on_body(0).force, by_nodes.force_on_thin(0).force];
+        let [found, expected] = [by_laws.force_on_body(0).force, by_nodes.force_on_flexible(0).force];
         // The first step differs: nodes at rest have no velocity at t = 0.
         for axis in (0..3).filter(|_| step > 0) {
             let off = (found[axis] - expected[axis]).abs();
@@ -162,7 +159,7 @@ fn threads_and_states_of_a_moving_plate_change_no_bit() {
     for precision in [Precision::Double, Precision::Single] {
         let parameters = |threads: usize| {
             let mut parameters = stream([0.5, 0.0, 0.0], 1e-2, 24);
-            let ball = Body { position: [0.3, 0.2, 0.0], ..still(Shape::Sphere(0.1), about_z(0.0)) };
+            let ball = Body { position: [0.3, 0.2, 0.0], ..still(Solid::Sphere(0.1), about_z(0.0)) };
             parameters.bodies = vec![flapping(), ball, still(disk(0.2), about_z(1.0))];
             (parameters.precision, parameters.threads) = (precision, threads);
             parameters
@@ -186,7 +183,7 @@ fn threads_and_states_of_a_moving_plate_change_no_bit() {
 #[test]
 fn a_surface_without_triangles_or_with_too_many_markers_is_refused() {
     for shape in
-        [Shape::Surface(vec![[0.0; 3]], vec![]), Shape::Surface(vec![[0.0; 3]; 3], vec![[0, 1, 3]]), plate(1e5, 1.0)]
+        [Solid::Surface(vec![[0.0; 3]], vec![]), Solid::Surface(vec![[0.0; 3]; 3], vec![[0, 1, 3]]), plate(1e5, 1.0)]
     {
         let mut parameters = stream([0.0; 3], 1.0, 16);
         parameters.bodies = vec![still(shape, about_z(0.0))];

@@ -3,8 +3,11 @@
 
 use std::f64::consts::PI;
 
-use nervure_fluid::space::{Extent, Flexible, Fluid, Parameters};
-use nervure_fluid::{Error, Filter, Law, Precision};
+use nervure_fluid::{Error, Extent, Filter, Law, Precision};
+
+type Flexible = nervure_fluid::Flexible<3>;
+type Fluid = nervure_fluid::Fluid<3>;
+type Parameters = nervure_fluid::Parameters<3>;
 use scene::{ROD_SECTION_CELLS, WingMesh};
 
 fn made(parameters: &Parameters) -> Fluid {
@@ -24,7 +27,10 @@ fn disk(diameter: f64, along: usize, [x, y, z]: [f64; 3]) -> Flexible {
 
 /// A line along z through a box of a depth (m), a quarter of a cell of 1/32 m beside the middle of x and y.
 fn line(depth: f64) -> Flexible {
-    body((0..=20).map(|k| [0.25 / 32.0, 0.25 / 32.0, depth * f64::from(k) / 20.0]).collect(), Extent::Line)
+    body(
+        (0..=20).map(|k| [0.25 / 32.0, 0.25 / 32.0, depth * f64::from(k) / 20.0]).collect(),
+        Extent::Line { free: [true; 2] },
+    )
 }
 
 /// Length (m) of a line that closes over a periodic box of 0.25 m, after its free ends are drawn in by 0.4 cells of
@@ -33,7 +39,7 @@ const CLOSED: f64 = 0.25 + 0.8 / 32.0;
 
 /// Let the nodes move for a step of `h` seconds with a velocity, given at their place.
 fn step(fluid: &mut Fluid, h: f64, velocity: impl Fn([f64; 3]) -> [f64; 3]) {
-    for nodes in fluid.nodes_mut() {
+    for nodes in fluid.stations_mut() {
         for k in 0..nodes.len() {
             let velocity = velocity(nodes.position.each_ref().map(|axis| axis[k]));
             for (axis, velocity) in velocity.into_iter().enumerate() {
@@ -54,7 +60,7 @@ fn added_mass(parameters: &mut Parameters) -> f64 {
     for k in 0..36 {
         let share = (f64::from(k + 1) / 20.0).min(1.0);
         step(&mut fluid, h, |_| [speed * (0.5 * PI * share).sin().powi(2), 0.0, 0.0]);
-        impulse -= h * fluid.force_on_thin(0).force[0];
+        impulse -= h * fluid.force_on_flexible(0).force[0];
     }
     impulse / (parameters.density * speed)
 }
@@ -88,7 +94,7 @@ fn across_a_slow_stream(turn: usize) -> f64 {
     parameters.initial_velocity = speed;
     let mut fluid = made(&parameters);
     (0..80).for_each(|_| step(&mut fluid, 4e-3, |_| [0.0; 3]));
-    fluid.force_on_thin(0).force[turn] / (0.25 * 1e-4)
+    fluid.force_on_flexible(0).force[turn] / (0.25 * 1e-4)
 }
 
 /// The radius of a line in a slow stream is exp(mean ln|Y|), Y being the difference of two points of the kernel: a
@@ -158,7 +164,7 @@ fn the_fluid_loses_what_the_bodies_take() {
 /// Loads, fields and forces have the same bits on two threads and from a saved state; single precision is near.
 #[test]
 fn threads_and_states_change_no_bit() {
-    let result = |fluid: &Fluid| (fluid.loads().to_vec(), fluid.velocity(1).into_owned(), fluid.force_on_thin(1));
+    let result = |fluid: &Fluid| (fluid.loads().to_vec(), fluid.velocity(1).into_owned(), fluid.force_on_flexible(1));
     let mut firsts = Vec::new();
     for precision in [Precision::Double, Precision::Single] {
         let (mut one, mut two) = (made(&turning(precision, 1)), made(&turning(precision, 2)));
@@ -187,7 +193,7 @@ fn a_floppy_sheet_without_mass_goes_with_the_stream() {
         let (mut fluid, h) = (made(&parameters), 5e-3);
         for _ in 0..60 {
             let loads = fluid.loads()[0].clone();
-            let nodes = &mut fluid.nodes_mut()[0];
+            let nodes = &mut fluid.stations_mut()[0];
             for k in 0..nodes.len() {
                 for axis in 0..3 {
                     let (before, mass) = (nodes.velocity[axis][k], 1e-9);
@@ -200,7 +206,7 @@ fn a_floppy_sheet_without_mass_goes_with_the_stream() {
             let t = fluid.time();
             fluid.advance(t, h).unwrap_or_else(|e| panic!("{e}"));
         }
-        let along = &fluid.nodes()[0].velocity[0];
+        let along = &fluid.stations()[0].velocity[0];
         let [least, most] = [along.iter().copied().fold(1.0, f64::min), along.iter().copied().fold(0.0, f64::max)];
         assert!(least > 0.25 && most < 0.55 && most - least < 0.15, "{least} to {most} m/s");
     }
@@ -221,13 +227,14 @@ fn impossible_nodes_are_refused_by_name() {
     turn(&mut fluid, 2);
     let before = fluid.state();
     for (axis, value) in [(0, f64::NAN), (1, 40.0), (2, f64::INFINITY)] {
-        fluid.nodes_mut()[1].position[axis][3] = value;
+        fluid.stations_mut()[1].position[axis][3] = value;
         let error = fluid.advance(0.01, 5e-3).expect_err("the node is nowhere");
-        assert!(matches!(error, Error::Node { node: 4, .. }), "{error}");
+        assert!(matches!(&error, Error::Station { place, .. } if place.contains(" 4 of the body")), "{error}");
         fluid.restore(&before).unwrap_or_else(|e| panic!("{e}"));
     }
-    fluid.nodes_mut()[0].velocity[0][0] = 1e7;
-    assert!(matches!(fluid.advance(0.01, 5e-3), Err(Error::Node { node: 1, .. })));
+    fluid.stations_mut()[0].velocity[0][0] = 1e7;
+    let error = fluid.advance(0.01, 5e-3).expect_err("the node is too fast");
+    assert!(matches!(&error, Error::FastStation { place, .. } if place.contains(" 1 of the body")), "{error}");
     let mut parameters = turning(Precision::Double, 1);
     for extent in [Extent::Surface(vec![]), Extent::Surface(vec![[0, 1, 99]])] {
         parameters.flexible = vec![body(vec![[0.0; 3]; 3], extent)];

@@ -5,9 +5,11 @@ mod common;
 #[allow(dead_code, reason = "only its scenes are wanted")]
 mod measures;
 
+use std::sync::Arc;
+
 use common::{fluid_of, run, scene};
 use measures::{BEAM, CYLINDER_IN_CHANNEL};
-use nervure_fluid::{Error, Fluid};
+use nervure_fluid::{Body, Error, Fluid, Law, Motion, Outline, Parameters, Precision, Shape, Solid, Solvable};
 use scene::{Mask, TimeScheme};
 
 /// Set the tip's velocity (m/s) at the end of the coming step.
@@ -44,7 +46,7 @@ fn a_failed_step_leaves_everything_as_it_was() {
         // A flow near the fastest that there may be is too fast where it goes around the cylinder.
         set_tip(&mut fluid, 0.05);
         let speed = 0.999 * fastest / fluid.grid().spacing[1] * fluid.grid().spacing[0];
-        fluid.set_velocity(|_, _| [speed, 0.0]);
+        fluid.set_velocity(|[_, _]| [speed, 0.0]);
         let (mut before, mut pressure) = (fluid.state(), fluid.pressure());
         let result = (0..10).find_map(|_| {
             (before, pressure) = (fluid.state(), fluid.pressure());
@@ -62,4 +64,50 @@ fn a_failed_step_leaves_everything_as_it_was() {
         assert!(fluid.state() == other.state(), "{scheme:?}, {max_step} s: what follows has other bits");
         assert_eq!(fluid.pressure_jump(), other.pressure_jump(), "{scheme:?}, {max_step} s");
     }
+}
+
+/// A body that jumps to a speed for which the flow around it is too fast is refused in the only step of a communication
+/// step, after the new flow has been found: flow, memory and bodies stay, and a step that is possible goes on from them.
+fn a_refused_step_changes_nothing<const D: usize>(shape: Arc<dyn Shape<D>>, axis: nervure_fluid::Spin<D>)
+where
+    [f64; D]: Solvable<D>,
+{
+    for (precision, threads) in [(Precision::Double, 1), (Precision::Single, 2)] {
+        let h = 1e-2;
+        let with_jump = |speed: f64| {
+            let mut parameters = Parameters::<D>::new([[0.0, 1.0]; D], [48; D], 1.0, 1e-2, h);
+            (parameters.precision, parameters.threads) = (precision, threads);
+            parameters.initial_velocity[0] = 0.1;
+            let mut displacement = [(); D].map(|()| Law::constant(0.0));
+            displacement[1] = Law::new(move |t| (0.0, if t < 5.5 * h { 0.2 } else { speed }));
+            let motion = Some(Motion::laws(displacement, axis, Law::constant(0.0)));
+            parameters.bodies = vec![Body { motion, ..Body::still("the ball", shape.clone(), [0.5; D]) }];
+            Fluid::new(&parameters).unwrap_or_else(|e| panic!("{e}"))
+        };
+        let fastest = 100.0 * 0.4 / h / 48.0;
+        let [mut fluid, mut slow] = [2.0 * fastest, 0.2].map(with_jump);
+        for step in 0..5 {
+            for own in [&mut fluid, &mut slow] {
+                own.advance(h * f64::from(step), h).unwrap_or_else(|e| panic!("{e}"));
+            }
+        }
+        let (before, pressure) = (fluid.state(), fluid.pressure());
+        let refused = fluid.advance(5.0 * h, h);
+        assert!(matches!(refused, Err(Error::Diverged { .. })), "{precision:?}: {refused:?}");
+        assert!(fluid.state() == before, "{precision:?}: the state is another");
+        assert!(fluid.pressure() == pressure, "{precision:?}: the pressure is another");
+        let ahead = slow.advance(5.0 * h, h).map(|()| slow.state());
+        slow.restore(&before).unwrap_or_else(|e| panic!("{e}"));
+        let again = slow.advance(5.0 * h, h).map(|()| slow.state());
+        assert!(
+            ahead.is_ok_and(|ahead| again.is_ok_and(|again| again == ahead)),
+            "{precision:?}: it goes on otherwise"
+        );
+    }
+}
+
+#[test]
+fn a_refused_step_changes_nothing_in_the_plane_and_in_space() {
+    a_refused_step_changes_nothing::<2>(Outline::Circle(0.15).into(), 1.0);
+    a_refused_step_changes_nothing::<3>(Solid::Sphere(0.15).into(), [0.0, 0.0, 1.0].into());
 }

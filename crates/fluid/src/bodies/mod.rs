@@ -1,126 +1,138 @@
 //! The bodies at their present places, and the drag that they exert on the fluid.
 
 mod beam;
-mod body_pose;
 mod cells;
-mod frame;
-mod mask;
 mod measure;
 mod mount;
-mod polygon;
 mod pose;
 mod rigid;
-mod search;
-mod section;
-mod shape;
-mod stations;
-mod vector;
-
-use std::mem::swap;
 
 use line_fft::Real;
 
 use crate::field::Field;
 use crate::force::{BodyForce, Exchange, Force};
 use crate::grid::Grid;
-use crate::parameters::{Body, Parameters, Surface};
+use crate::parameters::Parameters;
+use crate::space::{Freedoms, Space, Vector, split};
+use crate::stations::Stations;
 use crate::wall::DragProfile;
 use crate::zone::DrivingZone;
 
 pub use beam::Beam;
-pub use body_pose::Pose;
 pub use cells::Cell;
 use cells::{Cells, Painted};
-use measure::{Measured, Walls};
-pub use mount::Carried;
-pub use mount::Drag;
-use mount::Release;
-use pose::BeamPose;
-use rigid::Rigid;
-pub use stations::{Loads, Stations};
-pub use vector::{difference, unit};
+use mount::SpringStep;
+pub use mount::{Carried, Drag};
+pub use pose::Pose;
+pub use rigid::Rigid;
 
 /// Walls, zones, rigid bodies and beams with a mask, as a field of drag and as cells.
-pub struct Bodies {
-    /// The cylinders, then the other rigid bodies.
-    rigid: Vec<Rigid>,
-    /// Number of cylinders.
-    cylinders: usize,
+pub struct Bodies<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    /// The rigid bodies.
+    pub rigid: Vec<Rigid<D>>,
     /// The beams with a mask.
-    beams: Vec<Beam>,
-    /// Total drag rate Σ a_b, 1/s, `[nx, ny]`; absent without a body.
+    pub beams: Vec<Beam<D>>,
+    zones: Vec<DrivingZone>,
+    /// Total drag rate Σ a_b, 1/s; absent without a solid.
     rate: Option<Field<f64>>,
     painted: Painted,
     /// Density of the fluid, kg/m³.
     density: f64,
-    /// Mass of the fluid in a cell, kg per metre of depth.
+    /// Mass of the fluid in a cell, kg.
     pub cell_mass: f64,
-    /// Room for predicted poses, while none are in use.
-    spare: Option<Vec<BeamPose>>,
 }
-
-/// The beams at their predicted stations; made by [`Bodies::predict`] for [`Bodies::move_to_predicted`].
-pub struct PredictedBeams(Vec<BeamPose>);
 
 /// The bodies without the field of their drag.
-pub struct MovingBodies<'a> {
-    rigid: &'a mut [Rigid],
-    beams: &'a mut [Beam],
+pub struct MovingBodies<'a, const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    rigid: &'a mut [Rigid<D>],
+    beams: &'a mut [Beam<D>],
 }
 
-impl MovingBodies<'_> {
-    /// Move the bodies to their places at a time (s), those without a law by `displacements` from rest, and the beams
-    /// from the stations `before` to `stations`.
-    pub fn place(
-        &mut self,
-        time: f64,
-        displacements: &[Pose],
-        stations: &[Stations],
-        before: &[Stations],
-        grid: &Grid,
-    ) {
-        let mut displacements = displacements.iter().peekable();
+/// Where the bodies are put: at a time (s), those without a law by displacements from rest, and the flexible ones from
+/// the stations `before` to `stations`.
+#[derive(Clone, Copy)]
+pub struct Placement<'a, const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    /// Time, s.
+    pub time: f64,
+    /// Displacements of the bodies that laws do not move.
+    pub displacements: &'a [Pose<D>],
+    /// Stations of the flexible bodies.
+    pub stations: &'a [Stations<D>],
+    /// Stations at the beginning of the step.
+    pub before: &'a [Stations<D>],
+}
+
+impl<const D: usize> MovingBodies<'_, D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Move the bodies.
+    pub fn place(&mut self, to: &Placement<D>, grid: &Grid<D>) {
+        let mut displacements = to.displacements.iter().peekable();
         for rigid in self.rigid.iter_mut().filter(|rigid| rigid.moves()) {
             match displacements.next_if(|_| rigid.is_carried()) {
                 Some(displacement) => rigid.place(rigid.pose_of(displacement), grid),
-                None => rigid.follow(time, grid),
+                None => rigid.follow(to.time, grid),
             }
         }
-        for beam in &mut *self.beams {
-            beam.place(&stations[beam.number], &before[beam.number], grid);
-        }
+        self.beams.iter_mut().for_each(|beam| beam.place(to.stations, to.before, grid));
     }
 
     /// Let bodies with a wall target sample the flow; `velocity` gives it at a grid point, m/s.
-    pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
+    pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; D]) {
         self.rigid.iter_mut().for_each(|rigid| rigid.cells.sample(&velocity));
-        self.beams.iter_mut().for_each(|beam| beam.pose.cells.sample(&velocity));
+        self.beams.iter_mut().for_each(|beam| beam.cells_mut().sample(&velocity));
     }
 }
 
-impl Bodies {
+impl<const D: usize> Bodies<D>
+where
+    [f64; D]: Space<D>,
+{
     /// The bodies at t = 0, the still ones painted.
-    pub fn new(parameters: &Parameters, zones: &[DrivingZone], grid: &Grid) -> Self {
-        let &Parameters { ref mask, kinematic_viscosity: nu, density, channel, .. } = parameters;
-        let bodies = parameters.cylinders.iter().map(Body::from).chain(parameters.bodies.iter().cloned());
-        let rigid: Vec<_> = bodies.map(|body| Rigid::new(body, grid, mask, nu, density)).collect();
-        let masked = parameters.beams.iter().enumerate().filter(|(_, beam)| beam.surface == Surface::Mask);
-        let beams: Vec<_> = masked.map(|(number, beam)| Beam::new(number, beam, grid, mask, nu)).collect();
-        let thick = !beams.is_empty() || rigid.iter().any(|rigid| !rigid.is_line());
-        let any = !zones.is_empty() || channel.is_some() || thick;
+    pub fn new(parameters: &Parameters<D>, grid: &Grid<D>) -> Self {
+        let &Parameters { ref mask, kinematic_viscosity: nu, density, ref walls, .. } = parameters;
+        let zones = DrivingZone::all([&parameters.inflow, &parameters.sponge], mask, nu, walls[1], grid);
+        let rigid: Vec<_> = parameters.bodies.iter().map(|body| Rigid::new(body, grid, mask, nu, density)).collect();
+        let beams = Beam::all(parameters, grid);
+        let has_walls = walls.iter().any(Option::is_some);
+        let thick = !beams.is_empty() || rigid.iter().any(|rigid| !rigid.is_thin());
+        let any = !zones.is_empty() || has_walls || thick;
         let mut bodies = Self {
             rigid,
-            cylinders: parameters.cylinders.len(),
             beams,
+            zones,
             rate: any.then(|| Field::uniform(0.0, grid.len())),
             painted: Painted::default(),
             density,
             cell_mass: density * grid.cell_volume(),
-            spare: None,
         };
-        let walls = channel.map(|y| Walls { y, period: grid.size[1] });
-        bodies.paint_still(walls, zones, &DragProfile::new(mask, mask.c_eta(), nu, grid.cell_size()), grid);
+        bodies.paint_still(walls, &DragProfile::new(mask, mask.c_eta(), nu, grid.cell_size()), grid);
         bodies
+    }
+
+    fn paint_still(&mut self, walls: &[Option<[f64; 2]>; D], profile: &DragProfile, grid: &Grid<D>) {
+        let Some(rate) = &mut self.rate else { return };
+        if walls.iter().any(Option::is_some) {
+            let rates = rate.iter_mut().enumerate();
+            rates.for_each(|(point, rate)| *rate += profile.rate(distance_from(walls, grid, point)));
+        }
+        let plane = grid.len() / grid.cells[0];
+        for &(i, zone) in self.zones.iter().flat_map(|zone| &zone.columns) {
+            rate[i * plane..(i + 1) * plane].iter_mut().for_each(|r| *r += zone);
+        }
+        for rigid in self.rigid.iter().filter(|rigid| !rigid.changes()) {
+            rigid.cells.iter().for_each(|cell| rate[cell.index] += cell.rate);
+        }
     }
 
     /// Return the grid points in which changing bodies are painted, with the total drag rate, 1/s. A point that two
@@ -130,136 +142,80 @@ impl Bodies {
         self.painted.points().map(|point| (point, rate[point]))
     }
 
-    fn paint_still(&mut self, walls: Option<Walls>, zones: &[DrivingZone], profile: &DragProfile, grid: &Grid) {
-        let Some(rate) = &mut self.rate else { return };
-        let [nx, ny] = grid.cells;
-        if let Some(walls) = walls {
-            for j in 0..ny {
-                let wall = profile.rate(walls.measure(&grid.point(j)).distance());
-                (0..nx).for_each(|i| rate[i * ny + j] += wall);
-            }
-        }
-        for &(i, zone) in zones.iter().flat_map(|zone| &zone.columns) {
-            rate[i * ny..(i + 1) * ny].iter_mut().for_each(|r| *r += zone);
-        }
-        for rigid in self.rigid.iter().filter(|rigid| !rigid.changes()) {
-            rigid.cells.iter().for_each(|cell| rate[cell.index] += cell.rate);
-        }
-    }
-
-    /// Return the number of cylinders.
-    pub fn cylinders(&self) -> usize {
-        self.cylinders
-    }
-
-    /// Return the number of rigid bodies, with the cylinders.
-    pub fn rigid(&self) -> usize {
-        self.rigid.len()
-    }
-
-    /// Return place and motion of a rigid body; the cylinders are the first.
-    pub fn pose(&self, rigid: usize) -> Pose {
-        self.rigid[rigid].pose
-    }
-
-    /// Return place and motion of a rigid body at a displacement from rest.
-    pub fn displaced_pose(&self, rigid: usize, displacement: &Pose) -> Pose {
-        self.rigid[rigid].pose_of(displacement)
-    }
-
-    /// Return the power (W/m) of a force on a rigid body.
-    pub fn power(&self, rigid: usize, force: &Force) -> f64 {
-        self.rigid[rigid].power(force.force, force.moment)
-    }
-
-    /// Return the total drag rate Σ a_b, 1/s, `[nx, ny]`; none without a body.
+    /// Return the total drag rate Σ a_b, 1/s; none without a solid.
     pub fn rate(&self) -> Option<&[f64]> {
         self.rate.as_deref()
     }
 
-    /// Move the bodies as [`MovingBodies::place`] does, and paint them.
-    pub fn place(
-        &mut self,
-        time: f64,
-        displacements: &[Pose],
-        stations: &[Stations],
-        before: &[Stations],
-        grid: &Grid,
-    ) {
-        self.moving().place(time, displacements, stations, before, grid);
+    /// Move the bodies, and paint them.
+    pub fn place(&mut self, to: &Placement<D>, grid: &Grid<D>) {
+        self.moving().place(to, grid);
         self.paint();
     }
 
-    /// Return the numbers of the rigid bodies that the master or the fluid moves, and whether each is on springs.
-    pub fn carried(&self) -> impl Iterator<Item = (usize, bool)> {
-        let numbered = self.rigid.iter().enumerate().filter(|(_, rigid)| rigid.is_carried());
-        numbered.map(|(k, rigid)| (k, rigid.mount().is_some()))
+    /// Return the rigid bodies that the master or the fluid moves, each with its number.
+    pub fn carried(&self) -> impl Iterator<Item = (usize, &Rigid<D>)> {
+        self.rigid.iter().enumerate().filter(|(_, rigid)| rigid.is_carried())
     }
 
-    /// Let the bodies on springs move: find their velocities together with the drag of the fluid, and add what the
+    /// Let the solid bodies on springs move: find their velocities together with the drag of the fluid, and add what the
     /// change does to `u*` to `w`.
     ///
-    /// `c` are the coefficients of the backward differences; `u_star(axis, index, w)` is `u*` at a grid point.
-    pub fn release<R: Real>(
+    /// `c` are the coefficients of the backward differences; `u_star(point, w)` is `u*` at a grid point.
+    pub fn solve_springs<R: Real>(
         &mut self,
         c: [f64; 3],
-        carried: &[Carried],
-        u_star: impl Fn(usize, usize, f64) -> f64,
-        w: &mut [Field<R>; 2],
+        carried: &[Carried<D>],
+        u_star: impl Fn(usize, [f64; D]) -> [f64; D],
+        w: &mut [Field<R>; D],
     ) {
         let Some(rate) = &self.rate else { return };
         for (rigid, carried) in self.rigid.iter_mut().filter(|rigid| rigid.is_carried()).zip(carried) {
-            let Some(&mount) = rigid.mount().filter(|_| !rigid.is_line()) else { continue };
+            if rigid.is_thin() || rigid.mount().is_none() {
+                continue;
+            }
             let mut drag = Drag::default();
             for cell in rigid.cells.iter() {
                 let share = cell.rate / (c[0] + rate[cell.index]);
-                let slip =
-                    [0, 1].map(|axis| u_star(axis, cell.index, w[axis][cell.index].to_f64()) - cell.velocity[axis]);
+                let at_point = std::array::from_fn(|axis| w[axis][cell.index].to_f64());
+                let slip = Vector::from(u_star(cell.index, at_point)) - cell.velocity;
                 let weight = self.cell_mass * cell.rate;
-                drag.add(slip.map(|slip| weight * slip), cell.gain.map(|gain| weight * gain * (1.0 - share)), cell.arm);
+                drag.add(weight * slip, cell.gain.map(|gain| weight * gain * (1.0 - share)), &cell.arm);
             }
-            let fluid = rigid.displaced_inertia(self.density);
-            let release = Release { mount, carried, c, fluid, predicted: rigid.pose.rates() };
-            let released = release.solve(&drag);
-            let [u, v, omega] = released.change;
+            let Some(change) = rigid.solve_springs(c, carried, self.density, &drag) else { continue };
             for cell in rigid.cells.iter_mut() {
                 let share = cell.rate / (c[0] + rate[cell.index]);
-                let change = [u - omega * cell.arm[1], v + omega * cell.arm[0]];
+                let change = velocity_of(&change, &cell.arm);
                 for (axis, w) in w.iter_mut().enumerate() {
                     let change = cell.gain[axis] * change[axis];
                     cell.velocity[axis] += change;
                     w[cell.index] = R::rounded(w[cell.index].to_f64() + share * change);
                 }
             }
-            rigid.released = Some(released);
         }
     }
 
-    /// Return whether a rigid body is on springs.
-    pub fn is_on_springs(&self, rigid: usize) -> bool {
-        self.rigid[rigid].mount().is_some()
-    }
-
-    /// Let a line on springs move under a drag, as [`Self::release`] does; return the change of the velocities of its
-    /// pivot and its angle, none if the line is not on springs.
-    pub fn release_line(&mut self, rigid: usize, c: [f64; 3], carried: &[Carried], drag: &Drag) -> Option<[f64; 3]> {
-        let place = self.carried().position(|(own, on_springs)| own == rigid && on_springs)?;
-        let rigid = &mut self.rigid[rigid];
-        let (fluid, predicted) = (rigid.displaced_inertia(self.density), rigid.pose.rates());
-        let release = Release { mount: *rigid.mount()?, carried: &carried[place], c, fluid, predicted };
-        let released = release.solve(drag);
-        rigid.released = Some(released);
-        Some(released.change)
+    /// Let a thin body on springs move under a drag, as [`Self::solve_springs`] does; return the change of its
+    /// velocities along the freedoms, none if it is not on springs.
+    pub fn solve_springs_of(
+        &mut self,
+        rigid: usize,
+        c: [f64; 3],
+        carried: &[Carried<D>],
+        drag: &Drag<D>,
+    ) -> Option<Freedoms> {
+        let place = self.carried().position(|(own, _)| own == rigid)?;
+        self.rigid[rigid].solve_springs(c, &carried[place], self.density, drag)
     }
 
     /// Put the bodies that laws do not move to where they are after a step in which they were placed by
     /// `displacements`, and write that.
-    pub fn settle(&mut self, displacements: &[Pose], carried: &mut [Carried]) {
+    pub fn commit(&mut self, displacements: &[Pose<D>], carried: &mut [Carried<D>]) {
         let bodies = self.rigid.iter_mut().filter(|rigid| rigid.is_carried());
         for ((rigid, carried), placed) in bodies.zip(carried).zip(displacements) {
-            let (now, acceleration) = match &rigid.released {
-                Some(released) => (released.displacement, released.acceleration),
-                None => (*placed, [0.0; 3]),
+            let (now, acceleration) = match &rigid.spring_motion {
+                Some(found) => (found.displacement, found.acceleration),
+                None => (*placed, [0.0; 6]),
             };
             *carried = Carried { now, before: carried.now, acceleration };
             rigid.pose = rigid.pose_of(&now);
@@ -267,84 +223,97 @@ impl Bodies {
     }
 
     /// Let bodies with a wall target sample the flow, and paint them; `velocity` gives the flow at a grid point, m/s.
-    pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; 2]) {
+    pub fn sample(&mut self, velocity: impl Fn(usize) -> [f64; D]) {
         self.moving().sample(velocity);
         self.paint();
     }
 
     /// Return the bodies, to be moved and to sample before they are painted.
-    pub fn moving(&mut self) -> MovingBodies<'_> {
+    pub fn moving(&mut self) -> MovingBodies<'_, D> {
         MovingBodies { rigid: &mut self.rigid, beams: &mut self.beams }
     }
 
     /// Return the drag rate of still bodies (1/s), and the bodies, to be moved while the rate is read and then to be
     /// painted with [`Self::paint`].
-    pub fn split_static(&mut self) -> (Option<&[f64]>, MovingBodies<'_>) {
+    pub fn split_still(&mut self) -> (Option<&[f64]>, MovingBodies<'_, D>) {
         if let Some(rate) = &mut self.rate {
             self.painted.erase(rate);
         }
         (self.rate.as_deref(), MovingBodies { rigid: &mut self.rigid, beams: &mut self.beams })
     }
 
-    /// Return the beams at the stations `ahead`, to which they move from `stations`.
-    pub fn predict(&mut self, ahead: &[Stations], stations: &[Stations], grid: &Grid) -> PredictedBeams {
-        let room = || self.beams.iter().map(|beam| beam.pose.clone()).collect();
-        let mut poses: Vec<BeamPose> = self.spare.take().unwrap_or_else(room);
-        for (beam, pose) in self.beams.iter_mut().zip(&mut poses) {
-            beam.find_cells(pose, &ahead[beam.number], &stations[beam.number], grid);
-        }
-        PredictedBeams(poses)
+    /// Return the cells of the bodies whose drag changes: those that move or have a wall target.
+    fn changing(&self) -> impl Iterator<Item = &Cells<D>> {
+        let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
+        rigid.chain(self.beams.iter().map(Beam::cells))
     }
 
-    /// Move the beams to predicted stations; [`Self::sample`] paints them.
-    pub fn move_to_predicted(&mut self, PredictedBeams(mut poses): PredictedBeams) {
-        self.beams.iter_mut().zip(&mut poses).for_each(|(beam, pose)| swap(&mut beam.pose, pose));
-        self.spare = Some(poses);
-    }
-
-    /// Paint the bodies whose drag changes: those that move or have a wall target.
+    /// Paint the bodies whose drag changes.
     pub fn paint(&mut self) {
-        let Some(rate) = &mut self.rate else { return };
-        self.painted.erase(rate);
-        let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
-        for cells in rigid.chain(self.beams.iter().map(|beam| &beam.pose.cells)) {
-            self.painted.add(cells, rate);
-        }
+        let Self { rate: Some(rate), painted, rigid, beams, .. } = self else { return };
+        painted.erase(rate);
+        let rigid = rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
+        rigid.chain(beams.iter().map(Beam::cells)).for_each(|cells| painted.add(cells, rate));
     }
 
-    /// Add `weight(Σ a) a_b u_b` of all bodies to `w`.
-    pub fn add_velocities<R: Real>(&self, weight: impl Fn(f64) -> f64, w: &mut [Field<R>; 2]) {
+    /// Add `weight(Σ a) a_b u_b` of all zones and bodies at a time (s) to `w`.
+    pub fn add_velocities<R: Real>(
+        &self,
+        time: f64,
+        weight: impl Fn(f64) -> f64,
+        grid: &Grid<D>,
+        w: &mut [Field<R>; D],
+    ) {
         let Some(rate) = &self.rate else { return };
-        let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
-        let beams = self.beams.iter().map(|beam| &beam.pose.cells);
-        for cell in rigid.chain(beams).flat_map(Cells::iter) {
+        let (plane, row) = (grid.len() / grid.cells[0], grid.len() / (grid.cells[0] * grid.cells[1]));
+        for DrivingZone { mean_velocity, columns, shape } in &self.zones {
+            let mean = mean_velocity.value(time);
+            for &(i, zone) in columns {
+                let points = i * plane..(i + 1) * plane;
+                let rows = w[0][points.clone()].chunks_exact_mut(row).zip(rate[points].chunks_exact(row));
+                for ((w, rate), shape) in rows.zip(shape) {
+                    for (w, rate) in w.iter_mut().zip(rate) {
+                        *w = R::rounded(w.to_f64() + weight(*rate) * zone * mean * shape);
+                    }
+                }
+            }
+        }
+        for cell in self.changing().flat_map(Cells::iter) {
             let weight = weight(rate[cell.index]) * cell.rate;
-            for (w, velocity) in w.iter_mut().zip(cell.velocity) {
+            for (w, velocity) in w.iter_mut().zip(&cell.velocity) {
                 w[cell.index] = R::rounded(w[cell.index].to_f64() + weight * velocity);
             }
         }
     }
 
-    /// Add `Σ a_b u_b` of all bodies to `sums` at some points in ascending order.
-    pub fn add_velocities_at(&self, points: &[usize], sums: &mut [[f64; 2]]) {
-        let rigid = self.rigid.iter().filter(|rigid| rigid.changes()).map(|rigid| &rigid.cells);
-        let beams = self.beams.iter().map(|beam| &beam.pose.cells);
-        for cell in rigid.chain(beams).flat_map(Cells::iter) {
+    /// Add `Σ a_b u_b` of all zones and bodies at a time (s) to `sums` at some points in ascending order.
+    pub fn add_velocities_at(&self, time: f64, grid: &Grid<D>, points: &[usize], sums: &mut [[f64; D]]) {
+        if points.is_empty() {
+            return;
+        }
+        let (plane, row) = (grid.len() / grid.cells[0], grid.len() / (grid.cells[0] * grid.cells[1]));
+        for DrivingZone { mean_velocity, columns, shape } in &self.zones {
+            let mean = mean_velocity.value(time);
+            for (sum, point) in sums.iter_mut().zip(points) {
+                if let Ok(column) = columns.binary_search_by_key(&(point / plane), |(i, _)| *i) {
+                    sum[0] += columns[column].1 * mean * shape[point / row % grid.cells[1]];
+                }
+            }
+        }
+        for cell in self.changing().flat_map(Cells::iter) {
             if let Ok(k) = points.binary_search(&cell.index) {
-                (0..2).for_each(|axis| sums[k][axis] += cell.rate * cell.velocity[axis]);
+                (0..D).for_each(|axis| sums[k][axis] += cell.rate * cell.velocity[axis]);
             }
         }
     }
 
-    /// Return the displaced fluid of all bodies with a mask, the rigid ones first, without a force.
-    pub fn without_force(&self, stations: &[Stations]) -> Vec<BodyForce> {
-        let mut forces = vec![BodyForce::default(); self.rigid.len() + stations.len()];
-        let (on_rigid, on_beams) = forces.split_at_mut(self.rigid.len());
+    /// Write the displaced fluid of the rigid bodies and the beams with a mask to their numbers in `forces`.
+    pub fn set_displaced(&self, stations: &[Stations<D>], forces: &mut [BodyForce<D>]) {
+        let (on_rigid, on_flexible) = forces.split_at_mut(self.rigid.len());
         on_rigid.iter_mut().zip(&self.rigid).for_each(|(own, rigid)| own.displaced = rigid.displaced(self.density));
         for beam in &self.beams {
-            on_beams[beam.number].displaced = beam.displaced(&stations[beam.number], self.density);
+            on_flexible[beam.number].displaced = beam.displaced(&stations[beam.number], self.density);
         }
-        forces
     }
 
     /// Sum up the forces of a step of size `dt` (s) from `drag`, the drag on a cell over the density, m/s².
@@ -354,51 +323,66 @@ impl Bodies {
     pub fn sum_up_forces(
         &self,
         dt: f64,
-        drag: impl Fn(&Cell) -> [f64; 2],
-        stations: &[Stations],
-        forces: &mut [BodyForce],
-        exchange: &mut [Exchange],
+        drag: impl Fn(&Cell<D>) -> Vector<D>,
+        stations: &[Stations<D>],
+        forces: &mut [BodyForce<D>],
+        exchange: &mut [Exchange<D>],
     ) {
-        let drag = |cell: &Cell| drag(cell).map(|drag| self.cell_mass * drag);
-        let (on_rigid, on_beams) = forces.split_at_mut(self.rigid.len());
+        let drag = &|cell: &Cell<D>| drag(cell) * self.cell_mass;
+        let (on_rigid, on_flexible) = forces.split_at_mut(self.rigid.len());
         for (known, rigid) in on_rigid.iter_mut().zip(&self.rigid) {
             let mut sum = Force::default();
-            rigid.cells.iter().for_each(|cell| sum.add(drag(cell), cell.arm));
+            rigid.cells.iter().for_each(|cell| sum.add(&drag(cell), &cell.arm));
             let displaced = rigid.displaced(self.density);
-            match &rigid.released {
-                Some(released) => known.update_with(sum, released.unsteady, displaced),
+            match &rigid.spring_motion {
+                Some(found) => known.update_with(sum, found.unsteady, displaced),
                 None => known.update(sum, displaced, dt),
             }
         }
         for beam in &self.beams {
             let (k, stations) = (beam.number, &stations[beam.number]);
-            let (mut sum, mut power) = (Force::default(), 0.0);
-            for (cell, velocity) in beam.cells_and_velocities(stations) {
-                let force = drag(cell);
-                if let Some([u, v]) = velocity {
-                    sum.add(force, cell.arm);
-                    power += force[0] * u + force[1] * v;
-                } else if let Some(support) = beam.support_cylinder() {
-                    let center = self.rigid[support].pose.position;
-                    let arm = [0, 1].map(|axis| stations.position[axis][0] + cell.arm[axis] - center[axis]);
-                    on_rigid[support].force.add(force, arm);
-                }
-            }
-            exchange[k] = Exchange { force: sum.force, power, work: exchange[k].work + power * dt };
-            on_beams[k].update(sum, beam.displaced(stations, self.density), dt);
+            let (force, power) = beam.force(drag, stations, |support, force, at| {
+                on_rigid[support].force.add(&force, &(at - self.rigid[support].pose.position));
+            });
+            exchange[k] = Exchange { force: force.force.into(), power, work: exchange[k].work + power * dt };
+            on_flexible[k].update(force, beam.displaced(stations, self.density), dt);
         }
     }
+}
 
-    /// Write the loads on the stations of each beam with a mask from the drag on its cells.
-    ///
-    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it decreases with the
-    /// velocity of the body (kg/(m s)), per axis.
-    pub fn collect_loads(&self, drag: impl Fn(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut [Loads]) {
-        self.beams.iter().for_each(|beam| beam.collect(&drag, &mut loads[beam.number]));
+impl<const D: usize> Rigid<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Find the motion of a body on springs under a drag, and return the change of its velocities; none if it is not on
+    /// springs.
+    fn solve_springs(&mut self, c: [f64; 3], carried: &Carried<D>, density: f64, drag: &Drag<D>) -> Option<Freedoms> {
+        let mount = *self.mount()?;
+        let (inertia, fluid) = (self.inertia_matrix(mount.inertia), self.displaced_mass(density));
+        let step = SpringStep { mount, carried, c, inertia, fluid, predicted: self.pose.rates() };
+        let found = step.solve(drag);
+        self.spring_motion = Some(found);
+        Some(found.change)
     }
+}
 
-    /// Return a beam, counted among all from 0, if it has a mask.
-    pub fn masked_beam(&self, beam: usize) -> Option<&Beam> {
-        self.beams.iter().find(|own| own.number == beam)
-    }
+/// Return the velocity of a point at `arm` (m) from the pivot for velocities along the freedoms.
+pub fn velocity_of<const D: usize>(freedoms: &Freedoms, arm: &Vector<D>) -> Vector<D>
+where
+    [f64; D]: Space<D>,
+{
+    let (velocity, omega) = split::<D>(freedoms);
+    velocity + <[f64; D]>::swing(omega, arm)
+}
+
+/// Return the distance (m) of a grid point from the nearest wall, negative in it.
+fn distance_from<const D: usize>(walls: &[Option<[f64; 2]>; D], grid: &Grid<D>, index: usize) -> f64
+where
+    [f64; D]: Space<D>,
+{
+    let point = grid.point(index);
+    let pairs = walls.iter().enumerate().filter_map(|(axis, pair)| pair.map(|[low, high]| (axis, low, high)));
+    let distances =
+        pairs.map(|(axis, low, high)| 0.5 * (high - low) - grid.periodic(axis, point[axis] - 0.5 * (low + high)).abs());
+    distances.fold(f64::INFINITY, f64::min)
 }

@@ -1,25 +1,29 @@
 //! Bodies on springs and dampers.
 //!
-//! With the velocities `V` of the pivot and of the angle, the mass `M` of the body, the mass `B` of the displaced fluid
-//! and the drag `D` on the cells, the body obeys
+//! With the velocities `V` along the freedoms (of the pivot, and angular), the mass `M` of the body, the mass `B` of the
+//! displaced fluid and the drag `D` on the cells, the body obeys
 //!
 //! ```text
-//! M V' = D + B V' − m_d omega² r − damping V − stiffness (X − rest)
+//! M V' = D + B V' + (B − M) gyroscopic − damping V − stiffness (X − rest)
 //! ```
 //!
-//! with the mass `m_d` of that fluid and its centroid at `r` from the pivot. V' and X' are the two-step backward
-//! differences of the fluid. `D = D(V~) − H (V − V~)` is linear in V, so both are solved together: the body is implicit
-//! in the drag, and the fluid gets the momentum that the body loses.
+//! with the accelerations that a constant angular velocity asks for as the gyroscopic term: `m_d omega × (omega × r)`
+//! for that fluid with its centroid at `r` from the pivot, and in space `omega × I omega`. V' and X' are the two-step
+//! backward differences of the fluid. `D = D(V~) − H (V − V~)` is linear in V, so both are solved together: the body is
+//! implicit in the drag, and the fluid gets the momentum that the body loses.
 //!
 //! A light body would be unstable, because the fluid around it answers with the pressure of the next step only. So
 //! `K (V' − V'_before)` is added to `M V'`, with the virtual mass K that a body lacks to [`LEAST_MASS`]; heavier bodies
 //! than the displaced fluid lack little or nothing.
 
+use std::array::from_fn;
+
 use serde::{Deserialize, Serialize};
 
-use super::body_pose::Pose;
+use super::pose::Pose;
 use crate::force::Force;
 use crate::parameters::{Mount, Support};
+use crate::space::{Freedoms, Space, Vector, join, split};
 
 /// Least mass that a body resists the change of its velocity with within a step, by that of the displaced fluid.
 /// Circles are stable with 0.8 and more, down to 0.03 of the displaced mass; with 0.65 down to 0.3. Ellipses of aspect
@@ -27,55 +31,82 @@ use crate::parameters::{Mount, Support};
 const LEAST_MASS: f64 = 0.8;
 
 /// Displacement of a body that laws do not move, from its place at rest.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Carried {
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Carried<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
     /// At the present time.
-    pub now: Pose,
+    pub now: Pose<D>,
     /// One step earlier.
-    pub before: Pose,
-    /// Accelerations of x, y and the angle in the last step, of a body on springs.
-    pub acceleration: [f64; 3],
+    pub before: Pose<D>,
+    /// Accelerations along the freedoms in the last step, of a body on springs.
+    pub acceleration: Freedoms,
 }
 
-impl Carried {
+impl<const D: usize> Default for Carried<D>
+where
+    [f64; D]: Space<D>,
+{
+    fn default() -> Self {
+        Self { now: Pose::default(), before: Pose::default(), acceleration: [0.0; 6] }
+    }
+}
+
+impl<const D: usize> Carried<D>
+where
+    [f64; D]: Space<D>,
+{
     /// Return the displacement expected after a step of `dt` seconds, the last one being `before` (s; 0 if there was
     /// none).
-    pub fn predicted(&self, dt: f64, before: f64) -> Pose {
+    pub fn predicted(&self, dt: f64, before: f64) -> Pose<D> {
         let ratio = if before > 0.0 { dt / before } else { 0.0 };
-        let ([places, rates], earlier) = ([self.now.places(), self.now.rates()], self.before.rates());
-        let growth = [0, 1, 2].map(|i| ratio * (rates[i] - earlier[i]));
-        let to = [0, 1, 2].map(|i| places[i] + dt * (rates[i] + 0.5 * growth[i]));
-        Pose::new(to, [0, 1, 2].map(|i| rates[i] + growth[i]))
+        let (places, rates, earlier) = (self.now.places(), self.now.rates(), self.before.rates());
+        let growth: Freedoms = from_fn(|i| ratio * (rates[i] - earlier[i]));
+        let middle = Pose::<D>::new(&places, &from_fn(|i| rates[i] + 0.5 * growth[i])).rates_of_places();
+        Pose::new(&from_fn(|i| places[i] + dt * middle[i]), &from_fn(|i| rates[i] + growth[i]))
     }
 
     /// Return whether all numbers are finite.
     pub fn is_finite(&self) -> bool {
         let Self { now, before, acceleration } = self;
-        [now.places(), now.rates(), before.places(), before.rates(), *acceleration]
-            .as_flattened()
-            .iter()
-            .all(|x| x.is_finite())
+        let all = [now.places(), now.rates(), before.places(), before.rates(), *acceleration];
+        all.as_flattened().iter().all(|x| x.is_finite())
     }
 }
 
 /// Drag on a body, and how it falls with the velocities of the body.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Drag {
+#[derive(Clone, Copy, Debug)]
+pub struct Drag<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
     /// Force and moment about the pivot.
-    pub force: Force,
-    /// Rate at which they fall with the velocities of the pivot and the angle.
-    pub impedance: [[f64; 3]; 3],
+    pub force: Force<D>,
+    /// Rate at which they fall with the velocities along the freedoms.
+    pub impedance: [Freedoms; 6],
 }
 
-impl Drag {
-    /// Add the `force` (N/m) on a cell at `arm` (m) from the pivot, which falls with the velocity there by `slope`
-    /// (kg/(m s)) along each axis.
-    pub fn add(&mut self, force: [f64; 2], slope: [f64; 2], arm: [f64; 2]) {
-        self.force.add(force, arm);
-        // Velocity of the cell with those of the body.
-        let along = [[1.0, 0.0, -arm[1]], [0.0, 1.0, arm[0]]];
+impl<const D: usize> Default for Drag<D>
+where
+    [f64; D]: Space<D>,
+{
+    fn default() -> Self {
+        Self { force: Force::default(), impedance: [[0.0; 6]; 6] }
+    }
+}
+
+impl<const D: usize> Drag<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Add the `force` (N) on a cell at `arm` (m) from the pivot, which falls with the velocity there by `slope` (kg/s)
+    /// along each axis.
+    pub fn add(&mut self, force: Vector<D>, slope: Vector<D>, arm: &Vector<D>) {
+        self.force.add(&force, arm);
+        let along = <[f64; D]>::jacobian(1.0, (*arm).into());
         for (slope, along) in slope.iter().zip(along) {
-            for (row, to) in self.impedance.iter_mut().zip(along) {
+            for (row, to) in self.impedance.iter_mut().zip(along).take(<[f64; D]>::FREEDOMS) {
                 row.iter_mut().zip(along).for_each(|(entry, from)| *entry += to * slope * from);
             }
         }
@@ -83,53 +114,98 @@ impl Drag {
 }
 
 /// A body on springs in a step.
-pub struct Release<'a> {
-    pub mount: Mount,
+pub struct SpringStep<'a, const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    pub mount: Mount<D>,
     /// Displacement before the step.
-    pub carried: &'a Carried,
+    pub carried: &'a Carried<D>,
     /// Coefficients of the backward differences.
     pub c: [f64; 3],
-    /// Mass and moment of inertia about the pivot of the displaced fluid, and its centroid from the pivot.
-    pub fluid: (f64, f64, [f64; 2]),
-    /// Velocities of x, y and the angle with which the drag was found.
-    pub predicted: [f64; 3],
+    /// Moments of inertia of the body, as a matrix in the axes of the domain.
+    pub inertia: [[f64; 3]; 3],
+    /// The displaced fluid.
+    pub fluid: DisplacedMass<D>,
+    /// Velocities along the freedoms with which the drag was found.
+    pub predicted: Freedoms,
+}
+
+/// Mass of displaced fluid.
+#[derive(Clone, Copy, Debug)]
+pub struct DisplacedMass<const D: usize> {
+    /// Mass, kg.
+    pub mass: f64,
+    /// Moments of inertia about the pivot, as a matrix in the axes of the domain.
+    pub inertia: [[f64; 3]; 3],
+    /// Centroid from the pivot, m.
+    pub arm: Vector<D>,
 }
 
 /// What a body on springs does in a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Released {
+pub struct SpringMotion<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
     /// Displacement at the end.
-    pub displacement: Pose,
-    /// Accelerations of x, y and the angle.
-    pub acceleration: [f64; 3],
+    pub displacement: Pose<D>,
+    /// Accelerations along the freedoms.
+    pub acceleration: Freedoms,
     /// Change of the velocities from those predicted.
-    pub change: [f64; 3],
+    pub change: Freedoms,
     /// Rate of change of the momentum of the displaced fluid.
-    pub unsteady: Force,
+    pub unsteady: Force<D>,
 }
 
-impl Release<'_> {
-    /// Find the velocities.
-    pub fn solve(&self, drag: &Drag) -> Released {
-        let &Self { mount, carried: &Carried { now, before, acceleration }, c, fluid: (mass, inertia, arm), predicted } =
-            self;
-        let [v, v_before, x, x_before] = [now.rates(), before.rates(), now.places(), before.places()];
-        let displaced =
-            [[mass, 0.0, -mass * arm[1]], [0.0, mass, mass * arm[0]], [-mass * arm[1], mass * arm[0], inertia]];
-        let own = [mount.mass, mount.mass, mount.inertia];
-        let centripetal = arm.map(|arm| -mass * predicted[2] * predicted[2] * arm);
-        let on_body = [drag.force.force[0] + centripetal[0], drag.force.force[1] + centripetal[1], drag.force.moment];
+impl<const D: usize> DisplacedMass<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Return the mass matrix along the freedoms.
+    fn matrix(&self) -> [Freedoms; 6] {
+        let mut matrix = [[0.0; 6]; 6];
+        let at_centroid = <[f64; D]>::jacobian(1.0, self.arm.into());
+        for (i, row) in at_centroid.iter().enumerate() {
+            for j in 0..6 {
+                matrix[i][j] = self.mass * row[j];
+                matrix[j][i] = self.mass * row[j];
+            }
+        }
+        for (i, row) in self.inertia.iter().enumerate().take(<[f64; D]>::FREEDOMS - D) {
+            (0..<[f64; D]>::FREEDOMS - D).for_each(|j| matrix[D + i][D + j] = row[j]);
+        }
+        matrix
+    }
+}
 
-        let known = [0, 1, 2].map(|i| c[1] * v[i] + c[2] * v_before[i]);
-        let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
-        for i in 0..3 {
-            let Some(Support { stiffness, damping, rest }) = mount.supports[i] else {
+impl<const D: usize> SpringStep<'_, D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Find the velocities.
+    pub fn solve(&self, drag: &Drag<D>) -> SpringMotion<D> {
+        let &Self { mount, carried: &Carried { now, before, acceleration }, c, fluid, predicted, .. } = self;
+        let freedoms = 0..<[f64; D]>::FREEDOMS;
+        let [v, v_before, x, x_before] = [now.rates(), before.rates(), now.places(), before.places()];
+        let displaced = fluid.matrix();
+        let gyroscopic = self.gyroscopic(&fluid.inertia);
+        let own_gyroscopic = self.gyroscopic(&self.inertia);
+        let (_, omega) = split::<D>(&predicted);
+        let centripetal = fluid.mass * <[f64; D]>::swing(omega, &<[f64; D]>::swing(omega, &fluid.arm));
+        let centripetal = join::<D>(&centripetal, Default::default());
+        let on_body = join::<D>(&drag.force.force, drag.force.moment);
+
+        let known: Freedoms = from_fn(|i| c[1] * v[i] + c[2] * v_before[i]);
+        let (mut matrix, mut right) = ([[0.0; 6]; 6], [0.0; 6]);
+        for i in 0..6 {
+            let Some(Support { stiffness, damping, rest }) = mount.supports[i].filter(|_| freedoms.contains(&i)) else {
                 matrix[i][i] = 1.0;
                 continue;
             };
-            right[i] = on_body[i];
-            for j in (0..3).filter(|&j| mount.supports[j].is_some()) {
-                let net = if i == j { own[i] } else { 0.0 } - displaced[i][j];
+            right[i] = on_body[i] + centripetal[i] + gyroscopic[i] - own_gyroscopic[i];
+            for j in freedoms.clone().filter(|&j| mount.supports[j].is_some()) {
+                let net = self.own_mass(i, j) - displaced[i][j];
                 matrix[i][j] = c[0] * net + drag.impedance[i][j];
                 right[i] += net * known[j] + drag.impedance[i][j] * predicted[j];
             }
@@ -139,31 +215,60 @@ impl Release<'_> {
             right[i] -= stiffness * ((c[1] * x[i] + c[2] * x_before[i]) / c[0] - rest);
         }
         let v = solve(matrix, right);
-        let acceleration = [0, 1, 2].map(|i| c[0] * v[i] - known[i]);
-        let to = [0, 1, 2].map(|i| (c[1] * x[i] + c[2] * x_before[i] + v[i]) / c[0]);
-        let [fx, fy, moment] = displaced.map(|row| (0..3).map(|j| row[j] * acceleration[j]).sum::<f64>());
-        Released {
-            displacement: Pose::new(to, v),
+        let acceleration: Freedoms = from_fn(|i| c[0] * v[i] - known[i]);
+        // The angle at the end, to first order, tells how it grows with the angular velocity.
+        let rates = Pose::<D>::new(&from_fn(|i| x[i] + v[i] / c[0]), &v).rates_of_places();
+        let to = from_fn(|i| (c[1] * x[i] + c[2] * x_before[i] + rates[i]) / c[0]);
+        let sums: Freedoms =
+            from_fn(|i| displaced[i][..freedoms.end].iter().zip(acceleration).map(|(mass, a)| mass * a).sum::<f64>());
+        let (force, moment) = split::<D>(&from_fn(|i| sums[i] + centripetal[i] + gyroscopic[i]));
+        SpringMotion {
+            displacement: Pose::new(&to, &v),
             acceleration,
-            change: [0, 1, 2].map(|i| v[i] - predicted[i]),
-            unsteady: Force { force: [fx + centripetal[0], fy + centripetal[1]], moment },
+            change: from_fn(|i| v[i] - predicted[i]),
+            unsteady: Force { force, moment },
         }
+    }
+
+    /// Return the mass of the body between two freedoms.
+    fn own_mass(&self, i: usize, j: usize) -> f64 {
+        match (i < D, j < D) {
+            (true, true) if i == j => self.mount.mass,
+            (false, false) => self.inertia[i - D][j - D],
+            _ => 0.0,
+        }
+    }
+
+    /// Return `omega × I omega` with the predicted angular velocity, about the axes of the domain; 0 in the plane.
+    fn gyroscopic(&self, inertia: &[[f64; 3]; 3]) -> Freedoms {
+        if D == 2 {
+            return [0.0; 6];
+        }
+        let omega = [3, 4, 5].map(|i| self.predicted[i]);
+        let momentum = inertia.map(|row| row.iter().zip(omega).map(|(entry, omega)| entry * omega).sum::<f64>());
+        from_fn(|i| {
+            let about =
+                |i: usize| omega[(i + 1) % 3] * momentum[(i + 2) % 3] - omega[(i + 2) % 3] * momentum[(i + 1) % 3];
+            if i < 3 { 0.0 } else { about(i - 3) }
+        })
     }
 }
 
-/// Solve three equations by Gauss's elimination with pivoting.
-fn solve(mut matrix: [[f64; 3]; 3], mut right: [f64; 3]) -> [f64; 3] {
-    for k in 0..3 {
-        let pivot = (k..3).max_by(|&i, &j| matrix[i][k].abs().total_cmp(&matrix[j][k].abs())).unwrap_or(k);
+/// Solve equations by Gauss's elimination with pivoting.
+fn solve<const N: usize>(mut matrix: [[f64; N]; N], mut right: [f64; N]) -> [f64; N] {
+    for k in 0..N {
+        let pivot = (k..N).max_by(|&i, &j| matrix[i][k].abs().total_cmp(&matrix[j][k].abs())).unwrap_or(k);
         matrix.swap(k, pivot);
         right.swap(k, pivot);
-        for i in k + 1..3 {
+        for i in k + 1..N {
             let (row, factor) = (matrix[k], matrix[i][k] / matrix[k][k]);
             matrix[i].iter_mut().zip(row).for_each(|(entry, above)| *entry -= factor * above);
             right[i] -= factor * right[k];
         }
     }
-    let z = right[2] / matrix[2][2];
-    let y = (right[1] - matrix[1][2] * z) / matrix[1][1];
-    [(right[0] - matrix[0][1] * y - matrix[0][2] * z) / matrix[0][0], y, z]
+    for k in (0..N).rev() {
+        (k + 1..N).for_each(|j| right[k] -= matrix[k][j] * right[j]);
+        right[k] /= matrix[k][k];
+    }
+    right
 }

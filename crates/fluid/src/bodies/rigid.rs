@@ -1,85 +1,105 @@
-//! Rigid bodies, still or moving. A cylinder is a circle that does not turn.
+//! Rigid bodies, still or moving.
 //!
 //! A point at `r` from the pivot, whose velocity is v, moves with `v + omega × r`.
 
-use super::body_pose::Pose;
 use super::cells::Cells;
 use super::measure::{Measure, Measured, Surface};
-use super::mount::Released;
-use super::section::{Nearest, Section};
-use crate::force::Displaced;
+use super::mount::{DisplacedMass, SpringMotion};
+use super::pose::Pose;
+use crate::force::{Displaced, Force};
 use crate::grid::Grid;
-use crate::parameters::{Body, Mask, Motion, Mount, Shape};
-use crate::thin::kernel::LINE_THICKNESS_CELLS;
+use crate::kernel::layer_thickness;
+use crate::parameters::{Body, Mask, Motion, Mount};
+use crate::shapes::{Moments, Nearest};
+use crate::space::{Space, Vector, join};
 use crate::wall::DragProfile;
 
 /// A body and the cells in which it drags the fluid.
-pub struct Rigid {
-    body: Body,
-    section: Section,
-    /// Drag in its cells; absent for a line, whose markers drag.
+pub struct Rigid<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    body: Body<D>,
+    moments: Moments<D>,
+    /// Drag in its cells; absent for a thin body, whose markers drag.
     profile: Option<DragProfile>,
     /// Present place and motion.
-    pub pose: Pose,
-    /// Sine and cosine of the angle.
-    direction: (f64, f64),
+    pub pose: Pose<D>,
+    /// Present orientation.
+    pub orientation: <[f64; D] as Space<D>>::Orientation,
     /// Cells at the present place.
-    pub cells: Cells,
+    pub cells: Cells<D>,
     /// What the solve of the present step found, of a body on springs.
-    pub released: Option<Released>,
+    pub spring_motion: Option<SpringMotion<D>>,
 }
 
-impl Body {
-    /// Return mass and moment of inertia about the pivot of the displaced fluid of a density (kg/m³).
-    pub(crate) fn displaced(&self, density: f64) -> [f64; 2] {
-        self.inertia(&self.shape.section(), density)
-    }
-
-    /// Return mass and moment of inertia about the pivot of a section of a density (kg/m³).
-    fn inertia(&self, &Section { area, centroid, polar }: &Section, density: f64) -> [f64; 2] {
-        let arm = [0, 1].map(|axis| centroid[axis] - self.pivot[axis]);
-        [density * area, density * (polar + area * (arm[0] * arm[0] + arm[1] * arm[1]))]
-    }
-
-    /// Return the layer of fluid that moves with a line of cells of a size (m), in a fluid of a density (kg/m³). On
-    /// springs it has at most the inertia of the body.
-    fn layer(&self, points: &[[f64; 2]], cell: f64, density: f64) -> Section {
-        let layer = Section::of_layer(points, LINE_THICKNESS_CELLS * cell);
+impl<const D: usize> Body<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Return the layer of fluid of a density (kg/m³) that moves with a thin body, limited to the inertia of a body on
+    /// springs.
+    fn limited(&self, layer: Moments<D>, density: f64) -> Moments<D> {
         let Some(Motion::Mount(mount)) = &self.motion else { return layer };
-        let [mass, inertia] = self.inertia(&layer, density);
-        let [moves, turns] = [mount.supports[0].or(mount.supports[1]).is_some(), mount.supports[2].is_some()];
-        let arm = (layer.centroid[0] - self.pivot[0]).hypot(layer.centroid[1] - self.pivot[1]);
-        // Largest eigenvalue of the inertia of the layer over its diagonal.
-        let largest = if moves && turns { 1.0 + arm * (mass / inertia).sqrt() } else { 1.0 };
-        let mut share = 1.0_f64;
-        for (own, of_layer, is_free) in [(mount.mass, mass, moves), (mount.inertia, inertia, turns)] {
-            if is_free {
-                share = share.min(own / (of_layer * largest));
+        let (mass, inertia) = layer.about(self.pivot, density);
+        let (inertia, own) = (<[f64; D]>::diagonal(inertia), mount.own_inertia());
+        let moves = mount.supports[..D].iter().any(Option::is_some);
+        let turns = |i: usize| mount.supports[D + i].is_some();
+        let arm = layer.centroid - Vector::from(self.pivot);
+        let arm = arm.iter().fold(0.0_f64, |length, component| length.hypot(*component));
+        let mut share = if moves { (own[0] / mass).min(1.0) } else { 1.0 };
+        for i in (0..<[f64; D]>::FREEDOMS - D).filter(|i| turns(*i)) {
+            // Largest eigenvalue of the inertia of the layer over its diagonal.
+            let largest = if moves { 1.0 + arm * (mass / inertia[i]).sqrt() } else { 1.0 };
+            share = share.min(own[D + i] / (inertia[i] * largest));
+            if moves {
+                share = share.min(own[0] / (mass * largest));
             }
         }
-        Section { area: share * layer.area, polar: share * layer.polar, ..layer }
+        Moments { volume: share * layer.volume, inertia: layer.inertia * share, ..layer }
     }
 }
 
-impl Rigid {
+impl<const D: usize> Rigid<D>
+where
+    [f64; D]: Space<D>,
+{
     /// A body at t = 0.
-    pub fn new(body: Body, grid: &Grid, mask: &Mask, nu: f64, density: f64) -> Self {
-        let (body, cell) = (Body { shape: body.shape.oriented(), ..body }, grid.cell_size());
-        let (section, profile) = match &body.shape {
-            Shape::Line(points) => (body.layer(points, cell, density), None),
-            shape => {
-                let profile = DragProfile::of_body(shape.thickness(), body.motion.is_some(), mask, nu, cell);
-                (shape.section(), Some(profile))
-            }
+    pub fn new(body: &Body<D>, grid: &Grid<D>, mask: &Mask, nu: f64, density: f64) -> Self {
+        let (body, cell) = (body.clone(), grid.cell_size());
+        let (moments, profile) = if body.shape.thin().is_some() {
+            let layer = body.shape.layer(layer_thickness(D) * cell);
+            let layer = layer.unwrap_or_else(|| body.shape.moments(&grid.size));
+            (body.limited(layer, density), None)
+        } else {
+            let profile = DragProfile::of_body(body.shape.thickness(), body.motion.is_some(), mask, nu, cell);
+            (body.shape.moments(&grid.size), Some(profile))
         };
-        let (pose, cells) = (Pose::default(), Cells::default());
-        let mut rigid = Self { body, section, profile, pose, direction: (0.0, 1.0), cells, released: None };
-        rigid.follow(0.0, grid);
+        let pose = Pose::of(&body, 0.0);
+        let orientation = <[f64; D]>::orientation(&body.turn, pose.angle);
+        let cells = Cells::default();
+        let mut rigid = Self { body, moments, profile, pose, orientation, cells, spring_motion: None };
+        rigid.place(pose, grid);
         rigid
     }
 
-    /// Return whether it is a line, without cells.
-    pub fn is_line(&self) -> bool {
+    /// Take the fluid of a density (kg/m³) around the markers of a thin body, given by their places in its axes (m) with
+    /// the volume of each, as the layer that moves with it.
+    pub fn set_layer(&mut self, parts: impl Iterator<Item = (Vector<D>, f64)> + Clone, density: f64) {
+        let volume: f64 = parts.clone().map(|(_, volume)| volume).sum();
+        let centroid = parts.clone().fold(Vector::zeros(), |sum, (place, part)| sum + place * part) / volume;
+        let inertia =
+            parts.fold(self.moments.inertia, |sum, (place, part)| <[f64; D]>::shifted(sum, part, &(place - centroid)));
+        self.moments = self.body.limited(Moments { volume, centroid, inertia }, density);
+    }
+
+    /// Return whether the layer that moves with it is that of its markers.
+    pub fn has_layer_of_markers(&self) -> bool {
+        self.is_thin() && self.body.shape.layer(1.0).is_none()
+    }
+
+    /// Return whether it is thin, without cells.
+    pub fn is_thin(&self) -> bool {
         self.profile.is_none()
     }
 
@@ -89,14 +109,26 @@ impl Rigid {
     }
 
     /// Return its springs and dampers, if it is on such.
-    pub fn mount(&self) -> Option<&Mount> {
+    pub fn mount(&self) -> Option<&Mount<D>> {
         if let Some(Motion::Mount(mount)) = &self.body.motion { Some(mount) } else { None }
     }
 
+    /// Return its name in errors.
+    pub fn name(&self) -> &str {
+        &self.body.name
+    }
+
     /// Return its place and motion for those relative to its place at rest.
-    pub fn pose_of(&self, displacement: &Pose) -> Pose {
-        let [x, y] = [0, 1].map(|axis| self.body.position[axis] + displacement.position[axis]);
-        Pose { position: [x, y], angle: self.body.angle + displacement.angle, ..*displacement }
+    pub fn pose_of(&self, displacement: &Pose<D>) -> Pose<D> {
+        let angle = <[f64; D]>::angle_at_rest(&self.body.turn) + displacement.angle;
+        Pose { position: Vector::from(self.body.position) + displacement.position, angle, ..*displacement }
+    }
+
+    /// Return its angle about the axis of its laws, rad; 0 without a law.
+    pub fn angle_of_law(&self) -> f64 {
+        let Some(Motion::Laws { axis, .. }) = &self.body.motion else { return 0.0 };
+        let [angle, axis] = [self.pose.angle, *axis].map(<[f64; D]>::components);
+        angle.iter().zip(axis).map(|(angle, axis)| angle * axis).sum()
     }
 
     /// Return whether it moves.
@@ -110,122 +142,124 @@ impl Rigid {
     }
 
     /// Return the displaced fluid of a density (kg/m³); moments are about the pivot.
-    pub fn displaced(&self, density: f64) -> Displaced {
-        let Section { area, centroid, polar } = self.section;
-        let Pose { angle, velocity, omega, .. } = self.pose;
-        let mass = density * area;
-        let arm = self.centroid(centroid, angle);
-        // Velocity of the centroid relative to the pivot.
-        let swing = [-omega * arm[1], omega * arm[0]];
-        let momentum = [0, 1].map(|axis| mass * (velocity[axis] + swing[axis]));
-        let angular = arm[0] * momentum[1] - arm[1] * momentum[0] + density * polar * omega;
-        let transport = mass * (velocity[0] * swing[1] - velocity[1] * swing[0]);
-        Displaced { momentum, angular, transport }
-    }
-
-    /// Return mass and polar moment of inertia about the pivot of the displaced fluid of a density (kg/m³), and the
-    /// position of its centroid from the pivot, m.
-    pub fn displaced_inertia(&self, density: f64) -> (f64, f64, [f64; 2]) {
-        let ([mass, inertia], centroid) = (self.body.inertia(&self.section, density), self.section.centroid);
-        (mass, inertia, self.centroid(centroid, self.pose.angle))
-    }
-
-    /// Return the position of a centroid in the axes of the body from the pivot, at an angle.
-    fn centroid(&self, centroid: [f64; 2], angle: f64) -> [f64; 2] {
-        turned([centroid[0] - self.body.pivot[0], centroid[1] - self.body.pivot[1]], angle.sin_cos())
-    }
-
-    /// Return the power (W/m) of a force (N/m) and a moment about the pivot (N m/m).
-    pub fn power(&self, force: [f64; 2], moment: f64) -> f64 {
+    pub fn displaced(&self, density: f64) -> Displaced<D> {
         let Pose { velocity, omega, .. } = self.pose;
-        force[0] * velocity[0] + force[1] * velocity[1] + moment * omega
+        let mass = density * self.moments.volume;
+        let arm = self.centroid();
+        // Velocity of the centroid relative to the pivot.
+        let swing = <[f64; D]>::swing(omega, &arm);
+        let momentum = mass * (velocity + swing);
+        let own = <[f64; D]>::angular_momentum(&self.orientation, self.moments.inertia * density, omega);
+        let transport = <[f64; D]>::cross(&velocity, &swing) * mass;
+        Displaced { momentum, angular: <[f64; D]>::cross(&arm, &momentum) + own, transport }
+    }
+
+    /// Return the mass of the displaced fluid of a density (kg/m³).
+    pub fn displaced_mass(&self, density: f64) -> DisplacedMass<D> {
+        let (mass, inertia) = self.moments.about(self.body.pivot, density);
+        DisplacedMass { mass, inertia: <[f64; D]>::inertia_matrix(&self.orientation, inertia), arm: self.centroid() }
+    }
+
+    /// Return moments of inertia in the axes of the body as a matrix in those of the domain.
+    pub fn inertia_matrix(&self, inertia: <[f64; D] as Space<D>>::Inertia) -> [[f64; 3]; 3] {
+        <[f64; D]>::inertia_matrix(&self.orientation, inertia)
+    }
+
+    /// Return the position of the centroid from the pivot.
+    fn centroid(&self) -> Vector<D> {
+        <[f64; D]>::turn(&self.orientation, self.moments.centroid - Vector::from(self.body.pivot))
+    }
+
+    /// Return the power (W) of a force.
+    pub fn power(&self, force: &Force<D>) -> f64 {
+        let (force, rates) = (join(&force.force, force.moment), self.pose.rates());
+        force.iter().zip(rates).map(|(force, rate)| force * rate).sum()
     }
 
     /// Move to the place that the laws give at time `t` (s), and list the cells.
-    pub fn follow(&mut self, t: f64, grid: &Grid) {
+    pub fn follow(&mut self, t: f64, grid: &Grid<D>) {
         self.place(Pose::of(&self.body, t), grid);
     }
 
     /// Move to a place, and list the cells.
-    pub fn place(&mut self, pose: Pose, grid: &Grid) {
-        (self.pose, self.released) = (pose, None);
-        self.direction = self.pose.angle.sin_cos();
-        let Some(profile) = &self.profile else { return };
-        let (Pose { position, .. }, (sin, cos), reach) = (self.pose, self.direction, profile.reach());
-        let around = [0, 1].map(|axis| {
+    pub fn place(&mut self, pose: Pose<D>, grid: &Grid<D>) {
+        (self.pose, self.spring_motion) = (pose, None);
+        self.orientation = <[f64; D]>::orientation(&self.body.turn, pose.angle);
+        let Self { body, profile: Some(profile), orientation, cells, .. } = self else { return };
+        let (shape, pivot, reach) = (&body.shape, Vector::from(body.pivot), profile.reach());
+        let around = std::array::from_fn(|axis| {
             // The axis of the domain in the axes of the body.
-            let direction = [[cos, -sin], [sin, cos]][axis];
-            let from_pivot = direction[0] * self.body.pivot[0] + direction[1] * self.body.pivot[1];
-            let ahead = self.body.shape.extent(direction) - from_pivot + reach;
-            let behind = self.body.shape.extent(direction.map(|component| -component)) + from_pivot + reach;
-            [position[axis] - behind, position[axis] + ahead]
+            let direction = <[f64; D]>::turn_back(orientation, Vector::from_fn(|i, _| f64::from(u8::from(i == axis))));
+            let from_pivot = direction.dot(&pivot);
+            // A body without ends fills a period.
+            let cut = |extent: f64| if extent.is_finite() { extent } else { 0.5 * grid.size[axis] };
+            let ahead = cut(shape.extent(&direction)) - from_pivot + reach;
+            let behind = cut(shape.extent(&-direction)) + from_pivot + reach;
+            [pose.position[axis] - behind, pose.position[axis] + ahead]
         });
-        // A circle keeps the whole square around it.
-        let farthest = if matches!(self.body.shape, Shape::Circle(_)) { f64::INFINITY } else { reach };
-        let mut cells = std::mem::take(&mut self.cells);
+        let farthest = if shape.fills_box() { f64::INFINITY } else { reach };
+        let placed = Placed { body, orientation: *orientation, pose };
         cells.clear();
-        grid.for_each_in(around, |index, x, y| {
-            let measure = self.measure(&[x, y]);
+        grid.for_each_in(around, |index, point| {
+            let measure = placed.measure(&point);
             if measure.distance() <= farthest {
-                cells.add(index, [x - position[0], y - position[1]], &measure, profile, grid);
+                cells.add(index, Vector::from(point) - pose.position, &measure, profile, grid);
             }
         });
-        self.cells = cells;
     }
+}
+
+/// A body at a place.
+struct Placed<'a, const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    body: &'a Body<D>,
+    orientation: <[f64; D] as Space<D>>::Orientation,
+    pose: Pose<D>,
 }
 
 /// A place is a point, m.
-impl Measured<1> for Rigid {
-    type Place = [f64; 2];
+impl<const D: usize> Measured<D, 1> for Placed<'_, D>
+where
+    [f64; D]: Space<D>,
+{
+    type Place = [f64; D];
 
     #[inline(always)]
-    fn measure(&self, &[x, y]: &[f64; 2]) -> Measure<1> {
-        let (Pose { position, velocity, omega, .. }, pivot) = (self.pose, self.body.pivot);
-        let (sin, cos) = self.direction;
-        let arm = [x - position[0], y - position[1]];
-        let own = [cos * arm[0] + sin * arm[1] + pivot[0], cos * arm[1] - sin * arm[0] + pivot[1]];
+    fn measure(&self, point: &[f64; D]) -> Measure<D, 1> {
+        let (Pose { position, velocity, omega, .. }, pivot) = (self.pose, Vector::from(self.body.pivot));
+        let arm = Vector::from(*point) - position;
+        let own = <[f64; D]>::turn_back(&self.orientation, arm) + pivot;
         let Nearest { distance, surface, normal } = self.body.shape.nearest(own);
-        let [fx, fy] = turned([0, 1].map(|axis| surface[axis] - pivot[axis]), (sin, cos));
-        let foot = [position[0] + fx, position[1] + fy];
-        let surfaces = [Surface { distance, foot, normal: turned(normal, (sin, cos)) }];
-        let velocity = [velocity[0] - omega * arm[1], velocity[1] + omega * arm[0]];
-        Measure { surfaces, velocity, velocity_before: velocity, spin: omega }
+        let foot = position + <[f64; D]>::turn(&self.orientation, surface - pivot);
+        let surfaces = [Surface { distance, foot, normal: <[f64; D]>::turn(&self.orientation, normal) }];
+        let velocity = velocity + <[f64; D]>::swing(omega, &arm);
+        Measure { surfaces, velocity, velocity_before: velocity, spin: Some(omega) }
     }
-}
-
-/// Turn a vector to the left by an angle, given by its sine and cosine.
-fn turned([x, y]: [f64; 2], (sin, cos): (f64, f64)) -> [f64; 2] {
-    [cos * x - sin * y, cos * y + sin * x]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::parameters::Law;
+    use crate::shapes::{Outline, Solid};
+    use crate::space::Turn;
 
-    /// Force and moment about the moving pivot under which a rigid body as heavy as the fluid would move: with the
-    /// acceleration a of the pivot and the centroid at r, `m (a + alpha × r − omega² r)` and
-    /// `m r × a + (I + m r²) alpha`, I being the polar moment about the centroid.
-    #[test]
-    fn the_unsteady_term_is_the_inertia_of_the_displaced_fluid() {
-        let motion = |amplitude: f64, frequency: f64| {
-            Law::new(move |t| {
-                let (sin, cos) = (frequency * t + 0.4).sin_cos();
-                (amplitude * sin, amplitude * frequency * cos)
-            })
-        };
-        let [x, y, angle] = [[0.3, 2.0], [0.2, 3.0], [0.8, 2.5]];
-        let body = Body {
-            shape: Shape::Ellipse([0.3, 0.1]),
-            position: [0.0; 2],
-            pivot: [-0.2, 0.05],
-            angle: 0.3,
-            motion: Some(Motion::Laws {
-                displacement: [x, y].map(|[amplitude, frequency]| motion(amplitude, frequency)),
-                angle: motion(angle[0], angle[1]),
-            }),
-        };
-        let grid = Grid::new([[-1.0, 1.0]; 2], [16; 2]);
+    fn law(amplitude: f64, frequency: f64) -> Law {
+        Law::new(move |t| {
+            let (sin, cos) = (frequency * t + 0.4).sin_cos();
+            (amplitude * sin, amplitude * frequency * cos)
+        })
+    }
+
+    /// Check force and moment about the moving pivot under which a rigid body as heavy as the fluid would move: the
+    /// sum over its parts of the mass times the acceleration, found by differences of the places.
+    fn check<const D: usize>(body: &Body<D>, size: [f64; D], parts: usize)
+    where
+        [f64; D]: Space<D>,
+    {
+        let grid = Grid::new(size.map(|size| [-0.5 * size, 0.5 * size]), [16; D]);
         let (t, dt, density) = (0.7, 1e-4, 2.0);
         let mask = Mask::Sharp { c_eta: 1.0, displacement_corrected: false };
         let mut rigid = Rigid::new(body, &grid, &mask, 1e-3, density);
@@ -234,19 +268,53 @@ mod tests {
             rigid.displaced(density)
         });
         let found = after.rate_of_change(&before, dt);
-        let at = |[amplitude, frequency]: [f64; 2]| {
-            let (sin, cos) = (frequency * t + 0.4_f64).sin_cos();
-            [amplitude * sin, amplitude * frequency * cos, -amplitude * frequency * frequency * sin]
+        let poses = [t - 2e-3, t, t + 2e-3].map(|t| Pose::of(body, t));
+        let place = |pose: &Pose<D>, own: Vector<D>| {
+            pose.position + <[f64; D]>::turn(&<[f64; D]>::orientation(&body.turn, pose.angle), own)
         };
-        let ([turn, omega, alpha], a) = (at(angle), [at(x)[2], at(y)[2]]);
-        let r = turned([0.2, -0.05], (0.3 + turn).sin_cos());
-        let mass = density * std::f64::consts::PI * 0.3 * 0.1;
-        let polar = mass * 0.25 * (0.3 * 0.3 + 0.1 * 0.1);
-        let force =
-            [mass * (a[0] - alpha * r[1] - omega * omega * r[0]), mass * (a[1] + alpha * r[0] - omega * omega * r[1])];
-        let moment = mass * (r[0] * a[1] - r[1] * a[0]) + (polar + mass * (r[0] * r[0] + r[1] * r[1])) * alpha;
-        for (found, expected) in [(found.force[0], force[0]), (found.force[1], force[1]), (found.moment, moment)] {
-            assert!((found - expected).abs() < 1e-6, "{found} against {expected}");
+        let (mut sum, part) = (Force::<D>::default(), size[0] / parts as f64);
+        for k in 0..parts.pow(D as u32) {
+            let index = |axis: usize| k / parts.pow(axis as u32) % parts;
+            let own = Vector::from_fn(|axis, _| (index(axis) as f64 + 0.5) * part - 0.5 * size[0]);
+            if body.shape.nearest(own).distance < 0.0 {
+                let [a, b, c] = poses.each_ref().map(|pose| place(pose, own - Vector::from(body.pivot)));
+                let force = density * part.powi(D as i32) * (a - 2.0 * b + c) / (2e-3_f64).powi(2);
+                sum.add(&force, &(b - poses[1].position));
+            }
         }
+        let ([found, expected], scale) = ([found, sum].map(|of| join(&of.force, of.moment)), sum.force.norm());
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 3e-3 * scale, "{found} against {expected}");
+        }
+    }
+
+    #[test]
+    fn the_unsteady_term_is_the_inertia_of_the_displaced_fluid() {
+        let outline = Body {
+            name: String::new(),
+            shape: Outline::Ellipse([0.3, 0.1]).into(),
+            position: [0.0; 2],
+            pivot: [-0.2, 0.05],
+            turn: 0.3,
+            motion: Some(Motion::Laws {
+                displacement: [law(0.3, 2.0), law(0.2, 3.0)],
+                axis: 1.0,
+                angle: law(0.8, 2.5),
+            }),
+        };
+        check(&outline, [0.7; 2], 800);
+        let solid = Body {
+            name: String::new(),
+            shape: Solid::Ellipsoid([0.3, 0.1, 0.2]).into(),
+            position: [0.0; 3],
+            pivot: [-0.2, 0.05, 0.1],
+            turn: Turn { axis: [1.0, 2.0, -1.0], angle: 0.7 },
+            motion: Some(Motion::Laws {
+                displacement: [law(0.3, 2.0), law(0.2, 3.0), law(0.1, 1.0)],
+                axis: Vector::from([2.0, -1.0, 2.0]) / 3.0,
+                angle: law(0.8, 2.5),
+            }),
+        };
+        check(&solid, [0.7; 3], 90);
     }
 }

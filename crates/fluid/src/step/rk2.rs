@@ -4,8 +4,8 @@
 //!
 //! ```text
 //! f(t, u) = −omega × u − Σ a_b (u − u_b(t))                             point by point
-//! u_1     = P F E [u^n + dt f(t^n, u^n)]                                wave by wave
-//! u^{n+1} = P F ½ [E u^n + u_1 + dt f(t^{n+1}, u_1)]                    wave by wave
+//! u_1     = P F E [u^n + dt f(t^n, u^n)]                                in Fourier space
+//! u^{n+1} = P F ½ [E u^n + u_1 + dt f(t^{n+1}, u_1)]                    in Fourier space
 //! ```
 //!
 //! with `F = 1/(1 + dt r)`, r being the rate of the filter. This is `E u^n + dt/2 (E k_1 + k_2)`. The spectrum of u^n
@@ -17,23 +17,29 @@ use std::mem::swap;
 
 use line_fft::{Arithmetic, Kernel, Pack, Real, Team, nothing, run};
 
+use super::Scheme;
 use super::substep::Substep;
-use super::work::Work;
-use crate::bodies::{Bodies, Cell, Loads};
+use crate::bodies::{Bodies, Cell};
 use crate::error::Error;
 use crate::field::Field;
 use crate::flow::Flow;
 use crate::grid::Grid;
 use crate::present::Present;
 use crate::problem::Problem;
-use crate::projection::Implicit;
+use crate::space::Vector;
+use crate::spectral::plane::{PlaneTransforms, Projection};
+use crate::spectral::{Implicit, Transforms};
+use crate::state::Memory;
 
-/// The scheme with its memory.
+/// The scheme with its memory, in the plane.
 pub struct Rk2<R: Real> {
+    transforms: PlaneTransforms<R>,
+    /// Velocity that goes into the solve in Fourier space, m/s. Nothing in it has a meaning between steps.
+    w: [Field<R>; 2],
     /// Spectrum of the present velocity, m/s, `[rows, nx]` per component.
-    pub u_hat: [Vec<Pack<R>>; 2],
+    u_hat: [Vec<Pack<R>>; 2],
     /// The flow that a step makes, and the spectrum of its velocity.
-    next: Flow<R>,
+    next: Flow<R, 2>,
     next_u_hat: [Vec<Pack<R>>; 2],
     decay: Decay,
 }
@@ -50,7 +56,7 @@ struct Decay {
     nu_dt: f64,
 }
 
-/// Result of a solve wave by wave.
+/// Result of a solve in Fourier space.
 #[derive(Clone, Copy, PartialEq)]
 enum Stage {
     /// `P F w`, at the start.
@@ -63,85 +69,144 @@ enum Stage {
 
 impl<R: Real> Rk2<R> {
     /// A scheme that begins with a uniform velocity, m/s.
-    pub fn new(velocity: [f64; 2], problem: &Problem, work: &Work<R>) -> Self {
-        let spectrum = work.spectral.spectrum();
+    pub fn new(transforms: PlaneTransforms<R>, velocity: [f64; 2], grid: &Grid<2>) -> Self {
+        let spectrum = transforms.spectrum();
         let uniform = |velocity: f64| {
             let mut spectrum = spectrum.clone();
             spectrum[0].re[0] = R::rounded(velocity);
             spectrum
         };
-        let decay = Decay::new(&problem.grid, work.spectral.gains());
-        let next = Flow::uniform([0.0; 2], problem.grid.len());
-        Self { u_hat: velocity.map(uniform), next, next_u_hat: [spectrum.clone(), spectrum], decay }
-    }
-
-    /// Start from the velocity in `work.w`.
-    pub fn start(&mut self, flow: &mut Flow<R>, present: &mut Present, problem: &mut Problem, work: &mut Work<R>) {
-        let implicit = Implicit { tau_nu: 0.0, cfl: 0.0, mean: problem.mean_velocity(present.time) };
-        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), Stage::Start, implicit, problem, work);
-        self.take_over(flow);
-    }
-
-    pub fn step(
-        &mut self,
-        step: Substep,
-        flow: &mut Flow<R>,
-        present: &mut Present,
-        problem: &mut Problem,
-        work: &mut Work<R>,
-    ) -> Result<(), Error> {
-        let implicit = Implicit { tau_nu: 0.0, cfl: present.cfl(step.dt), mean: problem.mean_velocity(step.end) };
-        self.decay.set_viscosity(step.dt * problem.nu);
-        add_rate_of_change(present.time, flow, step.dt, problem, &mut work.w);
-        problem.bodies.place(step.end, step.displacements, step.stations, &present.beams.stations, &problem.grid);
-        step.check(self.solve_wave_by_wave(step.team, Stage::First, implicit, problem, work))?;
-        add_rate_of_change(step.end, &self.next, step.dt, problem, &mut work.w);
-        let advection_rate = self.solve_wave_by_wave(step.team, Stage::Second, implicit, problem, work);
-        step.check(advection_rate)?;
-
-        self.take_over(flow);
-        problem.bodies.sample(|point| flow.velocity_at(point));
-        let drag = |cell: &Cell| present_drag(flow, cell);
-        let exchange = &mut present.beams.exchange;
-        problem.bodies.sum_up_forces(step.dt, drag, step.stations, &mut present.bodies, exchange);
-        step.finish(present, &mut problem.bodies, advection_rate);
-        Ok(())
+        let decay = Decay::new(grid, transforms.gains());
+        let w = [(); 2].map(|()| Field::uniform(R::zero(), grid.len()));
+        let next = Flow::uniform([0.0; 2], grid.len());
+        Self { transforms, w, u_hat: velocity.map(uniform), next, next_u_hat: [spectrum.clone(), spectrum], decay }
     }
 
     /// Make the new flow the present one.
-    fn take_over(&mut self, flow: &mut Flow<R>) {
+    fn take_over(&mut self, flow: &mut Flow<R, 2>) {
         swap(flow, &mut self.next);
         swap(&mut self.u_hat, &mut self.next_u_hat);
     }
 
-    /// Make the flow after a stage from `work.w` in `next`, and return its advection rate, 1/s.
-    fn solve_wave_by_wave(
-        &mut self,
-        team: &Team,
-        stage: Stage,
-        implicit: Implicit,
-        problem: &mut Problem,
-        work: &mut Work<R>,
-    ) -> f64 {
+    /// Make the flow after a stage from `w` in `next`, and return its advection rate, 1/s; not a number if it is not
+    /// finite.
+    fn solve_stage(&mut self, team: &Team, stage: Stage, implicit: &Implicit<2>, problem: &mut Problem<2>) -> f64 {
         let (nx, points) = (problem.grid.cells[0], problem.grid.len() as f64);
         let [u, v] = self.u_hat.each_ref().map(|u_hat| u_hat.chunks_exact(nx));
         let [next_u, next_v] = self.next_u_hat.each_mut().map(|u_hat| u_hat.chunks_exact_mut(nx));
         let rows = u.zip(v).zip(next_u.zip(next_v));
-        let Work { spectral, projection, w } = work;
         let decay = &self.decay;
-        let solve = |row: usize, own: Row<R>, [u, v, omega]: [&mut [Pack<R>]; 3]| {
+        let solve = |projection: &Projection<R>, row: usize, own: Row<R>, [u, v, omega]: [&mut [Pack<R>]; 3]| {
             let ((u_before, v_before), (u_after, v_after)) = own;
             decay.apply(stage, points, row, u, u_before);
             decay.apply(stage, points, row, v, v_before);
-            projection.project(&implicit, row, [&mut *u, &mut *v, omega]);
+            projection.project(implicit, row, [&mut *u, &mut *v, omega]);
             if stage != Stage::First {
                 u_after.copy_from_slice(u);
                 v_after.copy_from_slice(v);
             }
         };
-        let along_y = spectral.transform_along_y(team, w, &mut problem.timer);
-        along_y.solve(team, rows, solve, &mut self.next, &mut problem.timer, nothing)
+        let timer = &mut problem.timer;
+        let bound = self.transforms.solve_rows(team, &self.w, rows, solve, timer, nothing);
+        if bound < R::OVERFLOW_GUARD.to_f64() { self.transforms.write(team, &mut self.next, timer) } else { f64::NAN }
     }
+}
+
+impl<R: Real> Scheme<R, 2> for Rk2<R> {
+    fn threads(&self) -> usize {
+        self.transforms.threads()
+    }
+
+    fn memory(&self) -> Memory<R, 2> {
+        Memory::Rk2(self.u_hat.clone())
+    }
+
+    fn fits(&self, memory: &Memory<R, 2>) -> bool {
+        let same = |u_hat: &[Vec<Pack<R>>; 2]| u_hat.iter().zip(&self.u_hat).all(|(a, b)| a.len() == b.len());
+        matches!(memory, Memory::Rk2(u_hat) if same(u_hat))
+    }
+
+    fn save(&self, memory: &mut Memory<R, 2>) {
+        if let Memory::Rk2(u_hat) = memory {
+            copy(u_hat, &self.u_hat);
+        }
+    }
+
+    fn restore(&mut self, memory: &Memory<R, 2>) {
+        if let Memory::Rk2(u_hat) = memory {
+            copy(&mut self.u_hat, u_hat);
+        }
+    }
+
+    fn longest_step(&self, problem: &Problem<2>) -> Option<f64> {
+        let stiffest = problem.bodies.rate().into_iter().flatten().fold(0.0_f64, |most, rate| most.max(*rate));
+        Some(1.0 / stiffest.max(f64::MIN_POSITIVE))
+    }
+
+    fn room(&mut self) -> &mut [Field<R>; 2] {
+        &mut self.w
+    }
+
+    fn start(&mut self, flow: &mut Flow<R, 2>, present: &mut Present<2>, problem: &mut Problem<2>) {
+        let limit = f64::INFINITY;
+        let implicit = Implicit { tau_nu: 0.0, cfl: 0.0, mean: problem.mean_velocity(present.time), limit };
+        present.advection_rate = self.solve_stage(&Team::alone(), Stage::Start, &implicit, problem);
+        self.take_over(flow);
+    }
+
+    fn step(
+        &mut self,
+        step: &Substep<2>,
+        flow: &mut Flow<R, 2>,
+        present: &mut Present<2>,
+        problem: &mut Problem<2>,
+    ) -> Result<(), Error> {
+        let mean = problem.mean_velocity(step.end);
+        let implicit = Implicit { tau_nu: 0.0, cfl: present.cfl(step.dt), mean, limit: step.limit() };
+        self.decay.set_viscosity(step.dt * problem.nu);
+        add_rate_of_change(present.time, flow, step.dt, problem, &mut self.w);
+        problem.bodies.place(&step.placement(&present.flexible.stations), &problem.grid);
+        step.check(self.solve_stage(step.team, Stage::First, &implicit, problem))?;
+        add_rate_of_change(step.end, &self.next, step.dt, problem, &mut self.w);
+        let advection_rate = self.solve_stage(step.team, Stage::Second, &implicit, problem);
+        step.check(advection_rate)?;
+
+        self.take_over(flow);
+        problem.bodies.sample(|point| flow.velocity_at(point));
+        problem.sum_up_forces(step.dt, |cell| present_drag(flow, cell), step.stations, present);
+        step.commit(present, &mut problem.bodies, advection_rate);
+        Ok(())
+    }
+
+    /// Write the present drag on the beams. A change of a body's velocity in the coming step takes the fluid along by
+    /// `dt a_b/2`.
+    fn predict_loads(&self, flow: &Flow<R, 2>, present: &mut Present<2>, problem: &mut Problem<2>) {
+        let Bodies { beams, cell_mass: weight, .. } = &problem.bodies;
+        let step = present.step;
+        let drag = |cell: &Cell<2>| {
+            let slope = cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - 0.5 * step * cell.rate));
+            (present_drag(flow, cell) * *weight, slope)
+        };
+        beams.iter().for_each(|beam| beam.collect(drag, &mut present.flexible.loads[beam.number]));
+    }
+
+    fn total_pressure(&mut self, flow: &Flow<R, 2>, present: &Present<2>, problem: &mut Problem<2>) -> &[R] {
+        let Self { transforms, w, next, .. } = self;
+        // The velocity in it has no divergence.
+        add_rate_of_change(present.time, flow, 1.0, problem, w);
+        let pressure = &mut next.vorticity[0];
+        transforms.pressure(w, 1.0, present.cfl(present.step), pressure);
+        pressure
+    }
+
+    fn divergence(&mut self, velocity: &[Field<R>; 2]) -> &[R] {
+        self.transforms.divergence(velocity, &mut self.w[0]);
+        &self.w[0]
+    }
+}
+
+fn copy<T: Copy>(to: &mut [Vec<T>; 2], from: &[Vec<T>; 2]) {
+    to.iter_mut().zip(from).for_each(|(to, from)| to.copy_from_slice(from));
 }
 
 /// A row of both components of u^n and of u^{n+1}.
@@ -149,7 +214,7 @@ type Row<'a, R> = ((&'a [Pack<R>], &'a [Pack<R>]), (&'a mut [Pack<R>], &'a mut [
 
 impl Decay {
     /// Prepare for transforms with these gains.
-    fn new(grid: &Grid, gains: [Vec<f64>; 2]) -> Self {
+    fn new(grid: &Grid<2>, gains: [Vec<f64>; 2]) -> Self {
         let modes = gains[1].len();
         let (nx, [length, height]) = (grid.cells[0], grid.size);
         let kx2 = |i: usize| (TAU / length * i.min(nx - i) as f64).powi(2);
@@ -197,38 +262,21 @@ impl Decay {
     }
 }
 
-/// Return the longest step that the explicit drag allows, s.
-pub fn longest_step(bodies: &Bodies) -> f64 {
-    let stiffest = bodies.rate().into_iter().flatten().fold(0.0_f64, |most, rate| most.max(*rate));
-    1.0 / stiffest.max(f64::MIN_POSITIVE)
-}
-
 /// Write `u + dt f` for a flow at a time (s) to `w`.
-pub fn add_rate_of_change<R: Real>(time: f64, flow: &Flow<R>, dt: f64, problem: &mut Problem, w: &mut [Field<R>; 2]) {
+fn add_rate_of_change<R: Real>(time: f64, flow: &Flow<R, 2>, dt: f64, problem: &mut Problem<2>, w: &mut [Field<R>; 2]) {
     problem.bodies.sample(|point| flow.velocity_at(point));
-    let Flow { velocity: [u, v], vorticity: omega } = flow;
+    let Flow { velocity: [u, v], vorticity } = flow;
+    let omega = &vorticity[0];
     let rate = problem.bodies.rate();
     let [wx, wy] = &mut *w;
     run(Explicit { dt, u, other: v, omega, sign: -1.0, rate, w: wx });
     run(Explicit { dt, u: v, other: u, omega, sign: 1.0, rate, w: wy });
-    problem.add_velocities(time, |_| dt, w);
-}
-
-/// Write the present drag on the beams. A change of a body's velocity in the coming step takes the fluid along by
-/// `dt a_b/2`.
-pub fn predict_loads<R: Real>(flow: &Flow<R>, present: &Present, bodies: &mut Bodies, loads: &mut [Loads]) {
-    bodies.sample(|point| flow.velocity_at(point));
-    let weight = bodies.cell_mass;
-    let drag = |cell: &Cell| {
-        let force = present_drag(flow, cell).map(|drag| weight * drag);
-        (force, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - 0.5 * present.step * cell.rate)))
-    };
-    bodies.collect_loads(drag, loads);
+    problem.bodies.add_velocities(time, |_| dt, &problem.grid, w);
 }
 
 /// Return the drag of a flow on a cell over the density, `a_b (u − u_b)`, m/s².
-fn present_drag<R: Real>(flow: &Flow<R>, cell: &Cell) -> [f64; 2] {
-    [0, 1].map(|axis| cell.rate * (flow.velocity[axis][cell.index].to_f64() - cell.velocity[axis]))
+fn present_drag<R: Real>(flow: &Flow<R, 2>, cell: &Cell<2>) -> Vector<2> {
+    (Vector::from(flow.velocity_at(cell.index)) - cell.velocity) * cell.rate
 }
 
 /// `u + dt (−sign omega other − a u)`, with `sign omega other` this component of `omega × u`.

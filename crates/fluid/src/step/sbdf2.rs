@@ -6,235 +6,263 @@
 //!
 //! ```text
 //! (c_0 + Σ a_b) u*  = c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n + Σ a_b u_b      point by point
-//! (1 − tau nu ∇² + tau r) u^{n+1} + tau ∇Pi^{n+1} = u* + tau G^n,   ∇·u^{n+1} = 0         wave by wave
+//! (1 − tau nu ∇² + tau r) u^{n+1} + tau ∇Pi^{n+1} = u* + tau G^n,   ∇·u^{n+1} = 0         in Fourier space
 //! G^{n+1} = c_0 (u* + tau G^n − u^{n+1})                                                  point by point
 //! ```
 //!
 //! The sum of both is the scheme with all terms implicit but `a tau (G^{n+1} − G^n)`, of second order. Both parts are
-//! monotone, so neither stiff drag nor viscosity bounds the step; advection does. A step takes five real transforms:
-//! two forward (u* + tau G) and three inverse (u, v, omega).
+//! monotone, so neither stiff drag nor viscosity bounds the step; advection does. A step takes five real transforms in the
+//! plane, two forward (u* + tau G) and three inverse (u, v, omega), and nine in space.
 //!
 //! The drag on the bodies in the step is `rho a_b (u* − u_b)`. It is linear in u_b with the slope
 //! `−rho a_b (1 − a_b/(c_0 + Σ a))`, which gives the impedance of the loads.
 
-use std::iter::repeat;
 use std::mem::swap;
 use std::ops::Range;
 
-use line_fft::{Arithmetic, F64_LANES, Kernel, Pack, Real, Team, from_f64s, nothing, run, to_f64s};
+use line_fft::{Arithmetic, F64_LANES, Kernel, Real, Team, from_f64s, nothing, run, to_f64s};
 
+use super::Scheme;
 use super::substep::Substep;
-use super::work::Work;
-use crate::bodies::{Bodies, Cell, Loads, PredictedBeams};
+use crate::bodies::Cell;
 use crate::error::Error;
 use crate::field::Field;
 use crate::flow::Flow;
 use crate::present::Present;
 use crate::problem::Problem;
-use crate::projection::Implicit;
-use crate::state::TwoStep;
+use crate::space::{Scalar, Space, Vector, Wide};
+use crate::spectral::{Implicit, Transforms};
+use crate::state::{Memory, TwoStep};
 use crate::timer::Phase;
 
-/// Signs in `omega × u = (−omega v, omega u)`.
-const SIGNS: [f64; 2] = [-1.0, 1.0];
+/// Most arrays of components: those of the vorticity in space.
+const MOST: usize = 3;
 
 /// The scheme with its memory.
-pub struct Sbdf2<R: Real> {
-    pub memory: TwoStep<R>,
+pub struct Sbdf2<R: Real, T, const D: usize> {
+    memory: TwoStep<R, D>,
+    transforms: T,
+    /// Velocity that goes into the solve in Fourier space, m/s. Nothing in it has a meaning between steps.
+    w: [Field<R>; D],
 }
 
-impl<R: Real> Sbdf2<R> {
+impl<R: Real, T: Transforms<R, D>, const D: usize> Sbdf2<R, T, D>
+where
+    [f64; D]: Space<D>,
+{
     /// A scheme without an earlier step.
-    pub fn new(problem: &Problem) -> Self {
-        let n = problem.grid.len();
-        let before = Flow::uniform([0.0; 2], n);
-        let field = || Field::uniform(R::zero(), n);
-        Self { memory: TwoStep { before, w: [field(), field()], inv_tau: 0.0 } }
-    }
-
-    /// Start from the velocity in `work.w`. A step of no length leaves the projection of the solve wave by wave.
-    pub fn start(&mut self, flow: &mut Flow<R>, present: &mut Present, problem: &mut Problem, work: &mut Work<R>) {
-        let implicit =
-            Implicit { tau_nu: f64::MIN_POSITIVE * problem.nu, cfl: 0.0, mean: problem.mean_velocity(present.time) };
-        present.advection_rate = self.solve_wave_by_wave(&Team::alone(), implicit, problem, work, |_| {});
-        self.take_over(flow, work);
-        self.memory.inv_tau = 0.0;
-    }
-
-    pub fn step(
-        &mut self,
-        step: Substep,
-        flow: &mut Flow<R>,
-        present: &mut Present,
-        problem: &mut Problem,
-        work: &mut Work<R>,
-    ) -> Result<Option<PredictedBeams>, Error> {
-        let scheme = Differences::new(step.dt, present.step);
-        self.place_and_solve(&step, &scheme, flow, present, problem, &mut work.w);
-        problem.add_velocities(step.end, |rate| 1.0 / (scheme.c[0] + rate), &mut work.w);
-        let (memory, velocity) = (&self.memory, &flow.velocity);
-        let u_star = |axis: usize, point: usize, w: f64| {
-            let [u, w_last] = [velocity, &memory.w].map(|field| field[axis][point].to_f64());
-            w - scheme.tau * memory.inv_tau * (w_last - u)
-        };
-        problem.bodies.release(scheme.c, &present.carried, u_star, &mut work.w);
-        problem.solve_on_lines(scheme.c, &present.carried, step.end, step.stations, u_star, &mut work.w)?;
-        problem.timer.mark(Phase::Velocities);
-        let implicit = Implicit {
-            tau_nu: scheme.tau * problem.nu,
-            cfl: present.cfl(step.dt),
-            mean: problem.mean_velocity(step.end),
-        };
-        let (mut predicted, grid) = (None, problem.grid);
-        let advection_rate = self.solve_wave_by_wave(step.team, implicit, problem, work, |bodies| {
-            predicted = step.ahead.map(|ahead| bodies.predict(ahead, step.stations, &grid));
-        });
-        step.check(advection_rate)?;
-
-        let memory = &self.memory;
-        let drag = |cell: &Cell| {
-            [0, 1].map(|axis| {
-                let [u, w, w_next] = [&flow.velocity, &memory.w, &work.w].map(|field| field[axis][cell.index].to_f64());
-                let g = memory.inv_tau * (w - u);
-                let u_star = w_next - scheme.tau * g;
-                cell.rate * (u_star - cell.velocity[axis])
-            })
-        };
-        problem.sum_up_forces(step.dt, drag, step.stations, present);
-        problem.timer.mark(Phase::Forces);
-        self.take_over(flow, work);
-        self.memory.inv_tau = scheme.c[0];
-        step.finish(present, &mut problem.bodies, advection_rate);
-        if let Some(ahead) = step.ahead {
-            problem.place_thin(ahead);
-        }
-        Ok(predicted)
+    pub fn new(transforms: T, points: usize) -> Self {
+        let fields = || [(); D].map(|()| Field::uniform(R::zero(), points));
+        let before = Flow::uniform([0.0; D], points);
+        Self { memory: TwoStep { before, w: fields(), inv_tau: 0.0 }, transforms, w: fields() }
     }
 
     /// Put the bodies to the end of the step, and write u* + tau G without their velocities to `w`. With helpers the
     /// solve around the bodies runs meanwhile, and is repeated in their cells.
     fn place_and_solve(
-        &self,
-        step: &Substep,
+        &mut self,
+        step: &Substep<D>,
         scheme: &Differences,
-        flow: &Flow<R>,
-        present: &Present,
-        problem: &mut Problem,
-        w: &mut [Field<R>; 2],
+        flow: &Flow<R, D>,
+        present: &Present<D>,
+        problem: &mut Problem<D>,
     ) {
-        let known = self.known(flow);
+        let placement = step.placement(&present.flexible.stations);
+        let Self { memory, w, .. } = self;
+        let (known, extrapolated) = (Known::of(flow, memory), extrapolated(scheme, flow, memory));
         let Problem { bodies, grid, timer, .. } = problem;
         if step.team.is_alone() {
-            bodies.moving().place(step.end, step.displacements, step.stations, &present.beams.stations, grid);
+            bodies.moving().place(&placement, grid);
             timer.mark(Phase::Paint);
-            bodies.sample(self.extrapolated(scheme, flow));
+            bodies.sample(extrapolated);
             timer.mark(Phase::Sample);
             solve_locally(step.team, &known, scheme, bodies.rate(), w, nothing);
         } else {
-            let (rate, mut moving) = bodies.split_static();
+            let (rate, mut moving) = bodies.split_still();
             solve_locally(step.team, &known, scheme, rate, w, || {
-                moving.place(step.end, step.displacements, step.stations, &present.beams.stations, grid);
-                moving.sample(self.extrapolated(scheme, flow));
+                moving.place(&placement, grid);
+                moving.sample(extrapolated);
             });
             bodies.paint();
             for (point, rate) in bodies.painted() {
-                [w[0][point], w[1][point]] = known.solve(scheme, rate, point);
+                let solved = known.solve(scheme, rate, point);
+                w.iter_mut().zip(solved).for_each(|(w, solved)| w[point] = solved);
             }
         }
         timer.mark(Phase::Solve);
     }
 
-    /// Make a new flow from `work.w` in the place of the previous one, which is not needed any more, and return its
-    /// advection rate, 1/s. Meanwhile `predict` may run with the bodies.
-    fn solve_wave_by_wave(
-        &mut self,
-        team: &Team,
-        implicit: Implicit,
-        problem: &mut Problem,
-        work: &mut Work<R>,
-        predict: impl FnOnce(&mut Bodies) + Send,
-    ) -> f64 {
-        let Work { spectral, projection, w } = work;
-        let Problem { bodies, timer, .. } = problem;
-        let solve = |row: usize, (), spectra: [&mut [Pack<R>]; 3]| projection.project(&implicit, row, spectra);
-        let along_y = spectral.transform_along_y(team, w, timer);
-        along_y.solve(team, repeat(()), solve, &mut self.memory.before, timer, || predict(bodies))
+    /// Make the new flow the present one, the present one the previous, and keep w of a step with `inv_tau` (1/s).
+    fn take_over(&mut self, flow: &mut Flow<R, D>, inv_tau: f64) {
+        swap(flow, &mut self.memory.before);
+        swap(&mut self.memory.w, &mut self.w);
+        self.memory.inv_tau = inv_tau;
+    }
+}
+
+impl<R: Real, T: Transforms<R, D>, const D: usize> Scheme<R, D> for Sbdf2<R, T, D>
+where
+    [f64; D]: Space<D>,
+{
+    fn threads(&self) -> usize {
+        self.transforms.threads()
     }
 
-    /// Make the new flow the present one, the present one the previous, and keep w.
-    fn take_over(&mut self, flow: &mut Flow<R>, work: &mut Work<R>) {
-        swap(flow, &mut self.memory.before);
-        swap(&mut self.memory.w, &mut work.w);
+    fn memory(&self) -> Memory<R, D> {
+        Memory::Sbdf2(self.memory.clone())
+    }
+
+    fn fits(&self, memory: &Memory<R, D>) -> bool {
+        matches!(memory, Memory::Sbdf2(memory) if self.memory.fits(memory))
+    }
+
+    fn save(&self, memory: &mut Memory<R, D>) {
+        if let Memory::Sbdf2(memory) = memory {
+            memory.copy_from(&self.memory);
+        }
+    }
+
+    fn restore(&mut self, memory: &Memory<R, D>) {
+        if let Memory::Sbdf2(memory) = memory {
+            self.memory.copy_from(memory);
+        }
+    }
+
+    fn room(&mut self) -> &mut [Field<R>; D] {
+        &mut self.w
+    }
+
+    /// A step of no length leaves the projection of the solve in Fourier space.
+    fn start(&mut self, flow: &mut Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
+        let mean = problem.mean_velocity(present.time);
+        let implicit = Implicit { tau_nu: f64::MIN_POSITIVE * problem.nu, cfl: 0.0, mean, limit: f64::INFINITY };
+        let Self { memory, transforms, w } = self;
+        let (team, timer) = (&Team::alone(), &mut problem.timer);
+        present.advection_rate = transforms.solve(team, &implicit, w, &mut memory.before, timer, nothing);
+        self.take_over(flow, 0.0);
+    }
+
+    fn step(
+        &mut self,
+        step: &Substep<D>,
+        flow: &mut Flow<R, D>,
+        present: &mut Present<D>,
+        problem: &mut Problem<D>,
+    ) -> Result<(), Error> {
+        let scheme = Differences::new(step.dt, present.step);
+        self.place_and_solve(step, &scheme, flow, present, problem);
+        let Self { memory, transforms, w } = self;
+        let share = scheme.tau * memory.inv_tau;
+        let (velocity, w_last) = (&flow.velocity, &memory.w);
+        let u_star = |point: usize, w: [f64; D]| {
+            let tau_g = |axis: usize| share * (w_last[axis][point].to_f64() - velocity[axis][point].to_f64());
+            std::array::from_fn(|axis| w[axis] - tau_g(axis))
+        };
+        let Problem { bodies, thin, grid, timer, .. } = problem;
+        let time = step.end;
+        bodies.add_velocities(time, |rate| 1.0 / (scheme.c[0] + rate), grid, w);
+        bodies.solve_springs(scheme.c, &present.carried, u_star, w);
+        thin.place(step.stations, &bodies.rigid, grid);
+        if !thin.apply(scheme.c, &present.carried, bodies, u_star, w, grid) {
+            return Err(Error::Markers { time });
+        }
+        timer.mark(Phase::Velocities);
+        let mean = problem.mean_velocity(time);
+        let implicit =
+            Implicit { tau_nu: scheme.tau * problem.nu, cfl: present.cfl(step.dt), mean, limit: step.limit() };
+        let Problem { bodies, grid, timer, .. } = problem;
+        let look_ahead = || {
+            if let Some(ahead) = step.ahead {
+                bodies.beams.iter_mut().for_each(|beam| beam.look_ahead(ahead, step.stations, grid));
+            }
+        };
+        let advection_rate = transforms.solve(step.team, &implicit, w, &mut memory.before, timer, look_ahead);
+        step.check(advection_rate)?;
+
+        let drag = |cell: &Cell<D>| {
+            let u_star = Vector::from_fn(|axis, _| {
+                let [u, w_last, w] = [velocity, w_last, &*w].map(|field| field[axis][cell.index].to_f64());
+                let g = memory.inv_tau * (w_last - u);
+                w - scheme.tau * g
+            });
+            (u_star - cell.velocity) * cell.rate
+        };
+        problem.sum_up_forces(step.dt, drag, step.stations, present);
+        problem.timer.mark(Phase::Forces);
+        self.take_over(flow, scheme.c[0]);
+        step.commit(present, &mut problem.bodies, advection_rate);
+        if let Some(ahead) = step.ahead {
+            problem.place_thin(ahead);
+        }
+        Ok(())
     }
 
     /// Write the drag `a_b (u* − u_b)`, with `u* = (r + a_b u_b)/(c_0 + Σ a)`.
-    pub fn predict_loads(
-        &self,
-        predicted: Option<PredictedBeams>,
-        flow: &Flow<R>,
-        present: &Present,
-        problem: &mut Problem,
-        loads: &mut [Loads],
-    ) {
-        if let Some(predicted) = predicted {
-            problem.bodies.move_to_predicted(predicted);
-        }
+    fn predict_loads(&self, flow: &Flow<R, D>, present: &mut Present<D>, problem: &mut Problem<D>) {
         let scheme = Differences::new(present.step, present.step);
-        problem.bodies.sample(self.extrapolated(&scheme, flow));
-        let known = self.known(flow);
-        let right_side = |point: usize| [0, 1].map(|axis| known.right_side(&scheme, axis, point).0);
-        problem.predict_loads_on_lines(scheme.c[0], present.time + present.step, right_side, loads);
-        let bodies = &problem.bodies;
+        let time = present.time + present.step;
+        let Problem { bodies, thin, grid, .. } = problem;
+        bodies.beams.iter_mut().for_each(|beam| beam.move_ahead());
+        bodies.sample(extrapolated(&scheme, flow, &self.memory));
+        let known = Known::of(flow, &self.memory);
+        let right_side = |point: usize| known.right_side(&scheme, point).map(|(r, _)| r);
+        let loads = &mut present.flexible.loads;
+        let add = |points: &[usize], sums: &mut [[f64; D]]| bodies.add_velocities_at(time, grid, points, sums);
+        thin.predict_loads(scheme.c[0], bodies.rate(), right_side, add, grid, loads);
         let Some(rate) = bodies.rate() else { return };
         let weight = bodies.cell_mass;
-        let drag = |cell: &Cell| {
+        let drag = |cell: &Cell<D>| {
             let share = cell.rate / (scheme.c[0] + rate[cell.index]);
-            let force = [0, 1].map(|axis| {
-                let (r, _) = known.right_side(&scheme, axis, cell.index);
-                let momentum = cell.rate * cell.velocity[axis];
-                weight * (share * (r + momentum) - momentum)
-            });
-            (force, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - share)))
+            let momentum = cell.velocity * cell.rate;
+            let force = (Vector::from(right_side(cell.index)) + momentum) * share - momentum;
+            (force * weight, cell.gain.map(|gain| weight * cell.rate * gain * (1.0 - share)))
         };
-        bodies.collect_loads(drag, loads);
+        bodies.beams.iter().for_each(|beam| beam.collect(drag, &mut loads[beam.number]));
     }
 
-    /// Return the velocity (m/s) at a grid point, extrapolated to the end of the step.
-    fn extrapolated(&self, &Differences { e, .. }: &Differences, flow: &Flow<R>) -> impl Fn(usize) -> [f64; 2] {
-        let (now, before) = (&flow.velocity, &self.memory.before.velocity);
-        move |point| [0, 1].map(|axis| e[0] * now[axis][point].to_f64() + e[1] * before[axis][point].to_f64())
+    fn total_pressure(&mut self, _: &Flow<R, D>, present: &Present<D>, _: &mut Problem<D>) -> &[R] {
+        let Self { memory, transforms, w } = self;
+        transforms.pressure(&memory.w, memory.inv_tau, present.cfl(present.step), &mut w[0]);
+        &w[0]
     }
 
-    /// Return what the local solve reads.
-    fn known<'a>(&'a self, flow: &'a Flow<R>) -> Known<'a, R> {
-        let TwoStep { before, w, inv_tau } = &self.memory;
-        Known {
-            velocity: flow.velocity.each_ref().map(|u| &**u),
-            vorticity: &flow.vorticity,
-            velocity_before: before.velocity.each_ref().map(|u| &**u),
-            vorticity_before: &before.vorticity,
-            w: w.each_ref().map(|w| &**w),
-            inv_tau: *inv_tau,
-        }
+    fn divergence(&mut self, velocity: &[Field<R>; D]) -> &[R] {
+        self.transforms.divergence(velocity, &mut self.w[0]);
+        &self.w[0]
     }
+}
+
+/// Return the velocity (m/s) at a grid point, extrapolated to the end of the step.
+fn extrapolated<R: Real, const D: usize>(
+    &Differences { e, .. }: &Differences,
+    flow: &Flow<R, D>,
+    memory: &TwoStep<R, D>,
+) -> impl Fn(usize) -> [f64; D] {
+    let (now, before) = (&flow.velocity, &memory.before.velocity);
+    move |point| std::array::from_fn(|axis| e[0] * now[axis][point].to_f64() + e[1] * before[axis][point].to_f64())
 }
 
 /// Write u* + tau G without the velocities of the bodies to `w`, with the drag rate `rate` (1/s); one thread runs
 /// `meanwhile`.
-fn solve_locally<R: Real>(
+fn solve_locally<R: Real, const D: usize>(
     team: &Team,
-    known: &Known<R>,
+    known: &Known<R, D>,
     scheme: &Differences,
     rate: Option<&[f64]>,
-    w: &mut [Field<R>; 2],
+    w: &mut [Field<R>; D],
     meanwhile: impl FnOnce() + Send,
-) {
-    let share = w[0].len().div_ceil(team.parts());
-    let [wx, wy] = w.each_mut().map(|w| w.chunks_mut(share));
-    team.share(meanwhile, (0..).step_by(share).zip(wx.zip(wy)), |(first, (wx, wy))| {
-        let points = first..first + wx.len();
+) where
+    [f64; D]: Space<D>,
+{
+    let points = w[0].len();
+    let share = points.div_ceil(team.parts());
+    let mut parts = w.each_mut().map(|w| w.chunks_mut(share));
+    let parts =
+        (0..points).step_by(share).map(|first| (first, parts.each_mut().map(|parts| parts.next().unwrap_or_default())));
+    team.share(meanwhile, parts, |(first, w)| {
+        let points = first..first + w[0].len();
         let rate = rate.map(|rate| &rate[points.clone()]);
-        run(LocalSolve { known: known.points(points), scheme, rate, w: [wx, wy] });
+        run(LocalSolve { known: known.points(points), scheme, rate, w });
     });
 }
 
@@ -262,99 +290,127 @@ impl Differences {
     }
 }
 
-/// What the local solve reads.
+/// What the local solve reads. Of the vorticity the plane has the first component.
 #[derive(Clone)]
-struct Known<'a, R> {
-    velocity: [&'a [R]; 2],
-    vorticity: &'a [R],
+struct Known<'a, R, const D: usize> {
+    velocity: [&'a [R]; D],
+    vorticity: [&'a [R]; MOST],
     /// Velocity and vorticity one step earlier.
-    velocity_before: [&'a [R]; 2],
-    vorticity_before: &'a [R],
+    velocity_before: [&'a [R]; D],
+    vorticity_before: [&'a [R]; MOST],
     /// `w = u + tau G` of the last step.
-    w: [&'a [R]; 2],
+    w: [&'a [R]; D],
     /// `1/tau` of the last step.
     inv_tau: f64,
 }
 
-impl<'a, R: Real> Known<'a, R> {
+impl<'a, R: Real, const D: usize> Known<'a, R, D>
+where
+    [f64; D]: Space<D>,
+{
+    fn of(flow: &'a Flow<R, D>, TwoStep { before, w, inv_tau }: &'a TwoStep<R, D>) -> Self {
+        let vorticity = |flow: &'a Flow<R, D>| std::array::from_fn(|c| flow.vorticity.get(c).map_or(&[][..], |of| of));
+        Self {
+            velocity: flow.velocity.each_ref().map(|u| &**u),
+            vorticity: vorticity(flow),
+            velocity_before: before.velocity.each_ref().map(|u| &**u),
+            vorticity_before: vorticity(before),
+            w: w.each_ref().map(|w| &**w),
+            inv_tau: *inv_tau,
+        }
+    }
+
     /// Return the part for some of the points.
     fn points(&self, points: Range<usize>) -> Self {
-        let part = |field: &'a [R]| &field[points.clone()];
+        let part = |field: &'a [R]| if field.is_empty() { field } else { &field[points.clone()] };
         Self {
             velocity: self.velocity.map(part),
-            vorticity: part(self.vorticity),
+            vorticity: self.vorticity.map(part),
             velocity_before: self.velocity_before.map(part),
-            vorticity_before: part(self.vorticity_before),
+            vorticity_before: self.vorticity_before.map(part),
             w: self.w.map(part),
             ..*self
         }
     }
 
-    /// Return a component, at point `i`, of `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, the right-hand side
+    /// Return the components, at point `i`, of `c_1 u^n + c_2 u^{n−1} − e_1 N^n − e_2 N^{n−1} − G^n`, the right-hand side
     /// without the bodies, and of G^n.
-    #[inline(always)] // A call for each component reads all twice.
-    fn right_side(&self, &Differences { c, e, .. }: &Differences, axis: usize, i: usize) -> (f64, f64) {
-        let [u, u_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[axis][i].to_f64());
-        let [v, v_before] = [&self.velocity, &self.velocity_before].map(|velocity| velocity[1 - axis][i].to_f64());
-        let n = SIGNS[axis] * self.vorticity[i].to_f64() * v;
-        let n_before = SIGNS[axis] * self.vorticity_before[i].to_f64() * v_before;
-        let g = self.inv_tau * (self.w[axis][i].to_f64() - u);
-        (c[1] * u + c[2] * u_before - e[0] * n - e[1] * n_before - g, g)
+    #[inline(always)]
+    fn right_side(&self, &Differences { c, e, .. }: &Differences, i: usize) -> [(f64, f64); D] {
+        let at = |fields: &[&[R]; D]| fields.map(|field| field[i].to_f64());
+        let about = |fields: &[&[R]; MOST]| {
+            let mut omega = [0.0; MOST];
+            (0..<[f64; D]>::VORTICITY).for_each(|c| omega[c] = fields[c][i].to_f64());
+            omega
+        };
+        let (u, u_before, w) = (at(&self.velocity), at(&self.velocity_before), at(&self.w));
+        let r = std::array::from_fn(|a| c[1] * u[a] + c[2] * u_before[a]);
+        let r = <[f64; D]>::subtract_advection(Scalar, r, e[0], about(&self.vorticity), u);
+        let r = <[f64; D]>::subtract_advection(Scalar, r, e[1], about(&self.vorticity_before), u_before);
+        std::array::from_fn(|a| {
+            let g = self.inv_tau * (w[a] - u[a]);
+            (r[a] - g, g)
+        })
     }
 
     /// Return u* + tau G at point `i` without the velocities of the bodies, with their drag rate `rate` (1/s).
-    fn solve(&self, scheme: &Differences, rate: f64, i: usize) -> [R; 2] {
-        [0, 1].map(|axis| {
-            let (r, g) = self.right_side(scheme, axis, i);
-            R::rounded(r / (scheme.c[0] + rate) + scheme.tau * g)
-        })
+    fn solve(&self, scheme: &Differences, rate: f64, i: usize) -> [R; D] {
+        self.right_side(scheme, i).map(|(r, g)| R::rounded(r / (scheme.c[0] + rate) + scheme.tau * g))
     }
 }
 
-/// [`Known::solve`] at all points, with the same bits. Eleven arrays are read and written at once, which takes most of
-/// the time.
-struct LocalSolve<'a, R> {
-    known: Known<'a, R>,
+/// [`Known::solve`] at all points, with the same bits. Eleven arrays in the plane and eighteen in space are read and
+/// written at once, which takes most of the time.
+struct LocalSolve<'a, R, const D: usize> {
+    known: Known<'a, R, D>,
     scheme: &'a Differences,
     rate: Option<&'a [f64]>,
-    w: [&'a mut [R]; 2],
+    w: [&'a mut [R]; D],
 }
 
-impl<'a, R: Real> Kernel for LocalSolve<'a, R> {
+impl<R: Real, const D: usize> Kernel for LocalSolve<'_, R, D>
+where
+    [f64; D]: Space<D>,
+{
     type Real = f64;
 
     #[inline(always)]
     fn run(self, on: impl Arithmetic<f64>) {
-        let Self { known, scheme, rate, w: [wx, wy] } = self;
+        let Self { known, scheme, rate, mut w } = self;
         let ([c_0, c_1, c_2], [e_1, e_2]) = (scheme.c.map(f64::splat), scheme.e.map(f64::splat));
-        let [tau, inv_tau] = [scheme.tau, known.inv_tau].map(f64::splat);
-        let vectors = wx.len() / F64_LANES;
-        let whole = |field: &'a [R]| &field.as_chunks::<F64_LANES>().0[..vectors];
-        let ([u, v], omega) = (known.velocity.map(whole), whole(known.vorticity));
-        let ([u_before, v_before], omega_before) = (known.velocity_before.map(whole), whole(known.vorticity_before));
-        let ([wx_last, wy_last], rates) =
-            (known.w.map(whole), rate.map(|rate| &rate.as_chunks::<F64_LANES>().0[..vectors]));
-        let (wx_new, wy_new) = (&mut wx.as_chunks_mut().0[..vectors], &mut wy.as_chunks_mut().0[..vectors]);
-        for i in 0..vectors {
-            let (u, v, omega) = (to_f64s(&u[i]), to_f64s(&v[i]), to_f64s(&omega[i]));
-            let (u_before, v_before, omega_before) =
-                (to_f64s(&u_before[i]), to_f64s(&v_before[i]), to_f64s(&omega_before[i]));
-            let total = rates.map_or(c_0, |rates| on.add(c_0, to_f64s(&rates[i])));
-
-            let r = on.add(on.mul(c_1, u), on.mul(c_2, u_before));
-            let r = on.add(r, on.mul(e_1, on.mul(omega, v)));
-            let r = on.add(r, on.mul(e_2, on.mul(omega_before, v_before)));
-            let g = on.mul(inv_tau, on.sub(to_f64s(&wx_last[i]), u));
-            wx_new[i] = from_f64s(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
-
-            let r = on.add(on.mul(c_1, v), on.mul(c_2, v_before));
-            let r = on.sub(r, on.mul(e_1, on.mul(omega, u)));
-            let r = on.sub(r, on.mul(e_2, on.mul(omega_before, u_before)));
-            let g = on.mul(inv_tau, on.sub(to_f64s(&wy_last[i]), v));
-            wy_new[i] = from_f64s(on.add(on.div(on.sub(r, g), total), on.mul(tau, g)));
+        let [tau, inv_tau, zero] = [scheme.tau, known.inv_tau, 0.0].map(f64::splat);
+        let (points, vectors) = (w[0].len(), w[0].len() / F64_LANES);
+        let velocity = known.velocity.map(|field| &field.as_chunks::<F64_LANES>().0[..vectors]);
+        let velocity_before = known.velocity_before.map(|field| &field.as_chunks::<F64_LANES>().0[..vectors]);
+        let last = known.w.map(|field| &field.as_chunks::<F64_LANES>().0[..vectors]);
+        let (mut vorticity, mut vorticity_before) = ([&[][..]; MOST], [&[][..]; MOST]);
+        for c in 0..<[f64; D]>::VORTICITY {
+            vorticity[c] = &known.vorticity[c].as_chunks::<F64_LANES>().0[..vectors];
+            vorticity_before[c] = &known.vorticity_before[c].as_chunks::<F64_LANES>().0[..vectors];
         }
-        for i in vectors * F64_LANES..wx.len() {
-            [wx[i], wy[i]] = known.solve(scheme, rate.map_or(0.0, |rate| rate[i]), i);
+        let rates = rate.map(|rate| &rate.as_chunks::<F64_LANES>().0[..vectors]);
+        let new = w.each_mut().map(|w| &mut w.as_chunks_mut::<F64_LANES>().0[..vectors]);
+        for i in 0..vectors {
+            let (mut u, mut u_before, mut r) = ([zero; D], [zero; D], [zero; D]);
+            let (mut omega, mut omega_before) = ([zero; MOST], [zero; MOST]);
+            for c in 0..<[f64; D]>::VORTICITY {
+                (omega[c], omega_before[c]) = (to_f64s(&vorticity[c][i]), to_f64s(&vorticity_before[c][i]));
+            }
+            for a in 0..D {
+                (u[a], u_before[a]) = (to_f64s(&velocity[a][i]), to_f64s(&velocity_before[a][i]));
+                r[a] = on.add(on.mul(c_1, u[a]), on.mul(c_2, u_before[a]));
+            }
+            let r = <[f64; D]>::subtract_advection(Wide(on), r, e_1, omega, u);
+            let r = <[f64; D]>::subtract_advection(Wide(on), r, e_2, omega_before, u_before);
+            let total = rates.map_or(c_0, |rates| on.add(c_0, to_f64s(&rates[i])));
+            for a in 0..D {
+                let g = on.mul(inv_tau, on.sub(to_f64s(&last[a][i]), u[a]));
+                new[a][i] = from_f64s(on.add(on.div(on.sub(r[a], g), total), on.mul(tau, g)));
+            }
+        }
+        for i in vectors * F64_LANES..points {
+            let solved = known.solve(scheme, rate.map_or(0.0, |rate| rate[i]), i);
+            w.iter_mut().zip(solved).for_each(|(w, solved)| w[i] = solved);
         }
     }
 }

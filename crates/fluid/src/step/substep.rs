@@ -2,23 +2,28 @@
 
 use line_fft::Team;
 
-use crate::bodies::{Bodies, Pose, Stations};
+use crate::bodies::{Bodies, Placement, Pose};
 use crate::error::Error;
 use crate::present::Present;
+use crate::space::Space;
+use crate::stations::Stations;
 
 /// One step of the fluid's own.
 #[derive(Clone, Copy)]
-pub struct Substep<'a> {
+pub struct Substep<'a, const D: usize>
+where
+    [f64; D]: Space<D>,
+{
     /// Length, s.
     pub dt: f64,
     /// Time at the end, s.
     pub end: f64,
-    /// Stations of the beams at the end.
-    pub stations: &'a [Stations],
-    /// Places at the end, from rest, of the bodies that laws do not move; predicted where the fluid moves them.
-    pub displacements: &'a [Pose],
+    /// Stations of the flexible bodies at the end.
+    pub stations: &'a [Stations<D>],
+    /// Displacements at the end of the bodies that laws do not move; predicted where the fluid moves them.
+    pub displacements: &'a [Pose<D>],
     /// Predicted stations after the end, if loads are predicted after this step.
-    pub ahead: Option<&'a [Stations]>,
+    pub ahead: Option<&'a [Stations<D>]>,
     /// Largest CFL number.
     pub max_cfl: f64,
     /// Shortest step that the flow at the end may require, s.
@@ -27,17 +32,34 @@ pub struct Substep<'a> {
     pub team: &'a Team,
 }
 
-impl Substep<'_> {
-    /// Refuse a flow with an advection rate (1/s) that requires too short a step, or is not a number.
+impl<'a, const D: usize> Substep<'a, D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Return where the bodies are put at the end, the flexible ones from the stations `before`.
+    pub fn placement(&self, before: &'a [Stations<D>]) -> Placement<'a, D> {
+        let &Self { end: time, stations, displacements, .. } = self;
+        Placement { time, displacements, stations, before }
+    }
+
+    /// Return the largest advection rate that the flow at the end may have, 1/s.
+    pub fn limit(&self) -> f64 {
+        self.max_cfl / self.shortest
+    }
+
+    /// Refuse a flow with an advection rate (1/s) above the limit, or that is not a number.
     pub fn check(&self, advection_rate: f64) -> Result<(), Error> {
+        if advection_rate <= self.limit() {
+            return Ok(());
+        }
         let (needed, shortest) = (self.max_cfl / advection_rate, self.shortest);
-        if needed >= shortest { Ok(()) } else { Err(Error::Diverged { time: self.end, needed, shortest }) }
+        Err(Error::Diverged { time: self.end, needed, shortest })
     }
 
     /// Make the end of the step the present time.
-    pub fn finish(&self, present: &mut Present, bodies: &mut Bodies, advection_rate: f64) {
+    pub fn commit(&self, present: &mut Present<D>, bodies: &mut Bodies<D>, advection_rate: f64) {
         (present.time, present.step, present.advection_rate) = (self.end, self.dt, advection_rate);
-        bodies.settle(self.displacements, &mut present.carried);
-        Stations::copy_all(&mut present.beams.stations, self.stations);
+        bodies.commit(self.displacements, &mut present.carried);
+        Stations::copy_all(&mut present.flexible.stations, self.stations);
     }
 }

@@ -1,12 +1,9 @@
 //! The drag of markers, solved exactly within a local solve.
 
-use std::mem::take;
-
 use line_fft::Real;
 
 use super::markers::Markers;
 use super::system::System;
-use crate::error::Error;
 use crate::field::Field;
 use crate::grid::Grid;
 
@@ -20,14 +17,32 @@ pub struct MarkerDrag<const D: usize> {
     /// Decrease of that force if all markers become faster, m²/s or m³/s.
     pub slope: Vec<f64>,
     right_side: [Vec<f64>; D],
-    /// Grid points around the markers with the drag of a mask, in ascending order, and `Σ a u_b` there, m/s².
-    dragged: Vec<usize>,
-    sums: Vec<[f64; D]>,
 }
 
-impl<const D: usize> Default for MarkerDrag<D> {
+/// Grid points around the markers with the drag of a mask, in ascending order.
+pub struct Dragged<const D: usize> {
+    /// The points.
+    pub points: Vec<usize>,
+    /// `Σ a u_b` there, m/s².
+    pub sums: Vec<[f64; D]>,
+}
+
+impl<const D: usize> Default for Dragged<D> {
     fn default() -> Self {
-        Self::new(Markers::default())
+        Self { points: Vec::new(), sums: Vec::new() }
+    }
+}
+
+impl<const D: usize> Dragged<D> {
+    /// List those of some points where the drag rate of the masks (1/s) is not 0, with sums of 0.
+    pub fn list(&mut self, points: &[usize], rate: Option<&[f64]>) {
+        self.points.clear();
+        if let Some(rate) = rate {
+            self.points.extend(points.iter().filter(|point| rate[**point] > 0.0));
+            self.points.sort_unstable();
+        }
+        self.sums.clear();
+        self.sums.resize(self.points.len(), [0.0; D]);
     }
 }
 
@@ -36,15 +51,7 @@ impl<const D: usize> MarkerDrag<D> {
     pub fn new(markers: Markers<D>) -> Self {
         let count = markers.len();
         let zeros = || std::array::from_fn(|_| vec![0.0; count]);
-        Self {
-            markers,
-            system: System::new(count),
-            force: zeros(),
-            slope: vec![0.0; count],
-            right_side: zeros(),
-            dragged: Vec::new(),
-            sums: Vec::new(),
-        }
+        Self { markers, system: System::new(count), force: zeros(), slope: vec![0.0; count], right_side: zeros() }
     }
 
     /// Solve for the forces. `first` gives the velocity of the local solve without the thin bodies at a grid point,
@@ -61,26 +68,8 @@ impl<const D: usize> MarkerDrag<D> {
         right_side.iter().zip(force).all(|(right_side, force)| system.solve(right_side, force))
     }
 
-    /// Take the drag into the local solve: `w`, which holds u* + tau G without the thin bodies, gets their part.
-    /// `first` gives that u* at a grid point; see [`Self::solve`].
-    pub fn apply<R: Real>(
-        &mut self,
-        c_0: f64,
-        rate: Option<&[f64]>,
-        first: impl Fn(usize, &[Field<R>; D]) -> [f64; D],
-        w: &mut [Field<R>; D],
-        time: f64,
-        grid: &Grid<D>,
-    ) -> Result<(), Error> {
-        if !self.solve(c_0, rate, |point| first(point, w), grid) {
-            return Err(Error::Markers { time });
-        }
-        self.spread(w, grid);
-        Ok(())
-    }
-
-    /// Write how the forces on all markers fall with a motion, of which `velocity` gives that of a marker, along any
-    /// axis, after [`Self::solve`]. Return whether it was found.
+    /// Write −∂f/∂U, the decrease of the forces on all markers with a motion along any axis, of which `velocity` gives that
+    /// of a marker, after [`Self::solve`]. Return whether it was found.
     pub fn respond(&mut self, velocity: impl Fn(usize, &Markers<D>) -> f64, response: &mut [f64]) -> bool {
         let [motion, ..] = &mut self.right_side[..] else { return false };
         motion.iter_mut().enumerate().for_each(|(k, own)| *own = velocity(k, &self.markers));
@@ -97,35 +86,24 @@ impl<const D: usize> MarkerDrag<D> {
         });
     }
 
-    /// List the grid points around the markers where the drag rate of the masks (1/s) is not 0.
-    pub fn list_dragged(&mut self, rate: Option<&[f64]>) {
-        self.dragged.clear();
-        if let Some(rate) = rate {
-            self.dragged.extend(self.markers.points().iter().filter(|point| rate[**point] > 0.0));
-            self.dragged.sort_unstable();
-        }
-        self.sums.clear();
-        self.sums.resize(self.dragged.len(), [0.0; D]);
-    }
-
-    /// Return these points, and the sums to be written there.
-    pub fn dragged_mut(&mut self) -> (&[usize], &mut [[f64; D]]) {
-        (&self.dragged, &mut self.sums)
-    }
-
     /// Solve for forces and slopes in a local solve with `right_side` at a grid point. The slopes are not finite if no
     /// solution was found.
-    pub fn predict(&mut self, c_0: f64, rate: Option<&[f64]>, right_side: impl Fn(usize) -> [f64; D], grid: &Grid<D>) {
-        let (dragged, sums) = (take(&mut self.dragged), take(&mut self.sums));
-        let first = |point: usize| match dragged.binary_search(&point) {
+    pub fn predict(
+        &mut self,
+        c_0: f64,
+        rate: Option<&[f64]>,
+        right_side: impl Fn(usize) -> [f64; D],
+        dragged: &Dragged<D>,
+        grid: &Grid<D>,
+    ) {
+        let first = |point: usize| match dragged.points.binary_search(&point) {
             Ok(k) => {
                 let (right_side, rate) = (right_side(point), rate.map_or(0.0, |rate| rate[point]));
-                std::array::from_fn(|axis| (right_side[axis] + sums[k][axis]) / (c_0 + rate))
+                std::array::from_fn(|axis| (right_side[axis] + dragged.sums[k][axis]) / (c_0 + rate))
             }
             Err(_) => right_side(point).map(|r| r / c_0),
         };
         let mut found = self.solve(c_0, rate, first, grid);
-        (self.dragged, self.sums) = (dragged, sums);
         let [ones, ..] = &mut self.right_side[..] else { return };
         ones.fill(1.0);
         found &= self.system.solve(ones, &mut self.slope);

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::kernel::Kernel;
 use crate::grid::Grid;
+use crate::kernel::Kernel;
 
 /// Markers with their grid points.
 pub struct Markers<const D: usize> {

@@ -12,177 +12,299 @@
 //! with the volume V of a cell: a sparse, symmetric, positive definite system of as many rows as markers.
 
 mod drag;
-pub mod kernel;
-mod line;
 mod markers;
 mod parts;
 mod rigid;
-pub mod surface;
+mod stress;
+mod surface;
 mod system;
 
 use line_fft::Real;
 
-use crate::bodies::{Bodies, Carried, Loads, Stations};
+use crate::bodies::{Bodies, Carried, Rigid};
 use crate::field::Field;
-use crate::force::{Displaced, Force};
+use crate::force::{BodyForce, Displaced, Exchange, Force};
 use crate::grid::Grid;
-use crate::parameters::{Body, Parameters, Shape, Surface};
+use crate::kernel::{ROD_SECTION_CELLS, layer_thickness};
+use crate::parameters::{Extent, Flexible, Motion, Parameters};
+use crate::space::{Space, Vector};
+use crate::stations::{Loads, Stations};
 
-pub use drag::MarkerDrag;
-pub use kernel::{ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
-use line::Line;
-pub use markers::Markers;
-pub use parts::Parts;
-use rigid::{Responses, RigidLine};
+use drag::{Dragged, MarkerDrag};
+use markers::Markers;
+use parts::Parts;
+use rigid::{Responses, RigidNodes};
+use stress::LineStress;
 
-/// The thin bodies of a fluid.
-#[derive(Default)]
-pub struct ThinBodies {
-    /// Those of beams, with the number of the beam among all beams.
-    lines: Vec<(usize, Line)>,
-    rigid: Vec<RigidLine>,
-    drag: MarkerDrag<2>,
+/// A thin body.
+struct Thin<const D: usize> {
+    /// Number of its force among those of all bodies.
+    number: usize,
+    parts: Parts,
+    /// Fluid that moves with each marker, m³, or m² in the plane.
+    layers: Vec<f64>,
+    /// Point about which moments are taken, m; absent: the first node.
+    pivot: Option<[f64; D]>,
+    /// Stress on a line in the plane.
+    stress: Option<LineStress>,
+}
+
+/// The thin bodies of a fluid: the flexible ones in the order of their nodes, then the rigid ones.
+pub struct ThinBodies<const D: usize> {
+    bodies: Vec<Thin<D>>,
+    /// Numbers of the flexible ones among all flexible bodies.
+    flexible: Vec<usize>,
+    rigid: Vec<RigidNodes<D>>,
+    drag: MarkerDrag<D>,
+    dragged: Dragged<D>,
     responses: Responses,
     /// Density of the fluid, kg/m³.
     density: f64,
 }
 
-/// What the fluid exerted on a line in the last solve.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct LineForce {
-    /// Force and moment about the root or the pivot.
-    pub force: Force,
-    /// Power of the force, W per metre of depth.
-    pub power: f64,
+impl<const D: usize> Thin<D>
+where
+    [f64; D]: Space<D>,
+{
+    fn new(number: usize, body: &Flexible<D>, c_eta: f64, cell: f64, markers: &mut Markers<D>) -> Self {
+        let (first, thickness) = (markers.len(), layer_thickness(D) * cell);
+        let mut stress = None;
+        let (parts, measures, layer) = match &body.extent {
+            Extent::Surface(triangles) => {
+                let (parts, areas) = surface::parts(&body.nodes_in_space(), triangles, cell, first);
+                (parts, areas, thickness)
+            }
+            extent => {
+                let free = if let Extent::Line { free } = extent { *free } else { [true; 2] };
+                let (parts, length) = Parts::of_line(&body.nodes, free, cell, first);
+                let measures = vec![length / parts.len() as f64; parts.len()];
+                if D == 2 {
+                    stress = Some(LineStress::new(&body.nodes, &parts, length, thickness));
+                }
+                (parts, measures, if D == 2 { thickness } else { ROD_SECTION_CELLS * cell * cell })
+            }
+        };
+        measures.iter().for_each(|measure| markers.add(*measure, layer / c_eta));
+        let layers = measures.iter().map(|measure| layer * measure).collect();
+        Self { number, parts, layers, pivot: body.pivot, stress }
+    }
+
+    /// Return the point about which moments are taken, and its velocity.
+    fn centre(&self, nodes: &Stations<D>) -> [Vector<D>; 2] {
+        match self.pivot {
+            Some(pivot) => [pivot.into(), Vector::zeros()],
+            None => [&nodes.position, &nodes.velocity].map(|all| all.each_ref().map(|all| all[0]).into()),
+        }
+    }
+
+    /// Return the fluid of a density (kg/m³) in the layer that moves with the body.
+    fn displaced(&self, nodes: &Stations<D>, markers: &Markers<D>, density: f64) -> Displaced<D> {
+        let [centre, velocity] = self.centre(nodes);
+        let mut sum = Force::default();
+        for (k, layer) in self.parts.markers().zip(&self.layers) {
+            let marker = markers.get(k);
+            sum.add(&(density * layer * Vector::from(marker.velocity)), &(Vector::from(marker.position) - centre));
+        }
+        let Force { force: momentum, moment: angular } = sum;
+        Displaced { momentum, angular, transport: <[f64; D]>::cross(&velocity, &momentum) }
+    }
+
+    /// Return the sum of the forces on the markers with the moment about a point (m), and the power, W.
+    fn force(&self, about: &Vector<D>, drag: &MarkerDrag<D>, density: f64) -> (Force<D>, f64) {
+        let (mut sum, mut power) = (Force::default(), 0.0);
+        for k in self.parts.markers() {
+            let marker = drag.markers.get(k);
+            let force = Vector::from(drag.force.each_ref().map(|force| density * force[k]));
+            sum.add(&force, &(Vector::from(marker.position) - about));
+            power += force.dot(&Vector::from(marker.velocity));
+        }
+        (sum, power)
+    }
 }
 
-impl ThinBodies {
-    /// The thin bodies among rigid bodies and beams, not yet at a place.
-    pub fn new(parameters: &Parameters, grid: &Grid) -> Self {
-        let (mut lines, mut rigid, mut markers) = (Vec::new(), Vec::new(), Markers::default());
+impl<const D: usize> ThinBodies<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// The thin bodies, not yet at a place.
+    pub fn new(parameters: &Parameters<D>, grid: &Grid<D>) -> Self {
+        let (mut markers, rigid_bodies) = (Markers::default(), parameters.bodies.len());
         let (c_eta, cell) = (parameters.mask.c_eta(), grid.cell_size());
-        for (k, beam) in parameters.beams.iter().enumerate().filter(|(_, beam)| beam.surface == Surface::Line) {
-            let free = [beam.support_cylinder.is_none(), true];
-            lines.push((k, Line::new(&beam.stations, free, c_eta, cell, &mut markers)));
-        }
-        for (k, body) in (parameters.cylinders.len()..).zip(&parameters.bodies) {
-            if let Body { shape: Shape::Line(points), .. } = body {
-                let line = Line::new(points, [true; 2], c_eta, cell, &mut markers);
-                rigid.push(RigidLine::new(k, body, points, line));
+        let (mut bodies, mut flexible, mut rigid) = (Vec::new(), Vec::new(), Vec::new());
+        for (number, body) in parameters.thin() {
+            bodies.push(Thin::new(number, &body, c_eta, cell, &mut markers));
+            match number.checked_sub(rigid_bodies) {
+                Some(number) => flexible.push(number),
+                None => rigid.push(RigidNodes::new(&body.nodes, parameters.bodies[number].pivot)),
             }
         }
-        let responses = std::array::from_fn(|_| vec![0.0; markers.len()]);
-        Self { lines, rigid, drag: MarkerDrag::new(markers), responses, density: parameters.density }
+        let on_springs = parameters.bodies.iter().any(|body| matches!(body.motion, Some(Motion::Mount(_))));
+        let responses = if on_springs && !rigid.is_empty() { 1 + D } else { 0 };
+        let responses = vec![vec![0.0; markers.len()]; responses];
+        let (drag, dragged) = (MarkerDrag::new(markers), Dragged::default());
+        Self { bodies, flexible, rigid, drag, dragged, responses, density: parameters.density }
+    }
+
+    /// Give the rigid bodies the layers of fluid around their markers.
+    pub fn give_layers(&mut self, bodies: &mut [Rigid<D>]) {
+        let markers = &mut self.drag.markers;
+        for (thin, own) in self.bodies[self.flexible.len()..].iter().zip(&self.rigid) {
+            let rigid = &mut bodies[thin.number];
+            if rigid.has_layer_of_markers() {
+                thin.parts.place(&own.nodes, markers);
+                let places = thin.parts.markers().map(|k| Vector::from(markers.get(k).position));
+                rigid.set_layer(places.zip(thin.layers.iter().copied()), self.density);
+            }
+        }
     }
 
     /// Return whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.drag.markers.len() == 0
+        self.bodies.is_empty()
     }
 
-    /// Move the lines to the stations of the beams and to the places of the bodies.
-    pub fn place(&mut self, stations: &[Stations], bodies: &Bodies, grid: &Grid) {
+    /// Return the number of markers.
+    pub fn markers(&self) -> usize {
+        self.drag.markers.len()
+    }
+
+    /// Move the flexible bodies to `stations`, and the rigid ones to their places.
+    pub fn place(&mut self, stations: &[Stations<D>], bodies: &[Rigid<D>], grid: &Grid<D>) {
+        if self.is_empty() {
+            return;
+        }
+        let (flexible, rigid) = self.bodies.split_at(self.flexible.len());
         let markers = &mut self.drag.markers;
-        self.lines.iter().for_each(|(beam, line)| line.place(&stations[*beam], markers));
-        self.rigid.iter_mut().for_each(|line| line.place(&bodies.pose(line.rigid), markers));
+        for (thin, number) in flexible.iter().zip(&self.flexible) {
+            thin.parts.place(&stations[*number], markers);
+        }
+        for (thin, own) in rigid.iter().zip(&mut self.rigid) {
+            own.place(&bodies[thin.number]);
+            thin.parts.place(&own.nodes, markers);
+        }
         markers.find_cells(grid);
     }
 
-    /// Take the drag into the local solve as [`MarkerDrag::apply`] does, and let the lines on springs move. `c` are the
-    /// coefficients of the backward differences. Return whether the forces were found.
+    /// Take the drag into the local solve, let the bodies on springs move, and give `w`, which holds u* + tau G without
+    /// the thin bodies, their part. `c` are the coefficients of the backward differences, and `first` gives that u* at a
+    /// grid point for w there. Return whether the forces were found.
     pub fn apply<R: Real>(
         &mut self,
         c: [f64; 3],
-        carried: &[Carried],
-        bodies: &mut Bodies,
-        first: impl Fn(usize, &[Field<R>; 2]) -> [f64; 2],
-        w: &mut [Field<R>; 2],
-        grid: &Grid,
+        carried: &[Carried<D>],
+        bodies: &mut Bodies<D>,
+        first: impl Fn(usize, [f64; D]) -> [f64; D],
+        w: &mut [Field<R>; D],
+        grid: &Grid<D>,
     ) -> bool {
-        let found =
-            self.drag.solve(c[0], bodies.rate(), |point| first(point, w), grid) && self.release(c, carried, bodies);
+        if self.is_empty() {
+            return true;
+        }
+        let first = |point: usize| first(point, std::array::from_fn(|axis| w[axis][point].to_f64()));
+        let found = self.drag.solve(c[0], bodies.rate(), first, grid) && self.solve_springs(c, carried, bodies);
         if found {
             self.drag.spread(w, grid);
         }
         found
     }
 
-    /// Find the velocities of the lines on springs together with the forces.
-    fn release(&mut self, c: [f64; 3], carried: &[Carried], bodies: &mut Bodies) -> bool {
-        for line in &self.rigid {
-            if !bodies.is_on_springs(line.rigid) {
+    /// Find the velocities of the bodies on springs together with the forces; return whether they were found.
+    fn solve_springs(&mut self, c: [f64; 3], carried: &[Carried<D>], bodies: &mut Bodies<D>) -> bool {
+        for thin in &self.bodies[self.flexible.len()..] {
+            let rigid = &bodies.rigid[thin.number];
+            if rigid.mount().is_none() {
                 continue;
             }
-            for (axis, response) in [None, Some(0), Some(1)].into_iter().zip(&mut self.responses) {
-                if !self.drag.respond(|k, markers| line.arm(axis, k, markers), response) {
+            let (own, centre) = (thin.parts.markers(), rigid.pose.position);
+            for (k, response) in self.responses.iter_mut().enumerate() {
+                let motion = |marker: usize, markers: &Markers<D>| {
+                    let arm = || Vector::from(markers.get(marker).position) - centre;
+                    if own.contains(&marker) { rigid::motion(k, &arm()) } else { 0.0 }
+                };
+                if !self.drag.respond(motion, response) {
                     return false;
                 }
             }
-            let MarkerDrag { markers, force, .. } = &mut self.drag;
-            let drag = line.drag(markers, force, &self.responses, self.density);
-            if let Some(change) = bodies.release_line(line.rigid, c, carried, &drag) {
-                line.change(change, &self.responses, markers, force);
+            let force = thin.force(&centre, &self.drag, self.density).0;
+            let MarkerDrag { markers, force: on_markers, .. } = &mut self.drag;
+            let drag = rigid::drag(force, own.clone(), &centre, markers, &self.responses, self.density);
+            if let Some(change) = bodies.solve_springs_of(thin.number, c, carried, &drag) {
+                rigid::change(&change, own, &centre, &self.responses, markers, on_markers);
             }
         }
         true
     }
 
-    /// List the grid points around the markers where the drag rate of the masks (1/s) is not 0.
-    pub fn list_dragged(&mut self, rate: Option<&[f64]>) {
-        self.drag.list_dragged(rate);
-    }
-
-    /// Return these points, and the sums to be written there.
-    pub fn dragged_mut(&mut self) -> (&[usize], &mut [[f64; 2]]) {
-        self.drag.dragged_mut()
-    }
-
-    /// Write the loads on the stations of thin beams in a local solve with `right_side` at a grid point. They are not
-    /// finite if no solution was found.
+    /// Write the loads on the nodes of the flexible bodies in a local solve with `right_side` at a grid point; `add` adds
+    /// `Σ a u_b` of the masks at grid points in ascending order. Loads are not finite if no solution was found.
     pub fn predict_loads(
         &mut self,
         c_0: f64,
         rate: Option<&[f64]>,
-        right_side: impl Fn(usize) -> [f64; 2],
-        grid: &Grid,
-        loads: &mut [Loads],
+        right_side: impl Fn(usize) -> [f64; D],
+        add: impl FnOnce(&[usize], &mut [[f64; D]]),
+        grid: &Grid<D>,
+        loads: &mut [Loads<D>],
     ) {
-        self.drag.predict(c_0, rate, right_side, grid);
-        for (beam, line) in &self.lines {
-            line.collect(&self.drag.force, &self.drag.slope, self.density, &mut loads[*beam]);
+        if self.is_empty() {
+            return;
+        }
+        let Self { drag, dragged, .. } = self;
+        dragged.list(drag.markers.points(), rate);
+        add(&dragged.points, &mut dragged.sums);
+        drag.predict(c_0, rate, right_side, dragged, grid);
+        for (thin, number) in self.bodies.iter().zip(&self.flexible) {
+            thin.parts.collect(&drag.force, &drag.slope, self.density, &mut loads[*number]);
         }
     }
 
-    /// Return the number of each thin beam with the forces of the last solve and the fluid in the layer that moves with
-    /// it; moments are about the root at `stations`.
-    pub fn forces<'a>(&'a self, stations: &'a [Stations]) -> impl Iterator<Item = (usize, LineForce, Displaced)> + 'a {
-        let MarkerDrag { markers, force, .. } = &self.drag;
-        self.lines.iter().map(move |(beam, line)| {
-            let stations = &stations[*beam];
-            let root = stations.position.each_ref().map(|position| position[0]);
-            let (force, power) = line.force(root, markers, force, self.density);
-            (*beam, LineForce { force, power }, line.displaced(stations, markers, self.density))
-        })
+    /// Return the flexible bodies, each with its number among them and its nodes among all `stations`.
+    fn with_nodes<'a>(&'a self, stations: &'a [Stations<D>]) -> impl Iterator<Item = (&'a Thin<D>, usize)> {
+        debug_assert!(self.flexible.iter().all(|number| *number < stations.len()), "a list for each flexible body");
+        self.bodies.iter().zip(self.flexible.iter().copied())
     }
 
-    /// Return the number of each rigid line among all rigid bodies with the force on it in the last solve.
-    pub fn forces_on_rigid(&self) -> impl Iterator<Item = (usize, Force)> + '_ {
-        let MarkerDrag { markers, force, .. } = &self.drag;
-        self.rigid.iter().map(move |line| (line.rigid, line.force(markers, force, self.density)))
+    /// Write the displaced fluid of each flexible body to its number in `forces`.
+    pub fn set_displaced(&self, stations: &[Stations<D>], forces: &mut [BodyForce<D>]) {
+        for (thin, number) in self.with_nodes(stations) {
+            forces[thin.number].displaced = thin.displaced(&stations[number], &self.drag.markers, self.density);
+        }
     }
 
-    /// Write the pressure jumps and the shear stresses of each thin beam at its stations, Pa, in a step of `dt` seconds
-    /// from the stations `before`; both have a list for each beam.
+    /// Sum up the forces, and the exchanges of the flexible bodies, of a step of size `dt` (s) that ends with `stations`.
+    pub fn sum_up_forces(
+        &self,
+        dt: f64,
+        stations: &[Stations<D>],
+        forces: &mut [BodyForce<D>],
+        exchange: &mut [Exchange<D>],
+    ) {
+        for (thin, number) in self.with_nodes(stations) {
+            let (nodes, own) = (&stations[number], &mut exchange[number]);
+            let (force, power) = thin.force(&thin.centre(nodes)[0], &self.drag, self.density);
+            *own = Exchange { force: force.force.into(), power, work: own.work + power * dt };
+            forces[thin.number].update(force, thin.displaced(nodes, &self.drag.markers, self.density), dt);
+        }
+        for (thin, RigidNodes { pivot, .. }) in self.bodies[self.flexible.len()..].iter().zip(&self.rigid) {
+            let (own, _) = thin.force(pivot, &self.drag, self.density);
+            let force = &mut forces[thin.number].force;
+            *force = force.plus(&own);
+        }
+    }
+
+    /// Write the pressure jumps and the shear stresses of each line in the plane at its stations, Pa, in a step of `dt`
+    /// seconds from the stations `before`; both have a list for each flexible body.
     pub fn write_stresses(
         &self,
         dt: f64,
-        stations: &[Stations],
-        before: &[Stations],
+        stations: &[Stations<D>],
+        before: &[Stations<D>],
         [jumps, shears]: [&mut [Vec<f64>]; 2],
     ) {
-        for (beam, line) in &self.lines {
-            let (beam, stresses) = (*beam, [&mut *jumps[*beam], &mut *shears[*beam]]);
-            line.write_stresses(&self.drag.force, self.density, dt, &stations[beam], &before[beam], stresses);
+        for (thin, number) in self.with_nodes(stations) {
+            let Some(stress) = &thin.stress else { continue };
+            let nodes = [&stations[number], &before[number]];
+            stress.write(&self.drag.force, self.density, dt, nodes, [&mut jumps[number], &mut shears[number]]);
         }
     }
 }

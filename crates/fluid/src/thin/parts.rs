@@ -6,9 +6,9 @@
 
 use std::ops::Range;
 
-use super::kernel::Kernel;
 use super::markers::Markers;
-use crate::bodies::{Loads, Stations};
+use crate::kernel::Kernel;
+use crate::stations::{Loads, Stations};
 
 /// Shares of the nodes in each part.
 #[derive(Default)]

@@ -1,94 +1,105 @@
-//! A rigid body that is a line.
+//! Thin rigid bodies: their nodes move with the body, and on springs the forces on their markers respond.
 
-use super::line::Line;
 use super::markers::Markers;
-use crate::bodies::{Drag, Pose, Stations};
+use crate::bodies::{Drag, Rigid, velocity_of};
 use crate::force::Force;
-use crate::parameters::Body;
+use crate::space::{Freedoms, Space, Vector};
+use crate::stations::Stations;
 
-/// A rigid line. Its points are stations without loads.
-pub struct RigidLine {
-    /// Number among all rigid bodies, with the cylinders.
-    pub rigid: usize,
-    line: Line,
-    /// Points from the pivot in the axes of the body, m.
-    points: Vec<[f64; 2]>,
-    stations: Stations,
-    pivot: [f64; 2],
+/// The nodes of a thin rigid body.
+pub struct RigidNodes<const D: usize> {
+    /// Nodes from the pivot in the axes of the body, m.
+    rest: Vec<Vector<D>>,
+    /// Nodes at the present place, and the pivot.
+    pub nodes: Stations<D>,
+    pub pivot: Vector<D>,
 }
 
-/// Responses of the forces on all markers to motions of a rigid line, over the density, m²/s and m³/s: to a velocity of
-/// the pivot along an axis, and to the parts of a turn along y and, negative, along x.
-pub type Responses = [Vec<f64>; 3];
+/// Responses of the forces on all markers to motions of a thin rigid body, over the density: to a velocity of the pivot
+/// along an axis, then to one along an axis in proportion to the arm along each axis, m²/s and m³/s.
+pub type Responses = Vec<Vec<f64>>;
 
-impl RigidLine {
-    /// The body number `rigid` with the line that `line` makes through its points.
-    pub fn new(rigid: usize, body: &Body, points: &[[f64; 2]], line: Line) -> Self {
-        let points: Vec<_> = points.iter().map(|p| [0, 1].map(|axis| p[axis] - body.pivot[axis])).collect();
-        Self { rigid, line, stations: Stations::at_rest(&points), points, pivot: body.position }
+impl<const D: usize> RigidNodes<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Nodes at places in the axes of the body, m, with its pivot there.
+    pub fn new(rest: &[[f64; D]], pivot: [f64; D]) -> Self {
+        let from_pivot = rest.iter().map(|node| Vector::from(*node) - Vector::from(pivot));
+        Self { rest: from_pivot.collect(), nodes: Stations::at_rest(rest), pivot: Vector::zeros() }
     }
 
-    /// Move the markers to a pose.
-    pub fn place(&mut self, pose: &Pose, markers: &mut Markers<2>) {
-        let (sin, cos) = pose.angle.sin_cos();
-        for (k, [x, y]) in self.points.iter().enumerate() {
-            let arm = [cos * x - sin * y, sin * x + cos * y];
-            let turn = [-pose.omega * arm[1], pose.omega * arm[0]];
-            for axis in 0..2 {
-                self.stations.position[axis][k] = pose.position[axis] + arm[axis];
-                self.stations.velocity[axis][k] = pose.velocity[axis] + turn[axis];
+    /// Move to the place of the body.
+    pub fn place(&mut self, rigid: &Rigid<D>) {
+        let rates = rigid.pose.rates();
+        self.pivot = rigid.pose.position;
+        for (k, rest) in self.rest.iter().enumerate() {
+            let arm = <[f64; D]>::turn(&rigid.orientation, *rest);
+            let (place, velocity) = (rigid.pose.position + arm, velocity_of(&rates, &arm));
+            for axis in 0..D {
+                (self.nodes.position[axis][k], self.nodes.velocity[axis][k]) = (place[axis], velocity[axis]);
             }
         }
-        self.pivot = pose.position;
-        self.line.place(&self.stations, markers);
     }
+}
 
-    /// Return the force on the markers, with the moment about the pivot.
-    pub fn force(&self, markers: &Markers<2>, force: &[Vec<f64>; 2], density: f64) -> Force {
-        self.line.force(self.pivot, markers, force, density).0
-    }
+/// Return the motion of a marker at `arm` (m) to which response number `k` belongs.
+pub fn motion<const D: usize>(k: usize, arm: &Vector<D>) -> f64 {
+    if k == 0 { 1.0 } else { arm[k - 1] }
+}
 
-    /// Return the arm of a marker from the pivot along an axis, or without an axis 1; of markers of other lines 0.
-    pub fn arm(&self, axis: Option<usize>, marker: usize, markers: &Markers<2>) -> f64 {
-        let arm = || axis.map_or(1.0, |axis| markers.get(marker).position[axis] - self.pivot[axis]);
-        if self.line.markers().contains(&marker) { arm() } else { 0.0 }
-    }
+/// Return, for each axis, the force on marker `k` for each freedom of the body.
+fn response<const D: usize>(responses: &Responses, k: usize) -> [Freedoms; D]
+where
+    [f64; D]: Space<D>,
+{
+    <[f64; D]>::jacobian(responses[0][k], std::array::from_fn(|axis| responses[1 + axis][k]))
+}
 
-    /// Return the drag and how it falls with the velocities, from `[response to 1, to the arms along x, along y]`.
-    pub fn drag(&self, markers: &Markers<2>, force: &[Vec<f64>; 2], responses: &Responses, density: f64) -> Drag {
-        let mut impedance = [[0.0; 3]; 3];
-        for k in self.line.markers() {
-            let [x, y] = [0, 1].map(|axis| markers.get(k).position[axis] - self.pivot[axis]);
-            let [one, along_x, along_y] = responses.each_ref().map(|response| density * response[k]);
-            impedance[0][0] += one;
-            impedance[1][1] += one;
-            impedance[0][2] -= along_y;
-            impedance[1][2] += along_x;
-            impedance[2][2] += x * along_x + y * along_y;
+/// Return the drag of a body with some markers, and how it falls with the velocities of the body.
+pub fn drag<const D: usize>(
+    force: Force<D>,
+    own: impl Iterator<Item = usize>,
+    centre: &Vector<D>,
+    markers: &Markers<D>,
+    responses: &Responses,
+    density: f64,
+) -> Drag<D>
+where
+    [f64; D]: Space<D>,
+{
+    let mut impedance = [[0.0; 6]; 6];
+    for k in own {
+        let arm = Vector::from(markers.get(k).position) - centre;
+        let (along, response) = (<[f64; D]>::jacobian(1.0, arm.into()), response::<D>(responses, k));
+        for (to, from) in along.iter().zip(response) {
+            for (row, to) in impedance.iter_mut().zip(to).take(<[f64; D]>::FREEDOMS) {
+                row.iter_mut().zip(from).for_each(|(entry, from)| *entry += to * density * from);
+            }
         }
-        [impedance[2][0], impedance[2][1]] = [impedance[0][2], impedance[1][2]];
-        Drag { force: self.force(markers, force, density), impedance }
     }
+    Drag { force, impedance }
+}
 
-    /// Change the forces on all markers, and the velocities of its own, by a change of the velocities of the pivot and
-    /// the angle.
-    pub fn change(
-        &self,
-        [u, v, omega]: [f64; 3],
-        responses: &Responses,
-        markers: &mut Markers<2>,
-        force: &mut [Vec<f64>; 2],
-    ) {
-        let [one, along_x, along_y] = responses;
-        for (k, one) in one.iter().enumerate() {
-            force[0][k] -= u * one - omega * along_y[k];
-            force[1][k] -= v * one + omega * along_x[k];
+/// Change the forces on all markers, and the velocities of the body's own, by a change of its velocities.
+pub fn change<const D: usize>(
+    change: &Freedoms,
+    own: impl Iterator<Item = usize>,
+    centre: &Vector<D>,
+    responses: &Responses,
+    markers: &mut Markers<D>,
+    force: &mut [Vec<f64>; D],
+) where
+    [f64; D]: Space<D>,
+{
+    for k in 0..markers.len() {
+        for (force, response) in force.iter_mut().zip(response::<D>(responses, k)) {
+            force[k] -= response.iter().zip(change).map(|(response, change)| response * change).sum::<f64>();
         }
-        for k in self.line.markers() {
-            let marker = markers.get_mut(k);
-            let [x, y] = [0, 1].map(|axis| marker.position[axis] - self.pivot[axis]);
-            marker.velocity[0] += u - omega * y;
-            marker.velocity[1] += v + omega * x;
-        }
+    }
+    for k in own {
+        let marker = markers.get_mut(k);
+        let velocity = velocity_of(change, &(Vector::from(marker.position) - centre));
+        marker.velocity.iter_mut().zip(&velocity).for_each(|(own, change)| *own += change);
     }
 }

@@ -195,7 +195,7 @@ fn square(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bodies::{Loads, Stations};
+    use crate::stations::{Loads, Stations};
     use crate::thin::Markers;
 
     /// A rectangle of 1 m x 0.5 m in fine and in coarse triangles.

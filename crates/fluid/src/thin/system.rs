@@ -6,9 +6,9 @@
 
 use std::array::from_fn;
 
-use super::kernel::Kernel;
 use super::markers::Markers;
 use crate::grid::Grid;
+use crate::kernel::Kernel;
 
 /// Residual over the right-hand side at which a solution is taken.
 const TOLERANCE: f64 = 1e-12;

@@ -107,7 +107,7 @@ pub fn outcome(scene: Result<Scene, String>, steps: usize) -> Outcome {
         Ok(scene) => scene,
         Err(message) => return refused(message),
     };
-    let mut fluid = match Parameters::try_from(&scene).and_then(|parameters| Fluid::new(&parameters)) {
+    let mut fluid = match Parameters::<2>::try_from(&scene).and_then(|parameters| Fluid::new(&parameters)) {
         Ok(fluid) => fluid,
         Err(error) => return refused(error.to_string()),
     };
@@ -120,7 +120,7 @@ pub fn outcome(scene: Result<Scene, String>, steps: usize) -> Outcome {
         let speeds = u.iter().zip(&*v).map(|(u, v)| u.hypot(*v));
         fastest = speeds.fold(fastest, |most, speed| if speed > most { speed } else { most });
     }
-    let numbers = [&*fluid.velocity(0), &fluid.velocity(1), &fluid.vorticity(), &fluid.force()].concat();
+    let numbers = [&*fluid.velocity(0), &fluid.velocity(1), &fluid.vorticity(0), &fluid.force()].concat();
     if numbers.iter().chain(&fluid.pressure()).any(|number| !number.is_finite()) {
         Outcome::NotFinite
     } else if fastest < TOO_FAST {

@@ -30,7 +30,7 @@ pub fn taylor_green_error(scheme: TimeScheme, steps: usize, pattern: &[f64]) -> 
     let mut scene = scene(&text, "");
     scene.fluid.as_mut().expect("it has one").time_stepping.scheme = scheme;
     let mut fluid = fluid_of(&scene);
-    fluid.set_velocity(|x, y| [0, 1].map(|axis| mean[axis] + vortex(x, y)[axis]));
+    fluid.set_velocity(|[x, y]| [0, 1].map(|axis| mean[axis] + vortex(x, y)[axis]));
     pattern.iter().cycle().take(steps).for_each(|length| run(&mut fluid, 1, length / steps as f64));
     let decay = (-2.0 * nu * fluid.time()).exp();
     let grid = *fluid.grid();
@@ -112,7 +112,7 @@ pub fn noise(filter: Filter) -> Fluid {
     let mut fluid = fluid_of(&scene);
     let mut seed = 1_u32;
     let seed = std::cell::RefCell::new(&mut seed);
-    fluid.set_velocity(|_, _| {
+    fluid.set_velocity(|[_, _]| {
         [0, 1].map(|_| {
             let mut seed = seed.borrow_mut();
             **seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -127,7 +127,7 @@ pub fn noise(filter: Filter) -> Fluid {
 /// The first step is backward Euler, `u_1 = F P (u_0 − dt N)` without viscosity and bodies: `⟨u_0, u_1 − u_0⟩` is the
 /// energy that advection makes, and the same with omega the enstrophy.
 pub fn made_by_advection(mut fluid: Fluid) -> [f64; 2] {
-    let fields = |fluid: &Fluid| [fluid.velocity(0), fluid.velocity(1), fluid.vorticity()].map(Cow::into_owned);
+    let fields = |fluid: &Fluid| [fluid.velocity(0), fluid.velocity(1), fluid.vorticity(0)].map(Cow::into_owned);
     let before = fields(&fluid);
     run(&mut fluid, 1, 0.1);
     let after = fields(&fluid);
@@ -143,7 +143,7 @@ pub fn made_by_advection(mut fluid: Fluid) -> [f64; 2] {
 pub fn resolved_noise() -> Fluid {
     let (resolved, mut fluid) = (noise(Filter::TwoThirds), noise(Filter::Smooth));
     let grid = *resolved.grid();
-    fluid.set_velocity(|x, y| {
+    fluid.set_velocity(|[x, y]| {
         let index = (x / grid.spacing[0]).round() as usize * grid.cells[1] + (y / grid.spacing[1]).round() as usize;
         [resolved.velocity(0)[index], resolved.velocity(1)[index]]
     });
@@ -159,14 +159,14 @@ pub fn aliased(filter: Filter, waves: [[i32; 2]; 2]) -> f64 {
     let mut scene = scene(&text, "");
     scene.fluid.as_mut().expect("it has one").filter = filter;
     let mut fluid = fluid_of(&scene);
-    fluid.set_velocity(|x, y| {
+    fluid.set_velocity(|[x, y]| {
         waves.into_iter().fold([0.0, 0.0], |[u, v], [p, q]| {
             let slope = (f64::from(p) * x + f64::from(q) * y).sin();
             [u - f64::from(q) * slope, v + f64::from(p) * slope]
         })
     });
     run(&mut fluid, 1, 1e-3);
-    let omega = spectrum(&fluid.vorticity(), [n, n]);
+    let omega = spectrum(&fluid.vorticity(0), [n, n]);
     let at = |wave: [i32; 2]| {
         let [i, j] = wave.map(|k| k.rem_euclid(n as i32) as usize);
         omega[i * n + j].norm()

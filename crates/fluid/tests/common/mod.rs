@@ -19,7 +19,7 @@ pub fn scene(fluid: &str, rest: &str) -> Scene {
 /// Make the fluid of a scene.
 #[allow(dead_code, reason = "not every test needs it")]
 pub fn fluid_of(scene: &Scene) -> Fluid {
-    let fluid = Parameters::try_from(scene).and_then(|parameters| Fluid::new(&parameters));
+    let fluid = Parameters::<2>::try_from(scene).and_then(|parameters| Fluid::new(&parameters));
     fluid.unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -61,7 +61,7 @@ const PHASES: [&str; 10] = [
 const STEP: usize = PHASES.len() - 1;
 
 /// Coefficients of a solve wave by wave; its time does not depend on them.
-const STEP_COEFFICIENTS: Implicit = Implicit { tau_nu: 1e-8, cfl: 0.3, mean: None };
+const STEP_COEFFICIENTS: Implicit<2> = Implicit { tau_nu: 1e-8, cfl: 0.3, mean: None, limit: f64::INFINITY };
 
 /// Bytes of the streams that the machine is measured by: some for each of its caches, and for the memory.
 const STREAMS: [usize; 4] = [24_000, 500_000, 8_000_000, 200_000_000];
@@ -204,7 +204,7 @@ impl Flow {
         let fluid = scene.fluid.as_mut().expect("the scene has a fluid");
         (fluid.r#box.cells, fluid.threads, fluid.precision) = (cells.to_vec(), threads, precision);
         let amplitude = scene.beam.as_ref().map_or(0.0, |beam| 0.086 * beam.length);
-        let parameters = Parameters::try_from(&scene).unwrap_or_else(|error| panic!("{error}"));
+        let parameters = Parameters::<2>::try_from(&scene).unwrap_or_else(|error| panic!("{error}"));
         let filter = parameters.filter;
         let fluid = Fluid::new(&parameters).unwrap_or_else(|error| panic!("{error}"));
         let mut flow = Self { fluid, filter, amplitude, step };

@@ -1,22 +1,24 @@
 //! The stations of a beam: inputs are their motion, outputs their loads.
 
 use serde::{Deserialize, Serialize};
+use serde_big_array::BigArray;
 
 /// Positions and velocities of the stations, root to tip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(serialize = "[Vec<f64>; D]: Serialize", deserialize = "[Vec<f64>; D]: Deserialize<'de>"))]
 pub struct Stations<const D: usize = 2> {
     /// Positions, m, per axis.
+    #[serde(with = "BigArray")]
     pub position: [Vec<f64>; D],
     /// Velocities, m/s, per axis.
+    #[serde(with = "BigArray")]
     pub velocity: [Vec<f64>; D],
 }
 
 /// Loads on the stations, root to tip.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(bound(serialize = "[Vec<f64>; D]: Serialize", deserialize = "[Vec<f64>; D]: Deserialize<'de>"))]
 pub struct Loads<const D: usize = 2> {
     /// Force on each station, N, in two dimensions per metre of depth, per axis.
+    #[serde(with = "BigArray")]
     pub force: [Vec<f64>; D],
     /// Rate at which the force decreases with the velocity of the station, kg/s, in two dimensions per metre
     /// of depth.

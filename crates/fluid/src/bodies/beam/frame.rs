@@ -1,8 +1,7 @@
 //! Directions of the segments and sections of a beam, and how the sections turn.
 
-use super::stations::Stations;
 use super::vector::{bisector, difference, direction, dot, normal};
-use crate::parameters::Beam;
+use crate::stations::Stations;
 
 /// Directions of a beam at some stations.
 #[derive(Clone)]
@@ -41,12 +40,12 @@ pub struct StationSection {
 }
 
 impl Frame {
-    /// A frame without directions yet.
-    pub fn new(beam: &Beam) -> Self {
-        let segments = beam.stations.len() - 1;
+    /// A frame of a beam of a length and thicknesses (m) without directions yet.
+    pub fn new(length: f64, thickness: &[f64]) -> Self {
+        let segments = thickness.len() / 2;
         let segment = Segment { along: [1.0, 0.0], length: 1.0, slope: 0.0, stretch: 1.0 };
         let section = |k: usize| {
-            let half = (0.5 * beam.thickness[2 * k] * segments as f64 / beam.length).ceil() as usize;
+            let half = (0.5 * thickness[2 * k] * segments as f64 / length).ceil() as usize;
             let span = (2 * half).clamp(2, segments);
             let from = k.saturating_sub(span / 2).min(segments - span);
             StationSection {
@@ -62,7 +61,7 @@ impl Frame {
     }
 
     /// Turn to `stations`, with the velocities there and at the stations `before`.
-    pub fn orient(&mut self, thickness: &[[f64; 2]], stations: &Stations, before: &Stations) {
+    pub fn orient<const D: usize>(&mut self, thickness: &[[f64; 2]], stations: &Stations<D>, before: &Stations<D>) {
         for (k, (segment, [_, growth])) in self.segments.iter_mut().zip(thickness).enumerate() {
             let (along, length) = direction(difference(&stations.position, [k, k + 1]));
             let slope = 0.5 * growth / length;

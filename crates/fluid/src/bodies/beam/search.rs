@@ -2,8 +2,8 @@
 
 use super::frame::{Frame, Segment};
 use super::mask::BeamMask;
-use super::stations::Stations;
 use crate::grid::Grid;
+use crate::stations::Stations;
 
 /// A grid point that the mask may reach, with its place on the polyline of the stations.
 #[derive(Clone, Copy, Debug)]
@@ -31,17 +31,17 @@ pub struct Search {
 
 impl Search {
     /// Room for a search on a grid.
-    pub fn new(grid: &Grid) -> Self {
+    pub fn new<const D: usize>(grid: &Grid<D>) -> Self {
         Self { slot: vec![0; grid.len()], candidates: Vec::new() }
     }
 
     /// Return the grid points that the mask may reach, each with its nearest place.
-    pub fn find(
+    pub fn find<const D: usize>(
         &mut self,
         frame: &Frame,
         mask: &BeamMask,
-        stations: &Stations,
-        grid: &Grid,
+        stations: &Stations<D>,
+        grid: &Grid<D>,
     ) -> impl Iterator<Item = Candidate> {
         /// Share of a segment by which the end of a segment may seem to lie beyond its neighbour.
         const ROUNDING: f64 = 1e-9;
@@ -68,7 +68,9 @@ impl Search {
                 let margin = reach * across.abs();
                 [a.min(b) - margin, a.max(b) + margin]
             };
-            grid.for_each_in([around(x0, ex, ey), around(y0, ey, ex)], |index, x, y| {
+            let ends = [around(x0, ex, ey), around(y0, ey, ex)];
+            grid.for_each_in(std::array::from_fn(|axis| ends[axis.min(1)]), |index, point| {
+                let (x, y) = (point[0], point[1]);
                 let (rx, ry) = (x - x0, y - y0);
                 let ahead = rx * ex + ry * ey;
                 let side = ex * ry - ey * rx;

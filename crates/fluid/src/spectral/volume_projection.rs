@@ -9,6 +9,7 @@ use std::marker::PhantomData;
 
 use line_fft::{Arithmetic, Complexes, F64_LANES, Kernel, Pack, Real, run};
 
+use super::Implicit;
 use crate::filter::smooth_damping;
 use crate::grid::Grid;
 use crate::parameters::Filter;
@@ -27,17 +28,6 @@ pub struct Projection<R> {
     /// and along z by row and part.
     inv_gain: ([Vec<f64>; 2], Vec<[f64; F64_LANES]>),
     precision: PhantomData<R>,
-}
-
-/// Coefficients of the solve wave by wave in a step.
-#[derive(Clone, Copy, Debug)]
-pub struct Implicit {
-    /// `tau nu`, m².
-    pub tau_nu: f64,
-    /// CFL number.
-    pub cfl: f64,
-    /// Prescribed mean velocity, m/s; absent: free.
-    pub mean: Option<[f64; 3]>,
 }
 
 impl<R: Real> Projection<R> {
@@ -102,7 +92,7 @@ impl<R: Real> Projection<R> {
     /// Solve `(1 − tau nu ∇² + tau r) u + tau ∇Pi = w, ∇·u = 0` for a line of modes along x.
     ///
     /// The first three spectra hold w, unnormalised, and receive u; the others receive the vorticity of u.
-    pub fn project(&self, step: &Implicit, row: usize, j: usize, lines: &mut [Vec<Pack<R>>; 6]) {
+    pub fn project(&self, step: &Implicit<3>, row: usize, j: usize, lines: &mut [Vec<Pack<R>>; 6]) {
         // Modes that the filter cuts off have infinite damping, also in still fluid.
         let cfl = step.cfl.max(f64::MIN_POSITIVE);
         let ([inv_gain_x, inv_gain_y], inv_gain_z) = &self.inv_gain;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::SQRT_2;
 
-use super::section::{Nearest, Section};
+use super::{Moments, Nearest};
 
 /// Points along each side of the bounding rectangle at which the search for the largest circle begins.
 const SEARCH_POINTS: usize = 48;
@@ -21,7 +21,7 @@ fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '
 }
 
 /// Return the area and its moments.
-pub fn section(corners: &[[f64; 2]]) -> Section {
+pub fn moments(corners: &[[f64; 2]]) -> Moments<2> {
     // Green's theorem about the first corner, so that a place far from the origin costs no digits.
     let [x0, y0] = corners[0];
     let (mut area, mut first, mut second) = (0.0, [0.0; 2], 0.0);
@@ -33,12 +33,12 @@ pub fn section(corners: &[[f64; 2]]) -> Section {
         second += (0..2).map(|i| cross / 12.0 * (a[i] * a[i] + a[i] * b[i] + b[i] * b[i])).sum::<f64>();
     }
     let [cx, cy] = first.map(|moment| moment / area);
-    Section { area, centroid: [x0 + cx, y0 + cy], polar: second - area * (cx * cx + cy * cy) }
+    Moments { volume: area, centroid: [x0 + cx, y0 + cy].into(), inertia: second - area * (cx * cx + cy * cy) }
 }
 
 /// Return the nearest point of the outline. A convex corner is nearest to points in the fluid only, a concave one to
 /// points in the body only.
-pub fn nearest(point: [f64; 2], corners: &[[f64; 2]]) -> Nearest {
+pub fn nearest(point: [f64; 2], corners: &[[f64; 2]]) -> Nearest<2> {
     let (mut least, mut side, mut corner) = (f64::INFINITY, 0, None);
     for (i, (a, b)) in sides(corners).enumerate() {
         let (along, offset) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
@@ -66,7 +66,11 @@ pub fn nearest(point: [f64; 2], corners: &[[f64; 2]]) -> Nearest {
     };
     let Some(corner) = corner else {
         let (distance, normal) = line(side);
-        return Nearest { distance, surface: [0, 1].map(|axis| point[axis] - distance * normal[axis]), normal };
+        return Nearest {
+            distance,
+            surface: [0, 1].map(|axis| point[axis] - distance * normal[axis]).into(),
+            normal: normal.into(),
+        };
     };
     let before = (corner + corners.len() - 1) % corners.len();
     let (one, other) = (line(before), line(corner));
@@ -75,11 +79,15 @@ pub fn nearest(point: [f64; 2], corners: &[[f64; 2]]) -> Nearest {
         let (distance, normal) = if one.0 > other.0 { one } else { other };
         // Cut corners sharper than a right angle: lines of equal distance would reach far beyond them.
         let distance = distance.max(least / SQRT_2);
-        Nearest { distance, surface: [0, 1].map(|axis| point[axis] - distance * normal[axis]), normal }
+        Nearest {
+            distance,
+            surface: [0, 1].map(|axis| point[axis] - distance * normal[axis]).into(),
+            normal: normal.into(),
+        }
     } else {
         let surface = corners[corner];
         let normal = [0, 1].map(|axis| (surface[axis] - point[axis]) / least.max(f64::MIN_POSITIVE));
-        Nearest { distance: -least, surface, normal }
+        Nearest { distance: -least, surface: surface.into(), normal: normal.into() }
     }
 }
 

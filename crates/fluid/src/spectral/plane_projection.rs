@@ -7,6 +7,7 @@ use std::array::from_fn;
 use std::f64::consts::TAU;
 use std::marker::PhantomData;
 
+use super::Implicit;
 use crate::filter::smooth_damping;
 use crate::grid::Grid;
 use crate::parameters::Filter;
@@ -31,20 +32,9 @@ pub struct Projection<R> {
     precision: PhantomData<R>,
 }
 
-/// Coefficients of the solve wave by wave in a step.
-#[derive(Clone, Copy, Debug)]
-pub struct Implicit {
-    /// `tau nu`, m².
-    pub tau_nu: f64,
-    /// CFL number.
-    pub cfl: f64,
-    /// Prescribed mean velocity, m/s; absent: free.
-    pub mean: Option<[f64; 2]>,
-}
-
 impl<R: Real> Projection<R> {
     /// Prepare wavenumbers and filter of a grid.
-    pub fn new(grid: &Grid, filter: Filter) -> Self {
+    pub fn new(grid: &Grid<2>, filter: Filter) -> Self {
         let ([nx, ny], [length, height]) = (grid.cells, grid.size);
         let signed = |i: usize, n: usize| if 2 * i > n { i as f64 - n as f64 } else { i as f64 };
         let kx: Vec<f64> = (0..nx).map(|i| TAU / length * signed(i, nx)).collect();
@@ -103,7 +93,7 @@ impl<R: Real> Projection<R> {
     /// Solve `(1 − tau nu ∇² + tau r) u + tau ∇Pi = w, ∇·u = 0` for the modes of a row.
     ///
     /// The spectra hold w, unnormalised, and receive u; the third receives the vorticity of u.
-    pub fn project(&self, step: &Implicit, row: usize, [wx, wy, omega]: [&mut [Pack<R>]; 3]) {
+    pub fn project(&self, step: &Implicit<2>, row: usize, [wx, wy, omega]: [&mut [Pack<R>]; 3]) {
         let row_length = self.kx.len() * R::PARTS;
         let modes = row * row_length..(row + 1) * row_length;
         let (inverse_k2, damping) = (&self.inverse_k2[modes.clone()], &self.damping[modes]);

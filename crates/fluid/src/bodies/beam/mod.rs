@@ -1,61 +1,131 @@
-//! A beam: its mask, its present pose, and its loads.
+//! Beams in the plane: their masks, their present poses, and their loads.
 //!
-//! Loads go back to the stations through the transpose of the map from stations to cells ([`super::pose`]), so that the
-//! power of the loads is the power of the drag on the sections.
+//! Loads go back to the stations through the transpose of the map from stations to cells ([`pose`]), so that the power
+//! of the loads is the power of the drag on the sections. The types have any number of dimensions, but only parameters
+//! in the plane have such beams.
 
-use super::cells::Cell;
-use super::frame::StationSection;
-use super::mask::BeamMask;
-use super::pose::{BeamPose, Place};
-use super::search::Search;
-use super::stations::{Loads, Stations};
-use super::vector::{bisector, cross, difference, dot, normal, unit};
-use crate::force::Displaced;
+mod frame;
+mod mask;
+mod pose;
+mod search;
+pub mod vector;
+
+use std::mem::swap;
+
+use super::cells::{Cell, Cells};
+use crate::force::{Displaced, Force};
 use crate::grid::Grid;
-use crate::parameters::{self, Mask};
+use crate::parameters::{Extent, Mask, Parameters};
+use crate::space::{Space, Vector};
+use crate::stations::{Loads, Stations};
+use frame::StationSection;
+use mask::BeamMask;
+use pose::{BeamPose, Place};
+use search::Search;
+use vector::{bisector, cross, difference, dot, in_plane, lifted, normal, unit};
 
 /// A beam with a mask.
-pub struct Beam {
-    /// Its number among all beams, from 0.
+pub struct Beam<const D: usize>
+where
+    [f64; D]: Space<D>,
+{
+    /// Its number among all flexible bodies, from 0.
     pub number: usize,
     mask: BeamMask,
     /// The present pose.
-    pub pose: BeamPose,
+    pose: BeamPose<D>,
+    /// The pose after the coming step, and whether it has been found.
+    ahead: BeamPose<D>,
+    looked_ahead: bool,
     search: Search,
 }
 
-impl Beam {
-    /// The beam with a number, without a place yet.
-    pub fn new(number: usize, beam: &parameters::Beam, grid: &Grid, mask: &Mask, nu: f64) -> Self {
-        Self { number, mask: BeamMask::new(beam, grid, mask, nu), pose: BeamPose::new(beam), search: Search::new(grid) }
+impl<const D: usize> Beam<D>
+where
+    [f64; D]: Space<D>,
+{
+    /// Return the flexible bodies that have a mask, without a place yet.
+    pub fn all(parameters: &Parameters<D>, grid: &Grid<D>) -> Vec<Self> {
+        let &Parameters { ref mask, kinematic_viscosity: nu, .. } = parameters;
+        let beam = |(number, extent): (usize, &Extent)| {
+            let Extent::Band { length, thickness, support } = extent else { return None };
+            Some(Self::new(number, *length, thickness, *support, grid, mask, nu))
+        };
+        parameters.flexible.iter().map(|body| &body.extent).enumerate().filter_map(beam).collect()
     }
 
-    /// Return the cylinder that the beam is clamped to.
-    pub fn support_cylinder(&self) -> Option<usize> {
-        self.mask.support_cylinder
+    /// The beam with a number, a length and thicknesses (m), without a place yet.
+    fn new(
+        number: usize,
+        length: f64,
+        thickness: &[f64],
+        support: Option<usize>,
+        grid: &Grid<D>,
+        mask: &Mask,
+        nu: f64,
+    ) -> Self {
+        let pose = BeamPose::new(length, thickness);
+        let (mask, search) = (BeamMask::new(thickness, support, grid.cell_size(), mask, nu), Search::new(grid));
+        Self { number, mask, ahead: pose.clone(), looked_ahead: false, pose, search }
     }
 
-    /// Move from the stations `before` to `stations`.
-    pub fn place(&mut self, stations: &Stations, before: &Stations, grid: &Grid) {
-        self.pose.find_cells(&self.mask, &mut self.search, stations, before, grid);
+    /// Move from the stations `before` to `stations`, of which there is a list for each flexible body.
+    pub fn place(&mut self, stations: &[Stations<D>], before: &[Stations<D>], grid: &Grid<D>) {
+        let Self { number, mask, pose, looked_ahead, search, .. } = self;
+        *looked_ahead = false;
+        pose.find_cells(mask, search, &stations[*number], &before[*number], grid);
     }
 
-    /// Write the pose at the stations `ahead`, to which the beam moves from `stations`.
-    pub fn find_cells(&mut self, pose: &mut BeamPose, ahead: &Stations, stations: &Stations, grid: &Grid) {
-        pose.find_cells(&self.mask, &mut self.search, ahead, stations, grid);
+    /// Find the cells at the stations `ahead`, to which the beam moves from `stations`, for [`Self::move_ahead`].
+    pub fn look_ahead(&mut self, ahead: &[Stations<D>], stations: &[Stations<D>], grid: &Grid<D>) {
+        let Self { number, mask, ahead: pose, looked_ahead, search, .. } = self;
+        pose.find_cells(mask, search, &ahead[*number], &stations[*number], grid);
+        *looked_ahead = true;
     }
 
-    /// Return the cells, each with the velocity of its section (m/s) unless the cylinder bears its drag.
-    pub fn cells_and_velocities<'a>(
-        &'a self,
-        stations: &'a Stations,
-    ) -> impl Iterator<Item = (&'a Cell, Option<[f64; 2]>)> {
-        self.pose.cells_and_velocities(stations)
+    /// Move to where [`Self::look_ahead`] looked; the cells then sample and are painted.
+    pub fn move_ahead(&mut self) {
+        if self.looked_ahead {
+            swap(&mut self.pose, &mut self.ahead);
+            self.looked_ahead = false;
+        }
+    }
+
+    /// Return the cells.
+    pub fn cells(&self) -> &Cells<D> {
+        &self.pose.cells
+    }
+
+    /// Return the cells, to sample the flow.
+    pub fn cells_mut(&mut self) -> &mut Cells<D> {
+        &mut self.pose.cells
+    }
+
+    /// Return force and power of the beam at its present stations, from the drag on its cells (N), and call `on_support`
+    /// with the number of the rigid body that bears the drag on a cell, the drag, and the position of the cell (m).
+    pub fn force(
+        &self,
+        drag: impl Fn(&Cell<D>) -> Vector<D>,
+        stations: &Stations<D>,
+        mut on_support: impl FnMut(usize, Vector<D>, Vector<D>),
+    ) -> (Force<D>, f64) {
+        let (mut sum, mut power) = (Force::default(), 0.0);
+        let root = Vector::from(stations.position.each_ref().map(|position| position[0]));
+        for (cell, velocity) in self.pose.cells_and_velocities(stations) {
+            let force = drag(cell);
+            if let Some([u, v]) = velocity {
+                sum.add(&force, &cell.arm);
+                power += force[0] * u + force[1] * v;
+            } else if let Some(support) = self.mask.support {
+                on_support(support, force, root + cell.arm);
+            }
+        }
+        (sum, power)
     }
 
     /// Return the displaced fluid of a density (kg/m³) at the present `stations`; moments are about the root.
-    pub fn displaced(&self, stations: &Stations, density: f64) -> Displaced {
-        let Stations { position: [x, y], velocity: [vx, vy] } = stations;
+    pub fn displaced(&self, stations: &Stations<D>, density: f64) -> Displaced<D> {
+        let ([x, y], [vx, vy]) = (in_plane(&stations.position), in_plane(&stations.velocity));
         let frame = &self.pose.frame;
         let (mut momentum, mut angular) = ([0.0; 2], 0.0);
         for (k, (segment, &[thickness, growth])) in frame.segments.iter().zip(&self.mask.thickness).enumerate() {
@@ -73,19 +143,24 @@ impl Beam {
             let omega = 0.5 * (frame.sections[k].omega + frame.sections[k + 1].omega);
             angular += mass / 12.0 * (thickness.powi(2) + 0.25 * growth.powi(2)) * omega;
         }
-        Displaced { momentum, angular, transport: cross([vx[0], vy[0]], momentum) }
+        let about_z = |spin: f64| <[f64; D]>::spin([spin, 0.0, 0.0]);
+        let transport = about_z(cross([vx[0], vy[0]], momentum));
+        Displaced { momentum: lifted(momentum), angular: about_z(angular), transport }
     }
 
     /// Write the loads on the stations from the drag on the cells.
     ///
-    /// `drag(cell)` is the force on the cell per metre of depth (N) and the rate at which it decreases with the
-    /// velocity of the body (kg/(m s)), per axis. The impedance of a station is for motion across the beam.
-    pub fn collect(&self, mut drag: impl FnMut(&Cell) -> ([f64; 2], [f64; 2]), loads: &mut Loads) {
+    /// The impedance of a station is for motion across the beam.
+    ///
+    /// `drag(cell)` is the force on the cell (N) and the rate at which it decreases with the velocity of the body (kg/s),
+    /// per axis.
+    pub fn collect(&self, drag: impl Fn(&Cell<D>) -> (Vector<D>, Vector<D>), loads: &mut Loads<D>) {
         loads.force.iter_mut().for_each(|f| f.fill(0.0));
         loads.impedance.fill(0.0);
         let BeamPose { cells, places, frame } = &self.pose;
         for (cell, place) in cells.iter().zip(places).filter(|(_, place)| !place.is_behind_root) {
-            let ([fx, fy], [along_x, along_y]) = drag(cell);
+            let (force, along) = drag(cell);
+            let ([fx, fy], [along_x, along_y]) = ([force[0], force[1]], [along[0], along[1]]);
             let Place { segment: k, fraction: t, tangent, .. } = *place;
             let moment = -place.height * dot([fx, fy], tangent);
             let [nx, ny] = normal(tangent);
@@ -105,7 +180,7 @@ impl Beam {
     }
 
     /// Return the point on the upper (`side` = 1) or lower (−1) surface at station `k`, m.
-    pub fn surface_point(&self, stations: &Stations, k: usize, side: f64) -> [f64; 2] {
+    fn surface_point(&self, stations: &Stations<D>, k: usize, side: f64) -> [f64; 2] {
         let last = self.mask.thickness.len() - 1;
         let [nx, ny] = normal(bisector(k, last, |k| unit(difference(&stations.position, [k, k + 1]))));
         let [thickness, growth] = self.mask.thickness[k.min(last)];
@@ -113,10 +188,17 @@ impl Beam {
         let height = side * 0.5 * here;
         [stations.position[0][k] + height * nx, stations.position[1][k] + height * ny]
     }
+
+    /// Return the points on the upper and the lower surface at a station, m.
+    pub fn faces(&self, stations: &Stations<D>, station: usize) -> [Vector<D>; 2] {
+        [1.0, -1.0].map(|side| lifted(self.surface_point(stations, station, side)))
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::slice::from_ref;
+
     use super::*;
     use crate::parameters::WallCorrection;
     use crate::wall::DragProfile;
@@ -128,32 +210,27 @@ mod tests {
     const ENDS: [f64; 2] = [0.2, 0.04];
 
     /// A beam of length 1 that tapers, turns about its root and moves along with it; painted with a sharp mask.
-    fn turning() -> (Beam, Stations, Grid) {
+    fn turning() -> (Beam<2>, Stations<2>, Grid<2>) {
         let grid = Grid::new([[0.0, 1.5]; 2], [600; 2]);
         let thickness = |k: i32| ENDS[0] + (ENDS[1] - ENDS[0]) * f64::from(k) / 16.0;
-        let parameters = parameters::Beam {
-            stations: vec![ROOT; 9],
-            length: 1.0,
-            thickness: (0..=16).map(thickness).collect(),
-            support_cylinder: None,
-            surface: parameters::Surface::Mask,
-        };
+        let thickness: Vec<_> = (0..=16).map(thickness).collect();
         let mask = Mask::Sharp { c_eta: 1.0, displacement_corrected: false };
-        let mut beam = Beam::new(0, &parameters, &grid, &mask, 1e-3);
+        let mut beam = Beam::new(0, 1.0, &thickness, None, &grid, &mask, 1e-3);
         let along = |axis: usize| (0..=8).map(move |k| ROOT[axis] + DIRECTION[axis] * f64::from(k) / 8.0).collect();
         let speed = |axis: usize| {
             let across = [-DIRECTION[1], DIRECTION[0]];
             (0..=8).map(move |k| 0.5 + OMEGA * across[axis] * f64::from(k) / 8.0).collect()
         };
         let stations = Stations { position: [along(0), along(1)], velocity: [speed(0), speed(1)] };
-        beam.place(&stations, &stations, &grid);
+        beam.place(from_ref(&stations), from_ref(&stations), &grid);
         (beam, stations, grid)
     }
 
     #[test]
     fn mask_has_the_area_of_the_tapered_beam() {
         let (beam, _, grid) = turning();
-        let sum = |weight: &dyn Fn(&Cell) -> f64| beam.pose.cells.iter().map(weight).sum::<f64>() * grid.cell_volume();
+        let sum =
+            |weight: &dyn Fn(&Cell<2>) -> f64| beam.pose.cells.iter().map(weight).sum::<f64>() * grid.cell_volume();
         let area = sum(&|_| 1.0);
         let centre = sum(&|cell| cell.arm[0] * DIRECTION[0] + cell.arm[1] * DIRECTION[1]) / area;
         // (h0 + h1) / 2 and (h0 + 2 h1) / (3 (h0 + h1)) of a trapezium.
@@ -171,7 +248,7 @@ mod tests {
             .iter()
             .map(|h| DragProfile::of_body(h[0], true, &mask, 1e-3, grid.cell_size()))
             .collect();
-        beam.place(&stations, &stations, &grid);
+        beam.place(from_ref(&stations), from_ref(&stations), &grid);
         let slope = 0.5 * (ENDS[1] - ENDS[0]);
         for cell in beam.pose.cells.iter() {
             let along = cell.arm[0] * DIRECTION[0] + cell.arm[1] * DIRECTION[1];
@@ -189,16 +266,9 @@ mod tests {
     #[test]
     fn no_cell_switches_abruptly_from_one_surface_to_the_other() {
         let grid = Grid::new([[0.0, 1.0]; 2], [100; 2]);
-        let parameters = parameters::Beam {
-            stations: vec![[0.3, 0.5]; 7],
-            length: 0.3,
-            thickness: vec![0.025; 13],
-            support_cylinder: None,
-            surface: parameters::Surface::Mask,
-        };
         let target = WallCorrection::Curvature;
         let mask = Mask::LogLinear { c_eta: 1e-5, decay_length_cells: 0.25, core_depth: None, wall_correction: target };
-        let mut beam = Beam::new(0, &parameters, &grid, &mask, 1e-3);
+        let mut beam = Beam::new(0, 0.3, &[0.025; 13], None, &grid, &mask, 1e-3);
         let flow: Vec<_> = (0..grid.len()).map(|i| grid.point(i)).map(|[x, y]| [y + x * y, x - 2.0 * y * y]).collect();
         // A cell, and its position relative to the upper corner of the tip: on the bisector outside and inside, and far
         // away.
@@ -208,7 +278,7 @@ mod tests {
                 let root = [x - right - 0.3, y - up - 0.0125 + aside];
                 let along = |axis: usize| (0..=6).map(|k| root[axis] + [0.05, 0.0][axis] * f64::from(k)).collect();
                 let stations = Stations { position: [along(0), along(1)], velocity: [vec![0.0; 7], vec![0.0; 7]] };
-                beam.place(&stations, &stations, &grid);
+                beam.place(from_ref(&stations), from_ref(&stations), &grid);
                 beam.pose.cells.sample(|point| flow[point]);
                 beam.pose
                     .cells
@@ -248,7 +318,7 @@ mod tests {
         let [h0, dh] = [ENDS[0], ENDS[1] - ENDS[0]];
         let moments = [h0 + dh / 2.0, h0 / 2.0 + dh / 3.0, h0 / 3.0 + dh / 4.0];
         let turning = (ENDS[0].powi(4) - ENDS[1].powi(4)) / (4.0 * (ENDS[0] - ENDS[1])) / 12.0;
-        for (across, found) in across.iter().zip(found.momentum) {
+        for (across, found) in across.iter().zip(&found.momentum) {
             let expected = 2.0 * (0.5 * moments[0] + OMEGA * across * moments[1]);
             assert!((found - expected).abs() < 1e-14, "{found} against {expected}");
         }

@@ -53,6 +53,11 @@ pub const SURFACE_THICKNESS_CELLS: f64 = 1487.0 / 1134.0;
 /// the line drags like a cylinder of exp(mean ln|Y|) = 0.87 cells, Y being that difference.
 pub const ROD_SECTION_CELLS: f64 = (315.0 / 151.0) * (315.0 / 151.0);
 
+/// Return the thickness of the plate that markers represent, cells, in a number of dimensions.
+pub fn layer_thickness(dimensions: usize) -> f64 {
+    if dimensions == 2 { LINE_THICKNESS_CELLS } else { SURFACE_THICKNESS_CELLS }
+}
+
 fn cubic(share: f64) -> [f64; 4] {
     let (s, rest) = (share, 1.0 - share);
     let near = |s: f64| 2.0 / 3.0 - s * s + 0.5 * s * s * s;

@@ -1,10 +1,12 @@
-//! Outlines of rigid bodies in their own axes: nearest point of the surface, thickness, area and its moments.
+//! Shapes in the plane.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
+
+use nalgebra::Vector2;
 
 use super::polygon;
-use super::section::{Nearest, Section};
-use crate::parameters::Shape;
+use super::{Between, Moments, Nearest, Shape};
 
 /// Iterations of Newton's method for the nearest point of an ellipse. Four to ten are needed; more only near the middle
 /// of the line between the foci, where the drag has its largest value.
@@ -16,9 +18,32 @@ const OFF_AXIS: f64 = 1e-12;
 /// Distance from a face of a rectangle, over the sum of half its lengths, within which a point lies on the face.
 const ON_FACE: f64 = 1e-12;
 
-impl Shape {
-    /// Return the outline with the corners of a polygon in left-hand order.
-    pub(super) fn oriented(self) -> Self {
+/// Shape of a body in the plane, about the origin of its axes.
+#[derive(Clone, Debug)]
+pub enum Outline {
+    /// Circle of a radius, m.
+    Circle(f64),
+    /// Ellipse of semi-axes, m.
+    Ellipse([f64; 2]),
+    /// Rectangle of half its length and half its thickness, m.
+    Rectangle([f64; 2]),
+    /// Rectangle whose ends are half circles: half the length of its straight sides, and half its thickness, m.
+    Capsule([f64; 2]),
+    /// Polygon of at least 3 corners in either order, m. Its sides must not cross.
+    Polygon(Vec<[f64; 2]>),
+    /// Open line of no thickness through at least 2 points, m, which markers represent.
+    Line(Vec<[f64; 2]>),
+}
+
+impl From<Outline> for Arc<dyn Shape<2>> {
+    /// Bring the corners of a polygon into left-hand order.
+    fn from(outline: Outline) -> Self {
+        Arc::new(outline.oriented())
+    }
+}
+
+impl Outline {
+    fn oriented(self) -> Self {
         match self {
             Self::Polygon(mut corners) => {
                 if polygon::signed_area(&corners) < 0.0 {
@@ -29,9 +54,22 @@ impl Shape {
             shape => shape,
         }
     }
+}
 
-    /// Return the diameter of the largest circle inside, m.
-    pub(super) fn thickness(&self) -> f64 {
+impl Shape<2> for Outline {
+    fn is_round(&self) -> bool {
+        matches!(self, Self::Circle(_))
+    }
+
+    fn radius(&self) -> Option<f64> {
+        if let Self::Circle(radius) = self { Some(*radius) } else { None }
+    }
+
+    fn fills_box(&self) -> bool {
+        self.is_round()
+    }
+
+    fn thickness(&self) -> f64 {
         match self {
             Self::Circle(radius) => 2.0 * radius,
             Self::Ellipse([a, b]) | Self::Rectangle([a, b]) => 2.0 * a.min(*b),
@@ -41,9 +79,8 @@ impl Shape {
         }
     }
 
-    /// Return the extent from the origin in the direction of a unit vector, m.
-    pub(super) fn extent(&self, direction: [f64; 2]) -> f64 {
-        let [x, y] = direction;
+    fn extent(&self, direction: &Vector2<f64>) -> f64 {
+        let [x, y] = [direction[0], direction[1]];
         match self {
             Self::Circle(radius) => *radius,
             Self::Ellipse([a, b]) => (a * x).hypot(b * y),
@@ -55,9 +92,8 @@ impl Shape {
         }
     }
 
-    /// Return the area and its moments.
-    pub(super) fn section(&self) -> Section {
-        let middle = |area, polar| Section { area, centroid: [0.0; 2], polar };
+    fn moments(&self, _: &[f64; 2]) -> Moments<2> {
+        let middle = |volume, inertia| Moments { volume, centroid: Vector2::zeros(), inertia };
         match self {
             Self::Circle(radius) => middle(PI * radius.powi(2), 0.5 * PI * radius.powi(4)),
             Self::Ellipse([a, b]) => middle(PI * a * b, 0.25 * PI * a * b * (a * a + b * b)),
@@ -69,15 +105,14 @@ impl Shape {
                 let polar = straight / 3.0 * (a * a + r * r) + caps * (0.5 * r * r - off * off + (a + off).powi(2));
                 middle(straight + caps, polar)
             }
-            Self::Polygon(corners) => polygon::section(corners),
+            Self::Polygon(corners) => polygon::moments(corners),
             Self::Line(_) => middle(0.0, 0.0),
         }
     }
 
-    /// Return the nearest point of the surface.
-    pub(super) fn nearest(&self, point: [f64; 2]) -> Nearest {
+    fn nearest(&self, point: Vector2<f64>) -> Nearest<2> {
         match self {
-            Self::Circle(radius) => nearest_of_circle(point, [0.0; 2], *radius),
+            Self::Circle(radius) => nearest_of_circle(point, Vector2::zeros(), *radius),
             Self::Ellipse(semi_axes) => nearest_of_ellipse(point, *semi_axes),
             Self::Rectangle([a, b]) => {
                 let rounding = ON_FACE * (a + b);
@@ -85,31 +120,53 @@ impl Shape {
                 let on_face = |off: f64| if off.abs() < rounding { 0.0 } else { off };
                 let [x, y] = [on_face(point[0].abs() - a), on_face(point[1].abs() - b)];
                 let (distance, normal) = if x > y + rounding {
-                    (x, [1_f64.copysign(point[0]), 0.0])
+                    (x, Vector2::new(1_f64.copysign(point[0]), 0.0))
                 } else {
-                    (y, [0.0, 1_f64.copysign(point[1])])
+                    (y, Vector2::new(0.0, 1_f64.copysign(point[1])))
                 };
-                Nearest { distance, surface: [0, 1].map(|axis| point[axis] - distance * normal[axis]), normal }
+                Nearest { distance, surface: point - distance * normal, normal }
             }
-            Self::Capsule([a, radius]) => nearest_of_circle(point, [point[0].clamp(-a, *a), 0.0], *radius),
-            Self::Polygon(corners) => polygon::nearest(point, corners),
+            Self::Capsule([a, radius]) => nearest_of_circle(point, Vector2::new(point[0].clamp(-a, *a), 0.0), *radius),
+            Self::Polygon(corners) => polygon::nearest(point.into(), corners),
             // It has no inside, and so no cells.
-            Self::Line(_) => Nearest { distance: f64::INFINITY, surface: point, normal: [0.0; 2] },
+            Self::Line(_) => Nearest { distance: f64::INFINITY, surface: point, normal: Vector2::zeros() },
         }
+    }
+
+    fn thin(&self) -> Option<(Vec<[f64; 2]>, Between)> {
+        if let Self::Line(points) = self { Some((points.clone(), Between::Line)) } else { None }
+    }
+
+    fn layer(&self, thickness: f64) -> Option<Moments<2>> {
+        let Self::Line(points) = self else { return None };
+        let sides = || {
+            points.windows(2).map(|side| {
+                let middle = [0, 1].map(|axis| 0.5 * (side[0][axis] + side[1][axis]));
+                (middle, (side[1][0] - side[0][0]).hypot(side[1][1] - side[0][1]))
+            })
+        };
+        let length: f64 = sides().map(|(_, length)| length).sum();
+        let centroid = [0, 1].map(|axis| sides().map(|(middle, part)| middle[axis] * part).sum::<f64>() / length);
+        let polar = |(middle, part): ([f64; 2], f64)| {
+            let arm = [0, 1].map(|axis| middle[axis] - centroid[axis]);
+            part * (arm[0] * arm[0] + arm[1] * arm[1] + part * part / 12.0)
+        };
+        let inertia = thickness * sides().map(polar).sum::<f64>();
+        Some(Moments { volume: thickness * length, centroid: centroid.into(), inertia })
     }
 }
 
-fn nearest_of_circle(point: [f64; 2], center: [f64; 2], radius: f64) -> Nearest {
-    let offset = [point[0] - center[0], point[1] - center[1]];
+fn nearest_of_circle(point: Vector2<f64>, center: Vector2<f64>, radius: f64) -> Nearest<2> {
+    let offset = point - center;
     let from_center = offset[0].hypot(offset[1]);
-    let normal = offset.map(|component| component / from_center.max(f64::MIN_POSITIVE));
-    let surface = [center[0] + radius * normal[0], center[1] + radius * normal[1]];
+    let normal = offset / from_center.max(f64::MIN_POSITIVE);
+    let surface = center + radius * normal;
     Nearest { distance: from_center - radius, surface, normal }
 }
 
 /// Return the point (x, y) = (a² p/(t + a²), b² q/(t + b²)) of the ellipse nearest to (p, q). t is the largest root of
 /// `F(t) = (a p/(t + a²))² + (b q/(t + b²))² − 1`, which is convex and decreases there.
-fn nearest_of_ellipse(point: [f64; 2], [a, b]: [f64; 2]) -> Nearest {
+fn nearest_of_ellipse(point: Vector2<f64>, [a, b]: [f64; 2]) -> Nearest<2> {
     let (p, q) = (point[0].abs().max(OFF_AXIS * a), point[1].abs().max(OFF_AXIS * b));
     // F is not negative here, so Newton's method increases t up to the root.
     let mut t = (a * p - a * a).max(b * q - b * b);
@@ -128,8 +185,8 @@ fn nearest_of_ellipse(point: [f64; 2], [a, b]: [f64; 2]) -> Nearest {
     let distance = (p - x) * gradient[0] / size + (q - y) * gradient[1] / size;
     Nearest {
         distance,
-        surface: [x.copysign(point[0]), y.copysign(point[1])],
-        normal: [0, 1].map(|axis| (gradient[axis] / size).copysign(point[axis])),
+        surface: Vector2::new(x.copysign(point[0]), y.copysign(point[1])),
+        normal: Vector2::from([0, 1].map(|axis| (gradient[axis] / size).copysign(point[axis]))),
     }
 }
 
@@ -139,12 +196,12 @@ mod tests {
 
     use super::*;
 
-    fn close(found: [f64; 2], expected: [f64; 2]) -> bool {
+    fn close(found: Vector2<f64>, expected: [f64; 2]) -> bool {
         (0..2).all(|axis| (found[axis] - expected[axis]).abs() < 1e-9)
     }
 
-    fn polygon(corners: &[[f64; 2]]) -> Shape {
-        Shape::Polygon(corners.to_vec()).oriented()
+    fn polygon(corners: &[[f64; 2]]) -> Outline {
+        Outline::Polygon(corners.to_vec()).oriented()
     }
 
     /// From a point of the surface along its normal, inwards up to the centre of curvature and outwards, that point is
@@ -152,7 +209,7 @@ mod tests {
     #[test]
     fn the_nearest_point_of_an_ellipse_lies_along_its_normal() {
         for [a, b] in [[0.5, 0.06], [0.3, 0.3], [0.1, 0.4]] {
-            let ellipse = Shape::Ellipse([a, b]);
+            let ellipse = Outline::Ellipse([a, b]);
             for k in 0..64 {
                 let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 64.0).sin_cos();
                 let surface = [a * cos, b * sin];
@@ -161,7 +218,7 @@ mod tests {
                 let curvature_radius = slope.powi(3) / (a * b);
                 for distance in [-0.9 * curvature_radius.min(b), -1e-3 * b, 0.0, 0.02, 3.0] {
                     let point = [0, 1].map(|axis| surface[axis] + distance * normal[axis]);
-                    let found = ellipse.nearest(point);
+                    let found = ellipse.nearest(point.into());
                     let good = (found.distance - distance).abs() < 1e-8
                         && (0..2).all(|axis| (found.surface[axis] - surface[axis]).abs() < 1e-6 * a.max(b))
                         && (0..2).all(|axis| (found.normal[axis] - normal[axis]).abs() < 1e-6);
@@ -175,17 +232,21 @@ mod tests {
 
     #[test]
     fn equal_outlines_have_equal_distances() {
-        let rectangle = Shape::Rectangle([0.3, 0.1]);
+        let rectangle = Outline::Rectangle([0.3, 0.1]);
         let corners = [[0.3, 0.1], [-0.3, 0.1], [-0.3, -0.1], [0.3, -0.1]];
-        let (circle, ellipse, capsule) = (Shape::Circle(0.2), Shape::Ellipse([0.2, 0.2]), Shape::Capsule([0.0, 0.2]));
+        let (circle, ellipse, capsule) =
+            (Outline::Circle(0.2), Outline::Ellipse([0.2, 0.2]), Outline::Capsule([0.0, 0.2]));
         for i in 0..41 {
             for j in 0..41 {
                 let point = [-0.51 + 0.025 * f64::from(i), -0.52 + 0.026 * f64::from(j)];
-                let [one, other] = [rectangle.nearest(point), polygon(&corners).nearest(point)];
+                let [one, other] = [rectangle.nearest(point.into()), polygon(&corners).nearest(point.into())];
                 assert!((one.distance - other.distance).abs() < 1e-12, "{point:?}: {one:?}, {other:?}");
-                let [one, other, third] = [&circle, &ellipse, &capsule].map(|shape| shape.nearest(point));
+                let [one, other, third] = [&circle, &ellipse, &capsule].map(|shape| shape.nearest(point.into()));
                 assert!((one.distance - other.distance).abs() < 1e-9, "{point:?}: {one:?}, {other:?}");
-                assert!(close(one.normal, other.normal) && close(one.normal, third.normal), "{point:?}: {other:?}");
+                assert!(
+                    close(one.normal, other.normal.into()) && close(one.normal, third.normal.into()),
+                    "{point:?}: {other:?}"
+                );
             }
         }
     }
@@ -202,12 +263,12 @@ mod tests {
             ([2.1, 1.2], 0.2, Some([0.0, 1.0])),
             ([-0.3, 0.5], 0.3, Some([-1.0, 0.0])),
         ] {
-            let found = l.nearest(point);
+            let found = l.nearest(point.into());
             assert!((found.distance - distance).abs() < 1e-12, "{point:?}: {found:?}");
             assert!(normal.is_none_or(|normal| close(found.normal, normal)), "{point:?}: {found:?}");
         }
         let needle = polygon(&[[0.0, -0.1], [5.0, 0.0], [0.0, 0.1]]);
-        let found = needle.nearest([6.0, 0.0]);
+        let found = needle.nearest([6.0, 0.0].into());
         assert!((found.distance - 1.0 / SQRT_2).abs() < 1e-12, "{found:?}");
     }
 
@@ -222,15 +283,15 @@ mod tests {
             polygon(&(0..many).rev().map(corner).collect::<Vec<_>>())
         };
         let shapes = [
-            (Shape::Circle(0.3), around([0.3, 0.3])),
-            (Shape::Ellipse([0.5, 0.06]), around([0.5, 0.06])),
-            (Shape::Rectangle([0.3, 0.1]), polygon(&[[2.7, -1.9], [3.3, -1.9], [3.3, -2.1], [2.7, -2.1]])),
+            (Outline::Circle(0.3), around([0.3, 0.3])),
+            (Outline::Ellipse([0.5, 0.06]), around([0.5, 0.06])),
+            (Outline::Rectangle([0.3, 0.1]), polygon(&[[2.7, -1.9], [3.3, -1.9], [3.3, -2.1], [2.7, -2.1]])),
         ];
         for (shape, polygon) in shapes {
-            let (one, other) = (shape.section(), polygon.section());
-            assert!((one.area / other.area - 1.0).abs() < 1e-5, "{shape:?}: {one:?}, {other:?}");
-            assert!((one.polar / other.polar - 1.0).abs() < 1e-5, "{shape:?}: {one:?}, {other:?}");
-            assert!(close([other.centroid[0] - 3.0, other.centroid[1] + 2.0], [0.0; 2]), "{other:?}");
+            let (one, other) = (shape.moments(&[0.0; 2]), polygon.moments(&[0.0; 2]));
+            assert!((one.volume / other.volume - 1.0).abs() < 1e-5, "{shape:?}: {one:?}, {other:?}");
+            assert!((one.inertia / other.inertia - 1.0).abs() < 1e-5, "{shape:?}: {one:?}, {other:?}");
+            assert!(close(other.centroid - Vector2::new(3.0, -2.0), [0.0; 2]), "{other:?}");
             let (one, other) = (shape.thickness(), polygon.thickness());
             assert!((one / other - 1.0).abs() < 1e-4, "{shape:?}: thickness {one}, {other}");
         }
@@ -240,12 +301,12 @@ mod tests {
         for i in 0..n * n {
             let cell = |k: usize| (k as f64 + 0.5) / n as f64;
             let point = [0.4 * cell(i / n), 0.1 * cell(i % n)];
-            if Shape::Capsule(capsule).nearest(point).distance < 0.0 {
+            if Outline::Capsule(capsule).nearest(point.into()).distance < 0.0 {
                 sums = [sums[0] + 1.0, sums[1] + point[0].powi(2) + point[1].powi(2)];
             }
         }
         let per_point = 4.0 * 0.4 * 0.1 / (n * n) as f64;
-        let Section { area, polar, .. } = Shape::Capsule(capsule).section();
+        let Moments { volume: area, inertia: polar, .. } = Outline::Capsule(capsule).moments(&[0.0; 2]);
         assert!((area / (sums[0] * per_point) - 1.0).abs() < 1e-3, "{area} against {}", sums[0] * per_point);
         assert!((polar / (sums[1] * per_point) - 1.0).abs() < 1e-3, "{polar} against {}", sums[1] * per_point);
     }

@@ -1,4 +1,6 @@
-//! Vectors in the plane.
+//! Vectors in the plane of x and y.
+
+use crate::space::Vector;
 
 /// Return the left-hand normal.
 pub fn normal([x, y]: [f64; 2]) -> [f64; 2] {
@@ -26,9 +28,19 @@ pub fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// Return the difference of two entries of a field.
-pub fn difference(field: &[Vec<f64>; 2], [from, to]: [usize; 2]) -> [f64; 2] {
-    field.each_ref().map(|f| f[to] - f[from])
+/// Return the difference of two entries of a field in the plane of x and y.
+pub fn difference<const D: usize>(field: &[Vec<f64>; D], [from, to]: [usize; 2]) -> [f64; 2] {
+    in_plane(field).map(|f| f[to] - f[from])
+}
+
+/// Return the components along x and y.
+pub fn in_plane<const D: usize>(field: &[Vec<f64>; D]) -> [&[f64]; 2] {
+    [0, 1].map(|axis| &field[axis][..])
+}
+
+/// Return the vector with components along x and y.
+pub fn lifted<const D: usize>(vector: [f64; 2]) -> Vector<D> {
+    Vector::from_fn(|axis, _| vector.get(axis).copied().unwrap_or(0.0))
 }
 
 /// Return the point at the fraction `t` from `a` to `b`.

@@ -1,8 +1,11 @@
-//! Rigid bodies in their own axes: nearest point of the surface, thickness, volume and moments of inertia.
+//! Shapes in space.
 
-use nalgebra::Vector3;
+use std::f64::consts::PI;
+use std::sync::Arc;
 
-use super::parameters::Shape;
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Between, Moments, Nearest, Shape};
 
 /// Iterations of Newton's method for the nearest point of an ellipsoid; more than ten only near its middle.
 const NEWTON_STEPS: usize = 40;
@@ -10,14 +13,40 @@ const NEWTON_STEPS: usize = 40;
 /// Least distance from a plane of symmetry of an ellipsoid, over that semi-axis: on the plane the equation has a pole.
 const OFF_PLANE: f64 = 1e-12;
 
-impl Shape {
-    /// Return whether it has an inside.
-    pub(super) fn is_solid(&self) -> bool {
-        !matches!(self, Self::Surface(..))
+/// Shape of a body in space, about the origin of its axes.
+#[derive(Clone, Debug)]
+pub enum Solid {
+    /// Sphere of a radius, m.
+    Sphere(f64),
+    /// Ellipsoid of semi-axes, m.
+    Ellipsoid([f64; 3]),
+    /// Circular cylinder.
+    Cylinder {
+        /// Axis of the body along which it lies: 0, 1 or 2.
+        axis: usize,
+        /// Radius, m.
+        radius: f64,
+        /// Half the length, m; infinite for a cylinder through the whole domain.
+        half_length: f64,
+    },
+    /// Cuboid of half its lengths, m; a plate is a thin one.
+    Cuboid([f64; 3]),
+    /// Nodes, m, and triangles of no thickness, which markers represent.
+    Surface(Vec<[f64; 3]>, Vec<[usize; 3]>),
+}
+
+impl From<Solid> for Arc<dyn Shape<3>> {
+    fn from(solid: Solid) -> Self {
+        Arc::new(solid)
+    }
+}
+
+impl Shape<3> for Solid {
+    fn is_round(&self) -> bool {
+        matches!(self, Self::Sphere(_))
     }
 
-    /// Return the diameter of the largest sphere inside, m.
-    pub(super) fn thickness(&self) -> f64 {
+    fn thickness(&self) -> f64 {
         match self {
             Self::Sphere(radius) => 2.0 * radius,
             Self::Ellipsoid(semi_axes) | Self::Cuboid(semi_axes) => {
@@ -28,8 +57,7 @@ impl Shape {
         }
     }
 
-    /// Return the extent of a solid from the origin in the direction of a unit vector, m.
-    pub(super) fn extent(&self, direction: Vector3<f64>) -> f64 {
+    fn extent(&self, direction: &Vector3<f64>) -> f64 {
         match *self {
             Self::Sphere(radius) => radius,
             Self::Ellipsoid(semi_axes) => direction.component_mul(&Vector3::from(semi_axes)).norm(),
@@ -43,29 +71,38 @@ impl Shape {
         }
     }
 
-    /// Return the volume (m³) and the moments of inertia about the own axes for a density of 1 (m⁵). A cylinder without
-    /// ends has the `length` of the domain, m.
-    pub(super) fn inertia(&self, length: [f64; 3]) -> (f64, Vector3<f64>) {
-        use std::f64::consts::PI;
+    fn moments(&self, size: &[f64; 3]) -> Moments<3> {
         // Mean squares along the axes.
         let (volume, square) = match *self {
             Self::Sphere(radius) => (4.0 / 3.0 * PI * radius.powi(3), Vector3::repeat(radius * radius / 5.0)),
             Self::Ellipsoid([a, b, c]) => (4.0 / 3.0 * PI * a * b * c, Vector3::new(a * a, b * b, c * c) / 5.0),
             Self::Cuboid([a, b, c]) => (8.0 * a * b * c, Vector3::new(a * a, b * b, c * c) / 3.0),
             Self::Cylinder { axis, radius, half_length } => {
-                let half = half_length.min(0.5 * length[axis]);
+                let half = half_length.min(0.5 * size[axis]);
                 let mut square = Vector3::repeat(0.25 * radius * radius);
                 square[axis] = half * half / 3.0;
                 (2.0 * half * PI * radius * radius, square)
             }
             Self::Surface(..) => (0.0, Vector3::zeros()),
         };
-        (volume, volume * (Vector3::repeat(square.sum()) - square))
+        let inertia = Matrix3::from_diagonal(&(volume * (Vector3::repeat(square.sum()) - square)));
+        Moments { volume, centroid: Vector3::zeros(), inertia }
     }
 
-    /// Return the signed distance (m, positive outside) and the unit normal of the nearest point of the surface of a
-    /// solid.
-    pub(super) fn nearest(&self, point: Vector3<f64>) -> (f64, Vector3<f64>) {
+    fn nearest(&self, point: Vector3<f64>) -> Nearest<3> {
+        let (distance, normal) = self.distance_and_normal(point);
+        Nearest { distance, surface: point - distance * normal, normal }
+    }
+
+    fn thin(&self) -> Option<(Vec<[f64; 3]>, Between)> {
+        let Self::Surface(nodes, triangles) = self else { return None };
+        Some((nodes.clone(), Between::Triangles(triangles.clone())))
+    }
+}
+
+impl Solid {
+    /// Return the signed distance (m, positive outside) and the unit normal of the nearest point of the surface.
+    fn distance_and_normal(&self, point: Vector3<f64>) -> (f64, Vector3<f64>) {
         match *self {
             Self::Sphere(radius) => {
                 let from_center = point.norm();

@@ -1,0 +1,71 @@
+//! Stresses on a line in the plane, from the forces on its markers.
+
+use std::ops::Range;
+
+use super::parts::Parts;
+use crate::space::{Space, Vector};
+use crate::stations::Stations;
+
+/// A line divided into equal parts, over which the force on a marker counts as stress.
+pub struct LineStress {
+    parts: Parts,
+    /// Fluid that moves with the line, m² a metre.
+    layer: f64,
+    /// Length of the line at each station, m.
+    covered: Vec<f64>,
+}
+
+impl LineStress {
+    /// The stress on a line of a length through `points` (m), with the `parts` of its markers and the thickness of the
+    /// layer that moves with it, m.
+    pub fn new<const D: usize>(points: &[[f64; D]], parts: &Parts, length: f64, layer: f64) -> Self {
+        let length = length / parts.len() as f64;
+        let (parts, mut covered) = (parts.equal(points), vec![0.0; points.len()]);
+        for (_, shares) in parts.iter() {
+            shares.iter().for_each(|&(point, share)| covered[point] += share * length);
+        }
+        // The layer of a marker over its length, as the mass of the body leaves it out.
+        Self { parts, layer: layer * length / length, covered }
+    }
+
+    /// Write the pressure above less the pressure below the line at its stations, and the shear stress on both faces
+    /// together towards the tip, Pa, in a step of `dt` seconds from the stations `before`. The layer that moves with the
+    /// line takes a part of the force on the markers, which a line of no thickness would not need. Friction that jumps at
+    /// an end makes it alternate from marker to marker, so the shear is of means with the weights 1, 2, 1.
+    pub fn write<const D: usize>(
+        &self,
+        force: &[Vec<f64>; D],
+        density: f64,
+        dt: f64,
+        [stations, before]: [&Stations<D>; 2],
+        [jump, shear]: [&mut [f64]; 2],
+    ) where
+        [f64; D]: Space<D>,
+    {
+        let last = jump.len() - 1;
+        let at = |field: &[Vec<f64>; D], k: usize| Vector::from(field.each_ref().map(|of| of[k]));
+        let tangent = |k: usize| {
+            let [from, to] = [k.saturating_sub(1), (k + 1).min(last)].map(|k| at(&stations.position, k));
+            let along: Vector<D> = to - from;
+            along / along.iter().fold(0.0_f64, |length, component| length.hypot(*component))
+        };
+        let across = |of: &Vector<D>, tangent: &Vector<D>| <[f64; D]>::components(<[f64; D]>::cross(of, tangent))[0];
+        for k in 0..=last {
+            let tangent = tangent(k);
+            let acceleration: Vector<D> = (at(&stations.velocity, k) - at(&before.velocity, k)) / dt;
+            let layer = density * self.layer;
+            (jump[k], shear[k]) = (layer * across(&acceleration, &tangent), layer * acceleration.dot(&tangent));
+        }
+        let Range { start, end } = self.parts.markers();
+        for (k, shares) in self.parts.iter() {
+            let beside = [k.saturating_sub(1).max(start), k, k, (k + 1).min(end - 1)];
+            let own = at(force, k);
+            let mean = force.each_ref().map(|force| 0.25 * beside.iter().map(|k| force[*k]).sum::<f64>());
+            for &(point, share) in shares {
+                let (tangent, weight) = (tangent(point), density * share / self.covered[point]);
+                jump[point] += weight * across(&own, &tangent);
+                shear[point] += weight * Vector::from(mean).dot(&tangent);
+            }
+        }
+    }
+}
