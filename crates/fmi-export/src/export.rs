@@ -15,4 +15,4 @@ mod own;
 
 pub use fmi2::*;
 pub use fmi3::*;
-pub use own::{FieldTYPE, ModelDescriptionTYPE, fmu_field, fmu_model_description, fmu_model_description_3};
+pub use own::{fmu_field, fmu_model_description, fmu_model_description_3};

@@ -13,14 +13,6 @@ use crate::sys::{fmi2Char, fmi2Component, fmi2Integer, fmi2Real, fmi2Status, fmi
 use crate::text::write;
 use crate::version::Version;
 
-/// Type of `fmu_model_description`, see [`export_fmu!`](crate::export_fmu).
-pub type ModelDescriptionTYPE =
-    Option<unsafe extern "C" fn(fmi2String, *mut fmi2Char, usize, *mut usize) -> fmi2Integer>;
-
-/// Type of `fmu_field`, see [`export_fmu!`](crate::export_fmu).
-pub type FieldTYPE =
-    Option<unsafe extern "C" fn(fmi2Component, fmi2String, *mut fmi2Real, usize, *mut usize) -> fmi2Integer>;
-
 /// See [`export_fmu!`](crate::export_fmu).
 ///
 /// # Safety

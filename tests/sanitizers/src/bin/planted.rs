@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::slice::{from_mut, from_ref};
 
-use fmi_export::{Description, Log, Model, Resources, Variable};
+use nervure_fmi_export::{Description, Log, Model, Resources, Variable};
 
 #[path = "../calls.rs"]
 mod calls;
@@ -30,7 +30,7 @@ impl Model for Planted {
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
-        type Real = fmi_export::Real<Planted>;
+        type Real = nervure_fmi_export::Real<Planted>;
         vec![
             Real::input("u", "1", "Input", |m| from_mut(&mut m.u)),
             Real::output("y", "1", "Output", |m| from_ref(&m.y)).depends_on(&[]),
@@ -71,7 +71,7 @@ impl Model for Planted {
     }
 }
 
-fmi_export::export_fmu!(Planted);
+nervure_fmi_export::export_fmu!(Planted);
 
 fn main() {
     let bug = std::env::args().nth(1).expect("usage: planted BUG");
