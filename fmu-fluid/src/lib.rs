@@ -7,10 +7,9 @@ mod variables;
 
 use std::slice::from_ref;
 
-use fluid::{Fluid, Pose, Stations};
+use fluid::{Fluid, Stations};
 use fmi_export::{Description, Log, Model, Resources, Variable};
 use scene::Scene;
-use serde::{Deserialize, Serialize};
 
 use flow::{Flow, FlowState};
 use parameters::Parameters;
@@ -22,15 +21,6 @@ struct FluidUnit {
     flow: Flow,
     /// The last scalar that was read.
     scalar: f64,
-}
-
-#[derive(Clone, Serialize, Deserialize)]
-struct State {
-    parameters: Parameters,
-    stations: Vec<Stations>,
-    nodes: Vec<Stations<3>>,
-    displacements: Vec<Pose>,
-    flow: FlowState,
 }
 
 impl FluidUnit {
@@ -77,7 +67,7 @@ impl Model for FluidUnit {
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
     const STATE_LAYOUT: u32 = 5;
-    type State = State;
+    type State = FlowState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
@@ -124,27 +114,13 @@ impl Model for FluidUnit {
         self.flow.state_bytes()
     }
 
-    fn save(&self) -> State {
-        State {
-            parameters: self.parameters,
-            stations: self.flow.stations().to_vec(),
-            nodes: self.flow.nodes().to_vec(),
-            displacements: self.flow.displacements().to_vec(),
-            flow: self.flow.state(),
-        }
+    fn save(&self) -> FlowState {
+        self.flow.state()
     }
 
-    fn restore(&mut self, state: &State) -> Result<(), String> {
-        self.set_parameters(state.parameters)?;
-        self.flow.restore(&state.flow)?;
-        copy_stations(self.flow.stations_mut(), &state.stations)?;
-        copy_stations(self.flow.nodes_mut(), &state.nodes)?;
-        let (own, known) = (self.flow.displacements_mut(), &state.displacements);
-        if own.len() != known.len() {
-            return Err("its bodies are not as many as those of this fluid".into());
-        }
-        own.copy_from_slice(known);
-        Ok(())
+    fn restore(&mut self, state: &FlowState) -> Result<(), String> {
+        self.set_parameters(self.parameters)?;
+        self.flow.restore(state)
     }
 
     /// Return `vorticity`, `u`, `v` or `p`, in SI units, x the slow axis; in three dimensions also `w` and
@@ -152,15 +128,6 @@ impl Model for FluidUnit {
     fn field(&mut self, name: &str) -> Option<(Vec<usize>, Vec<f64>)> {
         self.flow.field(name)
     }
-}
-
-/// Copy the stations of a state.
-fn copy_stations<const D: usize>(own: &mut [Stations<D>], known: &[Stations<D>]) -> Result<(), String> {
-    if own.len() != known.len() || own.iter().zip(known).any(|(own, known)| !known.has_shape_of(own)) {
-        return Err("its stations are not as many as those of this beam".into());
-    }
-    own.iter_mut().zip(known).for_each(|(own, known)| own.copy_from(known));
-    Ok(())
 }
 
 fmi_export::export_fmu!(FluidUnit);

@@ -74,14 +74,15 @@ fn append<M: Model, T: Value>(
     text: fn(&T) -> String,
 ) -> Result<(), String> {
     let variable = &table.variables[index];
-    let values = table.read::<T>(index, model, &[0.0])?.unwrap_or_default();
-    if !variable.has_start() {
-        starts.resize(starts.len() + values.len(), None);
-        return Ok(());
-    }
-    variable.check(values, 0).map_err(|error| format!("start value {error}"))?;
-    starts.extend(values.iter().map(|value| Some(text(value))));
-    Ok(())
+    table.read::<T, _>(index, model, 0.0, |values| {
+        if !variable.has_start() {
+            starts.resize(starts.len() + values.len(), None);
+            return Ok(());
+        }
+        variable.check(values, 0).map_err(|error| format!("start value {error}"))?;
+        starts.extend(values.iter().map(|value| Some(text(value))));
+        Ok(())
+    })
 }
 
 fn write_document<M: Model>(

@@ -70,6 +70,7 @@ mod log;
 mod memory;
 mod model;
 mod resource;
+mod settings;
 mod snapshot;
 mod state_machine;
 #[rustfmt::skip]

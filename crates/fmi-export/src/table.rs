@@ -170,19 +170,23 @@ impl<M> Table<M> {
         format!("value reference {reference}, the {type_name} {}, is not of type {wanted}", self.name(run))
     }
 
-    /// Return all values of a variable; `None` for another type.
-    pub fn read<'a, T: Value>(
+    /// Pass all values of a variable, which is of type `T`, to `take`.
+    pub fn read<T: Value, R>(
         &self,
         variable: usize,
-        model: &'a mut M,
-        time: &'a [f64; 1],
-    ) -> Result<Option<&'a [T]>, String> {
+        model: &mut M,
+        time: f64,
+        take: impl FnOnce(&[T]) -> Result<R, String>,
+    ) -> Result<R, String> {
         let variable = &self.variables[variable];
-        let values = match &variable.access {
-            Access::Time => T::time(time),
-            access => T::field(access).map(|field| field.read(model)),
+        let take = |values: &[T]| {
+            variable.check_length(values.len())?;
+            take(values)
         };
-        values.map(|values| variable.check_length(values.len()).map(|()| values)).transpose()
+        match T::field(&variable.access) {
+            Some(field) => field.read(model, take),
+            None => take(T::time(&[time]).unwrap_or_default()),
+        }
     }
 }
 
