@@ -201,7 +201,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// Refuse references to variables of another FMI 3.0 type, and a total number of values other than `n`.
-    pub fn check_whole(&self, references: &[u32], type_name: &str, n: usize) -> Result<(), String> {
+    pub fn check_references(&self, references: &[u32], type_name: &str, n: usize) -> Result<(), String> {
         let mut total = 0;
         for run in self.table.runs(references) {
             let run = run?;

@@ -126,7 +126,7 @@ impl<M> Table<M> {
         let (mut rest, mut position) = (references, 0);
         std::iter::from_fn(move || {
             let &start = rest.first()?;
-            let Some((variable, elements)) = self.run(rest) else {
+            let Some((variable, elements)) = self.locate(rest) else {
                 rest = &[];
                 return Some(Err(format!("value reference {start} does not exist")));
             };
@@ -138,7 +138,7 @@ impl<M> Table<M> {
     }
 
     /// Return the variable of the first reference, and its elements.
-    fn run(&self, references: &[u32]) -> Option<(usize, Range<usize>)> {
+    fn locate(&self, references: &[u32]) -> Option<(usize, Range<usize>)> {
         let variable = *self.owner.get(references[0] as usize)? as usize;
         let all = self.references(variable);
         let element = (references[0] - all.start) as usize;
