@@ -93,9 +93,9 @@ fn write_document<M: Model>(
     guid: &str,
 ) -> io::Result<()> {
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    let (number, token) = match table.version {
-        Version::Fmi2 => ("2.0", "guid"),
-        Version::Fmi3 => ("3.0", "instantiationToken"),
+    let (number, token, capabilities) = match table.version {
+        Version::Fmi2 => ("2.0", "guid", fmi2::CAPABILITIES),
+        Version::Fmi3 => ("3.0", "instantiationToken", fmi3::CAPABILITIES),
     };
     writer
         .create_element("fmiModelDescription")
@@ -116,10 +116,11 @@ fn write_document<M: Model>(
             .filter(|(_, value)| !value.is_empty()),
         )
         .write_inner_content(|writer| {
-            match table.version {
-                Version::Fmi2 => fmi2::write_co_simulation::<M>(writer)?,
-                Version::Fmi3 => fmi3::write_co_simulation::<M>(writer)?,
-            }
+            writer
+                .create_element("CoSimulation")
+                .with_attribute(("modelIdentifier", M::IDENTIFIER))
+                .with_attributes(capabilities.iter().copied())
+                .write_empty()?;
             write_units(writer, table)?;
             match table.version {
                 Version::Fmi2 => fmi2::write_types(writer, table)?,

@@ -6,27 +6,21 @@ use std::ops::Range;
 use quick_xml::Writer;
 
 use super::elements::{Listed, begin, enumerations, with_bounds, with_unit, write_items, write_unknown};
-use crate::model::Model;
 use crate::table::Table;
 use crate::variable::Variable;
 use crate::version::Version;
 
-/// Write the capabilities of the unit.
-pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
-    writer
-        .create_element("CoSimulation")
-        .with_attribute(("modelIdentifier", M::IDENTIFIER))
-        .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
-        .with_attribute(("canInterpolateInputs", "false"))
-        .with_attribute(("maxOutputDerivativeOrder", "0"))
-        .with_attribute(("canBeInstantiatedOnlyOncePerProcess", "false"))
-        .with_attribute(("canNotUseMemoryManagementFunctions", "true"))
-        .with_attribute(("canGetAndSetFMUstate", "true"))
-        .with_attribute(("canSerializeFMUstate", "true"))
-        .with_attribute(("providesDirectionalDerivative", "false"))
-        .write_empty()?;
-    Ok(())
-}
+/// Capabilities of a unit.
+pub(super) const CAPABILITIES: &[(&str, &str)] = &[
+    ("canHandleVariableCommunicationStepSize", "true"),
+    ("canInterpolateInputs", "false"),
+    ("maxOutputDerivativeOrder", "0"),
+    ("canBeInstantiatedOnlyOncePerProcess", "false"),
+    ("canNotUseMemoryManagementFunctions", "true"),
+    ("canGetAndSetFMUstate", "true"),
+    ("canSerializeFMUstate", "true"),
+    ("providesDirectionalDerivative", "false"),
+];
 
 /// Write the enumerations.
 pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {

@@ -8,25 +8,19 @@ use quick_xml::Writer;
 
 use super::elements::{Listed, begin, enumerations, with_bounds, with_unit, write_items, write_unknown};
 use crate::access::Access;
-use crate::model::Model;
 use crate::table::Table;
 use crate::variable::Variable;
 use crate::version::Version;
 
-/// Write the capabilities of the unit.
-pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
-    writer
-        .create_element("CoSimulation")
-        .with_attribute(("modelIdentifier", M::IDENTIFIER))
-        .with_attribute(("canGetAndSetFMUState", "true"))
-        .with_attribute(("canSerializeFMUState", "true"))
-        .with_attribute(("providesDirectionalDerivatives", "false"))
-        .with_attribute(("providesAdjointDerivatives", "false"))
-        .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
-        .with_attribute(("maxOutputDerivativeOrder", "0"))
-        .write_empty()?;
-    Ok(())
-}
+/// Capabilities of a unit.
+pub(super) const CAPABILITIES: &[(&str, &str)] = &[
+    ("canGetAndSetFMUState", "true"),
+    ("canSerializeFMUState", "true"),
+    ("providesDirectionalDerivatives", "false"),
+    ("providesAdjointDerivatives", "false"),
+    ("canHandleVariableCommunicationStepSize", "true"),
+    ("maxOutputDerivativeOrder", "0"),
+];
 
 /// Write the types. They carry the units, because some readers ignore the units of variables.
 pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {

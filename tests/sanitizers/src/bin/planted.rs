@@ -18,7 +18,7 @@ impl Model for Planted {
     const IDENTIFIER: &'static str = "planted";
     const VERSION: &'static str = "1.0";
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    type State = (f64, f64);
+    type State = f64;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         Ok(Planted { u: 0.0, y: 0.0, bug: resources.text("scene.json")?.to_owned() })
@@ -62,11 +62,11 @@ impl Model for Planted {
     }
 
     fn save(&self) -> Self::State {
-        (self.u, self.y)
+        self.y
     }
 
     fn restore(&mut self, state: &Self::State) -> Result<(), String> {
-        (self.u, self.y) = *state;
+        self.y = *state;
         Ok(())
     }
 }
