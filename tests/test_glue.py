@@ -13,9 +13,10 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.validation import validate_fmu
 from lxml import etree
+
+from tests.slaves import FMU2Unpacked
 
 ROOT = Path(__file__).parents[1]
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
@@ -62,25 +63,13 @@ def unpacked(fmu):
     return fmpy.extract(fmu)
 
 
-class FMU2Oscillator(FMU2Slave):
-    """An instance of the example, with its variables by name. fmpy wants its class to begin with FMU2."""
+class FMU2Oscillator(FMU2Unpacked):
+    """An instance of the example, with its variables by name."""
 
     def __init__(self, unpacked, name="one", guid=None):
-        description = fmpy.read_model_description(unpacked)
-        self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
-        super().__init__(
-            guid=guid or description.guid,
-            unzipDirectory=unpacked,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=name,
-        )
-        self.messages: list[str] = []
-        logger = fmi2CallbackLoggerTYPE(
-            lambda environment, instance, status, category, message: self.messages.append(message.decode())
-        )
-        self.callbacks = fmi2CallbackFunctions()
-        self.callbacks.logger = logger
-        self.instantiate(callbacks=self.callbacks)
+        super().__init__(unpacked, name, guid)
+        self.references = {variable.name: variable.valueReference for variable in self.variables}
+        self.instantiate(callbacks=self.log)
 
     def start(self, stop=None, **parameters):
         self.setupExperiment(startTime=0.0, stopTime=stop)

@@ -109,7 +109,7 @@ def test_what_cannot_be_packed_is_refused_with_the_reason(options, parts, comman
 def test_resources_go_with_it(command, crate, tmp_path):
     """The hinge with its inertia from a file."""
     source, changes = block("rust"), {
-        "type State = Self;": 'type State = Self;\n    const RESOURCES: &[&str] = &["inertia.txt"];',
+        "type State = [f64; 2];": 'type State = [f64; 2];\n    const RESOURCES: &[&str] = &["inertia.txt"];',
         "load(_: &Resources)": "load(resources: &Resources)",
         "= (1e-4, 1e-3, 1.0);": '= (resources.text("inertia.txt")?.parse().unwrap(), 1e-3, 1.0);',
     }  # fmt: skip

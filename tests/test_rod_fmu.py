@@ -4,13 +4,11 @@ import copy
 
 import numpy as np
 import pytest
-from fmpy import extract, read_model_description
-from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy import extract
 
 from nervure.errors import UnitError
-from nervure.units import package
-from nervure.units.describe import describe
 from tests.conftest import output
+from tests.slaves import FMU2Unpacked
 
 H = 1e-3
 STATIONS = 17
@@ -168,29 +166,13 @@ def test_thesis_bending_ends_with_its_singularity(spatial, rod):
         run(unit, 2000)
 
 
-def test_rescued_steps_are_counted_and_logged(rod_only, tmp_path, libraries):
-    """A blow that plain Newton cannot take in one step. The logger is the test's own, without fmpy's proxy, of which
-    there is one in the process: the unit's messages come formatted."""
-    told = []
-
-    def logger(_environment, _instance, _status, category, message):
-        told.append((category.decode(), message.decode()))
-
-    callbacks = fmi2CallbackFunctions(
-        logger=fmi2CallbackLoggerTYPE(logger),
-        allocateMemory=defaultCallbacks.allocateMemory,
-        freeMemory=defaultCallbacks.freeMemory,
-    )
-    path = str(package.pack(describe("rod", rod_only), tmp_path))
-    description = read_model_description(path)
-    names = {variable.name: variable.valueReference for variable in description.modelVariables}
-    fmu = FMU2Slave(
-        guid=description.guid,
-        unzipDirectory=extract(path, str(tmp_path / "unpacked")),
-        modelIdentifier="fmu_rod",
-        instanceName="rod",
-    )
-    fmu.instantiate(callbacks=callbacks, loggingOn=True)
+def test_rescued_steps_are_counted_and_logged(rod_only, packed, tmp_path):
+    """A blow that plain Newton cannot take in one step. The logger is without fmpy's proxy, of which there is one in
+    the process: the unit's messages come formatted."""
+    fmu = FMU2Unpacked(extract(str(packed("rod", rod_only)), str(tmp_path)))
+    names = {variable.name: variable.valueReference for variable in fmu.variables}
+    fmu.instantiate(callbacks=fmu.log)
+    fmu.setDebugLogging(True, ["logEvents"])
     fmu.setupExperiment(startTime=0.0)
     fmu.enterInitializationMode()
     fmu.exitInitializationMode()
@@ -203,4 +185,4 @@ def test_rescued_steps_are_counted_and_logged(rod_only, tmp_path, libraries):
             break
     fmu.freeInstance()
     assert rescues > 0 and iterations > 15
-    assert [text for category, text in told if category == "logEvents" and "needed shift and line search" in text]
+    assert [message for message in fmu.messages if "needed shift and line search" in message]

@@ -76,14 +76,16 @@ def test_a_serialized_state_continues_the_same_way_in_another_instance(small_fsi
 
 
 def test_a_state_of_another_size_has_another_layout(small_fsi3, start):
-    """Whoever changes what a state holds raises STATE_LAYOUT of the unit, so that the states of before are refused."""
+    """Whoever changes what a state holds raises STATE_LAYOUT of the unit or the format version of the export, so that
+    the states of before are refused."""
     scheme = start(small_fsi3)
     found = {}
     for unit in (scheme.rods[0], scheme.fluid):
         state = unit.serialize()
+        assert state[8] == 3, state[8]
         name = state[14 : 14 + state[12]].decode()
         found[unit.name] = name[name.index("layout") :], len(state) - 14 - state[12]
-    assert found == {"rod": ("layout 1)", 3275), "fluid": ("layout 5)", 370814)}
+    assert found == {"rod": ("layout 1)", 3158), "fluid": ("layout 5)", 370815)}
 
 
 def test_a_state_in_single_precision_continues_the_same_way_and_is_half_as_large(small_fsi3, start):

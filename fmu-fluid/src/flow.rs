@@ -2,7 +2,7 @@
 
 use std::any::Any;
 
-use fluid::{Error, Fluid, Parameters, Pose, Solvable, State, Stations};
+use fluid::{Error, Fluid, Parameters, Solvable, State, Stations};
 use fmi_export::require_memory;
 use scene::Scene;
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ pub trait Flow: Any + Send {
     /// Return the approximate memory of a state, bytes.
     fn state_bytes(&self) -> usize;
 
-    /// Return a copy of everything that the next step depends on, with the inputs.
+    /// Return a copy of everything that the next step depends on, but the inputs.
     fn save(&self) -> FlowState;
 
     /// Go to a state.
@@ -37,51 +37,40 @@ pub trait Flow: Any + Send {
     fn field(&mut self, name: &str) -> Option<Vec<f64>>;
 }
 
-/// A state with the inputs.
+/// A state of a fluid of two or three dimensions.
 #[derive(Clone, Serialize, Deserialize)]
 pub enum FlowState {
-    Plane(Saved<2>),
-    Space(Saved<3>),
-}
-
-/// A state of a fluid of D dimensions with its inputs.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct Saved<const D: usize>
-where
-    [f64; D]: Solvable<D>,
-{
-    state: State<D>,
-    stations: Vec<Stations<D>>,
-    displacements: Vec<Pose<D>>,
+    Plane(State<2>),
+    Space(State<3>),
 }
 
 /// The numbers of dimensions.
 pub trait Dimensions<const D: usize>: Solvable<D> {
-    fn wrap(saved: Saved<D>) -> FlowState
+    fn wrap(state: State<D>) -> FlowState
     where
         [f64; D]: Solvable<D>;
-    fn unwrap(state: &FlowState) -> Option<&Saved<D>>
+    fn unwrap(state: &FlowState) -> Option<&State<D>>
     where
         [f64; D]: Solvable<D>;
 }
 
 impl Dimensions<2> for [f64; 2] {
-    fn wrap(saved: Saved<2>) -> FlowState {
-        FlowState::Plane(saved)
+    fn wrap(state: State<2>) -> FlowState {
+        FlowState::Plane(state)
     }
 
-    fn unwrap(state: &FlowState) -> Option<&Saved<2>> {
-        if let FlowState::Plane(saved) = state { Some(saved) } else { None }
+    fn unwrap(state: &FlowState) -> Option<&State<2>> {
+        if let FlowState::Plane(state) = state { Some(state) } else { None }
     }
 }
 
 impl Dimensions<3> for [f64; 3] {
-    fn wrap(saved: Saved<3>) -> FlowState {
-        FlowState::Space(saved)
+    fn wrap(state: State<3>) -> FlowState {
+        FlowState::Space(state)
     }
 
-    fn unwrap(state: &FlowState) -> Option<&Saved<3>> {
-        if let FlowState::Space(saved) = state { Some(saved) } else { None }
+    fn unwrap(state: &FlowState) -> Option<&State<3>> {
+        if let FlowState::Space(state) = state { Some(state) } else { None }
     }
 }
 
@@ -128,25 +117,12 @@ where
     }
 
     fn save(&self) -> FlowState {
-        let (stations, displacements) = (Fluid::stations(self).to_vec(), self.displacements().to_vec());
-        <[f64; D]>::wrap(Saved { state: self.state(), stations, displacements })
+        <[f64; D]>::wrap(self.state())
     }
 
     fn restore(&mut self, state: &FlowState) -> Result<(), String> {
-        let Some(saved) = <[f64; D]>::unwrap(state) else {
-            return Err("it is the state of a fluid with another number of dimensions".into());
-        };
-        let own = Fluid::stations(self);
-        if own.len() != saved.stations.len() || own.iter().zip(&saved.stations).any(|(a, b)| !a.has_shape_of(b)) {
-            return Err("its stations are not as many as those of this beam".into());
-        }
-        if self.displacements().len() != saved.displacements.len() {
-            return Err("its bodies are not as many as those of this fluid".into());
-        }
-        Fluid::restore(self, &saved.state).map_err(|e| e.to_string())?;
-        self.stations_mut().iter_mut().zip(&saved.stations).for_each(|(own, saved)| own.copy_from(saved));
-        self.displacements_mut().copy_from_slice(&saved.displacements);
-        Ok(())
+        let own = <[f64; D]>::unwrap(state).ok_or("it is the state of a fluid with another number of dimensions")?;
+        Fluid::restore(self, own).map_err(|e| e.to_string())
     }
 
     fn copy_inputs(&mut self, other: &dyn Any) {

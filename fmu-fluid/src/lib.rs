@@ -4,11 +4,8 @@ mod flow;
 mod parameters;
 mod variables;
 
-use std::slice::from_ref;
-
 use fmi_export::{Description, Log, Model, Resources, Variable};
 use scene::Scene;
-use serde::{Deserialize, Serialize};
 
 use flow::{Flow, FlowState};
 use parameters::Parameters;
@@ -18,14 +15,6 @@ struct FluidUnit {
     scene: Scene,
     parameters: Parameters,
     flow: Box<dyn Flow>,
-    /// The last scalar that was read.
-    scalar: f64,
-}
-
-#[derive(Clone, Serialize, Deserialize)]
-struct State {
-    parameters: Parameters,
-    flow: FlowState,
 }
 
 impl FluidUnit {
@@ -51,12 +40,6 @@ impl FluidUnit {
         }
         Ok(())
     }
-
-    /// Read a scalar.
-    fn scalar(&mut self, read: impl FnOnce(&mut Self) -> f64) -> &[f64] {
-        self.scalar = read(self);
-        from_ref(&self.scalar)
-    }
 }
 
 impl Model for FluidUnit {
@@ -64,14 +47,14 @@ impl Model for FluidUnit {
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
     const STATE_LAYOUT: u32 = 6;
-    type State = State;
+    type State = FlowState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
         let flow = flow::new(&scene)?;
         let part = scene.fluid.as_ref().expect("a flow is refused without a fluid");
         let parameters = Parameters::of(part);
-        Ok(Self { parameters, scene, flow, scalar: 0.0 })
+        Ok(Self { parameters, scene, flow })
     }
 
     fn description(&self) -> Description {
@@ -107,13 +90,13 @@ impl Model for FluidUnit {
         self.flow.state_bytes()
     }
 
-    fn save(&self) -> State {
-        State { parameters: self.parameters, flow: self.flow.save() }
+    fn save(&self) -> FlowState {
+        self.flow.save()
     }
 
-    fn restore(&mut self, state: &State) -> Result<(), String> {
-        self.set_parameters(state.parameters)?;
-        self.flow.restore(&state.flow)
+    fn restore(&mut self, state: &FlowState) -> Result<(), String> {
+        self.set_parameters(self.parameters)?;
+        self.flow.restore(state)
     }
 
     /// Return `vorticity`, `u`, `v` or `p`, in SI units, x the slow axis; in three dimensions also `w` and

@@ -1,10 +1,9 @@
 //! Parameters that a master may change before the start.
 
 use scene::Mask;
-use serde::{Deserialize, Serialize};
 
 /// Parameters of the fluid, in SI units.
-#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Parameters {
     pub density: f64,
     pub kinematic_viscosity: f64,

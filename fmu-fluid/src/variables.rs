@@ -21,7 +21,7 @@ const VELOCITIES: [&str; 3] = ["u", "v", "w"];
 
 /// Return the variables of a unit; absent parts of the scene have none.
 pub fn of(unit: &FluidUnit) -> Vec<Variable> {
-    if unit.flow.cells().len() == 2 { List::<2>::new(unit) } else { List::<3>::new(unit) }
+    if unit.flow.cells().len() == 2 { List::<2>::of(unit) } else { List::<3>::of(unit) }
 }
 
 /// The list for D dimensions.
@@ -83,7 +83,7 @@ impl<const D: usize> List<D>
 where
     [f64; D]: Dimensions<D>,
 {
-    fn new(unit: &FluidUnit) -> Vec<Variable> {
+    fn of(unit: &FluidUnit) -> Vec<Variable> {
         let part = unit.scene.fluid.as_ref().expect("loading refuses a scene without a fluid");
         let (cylinders, bodies) = (part.cylinders.len(), part.bodies.len());
         let flow: &dyn std::any::Any = &*unit.flow;
@@ -134,8 +134,7 @@ where
         text: impl Into<String>,
         read: impl Fn(&mut Fluid<D>) -> f64 + Copy + Send + Sync + 'static,
     ) {
-        let read = move |m: &mut FluidUnit| read(fluid(m));
-        self.0.push(Real::output(name, per_depth::<D>(unit), text, move |m| m.scalar(read)).depends_on(&[]));
+        self.0.push(Real::computed(name, per_depth::<D>(unit), text, move |m| read(fluid(m))).depends_on(&[]));
     }
 
     /// Add time and parameters.
@@ -168,8 +167,7 @@ where
         let flow_rate = format!("Flow rate through the middle of the box{depth}");
         self.output("flow_rate", "m3/s", flow_rate, |fluid| fluid.flow_rate());
         let mut local = |name: &str, unit: &'static str, text: String, read: fn(&mut Fluid<D>) -> f64| {
-            let read = move |m: &mut FluidUnit| read(fluid(m));
-            self.0.push(Real::local(name, per_depth::<D>(unit), text, move |m: &mut FluidUnit| m.scalar(read)));
+            self.0.push(Real::computed(name, per_depth::<D>(unit), text, move |m| read(fluid(m))).local());
         };
         local("kinetic_energy", "J", format!("Kinetic energy of the whole box{depth}"), |f| f.kinetic_energy());
         let enstrophy = "Half the integral of the squared vorticity over the whole box";

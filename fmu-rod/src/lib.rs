@@ -7,33 +7,22 @@ mod unit;
 mod variables;
 
 use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
-use rod::{Loads, RootSupport, Statistics};
+use rod::{RootSupport, Statistics};
 use scene::Scene;
-use serde::{Deserialize, Serialize};
 
 use body::BodyState;
-use parameters::Parameters;
-use unit::{BaseInputs, RodUnit};
+use unit::RodUnit;
 
 /// Memory of a rod in space with its scratch, rounded up, bytes per station.
 const BYTES_PER_STATION: usize = 4000;
 /// Memory of a copy of the state of a rod in space, rounded up, bytes per station.
 const STATE_BYTES_PER_STATION: usize = 250;
 
-/// State of a unit.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct State {
-    parameters: Parameters,
-    loads: Loads,
-    base: BaseInputs,
-    rod: BodyState,
-}
-
 impl Model for RodUnit {
     const IDENTIFIER: &'static str = "fmu_rod";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    type State = State;
+    type State = BodyState;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         let whole = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
@@ -72,7 +61,7 @@ impl Model for RodUnit {
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
         self.parameters.apply(&mut self.body).map_err(|e| e.to_string())?;
-        self.place(start).and_then(|()| self.publish()).map_err(|e| e.to_string())?;
+        self.place(start).and_then(|()| self.copy_to_outputs()).map_err(|e| e.to_string())?;
         log.info(format_args!("{} stations, start at t = {start} s", self.body.stations()));
         Ok(())
     }
@@ -95,28 +84,14 @@ impl Model for RodUnit {
         STATE_BYTES_PER_STATION * self.body.stations()
     }
 
-    fn save(&self) -> State {
-        State { parameters: self.parameters, loads: self.body.loads().clone(), base: self.base, rod: self.body.save() }
+    fn save(&self) -> BodyState {
+        self.body.save()
     }
 
-    fn restore(&mut self, state: &State) -> Result<(), String> {
-        self.parameters = state.parameters;
-        self.base = state.base;
-        state.parameters.apply(&mut self.body).map_err(|e| e.to_string())?;
-        let loads = self.body.loads_mut();
-        for (name, own, stored) in [
-            ("force", &mut loads.force, &state.loads.force),
-            ("impedance", &mut loads.impedance, &state.loads.impedance),
-            ("pressure_jump", &mut loads.pressure_jump, &state.loads.pressure_jump),
-            ("pressure", &mut loads.pressure, &state.loads.pressure),
-        ] {
-            if own.len() != stored.len() {
-                return Err(format!("loads.{name} has {} elements, but this rod has {}", stored.len(), own.len()));
-            }
-            own.copy_from_slice(stored);
-        }
-        self.body.restore(&state.rod)?;
-        self.publish().map_err(|e| e.to_string())
+    fn restore(&mut self, state: &BodyState) -> Result<(), String> {
+        self.parameters.apply(&mut self.body).map_err(|e| e.to_string())?;
+        self.body.restore(state)?;
+        self.copy_to_outputs().map_err(|e| e.to_string())
     }
 }
 

@@ -1,12 +1,11 @@
 //! Parameters that a master may set before the start without another scene file.
 
 use rod::{Error, Rod, Section};
-use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, either};
 
 /// Parameters of the rod, in SI units.
-#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Parameters {
     /// Section at the root.
     pub section: Section,

@@ -1,10 +1,7 @@
 //! The unit: a rod with its scene, inputs and results.
 
-use std::slice::from_ref;
-
-use rod::{BaseMotion, Energy, Error, RootSupport, Statistics};
+use rod::{BaseMotion, Energy, Error, RootSupport};
 use scene::{Beam, RootMotion, Scene};
-use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, either};
 use crate::parameters::Parameters;
@@ -23,14 +20,10 @@ pub struct RodUnit {
     /// Name of the load from a fluid and the reason for the choice; empty without a fluid.
     pub load: [String; 2],
     pub energy: Energy,
-    /// Scalar computed for its reader.
-    scalar: f64,
-    /// Count computed for its reader.
-    count: i32,
 }
 
 /// Motion of the root as inputs of a master that drives it.
-#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy)]
 pub struct BaseInputs {
     pub position: [f64; 3],
     pub velocity: [f64; 3],
@@ -70,15 +63,13 @@ impl RodUnit {
             beam,
             rod,
             body,
-            scalar: 0.0,
-            count: 0,
         };
         unit.place(0.0)?;
         Ok(unit)
     }
 
     /// Compute the energy, which several outputs read.
-    pub fn publish(&mut self) -> Result<(), Error> {
+    pub fn copy_to_outputs(&mut self) -> Result<(), Error> {
         self.energy = either!(&self.body, rod => rod.energy()?);
         let Energy { stretching, bending, kinetic, gravity } = self.energy;
         let total = stretching + bending + kinetic + gravity;
@@ -86,18 +77,6 @@ impl RodUnit {
             return Ok(());
         }
         Err(Error::Value { name: "the energy of the rod".into(), value: format!("{total} J"), allowed: "finite" })
-    }
-
-    /// Compute a scalar for its reader.
-    pub fn scalar(&mut self, compute: impl FnOnce(&Body) -> f64) -> &[f64] {
-        self.scalar = compute(&self.body);
-        from_ref(&self.scalar)
-    }
-
-    /// Return a count of the last step.
-    pub fn count(&mut self, select: impl FnOnce(Statistics) -> usize) -> &[i32] {
-        self.count = i32::try_from(select(self.body.statistics())).unwrap_or(i32::MAX);
-        from_ref(&self.count)
     }
 
     pub fn support(&self) -> RootSupport {
@@ -143,6 +122,6 @@ impl RodUnit {
             either!(&mut self.body, rod => rod.towing = std::array::from_fn(|d| towing[d]));
         }
         self.body.step(h)?;
-        self.publish()
+        self.copy_to_outputs()
     }
 }

@@ -2,7 +2,7 @@
 
 use std::slice::{from_mut, from_ref};
 
-use rod::{Energy, RootSupport, Taper};
+use rod::{RootSupport, Statistics, Taper};
 use scene::RootMotion;
 
 use crate::body::{Body, either};
@@ -56,9 +56,9 @@ fn output(
     name: impl Into<String>,
     unit: &str,
     text: impl Into<String>,
-    read: impl Fn(&Body) -> f64 + Copy + Send + Sync + 'static,
+    read: impl Fn(&Body) -> f64 + Send + Sync + 'static,
 ) -> Variable {
-    Real::output(name, unit, text, move |m| m.scalar(read))
+    Real::computed(name, unit, text, move |m: &mut RodUnit| read(&m.body))
 }
 
 fn parameters(unit: &RodUnit) -> Vec<Variable> {
@@ -330,10 +330,12 @@ fn drive_outputs(unit: &RodUnit) -> Vec<Variable> {
 /// Return the energies and the effort of the last step.
 fn energy_and_newton_outputs(unit: &RodUnit) -> [Variable; 7] {
     let unit = per(unit, "J", "J/m");
+    let count = |name: &str, text: &str, of: fn(Statistics) -> usize| {
+        Integer::count(name, text, move |m| of(m.body.statistics()))
+    };
     [
-        Real::output("energy.elastic", unit, "Energy of extension, bending and shear", |m| {
-            let Energy { stretching, bending, .. } = m.energy;
-            m.scalar(|_| stretching + bending)
+        Real::computed("energy.elastic", unit, "Energy of extension, bending and shear", |m| {
+            m.energy.stretching + m.energy.bending
         }),
         Real::output("energy.kinetic", unit, "Kinetic energy of the rod without displaced fluid", |m| {
             from_ref(&m.energy.kinetic)
@@ -341,13 +343,9 @@ fn energy_and_newton_outputs(unit: &RodUnit) -> [Variable; 7] {
         Real::output("energy.gravity", unit, "Potential energy in gravity, 0 at the root at rest", |m| {
             from_ref(&m.energy.gravity)
         }),
-        Integer::output("newton.iterations", "Newton iterations of the last step", |m| m.count(|s| s.iterations)),
-        Integer::output("newton.substeps", "Sub-steps of the last step", |m| m.count(|s| s.substeps)),
-        Integer::output("newton.rescues", "Solves of the last step that needed shift and line search", |m| {
-            m.count(|s| s.rescues)
-        }),
-        Integer::output("newton.negative_pivots", "Largest number of negative pivots in the last step", |m| {
-            m.count(|s| s.negative_pivots)
-        }),
+        count("newton.iterations", "Newton iterations of the last step", |s| s.iterations),
+        count("newton.substeps", "Sub-steps of the last step", |s| s.substeps),
+        count("newton.rescues", "Solves of the last step that needed shift and line search", |s| s.rescues),
+        count("newton.negative_pivots", "Largest number of negative pivots in the last step", |s| s.negative_pivots),
     ]
 }

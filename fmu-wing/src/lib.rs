@@ -3,11 +3,8 @@
 mod from_scene;
 mod variables;
 
-use std::slice::from_ref;
-
 use fmi_export::{Description, Log, Model, Resources, Variable, require_memory};
 use scene::Scene;
-use serde::{Deserialize, Serialize};
 use wing::{Energy, Error, Loads, Membrane, Statistics, Wing};
 
 /// Memory of a wing with its matrix, rounded up, bytes per node of a large mesh.
@@ -26,27 +23,16 @@ pub struct WingUnit {
     crossings: usize,
     /// Node farthest from the pivot at rest.
     tip: usize,
-    /// Scalar and count computed for their readers.
-    scalar: f64,
-    count: i32,
 }
 
 /// Parameters that a master may set before the start.
-#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy)]
 pub struct Parameters {
     /// The one outside regions; absent for veins alone.
     membrane: Option<Membrane>,
     gravity: [f64; 3],
     relaxation_time: f64,
     displaced_density: f64,
-}
-
-/// State of a unit.
-#[derive(Clone, Serialize, Deserialize)]
-pub struct State {
-    parameters: Parameters,
-    loads: Loads,
-    wing: wing::State,
 }
 
 impl WingUnit {
@@ -66,14 +52,12 @@ impl WingUnit {
             damping_power: 0.0,
             crossings: 0,
             tip,
-            scalar: 0.0,
-            count: 0,
             scene,
             own,
             wing,
         };
         unit.place(0.0)?;
-        unit.publish()?;
+        unit.copy_to_outputs()?;
         Ok(unit)
     }
 
@@ -106,23 +90,11 @@ impl WingUnit {
     }
 
     /// Compute what several outputs read, or what a step may fail to give.
-    fn publish(&mut self) -> Result<(), Error> {
+    fn copy_to_outputs(&mut self) -> Result<(), Error> {
         self.energy = self.wing.energy()?;
         self.crossings = self.wing.crossings();
         self.damping_power = if self.parameters.relaxation_time > 0.0 { self.wing.damping_power()? } else { 0.0 };
         Ok(())
-    }
-
-    /// Compute a scalar for its reader.
-    fn scalar(&mut self, compute: impl FnOnce(&Self) -> f64) -> &[f64] {
-        self.scalar = compute(self);
-        from_ref(&self.scalar)
-    }
-
-    /// Return a count for its reader.
-    fn count(&mut self, select: impl FnOnce(&Self) -> usize) -> &[i32] {
-        self.count = i32::try_from(select(self)).unwrap_or(i32::MAX);
-        from_ref(&self.count)
     }
 }
 
@@ -130,7 +102,7 @@ impl Model for WingUnit {
     const IDENTIFIER: &'static str = "fmu_wing";
     const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    type State = State;
+    type State = wing::State;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         let scene = Scene::from_json(resources.text("scene.json")?).map_err(|e| e.to_string())?;
@@ -158,7 +130,10 @@ impl Model for WingUnit {
     }
 
     fn initialise(&mut self, start: f64, log: &Log) -> Result<(), String> {
-        self.apply().and_then(|()| self.place(start)).and_then(|()| self.publish()).map_err(|e| e.to_string())?;
+        self.apply()
+            .and_then(|()| self.place(start))
+            .and_then(|()| self.copy_to_outputs())
+            .map_err(|e| e.to_string())?;
         log.info(format_args!("{} nodes, start at t = {start} s", self.wing.nodes()));
         Ok(())
     }
@@ -166,7 +141,7 @@ impl Model for WingUnit {
     fn step(&mut self, t: f64, h: f64, log: &Log) -> Result<(), String> {
         let span = || format!("in the step from t = {t} s to {} s", t + h);
         self.wing.base_motion = self.own.root_motion.as_ref().map(|laws| from_scene::pose(laws, t + h));
-        self.wing.step(h).and_then(|()| self.publish()).map_err(|e| format!("{e}, {}", span()))?;
+        self.wing.step(h).and_then(|()| self.copy_to_outputs()).map_err(|e| format!("{e}, {}", span()))?;
         let Statistics { iterations, substeps, halvings, rescues, .. } = self.wing.statistics();
         if rescues > 0 || halvings > 0 {
             log.info(format_args!(
@@ -182,23 +157,13 @@ impl Model for WingUnit {
         STATE_BYTES_PER_NODE * self.wing.nodes()
     }
 
-    fn save(&self) -> State {
-        State { parameters: self.parameters, loads: self.wing.loads.clone(), wing: self.wing.state().clone() }
+    fn save(&self) -> wing::State {
+        self.wing.state().clone()
     }
 
-    fn restore(&mut self, state: &State) -> Result<(), String> {
-        self.parameters = state.parameters;
+    fn restore(&mut self, state: &wing::State) -> Result<(), String> {
         self.apply().map_err(|e| e.to_string())?;
-        for (name, own, stored) in [
-            ("force", &mut self.wing.loads.force, &state.loads.force),
-            ("impedance", &mut self.wing.loads.impedance, &state.loads.impedance),
-        ] {
-            if own.len() != stored.len() {
-                return Err(format!("loads.{name} has {} elements, but this wing has {}", stored.len(), own.len()));
-            }
-            own.copy_from_slice(stored);
-        }
-        self.wing.restore(&state.wing).and_then(|()| self.publish()).map_err(|e| e.to_string())
+        self.wing.restore(state).and_then(|()| self.copy_to_outputs()).map_err(|e| e.to_string())
     }
 }
 

@@ -78,7 +78,7 @@ fn inputs(unit: &WingUnit) -> Vec<Variable> {
 fn outputs(unit: &WingUnit) -> Vec<Variable> {
     let nodes = unit.wing.nodes();
     let output = |name: &str, of: &str, text: &str, read: fn(&WingUnit) -> f64| {
-        Real::output(name, of, text, move |m| m.scalar(read))
+        Real::computed(name, of, text, move |m: &mut WingUnit| read(m))
     };
     let mut list = Vec::new();
     list.extend(along_axes(|d, axis| {
@@ -90,17 +90,17 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
     }));
     list.extend(along_axes(|d, axis| {
         let text = "Displacement of the node farthest from the pivot";
-        Real::output(format!("tip.u{axis}"), "m", text, move |m| {
-            m.scalar(|m| m.wing.positions(d)[m.tip] - m.wing.parameters().mesh.nodes[m.tip][d])
+        Real::computed(format!("tip.u{axis}"), "m", text, move |m| {
+            m.wing.positions(d)[m.tip] - m.wing.parameters().mesh.nodes[m.tip][d]
         })
     }));
     list.extend(along_axes(|d, axis| {
         let text = "Velocity of the node farthest from the pivot";
-        Real::output(format!("tip.v{axis}"), "m/s", text, move |m| m.scalar(|m| m.wing.velocities(d)[m.tip]))
+        Real::computed(format!("tip.v{axis}"), "m/s", text, move |m| m.wing.velocities(d)[m.tip])
     }));
     list.extend(along_axes(|d, axis| {
         let text = "Sum of the loads on the nodes at the end of the step";
-        Real::output(format!("load.{axis}"), "N", text, move |m| m.scalar(|m| m.wing.state().exchange.force[d]))
+        Real::computed(format!("load.{axis}"), "N", text, move |m| m.wing.state().exchange.force[d])
     }));
     list.push(output("load.power", "W", "Power of the loads at the end of the step", |m| {
         m.wing.state().exchange.power
@@ -111,11 +111,11 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
     if unit.own.root.is_some() {
         list.extend(along_axes(|d, axis| {
             let text = "Force of the base on the root";
-            Real::output(format!("root.force_{axis}"), "N", text, move |m| m.scalar(|m| m.wing.state().drive.force[d]))
+            Real::computed(format!("root.force_{axis}"), "N", text, move |m| m.wing.state().drive.force[d])
         }));
         list.extend(along_axes(|d, axis| {
             let (name, text) = (format!("root.moment_{axis}"), "Moment of the base about the pivot");
-            Real::output(name, "N.m", text, move |m| m.scalar(|m| m.wing.state().drive.moment[d]))
+            Real::computed(name, "N.m", text, move |m| m.wing.state().drive.moment[d])
         }));
         list.push(output("root.power", "W", "Power of the base at the end of the step", |m| {
             m.wing.state().drive.power
@@ -139,17 +139,15 @@ fn outputs(unit: &WingUnit) -> Vec<Variable> {
         }),
         Real::output("energy.kinetic", "J", "Kinetic energy", |m| from_ref(&m.energy.kinetic)),
         Real::output("energy.gravity", "J", "Potential energy in gravity, 0 at rest", |m| from_ref(&m.energy.gravity)),
-        Integer::output("newton.iterations", "Newton iterations of the last step", |m| {
-            m.count(|m| m.wing.statistics().iterations)
+        Integer::count("newton.iterations", "Newton iterations of the last step", |m| m.wing.statistics().iterations),
+        Integer::count("newton.substeps", "Sub-steps of the last step", |m| m.wing.statistics().substeps),
+        Integer::count("newton.rescues", "Solves of the last step that needed a line search", |m| {
+            m.wing.statistics().rescues
         }),
-        Integer::output("newton.substeps", "Sub-steps of the last step", |m| m.count(|m| m.wing.statistics().substeps)),
-        Integer::output("newton.rescues", "Solves of the last step that needed a line search", |m| {
-            m.count(|m| m.wing.statistics().rescues)
+        Integer::count("newton.factorisations", "Factorisations of the last step", |m| {
+            m.wing.statistics().factorisations
         }),
-        Integer::output("newton.factorisations", "Factorisations of the last step", |m| {
-            m.count(|m| m.wing.statistics().factorisations)
-        }),
-        Integer::output("crossings", "Pairs of triangles that cross each other", |m| m.count(|m| m.crossings)),
+        Integer::count("crossings", "Pairs of triangles that cross each other", |m| m.crossings),
     ]);
     list
 }

@@ -19,7 +19,6 @@ import fmpy
 import fmpy.ssp.simulation
 import numpy as np
 import pytest
-from fmpy.fmi3 import FMU3Slave
 from lxml import etree
 
 from nervure import coupling
@@ -28,6 +27,7 @@ from nervure.scene import validate
 from nervure.units import package, ssp
 from nervure.units.describe import describe
 from nervure.units.fmu import ELEMENT, Unit
+from tests.slaves import FMU3Unpacked
 
 H, STEPS = 2.0**-9, 20
 """Communication step, s, and number of steps. The step is a whole number of libcosim's nanoseconds and has an exact
@@ -258,16 +258,13 @@ def test_crate_fmi_agrees_with_the_explicit_scheme(version, scene, units_in, tmp
     assert_agreement({name: np.array(elements) for name, elements in values.items()}, ours(units, coupling.Explicit))
 
 
-class FMU3Unit(FMU3Slave):
-    """A unit of FMI 3.0 in fmpy, in initialization mode; fmpy wants its class to begin with FMU3."""
+class FMU3Unit(FMU3Unpacked):
+    """A unit of FMI 3.0 in fmpy, in initialization mode."""
 
     def __init__(self, path: Path, folder: Path):
-        description = fmpy.read_model_description(str(path))
-        model = description.coSimulation.modelIdentifier
-        place = {"unzipDirectory": fmpy.extract(str(path), str(folder)), "instanceName": model}
-        super().__init__(guid=description.guid, modelIdentifier=model, **place)
-        self.known = {v.name: v for v in description.modelVariables}
-        self.instantiate()
+        super().__init__(fmpy.extract(str(path), str(folder)))
+        self.known = {v.name: v for v in self.variables}
+        self.begin()
         self.enterInitializationMode()
 
     def names(self, causality: str) -> list[str]:

@@ -8,10 +8,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import fmpy
-from fmpy.fmi3 import FMU3Slave
 
 from nervure.units import package
 from nervure.units.describe import describe
+from tests.slaves import FMU3Unpacked
 
 from .calls import NEXT, STATES, WILD, Calls, play
 from .unit import FMU2Unit
@@ -40,20 +40,6 @@ ABSENT = (
     "ActivateModelPartition",
 )  # fmt: skip
 """Functions of features that the units lack: each call is an error, and changes nothing."""
-
-
-class FMU3Unit(FMU3Slave):  # fmpy takes the version of FMI from the name of the class
-    """A unit of FMI 3.0, with its variables and messages."""
-
-    def __init__(self, kind: str, folder: str):
-        description = fmpy.read_model_description(folder, validate=False)
-        place = {"unzipDirectory": folder, "modelIdentifier": f"fmu_{kind}", "instanceName": "unit"}
-        super().__init__(guid=description.guid, **place)
-        self.variables = description.modelVariables
-        self.messages: list[str] = []
-
-    def begin(self) -> None:
-        self.instantiate(loggingOn=True, logMessage=lambda *said: self.messages.append(said[-1].decode()))
 
 
 class Calls3(Calls):
@@ -120,7 +106,7 @@ def sequences(unit: FMU2Unit, count: int) -> str:
     with TemporaryDirectory() as folder:
         scene = json.loads((unit.folder / "resources" / "scene.json").read_text(encoding="utf-8"))
         path = package.pack(describe(unit.kind, scene, 3), Path(folder))
-        own = FMU3Unit(unit.kind, fmpy.extract(str(path), str(Path(folder, "unit"))))
+        own = FMU3Unpacked(fmpy.extract(str(path), str(Path(folder, "unit"))))
 
         def begin(chance: random.Random) -> Calls3:
             own.begin()

@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import fmpy
 from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+
+from tests.slaves import FMU2Unpacked
 
 OK, WARNING, DISCARD, ERROR = range(4)
 SCENE = json.loads(Path(__file__).with_name("scene.json").read_text(encoding="utf-8"))
@@ -28,23 +28,13 @@ INPUTS = {
 """Inputs that the checks change."""
 
 
-class FMU2Unit(FMU2Slave):  # fmpy takes the version of FMI from the name of the class
+class FMU2Unit(FMU2Unpacked):
     """A unit whose methods raise FMICallException, while `call` returns a status; `new` makes instances of it."""
 
     def __init__(self, kind: str, folder: Path):
-        self.kind, self.folder, self.steps = kind, folder, 0
-        self.description = fmpy.read_model_description(str(folder), validate=False)
-        self.variables = self.description.modelVariables
+        super().__init__(folder)
+        self.kind, self.steps = kind, 0
         self.inputs, self.outputs = self.references("input", INPUTS[kind]), self.references("output")
-        self.messages: list[str] = []
-        self.log = fmi2CallbackFunctions(
-            logger=fmi2CallbackLoggerTYPE(lambda *said: self.messages.append(said[-1].decode()))
-        )
-        self.load()
-
-    def load(self) -> None:
-        folder, name = str(self.folder), f"fmu_{self.kind}"
-        super().__init__(instanceName="unit", guid=self.description.guid, unzipDirectory=folder, modelIdentifier=name)
 
     def references(self, causality: str, names: Sequence[str] = ()) -> list[int]:
         """Return value references of the Real variables of a causality, or of the given arrays only."""

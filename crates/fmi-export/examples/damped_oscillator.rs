@@ -3,13 +3,11 @@
 use std::slice::{from_mut, from_ref};
 
 use nervure_fmi_export::{Description, Log, Model, Resources};
-use serde::{Deserialize, Serialize};
 
 type Real = nervure_fmi_export::Real<Oscillator>;
 type Variable = nervure_fmi_export::Variable<Oscillator>;
 
-/// Mass on a spring and a damper; the whole struct is its state.
-#[derive(Clone, Serialize, Deserialize)]
+/// Mass on a spring and a damper.
 struct Oscillator {
     /// Mass, kg
     m: f64,
@@ -30,7 +28,7 @@ struct Oscillator {
 impl Model for Oscillator {
     const IDENTIFIER: &'static str = "damped_oscillator";
     const VERSION: &'static str = "1.0";
-    type State = Self;
+    type State = [f64; 2];
 
     fn load(_resources: &Resources) -> Result<Self, String> {
         Ok(Oscillator { m: 1.0, c: 0.5, k: 10.0, f: 0.0, x: 0.0, v: 0.0, x0: 1.0 })
@@ -83,11 +81,11 @@ impl Model for Oscillator {
     }
 
     fn save(&self) -> Self::State {
-        self.clone()
+        [self.x, self.v]
     }
 
     fn restore(&mut self, state: &Self::State) -> Result<(), String> {
-        self.clone_from(state);
+        [self.x, self.v] = *state;
         Ok(())
     }
 }

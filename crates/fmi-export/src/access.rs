@@ -23,27 +23,32 @@ pub(crate) enum Access<M> {
 pub(crate) enum Field<M, T> {
     Read(Getter<M, T>),
     Write(GetterMut<M, T>),
+    /// Scalar that is computed when it is read.
+    Compute(Computation<M, T>),
 }
 
 /// Closure that returns values of a model.
 type Getter<M, T> = Box<dyn Fn(&mut M) -> &[T] + Send + Sync>;
 /// Closure that returns values of a model for writing.
 type GetterMut<M, T> = Box<dyn Fn(&mut M) -> &mut [T] + Send + Sync>;
+/// Closure that computes a value of a model.
+type Computation<M, T> = Box<dyn Fn(&mut M) -> T + Send + Sync>;
 
 impl<M, T> Field<M, T> {
-    /// Return the values.
-    pub(crate) fn read<'a>(&self, model: &'a mut M) -> &'a [T] {
+    /// Pass the values to `take`.
+    pub(crate) fn read<R>(&self, model: &mut M, take: impl FnOnce(&[T]) -> R) -> R {
         match self {
-            Field::Read(get) => get(model),
-            Field::Write(get_mut) => get_mut(model),
+            Field::Read(get) => take(get(model)),
+            Field::Write(get_mut) => take(get_mut(model)),
+            Field::Compute(compute) => take(&[compute(model)]),
         }
     }
 
     /// Return the values for writing; `None` if they are read-only.
     pub(crate) fn write<'a>(&self, model: &'a mut M) -> Option<&'a mut [T]> {
         match self {
-            Field::Read(_) => None,
             Field::Write(get_mut) => Some(get_mut(model)),
+            Field::Read(_) | Field::Compute(_) => None,
         }
     }
 }

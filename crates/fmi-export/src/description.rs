@@ -74,14 +74,15 @@ fn append<M: Model, T: Value>(
     text: fn(&T) -> String,
 ) -> Result<(), String> {
     let variable = &table.variables[index];
-    let values = table.read::<T>(index, model, &[0.0])?.unwrap_or_default();
-    if !variable.has_start() {
-        starts.resize(starts.len() + values.len(), None);
-        return Ok(());
-    }
-    variable.check(values, 0).map_err(|error| format!("start value {error}"))?;
-    starts.extend(values.iter().map(|value| Some(text(value))));
-    Ok(())
+    table.read::<T, _>(index, model, 0.0, |values| {
+        if !variable.has_start() {
+            starts.resize(starts.len() + values.len(), None);
+            return Ok(());
+        }
+        variable.check(values, 0).map_err(|error| format!("start value {error}"))?;
+        starts.extend(values.iter().map(|value| Some(text(value))));
+        Ok(())
+    })
 }
 
 fn write_document<M: Model>(
@@ -92,9 +93,9 @@ fn write_document<M: Model>(
     guid: &str,
 ) -> io::Result<()> {
     writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
-    let (number, token) = match table.version {
-        Version::Fmi2 => ("2.0", "guid"),
-        Version::Fmi3 => ("3.0", "instantiationToken"),
+    let (number, token, capabilities) = match table.version {
+        Version::Fmi2 => ("2.0", "guid", fmi2::CAPABILITIES),
+        Version::Fmi3 => ("3.0", "instantiationToken", fmi3::CAPABILITIES),
     };
     writer
         .create_element("fmiModelDescription")
@@ -115,10 +116,11 @@ fn write_document<M: Model>(
             .filter(|(_, value)| !value.is_empty()),
         )
         .write_inner_content(|writer| {
-            match table.version {
-                Version::Fmi2 => fmi2::write_co_simulation::<M>(writer)?,
-                Version::Fmi3 => fmi3::write_co_simulation::<M>(writer)?,
-            }
+            writer
+                .create_element("CoSimulation")
+                .with_attribute(("modelIdentifier", M::IDENTIFIER))
+                .with_attributes(capabilities.iter().copied())
+                .write_empty()?;
             write_units(writer, table)?;
             match table.version {
                 Version::Fmi2 => fmi2::write_types(writer, table)?,

@@ -14,6 +14,7 @@ use crate::log::Log;
 use crate::memory::require_memory;
 use crate::model::Model;
 use crate::resource::Resources;
+use crate::settings::Settings;
 use crate::snapshot::{InstanceTime, Origin, Snapshot};
 use crate::state_machine::{self, Function, Mode};
 use crate::table::{Run, Table};
@@ -200,7 +201,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// Refuse references to variables of another FMI 3.0 type, and a total number of values other than `n`.
-    pub fn check_whole(&self, references: &[u32], type_name: &str, n: usize) -> Result<(), String> {
+    pub fn check_references(&self, references: &[u32], type_name: &str, n: usize) -> Result<(), String> {
         let mut total = 0;
         for run in self.table.runs(references) {
             let run = run?;
@@ -216,7 +217,6 @@ impl<M: Model> Instance<M> {
     ///
     /// A Real that is not finite is an error.
     pub fn get<T: Value>(&mut self, references: &[u32], mut sink: impl FnMut(usize, &[T])) -> Result<(), String> {
-        let time = [self.time.time];
         // Nothing is written before all references are known to be right.
         for run in self.table.runs(references) {
             let run = run?;
@@ -229,13 +229,12 @@ impl<M: Model> Instance<M> {
         }
         for run in self.table.runs(references) {
             let run = run?;
-            let values = self
-                .table
-                .read::<T>(run.variable, &mut self.model, &time)?
-                .ok_or_else(|| self.table.wrong_type(&run, T::TYPE))?;
-            let values = &values[run.elements.clone()];
-            self.table.variables[run.variable].check_finite(values, run.elements.start)?;
-            sink(run.position, values);
+            self.table.read::<T, _>(run.variable, &mut self.model, self.time.time, |values| {
+                let values = &values[run.elements.clone()];
+                self.table.variables[run.variable].check_finite(values, run.elements.start)?;
+                sink(run.position, values);
+                Ok(())
+            })?;
         }
         Ok(())
     }
@@ -300,8 +299,9 @@ impl<M: Model> Instance<M> {
     pub fn save(&mut self, handle: usize) -> Result<usize, String> {
         self.refresh()?;
         require_memory(self.model.state_bytes())?;
-        let snapshot = Snapshot { instance: self.time, model: self.model.save() };
-        self.keep(handle, snapshot)
+        let [parameters, inputs] = [Causality::Parameter, Causality::Input]
+            .map(|causality| Settings::of(&self.table, &mut self.model, causality));
+        self.keep(handle, Snapshot { instance: self.time, parameters, inputs, model: self.model.save() })
     }
 
     /// Return a field of the model.
@@ -318,9 +318,13 @@ impl<M: Model> Instance<M> {
         }
         let snapshot = find(&self.snapshots, handle)?;
         self.stale = true;
-        let result = self.model.restore(&snapshot.model);
+        let Snapshot { instance, parameters, inputs, model } = snapshot;
+        let result = parameters
+            .apply(&self.table, &mut self.model, Causality::Parameter)
+            .and_then(|()| self.model.restore(model))
+            .and_then(|()| inputs.apply(&self.table, &mut self.model, Causality::Input));
         self.time = match &result {
-            Ok(()) => snapshot.instance,
+            Ok(()) => *instance,
             Err(_) => InstanceTime { mode: Mode::Panicked, ..self.time },
         };
         result.map_err(|message| format!("the state is refused: {message}"))

@@ -18,7 +18,7 @@
 //! impl Model for Tank {
 //!     const IDENTIFIER: &'static str = "tank";
 //!     const VERSION: &'static str = "1.0";
-//!     type State = (f64, f64);
+//!     type State = f64;
 //!
 //!     fn load(_resources: &Resources) -> Result<Self, String> {
 //!         Ok(Tank { inflow: 0.0, volume: 0.0 })
@@ -47,11 +47,11 @@
 //!     }
 //!
 //!     fn save(&self) -> Self::State {
-//!         (self.inflow, self.volume)
+//!         self.volume
 //!     }
 //!
 //!     fn restore(&mut self, state: &Self::State) -> Result<(), String> {
-//!         (self.inflow, self.volume) = *state;
+//!         self.volume = *state;
 //!         Ok(())
 //!     }
 //! }
@@ -70,6 +70,7 @@ mod log;
 mod memory;
 mod model;
 mod resource;
+mod settings;
 mod snapshot;
 mod state_machine;
 #[rustfmt::skip]

@@ -57,7 +57,7 @@ pub trait Model: Sized + 'static {
     /// An FMU with an edited file is refused before the model is loaded.
     const RESOURCES: &'static [&'static str] = &[];
 
-    /// Inputs, parameters and memory: all that decides the future of the model.
+    /// Memory: all that decides the future of the model, beside parameters and inputs, which the export stores.
     type State: Clone + Serialize + DeserializeOwned;
 
     /// Build the model from its resources, at instantiation and at `fmi2Reset`.
@@ -95,8 +95,9 @@ pub trait Model: Sized + 'static {
 
     /// Restore a state, possibly of another instance or process, in a model that may only be loaded.
     ///
-    /// Results of [`initialise`](Model::initialise) must be part of the state or be recomputed here. Serialized bytes
-    /// may hold an invalid state. After an error the export accepts only another state or `fmi2Reset`.
+    /// The export has set the parameters before, and sets the inputs afterwards. Results of
+    /// [`initialise`](Model::initialise) must be part of the state or be recomputed here. Serialized bytes may hold an
+    /// invalid state. After an error the export accepts only another state or `fmi2Reset`.
     fn restore(&mut self, state: &Self::State) -> Result<(), String>;
 
     /// Return shape, slow axis first, and values of a field of up to three axes such as a vorticity.

@@ -1,4 +1,5 @@
-//! FMU state, in memory and as bytes: the state of the model with mode and time of the instance.
+//! FMU state, in memory and as bytes: the state of the model with mode, time, parameters and inputs of the
+//! instance.
 //!
 //! | bytes | content |
 //! |---|---|
@@ -16,12 +17,15 @@
 use serde::{Deserialize, Serialize};
 
 use crate::identity::{self, Difference};
+use crate::settings::Settings;
 use crate::state_machine::Mode;
 
 /// State that `fmi2GetFMUstate` stores and `fmi2SetFMUstate` restores.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Snapshot<S> {
     pub instance: InstanceTime,
+    pub parameters: Settings,
+    pub inputs: Settings,
     pub model: S,
 }
 
@@ -36,7 +40,7 @@ pub(crate) struct InstanceTime {
 }
 
 const MAGIC: &[u8; 8] = b"FMI2STAT";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// Model to which a state belongs.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,7 +129,8 @@ mod tests {
 
     fn snapshot() -> Snapshot<Vec<f64>> {
         let instance = InstanceTime { mode: Mode::StepComplete, time: 0.1, stop: Some(2.0) };
-        Snapshot { instance, model: vec![-0.0, 1e-300, std::f64::consts::PI] }
+        let (parameters, inputs) = (Settings::default(), Settings::default());
+        Snapshot { instance, parameters, inputs, model: vec![-0.0, 1e-300, std::f64::consts::PI] }
     }
 
     fn read(bytes: &[u8]) -> Result<Snapshot<Vec<f64>>, String> {

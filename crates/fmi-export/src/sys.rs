@@ -1,9 +1,9 @@
-//! The C types of FMI 2.0 and 3.0, generated from the official headers by `crates/fmi-export/bindgen`: do not edit.
+//! The C types and functions of FMI 2.0 and 3.0, generated from the official headers by `crates/fmi-export/bindgen`: do
+//! not edit.
 #![allow(missing_docs, non_camel_case_types, non_snake_case, non_upper_case_globals)]
 
 pub type fmi3Boolean = u8;
 pub type fmi3Clock = u8;
-
 pub type fmi2Component = *mut ::std::os::raw::c_void;
 pub type fmi2ComponentEnvironment = *mut ::std::os::raw::c_void;
 pub type fmi2FMUstate = *mut ::std::os::raw::c_void;
@@ -82,277 +82,6 @@ pub struct fmi2EventInfo {
     pub nextEventTimeDefined: fmi2Boolean,
     pub nextEventTime: fmi2Real,
 }
-pub type fmi2GetTypesPlatformTYPE = ::std::option::Option<
-    unsafe extern "C" fn() -> *const ::std::os::raw::c_char,
->;
-pub type fmi2GetVersionTYPE = ::std::option::Option<
-    unsafe extern "C" fn() -> *const ::std::os::raw::c_char,
->;
-pub type fmi2SetDebugLoggingTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        loggingOn: fmi2Boolean,
-        nCategories: usize,
-        categories: *const fmi2String,
-    ) -> fmi2Status,
->;
-pub type fmi2InstantiateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instanceName: fmi2String,
-        fmuType: fmi2Type,
-        fmuGUID: fmi2String,
-        fmuResourceLocation: fmi2String,
-        functions: *const fmi2CallbackFunctions,
-        visible: fmi2Boolean,
-        loggingOn: fmi2Boolean,
-    ) -> fmi2Component,
->;
-pub type fmi2FreeInstanceTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component),
->;
-pub type fmi2SetupExperimentTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        toleranceDefined: fmi2Boolean,
-        tolerance: fmi2Real,
-        startTime: fmi2Real,
-        stopTimeDefined: fmi2Boolean,
-        stopTime: fmi2Real,
-    ) -> fmi2Status,
->;
-pub type fmi2EnterInitializationModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
->;
-pub type fmi2ExitInitializationModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
->;
-pub type fmi2TerminateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
->;
-pub type fmi2ResetTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
->;
-pub type fmi2GetRealTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        value: *mut fmi2Real,
-    ) -> fmi2Status,
->;
-pub type fmi2GetIntegerTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        value: *mut fmi2Integer,
-    ) -> fmi2Status,
->;
-pub type fmi2GetBooleanTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        value: *mut fmi2Boolean,
-    ) -> fmi2Status,
->;
-pub type fmi2GetStringTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        value: *mut fmi2String,
-    ) -> fmi2Status,
->;
-pub type fmi2SetRealTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        value: *const fmi2Real,
-    ) -> fmi2Status,
->;
-pub type fmi2SetIntegerTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        value: *const fmi2Integer,
-    ) -> fmi2Status,
->;
-pub type fmi2SetBooleanTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        value: *const fmi2Boolean,
-    ) -> fmi2Status,
->;
-pub type fmi2SetStringTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        value: *const fmi2String,
-    ) -> fmi2Status,
->;
-pub type fmi2GetFMUstateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status,
->;
-pub type fmi2SetFMUstateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, FMUstate: fmi2FMUstate) -> fmi2Status,
->;
-pub type fmi2FreeFMUstateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status,
->;
-pub type fmi2SerializedFMUstateSizeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        FMUstate: fmi2FMUstate,
-        size: *mut usize,
-    ) -> fmi2Status,
->;
-pub type fmi2SerializeFMUstateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        FMUstate: fmi2FMUstate,
-        arg1: *mut fmi2Byte,
-        size: usize,
-    ) -> fmi2Status,
->;
-pub type fmi2DeSerializeFMUstateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        serializedState: *const fmi2Byte,
-        size: usize,
-        FMUstate: *mut fmi2FMUstate,
-    ) -> fmi2Status,
->;
-pub type fmi2GetDirectionalDerivativeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vUnknown_ref: *const fmi2ValueReference,
-        nUnknown: usize,
-        vKnown_ref: *const fmi2ValueReference,
-        nKnown: usize,
-        dvKnown: *const fmi2Real,
-        dvUnknown: *mut fmi2Real,
-    ) -> fmi2Status,
->;
-pub type fmi2EnterEventModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
->;
-pub type fmi2NewDiscreteStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        fmi2eventInfo: *mut fmi2EventInfo,
-    ) -> fmi2Status,
->;
-pub type fmi2EnterContinuousTimeModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
->;
-pub type fmi2CompletedIntegratorStepTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
-        enterEventMode: *mut fmi2Boolean,
-        terminateSimulation: *mut fmi2Boolean,
-    ) -> fmi2Status,
->;
-pub type fmi2SetTimeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, time: fmi2Real) -> fmi2Status,
->;
-pub type fmi2SetContinuousStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, x: *const fmi2Real, nx: usize) -> fmi2Status,
->;
-pub type fmi2GetDerivativesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        derivatives: *mut fmi2Real,
-        nx: usize,
-    ) -> fmi2Status,
->;
-pub type fmi2GetEventIndicatorsTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        eventIndicators: *mut fmi2Real,
-        ni: usize,
-    ) -> fmi2Status,
->;
-pub type fmi2GetContinuousStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component, x: *mut fmi2Real, nx: usize) -> fmi2Status,
->;
-pub type fmi2GetNominalsOfContinuousStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        x_nominal: *mut fmi2Real,
-        nx: usize,
-    ) -> fmi2Status,
->;
-pub type fmi2SetRealInputDerivativesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        order: *const fmi2Integer,
-        value: *const fmi2Real,
-    ) -> fmi2Status,
->;
-pub type fmi2GetRealOutputDerivativesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        vr: *const fmi2ValueReference,
-        nvr: usize,
-        order: *const fmi2Integer,
-        value: *mut fmi2Real,
-    ) -> fmi2Status,
->;
-pub type fmi2DoStepTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        currentCommunicationPoint: fmi2Real,
-        communicationStepSize: fmi2Real,
-        noSetFMUStatePriorToCurrentPoint: fmi2Boolean,
-    ) -> fmi2Status,
->;
-pub type fmi2CancelStepTYPE = ::std::option::Option<
-    unsafe extern "C" fn(c: fmi2Component) -> fmi2Status,
->;
-pub type fmi2GetStatusTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        s: fmi2StatusKind,
-        value: *mut fmi2Status,
-    ) -> fmi2Status,
->;
-pub type fmi2GetRealStatusTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        s: fmi2StatusKind,
-        value: *mut fmi2Real,
-    ) -> fmi2Status,
->;
-pub type fmi2GetIntegerStatusTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        s: fmi2StatusKind,
-        value: *mut fmi2Integer,
-    ) -> fmi2Status,
->;
-pub type fmi2GetBooleanStatusTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        s: fmi2StatusKind,
-        value: *mut fmi2Boolean,
-    ) -> fmi2Status,
->;
-pub type fmi2GetStringStatusTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        c: fmi2Component,
-        s: fmi2StatusKind,
-        value: *mut fmi2String,
-    ) -> fmi2Status,
->;
 pub type fmi3Instance = *mut ::std::os::raw::c_void;
 pub type fmi3InstanceEnvironment = *mut ::std::os::raw::c_void;
 pub type fmi3FMUState = *mut ::std::os::raw::c_void;
@@ -425,597 +154,216 @@ pub type fmi3IntermediateUpdateCallback = ::std::option::Option<
 >;
 pub type fmi3LockPreemptionCallback = ::std::option::Option<unsafe extern "C" fn()>;
 pub type fmi3UnlockPreemptionCallback = ::std::option::Option<unsafe extern "C" fn()>;
-pub type fmi3GetVersionTYPE = ::std::option::Option<
-    unsafe extern "C" fn() -> *const ::std::os::raw::c_char,
->;
-pub type fmi3SetDebugLoggingTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        loggingOn: fmi3Boolean,
-        nCategories: usize,
-        categories: *const fmi3String,
-    ) -> fmi3Status,
->;
-pub type fmi3InstantiateModelExchangeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instanceName: fmi3String,
-        instantiationToken: fmi3String,
-        resourcePath: fmi3String,
-        visible: fmi3Boolean,
-        loggingOn: fmi3Boolean,
-        instanceEnvironment: fmi3InstanceEnvironment,
-        logMessage: fmi3LogMessageCallback,
-    ) -> fmi3Instance,
->;
-pub type fmi3InstantiateCoSimulationTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instanceName: fmi3String,
-        instantiationToken: fmi3String,
-        resourcePath: fmi3String,
-        visible: fmi3Boolean,
-        loggingOn: fmi3Boolean,
-        eventModeUsed: fmi3Boolean,
-        earlyReturnAllowed: fmi3Boolean,
-        requiredIntermediateVariables: *const fmi3ValueReference,
-        nRequiredIntermediateVariables: usize,
-        instanceEnvironment: fmi3InstanceEnvironment,
-        logMessage: fmi3LogMessageCallback,
-        intermediateUpdate: fmi3IntermediateUpdateCallback,
-    ) -> fmi3Instance,
->;
-pub type fmi3InstantiateScheduledExecutionTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instanceName: fmi3String,
-        instantiationToken: fmi3String,
-        resourcePath: fmi3String,
-        visible: fmi3Boolean,
-        loggingOn: fmi3Boolean,
-        instanceEnvironment: fmi3InstanceEnvironment,
-        logMessage: fmi3LogMessageCallback,
-        clockUpdate: fmi3ClockUpdateCallback,
-        lockPreemption: fmi3LockPreemptionCallback,
-        unlockPreemption: fmi3UnlockPreemptionCallback,
-    ) -> fmi3Instance,
->;
-pub type fmi3FreeInstanceTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance),
->;
-pub type fmi3EnterInitializationModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        toleranceDefined: fmi3Boolean,
-        tolerance: fmi3Float64,
-        startTime: fmi3Float64,
-        stopTimeDefined: fmi3Boolean,
-        stopTime: fmi3Float64,
-    ) -> fmi3Status,
->;
-pub type fmi3ExitInitializationModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
->;
-pub type fmi3EnterEventModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
->;
-pub type fmi3TerminateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
->;
-pub type fmi3ResetTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
->;
-pub type fmi3GetFloat32TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3Float32,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetFloat64TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3Float64,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetInt8TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3Int8,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetUInt8TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3UInt8,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetInt16TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3Int16,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetUInt16TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3UInt16,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetInt32TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3Int32,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetUInt32TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3UInt32,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetInt64TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3Int64,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetUInt64TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3UInt64,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetBooleanTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3Boolean,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetStringTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3String,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetBinaryTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        valueSizes: *mut usize,
-        values: *mut fmi3Binary,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetClockTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *mut fmi3Clock,
-    ) -> fmi3Status,
->;
-pub type fmi3SetFloat32TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3Float32,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetFloat64TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3Float64,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetInt8TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3Int8,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetUInt8TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3UInt8,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetInt16TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3Int16,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetUInt16TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3UInt16,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetInt32TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3Int32,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetUInt32TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3UInt32,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetInt64TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3Int64,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetUInt64TYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3UInt64,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetBooleanTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3Boolean,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetStringTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3String,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetBinaryTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        valueSizes: *const usize,
-        values: *const fmi3Binary,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SetClockTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        values: *const fmi3Clock,
-    ) -> fmi3Status,
->;
-pub type fmi3GetNumberOfVariableDependenciesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReference: fmi3ValueReference,
-        nDependencies: *mut usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetVariableDependenciesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        dependent: fmi3ValueReference,
-        elementIndicesOfDependent: *mut usize,
-        independents: *mut fmi3ValueReference,
-        elementIndicesOfIndependents: *mut usize,
-        dependencyKinds: *mut fmi3DependencyKind,
-        nDependencies: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetFMUStateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        FMUState: *mut fmi3FMUState,
-    ) -> fmi3Status,
->;
-pub type fmi3SetFMUStateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance, FMUState: fmi3FMUState) -> fmi3Status,
->;
-pub type fmi3FreeFMUStateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        FMUState: *mut fmi3FMUState,
-    ) -> fmi3Status,
->;
-pub type fmi3SerializedFMUStateSizeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        FMUState: fmi3FMUState,
-        size: *mut usize,
-    ) -> fmi3Status,
->;
-pub type fmi3SerializeFMUStateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        FMUState: fmi3FMUState,
-        serializedState: *mut fmi3Byte,
-        size: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3DeserializeFMUStateTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        serializedState: *const fmi3Byte,
-        size: usize,
-        FMUState: *mut fmi3FMUState,
-    ) -> fmi3Status,
->;
-pub type fmi3GetDirectionalDerivativeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        unknowns: *const fmi3ValueReference,
-        nUnknowns: usize,
-        knowns: *const fmi3ValueReference,
-        nKnowns: usize,
-        seed: *const fmi3Float64,
-        nSeed: usize,
-        sensitivity: *mut fmi3Float64,
-        nSensitivity: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetAdjointDerivativeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        unknowns: *const fmi3ValueReference,
-        nUnknowns: usize,
-        knowns: *const fmi3ValueReference,
-        nKnowns: usize,
-        seed: *const fmi3Float64,
-        nSeed: usize,
-        sensitivity: *mut fmi3Float64,
-        nSensitivity: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3EnterConfigurationModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
->;
-pub type fmi3ExitConfigurationModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
->;
-pub type fmi3GetIntervalDecimalTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        intervals: *mut fmi3Float64,
-        qualifiers: *mut fmi3IntervalQualifier,
-    ) -> fmi3Status,
->;
-pub type fmi3GetIntervalFractionTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        counters: *mut fmi3UInt64,
-        resolutions: *mut fmi3UInt64,
-        qualifiers: *mut fmi3IntervalQualifier,
-    ) -> fmi3Status,
->;
-pub type fmi3GetShiftDecimalTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        shifts: *mut fmi3Float64,
-    ) -> fmi3Status,
->;
-pub type fmi3GetShiftFractionTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        counters: *mut fmi3UInt64,
-        resolutions: *mut fmi3UInt64,
-    ) -> fmi3Status,
->;
-pub type fmi3SetIntervalDecimalTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        intervals: *const fmi3Float64,
-    ) -> fmi3Status,
->;
-pub type fmi3SetIntervalFractionTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        counters: *const fmi3UInt64,
-        resolutions: *const fmi3UInt64,
-    ) -> fmi3Status,
->;
-pub type fmi3SetShiftDecimalTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        shifts: *const fmi3Float64,
-    ) -> fmi3Status,
->;
-pub type fmi3SetShiftFractionTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        counters: *const fmi3UInt64,
-        resolutions: *const fmi3UInt64,
-    ) -> fmi3Status,
->;
-pub type fmi3EvaluateDiscreteStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
->;
-pub type fmi3UpdateDiscreteStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        discreteStatesNeedUpdate: *mut fmi3Boolean,
-        terminateSimulation: *mut fmi3Boolean,
-        nominalsOfContinuousStatesChanged: *mut fmi3Boolean,
-        valuesOfContinuousStatesChanged: *mut fmi3Boolean,
-        nextEventTimeDefined: *mut fmi3Boolean,
-        nextEventTime: *mut fmi3Float64,
-    ) -> fmi3Status,
->;
-pub type fmi3EnterContinuousTimeModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
->;
-pub type fmi3CompletedIntegratorStepTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        noSetFMUStatePriorToCurrentPoint: fmi3Boolean,
-        enterEventMode: *mut fmi3Boolean,
-        terminateSimulation: *mut fmi3Boolean,
-    ) -> fmi3Status,
->;
-pub type fmi3SetTimeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance, time: fmi3Float64) -> fmi3Status,
->;
-pub type fmi3SetContinuousStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        continuousStates: *const fmi3Float64,
-        nContinuousStates: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetContinuousStateDerivativesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        derivatives: *mut fmi3Float64,
-        nContinuousStates: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetEventIndicatorsTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        eventIndicators: *mut fmi3Float64,
-        nEventIndicators: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetContinuousStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        continuousStates: *mut fmi3Float64,
-        nContinuousStates: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetNominalsOfContinuousStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        nominals: *mut fmi3Float64,
-        nContinuousStates: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetNumberOfEventIndicatorsTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        nEventIndicators: *mut usize,
-    ) -> fmi3Status,
->;
-pub type fmi3GetNumberOfContinuousStatesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        nContinuousStates: *mut usize,
-    ) -> fmi3Status,
->;
-pub type fmi3EnterStepModeTYPE = ::std::option::Option<
-    unsafe extern "C" fn(instance: fmi3Instance) -> fmi3Status,
->;
-pub type fmi3GetOutputDerivativesTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        valueReferences: *const fmi3ValueReference,
-        nValueReferences: usize,
-        orders: *const fmi3Int32,
-        values: *mut fmi3Float64,
-        nValues: usize,
-    ) -> fmi3Status,
->;
-pub type fmi3DoStepTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        currentCommunicationPoint: fmi3Float64,
-        communicationStepSize: fmi3Float64,
-        noSetFMUStatePriorToCurrentPoint: fmi3Boolean,
-        eventHandlingNeeded: *mut fmi3Boolean,
-        terminateSimulation: *mut fmi3Boolean,
-        earlyReturn: *mut fmi3Boolean,
-        lastSuccessfulTime: *mut fmi3Float64,
-    ) -> fmi3Status,
->;
-pub type fmi3ActivateModelPartitionTYPE = ::std::option::Option<
-    unsafe extern "C" fn(
-        instance: fmi3Instance,
-        clockReference: fmi3ValueReference,
-        activationTime: fmi3Float64,
-    ) -> fmi3Status,
->;
+
+/// Pass the functions of FMI 2.0 and 3.0 for co-simulation to the macro `with`, after what is `given`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __standard_functions {
+    ($with:path, $($given:tt)*) => {
+        $with! { $($given)*
+            fmi2GetTypesPlatform() -> *const ::std::os::raw::c_char;
+            fmi2GetVersion() -> *const ::std::os::raw::c_char;
+            fmi2SetDebugLogging(c: fmi2Component, loggingOn: fmi2Boolean, nCategories: usize,
+                categories: *const fmi2String) -> fmi2Status;
+            fmi2Instantiate(instanceName: fmi2String, fmuType: fmi2Type, fmuGUID: fmi2String,
+                fmuResourceLocation: fmi2String, functions: *const fmi2CallbackFunctions, visible: fmi2Boolean,
+                loggingOn: fmi2Boolean) -> fmi2Component;
+            fmi2FreeInstance(c: fmi2Component) -> ();
+            fmi2SetupExperiment(c: fmi2Component, toleranceDefined: fmi2Boolean, tolerance: fmi2Real,
+                startTime: fmi2Real, stopTimeDefined: fmi2Boolean, stopTime: fmi2Real) -> fmi2Status;
+            fmi2EnterInitializationMode(c: fmi2Component) -> fmi2Status;
+            fmi2ExitInitializationMode(c: fmi2Component) -> fmi2Status;
+            fmi2Terminate(c: fmi2Component) -> fmi2Status;
+            fmi2Reset(c: fmi2Component) -> fmi2Status;
+            fmi2GetReal(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Real)
+                -> fmi2Status;
+            fmi2GetInteger(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Integer)
+                -> fmi2Status;
+            fmi2GetBoolean(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2Boolean)
+                -> fmi2Status;
+            fmi2GetString(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *mut fmi2String)
+                -> fmi2Status;
+            fmi2SetReal(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Real)
+                -> fmi2Status;
+            fmi2SetInteger(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Integer)
+                -> fmi2Status;
+            fmi2SetBoolean(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2Boolean)
+                -> fmi2Status;
+            fmi2SetString(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize, value: *const fmi2String)
+                -> fmi2Status;
+            fmi2GetFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status;
+            fmi2SetFMUstate(c: fmi2Component, FMUstate: fmi2FMUstate) -> fmi2Status;
+            fmi2FreeFMUstate(c: fmi2Component, FMUstate: *mut fmi2FMUstate) -> fmi2Status;
+            fmi2SerializedFMUstateSize(c: fmi2Component, FMUstate: fmi2FMUstate, size: *mut usize) -> fmi2Status;
+            fmi2SerializeFMUstate(c: fmi2Component, FMUstate: fmi2FMUstate, arg1: *mut fmi2Byte, size: usize)
+                -> fmi2Status;
+            fmi2DeSerializeFMUstate(c: fmi2Component, serializedState: *const fmi2Byte, size: usize,
+                FMUstate: *mut fmi2FMUstate) -> fmi2Status;
+            fmi2GetDirectionalDerivative(c: fmi2Component, vUnknown_ref: *const fmi2ValueReference, nUnknown: usize,
+                vKnown_ref: *const fmi2ValueReference, nKnown: usize, dvKnown: *const fmi2Real,
+                dvUnknown: *mut fmi2Real) -> fmi2Status;
+            fmi2SetRealInputDerivatives(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize,
+                order: *const fmi2Integer, value: *const fmi2Real) -> fmi2Status;
+            fmi2GetRealOutputDerivatives(c: fmi2Component, vr: *const fmi2ValueReference, nvr: usize,
+                order: *const fmi2Integer, value: *mut fmi2Real) -> fmi2Status;
+            fmi2DoStep(c: fmi2Component, currentCommunicationPoint: fmi2Real, communicationStepSize: fmi2Real,
+                noSetFMUStatePriorToCurrentPoint: fmi2Boolean) -> fmi2Status;
+            fmi2CancelStep(c: fmi2Component) -> fmi2Status;
+            fmi2GetStatus(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2Status) -> fmi2Status;
+            fmi2GetRealStatus(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2Real) -> fmi2Status;
+            fmi2GetIntegerStatus(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2Integer) -> fmi2Status;
+            fmi2GetBooleanStatus(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2Boolean) -> fmi2Status;
+            fmi2GetStringStatus(c: fmi2Component, s: fmi2StatusKind, value: *mut fmi2String) -> fmi2Status;
+            fmi3GetVersion() -> *const ::std::os::raw::c_char;
+            fmi3SetDebugLogging(instance: fmi3Instance, loggingOn: fmi3Boolean, nCategories: usize,
+                categories: *const fmi3String) -> fmi3Status;
+            fmi3InstantiateModelExchange(instanceName: fmi3String, instantiationToken: fmi3String,
+                resourcePath: fmi3String, visible: fmi3Boolean, loggingOn: fmi3Boolean,
+                instanceEnvironment: fmi3InstanceEnvironment, logMessage: fmi3LogMessageCallback) -> fmi3Instance;
+            fmi3InstantiateCoSimulation(instanceName: fmi3String, instantiationToken: fmi3String,
+                resourcePath: fmi3String, visible: fmi3Boolean, loggingOn: fmi3Boolean, eventModeUsed: fmi3Boolean,
+                earlyReturnAllowed: fmi3Boolean, requiredIntermediateVariables: *const fmi3ValueReference,
+                nRequiredIntermediateVariables: usize, instanceEnvironment: fmi3InstanceEnvironment,
+                logMessage: fmi3LogMessageCallback, intermediateUpdate: fmi3IntermediateUpdateCallback) -> fmi3Instance;
+            fmi3InstantiateScheduledExecution(instanceName: fmi3String, instantiationToken: fmi3String,
+                resourcePath: fmi3String, visible: fmi3Boolean, loggingOn: fmi3Boolean,
+                instanceEnvironment: fmi3InstanceEnvironment, logMessage: fmi3LogMessageCallback,
+                clockUpdate: fmi3ClockUpdateCallback, lockPreemption: fmi3LockPreemptionCallback,
+                unlockPreemption: fmi3UnlockPreemptionCallback) -> fmi3Instance;
+            fmi3FreeInstance(instance: fmi3Instance) -> ();
+            fmi3EnterInitializationMode(instance: fmi3Instance, toleranceDefined: fmi3Boolean, tolerance: fmi3Float64,
+                startTime: fmi3Float64, stopTimeDefined: fmi3Boolean, stopTime: fmi3Float64) -> fmi3Status;
+            fmi3ExitInitializationMode(instance: fmi3Instance) -> fmi3Status;
+            fmi3EnterEventMode(instance: fmi3Instance) -> fmi3Status;
+            fmi3Terminate(instance: fmi3Instance) -> fmi3Status;
+            fmi3Reset(instance: fmi3Instance) -> fmi3Status;
+            fmi3GetFloat32(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3Float32, nValues: usize) -> fmi3Status;
+            fmi3GetFloat64(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3Float64, nValues: usize) -> fmi3Status;
+            fmi3GetInt8(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3Int8, nValues: usize) -> fmi3Status;
+            fmi3GetUInt8(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3UInt8, nValues: usize) -> fmi3Status;
+            fmi3GetInt16(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3Int16, nValues: usize) -> fmi3Status;
+            fmi3GetUInt16(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3UInt16, nValues: usize) -> fmi3Status;
+            fmi3GetInt32(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3Int32, nValues: usize) -> fmi3Status;
+            fmi3GetUInt32(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3UInt32, nValues: usize) -> fmi3Status;
+            fmi3GetInt64(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3Int64, nValues: usize) -> fmi3Status;
+            fmi3GetUInt64(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3UInt64, nValues: usize) -> fmi3Status;
+            fmi3GetBoolean(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3Boolean, nValues: usize) -> fmi3Status;
+            fmi3GetString(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3String, nValues: usize) -> fmi3Status;
+            fmi3GetBinary(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                valueSizes: *mut usize, values: *mut fmi3Binary, nValues: usize) -> fmi3Status;
+            fmi3GetClock(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *mut fmi3Clock) -> fmi3Status;
+            fmi3SetFloat32(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3Float32, nValues: usize) -> fmi3Status;
+            fmi3SetFloat64(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3Float64, nValues: usize) -> fmi3Status;
+            fmi3SetInt8(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3Int8, nValues: usize) -> fmi3Status;
+            fmi3SetUInt8(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3UInt8, nValues: usize) -> fmi3Status;
+            fmi3SetInt16(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3Int16, nValues: usize) -> fmi3Status;
+            fmi3SetUInt16(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3UInt16, nValues: usize) -> fmi3Status;
+            fmi3SetInt32(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3Int32, nValues: usize) -> fmi3Status;
+            fmi3SetUInt32(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3UInt32, nValues: usize) -> fmi3Status;
+            fmi3SetInt64(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3Int64, nValues: usize) -> fmi3Status;
+            fmi3SetUInt64(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3UInt64, nValues: usize) -> fmi3Status;
+            fmi3SetBoolean(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3Boolean, nValues: usize) -> fmi3Status;
+            fmi3SetString(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3String, nValues: usize) -> fmi3Status;
+            fmi3SetBinary(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                valueSizes: *const usize, values: *const fmi3Binary, nValues: usize) -> fmi3Status;
+            fmi3SetClock(instance: fmi3Instance, valueReferences: *const fmi3ValueReference, nValueReferences: usize,
+                values: *const fmi3Clock) -> fmi3Status;
+            fmi3GetNumberOfVariableDependencies(instance: fmi3Instance, valueReference: fmi3ValueReference,
+                nDependencies: *mut usize) -> fmi3Status;
+            fmi3GetVariableDependencies(instance: fmi3Instance, dependent: fmi3ValueReference,
+                elementIndicesOfDependent: *mut usize, independents: *mut fmi3ValueReference,
+                elementIndicesOfIndependents: *mut usize, dependencyKinds: *mut fmi3DependencyKind,
+                nDependencies: usize) -> fmi3Status;
+            fmi3GetFMUState(instance: fmi3Instance, FMUState: *mut fmi3FMUState) -> fmi3Status;
+            fmi3SetFMUState(instance: fmi3Instance, FMUState: fmi3FMUState) -> fmi3Status;
+            fmi3FreeFMUState(instance: fmi3Instance, FMUState: *mut fmi3FMUState) -> fmi3Status;
+            fmi3SerializedFMUStateSize(instance: fmi3Instance, FMUState: fmi3FMUState, size: *mut usize) -> fmi3Status;
+            fmi3SerializeFMUState(instance: fmi3Instance, FMUState: fmi3FMUState, serializedState: *mut fmi3Byte,
+                size: usize) -> fmi3Status;
+            fmi3DeserializeFMUState(instance: fmi3Instance, serializedState: *const fmi3Byte, size: usize,
+                FMUState: *mut fmi3FMUState) -> fmi3Status;
+            fmi3GetDirectionalDerivative(instance: fmi3Instance, unknowns: *const fmi3ValueReference, nUnknowns: usize,
+                knowns: *const fmi3ValueReference, nKnowns: usize, seed: *const fmi3Float64, nSeed: usize,
+                sensitivity: *mut fmi3Float64, nSensitivity: usize) -> fmi3Status;
+            fmi3GetAdjointDerivative(instance: fmi3Instance, unknowns: *const fmi3ValueReference, nUnknowns: usize,
+                knowns: *const fmi3ValueReference, nKnowns: usize, seed: *const fmi3Float64, nSeed: usize,
+                sensitivity: *mut fmi3Float64, nSensitivity: usize) -> fmi3Status;
+            fmi3EnterConfigurationMode(instance: fmi3Instance) -> fmi3Status;
+            fmi3ExitConfigurationMode(instance: fmi3Instance) -> fmi3Status;
+            fmi3GetIntervalDecimal(instance: fmi3Instance, valueReferences: *const fmi3ValueReference,
+                nValueReferences: usize, intervals: *mut fmi3Float64, qualifiers: *mut fmi3IntervalQualifier)
+                -> fmi3Status;
+            fmi3GetIntervalFraction(instance: fmi3Instance, valueReferences: *const fmi3ValueReference,
+                nValueReferences: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64,
+                qualifiers: *mut fmi3IntervalQualifier) -> fmi3Status;
+            fmi3GetShiftDecimal(instance: fmi3Instance, valueReferences: *const fmi3ValueReference,
+                nValueReferences: usize, shifts: *mut fmi3Float64) -> fmi3Status;
+            fmi3GetShiftFraction(instance: fmi3Instance, valueReferences: *const fmi3ValueReference,
+                nValueReferences: usize, counters: *mut fmi3UInt64, resolutions: *mut fmi3UInt64) -> fmi3Status;
+            fmi3SetIntervalDecimal(instance: fmi3Instance, valueReferences: *const fmi3ValueReference,
+                nValueReferences: usize, intervals: *const fmi3Float64) -> fmi3Status;
+            fmi3SetIntervalFraction(instance: fmi3Instance, valueReferences: *const fmi3ValueReference,
+                nValueReferences: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64) -> fmi3Status;
+            fmi3SetShiftDecimal(instance: fmi3Instance, valueReferences: *const fmi3ValueReference,
+                nValueReferences: usize, shifts: *const fmi3Float64) -> fmi3Status;
+            fmi3SetShiftFraction(instance: fmi3Instance, valueReferences: *const fmi3ValueReference,
+                nValueReferences: usize, counters: *const fmi3UInt64, resolutions: *const fmi3UInt64) -> fmi3Status;
+            fmi3EvaluateDiscreteStates(instance: fmi3Instance) -> fmi3Status;
+            fmi3UpdateDiscreteStates(instance: fmi3Instance, discreteStatesNeedUpdate: *mut fmi3Boolean,
+                terminateSimulation: *mut fmi3Boolean, nominalsOfContinuousStatesChanged: *mut fmi3Boolean,
+                valuesOfContinuousStatesChanged: *mut fmi3Boolean, nextEventTimeDefined: *mut fmi3Boolean,
+                nextEventTime: *mut fmi3Float64) -> fmi3Status;
+            fmi3EnterContinuousTimeMode(instance: fmi3Instance) -> fmi3Status;
+            fmi3CompletedIntegratorStep(instance: fmi3Instance, noSetFMUStatePriorToCurrentPoint: fmi3Boolean,
+                enterEventMode: *mut fmi3Boolean, terminateSimulation: *mut fmi3Boolean) -> fmi3Status;
+            fmi3SetTime(instance: fmi3Instance, time: fmi3Float64) -> fmi3Status;
+            fmi3SetContinuousStates(instance: fmi3Instance, continuousStates: *const fmi3Float64,
+                nContinuousStates: usize) -> fmi3Status;
+            fmi3GetContinuousStateDerivatives(instance: fmi3Instance, derivatives: *mut fmi3Float64,
+                nContinuousStates: usize) -> fmi3Status;
+            fmi3GetEventIndicators(instance: fmi3Instance, eventIndicators: *mut fmi3Float64, nEventIndicators: usize)
+                -> fmi3Status;
+            fmi3GetContinuousStates(instance: fmi3Instance, continuousStates: *mut fmi3Float64,
+                nContinuousStates: usize) -> fmi3Status;
+            fmi3GetNominalsOfContinuousStates(instance: fmi3Instance, nominals: *mut fmi3Float64,
+                nContinuousStates: usize) -> fmi3Status;
+            fmi3GetNumberOfEventIndicators(instance: fmi3Instance, nEventIndicators: *mut usize) -> fmi3Status;
+            fmi3GetNumberOfContinuousStates(instance: fmi3Instance, nContinuousStates: *mut usize) -> fmi3Status;
+            fmi3EnterStepMode(instance: fmi3Instance) -> fmi3Status;
+            fmi3GetOutputDerivatives(instance: fmi3Instance, valueReferences: *const fmi3ValueReference,
+                nValueReferences: usize, orders: *const fmi3Int32, values: *mut fmi3Float64, nValues: usize)
+                -> fmi3Status;
+            fmi3DoStep(instance: fmi3Instance, currentCommunicationPoint: fmi3Float64,
+                communicationStepSize: fmi3Float64, noSetFMUStatePriorToCurrentPoint: fmi3Boolean,
+                eventHandlingNeeded: *mut fmi3Boolean, terminateSimulation: *mut fmi3Boolean,
+                earlyReturn: *mut fmi3Boolean, lastSuccessfulTime: *mut fmi3Float64) -> fmi3Status;
+            fmi3ActivateModelPartition(instance: fmi3Instance, clockReference: fmi3ValueReference,
+                activationTime: fmi3Float64) -> fmi3Status;
+        }
+    };
+}

@@ -126,7 +126,7 @@ impl<M> Table<M> {
         let (mut rest, mut position) = (references, 0);
         std::iter::from_fn(move || {
             let &start = rest.first()?;
-            let Some((variable, elements)) = self.run(rest) else {
+            let Some((variable, elements)) = self.locate(rest) else {
                 rest = &[];
                 return Some(Err(format!("value reference {start} does not exist")));
             };
@@ -138,7 +138,7 @@ impl<M> Table<M> {
     }
 
     /// Return the variable of the first reference, and its elements.
-    fn run(&self, references: &[u32]) -> Option<(usize, Range<usize>)> {
+    fn locate(&self, references: &[u32]) -> Option<(usize, Range<usize>)> {
         let variable = *self.owner.get(references[0] as usize)? as usize;
         let all = self.references(variable);
         let element = (references[0] - all.start) as usize;
@@ -170,19 +170,23 @@ impl<M> Table<M> {
         format!("value reference {reference}, the {type_name} {}, is not of type {wanted}", self.name(run))
     }
 
-    /// Return all values of a variable; `None` for another type.
-    pub fn read<'a, T: Value>(
+    /// Pass all values of a variable, which is of type `T`, to `take`.
+    pub fn read<T: Value, R>(
         &self,
         variable: usize,
-        model: &'a mut M,
-        time: &'a [f64; 1],
-    ) -> Result<Option<&'a [T]>, String> {
+        model: &mut M,
+        time: f64,
+        take: impl FnOnce(&[T]) -> Result<R, String>,
+    ) -> Result<R, String> {
         let variable = &self.variables[variable];
-        let values = match &variable.access {
-            Access::Time => T::time(time),
-            access => T::field(access).map(|field| field.read(model)),
+        let take = |values: &[T]| {
+            variable.check_length(values.len())?;
+            take(values)
         };
-        values.map(|values| variable.check_length(values.len()).map(|()| values)).transpose()
+        match T::field(&variable.access) {
+            Some(field) => field.read(model, take),
+            None => take(T::time(&[time]).unwrap_or_default()),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::ptr;
 
 use crate::guard;
 
-/// Exports a function `fn(&str, Option<&str>) -> String` under a C name:
+/// Export a function `fn(&str, Option<&str>) -> String` under a C name:
 /// `export_text!(fmu_scene_check = scene::check_text);`
 ///
 /// `int NAME(const char *text, const char *other, char *buffer, size_t capacity, size_t *needed)` returns 0 if the
@@ -29,7 +29,7 @@ macro_rules! export_text {
     };
 }
 
-/// Answers a question, see [`export_text!`](crate::export_text).
+/// Answer a question, see [`export_text!`](crate::export_text).
 ///
 /// # Safety
 /// The texts are null or null-terminated, `buffer` is null or has room for `capacity` bytes, `needed` is null or valid.
@@ -48,7 +48,7 @@ pub unsafe fn answer(
     unsafe { write(answered.and_then(|result| result), target, needed) }
 }
 
-/// The text at a pointer, if it is not null.
+/// Return the text at a pointer, if it is not null.
 ///
 /// # Safety
 /// `pointer` is null or a null-terminated string, which nobody changes during `'a`.
@@ -61,7 +61,7 @@ unsafe fn read<'a>(pointer: *const c_char) -> Result<Option<&'a str>, String> {
     text.map(Some).map_err(|error| format!("the text is not UTF-8: {error}"))
 }
 
-/// Writes an answer or an error message where there is room for it, and returns 0 or 1.
+/// Write an answer or an error message where there is room for it, and return 0 or 1.
 ///
 /// # Safety
 /// `buffer` is null or has room for `capacity` bytes, `needed` is null or valid.
@@ -90,7 +90,7 @@ pub(crate) unsafe fn write(
 mod tests {
     use super::*;
 
-    /// Code, answer and its size for a buffer of `capacity` bytes.
+    /// Return code, answer and its size for a buffer of `capacity` bytes.
     fn ask(text: Option<&CStr>, capacity: usize) -> (c_int, String, usize) {
         let function = |text: &str, other: Option<&str>| match text {
             "panic" => panic!("no answer"),

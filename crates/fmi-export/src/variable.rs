@@ -143,6 +143,12 @@ impl<M> Variable<M> {
         self
     }
 
+    /// Show an output in the master as a local variable, for display only.
+    pub fn local(mut self) -> Self {
+        self.causality = Causality::Local;
+        self
+    }
+
     /// Name the inputs, scalars or whole arrays, on which an output depends at the same instant.
     ///
     /// An output computed at the end of a step depends on no input: `&[]`. Without this call a master assumes a
@@ -287,6 +293,10 @@ macro_rules! constructors {
                 /// Return a local variable, for display only.
                 local $unit: $access(Read, &[$type]), Local, $variability
             }
+            constructor! {
+                /// Return a scalar output that is computed when it is read.
+                computed $unit: $access(Compute, $type), Output, $variability
+            }
         }
     };
 }
@@ -306,6 +316,17 @@ constructors! {
 constructors! {
     /// Constructor of String variables of the model `M`.
     Text, Text, String, Discrete, ()
+}
+
+impl<M> Integer<M> {
+    /// Return an output that counts, up to `i32::MAX`.
+    pub fn count(
+        name: impl Into<String>,
+        description: impl Into<String>,
+        count: impl Fn(&mut M) -> usize + Send + Sync + 'static,
+    ) -> Variable<M> {
+        Self::computed(name, description, move |model| i32::try_from(count(model)).unwrap_or(i32::MAX))
+    }
 }
 
 impl<M> Real<M> {

@@ -1,81 +1,16 @@
 //! A master in Rust against the C functions of one exported model, in FMI 3.0: what is not as in FMI 2.0.
 
 mod integrator;
+mod master;
 
 use std::cell::RefCell;
 use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
 use integrator::*;
+use master::description::{attribute, written};
+use master::{Fmu as Fmu2, *};
 use nervure_fmi_export::sys::*;
-
-macro_rules! import {
-    ($($name:ident($($type:ty),*) -> $result:ty;)*) => {
-        // SAFETY: the signatures are those of the header. Declared safe because every call in this file passes pointers
-        // that are null or valid for the length it states; refusing them is what the tests are about.
-        unsafe extern "C" {
-            $(safe fn $name($(_: $type),*) -> $result;)*
-        }
-    };
-}
-
-type References = *const fmi3ValueReference;
-
-import! {
-    fmi3GetVersion() -> fmi3String;
-    fmi3SetDebugLogging(fmi3Instance, fmi3Boolean, usize, *const fmi3String) -> fmi3Status;
-    fmi3InstantiateCoSimulation(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean, fmi3Boolean, fmi3Boolean,
-        References, usize, fmi3InstanceEnvironment, fmi3LogMessageCallback, fmi3IntermediateUpdateCallback)
-        -> fmi3Instance;
-    fmi3InstantiateModelExchange(fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean, fmi3InstanceEnvironment,
-        fmi3LogMessageCallback) -> fmi3Instance;
-    fmi3FreeInstance(fmi3Instance) -> ();
-    fmi3EnterInitializationMode(fmi3Instance, fmi3Boolean, f64, f64, fmi3Boolean, f64) -> fmi3Status;
-    fmi3ExitInitializationMode(fmi3Instance) -> fmi3Status;
-    fmi3Terminate(fmi3Instance) -> fmi3Status;
-    fmi3Reset(fmi3Instance) -> fmi3Status;
-    fmi3GetFloat64(fmi3Instance, References, usize, *mut f64, usize) -> fmi3Status;
-    fmi3SetFloat64(fmi3Instance, References, usize, *const f64, usize) -> fmi3Status;
-    fmi3GetFloat32(fmi3Instance, References, usize, *mut f32, usize) -> fmi3Status;
-    fmi3GetInt32(fmi3Instance, References, usize, *mut i32, usize) -> fmi3Status;
-    fmi3SetInt32(fmi3Instance, References, usize, *const i32, usize) -> fmi3Status;
-    fmi3GetInt64(fmi3Instance, References, usize, *mut i64, usize) -> fmi3Status;
-    fmi3SetInt64(fmi3Instance, References, usize, *const i64, usize) -> fmi3Status;
-    fmi3GetBoolean(fmi3Instance, References, usize, *mut fmi3Boolean, usize) -> fmi3Status;
-    fmi3SetBoolean(fmi3Instance, References, usize, *const fmi3Boolean, usize) -> fmi3Status;
-    fmi3GetString(fmi3Instance, References, usize, *mut fmi3String, usize) -> fmi3Status;
-    fmi3SetString(fmi3Instance, References, usize, *const fmi3String, usize) -> fmi3Status;
-    fmi3GetClock(fmi3Instance, References, usize, *mut fmi3Clock) -> fmi3Status;
-    fmi3GetFMUState(fmi3Instance, *mut fmi3FMUState) -> fmi3Status;
-    fmi3SetFMUState(fmi3Instance, fmi3FMUState) -> fmi3Status;
-    fmi3FreeFMUState(fmi3Instance, *mut fmi3FMUState) -> fmi3Status;
-    fmi3SerializedFMUStateSize(fmi3Instance, fmi3FMUState, *mut usize) -> fmi3Status;
-    fmi3SerializeFMUState(fmi3Instance, fmi3FMUState, *mut fmi3Byte, usize) -> fmi3Status;
-    fmi3DeserializeFMUState(fmi3Instance, *const fmi3Byte, usize, *mut fmi3FMUState) -> fmi3Status;
-    fmi3GetDirectionalDerivative(fmi3Instance, References, usize, References, usize, *const f64, usize, *mut f64, usize)
-        -> fmi3Status;
-    fmi3GetAdjointDerivative(fmi3Instance, References, usize, References, usize, *const f64, usize, *mut f64, usize)
-        -> fmi3Status;
-    fmi3GetOutputDerivatives(fmi3Instance, References, usize, *const i32, *mut f64, usize) -> fmi3Status;
-    fmi3DoStep(fmi3Instance, f64, f64, fmi3Boolean, *mut fmi3Boolean, *mut fmi3Boolean, *mut fmi3Boolean, *mut f64)
-        -> fmi3Status;
-    fmi3EnterEventMode(fmi3Instance) -> fmi3Status;
-    fmi3EnterStepMode(fmi3Instance) -> fmi3Status;
-    fmi3EnterConfigurationMode(fmi3Instance) -> fmi3Status;
-    fmi3EnterContinuousTimeMode(fmi3Instance) -> fmi3Status;
-    fmi3EvaluateDiscreteStates(fmi3Instance) -> fmi3Status;
-    fmi3GetShiftDecimal(fmi3Instance, References, usize, *mut f64) -> fmi3Status;
-    fmi3GetNumberOfVariableDependencies(fmi3Instance, fmi3ValueReference, *mut usize) -> fmi3Status;
-    fmi3ActivateModelPartition(fmi3Instance, fmi3ValueReference, f64) -> fmi3Status;
-    fmu_model_description(fmi2String, *mut fmi2Char, usize, *mut usize) -> i32;
-    fmu_model_description_3(fmi2String, *mut fmi2Char, usize, *mut usize) -> i32;
-    fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, *const fmi2CallbackFunctions, fmi2Boolean,
-        fmi2Boolean) -> fmi2Component;
-    fmi2FreeInstance(fmi2Component) -> ();
-    fmi2GetFMUstate(fmi2Component, *mut fmi2FMUstate) -> fmi2Status;
-    fmi2SerializedFMUstateSize(fmi2Component, fmi2FMUstate, *mut usize) -> fmi2Status;
-    fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, *mut fmi2Byte, usize) -> fmi2Status;
-}
 
 const OK: fmi3Status = fmi3Status::fmi3OK;
 const ERROR: fmi3Status = fmi3Status::fmi3Error;
@@ -89,30 +24,29 @@ unsafe extern "C" fn log(environment: fmi3InstanceEnvironment, status: fmi3Statu
     messages.borrow_mut().push((status.0, message.to_str().unwrap().into()));
 }
 
-/// The token in a model description.
-fn token(describe: extern "C" fn(fmi2String, *mut fmi2Char, usize, *mut usize) -> i32, attribute: &str) -> CString {
-    let mut needed = 0;
-    describe(null(), null_mut(), 0, &mut needed);
-    let mut buffer = vec![0u8; needed];
-    assert_eq!(describe(null(), buffer.as_mut_ptr().cast(), buffer.len(), &mut needed), 0);
-    let xml = CString::from_vec_with_nul(buffer).unwrap().into_string().unwrap();
-    let (_, rest) = xml.split_once(&format!("{attribute}=\"")).unwrap();
-    CString::new(rest.split_once('"').unwrap().0).unwrap()
-}
-
-extern "C" fn describe_2(a: fmi2String, b: *mut fmi2Char, c: usize, d: *mut usize) -> i32 {
-    fmu_model_description(a, b, c, d)
-}
-
-extern "C" fn describe_3(a: fmi2String, b: *mut fmi2Char, c: usize, d: *mut usize) -> i32 {
-    fmu_model_description_3(a, b, c, d)
+/// Return the token of the model.
+fn token() -> CString {
+    let xml = written(|buffer, capacity, needed| fmu_model_description_3(null(), buffer, capacity, needed));
+    c_string(attribute(&xml.unwrap(), "instantiationToken"))
 }
 
 fn instantiate(token: &CStr, resources: Option<&CStr>, logging: u8, events: u8, messages: &Messages) -> fmi3Instance {
     let environment = (&raw const *messages).cast_mut().cast();
-    let resources = resources.map_or(null(), CStr::as_ptr);
     let (name, token) = (c"one".as_ptr(), token.as_ptr());
-    fmi3InstantiateCoSimulation(name, token, resources, 0, logging, events, 0, null(), 0, environment, Some(log), None)
+    fmi3InstantiateCoSimulation(
+        name,
+        token,
+        pointer(resources),
+        0,
+        logging,
+        events,
+        0,
+        null(),
+        0,
+        environment,
+        Some(log),
+        None,
+    )
 }
 
 /// An instance, freed at the end. The methods' pointers are all valid.
@@ -124,7 +58,7 @@ struct Fmu {
 impl Fmu {
     fn new() -> Self {
         let messages = Box::<Messages>::default();
-        let c = instantiate(&token(describe_3, "instantiationToken"), None, 1, 0, &messages);
+        let c = instantiate(&token(), None, 1, 0, &messages);
         assert!(!c.is_null(), "{messages:?}");
         Fmu { c, messages }
     }
@@ -284,14 +218,12 @@ fn nothing_is_said_where_logging_is_off() {
     fmu.assert_refused(fmu.step(0.0, 1.0).0, &["the state \"error\" does not allow this call"]);
 
     let silent = Messages::default();
-    let token = token(describe_3, "instantiationToken");
-    assert!(instantiate(&token, Some(c"/no"), 0, 0, &silent).is_null() && silent.borrow().is_empty());
+    assert!(instantiate(&token(), Some(c"/no"), 0, 0, &silent).is_null() && silent.borrow().is_empty());
 }
 
 #[test]
 fn a_wrong_instantiation_returns_null_and_tells_why() {
-    let (messages, two) = (Messages::default(), token(describe_2, "guid"));
-    let three = token(describe_3, "instantiationToken");
+    let (messages, two, three) = (Messages::default(), guid(), token());
     assert!(instantiate(&two, None, 1, 0, &messages).is_null());
     assert!(instantiate(&three, None, 1, 1, &messages).is_null());
     assert!(instantiate(&three, Some(c"/no/folder"), 1, 0, &messages).is_null());
@@ -340,24 +272,11 @@ fn bytes_carry_a_state_on_but_not_from_the_other_version() {
     assert_eq!([fmu.step(0.1, 0.1).0, other.step(0.1, 0.1).0], [OK; 2]);
     assert_eq!(other.get::<3>(&[Y[0]]).map(f64::to_bits), fmu.get::<3>(&[Y[0]]).map(f64::to_bits));
 
-    let callbacks = fmi2CallbackFunctions {
-        logger: None,
-        allocateMemory: None,
-        freeMemory: None,
-        stepFinished: None,
-        componentEnvironment: null_mut(),
-    };
-    let guid = token(describe_2, "guid");
-    let (name, kind) = (c"two".as_ptr(), fmi2Type::fmi2CoSimulation);
-    let two = fmi2Instantiate(name, kind, guid.as_ptr(), null(), &callbacks, 0, 0);
-    let (mut state, mut size) = (null_mut(), 0);
-    assert_eq!(fmi2GetFMUstate(two, &mut state), fmi2Status::fmi2OK);
-    assert_eq!(fmi2SerializedFMUstateSize(two, state, &mut size), fmi2Status::fmi2OK);
-    let mut bytes = vec![0u8; size];
-    assert_eq!(fmi2SerializeFMUstate(two, state, bytes.as_mut_ptr().cast(), size), fmi2Status::fmi2OK);
-    fmi2FreeInstance(two);
-    let status = fmi3DeserializeFMUState(fmu.c, bytes.as_ptr(), size, &mut copy);
-    fmu.assert_refused(status, &["with another model description", guid.to_str().unwrap()]);
+    let (two, mut state) = (Fmu2::new(), null_mut());
+    assert_eq!(two.save(&mut state), fmi2Status::fmi2OK);
+    let bytes = two.serialize(state);
+    let status = fmi3DeserializeFMUState(fmu.c, bytes.as_ptr(), bytes.len(), &mut copy);
+    fmu.assert_refused(status, &["with another model description", guid().to_str().unwrap()]);
 }
 
 #[test]

@@ -5,58 +5,51 @@
 
 use std::env::args;
 use std::error::Error;
-use std::ffi::{CString, c_char};
+use std::ffi::CString;
 use std::fs::{read_dir, read_to_string};
 use std::path::Path;
-use std::ptr::null_mut;
 
-use fmi_export::sys::*;
 use libloading::Library;
+use nervure_fmi_export::sys::*;
+
+use description::{attribute, reals};
+use logger::{Messages, callbacks};
+
+#[allow(dead_code, reason = "a program that loads libraries uses a part")]
+#[path = "../../../crates/fmi-export/tests/master/description.rs"]
+mod description;
+#[path = "../../../crates/fmi-export/tests/master/logger.rs"]
+mod logger;
+
+/// Types of the functions, under their names.
+mod functions {
+    #![allow(dead_code, non_camel_case_types)]
+
+    use super::*;
+
+    macro_rules! types {
+        ($($name:ident($($argument:ident: $type:ty),*) -> $result:ty;)*) => {
+            $(pub type $name = unsafe extern "C" fn($($type),*) -> $result;)*
+        };
+    }
+
+    nervure_fmi_export::__functions! { types, }
+}
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
 struct Unit {
     library: Library,
     c: fmi2Component,
+    messages: Box<Messages>,
     /// Names and references of the Real variables, by causality.
     inputs: Vec<(String, u32)>,
     outputs: Vec<(String, u32)>,
 }
 
-type Log = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String);
-type VariadicLog = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
-
-unsafe extern "C" fn log(
-    _: fmi2ComponentEnvironment,
-    _: fmi2String,
-    _: fmi2Status,
-    _: fmi2String,
-    message: *const c_char,
-) {
-    // SAFETY: the message is a string by the standard.
-    eprintln!("{}", unsafe { std::ffi::CStr::from_ptr(message) }.to_string_lossy());
-}
-
-fn attribute(text: &str, name: &str) -> Option<String> {
-    let (_, rest) = text.split_once(&format!(" {name}=\""))?;
-    Some(rest.split_once('"')?.0.to_owned())
-}
-
-fn ok(status: fmi2Status, what: &str) -> Result<()> {
-    if status == fmi2Status::fmi2OK { Ok(()) } else { Err(format!("{what}: {status:?}").into()) }
-}
-
 impl Unit {
     fn new(folder: &Path, libraries: &str) -> Result<Self> {
-        let text = read_to_string(folder.join("modelDescription.xml"))?;
-        let variables = text.split("<ScalarVariable").skip(1).filter(|text| text.contains("<Real"));
-        let of = |causality: &str| {
-            let chosen = variables.clone().filter(|text| attribute(text, "causality").as_deref() == Some(causality));
-            let pairs =
-                chosen.map(|text| Some((attribute(text, "name")?, attribute(text, "valueReference")?.parse().ok()?)));
-            pairs.collect::<Option<Vec<_>>>().ok_or("a variable without name or reference")
-        };
-        let (inputs, outputs) = (of("input")?, of("output")?);
+        let xml = read_to_string(folder.join("modelDescription.xml"))?;
         let file = read_dir(folder.join("binaries").join(libraries))?.next().ok_or("no library")??;
         // SAFETY: the library is an FMU's, which does nothing when it is loaded.
         let library = unsafe { Library::new(file.path()) }?;
@@ -64,35 +57,30 @@ impl Unit {
         // Windows: `\\?\Z:\a` is `/Z:/a`.
         let path = resources.trim_start_matches(r"\\?\").replace('\\', "/");
         let location = CString::new(format!("file://{}{path}", if path.starts_with('/') { "" } else { "/" }))?;
-        let guid = CString::new(attribute(&text, "guid").ok_or("no GUID")?)?;
-        let callbacks = fmi2CallbackFunctions {
-            // SAFETY: as in `crates/fmi-export/tests/c_interface.rs`: no variadic argument is ever passed.
-            logger: Some(unsafe { std::mem::transmute::<Log, VariadicLog>(log) }),
-            allocateMemory: None,
-            freeMemory: None,
-            stepFinished: None,
-            componentEnvironment: null_mut(),
-        };
-        let callbacks = Box::leak(Box::new(callbacks));
+        let guid = CString::new(attribute(&xml, "guid"))?;
+        let messages = Box::<Messages>::default();
         // SAFETY: the types are those of the standard's header, the pointers are valid.
         let c = unsafe {
-            let instantiate = library.get::<fmi2InstantiateTYPE>(b"fmi2Instantiate\0")?.ok_or("no function")?;
-            let kind = fmi2Type::fmi2CoSimulation;
-            instantiate(c"unit".as_ptr(), kind, guid.as_ptr(), location.as_ptr(), callbacks, 0, 0)
+            let instantiate = library.get::<functions::fmi2Instantiate>(b"fmi2Instantiate\0")?;
+            let (kind, callbacks) = (fmi2Type::fmi2CoSimulation, callbacks(&messages));
+            instantiate(c"unit".as_ptr(), kind, guid.as_ptr(), location.as_ptr(), &callbacks, 0, 0)
         };
         if c.is_null() {
-            return Err("no instance".into());
+            return Err(format!("no instance: {messages:?}").into());
         }
-        let unit = Self { library, c, inputs, outputs };
+        let unit = Self { library, c, messages, inputs: reals(&xml, "input"), outputs: reals(&xml, "output") };
         for name in ["fmi2EnterInitializationMode", "fmi2ExitInitializationMode"] {
-            // SAFETY: as above.
-            let status = unsafe {
-                let function = unit.library.get::<fmi2EnterInitializationModeTYPE>(name.as_bytes())?.ok_or(name)?;
-                function(c)
-            };
-            ok(status, name)?;
+            // SAFETY: as above; both functions have this type.
+            unit.ok(unsafe { unit.library.get::<functions::fmi2ExitInitializationMode>(name.as_bytes())?(c) }, name)?;
         }
         Ok(unit)
+    }
+
+    fn ok(&self, status: fmi2Status, what: &str) -> Result<()> {
+        match status {
+            fmi2Status::fmi2OK => Ok(()),
+            _ => Err(format!("{what}: {status:?}, {:?}", self.messages).into()),
+        }
     }
 
     /// The Real outputs by name.
@@ -101,10 +89,10 @@ impl Unit {
         let mut values = vec![0.0; references.len()];
         // SAFETY: as above; both arrays have the length that is passed.
         let status = unsafe {
-            let get = self.library.get::<fmi2GetRealTYPE>(b"fmi2GetReal\0")?.ok_or("no function")?;
+            let get = self.library.get::<functions::fmi2GetReal>(b"fmi2GetReal\0")?;
             get(self.c, references.as_ptr(), references.len(), values.as_mut_ptr())
         };
-        ok(status, "fmi2GetReal")?;
+        self.ok(status, "fmi2GetReal")?;
         Ok(self.outputs.iter().map(|(name, _)| name.as_str()).zip(values).collect())
     }
 
@@ -117,11 +105,11 @@ impl Unit {
         let (references, values): (Vec<u32>, Vec<f64>) = taken.unzip();
         // SAFETY: as above.
         let statuses = unsafe {
-            let set = self.library.get::<fmi2SetRealTYPE>(b"fmi2SetReal\0")?.ok_or("no function")?;
-            let step = self.library.get::<fmi2DoStepTYPE>(b"fmi2DoStep\0")?.ok_or("no function")?;
+            let set = self.library.get::<functions::fmi2SetReal>(b"fmi2SetReal\0")?;
+            let step = self.library.get::<functions::fmi2DoStep>(b"fmi2DoStep\0")?;
             [set(self.c, references.as_ptr(), references.len(), values.as_ptr()), step(self.c, t, h, 1)]
         };
-        statuses.into_iter().try_for_each(|status| ok(status, "fmi2DoStep"))
+        statuses.into_iter().try_for_each(|status| self.ok(status, "fmi2DoStep"))
     }
 }
 

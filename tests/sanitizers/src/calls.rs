@@ -1,89 +1,35 @@
 //! What a master does with a unit, and what it must not do: NULL, wrong sizes, wrong handles, wrong order.
 
-use std::ffi::{CStr, CString, c_void};
+use std::ffi::{CStr, c_void};
 use std::path::Path;
 use std::ptr::{null, null_mut};
 
-use fmi_export::sys::*;
+use nervure_fmi_export::sys::*;
 
-macro_rules! import {
-    ($($name:ident($($type:ty),*) -> $result:ty;)*) => {
-        // SAFETY: the signatures are those of the header. Declared safe because every call in this file passes pointers
-        // that are null or valid for the length it states.
-        unsafe extern "C" {
-            $(safe fn $name($(_: $type),*) -> $result;)*
-        }
-    };
-}
+use master::description::{attribute, references};
+use master::logger::{Messages, callbacks};
+use master::*;
 
-type Vr = *const fmi2ValueReference;
-
-import! {
-    fmi2SetDebugLogging(fmi2Component, fmi2Boolean, usize, *const fmi2String) -> fmi2Status;
-    fmi2Instantiate(fmi2String, fmi2Type, fmi2String, fmi2String, *const fmi2CallbackFunctions, fmi2Boolean,
-                    fmi2Boolean) -> fmi2Component;
-    fmi2FreeInstance(fmi2Component) -> ();
-    fmi2SetupExperiment(fmi2Component, fmi2Boolean, f64, f64, fmi2Boolean, f64) -> fmi2Status;
-    fmi2EnterInitializationMode(fmi2Component) -> fmi2Status;
-    fmi2ExitInitializationMode(fmi2Component) -> fmi2Status;
-    fmi2Terminate(fmi2Component) -> fmi2Status;
-    fmi2Reset(fmi2Component) -> fmi2Status;
-    fmi2GetReal(fmi2Component, Vr, usize, *mut f64) -> fmi2Status;
-    fmi2GetInteger(fmi2Component, Vr, usize, *mut i32) -> fmi2Status;
-    fmi2GetBoolean(fmi2Component, Vr, usize, *mut fmi2Boolean) -> fmi2Status;
-    fmi2GetString(fmi2Component, Vr, usize, *mut fmi2String) -> fmi2Status;
-    fmi2SetReal(fmi2Component, Vr, usize, *const f64) -> fmi2Status;
-    fmi2SetInteger(fmi2Component, Vr, usize, *const i32) -> fmi2Status;
-    fmi2SetBoolean(fmi2Component, Vr, usize, *const fmi2Boolean) -> fmi2Status;
-    fmi2SetString(fmi2Component, Vr, usize, *const fmi2String) -> fmi2Status;
-    fmi2GetFMUstate(fmi2Component, *mut fmi2FMUstate) -> fmi2Status;
-    fmi2SetFMUstate(fmi2Component, fmi2FMUstate) -> fmi2Status;
-    fmi2FreeFMUstate(fmi2Component, *mut fmi2FMUstate) -> fmi2Status;
-    fmi2SerializedFMUstateSize(fmi2Component, fmi2FMUstate, *mut usize) -> fmi2Status;
-    fmi2SerializeFMUstate(fmi2Component, fmi2FMUstate, *mut fmi2Byte, usize) -> fmi2Status;
-    fmi2DeSerializeFMUstate(fmi2Component, *const fmi2Byte, usize, *mut fmi2FMUstate) -> fmi2Status;
-    fmi2GetDirectionalDerivative(fmi2Component, Vr, usize, Vr, usize, *const f64, *mut f64) -> fmi2Status;
-    fmi2SetRealInputDerivatives(fmi2Component, Vr, usize, *const i32, *const f64) -> fmi2Status;
-    fmi2GetRealOutputDerivatives(fmi2Component, Vr, usize, *const i32, *mut f64) -> fmi2Status;
-    fmi2DoStep(fmi2Component, f64, f64, fmi2Boolean) -> fmi2Status;
-    fmi2CancelStep(fmi2Component) -> fmi2Status;
-    fmi2GetRealStatus(fmi2Component, fmi2StatusKind, *mut f64) -> fmi2Status;
-    fmi2GetStringStatus(fmi2Component, fmi2StatusKind, *mut fmi2String) -> fmi2Status;
-    fmu_model_description(fmi2String, *mut fmi2Char, usize, *mut usize) -> i32;
-    fmu_field(fmi2Component, fmi2String, *mut f64, usize, *mut usize) -> i32;
-}
-
-const OK: fmi2Status = fmi2Status::fmi2OK;
-const ERROR: fmi2Status = fmi2Status::fmi2Error;
+#[path = "../../../crates/fmi-export/tests/master/mod.rs"]
+mod master;
 
 /// Communication step, s, and a reference that no unit has.
 const H: f64 = 4e-4;
 const NOWHERE: u32 = u32::MAX;
-
-unsafe extern "C" fn log(
-    _environment: fmi2ComponentEnvironment,
-    _instance_name: fmi2String,
-    _status: fmi2Status,
-    _category: fmi2String,
-    message: fmi2String,
-) {
-    // SAFETY: the message is a string by the standard.
-    eprintln!("  {}", unsafe { CStr::from_ptr(message) }.to_string_lossy());
-}
 
 /// The whole play with the unit of this program, whose resources hold `scene` as scene.json.
 pub fn run(scene: &[u8]) {
     let folder = std::env::temp_dir().join(format!("sanitizers-{}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("the folder can be made");
     std::fs::write(folder.join("scene.json"), scene).expect("the scene can be written");
-    let (xml, guid) = description(&folder);
-    let functions = callbacks();
+    let xml = description(&folder);
+    let messages = Messages::default();
+    let functions = callbacks(&messages);
     let make =
         |name: Option<&CStr>, guid: Option<&CStr>, place: Option<&CStr>, functions: *const fmi2CallbackFunctions| {
-            let pointer = |string: Option<&CStr>| string.map_or(null(), CStr::as_ptr);
-            fmi2Instantiate(pointer(name), fmi2Type::fmi2CoSimulation, pointer(guid), pointer(place), functions, 0, 1)
+            instantiate(name, CO_SIMULATION, guid, place, functions)
         };
-    let place = CString::new(format!("file://{}", folder.display())).expect("without NUL");
+    let (guid, place) = (c_string(attribute(&xml, "guid")), c_string(format!("file://{}", folder.display())));
     let (name, guid, place) = (Some(c"unit"), Some(guid.as_c_str()), Some(place.as_c_str()));
     let refused = [
         make(None, guid, place, &functions),
@@ -123,44 +69,13 @@ pub fn run(scene: &[u8]) {
     std::fs::remove_dir_all(&folder).expect("the folder is ours");
 }
 
-fn callbacks() -> fmi2CallbackFunctions {
-    type Fixed = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String);
-    type Variadic = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
-    fmi2CallbackFunctions {
-        // SAFETY: as in `crates/fmi-export/tests/c_interface.rs`: no variadic argument is ever passed.
-        logger: Some(unsafe { std::mem::transmute::<Fixed, Variadic>(log) }),
-        allocateMemory: None,
-        freeMemory: None,
-        stepFinished: None,
-        componentEnvironment: null_mut(),
-    }
-}
-
-/// The model description, read into a buffer of exactly its size, and its GUID.
-fn description(folder: &Path) -> (String, CString) {
-    let plain = CString::new(folder.to_str().expect("a plain path")).expect("without NUL");
-    let mut needed = 0;
-    assert_eq!(fmu_model_description(c"/nowhere".as_ptr(), null_mut(), 0, &mut needed), 1);
-    assert_eq!(fmu_model_description(plain.as_ptr(), null_mut(), 0, &mut needed), 0);
-    let mut buffer = vec![0_u8; needed];
-    fmu_model_description(plain.as_ptr(), buffer.as_mut_ptr().cast(), 1, &mut needed);
-    assert_eq!(fmu_model_description(plain.as_ptr(), buffer.as_mut_ptr().cast(), needed, &mut needed), 0);
-    assert_eq!(buffer.pop(), Some(0));
-    let xml = String::from_utf8(buffer).expect("XML is UTF-8");
-    let guid = attribute(&xml, "guid");
-    (xml, CString::new(guid).expect("without NUL"))
-}
-
-fn attribute(text: &str, name: &str) -> String {
-    let (_, rest) = text.split_once(&format!(" {name}=\"")).expect("the description has it");
-    rest.split_once('"').expect("it ends").0.to_owned()
-}
-
-/// References of the Real variables of a causality.
-fn references(xml: &str, causality: &str) -> Vec<u32> {
-    let variables = xml.split("<ScalarVariable").skip(1);
-    let chosen = variables.filter(|v| v.contains(&format!("causality=\"{causality}\"")) && v.contains("<Real"));
-    chosen.map(|v| attribute(v, "valueReference").parse().expect("a number")).collect()
+/// Return the model description, after calls with too little room for it and for a folder that does not exist.
+fn description(folder: &Path) -> String {
+    let (plain, mut needed) = (c_string(folder.display()), 0);
+    let mut buffer = vec![0_u8; 1]; // on the heap, where a byte too many is found
+    assert_eq!(fmu_model_description(plain.as_ptr(), buffer.as_mut_ptr().cast(), 1, &mut needed), 0);
+    assert!(describe(Some(c"/nowhere")).is_err());
+    describe(Some(&plain)).expect("the scene is good")
 }
 
 /// Calls that every instance refuses at any time, and NULL as well; none may read or write through a bad pointer.

@@ -92,6 +92,43 @@ pub(super) fn write_log_categories(writer: &mut Writer<Vec<u8>>, version: Versio
     Ok(())
 }
 
+/// Begin the element of a variable: name, value reference, description and role.
+pub(super) fn begin<'a, M>(
+    writer: &'a mut Writer<Vec<u8>>,
+    element: &'static str,
+    name: &str,
+    reference: u32,
+    variable: &Variable<M>,
+) -> ElementWriter<'a, Vec<u8>> {
+    let element = writer
+        .create_element(element)
+        .with_attribute(("name", name))
+        .with_attribute(("valueReference", reference.to_string().as_str()))
+        .with_attribute(("description", variable.description.as_str()))
+        .with_attribute(("causality", variable.causality.name()))
+        .with_attribute(("variability", variable.variability.name()));
+    match variable.initial() {
+        Some(initial) => element.with_attribute(("initial", initial)),
+        None => element,
+    }
+}
+
+/// Write an unknown, whose `key` is an index or a value reference, with its dependencies if they are known.
+pub(super) fn write_unknown(
+    writer: &mut Writer<Vec<u8>>,
+    element: &'static str,
+    (key, reference): (&str, u32),
+    dependencies: Option<&str>,
+) -> io::Result<()> {
+    let element = writer.create_element(element).with_attribute((key, reference.to_string().as_str()));
+    match dependencies {
+        Some(dependencies) => element.with_attribute(("dependencies", dependencies)),
+        None => element,
+    }
+    .write_empty()?;
+    Ok(())
+}
+
 /// Add unit, display unit and nominal value of a Real.
 pub(super) fn with_unit<'a, M>(
     mut element: ElementWriter<'a, Vec<u8>>,

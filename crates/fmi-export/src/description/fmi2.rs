@@ -1,33 +1,26 @@
 //! Model description of FMI 2.0: each element of an array is a variable.
 
-use std::fmt::Write as _;
 use std::io;
 use std::ops::Range;
 
 use quick_xml::Writer;
 
-use super::elements::{Listed, enumerations, with_bounds, with_unit, write_items};
-use crate::model::Model;
+use super::elements::{Listed, begin, enumerations, with_bounds, with_unit, write_items, write_unknown};
 use crate::table::Table;
 use crate::variable::Variable;
 use crate::version::Version;
 
-/// Write the capabilities of the unit.
-pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
-    writer
-        .create_element("CoSimulation")
-        .with_attribute(("modelIdentifier", M::IDENTIFIER))
-        .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
-        .with_attribute(("canInterpolateInputs", "false"))
-        .with_attribute(("maxOutputDerivativeOrder", "0"))
-        .with_attribute(("canBeInstantiatedOnlyOncePerProcess", "false"))
-        .with_attribute(("canNotUseMemoryManagementFunctions", "true"))
-        .with_attribute(("canGetAndSetFMUstate", "true"))
-        .with_attribute(("canSerializeFMUstate", "true"))
-        .with_attribute(("providesDirectionalDerivative", "false"))
-        .write_empty()?;
-    Ok(())
-}
+/// Capabilities of a unit.
+pub(super) const CAPABILITIES: &[(&str, &str)] = &[
+    ("canHandleVariableCommunicationStepSize", "true"),
+    ("canInterpolateInputs", "false"),
+    ("maxOutputDerivativeOrder", "0"),
+    ("canBeInstantiatedOnlyOncePerProcess", "false"),
+    ("canNotUseMemoryManagementFunctions", "true"),
+    ("canGetAndSetFMUstate", "true"),
+    ("canSerializeFMUstate", "true"),
+    ("providesDirectionalDerivative", "false"),
+];
 
 /// Write the enumerations.
 pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
@@ -55,17 +48,8 @@ pub(super) fn write_variable<M>(
     starts: &[Option<String>],
 ) -> io::Result<()> {
     for (element, reference) in references.enumerate() {
-        let mut scalar = writer
-            .create_element("ScalarVariable")
-            .with_attribute(("name", variable.element_name(element).as_str()))
-            .with_attribute(("valueReference", reference.to_string().as_str()))
-            .with_attribute(("description", variable.description.as_str()))
-            .with_attribute(("causality", variable.causality.name()))
-            .with_attribute(("variability", variable.variability.name()));
-        if let Some(initial) = variable.initial() {
-            scalar = scalar.with_attribute(("initial", initial));
-        }
-        scalar.write_inner_content(|writer| {
+        let name = variable.element_name(element);
+        begin(writer, "ScalarVariable", &name, reference, variable).write_inner_content(|writer| {
             let mut value = writer.create_element(variable.type_name(Version::Fmi2));
             if let Some((name, _)) = &variable.enumeration {
                 value = value.with_attribute(("declaredType", name.as_str()));
@@ -89,13 +73,8 @@ pub(super) fn write_structure<M>(
     unknowns: &Listed<M>,
 ) -> io::Result<()> {
     let dependencies = |variable: &Variable<M>| {
-        let mut text = String::new();
-        let names = variable.dependencies.as_ref()?;
-        for reference in names.iter().filter_map(|name| table.references_of(name)).flatten() {
-            let separator = if text.is_empty() { "" } else { " " };
-            write!(text, "{separator}{}", reference + 1).expect("writing to memory does not fail");
-        }
-        Some(text)
+        let known = variable.dependencies.as_ref()?.iter().filter_map(|name| table.references_of(name)).flatten();
+        Some(known.map(|reference| (reference + 1).to_string()).collect::<Vec<_>>().join(" "))
     };
     writer.create_element("ModelStructure").write_inner_content(|writer| {
         if !outputs.is_empty() {
@@ -116,14 +95,10 @@ pub(super) fn write_structure<M>(
 }
 
 /// Write the unknowns of one variable.
-fn write_unknowns(writer: &mut Writer<Vec<u8>>, references: Range<u32>, dependencies: Option<&str>) -> io::Result<()> {
-    for reference in references {
-        let mut unknown =
-            writer.create_element("Unknown").with_attribute(("index", (reference + 1).to_string().as_str()));
-        if let Some(dependencies) = dependencies {
-            unknown = unknown.with_attribute(("dependencies", dependencies));
-        }
-        unknown.write_empty()?;
-    }
-    Ok(())
+fn write_unknowns(
+    writer: &mut Writer<Vec<u8>>,
+    mut references: Range<u32>,
+    dependencies: Option<&str>,
+) -> io::Result<()> {
+    references.try_for_each(|reference| write_unknown(writer, "Unknown", ("index", reference + 1), dependencies))
 }

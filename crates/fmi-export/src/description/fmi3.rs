@@ -6,27 +6,21 @@ use std::ops::Range;
 
 use quick_xml::Writer;
 
-use super::elements::{Listed, enumerations, with_bounds, with_unit, write_items};
+use super::elements::{Listed, begin, enumerations, with_bounds, with_unit, write_items, write_unknown};
 use crate::access::Access;
-use crate::model::Model;
 use crate::table::Table;
 use crate::variable::Variable;
 use crate::version::Version;
 
-/// Write the capabilities of the unit.
-pub(super) fn write_co_simulation<M: Model>(writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
-    writer
-        .create_element("CoSimulation")
-        .with_attribute(("modelIdentifier", M::IDENTIFIER))
-        .with_attribute(("canGetAndSetFMUState", "true"))
-        .with_attribute(("canSerializeFMUState", "true"))
-        .with_attribute(("providesDirectionalDerivatives", "false"))
-        .with_attribute(("providesAdjointDerivatives", "false"))
-        .with_attribute(("canHandleVariableCommunicationStepSize", "true"))
-        .with_attribute(("maxOutputDerivativeOrder", "0"))
-        .write_empty()?;
-    Ok(())
-}
+/// Capabilities of a unit.
+pub(super) const CAPABILITIES: &[(&str, &str)] = &[
+    ("canGetAndSetFMUState", "true"),
+    ("canSerializeFMUState", "true"),
+    ("providesDirectionalDerivatives", "false"),
+    ("providesAdjointDerivatives", "false"),
+    ("canHandleVariableCommunicationStepSize", "true"),
+    ("maxOutputDerivativeOrder", "0"),
+];
 
 /// Write the types. They carry the units, because some readers ignore the units of variables.
 pub(super) fn write_types<M>(writer: &mut Writer<Vec<u8>>, table: &Table<M>) -> io::Result<()> {
@@ -67,16 +61,7 @@ pub(super) fn write_variable<M>(
         return Ok(());
     }
     let starts: Vec<&str> = references.clone().filter_map(|reference| starts[reference as usize].as_deref()).collect();
-    let mut element = writer
-        .create_element(variable.type_name(Version::Fmi3))
-        .with_attribute(("name", variable.name.as_str()))
-        .with_attribute(("valueReference", references.start.to_string().as_str()))
-        .with_attribute(("description", variable.description.as_str()))
-        .with_attribute(("causality", variable.causality.name()))
-        .with_attribute(("variability", variable.variability.name()));
-    if let Some(initial) = variable.initial() {
-        element = element.with_attribute(("initial", initial));
-    }
+    let mut element = begin(writer, variable.type_name(Version::Fmi3), &variable.name, references.start, variable);
     let declared = real_type(variable).or_else(|| variable.enumeration.as_ref().map(|(name, _)| name.clone()));
     if let Some(name) = declared {
         element = element.with_attribute(("declaredType", name.as_str()));
@@ -115,16 +100,12 @@ pub(super) fn write_structure<M>(
         Some(known.join(" "))
     };
     writer.create_element("ModelStructure").write_inner_content(|writer| {
-        let mut write = |name: &str, reference: u32, dependencies: Option<String>| {
-            let mut unknown =
-                writer.create_element(name).with_attribute(("valueReference", reference.to_string().as_str()));
-            if let Some(dependencies) = &dependencies {
-                unknown = unknown.with_attribute(("dependencies", dependencies.as_str()));
-            }
-            unknown.write_empty().map(|_| ())
-        };
-        outputs.iter().try_for_each(|(variable, r)| write("Output", r.start, dependencies(variable)))?;
-        unknowns.iter().try_for_each(|(_, r)| write("InitialUnknown", r.start, None))
+        outputs.iter().try_for_each(|(variable, r)| {
+            write_unknown(writer, "Output", ("valueReference", r.start), dependencies(variable).as_deref())
+        })?;
+        unknowns
+            .iter()
+            .try_for_each(|(_, r)| write_unknown(writer, "InitialUnknown", ("valueReference", r.start), None))
     })?;
     Ok(())
 }

@@ -5,20 +5,46 @@ use std::{ptr, slice};
 
 use crate::access::Value;
 use crate::guard;
-use crate::instance::{Instance, Loaded};
+use crate::instance::{self, Instance, Loaded};
 use crate::log::Log;
 use crate::model::Model;
+use crate::resource;
 use crate::state_machine::Function;
 use crate::sys::{fmi2Status, fmi3Status};
+use crate::version::Version;
+
+/// Define functions that take nothing but the instance.
+macro_rules! without_arguments {
+    ($status:ty; $($name:ident = $body:expr;)*) => {
+        $(
+            pub unsafe fn $name<M: Model>(c: *mut c_void) -> $status {
+                // SAFETY: the module's precondition.
+                unsafe { call::<M, _>(c, Function::$name, $body) }
+            }
+        )*
+    };
+}
+
+/// Define the functions of capabilities that no unit has: they return an error with the reason.
+macro_rules! not_provided {
+    ($status:ty; $($name:ident($($argument:ty),*) = $reason:literal;)*) => {
+        $(
+            pub unsafe fn $name<M: Model>(c: *mut c_void, $(_: $argument),*) -> $status {
+                // SAFETY: the module's precondition.
+                unsafe { call::<M, _>(c, Function::$name, |_| Err($reason.into())) }
+            }
+        )*
+    };
+}
 
 /// Define the functions of the FMU state, which have different names and types in both versions.
 macro_rules! state_functions {
     (
-        $instance:ty, $state:ty, $byte:ty, $status:ty;
+        $state:ty, $byte:ty, $status:ty;
         $get:ident, $set:ident, $free:ident;
         $size:ident, $serialize:ident, $deserialize:ident;
     ) => {
-        pub unsafe extern "C" fn $get<M: Model>(c: $instance, state: *mut $state) -> $status {
+        pub unsafe fn $get<M: Model>(c: *mut c_void, state: *mut $state) -> $status {
             // SAFETY: the module's precondition.
             unsafe {
                 call::<M, _>(c, Function::$get, |instance| {
@@ -28,12 +54,12 @@ macro_rules! state_functions {
             }
         }
 
-        pub unsafe extern "C" fn $set<M: Model>(c: $instance, state: $state) -> $status {
+        pub unsafe fn $set<M: Model>(c: *mut c_void, state: $state) -> $status {
             // SAFETY: the module's precondition; the state is a handle that is not dereferenced.
             unsafe { call::<M, _>(c, Function::$set, |instance| instance.restore(state.addr())) }
         }
 
-        pub unsafe extern "C" fn $free<M: Model>(c: $instance, state: *mut $state) -> $status {
+        pub unsafe fn $free<M: Model>(c: *mut c_void, state: *mut $state) -> $status {
             // SAFETY: the module's precondition.
             unsafe {
                 call::<M, _>(c, Function::$free, |instance| {
@@ -47,7 +73,7 @@ macro_rules! state_functions {
             }
         }
 
-        pub unsafe extern "C" fn $size<M: Model>(c: $instance, state: $state, size: *mut usize) -> $status {
+        pub unsafe fn $size<M: Model>(c: *mut c_void, state: $state, size: *mut usize) -> $status {
             // SAFETY: the module's precondition.
             unsafe {
                 call::<M, _>(c, Function::$size, |instance| {
@@ -58,12 +84,7 @@ macro_rules! state_functions {
             }
         }
 
-        pub unsafe extern "C" fn $serialize<M: Model>(
-            c: $instance,
-            state: $state,
-            bytes: *mut $byte,
-            size: usize,
-        ) -> $status {
+        pub unsafe fn $serialize<M: Model>(c: *mut c_void, state: $state, bytes: *mut $byte, size: usize) -> $status {
             // SAFETY: the module's precondition; at most `size` bytes are written.
             unsafe {
                 call::<M, _>(c, Function::$serialize, |instance| {
@@ -78,8 +99,8 @@ macro_rules! state_functions {
             }
         }
 
-        pub unsafe extern "C" fn $deserialize<M: Model>(
-            c: $instance,
+        pub unsafe fn $deserialize<M: Model>(
+            c: *mut c_void,
             bytes: *const $byte,
             size: usize,
             state: *mut $state,
@@ -96,7 +117,7 @@ macro_rules! state_functions {
     };
 }
 
-pub(super) use state_functions;
+pub(super) use {not_provided, state_functions, without_arguments};
 
 /// Result of a call on an instance.
 pub(super) enum Outcome {
@@ -180,6 +201,28 @@ pub(super) fn instantiate<M: Model>(
             ptr::null_mut()
         }
     }
+}
+
+/// Load the model of a new instance from what the master passes; `names` are those of GUID and location.
+///
+/// # Safety
+/// The module's precondition on strings.
+pub(super) unsafe fn load<M: Model>(
+    version: Version,
+    name: *const c_char,
+    names: [&str; 2],
+    [guid, location]: [*const c_char; 2],
+) -> Result<Loaded<M>, String> {
+    // SAFETY: the caller keeps the precondition.
+    let (name, guid, location) = unsafe {
+        let location = (!location.is_null()).then(|| text(names[1], location)).transpose()?;
+        (text("instanceName", name)?, text(names[0], guid)?, location)
+    };
+    if name.is_empty() {
+        return Err("instanceName must not be empty".to_string());
+    }
+    let folder = location.filter(|location| !location.is_empty()).map(resource::folder).transpose()?;
+    instance::load_described(folder.as_deref(), guid, version)
 }
 
 /// Free an instance.

@@ -1,26 +1,25 @@
 //! Functions of FMI 2.0.
 
-use std::ffi::{CStr, CString};
+use std::ffi::{CStr, CString, c_void};
 use std::ptr;
 
 use super::call::*;
-use crate::instance::{self, Instance};
+use crate::instance::Instance;
 use crate::log::Log;
 use crate::model::Model;
-use crate::resource;
 use crate::state_machine::Function;
 use crate::sys::*;
 use crate::version::Version;
 
-pub unsafe extern "C" fn fmi2GetTypesPlatform<M: Model>() -> fmi2String {
+pub unsafe fn fmi2GetTypesPlatform<M: Model>() -> fmi2String {
     c"default".as_ptr()
 }
 
-pub unsafe extern "C" fn fmi2GetVersion<M: Model>() -> fmi2String {
+pub unsafe fn fmi2GetVersion<M: Model>() -> fmi2String {
     c"2.0".as_ptr()
 }
 
-pub unsafe extern "C" fn fmi2SetDebugLogging<M: Model>(
+pub unsafe fn fmi2SetDebugLogging<M: Model>(
     c: fmi2Component,
     on: fmi2Boolean,
     n: usize,
@@ -30,7 +29,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging<M: Model>(
     unsafe { call::<M, _>(c, Function::fmi2SetDebugLogging, |instance| set_logging(instance, on != 0, n, categories)) }
 }
 
-pub unsafe extern "C" fn fmi2Instantiate<M: Model>(
+pub unsafe fn fmi2Instantiate<M: Model>(
     name: fmi2String,
     kind: fmi2Type,
     guid: fmi2String,
@@ -51,28 +50,20 @@ pub unsafe extern "C" fn fmi2Instantiate<M: Model>(
     // SAFETY: by the standard, logger and environment outlive the instance.
     let log = unsafe { Log::fmi2(functions.logger, functions.componentEnvironment, instance_name, logging != 0) };
     instantiate::<M>("fmi2Instantiate", log, || {
-        // SAFETY: the module's precondition on strings.
-        let (name, guid, resources) = unsafe {
-            let resources = (!resources.is_null()).then(|| text("fmuResourceLocation", resources)).transpose()?;
-            (text("instanceName", name)?, text("fmuGUID", guid)?, resources)
-        };
-        if name.is_empty() {
-            return Err("instanceName must not be empty".to_string());
-        }
         if kind != fmi2Type::fmi2CoSimulation {
             return Err(format!("fmuType = {} must be fmi2CoSimulation", kind.0));
         }
-        let folder = resources.filter(|location| !location.is_empty()).map(resource::folder).transpose()?;
-        instance::load_described::<M>(folder.as_deref(), guid, Version::Fmi2)
+        // SAFETY: the module's precondition on strings.
+        unsafe { load(Version::Fmi2, name, ["fmuGUID", "fmuResourceLocation"], [guid, resources]) }
     })
 }
 
-pub unsafe extern "C" fn fmi2FreeInstance<M: Model>(c: fmi2Component) {
+pub unsafe fn fmi2FreeInstance<M: Model>(c: fmi2Component) {
     // SAFETY: the module's precondition.
     unsafe { free::<M>(c) }
 }
 
-pub unsafe extern "C" fn fmi2SetupExperiment<M: Model>(
+pub unsafe fn fmi2SetupExperiment<M: Model>(
     c: fmi2Component,
     _has_tolerance: fmi2Boolean,
     _tolerance: fmi2Real,
@@ -85,18 +76,8 @@ pub unsafe extern "C" fn fmi2SetupExperiment<M: Model>(
     unsafe { call::<M, _>(c, Function::fmi2SetupExperiment, |instance| instance.setup_experiment(start, stop)) }
 }
 
-macro_rules! without_arguments {
-    ($($name:ident = $body:expr;)*) => {
-        $(
-            pub unsafe extern "C" fn $name<M: Model>(c: fmi2Component) -> fmi2Status {
-                // SAFETY: the module's precondition.
-                unsafe { call::<M, _>(c, Function::$name, $body) }
-            }
-        )*
-    };
-}
-
 without_arguments! {
+    fmi2Status;
     fmi2EnterInitializationMode = |instance| { instance.enter_initialization(); Ok(()) };
     fmi2ExitInitializationMode = |instance| instance.exit_initialization();
     fmi2Terminate = |instance| { instance.terminate(); Ok(()) };
@@ -107,7 +88,7 @@ without_arguments! {
 macro_rules! getters {
     ($($name:ident($value:ty) = $write:expr;)*) => {
         $(
-            pub unsafe extern "C" fn $name<M: Model>(
+            pub unsafe fn $name<M: Model>(
                 c: fmi2Component,
                 vr: *const fmi2ValueReference,
                 n: usize,
@@ -130,7 +111,7 @@ getters! {
     fmi2GetBoolean(fmi2Boolean) = |boolean: &bool| fmi2Boolean::from(*boolean);
 }
 
-pub unsafe extern "C" fn fmi2GetString<M: Model>(
+pub unsafe fn fmi2GetString<M: Model>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     n: usize,
@@ -142,48 +123,34 @@ pub unsafe extern "C" fn fmi2GetString<M: Model>(
     }
 }
 
-pub unsafe extern "C" fn fmi2SetReal<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *const fmi2Real,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M, _>(c, Function::fmi2SetReal, |instance| instance.set(array("vr", vr, n)?, array("value", value, n)?))
-    }
+macro_rules! setters {
+    ($($name:ident($value:ty) = |$values:ident| $read:expr;)*) => {
+        $(
+            pub unsafe fn $name<M: Model>(
+                c: fmi2Component,
+                vr: *const fmi2ValueReference,
+                n: usize,
+                value: *const $value,
+            ) -> fmi2Status {
+                // SAFETY: the module's precondition.
+                unsafe {
+                    call::<M, _>(c, Function::$name, |instance| {
+                        let (references, $values) = (array("vr", vr, n)?, array("value", value, n)?);
+                        instance.set(references, $read)
+                    })
+                }
+            }
+        )*
+    };
 }
 
-pub unsafe extern "C" fn fmi2SetInteger<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *const fmi2Integer,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M, _>(c, Function::fmi2SetInteger, |instance| {
-            instance.set(array("vr", vr, n)?, array("value", value, n)?)
-        })
-    }
+setters! {
+    fmi2SetReal(fmi2Real) = |values| values;
+    fmi2SetInteger(fmi2Integer) = |values| values;
+    fmi2SetBoolean(fmi2Boolean) = |values| &values.iter().map(|value| *value != 0).collect::<Vec<_>>();
 }
 
-pub unsafe extern "C" fn fmi2SetBoolean<M: Model>(
-    c: fmi2Component,
-    vr: *const fmi2ValueReference,
-    n: usize,
-    value: *const fmi2Boolean,
-) -> fmi2Status {
-    // SAFETY: the module's precondition.
-    unsafe {
-        call::<M, _>(c, Function::fmi2SetBoolean, |instance| {
-            let values: Vec<bool> = array("value", value, n)?.iter().map(|value| *value != 0).collect();
-            instance.set(array("vr", vr, n)?, &values)
-        })
-    }
-}
-
-pub unsafe extern "C" fn fmi2SetString<M: Model>(
+pub unsafe fn fmi2SetString<M: Model>(
     c: fmi2Component,
     vr: *const fmi2ValueReference,
     n: usize,
@@ -196,24 +163,13 @@ pub unsafe extern "C" fn fmi2SetString<M: Model>(
 }
 
 state_functions! {
-    fmi2Component, fmi2FMUstate, fmi2Byte, fmi2Status;
+    fmi2FMUstate, fmi2Byte, fmi2Status;
     fmi2GetFMUstate, fmi2SetFMUstate, fmi2FreeFMUstate;
     fmi2SerializedFMUstateSize, fmi2SerializeFMUstate, fmi2DeSerializeFMUstate;
 }
 
-/// Refuse the functions of capabilities that no unit has.
-macro_rules! not_provided {
-    ($($name:ident($($argument:ty),*) = $reason:literal;)*) => {
-        $(
-            pub unsafe extern "C" fn $name<M: Model>(c: fmi2Component, $(_: $argument),*) -> fmi2Status {
-                // SAFETY: the module's precondition.
-                unsafe { call::<M, _>(c, Function::$name, |_| Err($reason.into())) }
-            }
-        )*
-    };
-}
-
 not_provided! {
+    fmi2Status;
     fmi2GetDirectionalDerivative(
         *const fmi2ValueReference, usize, *const fmi2ValueReference, usize, *const fmi2Real, *mut fmi2Real
     ) = "directional derivatives are not provided";
@@ -223,7 +179,7 @@ not_provided! {
         = "output derivatives are not provided";
 }
 
-pub unsafe extern "C" fn fmi2DoStep<M: Model>(
+pub unsafe fn fmi2DoStep<M: Model>(
     c: fmi2Component,
     time: fmi2Real,
     step: fmi2Real,
@@ -257,26 +213,18 @@ unsafe fn status<M: Model, T>(
     .into()
 }
 
-pub unsafe extern "C" fn fmi2GetStatus<M: Model>(
-    c: fmi2Component,
-    _kind: fmi2StatusKind,
-    value: *mut fmi2Status,
-) -> fmi2Status {
+pub unsafe fn fmi2GetStatus<M: Model>(c: fmi2Component, _kind: fmi2StatusKind, value: *mut fmi2Status) -> fmi2Status {
     // SAFETY: the module's precondition.
     unsafe { status::<M, _>(c, Function::fmi2GetStatus, value, |_| None) }
 }
 
-pub unsafe extern "C" fn fmi2GetRealStatus<M: Model>(
-    c: fmi2Component,
-    kind: fmi2StatusKind,
-    value: *mut fmi2Real,
-) -> fmi2Status {
+pub unsafe fn fmi2GetRealStatus<M: Model>(c: fmi2Component, kind: fmi2StatusKind, value: *mut fmi2Real) -> fmi2Status {
     let asks_for_time = kind == fmi2StatusKind::fmi2LastSuccessfulTime;
     // SAFETY: the module's precondition.
     unsafe { status::<M, _>(c, Function::fmi2GetRealStatus, value, |instance| asks_for_time.then(|| instance.time())) }
 }
 
-pub unsafe extern "C" fn fmi2GetIntegerStatus<M: Model>(
+pub unsafe fn fmi2GetIntegerStatus<M: Model>(
     c: fmi2Component,
     _kind: fmi2StatusKind,
     value: *mut fmi2Integer,
@@ -285,7 +233,7 @@ pub unsafe extern "C" fn fmi2GetIntegerStatus<M: Model>(
     unsafe { status::<M, _>(c, Function::fmi2GetIntegerStatus, value, |_| None) }
 }
 
-pub unsafe extern "C" fn fmi2GetBooleanStatus<M: Model>(
+pub unsafe fn fmi2GetBooleanStatus<M: Model>(
     c: fmi2Component,
     kind: fmi2StatusKind,
     value: *mut fmi2Boolean,
@@ -296,7 +244,7 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus<M: Model>(
     unsafe { status::<M, _>(c, Function::fmi2GetBooleanStatus, value, |_| asks_for_end.then_some(0)) }
 }
 
-pub unsafe extern "C" fn fmi2GetStringStatus<M: Model>(
+pub unsafe fn fmi2GetStringStatus<M: Model>(
     c: fmi2Component,
     _kind: fmi2StatusKind,
     value: *mut fmi2String,

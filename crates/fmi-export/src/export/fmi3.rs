@@ -1,21 +1,21 @@
 //! Functions of FMI 3.0. Functions of absent capabilities return an error with the reason.
 
+use std::ffi::c_void;
 use std::ptr;
 
 use super::call::*;
-use crate::instance::{self, Instance};
+use crate::instance::Instance;
 use crate::log::Log;
 use crate::model::Model;
-use crate::resource;
 use crate::state_machine::Function;
 use crate::sys::*;
 use crate::version::Version;
 
-pub unsafe extern "C" fn fmi3GetVersion<M: Model>() -> fmi3String {
+pub unsafe fn fmi3GetVersion<M: Model>() -> fmi3String {
     c"3.0".as_ptr()
 }
 
-pub unsafe extern "C" fn fmi3SetDebugLogging<M: Model>(
+pub unsafe fn fmi3SetDebugLogging<M: Model>(
     c: fmi3Instance,
     on: fmi3Boolean,
     n: usize,
@@ -25,7 +25,7 @@ pub unsafe extern "C" fn fmi3SetDebugLogging<M: Model>(
     unsafe { call::<M, _>(c, Function::fmi3SetDebugLogging, |instance| set_logging(instance, on != 0, n, categories)) }
 }
 
-pub unsafe extern "C" fn fmi3InstantiateCoSimulation<M: Model>(
+pub unsafe fn fmi3InstantiateCoSimulation<M: Model>(
     name: fmi3String,
     token: fmi3String,
     resources: fmi3String,
@@ -42,23 +42,15 @@ pub unsafe extern "C" fn fmi3InstantiateCoSimulation<M: Model>(
     // SAFETY: by the standard, logger and environment outlive the instance.
     let log = unsafe { Log::fmi3(log_message, environment, logging != 0) };
     instantiate::<M>("fmi3InstantiateCoSimulation", log, || {
-        // SAFETY: the module's precondition on strings.
-        let (name, token, resources) = unsafe {
-            let resources = (!resources.is_null()).then(|| text("resourcePath", resources)).transpose()?;
-            (text("instanceName", name)?, text("instantiationToken", token)?, resources)
-        };
-        if name.is_empty() {
-            return Err("instanceName must not be empty".to_string());
-        }
         if event_mode != 0 {
             return Err(format!("eventModeUsed must be false: {NO_EVENTS}"));
         }
-        let folder = resources.filter(|path| !path.is_empty()).map(resource::folder).transpose()?;
-        instance::load_described::<M>(folder.as_deref(), token, Version::Fmi3)
+        // SAFETY: the module's precondition on strings.
+        unsafe { load(Version::Fmi3, name, ["instantiationToken", "resourcePath"], [token, resources]) }
     })
 }
 
-pub unsafe extern "C" fn fmi3InstantiateModelExchange<M: Model>(
+pub unsafe fn fmi3InstantiateModelExchange<M: Model>(
     _name: fmi3String,
     _token: fmi3String,
     _resources: fmi3String,
@@ -72,7 +64,7 @@ pub unsafe extern "C" fn fmi3InstantiateModelExchange<M: Model>(
     instantiate::<M>("fmi3InstantiateModelExchange", log, || Err(ONLY_CO_SIMULATION.into()))
 }
 
-pub unsafe extern "C" fn fmi3InstantiateScheduledExecution<M: Model>(
+pub unsafe fn fmi3InstantiateScheduledExecution<M: Model>(
     _name: fmi3String,
     _token: fmi3String,
     _resources: fmi3String,
@@ -89,12 +81,12 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution<M: Model>(
     instantiate::<M>("fmi3InstantiateScheduledExecution", log, || Err(ONLY_CO_SIMULATION.into()))
 }
 
-pub unsafe extern "C" fn fmi3FreeInstance<M: Model>(c: fmi3Instance) {
+pub unsafe fn fmi3FreeInstance<M: Model>(c: fmi3Instance) {
     // SAFETY: the module's precondition.
     unsafe { free::<M>(c) }
 }
 
-pub unsafe extern "C" fn fmi3EnterInitializationMode<M: Model>(
+pub unsafe fn fmi3EnterInitializationMode<M: Model>(
     c: fmi3Instance,
     _has_tolerance: fmi3Boolean,
     _tolerance: fmi3Float64,
@@ -113,18 +105,8 @@ pub unsafe extern "C" fn fmi3EnterInitializationMode<M: Model>(
     }
 }
 
-macro_rules! without_arguments {
-    ($($name:ident = $body:expr;)*) => {
-        $(
-            pub unsafe extern "C" fn $name<M: Model>(c: fmi3Instance) -> fmi3Status {
-                // SAFETY: the module's precondition.
-                unsafe { call::<M, _>(c, Function::$name, $body) }
-            }
-        )*
-    };
-}
-
 without_arguments! {
+    fmi3Status;
     fmi3ExitInitializationMode = |instance| instance.exit_initialization();
     fmi3Terminate = |instance| { instance.terminate(); Ok(()) };
     fmi3Reset = |instance| instance.reset();
@@ -134,7 +116,7 @@ without_arguments! {
 ///
 /// # Safety
 /// The module's precondition on arrays.
-unsafe fn whole<'a, M: Model>(
+unsafe fn references<'a, M: Model>(
     instance: &Instance<M>,
     (vr, n): (*const fmi3ValueReference, usize),
     type_name: &str,
@@ -142,14 +124,14 @@ unsafe fn whole<'a, M: Model>(
 ) -> Result<&'a [u32], String> {
     // SAFETY: the caller keeps the precondition.
     let references = unsafe { array("valueReferences", vr, n) }?;
-    instance.check_whole(references, type_name, n_values)?;
+    instance.check_references(references, type_name, n_values)?;
     Ok(references)
 }
 
 macro_rules! getters {
     ($($name:ident($value:ty, $type_name:literal) = $write:expr;)*) => {
         $(
-            pub unsafe extern "C" fn $name<M: Model>(
+            pub unsafe fn $name<M: Model>(
                 c: fmi3Instance,
                 vr: *const fmi3ValueReference,
                 n: usize,
@@ -159,7 +141,7 @@ macro_rules! getters {
                 // SAFETY: the module's precondition.
                 unsafe {
                     call::<M, _>(c, Function::$name, |instance| {
-                        let references = whole(instance, (vr, n), $type_name, n_values)?;
+                        let references = references(instance, (vr, n), $type_name, n_values)?;
                         get_values(instance, references, (values, n_values), $write)
                     })
                 }
@@ -181,7 +163,7 @@ getters! {
     fmi3GetBoolean(fmi3Boolean, "Boolean") = |value: &bool| fmi3Boolean::from(*value);
 }
 
-pub unsafe extern "C" fn fmi3GetString<M: Model>(
+pub unsafe fn fmi3GetString<M: Model>(
     c: fmi3Instance,
     vr: *const fmi3ValueReference,
     n: usize,
@@ -191,7 +173,7 @@ pub unsafe extern "C" fn fmi3GetString<M: Model>(
     // SAFETY: the module's precondition.
     unsafe {
         call::<M, _>(c, Function::fmi3GetString, |instance| {
-            let references = whole(instance, (vr, n), "String", n_values)?;
+            let references = references(instance, (vr, n), "String", n_values)?;
             get_strings(instance, references, (values, n_values))
         })
     }
@@ -200,7 +182,7 @@ pub unsafe extern "C" fn fmi3GetString<M: Model>(
 macro_rules! setters {
     ($($name:ident($value:ty, $type_name:literal) = |$values:ident| $read:expr;)*) => {
         $(
-            pub unsafe extern "C" fn $name<M: Model>(
+            pub unsafe fn $name<M: Model>(
                 c: fmi3Instance,
                 vr: *const fmi3ValueReference,
                 n: usize,
@@ -210,7 +192,7 @@ macro_rules! setters {
                 // SAFETY: the module's precondition.
                 unsafe {
                     call::<M, _>(c, Function::$name, |instance| {
-                        let references = whole(instance, (vr, n), $type_name, n_values)?;
+                        let references = references(instance, (vr, n), $type_name, n_values)?;
                         let $values = array("values", values, n_values)?;
                         instance.set(references, $read)
                     })
@@ -227,7 +209,7 @@ setters! {
     fmi3SetBoolean(fmi3Boolean, "Boolean") = |values| &values.iter().map(|value| *value != 0).collect::<Vec<_>>();
 }
 
-pub unsafe extern "C" fn fmi3SetString<M: Model>(
+pub unsafe fn fmi3SetString<M: Model>(
     c: fmi3Instance,
     vr: *const fmi3ValueReference,
     n: usize,
@@ -237,7 +219,7 @@ pub unsafe extern "C" fn fmi3SetString<M: Model>(
     // SAFETY: the module's precondition.
     unsafe {
         call::<M, _>(c, Function::fmi3SetString, |instance| {
-            let references = whole(instance, (vr, n), "String", n_values)?;
+            let references = references(instance, (vr, n), "String", n_values)?;
             set_strings(instance, references, (values, n_values))
         })
     }
@@ -247,7 +229,7 @@ pub unsafe extern "C" fn fmi3SetString<M: Model>(
 macro_rules! without_variables {
     ($($name:ident($type_name:literal, $($argument:ty),+);)*) => {
         $(
-            pub unsafe extern "C" fn $name<M: Model>(
+            pub unsafe fn $name<M: Model>(
                 c: fmi3Instance,
                 vr: *const fmi3ValueReference,
                 n: usize,
@@ -257,7 +239,7 @@ macro_rules! without_variables {
                 // SAFETY: the module's precondition.
                 unsafe {
                     call::<M, _>(c, Function::$name, |instance| {
-                        whole(instance, (vr, n), $type_name, n_values).map(|_| ())
+                        references(instance, (vr, n), $type_name, n_values).map(|_| ())
                     })
                 }
             }
@@ -287,14 +269,14 @@ without_variables! {
 macro_rules! without_clocks {
     ($($name:ident($values:ty);)*) => {
         $(
-            pub unsafe extern "C" fn $name<M: Model>(
+            pub unsafe fn $name<M: Model>(
                 c: fmi3Instance,
                 vr: *const fmi3ValueReference,
                 n: usize,
                 _values: $values,
             ) -> fmi3Status {
                 // SAFETY: the module's precondition.
-                unsafe { call::<M, _>(c, Function::$name, |instance| whole(instance, (vr, n), "Clock", 0).map(|_| ())) }
+                unsafe { call::<M, _>(c, Function::$name, |instance| references(instance, (vr, n), "Clock", 0).map(|_| ())) }
             }
         )*
     };
@@ -306,24 +288,13 @@ without_clocks! {
 }
 
 state_functions! {
-    fmi3Instance, fmi3FMUState, fmi3Byte, fmi3Status;
+    fmi3FMUState, fmi3Byte, fmi3Status;
     fmi3GetFMUState, fmi3SetFMUState, fmi3FreeFMUState;
     fmi3SerializedFMUStateSize, fmi3SerializeFMUState, fmi3DeserializeFMUState;
 }
 
-/// Refuse the functions of capabilities that no unit has.
-macro_rules! not_provided {
-    ($($name:ident($($argument:ty),*) = $reason:literal;)*) => {
-        $(
-            pub unsafe extern "C" fn $name<M: Model>(c: fmi3Instance, $(_: $argument),*) -> fmi3Status {
-                // SAFETY: the module's precondition.
-                unsafe { call::<M, _>(c, Function::$name, |_| Err($reason.into())) }
-            }
-        )*
-    };
-}
-
 not_provided! {
+    fmi3Status;
     fmi3GetDirectionalDerivative(
         *const fmi3ValueReference, usize, *const fmi3ValueReference, usize, *const fmi3Float64, usize,
         *mut fmi3Float64, usize
@@ -336,7 +307,7 @@ not_provided! {
         = "output derivatives are not provided";
 }
 
-pub unsafe extern "C" fn fmi3DoStep<M: Model>(
+pub unsafe fn fmi3DoStep<M: Model>(
     c: fmi3Instance,
     time: fmi3Float64,
     step: fmi3Float64,
@@ -376,7 +347,7 @@ const ONLY_CO_SIMULATION: &str = "the unit supports co-simulation only";
 macro_rules! refused {
     ($($reason:ident => { $($name:ident($($argument:ty),*);)* })*) => {
         $($(
-            pub unsafe extern "C" fn $name<M: Model>(c: fmi3Instance, $(_: $argument),*) -> fmi3Status {
+            pub unsafe fn $name<M: Model>(c: fmi3Instance, $(_: $argument),*) -> fmi3Status {
                 // SAFETY: the module's precondition.
                 if let Some(instance) = unsafe { c.cast::<Instance<M>>().as_ref() } {
                     instance.log.error(format_args!("{}: {}", stringify!($name), $reason));

@@ -13,19 +13,11 @@ use crate::sys::{fmi2Char, fmi2Component, fmi2Integer, fmi2Real, fmi2Status, fmi
 use crate::text::write;
 use crate::version::Version;
 
-/// Type of `fmu_model_description`, see [`export_fmu!`](crate::export_fmu).
-pub type ModelDescriptionTYPE =
-    Option<unsafe extern "C" fn(fmi2String, *mut fmi2Char, usize, *mut usize) -> fmi2Integer>;
-
-/// Type of `fmu_field`, see [`export_fmu!`](crate::export_fmu).
-pub type FieldTYPE =
-    Option<unsafe extern "C" fn(fmi2Component, fmi2String, *mut fmi2Real, usize, *mut usize) -> fmi2Integer>;
-
 /// See [`export_fmu!`](crate::export_fmu).
 ///
 /// # Safety
 /// `resources` is null or a null-terminated string, `buffer` has room for `capacity` bytes, `needed` is null or valid.
-pub unsafe extern "C" fn fmu_model_description<M: Model>(
+pub unsafe fn fmu_model_description<M: Model>(
     resources: fmi2String,
     buffer: *mut fmi2Char,
     capacity: usize,
@@ -39,7 +31,7 @@ pub unsafe extern "C" fn fmu_model_description<M: Model>(
 ///
 /// # Safety
 /// The precondition of [`fmu_model_description`].
-pub unsafe extern "C" fn fmu_model_description_3<M: Model>(
+pub unsafe fn fmu_model_description_3<M: Model>(
     resources: fmi2String,
     buffer: *mut fmi2Char,
     capacity: usize,
@@ -78,7 +70,7 @@ const MOST_AXES: usize = 3;
 /// # Safety
 /// The module's precondition on `c`; `name` is null or a null-terminated string, `buffer` has room for `capacity`
 /// values, `shape` is null or has room for three.
-pub unsafe extern "C" fn fmu_field<M: Model>(
+pub unsafe fn fmu_field<M: Model>(
     c: fmi2Component,
     name: fmi2String,
     buffer: *mut fmi2Real,
@@ -86,7 +78,7 @@ pub unsafe extern "C" fn fmu_field<M: Model>(
     shape: *mut usize,
 ) -> fmi2Integer {
     let mut found = false;
-    let look = |instance: &mut Instance<M>| {
+    let copy = |instance: &mut Instance<M>| {
         // SAFETY: the function's precondition on the name.
         let name = unsafe { text("name", name) }?;
         let Some((lengths, values)) = instance.field(name)? else { return Ok(()) };
@@ -103,6 +95,6 @@ pub unsafe extern "C" fn fmu_field<M: Model>(
         Ok(())
     };
     // SAFETY: the module's precondition.
-    let status: fmi2Status = unsafe { call::<M, _>(c, Function::fmi2GetReal, look) };
+    let status: fmi2Status = unsafe { call::<M, _>(c, Function::fmi2GetReal, copy) };
     fmi2Integer::from(!(found && status == fmi2Status::fmi2OK))
 }

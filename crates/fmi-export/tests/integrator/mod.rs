@@ -13,11 +13,10 @@ pub const PANICKING: f64 = 666.0;
 /// A parameter with this value does not fit.
 pub const UNFIT: f64 = 99.0;
 
-/// A state with this input is refused.
+/// A state with this integral is refused.
 pub const FOREIGN: f64 = 4711.0;
 
 /// dy/dt = gain u + bias, with one variable of each kind and type around it.
-#[derive(Clone, Serialize, Deserialize)]
 pub struct Integrator {
     gain: f64,
     bias: f64,
@@ -30,13 +29,16 @@ pub struct Integrator {
     label: String,
     echo: String,
     mode: i32,
-    total: f64,
 }
+
+/// Integrals, whether they were held, and the echo.
+#[derive(Clone, Serialize, Deserialize)]
+pub struct Memory([f64; 3], bool, String);
 
 impl Model for Integrator {
     const IDENTIFIER: &'static str = "integrator";
     const VERSION: &'static str = "1.0";
-    type State = Self;
+    type State = Memory;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         if let Some(folder) = resources.folder().filter(|folder| !folder.is_dir()) {
@@ -54,7 +56,6 @@ impl Model for Integrator {
             label: "début".into(),
             echo: String::new(),
             mode: 1,
-            total: 0.0,
         })
     }
 
@@ -80,7 +81,7 @@ impl Model for Integrator {
             Text::parameter("label", "Label", |m| from_mut(&mut m.label)),
             Text::output("echo", "Label, once initialised", |m| from_ref(&m.echo)),
             Integer::parameter("mode", "Mode", |m| from_mut(&mut m.mode)).enumeration("Mode", &["off", "on"]),
-            Real::output("total", "1", "Sum of the integrals", |m| from_ref(&m.total)),
+            Real::computed("total", "1", "Sum of the integrals", |m| m.y.iter().sum()),
         ]
     }
 
@@ -102,18 +103,17 @@ impl Model for Integrator {
             assert!(u != PANICKING, "u[{}] = {PANICKING}", i + 1);
         }
         self.held = self.hold;
-        self.total = self.y.iter().sum();
         Ok(())
     }
 
-    fn save(&self) -> Self {
-        self.clone()
+    fn save(&self) -> Memory {
+        Memory(self.y, self.held, self.echo.clone())
     }
 
-    fn restore(&mut self, state: &Self) -> Result<(), String> {
-        self.clone_from(state);
-        if state.u[0] == FOREIGN {
-            return Err(format!("u[1] = {FOREIGN} is foreign"));
+    fn restore(&mut self, state: &Memory) -> Result<(), String> {
+        Memory(self.y, self.held, self.echo) = state.clone();
+        if self.y[0] == FOREIGN {
+            return Err(format!("y[1] = {FOREIGN} is foreign"));
         }
         Ok(())
     }

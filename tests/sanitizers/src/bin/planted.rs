@@ -3,7 +3,7 @@
 use std::hint::black_box;
 use std::slice::{from_mut, from_ref};
 
-use fmi_export::{Description, Log, Model, Resources, Variable};
+use nervure_fmi_export::{Description, Log, Model, Resources, Variable};
 
 #[path = "../calls.rs"]
 mod calls;
@@ -18,7 +18,7 @@ impl Model for Planted {
     const IDENTIFIER: &'static str = "planted";
     const VERSION: &'static str = "1.0";
     const RESOURCES: &'static [&'static str] = &["scene.json"];
-    type State = (f64, f64);
+    type State = f64;
 
     fn load(resources: &Resources) -> Result<Self, String> {
         Ok(Planted { u: 0.0, y: 0.0, bug: resources.text("scene.json")?.to_owned() })
@@ -30,7 +30,7 @@ impl Model for Planted {
     }
 
     fn variables(&self) -> Vec<Variable<Self>> {
-        type Real = fmi_export::Real<Planted>;
+        type Real = nervure_fmi_export::Real<Planted>;
         vec![
             Real::input("u", "1", "Input", |m| from_mut(&mut m.u)),
             Real::output("y", "1", "Output", |m| from_ref(&m.y)).depends_on(&[]),
@@ -62,16 +62,16 @@ impl Model for Planted {
     }
 
     fn save(&self) -> Self::State {
-        (self.u, self.y)
+        self.y
     }
 
     fn restore(&mut self, state: &Self::State) -> Result<(), String> {
-        (self.u, self.y) = *state;
+        self.y = *state;
         Ok(())
     }
 }
 
-fmi_export::export_fmu!(Planted);
+nervure_fmi_export::export_fmu!(Planted);
 
 fn main() {
     let bug = std::env::args().nth(1).expect("usage: planted BUG");
