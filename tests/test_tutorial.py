@@ -1,5 +1,6 @@
-"""Every command of the tutorial works as written, with the scene of the tutorial."""
+"""Every command of the tutorials works as written, with the scenes of the tutorials."""
 
+import json
 import os
 import re
 import shutil
@@ -11,27 +12,48 @@ import pytest
 
 import nervure
 from nervure.resources import ROOT
+from nervure.scene import validate
 
-TUTORIAL = ROOT / "docs" / "guide" / "tutorial.md"
+GUIDE = ROOT / "docs" / "guide"
+INSTALL = "make fsi3\nsource .venv/bin/activate\n"
+
+
+def follow(page, folder, end=None):
+    """Run every command of a page in an empty folder, with the `nervure` of the environment that runs the tests, and
+    return the JSON of the page; scenes end at `end` (s), or where the page lets them."""
+    environment = os.environ | {"PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])}
+    text = (GUIDE / page).read_text(encoding="utf-8")
+    documents = [json.loads(block) for block in re.findall(r"```json\n(.*?)```", text, re.DOTALL)]
+    for scene in (document for document in documents if "name" in document):
+        scene["time"]["end"] = end or scene["time"]["end"]
+        (folder / f"{scene['name']}.json").write_text(json.dumps(scene), encoding="utf-8")
+    blocks = [block for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL) if block != INSTALL]
+    for command in "".join(blocks).replace("\\\n", " ").splitlines():
+        short = re.sub("--end-time [0-9.]+", f"--end-time {end}", command) if end else command
+        done = subprocess.run(["bash", "-c", short], cwd=folder, env=environment, capture_output=True, text=True)
+        assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+        warned = [line for line in done.stderr.splitlines() if "warning:" in line and "needs the package" not in line]
+        assert not warned, f"{command}\n{warned}"
+    for path in re.findall(r"`(my-[a-z-]+/\S+?)`", text):
+        assert (folder / path).is_file(), path
+    return documents
 
 
 def test_every_command_runs_as_written(tmp_path, libraries):
-    """In an empty folder, with the `nervure` of the environment that runs the tests."""
-    environment = os.environ | {"PATH": os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])}
-    text = TUTORIAL.read_text(encoding="utf-8")
-    (scene,) = re.findall(r"```json\n(.*?)```", text, re.DOTALL)
-    (tmp_path / "my-vein.json").write_text(scene, encoding="utf-8")
-    install, *blocks = re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
-    assert install == "make fsi3\nsource .venv/bin/activate\n"
-    for command in "".join(blocks).splitlines():
-        done = subprocess.run(["bash", "-c", command], cwd=tmp_path, env=environment, capture_output=True, text=True)
-        assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
-    for path in re.findall(r"`(my-[a-z-]+/\S+?)`", text):
-        assert (tmp_path / path).is_file(), path
+    assert INSTALL in (GUIDE / "tutorial.md").read_text(encoding="utf-8")
+    follow("tutorial.md", tmp_path)
     found = nervure.read(tmp_path / "my-vein").summary.flapping
     assert found.thrust > 0 and 0 < found.efficiency < 1 and found.phase_lag_deg > 0, found
     header, *rows = (tmp_path / "my-sweep" / "sweep.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) == 3 and {"thrust", "efficiency"} <= set(header.split(","))
+
+
+def test_every_command_in_space_runs_as_written(tmp_path, wing_library):
+    """Over a short time; the parts of a wing replace those of the scene with one."""
+    documents = follow("space.md", tmp_path, end=0.1)
+    (fin,) = (document for document in documents if "wing" in document)
+    parts = [document for document in documents if "name" not in document]
+    assert len(parts) == 4 and all(validate(fin | {"wing": fin["wing"] | part}) for part in parts)
 
 
 def test_the_environment_of_make_has_the_extras_of_the_tutorial():

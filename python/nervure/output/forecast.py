@@ -1,7 +1,7 @@
 """Forecast of a run: dimensionless numbers, resolution, steps, warnings, wall time and memory.
 
 The first steps of the run measure the machine: only they have its mix of transforms, solves and Python.
-`docs/guide/scenes.md` has the sources of the ranges.
+`docs/guide/warnings.md` has the sources of the ranges.
 """
 
 import os

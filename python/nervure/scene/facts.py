@@ -9,7 +9,7 @@ import numpy as np
 from nervure import library
 from nervure.errors import SceneError
 from nervure.scene import Scene, beams, text
-from nervure.scene.types import ShapePlate, ShapePolyline
+from nervure.scene.types import ShapeDisk, ShapePlate, ShapePolyline, ShapeTriangulation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,7 +117,8 @@ class Facts:
     def lines(self) -> set[str]:
         """The beams and bodies that the fluid meets as lines, by the names of their forces."""
         bodies = enumerate(self.scene.fluid.bodies if self.scene.fluid else (), 1)
-        rigid = {f"body_{i}" for i, body in bodies if isinstance(body.shape, ShapePlate | ShapePolyline)}
+        thin = ShapePlate | ShapePolyline | ShapeDisk | ShapeTriangulation
+        rigid = {f"body_{i}" for i, body in bodies if isinstance(body.shape, thin)}
         flexible = zip(self.beams, self._found["beams"], strict=True)
         return rigid | {own.force for own, found in flexible if found["line"]}
 
