@@ -65,7 +65,7 @@ RUST_TEST := cargo test --release --locked
 
 rust-test:
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets --locked -- -D warnings
+	cargo clippy --release --workspace --all-targets --locked -- -D warnings
 	$(RUST_TEST) --workspace $(addprefix --exclude ,$(WING) $(TOOL))
 	$(RUST_TEST) $(addprefix -p ,$(WING))
 	$(RUST_TEST) -p $(TOOL)
@@ -265,7 +265,7 @@ DIST_VENV := target/dist/venv
 CARGO_FOLDER = $(or $(CARGO_HOME),$(HOME)/.cargo)
 ZIGBUILD = PATH="$(abspath $(DIST_VENV))/bin:$$PATH" RUSTFLAGS="--remap-path-prefix=$(CURDIR)=nervure \
 	--remap-path-prefix=$(CARGO_FOLDER)=cargo" CARGO_PROFILE_RELEASE_DEBUG=false CARGO_PROFILE_RELEASE_STRIP=symbols \
-	cargo zigbuild --release --locked
+	cargo zigbuild --release --locked --config 'profile.release.package.nervure-scene.opt-level="s"' # half as large
 
 dist-libraries: $(DIST_VENV)/.ready ## build the libraries for Linux (glibc 2.17), Windows and macOS; needs rustup
 	rustup target add $(DIST_TARGETS)
