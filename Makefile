@@ -65,7 +65,7 @@ RUST_TEST := cargo test --release --locked
 
 rust-test:
 	cargo fmt --all --check
-	cargo clippy --workspace --all-targets --locked -- -D warnings
+	cargo clippy --release --workspace --all-targets --locked -- -D warnings
 	$(RUST_TEST) --workspace $(addprefix --exclude ,$(WING) $(TOOL))
 	$(RUST_TEST) $(addprefix -p ,$(WING))
 	$(RUST_TEST) -p $(TOOL)
@@ -117,15 +117,15 @@ schema: $(READY_DEV) ## write modelDescription/scene.schema.json and the Python 
 	mv modelDescription/scene.schema.json.new modelDescription/scene.schema.json
 	$(RUN) modelDescription/scene_types.py < modelDescription/scene.schema.json > python/nervure/scene/types.py
 
-messages: build $(READY_DEV) ## record the messages about bad input in tests/messages.csv
-	$(RUN) tests/bad_input.py --csv > tests/messages.csv.new
-	mv tests/messages.csv.new tests/messages.csv
+messages: build $(READY_DEV) ## record the messages about bad input in tests/scene/messages.csv
+	$(RUN) tests/scene/bad_input.py --csv > tests/scene/messages.csv.new
+	mv tests/scene/messages.csv.new tests/scene/messages.csv
 
 descriptions: $(READY) ## write modelDescription/*.xml of the FSI3 pair
 	$(NERVURE) build fsi3-325x72 --descriptions modelDescription
 
-record: build $(READY_DEV) ## write tests/recorded.json, only after an intended change of the physics
-	$(RUN) -m tests.record
+record: build $(READY_DEV) ## write tests/simulation/recorded.json, only after an intended change of the physics
+	$(RUN) -m tests.simulation.record
 
 COMPILE := pip-compile --quiet --generate-hashes --strip-extras --no-header --allow-unsafe --no-emit-index-url \
 	--no-emit-trusted-host --no-emit-find-links
@@ -217,7 +217,7 @@ lab: ## build the lab, a page that simulates in the browser, as the file PAGE=ta
 	$(PYTHON) lab/make_lab.py $(PAGE) $(HOME_OF_LAB)
 
 lab-test: lab $(AXE) $(READY_DEV) ## test the lab in Chromium
-	$(RUN) -m pytest tests/test_lab.py
+	$(RUN) -m pytest tests/lab/test_lab.py
 
 # Without npm the tests of accessibility are left out.
 $(AXE):
@@ -265,7 +265,7 @@ DIST_VENV := target/dist/venv
 CARGO_FOLDER = $(or $(CARGO_HOME),$(HOME)/.cargo)
 ZIGBUILD = PATH="$(abspath $(DIST_VENV))/bin:$$PATH" RUSTFLAGS="--remap-path-prefix=$(CURDIR)=nervure \
 	--remap-path-prefix=$(CARGO_FOLDER)=cargo" CARGO_PROFILE_RELEASE_DEBUG=false CARGO_PROFILE_RELEASE_STRIP=symbols \
-	cargo zigbuild --release --locked
+	cargo zigbuild --release --locked --config 'profile.release.package.nervure-scene.opt-level="s"' # half as large
 
 dist-libraries: $(DIST_VENV)/.ready ## build the libraries for Linux (glibc 2.17), Windows and macOS; needs rustup
 	rustup target add $(DIST_TARGETS)

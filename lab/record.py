@@ -14,7 +14,7 @@ import numpy as np
 from PIL import Image
 
 from nervure.output import animation
-from tests.browser import Browser, wait
+from tests.lab.browser import Browser, wait
 
 SCENE = "#flag"
 SIZE = (1100, 540)  # Of the recorded part of the page, pixels

@@ -242,7 +242,7 @@ def make(folder: Path) -> None:
         (reference / f"{name}.md").write_text(page, encoding="utf-8")
     for kind in ("rod", "fluid"):
         (reference / f"{kind}.md").write_text(variables_page(kind), encoding="utf-8")
-    messages = [sys.executable, str(ROOT / "tests" / "bad_input.py")]
+    messages = [sys.executable, str(ROOT / "tests" / "scene" / "bad_input.py")]
     with (reference / "messages.md").open("w", encoding="utf-8") as written:
         subprocess.run(messages, stdout=written, check=True)
     command = [sys.executable, "-m", "studies", "--tables", str(folder.resolve() / "tables")]

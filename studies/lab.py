@@ -16,7 +16,7 @@ from nervure.evaluate import statistics
 from nervure.resources import ROOT
 from studies import simulate
 from studies.engine import COUPLED, Case, Run, Study
-from tests.browser import CHROMIUM, PAGE, Browser, opened, rows, wait
+from tests.lab.browser import CHROMIUM, PAGE, Browser, opened, rows, wait
 
 SCENES: list[dict[str, Any]] = json.loads((ROOT / "lab" / "scenes.json").read_text(encoding="utf-8"))
 ROUNDS, STEPS = 150, 4  # Measurements, of which the shortest counts, and steps in each

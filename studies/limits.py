@@ -1,6 +1,6 @@
 """Rods with a driven root and an exact result: scenes, computed and expected quantities, accepted errors.
 
-The study of the vein records them, and tests/test_flapping.py checks them.
+The study of the vein records them, and tests/rod/test_flapping.py checks them.
 """
 
 from collections.abc import Callable

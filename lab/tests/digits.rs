@@ -3,7 +3,7 @@
 use lab::Coupled;
 use serde_json::{Value, json};
 
-const RECORDED: &str = include_str!("../../tests/recorded.json");
+const RECORDED: &str = include_str!("../../tests/simulation/recorded.json");
 const FSI3: &str = include_str!("../../scenes/fsi3-325x72.json");
 
 /// Digits of `series.csv` are ten; the rest is the rounding of other processors.

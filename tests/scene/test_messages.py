@@ -12,8 +12,8 @@ from nervure import library
 from nervure.errors import SceneError
 from nervure.resources import ROOT
 from nervure.scene import MOST_BYTES, load, read, text, validate
-from tests import bad_input
 from tests.conftest import COUPLED, SCENES
+from tests.scene import bad_input
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
@@ -38,9 +38,9 @@ def schema():
 
 
 def test_messages_are_the_recorded_ones(rows):
-    with (ROOT / "tests" / "messages.csv").open(encoding="utf-8", newline="") as file:
+    with (ROOT / "tests" / "scene" / "messages.csv").open(encoding="utf-8", newline="") as file:
         recorded = [bad_input.Row(*row) for row in csv.reader(file)][1:]
-    assert rows == recorded, "`python tests/bad_input.py --csv > tests/messages.csv` records them"
+    assert rows == recorded, "`make messages` records them"
 
 
 def test_every_bad_input_is_refused_in_words_of_people(rows):

@@ -11,7 +11,7 @@ from nervure.scene.outline import body_outline
 from nervure.simulation.session import Session
 from nervure.simulation.summary import main_signal
 from studies import flapping
-from tests.test_runs import run
+from tests.simulation.test_runs import run
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

@@ -18,7 +18,7 @@ from lxml import etree
 
 from tests.slaves import FMU2Unpacked
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi2" / "fmi2ModelDescription.xsd"
 
 
@@ -180,7 +180,7 @@ def test_serialized_bytes_continue_in_another_process(oscillator, unpacked, tmp_
     oscillator.doStep(0.3, 0.1)
     program = f"""
 from pathlib import Path
-from tests.test_glue import FMU2Oscillator
+from tests.units.test_glue import FMU2Oscillator
 other = FMU2Oscillator({str(unpacked)!r})
 other.setFMUstate(other.deSerializeFMUstate(Path({str(tmp_path / "state")!r}).read_bytes()))
 other.doStep(0.3, 0.1)
@@ -241,7 +241,7 @@ def test_interleaved_instances_equal_serial_ones(unpacked):
 def test_the_library_can_be_unloaded(library, unpacked):
     """Nothing of it stays in the process: no thread, no thread-local destructor."""
     program = f"""
-from tests.test_glue import FMU2Oscillator
+from tests.units.test_glue import FMU2Oscillator
 instance = FMU2Oscillator({str(unpacked)!r}).start()
 instance.doStep(0.0, 0.1)
 try:

@@ -6,6 +6,7 @@ import pytest
 
 from nervure.resources import ROOT, SCENES
 from studies import catalogue, engine, rod, scenes, show, simulate, speed
+from tests.simulation.record import RECORDED
 
 SMALLEST = (
     "report/rod-static/rod/n = 32",
@@ -82,7 +83,7 @@ def test_a_committed_value_comes_out_again(libraries, data, name, tmp_path):
 
 
 def test_fsi3_of_the_report_is_the_one_that_is_recorded(data):
-    settled = json.loads((ROOT / "tests" / "recorded.json").read_text())["settled"]
+    settled = json.loads(RECORDED.read_text())["settled"]
     record = data["fsi3/grid/325x72"]
     for name, expected in settled.items():
         for what in ("mean", "amplitude", "frequency_hz"):

@@ -13,7 +13,7 @@ from nervure.simulation.recorder import Recorder
 from nervure.simulation.summary import interface
 from nervure.units.fmu import Variable
 from tests.conftest import FSI1, FSI3, output
-from tests.test_master import AddedMass, Fake, Spring
+from tests.coupling.test_master import AddedMass, Fake, Spring
 
 WINDOW = Guards().window_steps
 

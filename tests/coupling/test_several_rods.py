@@ -19,7 +19,7 @@ from nervure.units.describe import unit_names
 from studies import flapping
 from studies.simulate import assignments
 from tests.conftest import nervure, output, run_scene
-from tests.test_master import ADDED_MASS, PUSH, STIFFNESS, Fake, Spring
+from tests.coupling.test_master import ADDED_MASS, PUSH, STIFFNESS, Fake, Spring
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

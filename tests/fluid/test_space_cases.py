@@ -5,7 +5,7 @@ import pytest
 
 from nervure.scene import read
 from studies import space
-from tests.test_runs import run
+from tests.simulation.test_runs import run
 
 pytestmark = pytest.mark.usefixtures("libraries")
 

@@ -1,7 +1,7 @@
 """Scenes, files and arguments that nervure refuses, and its messages.
 
-    python tests/bad_input.py > messages.md               # as a page, for the site
-    python tests/bad_input.py --csv > tests/messages.csv  # as the data that tests/test_messages.py compares
+    python tests/scene/bad_input.py > messages.md         # as a page, for the site
+    python tests/scene/bad_input.py --csv > messages.csv  # as data, by `make messages`
 
 Each entry of `TYPES` and `RELATIONS` is a shipped scene with a key replaced, as `--set` does it. The JSON Schema
 refuses the first too, only the units the second.

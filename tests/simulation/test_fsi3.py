@@ -7,7 +7,7 @@ import pytest
 from nervure.scene import load
 from nervure.simulation.results import FILES
 from tests.conftest import FSI3
-from tests.record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
+from tests.simulation.record import EARLY_QUANTITIES, EARLY_TIMES, RECORDED, run
 
 EARLY_TOLERANCE = 1e-6
 """Relative to the largest recorded value: another machine's libm differs in the last bit, and before the wake sways

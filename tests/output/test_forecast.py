@@ -13,7 +13,7 @@ from nervure.scene import override, read, validate
 from nervure.scene.facts import Facts
 from nervure.simulation.loop import TimeGrid
 from tests.conftest import FSI3, run_scene
-from tests.test_flapping import known_signal
+from tests.rod.test_flapping import known_signal
 
 
 def numbers(name, *overrides):

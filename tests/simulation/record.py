@@ -1,6 +1,6 @@
 """The run of the shipped FSI3 scene that test_fsi3.py checks, and the numbers recorded from it.
 
-`make record` writes tests/recorded.json anew: only after a change of the physics that is meant.
+`make record` writes tests/simulation/recorded.json anew: only after a change of the physics that is meant.
 """
 
 import json

@@ -12,9 +12,10 @@ import nervure
 from nervure.evaluate import statistics
 from nervure.resources import ROOT
 from nervure.scene import validate
-from tests.browser import AXE, CHROMIUM, PAGE, Browser, opened, rows, wait
+from tests.lab.browser import AXE, CHROMIUM, PAGE, Browser, opened, rows, wait
+from tests.simulation.record import RECORDED
 
-RECORDED = json.loads((ROOT / "tests" / "recorded.json").read_text(encoding="utf-8"))["early"]
+EARLY = json.loads(RECORDED.read_text(encoding="utf-8"))["early"]
 SCENES = {own["id"]: own for own in make_lab.scenes()}
 
 pytestmark = [
@@ -34,7 +35,7 @@ def browser():
 def test_fsi3_has_the_digits_of_the_units(browser):
     found = rows(opened(browser, "#fsi3"), 500)
     for i in (0, 1):  # t = 0.1 s and 0.2 s
-        expected = [RECORDED[name][i] for name in ("drag", "lift", "tip_ux", "tip_uy")]
+        expected = [EARLY[name][i] for name in ("drag", "lift", "tip_ux", "tip_uy")]
         assert found[250 * (i + 1) - 1][1:] == pytest.approx(expected, rel=1e-8)
 
 

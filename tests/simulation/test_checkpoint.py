@@ -19,7 +19,7 @@ from nervure.simulation import checkpoint
 from nervure.simulation.results import CHECKPOINT
 from nervure.simulation.session import Session
 from tests.conftest import TOOL, nervure, run_scene
-from tests.test_space import SPHERE
+from tests.fluid.test_space import SPHERE
 
 pytestmark = pytest.mark.usefixtures("libraries")
 
