@@ -166,3 +166,4 @@ fn copy_stations<const D: usize>(own: &mut [Stations<D>], known: &[Stations<D>])
 fmi_export::export_fmu!(FluidUnit);
 fmi_export::export_text!(fmu_scene_check = scene::check_text);
 fmi_export::export_text!(fmu_scene_facts = |text, _| scene::facts_text(text));
+fmi_export::export_text!(fmu_scene_monitor = scene::monitor_text);

@@ -393,8 +393,7 @@ fn motions(scene: &Scene, fluid: &Fluid) -> Vec<Drive> {
     }
     for BeamWithRod { beam: Beam { length, .. }, rod, .. } in scene.beams_with_rods() {
         let Some(RootMotion::Laws(laws)) = rod.and_then(|rod| rod.root_motion.as_ref()) else { continue };
-        let turns: Vec<_> = laws.rotations.iter().map(|rotation| &rotation.angle).collect();
-        let all = [&[&laws.x, &laws.y, &laws.z], turns.as_slice()].concat();
+        let all: Vec<_> = laws.all().collect();
         motions.push(Drive {
             speed: norm(all.iter().enumerate().map(|(i, law)| law.largest_rate() * if i < 3 { 1.0 } else { *length })),
             name: "drive of the root".into(),

@@ -237,14 +237,6 @@ impl FluidBox {
     }
 }
 
-impl FluidBox {
-    /// Return the lengths of a cell along x and y, m.
-    pub(crate) fn in_plane(&self) -> [f64; 2] {
-        let spacing = self.spacing();
-        [spacing[0], spacing[1]]
-    }
-}
-
 impl MeanFlow {
     /// Return the laws along x, y and z.
     pub(crate) fn laws(&self) -> [(&'static str, &TimeLaw); 3] {
