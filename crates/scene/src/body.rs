@@ -4,6 +4,7 @@ use geometry::plane::{Outline, Section};
 use geometry::space::Solid;
 use geometry::vector::{dot, norm, turned};
 use geometry::{Chain, Placed, Surface, lies_on, meets};
+use method::{Axis, Support};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -80,23 +81,6 @@ pub struct Mount {
     pub angle: Option<Support>,
 }
 
-/// Spring and damper in parallel, per metre of depth.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Support {
-    /// Stiffness, N/m, about the pivot N m/rad.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub stiffness: f64,
-    /// Damping, N s/m, about the pivot N m s/rad.
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub damping: f64,
-    /// Displacement, m, or angle, rad, at which the spring has no force. The body starts at 0.
-    #[serde(default)]
-    pub rest: f64,
-}
-
 fn origin() -> Vec<f64> {
     vec![0.0; 2]
 }
@@ -109,19 +93,6 @@ pub struct Turn {
     pub axis: [f64; 3],
     /// Angle, rad, positive by the right-hand rule.
     pub angle: f64,
-}
-
-/// An axis of the coordinates or of a body.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Axis {
-    /// x.
-    X,
-    /// y.
-    Y,
-    /// z.
-    #[default]
-    Z,
 }
 
 /// Outline of a body. The origin of its axes is its middle, except for a polygon or a polyline.

@@ -17,10 +17,11 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use mesh::Mesh;
+use method::{Support, Surface};
 use serde::Serialize;
 
-use crate::beam::{Beam, Surface};
-use crate::body::{Body, Shape, Support};
+use crate::beam::Beam;
+use crate::body::{Body, Shape};
 use crate::fluid::{Fluid, InflowProfile};
 use crate::law::TimeLaw;
 use crate::law_warnings;

@@ -1,12 +1,13 @@
 //! The fluid: box, zones, cylinders and probes.
 
+use method::{Filter, Mask, Precision, TimeScheme};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{Body, BodyDrive, BodyMotion, Shape};
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
-use crate::method::{Filter, Mask, Precision, TimeScheme, TimeStepping};
+use crate::stepping::{TimeStepping, check_mask};
 
 /// An incompressible fluid in a periodic box of two or three dimensions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -315,7 +316,7 @@ impl Check for Fluid {
                 });
             }
         }
-        self.mask.check_at(&format!("{key}.mask"), &self.r#box.cells, faults);
+        check_mask(&self.mask, &format!("{key}.mask"), &self.r#box.cells, faults);
         self.time_stepping.check_at(&format!("{key}.time_stepping"), faults);
         self.check_dimension(key, faults);
     }

@@ -4,9 +4,10 @@
 
 use std::f64::consts::PI;
 
+use method::Precision;
+
 use crate::fluid::Fluid;
 use crate::law::TimeLaw;
-use crate::method::Precision;
 use crate::places::rounded;
 use crate::root::{RootMotion, RootSupport};
 use crate::scene::Scene;

@@ -18,7 +18,6 @@ mod json;
 mod law;
 mod law_warnings;
 mod load;
-mod method;
 mod monitor;
 mod places;
 mod read;
@@ -31,27 +30,32 @@ mod scene;
 mod schema;
 mod spanwise;
 mod spline;
+mod stepping;
 mod surface;
 mod unit;
 mod warnings;
 mod wing;
 
-pub use beam::{Beam, Root, Surface};
-pub use body::{Axis, Body, BodyDrive, BodyMotion, ByMaster, Ends, Mount, Shape, Support, Turn};
+pub use ::method::{
+    Axis, Bending, Calibration, Filter, Mask, Precision, Scheme as RodScheme, Section, Slide, Support, Surface,
+    TimeScheme, WallCorrection,
+};
+pub use beam::{Beam, Root};
+pub use body::{Body, BodyDrive, BodyMotion, ByMaster, Ends, Mount, Shape, Turn};
 pub use coupling::{Acceleration, Coupling, CouplingScheme, Guards, Load};
 pub use facts::{BeamFacts, Dimensionless, Facts, LawFacts, Resolution, WingFacts};
 pub use fault::{Fault, FaultKind, SceneError};
 pub use fluid::{Channel, Cylinder, Fluid, FluidBox, Inflow, InflowProfile, MeanFlow, Motion, Probe, Sponge};
 pub use law::TimeLaw;
-pub use method::{Filter, Mask, Precision, TimeScheme, TimeStepping, WallCorrection};
 pub use monitor::monitor_text;
 pub use read::{check_text, facts_text};
 pub use reference::{PublishedCoefficients, PublishedQuantity, PublishedRange, PublishedSpread, Reference};
-pub use rod::{Bending, Calibration, Material, Rod, RodScheme, Section, SectionProfile};
+pub use rod::{Material, Rod, SectionProfile};
 pub use rods::NamedRod;
-pub use root::{RootLaws, RootMotion, RootSupport, Rotation, Slide};
+pub use root::{RootLaws, RootMotion, RootSupport, Rotation};
 pub use scene::{BeamWithRod, Display, Scene, Time};
 pub use spanwise::{Spanwise, SpanwiseProfile};
+pub use stepping::TimeStepping;
 pub use surface::{LINE_THICKNESS_CELLS, ROD_SECTION_CELLS, SURFACE_THICKNESS_CELLS};
 pub use warnings::Warning;
 pub use wing::{Membrane, Region, Vein, Wing, WingChain, WingGroup, WingMesh, WingSupport};

@@ -2,17 +2,18 @@
 
 use std::fmt::Debug;
 
-use crate::beam::{Beam, Root, Surface};
-use crate::body::Axis;
+use method::{Axis, Bending, Calibration, Slide, Surface, TimeScheme};
+
+use crate::beam::{Beam, Root};
 use crate::coupling::{CouplingScheme, Load};
 use crate::fault::{Check, Fault, Faults, list};
 use crate::law::TimeLaw;
 use crate::load::Weight;
-use crate::method::{TimeScheme, TimeStepping};
 use crate::places;
-use crate::rod::{Bending, Calibration, Material, Rod};
-use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Slide, Z_AXIS};
+use crate::rod::{Material, Rod};
+use crate::root::{RootLaws, RootMotion, RootSupport, Rotation, Z_AXIS};
 use crate::scene::{BeamWithRod, Scene, Time};
+use crate::stepping::TimeStepping;
 use crate::wing::WingMesh;
 
 /// Most characters of the name of a scene: the file names of its units stay within the limits of file systems.

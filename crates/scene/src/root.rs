@@ -6,7 +6,6 @@ use geometry::vector::{cross, turned};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::body::Axis;
 use crate::fault::{Check, Faults};
 use crate::law::TimeLaw;
 
@@ -48,18 +47,6 @@ pub enum RootSupport {
         #[serde(default)]
         force_z: TimeLaw,
     },
-}
-
-/// Guide of the root: along one axis the root moves under the loads, in all else as `root` and `root_motion` say.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct Slide {
-    /// Axis of the guide; z in three dimensions only.
-    pub along: Axis,
-    /// Mass that moves with the root besides the rod, kg (per metre of depth in two dimensions).
-    #[serde(default)]
-    #[schemars(range(min = 0.0))]
-    pub mass: f64,
 }
 
 /// Prescribed motion of the root.
