@@ -8,7 +8,7 @@ use geometry::{Bounds, Chain, Crossings, Shape, Surface, Touch, beyond};
 use serde::{Deserialize, Serialize};
 
 use crate::fluid::Fluid;
-use crate::places::{self, AXES, blocked, rounded, shown, walls, zones};
+use crate::places::{AXES, blocked, rounded, shown, walls, zones};
 use crate::scene::Scene;
 use crate::warnings::Warning;
 
@@ -225,7 +225,7 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
     };
     let cylinders = fluid.map_or(0, |fluid| fluid.cylinders.len());
     let free = (0..cylinders).map(|_| None).chain(places.bodies);
-    for (k, (own, pose)) in fluid.iter().flat_map(|fluid| places::obstacles(fluid)).zip(free).enumerate() {
+    for (own, pose) in fluid.iter().flat_map(|fluid| fluid.obstacles()).zip(free) {
         let (body, rest) = (&own.body, own.body.shape_at(0.0, &ends));
         let shape = match pose {
             Some([x, y, angle]) => {
@@ -233,8 +233,7 @@ fn check_run(scene: &Scene, places: Places) -> Answer {
             }
             None => body.shape_at(places.time, &ends),
         };
-        let name = if k < cylinders { format!("cylinder {}", k + 1) } else { format!("body {}", k + 1 - cylinders) };
-        add(own.key, name, [Some(rest), Some(shape)], pose.is_some(), f64::INFINITY);
+        add(own.key, own.name, [Some(rest), Some(shape)], pose.is_some(), f64::INFINITY);
     }
     for (own, stations) in scene.beams_with_rods().zip(places.beams) {
         let half: Vec<_> = own.beam.places().map(|s| own.beam.thickness.at(s) / 2.0).collect();

@@ -3,9 +3,8 @@
 use geometry::{Chain, Shape, Surface, beyond, crosses, sides};
 
 use crate::beam::{Beam, Root};
-use crate::body::Body;
 use crate::fault::{Fault, Faults};
-use crate::fluid::Fluid;
+use crate::fluid::{Fluid, Obstacle};
 use crate::law::TimeLaw;
 use crate::scene::{BeamWithRod, Scene};
 
@@ -24,15 +23,6 @@ const MOST_STATIONS: usize = 128;
 /// Relative tolerance of a limit.
 const ROUNDING: f64 = 1e-9;
 
-/// A rigid body of a scene, a cylinder or another one.
-pub(crate) struct Obstacle {
-    /// Path of the body, e.g. `fluid.bodies[0]`.
-    pub key: String,
-    /// Path of its place.
-    pub place: String,
-    pub body: Body,
-}
-
 /// A beam of a scene as a line, with half its thickness.
 pub(crate) struct Line {
     /// Path of the beam, e.g. `rods[0].beam`.
@@ -47,21 +37,6 @@ pub(crate) struct Line {
     pub half_thickness: f64,
     /// Index of the cylinder that holds the beam.
     pub support: Option<usize>,
-}
-
-/// Return the rigid bodies, cylinders first.
-pub(crate) fn obstacles(fluid: &Fluid) -> Vec<Obstacle> {
-    let cylinders = fluid.cylinders.iter().enumerate().map(|(i, cylinder)| Obstacle {
-        key: format!("fluid.cylinders[{i}]"),
-        place: format!("fluid.cylinders[{i}].center"),
-        body: cylinder.into(),
-    });
-    let bodies = fluid.bodies.iter().enumerate().map(|(i, body)| Obstacle {
-        key: format!("fluid.bodies[{i}]"),
-        place: format!("fluid.bodies[{i}].position"),
-        body: body.clone(),
-    });
-    cylinders.chain(bodies).collect()
 }
 
 /// Return the beams as lines.
@@ -147,7 +122,7 @@ pub(crate) fn check(scene: &Scene, faults: &mut Faults) {
     if faults.len() > 0 {
         return;
     }
-    let (ends, obstacles): (Vec<_>, _) = (fluid.r#box.ends().collect(), obstacles(fluid));
+    let (ends, obstacles): (Vec<_>, Vec<_>) = (fluid.r#box.ends().collect(), fluid.obstacles().collect());
     let shapes: Vec<_> = obstacles.iter().map(|obstacle| obstacle.body.shape_at(0.0, &ends)).collect();
     check_bodies(fluid, &obstacles, &shapes, faults);
     if let Some(reason) = wing_at_start(scene).and_then(|wing| misplaced(fluid, &wing, "wing")) {

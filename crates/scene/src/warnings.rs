@@ -5,10 +5,10 @@ use geometry::{Shape, Surface, Touch, beyond};
 use serde::Serialize;
 
 use crate::body::Body;
-use crate::fluid::Fluid;
+use crate::fluid::{Fluid, Obstacle};
 use crate::law::TimeLaw;
 use crate::monitor::{Monitor, Part};
-use crate::places::{self, AXES, Line, Obstacle, rounded, shown};
+use crate::places::{self, AXES, Line, rounded, shown};
 use crate::root::{RootLaws, RootMotion, RootSupport};
 use crate::scene::{BeamWithRod, Scene};
 
@@ -131,7 +131,7 @@ fn parts<'a>(scene: &'a Scene, fluid: &Fluid, ends: &[[f64; 2]]) -> Vec<Moving<'
         let part = part("wing".into(), rest, laws.is_some(), " (as a rigid wing)", f64::INFINITY);
         Moving { part, motion: Motion::Root { pivot: wing.pivot, laws } }
     });
-    places::obstacles(fluid).into_iter().map(rigid).chain(beams).chain(wing).collect()
+    fluid.obstacles().map(rigid).chain(beams).chain(wing).collect()
 }
 
 /// Return times of the run, from 0 on: closely at the beginning, then over all of it.
