@@ -1,12 +1,22 @@
 //! From the text of a scene file to a checked scene, or to its faults.
 
 use std::path::Path;
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+use serde_json::Value;
 
 use crate::conform::{self, RENAMED};
 use crate::fault::{Fault, FaultKind, Faults, SceneError, join};
 use crate::json::{self, Content, Node};
 use crate::relations;
 use crate::scene::{FORMAT, Scene};
+
+/// The last text without faults, and its scene: a run asks a library for faults and facts, a description and an instance
+/// of the same text, and for warnings again and again.
+static LAST: Mutex<Option<(String, Scene)>> = Mutex::new(None);
+
+/// The schema by which texts are checked.
+static SCHEMA: LazyLock<Value> = LazyLock::new(|| schemars::schema_for!(Scene).to_value());
 
 impl Scene {
     /// Read and check a scene file.
@@ -56,8 +66,19 @@ pub fn facts_text(text: &str) -> String {
     serde_json::to_string(&facts).expect("facts are plain JSON")
 }
 
-/// Parse and check a text; the faults of a refused scene come with its tree, if the text is JSON.
+/// Return the scene of a text, which is parsed and checked where it is not the last one; the faults of a refused scene
+/// come with its tree, if the text is JSON.
 fn read(text: &str) -> Result<Scene, (Option<Node>, Faults)> {
+    let last = || LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, scene)) = last().as_ref().filter(|(known, _)| known == text) {
+        return Ok(scene.clone());
+    }
+    let scene = parse(text)?;
+    *last() = Some((text.into(), scene.clone()));
+    Ok(scene)
+}
+
+fn parse(text: &str) -> Result<Scene, (Option<Node>, Faults)> {
     let mut faults = Faults::default();
     let Some(tree) = json::parse(text, &mut faults) else { return Err((None, faults)) };
     if faults.len() == 0 {
@@ -83,9 +104,8 @@ fn check_tree(text: &str, tree: &Node, faults: &mut Faults) {
         let value = tree.shown(text);
         return faults.push(Fault::syntax("", format!("a scene is an object in braces, not {value}")));
     };
-    let schema = schemars::schema_for!(Scene).to_value();
     let mut found = Faults::default();
-    conform::check(text, tree, &schema, &mut found);
+    conform::check(text, tree, &SCHEMA, &mut found);
     let other_format = tree.get("format").and_then(|node| match &node.content {
         Content::Number(number) if number.as_f64() != Some(f64::from(FORMAT)) => number.as_f64(),
         _ => None,
